@@ -1,0 +1,54 @@
+use serde::{Deserialize, Serialize};
+use stochc_grammar::Face;
+
+/// A site of the structure's cubic lattice, in block sides: x east, y north, z up.
+///
+/// The seed plate is the layer z = 0 with its south-west block at (0, 0, 0); its upper faces are
+/// level with the ground, so whatever is captured has z >= 1.
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize,
+)]
+#[serde(from = "[i32; 3]", into = "[i32; 3]")]
+pub struct Cell {
+    /// Sides east of the plate's south-west block.
+    pub x: i32,
+    /// Sides north of the plate's south-west block.
+    pub y: i32,
+    /// Layers above the plate.
+    pub z: i32,
+}
+
+impl Cell {
+    /// The cell at (x, y, z).
+    pub const fn new(x: i32, y: i32, z: i32) -> Cell {
+        Cell { x, y, z }
+    }
+
+    /// The cell across `face`; `None` where a coordinate would overflow.
+    pub fn across(self, face: Face) -> Option<Cell> {
+        let [dx, dy, dz] = face.normal();
+        Some(Cell {
+            x: self.x.checked_add(dx)?,
+            y: self.y.checked_add(dy)?,
+            z: self.z.checked_add(dz)?,
+        })
+    }
+}
+
+impl From<[i32; 3]> for Cell {
+    fn from([x, y, z]: [i32; 3]) -> Cell {
+        Cell { x, y, z }
+    }
+}
+
+impl From<Cell> for [i32; 3] {
+    fn from(cell: Cell) -> [i32; 3] {
+        [cell.x, cell.y, cell.z]
+    }
+}
+
+impl std::fmt::Display for Cell {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "({}, {}, {})", self.x, self.y, self.z)
+    }
+}

@@ -1,0 +1,289 @@
+//! What every block knows: the lowered program.
+//!
+//! A [`Tables`] is the only thing that crosses from the compiler to the runtime. A *role* is a
+//! name of the program; a block takes a role when it is captured and drops it when it is released,
+//! and another block may take it later. For each phase a role holds up to two [`Duty`]s: one for a
+//! block that already is anchored when the phase starts, one for a block that is captured during
+//! it. A duty is a list of [`Rule`]s. A rule fires once, as soon as the duty has begun and all its
+//! conditions have come true, and only speaks of what its block can see: its own faces, and
+//! messages. The runtime needs nothing else, and holds no script.
+use serde::{Deserialize, Serialize};
+use stochc_grammar::Face;
+
+use crate::Cell;
+
+/// A name that blocks take in turn; an index into [`Tables::roles`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct RoleId(pub u32);
+
+/// A phase of the program; an index into [`Tables::phases`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct PhaseId(pub u32);
+
+/// The event tables of one assembly.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tables {
+    /// The name of the assembly.
+    pub assembly: String,
+    /// Faces that one block magnetizes at the same time, at most.
+    pub faces: u8,
+    /// What the seed plate knows.
+    pub plate: Plate,
+    /// The phases, in the order in which they run.
+    pub phases: Vec<Phase>,
+    /// Every role: first the seeds in source order, then the captured ones by first capture.
+    pub roles: Vec<Role>,
+    /// All duties, sorted by (role, phase, trigger).
+    pub(crate) duties: Vec<DutyRow>,
+    /// All rules; a duty owns a contiguous range.
+    pub(crate) rules: Vec<RuleRow>,
+    /// All conditions; a rule owns a contiguous range.
+    pub(crate) conditions: Vec<Condition>,
+}
+
+/// The seed plate: `width` x `depth` blocks at z = 0, only their upper faces exposed.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Plate {
+    /// Blocks from west to east.
+    pub width: u32,
+    /// Blocks from south to north.
+    pub depth: u32,
+}
+
+/// One building stage.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Phase {
+    /// Its name in the program.
+    pub name: String,
+    /// Ticks after which the phase has failed; `None`: it waits for ever.
+    pub timeout: Option<u64>,
+    /// Reports after which the plate starts the next phase, in the very next tick.
+    pub reports: u32,
+}
+
+/// A name of the program.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Role {
+    /// As the program writes it, such as `E`, `T[2]` or `a.T[2]`.
+    pub name: String,
+    /// The cell of a seed; `None` for a role that is captured.
+    pub seed: Option<Cell>,
+}
+
+/// When a duty begins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Trigger {
+    /// At the start of the phase, for a block that is anchored then.
+    Start,
+    /// At its own anchoring, for a block that is captured during the phase.
+    Anchored,
+}
+
+/// What a rule waits for, besides the beginning of its duty. Each is seen by the block itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Condition {
+    /// A block has docked on this block's magnetized face and been given the role.
+    Docked(RoleId),
+    /// The child with this role asks to be let go.
+    Asked(RoleId),
+    /// This block has switched off the face that held the child with this role.
+    Released(RoleId),
+    /// A message has said so.
+    Heard(News),
+}
+
+/// An event that a message tells of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum News {
+    /// A block has been anchored in this role during this phase.
+    Anchored(RoleId),
+    /// The block in this role has been released during this phase.
+    Released(RoleId),
+}
+
+/// What a rule does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Action {
+    /// Magnetize a face, and give the role to the block that docks there.
+    Magnetize {
+        /// In the structure's frame: the block turns it into its own by its orientation.
+        face: Face,
+        /// The role to give.
+        child: RoleId,
+        /// The lattice site across the face, where the child will sit.
+        cell: Cell,
+    },
+    /// Ask the parent to let this block go.
+    AskRelease,
+    /// Switch off the face that holds a child, which drifts away.
+    SwitchOff {
+        /// In the structure's frame.
+        face: Face,
+        /// The role that ends.
+        child: RoleId,
+    },
+    /// Send news to another block of the structure, along parents and children.
+    Tell {
+        /// The receiver.
+        to: RoleId,
+        /// What happened.
+        news: News,
+    },
+    /// Report to the plate, along the chain of parents, that this branch of the phase is done.
+    Report,
+}
+
+/// A rule as its block holds it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Rule<'a> {
+    /// All of these have to come true; none: at once.
+    pub when: &'a [Condition],
+    /// Done once, when they have.
+    pub then: Action,
+}
+
+/// What a block in one role does in one phase.
+#[derive(Clone, Copy, Debug)]
+pub struct Duty<'a> {
+    /// Whose.
+    pub role: RoleId,
+    /// In which phase.
+    pub phase: PhaseId,
+    /// From when on.
+    pub trigger: Trigger,
+    tables: &'a Tables,
+    rules: (u32, u32),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct DutyRow {
+    pub role: RoleId,
+    pub phase: PhaseId,
+    pub trigger: Trigger,
+    /// Where its rules begin; they end where the next duty's begin.
+    pub rules: u32,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct RuleRow {
+    /// Where its conditions begin; they end where the next rule's begin.
+    pub when: u32,
+    pub then: Action,
+}
+
+impl<'a> Duty<'a> {
+    /// The rules, in the order in which the block tries them.
+    pub fn rules(&self) -> impl ExactSizeIterator<Item = Rule<'a>> + use<'a> {
+        let tables = self.tables;
+        (self.rules.0 as usize..self.rules.1 as usize).map(move |i| {
+            let end = tables
+                .rules
+                .get(i + 1)
+                .map_or(tables.conditions.len(), |next| next.when as usize);
+            Rule {
+                when: &tables.conditions[tables.rules[i].when as usize..end],
+                then: tables.rules[i].then,
+            }
+        })
+    }
+}
+
+impl Tables {
+    /// Puts tables together from loose duties, for tools and tests that write them by hand.
+    ///
+    /// `duties` may come in any order; an empty list of rules is left out.
+    pub fn assemble(
+        assembly: impl Into<String>,
+        faces: u8,
+        plate: Plate,
+        phases: Vec<Phase>,
+        roles: Vec<Role>,
+        mut duties: Vec<(RoleId, PhaseId, Trigger, Vec<(Vec<Condition>, Action)>)>,
+    ) -> Tables {
+        duties.sort_by_key(|&(role, phase, trigger, _)| (role, phase, trigger));
+        let mut tables = Tables {
+            assembly: assembly.into(),
+            faces,
+            plate,
+            phases,
+            roles,
+            duties: Vec::with_capacity(duties.len()),
+            rules: Vec::new(),
+            conditions: Vec::new(),
+        };
+        for (role, phase, trigger, rules) in duties {
+            if !rules.is_empty() {
+                tables.begin_duty(role, phase, trigger);
+            }
+            for (when, then) in rules {
+                tables.push_rule(when, then);
+            }
+        }
+        tables
+    }
+
+    /// Opens a duty; duties have to come in the order of (role, phase, trigger).
+    pub(crate) fn begin_duty(&mut self, role: RoleId, phase: PhaseId, trigger: Trigger) {
+        let rules = self.rules.len() as u32;
+        self.duties.push(DutyRow {
+            role,
+            phase,
+            trigger,
+            rules,
+        });
+    }
+
+    /// Adds a rule to the duty opened last.
+    pub(crate) fn push_rule(&mut self, when: impl IntoIterator<Item = Condition>, then: Action) {
+        let start = self.conditions.len() as u32;
+        self.conditions.extend(when);
+        self.rules.push(RuleRow { when: start, then });
+    }
+
+    /// The name of a role.
+    pub fn name(&self, role: RoleId) -> &str {
+        &self.roles[role.0 as usize].name
+    }
+
+    /// The roles that are on the plate from the beginning, with their cells.
+    pub fn seeds(&self) -> impl Iterator<Item = (RoleId, Cell)> {
+        self.roles
+            .iter()
+            .enumerate()
+            .filter_map(|(i, role)| Some((RoleId(i as u32), role.seed?)))
+    }
+
+    /// What a block in `role` does in `phase` from `trigger` on; `None`: nothing.
+    pub fn duty(&self, role: RoleId, phase: PhaseId, trigger: Trigger) -> Option<Duty<'_>> {
+        let key = (role, phase, trigger);
+        let i = self
+            .duties
+            .binary_search_by_key(&key, |row| (row.role, row.phase, row.trigger))
+            .ok()?;
+        Some(self.duty_at(i))
+    }
+
+    /// Every duty, sorted by (role, phase, trigger).
+    pub fn duties(&self) -> impl ExactSizeIterator<Item = Duty<'_>> {
+        (0..self.duties.len()).map(|i| self.duty_at(i))
+    }
+
+    fn duty_at(&self, i: usize) -> Duty<'_> {
+        let row = self.duties[i];
+        let end = self
+            .duties
+            .get(i + 1)
+            .map_or(self.rules.len() as u32, |next| next.rules);
+        Duty {
+            role: row.role,
+            phase: row.phase,
+            trigger: row.trigger,
+            tables: self,
+            rules: (row.rules, end),
+        }
+    }
+}

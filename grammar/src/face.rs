@@ -1,0 +1,79 @@
+use serde::{Deserialize, Serialize};
+
+/// One of the six faces of a block, named in the structure's frame: east is +x, north +y, up +z.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+#[repr(u8)]
+pub enum Face {
+    /// +x
+    East,
+    /// -x
+    West,
+    /// +y
+    North,
+    /// -y
+    South,
+    /// +z
+    Up,
+    /// -z
+    Down,
+}
+
+impl Face {
+    /// All six, in the order of their discriminants.
+    pub const ALL: [Face; 6] = [
+        Face::East,
+        Face::West,
+        Face::North,
+        Face::South,
+        Face::Up,
+        Face::Down,
+    ];
+
+    /// The outward unit normal, in cells.
+    pub const fn normal(self) -> [i32; 3] {
+        match self {
+            Face::East => [1, 0, 0],
+            Face::West => [-1, 0, 0],
+            Face::North => [0, 1, 0],
+            Face::South => [0, -1, 0],
+            Face::Up => [0, 0, 1],
+            Face::Down => [0, 0, -1],
+        }
+    }
+
+    /// The face on the other side of the block.
+    pub const fn opposite(self) -> Face {
+        match self {
+            Face::East => Face::West,
+            Face::West => Face::East,
+            Face::North => Face::South,
+            Face::South => Face::North,
+            Face::Up => Face::Down,
+            Face::Down => Face::Up,
+        }
+    }
+
+    /// The word of the language for this face.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Face::East => "east",
+            Face::West => "west",
+            Face::North => "north",
+            Face::South => "south",
+            Face::Up => "up",
+            Face::Down => "down",
+        }
+    }
+
+    /// The face that `word` names.
+    pub fn from_word(word: &str) -> Option<Face> {
+        Face::ALL.into_iter().find(|face| face.word() == word)
+    }
+}
+
+impl std::fmt::Display for Face {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.word())
+    }
+}

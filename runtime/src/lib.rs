@@ -1,0 +1,2 @@
+//! Event tables and a scene to runs.
+pub mod record;

@@ -1,0 +1,85 @@
+//! What one run leaves behind.
+use serde::{Deserialize, Serialize};
+use stochc_compiler::table::{PhaseId, RoleId};
+use stochc_compiler::{Cell, Face};
+
+/// Everything that is kept of one run: a pure function of (tables, scene, settings, seed, run).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RunRecord {
+    /// The number of the run in its ensemble, from 0.
+    pub run: u64,
+    /// How it ended.
+    pub outcome: Outcome,
+    /// Ticks until it ended.
+    pub ticks: u64,
+    /// Ticks that each phase took, for the phases that were completed.
+    pub phase_ticks: Vec<u64>,
+    /// Different bodies that were captured at least once.
+    pub blocks_used: u32,
+    /// Hops of messages from a block to its parent or child.
+    pub hops: u64,
+    /// Every capture, in the order of docking.
+    pub bonds: Vec<BondRecord>,
+}
+
+/// How a run ended.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", tag = "kind")]
+pub enum Outcome {
+    /// Every phase reported complete.
+    Completed,
+    /// A phase reached its timeout, or the run its limit of ticks: the time is censored.
+    TimedOut {
+        /// The phase that did not end.
+        phase: PhaseId,
+    },
+    /// The physics broke down; the time means nothing.
+    Failed {
+        /// In which phase.
+        phase: PhaseId,
+        /// What broke, with the block.
+        reason: String,
+    },
+}
+
+/// One capture.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BondRecord {
+    /// In which phase.
+    pub phase: PhaseId,
+    /// The role that magnetized a face.
+    pub parent: RoleId,
+    /// Which, in the structure's frame.
+    pub face: Face,
+    /// The role that was given.
+    pub child: RoleId,
+    /// Where the child sits.
+    pub cell: Cell,
+    /// Tick at which the face was magnetized.
+    pub magnetized: u64,
+    /// Tick of the docking; the wait is `docked - magnetized`.
+    pub docked: u64,
+    /// Times that a free block came into the reach of the pull, re-entries included.
+    pub entries: u32,
+    /// Ticks from the captured block's last entry to its docking.
+    pub docking: u64,
+    /// Which body was captured: the number of a free block, from 0.
+    pub body: u32,
+    /// Where it came from.
+    pub origin: Origin,
+}
+
+/// Where a captured block came from.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", tag = "kind")]
+pub enum Origin {
+    /// It had never been captured.
+    Free,
+    /// It was part of the structure before.
+    Released {
+        /// The role it had last.
+        role: RoleId,
+        /// The tick of its release.
+        tick: u64,
+    },
+}

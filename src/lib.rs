@@ -1,0 +1,1 @@
+//! Compile and simulate stochastic assembly programs.

@@ -1,0 +1,2 @@
+//! The `stochc` command.
+fn main() {}
