@@ -1,4 +1,20 @@
 //! Text to syntax tree, and back.
+//!
+//! [`parse`] turns the text of one file into a [`tree::Tree`] and a list of [`SyntaxError`]s; it
+//! always gives both, and neither the size nor the nesting of the text can exhaust the stack.
+//! [`print`] turns a tree into text that parses to the same tree. The grammar itself is
+//! `src/sa.pest`; no other crate names a rule of it.
+mod error;
 mod face;
+mod parse;
+mod print;
+mod span;
+mod symbol;
+pub mod tree;
 
+pub use error::{SyntaxError, SyntaxErrorKind};
 pub use face::Face;
+pub use parse::{MAX_DEPTH, MAX_ERRORS, MAX_STATEMENT, Parsed, accepts, parse};
+pub use print::print;
+pub use span::Span;
+pub use symbol::{Symbol, Symbols};

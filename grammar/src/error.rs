@@ -1,0 +1,57 @@
+use crate::Span;
+
+/// A place where a text is not a program.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SyntaxError {
+    /// What is wrong.
+    pub kind: SyntaxErrorKind,
+    /// Where.
+    pub span: Span,
+}
+
+/// What is wrong with a text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum SyntaxErrorKind {
+    /// Something else had to stand here.
+    Unexpected {
+        /// What stands here, shortened; empty at the end of the file.
+        found: String,
+        /// What could have stood here, in the language's own words; empty: nothing of the language.
+        expected: Vec<&'static str>,
+    },
+    /// A block without its closing brace; the span is its opening one.
+    Unclosed,
+    /// A closing brace without a block.
+    Unopened,
+    /// A statement or block that belongs elsewhere.
+    Misplaced {
+        /// What it is.
+        what: &'static str,
+        /// What it stands in.
+        within: &'static str,
+        /// Where it belongs.
+        belongs: &'static str,
+    },
+    /// A word of the language used as a name.
+    ReservedWord {
+        /// The word.
+        word: String,
+    },
+    /// A face where a block is meant, or the other way round.
+    FaceMisused {
+        /// What to write instead.
+        hint: &'static str,
+    },
+    /// An integer beyond 64 bits, or a number of a scene beyond double precision.
+    NumberTooLarge,
+    /// Blocks or parentheses nested deeper than [`crate::MAX_DEPTH`].
+    TooDeep,
+    /// A single statement longer than [`crate::MAX_STATEMENT`] bytes.
+    StatementTooLong,
+    /// Nothing for this comment to belong to.
+    DanglingDoc,
+    /// More than [`crate::MAX_ERRORS`] errors; the rest of the file was not read.
+    TooMany,
+    /// A file of 4 GiB or more.
+    FileTooLarge,
+}

@@ -1,0 +1,445 @@
+//! Pieces to items of the tree.
+use pest::iterators::Pair;
+use smallvec::SmallVec;
+
+use super::expr::two;
+use super::frame::{Content, Mode};
+use super::{Parser, Rule, span_of};
+use crate::error::SyntaxErrorKind;
+use crate::tree::{
+    Argument, Arrow, Assembly, Chain, Expr, For, Import, Instance, Item, ItemKind, Let, Link, Name,
+    Pattern, Phase, Place, Release, Scene, Seat, Seed, Segment, Shape, Subject,
+};
+use crate::{Face, Span};
+
+impl Parser<'_, '_> {
+    /// Builds a piece and puts it where it belongs.
+    pub fn build(&mut self, pair: Pair<'_, Rule>, base: usize) {
+        if self.mode() != Mode::Block {
+            return self.scene_or_shape_piece(pair, base);
+        }
+        let span = span_of(&pair, base);
+        let rule = pair.as_rule();
+        let kind = match rule {
+            Rule::chain => ItemKind::Chain(self.chain(pair, base)),
+            Rule::release => ItemKind::Release(self.release(pair, base)),
+            Rule::instance => ItemKind::Instance(Box::new(self.instance(pair, base))),
+            Rule::seat => ItemKind::Seat(Box::new(self.seat(pair, base))),
+            Rule::yields => ItemKind::Yields(self.first_name(pair, base)),
+            Rule::let_ => ItemKind::Let(Box::new(self.let_(pair, base))),
+            Rule::import => ItemKind::Import(Box::new(import(pair, base))),
+            Rule::for_head => ItemKind::For(Box::new(self.for_head(pair, base))),
+            Rule::phase_head => ItemKind::Phase(Box::new(self.phase_head(pair, base))),
+            Rule::seed_head => ItemKind::Seed(Box::new(self.seed_head(pair, base))),
+            Rule::pattern_head => ItemKind::Pattern(Box::new(self.pattern_head(pair, base))),
+            Rule::assembly_head => ItemKind::Assembly(Box::new(self.assembly_head(pair, base))),
+            Rule::scene_head => ItemKind::Scene(Box::new(self.scene_head(pair, base))),
+            _ => ItemKind::Shape(Box::new(self.shape_head(pair, base))),
+        };
+        let item = Item {
+            docs: self.take_docs(),
+            span,
+            kind,
+        };
+        self.check_place_of(&item);
+        match rule {
+            Rule::scene_head => self.open(Content::Scene(Box::new(item), Vec::new()), span),
+            Rule::shape_head => self.open(Content::Shape(Box::new(item)), span),
+            Rule::for_head
+            | Rule::phase_head
+            | Rule::seed_head
+            | Rule::pattern_head
+            | Rule::assembly_head => self.open(Content::Items(Box::new(item)), span),
+            _ => self.keep(item),
+        }
+    }
+
+    /// Tells of an item that does not belong in the block that is open.
+    fn check_place_of(&mut self, item: &Item) {
+        let outer = match self.frames.last().map(|frame| &frame.content) {
+            None => None,
+            Some(Content::Items(outer)) => Some(outer),
+            Some(_) => return,
+        };
+        // A loop holds what the block around it may hold.
+        let outer = match outer {
+            Some(inner) if matches!(inner.kind, ItemKind::For(_)) => self
+                .frames
+                .iter()
+                .rev()
+                .find_map(|frame| match &frame.content {
+                    Content::Items(outer) if !matches!(outer.kind, ItemKind::For(_)) => Some(outer),
+                    _ => None,
+                }),
+            other => other,
+        };
+        use ItemKind as K;
+        let (fits, belongs) = match (&item.kind, outer.map(|outer| &outer.kind)) {
+            (K::Chain(_) | K::Release(_) | K::Instance(_), outer) => (
+                matches!(outer, Some(K::Phase(_) | K::Pattern(_))),
+                "a phase or a pattern",
+            ),
+            (K::Yields(_), outer) => (matches!(outer, Some(K::Phase(_))), "a phase"),
+            (K::Seat(_), outer) => (matches!(outer, Some(K::Seed(_))), "`seed plate`"),
+            (K::For(_), outer) => (outer.is_some(), "an assembly"),
+            (K::Let(_), _) => (true, ""),
+            (K::Phase(_) | K::Seed(_), outer) => {
+                (matches!(outer, Some(K::Assembly(_))), "an assembly")
+            }
+            (K::Pattern(_) | K::Shape(_), outer) => (
+                matches!(outer, None | Some(K::Assembly(_))),
+                "the file or an assembly, outside of phases",
+            ),
+            (K::Assembly(_) | K::Scene(_) | K::Import(_), outer) => {
+                (outer.is_none(), "the file, outside of every block")
+            }
+        };
+        if !fits {
+            let what = item.noun();
+            let within = self.frames.last().map_or("the file", |frame| frame.noun());
+            self.error(
+                SyntaxErrorKind::Misplaced {
+                    what,
+                    within,
+                    belongs,
+                },
+                item.span,
+            );
+        }
+    }
+
+    /// A `name`.
+    pub fn name(&mut self, pair: &Pair<'_, Rule>, base: usize) -> Name {
+        let name = self.word(pair, base);
+        if self.symbols.is_reserved(name.symbol) {
+            let word = pair.as_str().to_owned();
+            self.error(SyntaxErrorKind::ReservedWord { word }, name.span);
+        }
+        name
+    }
+
+    /// A word that may belong to the language.
+    pub fn word(&mut self, pair: &Pair<'_, Rule>, base: usize) -> Name {
+        Name {
+            symbol: self.symbols.intern(pair.as_str()),
+            span: span_of(pair, base),
+        }
+    }
+
+    fn names(&mut self, pair: Pair<'_, Rule>, base: usize) -> SmallVec<[Name; 4]> {
+        pair.into_inner()
+            .filter(|pair| pair.as_rule() == Rule::name)
+            .map(|pair| self.name(&pair, base))
+            .collect()
+    }
+
+    fn first_name(&mut self, pair: Pair<'_, Rule>, base: usize) -> Name {
+        let span = span_of(&pair, base);
+        let names = self.names(pair, base);
+        names.first().copied().unwrap_or_else(|| Name {
+            symbol: self.symbols.intern(""),
+            span,
+        })
+    }
+
+    /// A `place`.
+    pub fn place(&mut self, pair: Pair<'_, Rule>, base: usize) -> Place {
+        let span = span_of(&pair, base);
+        let mut place = Place {
+            path: SmallVec::new(),
+            face: None,
+            span,
+        };
+        for part in pair.into_inner() {
+            if let Some((_, face)) = place.face {
+                let hint = "a face comes last, behind the name of its block";
+                self.error(SyntaxErrorKind::FaceMisused { hint }, face);
+                return place;
+            }
+            if part.as_rule() == Rule::name {
+                let name = self.word(&part, base);
+                if !self.symbols.is_reserved(name.symbol) {
+                    place.path.push(Segment { name, index: None });
+                } else if let Some(face) = Face::from_word(part.as_str()) {
+                    place.face = Some((face, name.span));
+                } else {
+                    let word = part.as_str().to_owned();
+                    self.error(SyntaxErrorKind::ReservedWord { word }, name.span);
+                    place.path.push(Segment { name, index: None });
+                }
+            } else {
+                let entries = part
+                    .into_inner()
+                    .filter(|pair| matches!(pair.as_rule(), Rule::range | Rule::expr))
+                    .map(|pair| self.entry(pair, base))
+                    .collect::<Vec<_>>();
+                if let Some(last) = place.path.last_mut() {
+                    last.index = Some(entries.into_boxed_slice());
+                }
+            }
+        }
+        place
+    }
+
+    /// A `place` that names blocks, without a face.
+    fn block(&mut self, pair: Pair<'_, Rule>, base: usize) -> Place {
+        let place = self.place(pair, base);
+        if let Some((_, span)) = place.face {
+            let hint = "a block is meant here, without a face";
+            self.error(SyntaxErrorKind::FaceMisused { hint }, span);
+        } else {
+            self.check_named(&place);
+        }
+        place
+    }
+
+    fn check_named(&mut self, place: &Place) {
+        if place.path.is_empty() {
+            let hint = "a face belongs to a block: write the block's name and a dot before it";
+            self.error(SyntaxErrorKind::FaceMisused { hint }, place.span);
+        }
+    }
+
+    fn chain(&mut self, pair: Pair<'_, Rule>, base: usize) -> Chain {
+        let mut head = None;
+        let mut links: Vec<Link> = Vec::new();
+        let mut after = Vec::new();
+        let mut arrow = Arrow::One;
+        for part in pair.into_inner() {
+            match part.as_rule() {
+                Rule::place => {
+                    let place = self.place(part, base);
+                    self.check_named(&place);
+                    if head.is_none() {
+                        head = Some(place);
+                    } else {
+                        links.push(Link { arrow, place });
+                    }
+                }
+                Rule::arrow if part.as_str() == "->" => arrow = Arrow::One,
+                Rule::arrow => arrow = Arrow::Row,
+                _ => after = self.after(part, base),
+            }
+        }
+        let head = head.unwrap_or(Place {
+            path: SmallVec::new(),
+            face: None,
+            span: Span::default(),
+        });
+        Chain { head, links, after }
+    }
+
+    fn after(&mut self, pair: Pair<'_, Rule>, base: usize) -> Vec<Subject> {
+        let mut subjects = Vec::new();
+        for subject in pair
+            .into_inner()
+            .filter(|pair| pair.as_rule() == Rule::subject)
+        {
+            let mut release = false;
+            for part in subject.into_inner() {
+                match part.as_rule() {
+                    Rule::place => {
+                        let place = self.block(part, base);
+                        subjects.push(Subject { release, place });
+                    }
+                    _ => release = true,
+                }
+            }
+        }
+        subjects
+    }
+
+    fn release(&mut self, pair: Pair<'_, Rule>, base: usize) -> Release {
+        let mut release = Release {
+            places: Vec::new(),
+            after: Vec::new(),
+        };
+        for part in pair.into_inner() {
+            match part.as_rule() {
+                Rule::place => {
+                    let place = self.block(part, base);
+                    release.places.push(place);
+                }
+                Rule::after => release.after = self.after(part, base),
+                _ => {}
+            }
+        }
+        release
+    }
+
+    fn instance(&mut self, pair: Pair<'_, Rule>, base: usize) -> Instance {
+        let mut pattern = None;
+        let mut arguments = Vec::new();
+        let mut alias = None;
+        for part in pair.into_inner() {
+            match part.as_rule() {
+                Rule::name => pattern = Some(self.name(&part, base)),
+                Rule::argument => arguments.extend(self.argument(part, base)),
+                Rule::place => alias = Some(self.block(part, base)),
+                _ => {}
+            }
+        }
+        let pattern = pattern.unwrap_or_else(|| Name {
+            symbol: self.symbols.intern(""),
+            span: Span::default(),
+        });
+        Instance {
+            pattern,
+            arguments,
+            alias,
+        }
+    }
+
+    fn argument(&mut self, pair: Pair<'_, Rule>, base: usize) -> Option<Argument> {
+        // The lookahead behind an expression leaves no pair.
+        let part = pair.into_inner().next()?;
+        if part.as_rule() != Rule::expr {
+            return Some(Argument::Place(self.place(part, base)));
+        }
+        let mut words = part.clone().into_inner();
+        if let (Some(only), None) = (words.next(), words.next())
+            && only.as_rule() == Rule::name
+            && let Some(face) = Face::from_word(only.as_str())
+        {
+            let span = span_of(&only, base);
+            return Some(Argument::Place(Place {
+                path: SmallVec::new(),
+                face: Some((face, span)),
+                span,
+            }));
+        }
+        Some(Argument::Expr(self.expr(part, base)))
+    }
+
+    fn seat(&mut self, pair: Pair<'_, Rule>, base: usize) -> Seat {
+        let mut place = None;
+        let mut at = Vec::new();
+        for part in pair.into_inner() {
+            match part.as_rule() {
+                Rule::place => place = Some(self.block(part, base)),
+                Rule::expr => at.push(self.expr(part, base)),
+                _ => {}
+            }
+        }
+        let place = place.unwrap_or(Place {
+            path: SmallVec::new(),
+            face: None,
+            span: Span::default(),
+        });
+        Seat { place, at: two(at) }
+    }
+
+    fn let_(&mut self, pair: Pair<'_, Rule>, base: usize) -> Let {
+        let value = self.exprs(pair.clone(), base);
+        Let {
+            name: self.first_name(pair, base),
+            value: two(value).0,
+        }
+    }
+
+    fn exprs(&mut self, pair: Pair<'_, Rule>, base: usize) -> Vec<Expr> {
+        pair.into_inner()
+            .filter(|pair| pair.as_rule() == Rule::expr)
+            .map(|pair| self.expr(pair, base))
+            .collect()
+    }
+
+    fn for_head(&mut self, pair: Pair<'_, Rule>, base: usize) -> For {
+        let range = pair
+            .clone()
+            .into_inner()
+            .find(|part| part.as_rule() == Rule::range);
+        let range = range.map_or_else(|| two(Vec::new()), |range| self.range(range, base));
+        For {
+            counter: self.first_name(pair, base),
+            range,
+            body: Vec::new(),
+        }
+    }
+
+    fn phase_head(&mut self, pair: Pair<'_, Rule>, base: usize) -> Phase {
+        let span = span_of(&pair, base);
+        let mut phase = Phase {
+            name: Place {
+                path: SmallVec::new(),
+                face: None,
+                span,
+            },
+            timeout: None,
+            body: Vec::new(),
+        };
+        for part in pair.into_inner() {
+            match part.as_rule() {
+                Rule::place => phase.name = self.block(part, base),
+                Rule::quantity => phase.timeout = Some(self.quantity(part, base)),
+                _ => {}
+            }
+        }
+        phase
+    }
+
+    fn seed_head(&mut self, pair: Pair<'_, Rule>, base: usize) -> Seed {
+        Seed {
+            size: two(self.exprs(pair, base)),
+            body: Vec::new(),
+        }
+    }
+
+    fn pattern_head(&mut self, pair: Pair<'_, Rule>, base: usize) -> Pattern {
+        let names = self.names(pair.clone(), base);
+        Pattern {
+            name: self.first_name_of(&names, &pair, base),
+            parameters: names.into_iter().skip(1).collect(),
+            body: Vec::new(),
+        }
+    }
+
+    fn assembly_head(&mut self, pair: Pair<'_, Rule>, base: usize) -> Assembly {
+        let names = self.names(pair.clone(), base);
+        Assembly {
+            name: self.first_name_of(&names, &pair, base),
+            scene: names.get(1).copied(),
+            body: Vec::new(),
+        }
+    }
+
+    fn scene_head(&mut self, pair: Pair<'_, Rule>, base: usize) -> Scene {
+        let names = self.names(pair.clone(), base);
+        Scene {
+            name: self.first_name_of(&names, &pair, base),
+            base: names.get(1).copied(),
+            terms: Vec::new(),
+        }
+    }
+
+    fn shape_head(&mut self, pair: Pair<'_, Rule>, base: usize) -> Shape {
+        let names = self.names(pair.clone(), base);
+        let name = self.first_name_of(&names, &pair, base);
+        let at = self.exprs(pair, base);
+        let at = (at.len() == 2).then(|| two(at));
+        Shape {
+            name,
+            at,
+            layers: Vec::new(),
+        }
+    }
+
+    fn first_name_of(&mut self, names: &[Name], pair: &Pair<'_, Rule>, base: usize) -> Name {
+        names.first().copied().unwrap_or_else(|| Name {
+            symbol: self.symbols.intern(""),
+            span: span_of(pair, base),
+        })
+    }
+}
+
+fn import(pair: Pair<'_, Rule>, base: usize) -> Import {
+    let whole = span_of(&pair, base);
+    let string = pair
+        .into_inner()
+        .find(|part| part.as_rule() == Rule::string);
+    let (path, path_span) = string.map_or((String::new(), whole), |string| {
+        let path = string.as_str().trim_matches('"').to_owned();
+        (path, span_of(&string, base))
+    });
+    Import { path, path_span }
+}

@@ -1,0 +1,144 @@
+//! Integer arithmetic: a flat list of terms and operators to a tree.
+use pest::iterators::{Pair, Pairs};
+
+use super::{MAX_DEPTH, Parser, Rule, span_of};
+use crate::error::SyntaxErrorKind;
+use crate::tree::{Entry, Expr, ExprKind, Operator};
+
+impl Parser<'_, '_> {
+    /// An `expr`.
+    pub fn expr(&mut self, pair: Pair<'_, Rule>, base: usize) -> Expr {
+        self.expr_at(pair, base, 0)
+    }
+
+    fn expr_at(&mut self, pair: Pair<'_, Rule>, base: usize, depth: usize) -> Expr {
+        let span = span_of(&pair, base);
+        if depth == MAX_DEPTH {
+            self.error(SyntaxErrorKind::TooDeep, span);
+            return Expr {
+                kind: ExprKind::Int(0),
+                span,
+            };
+        }
+        // Operators wait on a stack until one of lower precedence comes.
+        let mut operands: Vec<Expr> = Vec::new();
+        let mut waiting: Vec<Operator> = Vec::new();
+        let mut pairs = pair.into_inner();
+        while let Some(operand) = self.operand(&mut pairs, base, depth) {
+            operands.push(operand);
+            let Some(pair) = pairs.next() else { break };
+            let operator = operator(pair.as_str());
+            while waiting
+                .last()
+                .is_some_and(|last| last.precedence() >= operator.precedence())
+            {
+                reduce(&mut operands, &mut waiting);
+            }
+            waiting.push(operator);
+        }
+        while !waiting.is_empty() {
+            reduce(&mut operands, &mut waiting);
+        }
+        operands.pop().unwrap_or(Expr {
+            kind: ExprKind::Int(0),
+            span,
+        })
+    }
+
+    /// One term with the signs before it.
+    fn operand(&mut self, pairs: &mut Pairs<'_, Rule>, base: usize, depth: usize) -> Option<Expr> {
+        let mut negative = false;
+        let mut first = None;
+        loop {
+            let pair = pairs.next()?;
+            let span = span_of(&pair, base);
+            let first = *first.get_or_insert(span);
+            let kind = match pair.as_rule() {
+                Rule::minus => {
+                    negative = !negative;
+                    continue;
+                }
+                Rule::paren_open => continue,
+                Rule::integer => ExprKind::Int(self.integer(pair.as_str(), span)),
+                Rule::name => ExprKind::Name(self.name(&pair, base).symbol),
+                _ => {
+                    let inside = self.expr_at(pair, base, depth + 1);
+                    pairs.next();
+                    inside.kind
+                }
+            };
+            let plain = Expr { kind, span };
+            return Some(if negative {
+                let kind = match plain.kind {
+                    ExprKind::Int(value) => ExprKind::Int(-value),
+                    _ => ExprKind::Negate(Box::new(plain)),
+                };
+                Expr {
+                    kind,
+                    span: first.to(span),
+                }
+            } else {
+                plain
+            });
+        }
+    }
+
+    fn integer(&mut self, digits: &str, span: crate::Span) -> i64 {
+        digits.parse().unwrap_or_else(|_| {
+            self.error(SyntaxErrorKind::NumberTooLarge, span);
+            0
+        })
+    }
+
+    /// A `range` or an `expr`.
+    pub fn entry(&mut self, pair: Pair<'_, Rule>, base: usize) -> Entry {
+        if pair.as_rule() == Rule::range {
+            let (first, last) = self.range(pair, base);
+            Entry::Range(first, last)
+        } else {
+            Entry::One(self.expr(pair, base))
+        }
+    }
+
+    /// A `range`.
+    pub fn range(&mut self, pair: Pair<'_, Rule>, base: usize) -> (Expr, Expr) {
+        let ends: Vec<Expr> = pair
+            .into_inner()
+            .filter(|pair| pair.as_rule() == Rule::expr)
+            .map(|pair| self.expr(pair, base))
+            .collect();
+        two(ends)
+    }
+}
+
+/// The two expressions that the grammar has promised.
+pub fn two(exprs: Vec<Expr>) -> (Expr, Expr) {
+    let mut exprs = exprs.into_iter();
+    let mut next = || {
+        exprs.next().unwrap_or(Expr {
+            kind: ExprKind::Int(0),
+            span: crate::Span::default(),
+        })
+    };
+    (next(), next())
+}
+
+fn operator(sign: &str) -> Operator {
+    match sign {
+        "+" => Operator::Add,
+        "-" => Operator::Subtract,
+        "*" => Operator::Multiply,
+        "/" => Operator::Divide,
+        _ => Operator::Remainder,
+    }
+}
+
+fn reduce(operands: &mut Vec<Expr>, waiting: &mut Vec<Operator>) {
+    if let (Some(operator), Some(right), Some(left)) =
+        (waiting.pop(), operands.pop(), operands.pop())
+    {
+        let span = left.span.to(right.span);
+        let kind = ExprKind::Binary(operator, Box::new((left, right)));
+        operands.push(Expr { kind, span });
+    }
+}

@@ -1,0 +1,192 @@
+//! The blocks that are open while a file is read.
+use super::{MAX_DEPTH, Parser, Rule};
+use crate::error::SyntaxErrorKind;
+use crate::tree::{Item, ItemKind, Layer, Term};
+use crate::{Span, Symbol};
+
+/// Which rules read the inside of a block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mode {
+    Block,
+    Scene,
+    Shape,
+}
+
+impl Mode {
+    /// The rule for a run of pieces.
+    pub const fn run(self) -> Rule {
+        match self {
+            Mode::Block => Rule::pieces,
+            Mode::Scene => Rule::scene_pieces,
+            Mode::Shape => Rule::shape_pieces,
+        }
+    }
+
+    /// The rule for one piece.
+    pub const fn single(self) -> Rule {
+        match self {
+            Mode::Block => Rule::any_piece,
+            Mode::Scene => Rule::any_scene_piece,
+            Mode::Shape => Rule::any_shape_piece,
+        }
+    }
+
+    /// Bytes to begin with. A run that leaves its block has been read too far, so the small blocks
+    /// get small windows.
+    pub const fn window(self) -> usize {
+        match self {
+            Mode::Block => 1 << 15,
+            Mode::Scene | Mode::Shape => 1 << 10,
+        }
+    }
+}
+
+/// A block that is open.
+pub struct Frame {
+    pub content: Content,
+    /// Its opening brace, or its whole head.
+    pub opened: Span,
+    /// The items read in it so far.
+    pub body: Vec<Item>,
+    /// Where it begins, docs left out.
+    pub start: u32,
+}
+
+/// What a block is.
+pub enum Content {
+    /// A block whose items go into `Item::body_mut`.
+    Items(Box<Item>),
+    /// A scene.
+    Scene(Box<Item>, Vec<Term>),
+    /// A braced part of a scene.
+    SceneBlock(Vec<Term>),
+    /// A shape.
+    Shape(Box<Item>),
+    /// A layer of the shape around it.
+    Layer(Layer),
+    /// A block whose head could not be read: its inside is read and thrown away.
+    Broken(Mode),
+}
+
+impl Frame {
+    pub fn mode(&self) -> Mode {
+        match self.content {
+            Content::Items(_) => Mode::Block,
+            Content::Scene(..) | Content::SceneBlock(_) => Mode::Scene,
+            Content::Shape(_) | Content::Layer(_) => Mode::Shape,
+            Content::Broken(mode) => mode,
+        }
+    }
+
+    /// What messages call it.
+    pub fn noun(&self) -> &'static str {
+        match &self.content {
+            Content::Items(item) | Content::Scene(item, _) | Content::Shape(item) => item.noun(),
+            Content::SceneBlock(_) => "a scene",
+            Content::Layer(_) => "a layer",
+            Content::Broken(_) => "a block",
+        }
+    }
+}
+
+impl Parser<'_, '_> {
+    /// Opens a block whose head ends at its brace.
+    pub fn open(&mut self, content: Content, span: Span) {
+        if self.frames.len() == MAX_DEPTH {
+            self.error(SyntaxErrorKind::TooDeep, span);
+            self.stop();
+            return;
+        }
+        self.frames.push(Frame {
+            content,
+            opened: Span::new(span.end.saturating_sub(1), span.end),
+            body: Vec::new(),
+            start: span.start,
+        });
+    }
+
+    /// Closes the innermost block.
+    pub fn close(&mut self, span: Span) {
+        self.dangling_docs();
+        match self.frames.pop() {
+            Some(frame) => self.finish(frame, span.end),
+            None => self.error(SyntaxErrorKind::Unopened, span),
+        }
+    }
+
+    /// Hands a block, complete or not, to the one around it.
+    pub fn finish(&mut self, frame: Frame, end: u32) {
+        let Frame {
+            content,
+            body,
+            start,
+            ..
+        } = frame;
+        match content {
+            Content::Items(mut item) => {
+                if let Some(slot) = item.body_mut() {
+                    *slot = body;
+                }
+                self.close_item(*item, end);
+            }
+            Content::Scene(mut item, terms) => {
+                if let ItemKind::Scene(scene) = &mut item.kind {
+                    scene.terms = terms;
+                }
+                self.close_item(*item, end);
+            }
+            Content::SceneBlock(terms) => {
+                let block = Term::Block(terms, Span::new(start, end));
+                self.push_term(block);
+            }
+            Content::Shape(item) => self.close_item(*item, end),
+            Content::Layer(mut layer) => {
+                layer.span.end = end;
+                if let Some(Content::Shape(item)) = self.frames.last_mut().map(|f| &mut f.content)
+                    && let ItemKind::Shape(shape) = &mut item.kind
+                {
+                    shape.layers.push(layer);
+                }
+            }
+            Content::Broken(_) => self.doubt(start as usize, end as usize),
+        }
+    }
+
+    fn close_item(&mut self, mut item: Item, end: u32) {
+        item.span.end = end;
+        self.keep(item);
+    }
+
+    /// Puts an item where it stands.
+    pub fn keep(&mut self, item: Item) {
+        match self.frames.last_mut() {
+            None => self.root.push(item),
+            Some(Frame {
+                content: Content::Items(_),
+                body,
+                ..
+            }) => body.push(item),
+            // The inside of a broken block is not kept.
+            Some(_) => {}
+        }
+    }
+
+    /// Puts a word or value into the scene that is open.
+    pub fn push_term(&mut self, term: Term) {
+        match self.frames.last_mut().map(|frame| &mut frame.content) {
+            Some(Content::Scene(_, terms) | Content::SceneBlock(terms)) => terms.push(term),
+            _ => {}
+        }
+    }
+
+    /// Remembers the words of a part that is left out.
+    pub fn doubt(&mut self, start: usize, end: usize) {
+        let part = &self.text[start..end.max(start)];
+        for word in part.split(|c: char| !c.is_ascii_alphanumeric() && c != '_') {
+            if !word.is_empty() {
+                let symbol: Symbol = self.symbols.intern(word);
+                self.doubtful.insert(symbol);
+            }
+        }
+    }
+}

@@ -1,0 +1,206 @@
+//! Text to tree, a run of pieces at a time.
+mod build;
+mod expr;
+mod frame;
+mod recover;
+mod scene;
+mod trivia;
+mod window;
+mod words;
+
+use pest::Parser as _;
+use pest::iterators::Pair;
+use rustc_hash::FxHashSet;
+
+use crate::error::{SyntaxError, SyntaxErrorKind};
+use crate::tree::{Docs, Item, Tree};
+use crate::{Span, Symbol, Symbols};
+use frame::{Frame, Mode};
+
+pub(crate) use grammar::{Rule, SaParser};
+
+#[allow(missing_docs, reason = "pest derives an undocumented enum of rules")]
+mod grammar {
+    #[derive(pest_derive::Parser)]
+    #[grammar = "sa.pest"]
+    pub(crate) struct SaParser;
+}
+
+/// Blocks inside blocks, and parentheses inside parentheses, at most.
+pub const MAX_DEPTH: usize = 100;
+
+/// Bytes of one statement, at most.
+pub const MAX_STATEMENT: usize = 4 << 20;
+
+/// Errors told of one file, at most.
+pub const MAX_ERRORS: usize = 100;
+
+/// What came out of a text.
+#[derive(Clone, Debug)]
+pub struct Parsed {
+    /// All that could be understood.
+    pub tree: Tree,
+    /// All that could not, in source order.
+    pub errors: Vec<SyntaxError>,
+    /// Words in the parts that were skipped: not knowing them is no news.
+    pub doubtful: FxHashSet<Symbol>,
+}
+
+/// Parses the text of one file.
+///
+/// Never fails as a whole: a broken statement is told in [`Parsed::errors`] and left out of the
+/// tree, and reading goes on behind it.
+pub fn parse(text: &str, symbols: &mut Symbols) -> Parsed {
+    let mut parser = Parser {
+        text,
+        symbols,
+        at: 0,
+        root: Vec::new(),
+        frames: Vec::new(),
+        docs: Vec::new(),
+        errors: Vec::new(),
+        doubtful: FxHashSet::default(),
+        stopped: false,
+    };
+    if text.len() >= u32::MAX as usize {
+        parser.error(SyntaxErrorKind::FileTooLarge, Span::new(0, 0));
+    } else {
+        parser.file();
+    }
+    let Parser {
+        root,
+        mut errors,
+        doubtful,
+        ..
+    } = parser;
+    errors.sort_by_key(|error| error.span.start);
+    Parsed {
+        tree: Tree { items: root },
+        errors,
+        doubtful,
+    }
+}
+
+/// Whether pest alone takes the text for a program, by the grammar's `program` rule.
+///
+/// It says nothing of where statements belong. This is the yardstick that [`parse`] is measured
+/// against, for its verdict and for its time.
+pub fn accepts(text: &str) -> bool {
+    SaParser::parse(Rule::program, text).is_ok()
+}
+
+struct Parser<'t, 's> {
+    text: &'t str,
+    symbols: &'s mut Symbols,
+    /// The first byte that has not been read.
+    at: usize,
+    root: Vec<Item>,
+    /// The blocks that are open, the outermost first.
+    frames: Vec<Frame>,
+    /// Comments that wait for what they belong to.
+    docs: Vec<(String, Span)>,
+    errors: Vec<SyntaxError>,
+    doubtful: FxHashSet<Symbol>,
+    /// The rest of the file is given up.
+    stopped: bool,
+}
+
+impl Parser<'_, '_> {
+    fn file(&mut self) {
+        while !self.stopped {
+            self.at = trivia::skip(self.text, self.at);
+            if self.at == self.text.len() {
+                break;
+            }
+            if self.errors.len() >= MAX_ERRORS {
+                let here = self.at as u32;
+                self.errors.push(SyntaxError {
+                    kind: SyntaxErrorKind::TooMany,
+                    span: Span::new(here, here),
+                });
+                self.stop();
+                break;
+            }
+            self.run();
+        }
+        self.dangling_docs();
+        while let Some(frame) = self.frames.pop() {
+            if !self.stopped {
+                self.error(SyntaxErrorKind::Unclosed, frame.opened);
+            }
+            self.finish(frame, self.text.len() as u32);
+        }
+    }
+
+    /// Gives up the rest of the file.
+    fn stop(&mut self) {
+        self.stopped = true;
+        self.doubt(self.at, self.text.len());
+        self.at = self.text.len();
+    }
+
+    /// Reads one run of pieces, or one error.
+    fn run(&mut self) {
+        let mode = self.mode();
+        let base = self.at;
+        match window::read(self.text, base, mode) {
+            window::Read::Pieces(pairs) => self.pieces(pairs, base, mode),
+            window::Read::Error(error) => self.recover(error),
+        }
+    }
+
+    fn pieces<'i>(&mut self, pairs: impl Iterator<Item = Pair<'i, Rule>>, base: usize, mode: Mode) {
+        for pair in pairs {
+            let end = base + pair.as_span().end();
+            self.at = end;
+            self.piece(pair, base);
+            // The rest of the run was read by the rules of a block that has just been left.
+            if self.mode() != mode || self.stopped {
+                return;
+            }
+        }
+    }
+
+    fn piece(&mut self, pair: Pair<'_, Rule>, base: usize) {
+        let span = span_of(&pair, base);
+        match pair.as_rule() {
+            Rule::doc => {
+                let line = pair.as_str()[3..].trim().to_owned();
+                self.docs.push((line, span));
+            }
+            Rule::close => self.close(span),
+            _ => self.build(pair, base),
+        }
+    }
+
+    fn mode(&self) -> Mode {
+        self.frames.last().map_or(Mode::Block, |frame| frame.mode())
+    }
+
+    fn error(&mut self, kind: SyntaxErrorKind, span: Span) {
+        if self.errors.len() < MAX_ERRORS {
+            self.errors.push(SyntaxError { kind, span });
+        }
+    }
+
+    fn take_docs(&mut self) -> Docs {
+        if self.docs.is_empty() {
+            return Docs(None);
+        }
+        let lines = self.docs.drain(..).map(|(line, _)| line).collect();
+        Docs(Some(Box::new(lines)))
+    }
+
+    fn dangling_docs(&mut self) {
+        if let Some((_, first)) = self.docs.first() {
+            let span = *first;
+            self.docs.clear();
+            self.error(SyntaxErrorKind::DanglingDoc, span);
+        }
+    }
+}
+
+fn span_of(pair: &Pair<'_, Rule>, base: usize) -> Span {
+    let span = pair.as_span();
+    Span::new((base + span.start()) as u32, (base + span.end()) as u32)
+}

@@ -1,0 +1,106 @@
+//! Going on behind a broken statement.
+use super::frame::{Content, Mode};
+use super::window::{Cause, Unreadable};
+use super::{Parser, trivia, words};
+use crate::Span;
+use crate::error::SyntaxErrorKind;
+use crate::tree::{Assembly, Docs, Item, ItemKind, Name, Phase, Place, Segment};
+
+impl Parser<'_, '_> {
+    /// Tells of a piece that cannot be read and skips it: to the end of its line, or to a brace.
+    pub fn recover(&mut self, error: Unreadable) {
+        let start = self.at;
+        let at = error.at.max(start);
+        self.tell(&error, start, at);
+        self.docs.clear();
+        let (end, brace) = self.end_of_piece(at);
+        self.doubt(start, end);
+        self.at = end;
+        if brace {
+            let content = self.broken_head(start, end);
+            self.open(content, Span::new(start as u32, end as u32));
+        }
+    }
+
+    fn tell(&mut self, error: &Unreadable, start: usize, at: usize) {
+        let found = words::found(self.text, at);
+        let span = Span::new(at as u32, (at + found.len()) as u32);
+        let kind = match error.cause {
+            Cause::Depth => SyntaxErrorKind::TooDeep,
+            Cause::Length => SyntaxErrorKind::StatementTooLong,
+            Cause::Word => SyntaxErrorKind::Unexpected {
+                found: found.to_owned(),
+                expected: if at == start {
+                    words::beginnings(self.frames.last()).to_vec()
+                } else {
+                    let mut expected: Vec<_> = error
+                        .expected
+                        .iter()
+                        .filter_map(|&rule| words::word(rule))
+                        .collect();
+                    expected.sort_unstable();
+                    expected.dedup();
+                    expected
+                },
+            },
+        };
+        self.error(kind, span);
+    }
+
+    /// Where the next piece may begin, and whether a brace has been opened just before.
+    fn end_of_piece(&self, from: usize) -> (usize, bool) {
+        let bytes = self.text.as_bytes();
+        let mut at = from;
+        while at < bytes.len() {
+            match bytes[at] {
+                b'\n' => return (at + 1, false),
+                b'{' => return (at + 1, true),
+                // Always go on: a brace at the very beginning is part of what is wrong.
+                b'}' if at > self.at => return (at, false),
+                b'/' if trivia::is_comment(&bytes[at..]) => {
+                    at = trivia::end_of_line(bytes, at);
+                }
+                _ => at += 1,
+            }
+        }
+        (at, false)
+    }
+
+    /// Makes what can be made of a block from the first words of its head.
+    fn broken_head(&mut self, start: usize, end: usize) -> Content {
+        let head = &self.text[start..end];
+        let mut words = head
+            .split(|c: char| !c.is_ascii_alphanumeric() && c != '_')
+            .filter(|word| !word.is_empty());
+        let keyword = words.next().unwrap_or_default();
+        let span = Span::new(start as u32, end as u32);
+        let name = Name {
+            symbol: self.symbols.intern(words.next().unwrap_or("_")),
+            span,
+        };
+        let kind = match keyword {
+            "phase" => ItemKind::Phase(Box::new(Phase {
+                name: Place {
+                    path: [Segment { name, index: None }].into_iter().collect(),
+                    face: None,
+                    span,
+                },
+                timeout: None,
+                body: Vec::new(),
+            })),
+            "assembly" => ItemKind::Assembly(Box::new(Assembly {
+                name,
+                scene: None,
+                body: Vec::new(),
+            })),
+            "scene" => return Content::Broken(Mode::Scene),
+            "shape" | "layer" => return Content::Broken(Mode::Shape),
+            _ => return Content::Broken(self.mode()),
+        };
+        Content::Items(Box::new(Item {
+            docs: Docs(None),
+            span,
+            kind,
+        }))
+    }
+}

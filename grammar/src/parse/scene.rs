@@ -1,0 +1,154 @@
+//! Scenes and shapes: words, values and rows of cells.
+use pest::iterators::Pair;
+
+use super::frame::{Content, Frame};
+use super::{Parser, Rule, span_of};
+use crate::error::SyntaxErrorKind;
+use crate::tree::{ItemKind, Layer, Quantity, Row, Term, UnitFactor};
+
+impl Parser<'_, '_> {
+    /// A piece of the inside of a scene or shape.
+    pub fn scene_or_shape_piece(&mut self, pair: Pair<'_, Rule>, base: usize) {
+        let span = span_of(&pair, base);
+        match pair.as_rule() {
+            Rule::open => self.open(Content::SceneBlock(Vec::new()), span),
+            Rule::word => {
+                let name = self.word(&pair, base);
+                self.push_term(Term::Word(name));
+            }
+            Rule::quantity => {
+                let quantity = self.quantity(pair, base);
+                self.push_term(Term::Quantity(quantity));
+            }
+            Rule::span_of_values => self.span_of_values(pair, base),
+            Rule::layer_head => self.layer_head(pair, base),
+            _ => {
+                let cells = pair.as_str().chars().filter(|c| !c.is_whitespace());
+                let cells = cells.map(|c| c == '#').collect();
+                if let Some(Content::Layer(layer)) = self.frames.last_mut().map(|f| &mut f.content)
+                {
+                    layer.rows.push(Row { cells, span });
+                } else {
+                    self.error(
+                        SyntaxErrorKind::Misplaced {
+                            what: "a row of cells",
+                            within: "a shape",
+                            belongs: "a layer: `layer 1 { ... }`",
+                        },
+                        span,
+                    );
+                }
+            }
+        }
+    }
+
+    fn layer_head(&mut self, pair: Pair<'_, Rule>, base: usize) {
+        let span = span_of(&pair, base);
+        let mut heights = None;
+        for part in pair.into_inner() {
+            if matches!(part.as_rule(), Rule::range | Rule::expr) {
+                heights = Some(self.entry(part, base));
+            }
+        }
+        let inside_shape = matches!(
+            self.frames.last(),
+            Some(Frame { content: Content::Shape(item), .. }) if matches!(item.kind, ItemKind::Shape(_))
+        );
+        let Some(heights) = heights else { return };
+        if !inside_shape {
+            self.error(
+                SyntaxErrorKind::Misplaced {
+                    what: "a layer",
+                    within: "a layer",
+                    belongs: "a shape: close the layer before it",
+                },
+                span,
+            );
+        }
+        let layer = Layer {
+            heights,
+            span,
+            rows: Vec::new(),
+        };
+        self.open(Content::Layer(layer), span);
+    }
+
+    fn span_of_values(&mut self, pair: Pair<'_, Rule>, base: usize) {
+        let start = span_of(&pair, base);
+        let mut first = Quantity {
+            value: 0.0,
+            unit: Vec::new(),
+            span: start,
+        };
+        let mut second = None;
+        for part in pair.into_inner() {
+            match part.as_rule() {
+                Rule::number => {
+                    first.span = span_of(&part, base);
+                    first.value = self.number(&part, base);
+                }
+                Rule::unit => first.unit = unit(part),
+                Rule::quantity => second = Some(self.quantity(part, base)),
+                _ => {}
+            }
+        }
+        if let Some(second) = second {
+            if first.unit.is_empty() {
+                first.unit.clone_from(&second.unit);
+            }
+            self.push_term(Term::Range(first, second));
+        }
+    }
+
+    /// A `quantity`.
+    pub fn quantity(&mut self, pair: Pair<'_, Rule>, base: usize) -> Quantity {
+        let span = span_of(&pair, base);
+        let mut quantity = Quantity {
+            value: 0.0,
+            unit: Vec::new(),
+            span,
+        };
+        for part in pair.into_inner() {
+            match part.as_rule() {
+                Rule::number => quantity.value = self.number(&part, base),
+                _ => quantity.unit = unit(part),
+            }
+        }
+        quantity
+    }
+
+    fn number(&mut self, pair: &Pair<'_, Rule>, base: usize) -> f64 {
+        let value: f64 = pair.as_str().parse().unwrap_or(f64::INFINITY);
+        if !value.is_finite() {
+            self.error(SyntaxErrorKind::NumberTooLarge, span_of(pair, base));
+            return 0.0;
+        }
+        value
+    }
+}
+
+/// A `unit`.
+fn unit(pair: Pair<'_, Rule>) -> Vec<UnitFactor> {
+    let mut factors = Vec::new();
+    let mut divides = false;
+    for part in pair.into_inner() {
+        if part.as_rule() == Rule::unit_operator {
+            divides = part.as_str().contains('/');
+            continue;
+        }
+        let mut symbol = String::new();
+        let mut power: i8 = 1;
+        for part in part.into_inner() {
+            match part.as_rule() {
+                Rule::unit_symbol => part.as_str().clone_into(&mut symbol),
+                // Two digits at most, so it always fits.
+                _ => power = part.as_str().parse().unwrap_or(1),
+            }
+        }
+        factors.push(UnitFactor {
+            symbol,
+            power: if divides { -power } else { power },
+        });
+    }
+    factors
+}

@@ -1,0 +1,28 @@
+//! What stands between tokens.
+
+/// The first byte from `at` on that is neither blank nor part of a comment.
+pub fn skip(text: &str, mut at: usize) -> usize {
+    let bytes = text.as_bytes();
+    loop {
+        while at < bytes.len() && matches!(bytes[at], b' ' | b'\t' | b'\r' | b'\n') {
+            at += 1;
+        }
+        if !is_comment(&bytes[at..]) {
+            return at;
+        }
+        at = end_of_line(bytes, at);
+    }
+}
+
+/// The newline at or behind `at`, or the end of the text.
+pub fn end_of_line(bytes: &[u8], at: usize) -> usize {
+    bytes[at..]
+        .iter()
+        .position(|&byte| byte == b'\n')
+        .map_or(bytes.len(), |offset| at + offset)
+}
+
+/// Two slashes begin a comment, three a doc, four or more a comment again.
+pub fn is_comment(rest: &[u8]) -> bool {
+    rest.starts_with(b"//") && (!rest.starts_with(b"///") || rest.starts_with(b"////"))
+}

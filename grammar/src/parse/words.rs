@@ -1,0 +1,107 @@
+//! Rules of the grammar in the language's own words.
+use super::Rule;
+use super::frame::{Content, Frame};
+
+/// What a message calls a rule; `None` for what is no help to know.
+pub fn word(rule: Rule) -> Option<&'static str> {
+    Some(match rule {
+        Rule::chain | Rule::seat | Rule::instance => "a statement",
+        Rule::place => "a block",
+        Rule::name | Rule::word => "a name",
+        Rule::arrow => "`->`",
+        Rule::expr | Rule::integer => "a whole number",
+        Rule::range => "a range such as `1..4`",
+        Rule::quantity | Rule::number | Rule::span_of_values => "a value with its unit",
+        Rule::string => "a file name in quotation marks",
+        Rule::row => "a row of `#` and `.`",
+        Rule::argument => "an argument",
+        Rule::subject => "a block to wait for",
+        Rule::index | Rule::bracket_open => "`[`",
+        Rule::bracket_close => "`]`",
+        Rule::paren_open => "`(`",
+        Rule::paren_close => "`)`",
+        Rule::comma => "`,`",
+        Rule::dots => "`..`",
+        Rule::equals => "`=`",
+        Rule::times => "`x`",
+        Rule::open => "`{`",
+        Rule::close => "`}`",
+        Rule::after | Rule::kw_after => "`after`",
+        Rule::kw_as => "`as`",
+        Rule::kw_at => "`at`",
+        Rule::kw_from => "`from`",
+        Rule::kw_in => "`in`",
+        Rule::kw_plate => "`plate`",
+        Rule::kw_timeout => "`timeout`",
+        Rule::assembly_head | Rule::kw_assembly => "`assembly`",
+        Rule::for_head | Rule::kw_for => "`for`",
+        Rule::import | Rule::kw_import => "`import`",
+        Rule::layer_head | Rule::kw_layer => "`layer`",
+        Rule::let_ | Rule::kw_let => "`let`",
+        Rule::pattern_head | Rule::kw_pattern => "`pattern`",
+        Rule::phase_head | Rule::kw_phase => "`phase`",
+        Rule::release | Rule::kw_release => "`release`",
+        Rule::scene_head | Rule::kw_scene => "`scene`",
+        Rule::seed_head | Rule::kw_seed => "`seed`",
+        Rule::shape_head | Rule::kw_shape => "`shape`",
+        Rule::yields | Rule::kw_yields => "`yields`",
+        _ => return None,
+    })
+}
+
+/// What may begin in the innermost open block.
+pub fn beginnings(frame: Option<&Frame>) -> &'static [&'static str] {
+    use crate::tree::ItemKind;
+    let Some(frame) = frame else {
+        return &[
+            "`assembly`",
+            "`pattern`",
+            "`shape`",
+            "`scene`",
+            "`let`",
+            "`import`",
+        ];
+    };
+    match &frame.content {
+        Content::Items(item) => match item.kind {
+            ItemKind::Assembly(_) => &["`seed`", "`phase`", "`let`", "`for`", "`}`"],
+            ItemKind::Seed(_) => &["a seed such as `A at (0, 0)`", "`for`", "`}`"],
+            _ => &[
+                "a capture such as `A.up -> E`",
+                "`release`",
+                "`for`",
+                "`let`",
+                "a pattern",
+                "`}`",
+            ],
+        },
+        Content::Scene(..) | Content::SceneBlock(_) => &["a name", "a value", "`}`"],
+        Content::Shape(_) => &["`layer`", "`}`"],
+        Content::Layer(_) => &["a row of `#` and `.`", "`}`"],
+        Content::Broken(_) => &["a statement", "`}`"],
+    }
+}
+
+/// What stands at a byte of the text, in few letters; empty at the end of the file.
+pub fn found(text: &str, at: usize) -> &str {
+    const MOST: usize = 24;
+    let rest = &text[at..];
+    let mut chars = rest.char_indices();
+    let Some((_, first)) = chars.next() else {
+        return "";
+    };
+    let is_word = |c: char| c.is_alphanumeric() || c == '_';
+    if !is_word(first) {
+        let twins = ["->>", "->", "..", "//"];
+        return twins
+            .into_iter()
+            .find(|sign| rest.starts_with(sign))
+            .unwrap_or(&rest[..first.len_utf8()]);
+    }
+    let end = chars
+        .take(MOST)
+        .take_while(|&(_, c)| is_word(c))
+        .last()
+        .map_or(first.len_utf8(), |(i, c)| i + c.len_utf8());
+    &rest[..end]
+}

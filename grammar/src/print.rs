@@ -1,0 +1,339 @@
+//! Tree to text, in one canonical layout.
+use std::fmt::Write as _;
+
+use crate::Symbols;
+use crate::tree::{
+    Argument, Arrow, Entry, Expr, ExprKind, Item, ItemKind, Place, Quantity, Subject, Term, Tree,
+};
+
+/// The text of a tree; parsing it gives the same tree.
+pub fn print(tree: &Tree, symbols: &Symbols) -> String {
+    let mut printer = Printer {
+        symbols,
+        out: String::new(),
+        depth: 0,
+    };
+    for (i, item) in tree.items.iter().enumerate() {
+        if i > 0 && (is_block(item) || is_block(&tree.items[i - 1])) {
+            printer.out.push('\n');
+        }
+        printer.item(item);
+    }
+    printer.out
+}
+
+fn is_block(item: &Item) -> bool {
+    !matches!(item.kind, ItemKind::Let(_) | ItemKind::Import(_))
+}
+
+struct Printer<'a> {
+    symbols: &'a Symbols,
+    out: String,
+    depth: usize,
+}
+
+/// Writing to a string cannot fail.
+macro_rules! put {
+    ($printer:expr, $($format:tt)*) => {
+        let _ = write!($printer.out, $($format)*);
+    };
+}
+
+impl Printer<'_> {
+    fn indent(&mut self) {
+        for _ in 0..self.depth {
+            self.out.push_str("    ");
+        }
+    }
+
+    fn word(&self, symbol: crate::Symbol) -> String {
+        self.symbols.word(symbol).to_owned()
+    }
+
+    fn item(&mut self, item: &Item) {
+        for line in item.docs.0.iter().flat_map(|lines| lines.iter()) {
+            self.indent();
+            put!(
+                self,
+                "///{}{line}\n",
+                if line.is_empty() { "" } else { " " }
+            );
+        }
+        self.indent();
+        match &item.kind {
+            ItemKind::Chain(chain) => {
+                self.place(&chain.head);
+                for link in &chain.links {
+                    self.out.push_str(match link.arrow {
+                        Arrow::One => " -> ",
+                        Arrow::Row => " ->> ",
+                    });
+                    self.place(&link.place);
+                }
+                self.after(&chain.after);
+            }
+            ItemKind::Release(release) => {
+                self.out.push_str("release ");
+                self.list(&release.places, Printer::place);
+                self.after(&release.after);
+            }
+            ItemKind::Instance(instance) => {
+                self.out.push_str(&self.word(instance.pattern.symbol));
+                self.out.push('(');
+                self.list(&instance.arguments, |printer, argument| match argument {
+                    Argument::Expr(expr) => printer.expr(expr, 0),
+                    Argument::Place(place) => printer.place(place),
+                });
+                self.out.push(')');
+                if let Some(alias) = &instance.alias {
+                    self.out.push_str(" as ");
+                    self.place(alias);
+                }
+            }
+            ItemKind::Seat(seat) => {
+                self.place(&seat.place);
+                self.out.push_str(" at ");
+                self.pair(&seat.at);
+            }
+            ItemKind::Let(let_) => {
+                put!(self, "let {} = ", self.word(let_.name.symbol));
+                self.expr(&let_.value, 0);
+            }
+            ItemKind::Yields(name) => {
+                put!(self, "yields {}", self.word(name.symbol));
+            }
+            ItemKind::Import(import) => {
+                put!(self, "import \"{}\"", import.path);
+            }
+            ItemKind::For(block) => {
+                put!(self, "for {} in ", self.word(block.counter.symbol));
+                self.range(&block.range.0, &block.range.1);
+                self.body(&block.body);
+            }
+            ItemKind::Phase(phase) => {
+                self.out.push_str("phase ");
+                self.place(&phase.name);
+                if let Some(timeout) = &phase.timeout {
+                    self.out.push_str(" timeout ");
+                    self.quantity(timeout);
+                }
+                self.body(&phase.body);
+            }
+            ItemKind::Seed(seed) => {
+                self.out.push_str("seed plate ");
+                self.expr(&seed.size.0, 0);
+                self.out.push_str(" x ");
+                self.expr(&seed.size.1, 0);
+                self.body(&seed.body);
+            }
+            ItemKind::Pattern(pattern) => {
+                put!(self, "pattern {}(", self.word(pattern.name.symbol));
+                self.list(&pattern.parameters, |printer, name| {
+                    printer.out.push_str(&printer.word(name.symbol));
+                });
+                self.out.push(')');
+                self.body(&pattern.body);
+            }
+            ItemKind::Assembly(assembly) => {
+                put!(self, "assembly {}", self.word(assembly.name.symbol));
+                if let Some(scene) = assembly.scene {
+                    put!(self, " in {}", self.word(scene.symbol));
+                }
+                self.body(&assembly.body);
+            }
+            ItemKind::Shape(shape) => self.shape(shape),
+            ItemKind::Scene(scene) => {
+                put!(self, "scene {}", self.word(scene.name.symbol));
+                if let Some(base) = scene.base {
+                    put!(self, " from {}", self.word(base.symbol));
+                }
+                self.out.push_str(" {");
+                self.terms(&scene.terms);
+                self.out.push('}');
+            }
+        }
+        self.out.push('\n');
+    }
+
+    fn body(&mut self, items: &[Item]) {
+        self.out.push_str(" {\n");
+        self.depth += 1;
+        for item in items {
+            self.item(item);
+        }
+        self.depth -= 1;
+        self.indent();
+        self.out.push('}');
+    }
+
+    fn shape(&mut self, shape: &crate::tree::Shape) {
+        put!(self, "shape {}", self.word(shape.name.symbol));
+        if let Some(at) = &shape.at {
+            self.out.push_str(" at ");
+            self.pair(at);
+        }
+        self.out.push_str(" {\n");
+        self.depth += 1;
+        for layer in &shape.layers {
+            self.indent();
+            self.out.push_str("layer ");
+            self.entry(&layer.heights);
+            self.out.push_str(" {\n");
+            self.depth += 1;
+            for row in &layer.rows {
+                self.indent();
+                let cells: Vec<_> = row
+                    .cells
+                    .iter()
+                    .map(|&c| if c { "#" } else { "." })
+                    .collect();
+                put!(self, "{}\n", cells.join(" "));
+            }
+            self.depth -= 1;
+            self.indent();
+            self.out.push_str("}\n");
+        }
+        self.depth -= 1;
+        self.indent();
+        self.out.push('}');
+    }
+
+    /// A scene's words go on lines of their own where a block ends; the layout carries no meaning.
+    fn terms(&mut self, terms: &[Term]) {
+        self.depth += 1;
+        let mut fresh = true;
+        for term in terms {
+            if fresh {
+                self.out.push('\n');
+                self.indent();
+            } else {
+                self.out.push(' ');
+            }
+            fresh = false;
+            match term {
+                Term::Word(name) => self.out.push_str(&self.word(name.symbol)),
+                Term::Quantity(quantity) => self.quantity(quantity),
+                Term::Range(first, second) => {
+                    self.quantity(first);
+                    self.out.push_str(" .. ");
+                    self.quantity(second);
+                }
+                Term::Block(terms, _) => {
+                    self.out.push('{');
+                    self.terms(terms);
+                    self.out.push('}');
+                    fresh = true;
+                }
+            }
+        }
+        self.depth -= 1;
+        self.out.push('\n');
+        self.indent();
+    }
+
+    fn quantity(&mut self, quantity: &Quantity) {
+        put!(self, "{}", quantity.value);
+        for (i, factor) in quantity.unit.iter().enumerate() {
+            // The first factor of a unit cannot be divided by; a negative power says the same.
+            let (sign, power) = match (i, factor.power) {
+                (0, power) => (" ", power),
+                (_, power @ ..=-1) => ("/", -power),
+                (_, power) => (" ", power),
+            };
+            put!(self, "{sign}{}", factor.symbol);
+            if power != 1 {
+                put!(self, "^{power}");
+            }
+        }
+    }
+
+    fn after(&mut self, subjects: &[Subject]) {
+        if subjects.is_empty() {
+            return;
+        }
+        self.out.push_str(" after ");
+        self.list(subjects, |printer, subject| {
+            if subject.release {
+                printer.out.push_str("release ");
+            }
+            printer.place(&subject.place);
+        });
+    }
+
+    fn place(&mut self, place: &Place) {
+        for (i, segment) in place.path.iter().enumerate() {
+            if i > 0 {
+                self.out.push('.');
+            }
+            self.out.push_str(&self.word(segment.name.symbol));
+            if let Some(index) = &segment.index {
+                self.out.push('[');
+                self.list(index, Printer::entry);
+                self.out.push(']');
+            }
+        }
+        if let Some((face, _)) = place.face {
+            let dot = if place.path.is_empty() { "" } else { "." };
+            put!(self, "{dot}{face}");
+        }
+    }
+
+    fn entry(&mut self, entry: &Entry) {
+        match entry {
+            Entry::One(expr) => self.expr(expr, 0),
+            Entry::Range(first, last) => self.range(first, last),
+        }
+    }
+
+    fn range(&mut self, first: &Expr, last: &Expr) {
+        self.expr(first, 0);
+        self.out.push_str("..");
+        self.expr(last, 0);
+    }
+
+    fn pair(&mut self, (first, second): &(Expr, Expr)) {
+        self.out.push('(');
+        self.expr(first, 0);
+        self.out.push_str(", ");
+        self.expr(second, 0);
+        self.out.push(')');
+    }
+
+    /// Puts parentheses where the tree binds tighter than the text around it would.
+    fn expr(&mut self, expr: &Expr, least: u8) {
+        match &expr.kind {
+            ExprKind::Int(value) => {
+                put!(self, "{value}");
+            }
+            ExprKind::Name(symbol) => self.out.push_str(&self.word(*symbol)),
+            ExprKind::Negate(inner) => {
+                let plain = matches!(inner.kind, ExprKind::Name(_));
+                self.out.push_str(if plain { "-" } else { "-(" });
+                self.expr(inner, 0);
+                self.out.push_str(if plain { "" } else { ")" });
+            }
+            ExprKind::Binary(operator, sides) => {
+                let precedence = operator.precedence();
+                let group = precedence < least;
+                if group {
+                    self.out.push('(');
+                }
+                self.expr(&sides.0, precedence);
+                put!(self, " {} ", operator.sign());
+                self.expr(&sides.1, precedence + 1);
+                if group {
+                    self.out.push(')');
+                }
+            }
+        }
+    }
+
+    fn list<T>(&mut self, items: &[T], one: impl Fn(&mut Self, &T)) {
+        for (i, item) in items.iter().enumerate() {
+            if i > 0 {
+                self.out.push_str(", ");
+            }
+            one(self, item);
+        }
+    }
+}

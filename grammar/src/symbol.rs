@@ -1,0 +1,72 @@
+use std::hash::BuildHasherDefault;
+
+use rustc_hash::FxHasher;
+use string_interner::backend::StringBackend;
+use string_interner::symbol::SymbolU32;
+use string_interner::{StringInterner, Symbol as _};
+
+/// A word, as a number; meaningful with the [`Symbols`] that gave it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Symbol(pub u32);
+
+/// The words of the language itself, which name no block, pattern, shape, scene or number.
+const RESERVED: [&str; 25] = [
+    "after", "as", "assembly", "at", "for", "from", "import", "in", "layer", "let", "pattern",
+    "phase", "plate", "release", "scene", "seed", "shape", "timeout", "yields", "up", "down",
+    "north", "south", "east", "west",
+];
+
+/// Every word of a program's files, each once.
+#[derive(Clone, Debug)]
+pub struct Symbols(StringInterner<StringBackend<SymbolU32>, BuildHasherDefault<FxHasher>>);
+
+impl Default for Symbols {
+    fn default() -> Symbols {
+        Symbols::new()
+    }
+}
+
+impl Symbols {
+    /// Holds the reserved words only.
+    pub fn new() -> Symbols {
+        let mut symbols = Symbols(StringInterner::new());
+        for word in RESERVED {
+            symbols.intern(word);
+        }
+        symbols
+    }
+
+    /// The symbol of `word`.
+    pub fn intern(&mut self, word: &str) -> Symbol {
+        Symbol(self.0.get_or_intern(word).to_usize() as u32)
+    }
+
+    /// The symbol of `word`, if it occurs.
+    pub fn get(&self, word: &str) -> Option<Symbol> {
+        self.0
+            .get(word)
+            .map(|symbol| Symbol(symbol.to_usize() as u32))
+    }
+
+    /// The word of a symbol.
+    pub fn word(&self, symbol: Symbol) -> &str {
+        SymbolU32::try_from_usize(symbol.0 as usize)
+            .and_then(|symbol| self.0.resolve(symbol))
+            .unwrap_or_default()
+    }
+
+    /// Whether the word belongs to the language.
+    pub fn is_reserved(&self, symbol: Symbol) -> bool {
+        (symbol.0 as usize) < RESERVED.len()
+    }
+
+    /// How many different words there are.
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Whether there is none; never, because of the reserved words.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+}
