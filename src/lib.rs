@@ -1,1 +1,28 @@
-//! Compile and simulate stochastic assembly programs.
+//! The `stochc` command, and its pieces for Rust programs.
+//!
+//! ```no_run
+//! # fn main() -> Result<(), stochc::Wrong> {
+//! let checked = stochc::check("examples/five_tower.sa");
+//! let tables = checked.programs[0].tables.as_ref().ok_or(stochc::Wrong)?;
+//! println!("{}", stochc::compiler::emit::table_text(tables));
+//! # Ok(())
+//! # }
+//! ```
+pub mod cli;
+pub mod command;
+pub mod files;
+pub mod findings;
+mod wrong;
+
+pub use stochc_compiler as compiler;
+pub use stochc_runtime as runtime;
+pub use wrong::Wrong;
+
+use compiler::{Checked, Limits};
+
+/// Checks a file of the disk and all it imports, and compiles its assemblies.
+///
+/// Never fails: a file that cannot be read is a finding as well.
+pub fn check(path: &str) -> Checked {
+    compiler::check(path, &mut files::read, Limits::default())
+}

@@ -1,7 +1,33 @@
 //! Syntax tree to dependency graph, proofs and event tables. Pure: no IO, clock or chance.
+//!
+//! [`check`] is the pipeline: files are loaded and parsed, each assembly is written out
+//! ([`plan`]), its names are followed through the phases, its blocks get their cells, and its
+//! events their order ([`graph`], [`order`]); then shapes and the scene are compared with what is
+//! built, and what is right is lowered to event tables ([`table`]). Each stage tells what it finds
+//! and leaves the wrong part out, so that the next one can go on.
 mod cell;
+pub mod emit;
+mod expand;
+pub mod finding;
+pub mod graph;
+mod inventory;
+mod layout;
+mod load;
+mod lower;
+pub mod order;
+pub mod plan;
+mod presence;
+mod program;
 pub mod scene;
+mod scenes;
+mod shape;
+mod source;
+mod suggest;
 pub mod table;
 
 pub use cell::Cell;
-pub use stochc_grammar::Face;
+pub use expand::{Limits, MAX_NESTING};
+pub use load::Reader;
+pub use program::{Checked, Program, check};
+pub use source::{FileId, Site, SourceFile, Sources};
+pub use stochc_grammar::{Face, Span, Symbols};

@@ -6,6 +6,7 @@
 //! `src/sa.pest`; no other crate names a rule of it.
 mod error;
 mod face;
+mod json;
 mod parse;
 mod print;
 mod span;
@@ -14,6 +15,7 @@ pub mod tree;
 
 pub use error::{SyntaxError, SyntaxErrorKind};
 pub use face::Face;
+pub use json::to_json;
 pub use parse::{MAX_DEPTH, MAX_ERRORS, MAX_STATEMENT, Parsed, accepts, parse};
 pub use print::print;
 pub use span::Span;

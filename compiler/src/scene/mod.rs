@@ -2,6 +2,13 @@
 //!
 //! Each field of [`Scene`] is one term of the model. `None` is a term that does not exist: a
 //! runtime must not compute it, not even with a zero.
+mod builtin;
+mod read;
+mod units;
+
+pub use builtin::{BUILT_IN, DEFAULT, built_in};
+pub(crate) use read::read;
+
 use serde::{Deserialize, Serialize};
 
 /// A world of free blocks around a seed plate.

@@ -1,0 +1,73 @@
+//! The dependency graph as text.
+use std::fmt::Write as _;
+
+use petgraph::Direction::Incoming;
+use petgraph::graph::NodeIndex;
+use petgraph::visit::EdgeRef;
+use stochc_grammar::Symbols;
+
+use crate::graph::DependencyGraph;
+use crate::order::Order;
+use crate::plan::{EventId, Plan};
+
+/// The graph phase by phase: each event with what it waits for, then the longest chain.
+pub fn graph_text(
+    plan: &Plan,
+    graph: &DependencyGraph,
+    order: &Order,
+    symbols: &Symbols,
+) -> String {
+    let mut out = String::new();
+    // Writing to a string cannot fail.
+    let _ = writeln!(out, "assembly {}", plan.name);
+    for (phase, chain) in plan.phases.iter().zip(&order.chains) {
+        let _ = writeln!(out, "\nphase {}", phase.name);
+        for id in plan.events_of(phase) {
+            let _ = writeln!(out, "    {}", plan.describe(id, symbols));
+            for (why, first) in waits(graph, id) {
+                let _ = writeln!(out, "        {why}: {}", plan.describe(first, symbols));
+            }
+        }
+        let _ = writeln!(
+            out,
+            "    longest serial chain, {}: {}",
+            Order::length(plan, chain),
+            chain_text(plan, chain, symbols)
+        );
+    }
+    out
+}
+
+/// What an event waits for, sorted.
+pub(super) fn waits(graph: &DependencyGraph, id: EventId) -> Vec<(&'static str, EventId)> {
+    let node = NodeIndex::new(id.0 as usize);
+    let mut waits: Vec<_> = graph
+        .edges_directed(node, Incoming)
+        .map(|edge| (edge.weight().word(), graph[edge.source()]))
+        .collect();
+    waits.sort_unstable_by_key(|&(why, first)| (first, why));
+    waits.dedup();
+    waits
+}
+
+/// A chain in one line; the middle of a long one is left out.
+pub fn chain_text(plan: &Plan, chain: &[EventId], symbols: &Symbols) -> String {
+    /// Events shown of a long chain.
+    const SHOWN: usize = 12;
+    let describe = |ids: &[EventId]| -> Vec<String> {
+        ids.iter().map(|&id| plan.describe(id, symbols)).collect()
+    };
+    if chain.is_empty() {
+        return "nothing".to_owned();
+    }
+    if chain.len() <= SHOWN {
+        return describe(chain).join(", ");
+    }
+    let (head, tail) = (&chain[..SHOWN / 2], &chain[chain.len() - SHOWN / 2..]);
+    format!(
+        "{}, ... {} more ..., {}",
+        describe(head).join(", "),
+        chain.len() - SHOWN,
+        describe(tail).join(", ")
+    )
+}

@@ -1,0 +1,121 @@
+//! Event tables and the graph as JSON.
+use serde_json::{Value, json};
+use stochc_grammar::Symbols;
+
+use super::graph_text::waits;
+use crate::graph::DependencyGraph;
+use crate::order::Order;
+use crate::plan::{Deed, Plan};
+use crate::table::{Action, Condition, News, Tables, Trigger};
+
+/// Event tables with every name written out.
+///
+/// `{ assembly, faces, plate: { width, depth }, phases: [{ name, reports, timeout }],
+/// blocks: [{ name, seed, duties: [{ phase, trigger, rules: [{ when, then }] }] }] }`; a cell is
+/// `[x, y, z]`, a timeout is in ticks.
+pub fn table_json(tables: &Tables) -> Value {
+    let mut blocks: Vec<Value> = (tables.roles.iter())
+        .map(|role| json!({ "name": role.name, "seed": role.seed, "duties": [] }))
+        .collect();
+    for duty in tables.duties() {
+        let rules: Vec<Value> = (duty.rules())
+            .map(|rule| {
+                let when: Vec<Value> = rule
+                    .when
+                    .iter()
+                    .map(|&when| condition(tables, when))
+                    .collect();
+                json!({ "when": when, "then": action(tables, rule.then) })
+            })
+            .collect();
+        let value = json!({
+            "phase": tables.phases[duty.phase.0 as usize].name,
+            "trigger": match duty.trigger {
+                Trigger::Start => "start",
+                Trigger::Anchored => "anchored",
+            },
+            "rules": rules,
+        });
+        if let Some(Value::Array(duties)) = blocks[duty.role.0 as usize].get_mut("duties") {
+            duties.push(value);
+        }
+    }
+    json!({
+        "assembly": tables.assembly,
+        "faces": tables.faces,
+        "plate": tables.plate,
+        "phases": tables.phases,
+        "blocks": blocks,
+    })
+}
+
+fn condition(tables: &Tables, condition: Condition) -> Value {
+    match condition {
+        Condition::Docked(role) => json!({ "docked": tables.name(role) }),
+        Condition::Asked(role) => json!({ "asked": tables.name(role) }),
+        Condition::Released(role) => json!({ "released": tables.name(role) }),
+        Condition::Heard(what) => json!({ "heard": news(tables, what) }),
+    }
+}
+
+fn action(tables: &Tables, action: Action) -> Value {
+    match action {
+        Action::Magnetize { face, child, cell } => {
+            json!({ "do": "magnetize", "face": face, "child": tables.name(child), "cell": cell })
+        }
+        Action::AskRelease => json!({ "do": "ask_release" }),
+        Action::SwitchOff { face, child } => {
+            json!({ "do": "switch_off", "face": face, "child": tables.name(child) })
+        }
+        Action::Tell { to, news: what } => {
+            json!({ "do": "tell", "to": tables.name(to), "news": news(tables, what) })
+        }
+        Action::Report => json!({ "do": "report" }),
+    }
+}
+
+fn news(tables: &Tables, news: News) -> Value {
+    match news {
+        News::Anchored(role) => json!({ "anchored": tables.name(role) }),
+        News::Released(role) => json!({ "released": tables.name(role) }),
+    }
+}
+
+/// The graph: `{ assembly, phases: [{ name, events: [{ id, event, kind, block, parent, face,
+/// after: [{ event, why }] }], longest_chain: [id] }] }`.
+pub fn graph_json(plan: &Plan, graph: &DependencyGraph, order: &Order, symbols: &Symbols) -> Value {
+    let phases: Vec<Value> = (plan.phases.iter().zip(&order.chains))
+        .map(|(phase, chain)| {
+            let events: Vec<Value> = plan
+                .events_of(phase)
+                .map(|id| {
+                    let event = plan.event(id);
+                    let (kind, parent, face) = match event.deed {
+                        Deed::Capture { parent, face } => (
+                            "capture",
+                            Some(plan.roles.name(parent, symbols)),
+                            Some(face),
+                        ),
+                        Deed::Release => ("release", None, None),
+                    };
+                    let after: Vec<Value> = waits(graph, id)
+                        .into_iter()
+                        .map(|(why, first)| json!({ "event": first.0, "why": why }))
+                        .collect();
+                    json!({
+                        "id": id.0,
+                        "event": plan.describe(id, symbols),
+                        "kind": kind,
+                        "block": plan.roles.name(event.role, symbols),
+                        "parent": parent,
+                        "face": face,
+                        "after": after,
+                    })
+                })
+                .collect();
+            let chain: Vec<u32> = chain.iter().map(|id| id.0).collect();
+            json!({ "name": phase.name, "events": events, "longest_chain": chain })
+        })
+        .collect();
+    json!({ "assembly": plan.name, "phases": phases })
+}

@@ -1,0 +1,96 @@
+//! Event tables as text: stable, sorted and made for comparing line by line.
+use std::fmt::Write as _;
+
+use crate::table::{Action, Condition, News, Rule, Tables, Trigger};
+
+/// The text form of event tables.
+pub fn table_text(tables: &Tables) -> String {
+    let mut out = String::new();
+    let faces = match tables.faces {
+        1 => "one face".to_owned(),
+        n => format!("{n} faces"),
+    };
+    // Writing to a string cannot fail.
+    let _ = writeln!(out, "assembly {}", tables.assembly);
+    let _ = writeln!(
+        out,
+        "plate {} x {}, blocks magnetize {faces} at a time\n",
+        tables.plate.width, tables.plate.depth
+    );
+    for phase in &tables.phases {
+        let plural = if phase.reports == 1 { "" } else { "s" };
+        let _ = write!(
+            out,
+            "phase {}: ends after {} report{plural}",
+            phase.name, phase.reports
+        );
+        match phase.timeout {
+            Some(ticks) => {
+                let _ = writeln!(out, ", fails after {ticks} ticks");
+            }
+            None => out.push('\n'),
+        }
+    }
+    let mut role = None;
+    for duty in tables.duties() {
+        if role != Some(duty.role) {
+            role = Some(duty.role);
+            let _ = write!(out, "\nblock {}", tables.name(duty.role));
+            match tables.roles[duty.role.0 as usize].seed {
+                Some(cell) => {
+                    let _ = writeln!(out, ", seed at {cell}");
+                }
+                None => out.push('\n'),
+            }
+        }
+        let phase = &tables.phases[duty.phase.0 as usize].name;
+        let trigger = match duty.trigger {
+            Trigger::Start => "at the start of",
+            Trigger::Anchored => "when anchored in",
+        };
+        let _ = writeln!(out, "    {trigger} {phase}");
+        for rule in duty.rules() {
+            let _ = writeln!(out, "        {}", rule_text(tables, rule));
+        }
+    }
+    out
+}
+
+fn rule_text(tables: &Tables, rule: Rule<'_>) -> String {
+    let mut text = String::new();
+    for (i, condition) in rule.when.iter().enumerate() {
+        text.push_str(if i == 0 { "once " } else { " and " });
+        let name = |role| tables.name(role);
+        let _ = match *condition {
+            Condition::Docked(role) => write!(text, "{} has docked", name(role)),
+            Condition::Asked(role) => write!(text, "{} asks", name(role)),
+            Condition::Released(role) => write!(text, "{} has gone", name(role)),
+            Condition::Heard(news) => write!(text, "told that {}", news_text(tables, news)),
+        };
+    }
+    if !rule.when.is_empty() {
+        text.push_str(": ");
+    }
+    let name = |role| tables.name(role);
+    let _ = match rule.then {
+        Action::Magnetize { face, child, cell } => {
+            write!(text, "magnetize {face} for {} at {cell}", name(child))
+        }
+        Action::AskRelease => write!(text, "ask to be released"),
+        Action::SwitchOff { face, child } => {
+            write!(text, "switch {face} off, which frees {}", name(child))
+        }
+        Action::Tell { to, news } => {
+            write!(text, "tell {} that {}", name(to), news_text(tables, news))
+        }
+        Action::Report => write!(text, "report to the plate"),
+    };
+    text
+}
+
+fn news_text(tables: &Tables, news: News) -> String {
+    match news {
+        News::Anchored(role) => format!("{} is anchored", tables.name(role)),
+        News::Released(role) => format!("{} is released", tables.name(role)),
+    }
+}

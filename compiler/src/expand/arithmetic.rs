@@ -1,0 +1,74 @@
+//! Numbers.
+use stochc_grammar::tree::{Expr, ExprKind, Operator};
+
+use super::Expander;
+use super::scope::Value;
+use crate::finding::{Code, Finding};
+use crate::suggest::suggest;
+
+impl Expander<'_, '_> {
+    /// The value of an expression; what it cannot work out it tells of.
+    pub fn evaluate(&mut self, expr: &Expr) -> Option<i64> {
+        match &expr.kind {
+            ExprKind::Int(value) => Some(*value),
+            ExprKind::Name(word) => match self.scope.get(*word) {
+                Some(Value::Number(value)) => Some(value),
+                Some(Value::Unknown) => None,
+                Some(Value::Block(_) | Value::Face(_)) => {
+                    let name = self.symbols.word(*word);
+                    let finding =
+                        Finding::new(Code::WrongKind, format!("`{name}` is not a number"))
+                            .label(self.site(expr.span), "a number is needed here")
+                            .help("this parameter stands for a block or a face");
+                    self.findings.push(finding);
+                    None
+                }
+                None => {
+                    let name = self.symbols.word(*word);
+                    let known = self.scope.words().map(|word| self.symbols.word(word));
+                    let help = suggest(name, known)
+                        .unwrap_or_else(|| format!("define it: `let {name} = 3`"));
+                    let finding =
+                        Finding::new(Code::UnknownName, format!("no number is called `{name}`"))
+                            .label(self.site(expr.span), "not known here")
+                            .help(help);
+                    self.findings.push(finding);
+                    None
+                }
+            },
+            ExprKind::Negate(inner) => {
+                let value = self.evaluate(inner)?;
+                self.in_range(value.checked_neg(), expr)
+            }
+            ExprKind::Binary(operator, sides) => {
+                let left = self.evaluate(&sides.0);
+                let right = self.evaluate(&sides.1);
+                let (left, right) = (left?, right?);
+                let value = match operator {
+                    Operator::Add => left.checked_add(right),
+                    Operator::Subtract => left.checked_sub(right),
+                    Operator::Multiply => left.checked_mul(right),
+                    Operator::Divide | Operator::Remainder if right == 0 => {
+                        let finding = Finding::new(Code::Arithmetic, "a division by zero")
+                            .label(self.site(sides.1.span), "this is 0")
+                            .label(self.site(sides.0.span), "divided by it");
+                        self.findings.push(finding);
+                        return None;
+                    }
+                    Operator::Divide => left.checked_div(right),
+                    Operator::Remainder => left.checked_rem(right),
+                };
+                self.in_range(value, expr)
+            }
+        }
+    }
+
+    fn in_range(&mut self, value: Option<i64>, expr: &Expr) -> Option<i64> {
+        if value.is_none() {
+            let finding = Finding::new(Code::Arithmetic, "a number leaves the range of 64 bits")
+                .label(self.site(expr.span), "too large or too small");
+            self.findings.push(finding);
+        }
+        value
+    }
+}

@@ -1,0 +1,325 @@
+//! Patterns, loops and arithmetic written out.
+mod arithmetic;
+mod place;
+mod scope;
+mod seeds;
+mod statement;
+
+use rustc_hash::FxHashMap;
+use stochc_grammar::tree::{Assembly, Item, ItemKind, Pattern, Phase, Shape};
+use stochc_grammar::{Span, Symbol, Symbols};
+
+use crate::finding::{Code, Finding};
+use crate::plan::{Plan, PlanPhase, Roles, Timeout};
+use crate::table::Plate;
+use crate::{FileId, Site};
+use scope::{Scope, Value};
+
+/// How large a program may grow when it is written out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    /// Captures and releases.
+    pub events: usize,
+    /// Statements that are looked at, loops with nothing in them included.
+    pub steps: usize,
+}
+
+impl Default for Limits {
+    fn default() -> Limits {
+        Limits {
+            events: 10_000_000,
+            steps: 100_000_000,
+        }
+    }
+}
+
+/// Loops, instances and blocks inside each other, at most.
+pub const MAX_NESTING: usize = 200;
+
+/// What a file declares for the programs in it.
+pub struct Declarations<'a> {
+    /// The patterns, with their files.
+    pub patterns: FxHashMap<Symbol, (FileId, &'a Pattern)>,
+    /// The shapes, with their files.
+    pub shapes: FxHashMap<Symbol, (FileId, &'a Shape)>,
+    /// The numbers, with their files, in source order.
+    pub lets: Vec<(FileId, &'a Item)>,
+}
+
+/// Writes a program out.
+pub fn expand<'a>(
+    declarations: &Declarations<'a>,
+    file: FileId,
+    assembly: &'a Assembly,
+    symbols: &mut Symbols,
+    limits: Limits,
+    findings: &mut Vec<Finding>,
+) -> (Plan, FxHashMap<Symbol, (FileId, &'a Shape)>) {
+    let mut expander = Expander {
+        plan: Plan {
+            name: symbols.word(assembly.name.symbol).to_owned(),
+            site: Site {
+                file,
+                span: assembly.name.span,
+            },
+            plate: Plate { width: 0, depth: 0 },
+            seeds: Vec::new(),
+            roles: Roles::default(),
+            phases: Vec::new(),
+            events: Vec::new(),
+            afters: Vec::new(),
+        },
+        patterns: declarations.patterns.clone(),
+        shapes: declarations.shapes.clone(),
+        scope: Scope::default(),
+        file,
+        instances: Vec::new(),
+        anonymous: 0,
+        nesting: 0,
+        steps: 0,
+        limits,
+        exhausted: false,
+        plate: None,
+        phase_sites: FxHashMap::default(),
+        symbols,
+        findings,
+    };
+    for &(file, item) in &declarations.lets {
+        expander.file = file;
+        expander.declaration(item);
+    }
+    expander.file = file;
+    expander.assembly(assembly);
+    (expander.plan, expander.shapes)
+}
+
+struct Expander<'a, 'f> {
+    plan: Plan,
+    patterns: FxHashMap<Symbol, (FileId, &'a Pattern)>,
+    shapes: FxHashMap<Symbol, (FileId, &'a Shape)>,
+    scope: Scope,
+    /// The file that the statement at hand stands in.
+    file: FileId,
+    /// The patterns that are being written out, the innermost last.
+    instances: Vec<(Symbol, Site)>,
+    /// Instances without a name, so far.
+    anonymous: u32,
+    nesting: usize,
+    steps: usize,
+    limits: Limits,
+    /// A limit has been reached: nothing more is written out.
+    exhausted: bool,
+    plate: Option<Site>,
+    phase_sites: FxHashMap<String, Site>,
+    symbols: &'f mut Symbols,
+    findings: &'f mut Vec<Finding>,
+}
+
+impl<'a> Expander<'a, '_> {
+    fn assembly(&mut self, assembly: &'a Assembly) {
+        // Patterns and shapes may stand behind their use.
+        self.declare(&assembly.body);
+        self.items(&assembly.body);
+        if self.plate.is_none() {
+            self.findings.push(
+                Finding::new(Code::MissingPlate, "the assembly has no seed plate")
+                    .label(self.plan.site, "nothing to grow from")
+                    .help("begin with `seed plate 3 x 3 { M at (1, 1) }`"),
+            );
+        }
+    }
+
+    fn declare(&mut self, items: &'a [Item]) {
+        for item in items {
+            let site = |span| Site {
+                file: self.file,
+                span,
+            };
+            let (name, known) = match &item.kind {
+                ItemKind::Pattern(pattern) => {
+                    let here = (self.file, &**pattern);
+                    let known = self.patterns.insert(pattern.name.symbol, here);
+                    (pattern.name, known.map(|(file, old)| (file, old.name)))
+                }
+                ItemKind::Shape(shape) => {
+                    let here = (self.file, &**shape);
+                    let known = self.shapes.insert(shape.name.symbol, here);
+                    (shape.name, known.map(|(file, old)| (file, old.name)))
+                }
+                _ => continue,
+            };
+            if let Some((file, old)) = known {
+                let old = Site {
+                    file,
+                    span: old.span,
+                };
+                let finding = duplicate(
+                    self.symbols.word(name.symbol),
+                    old,
+                    site(name.span),
+                    item.noun(),
+                );
+                self.findings.push(finding);
+            }
+        }
+    }
+
+    fn items(&mut self, items: &'a [Item]) {
+        if self.nesting >= MAX_NESTING {
+            if let Some(item) = items.first() {
+                self.exhausted = true;
+                let site = self.site(item.span);
+                self.findings.push(
+                    Finding::new(
+                        Code::TooDeep,
+                        format!("patterns and loops inside each other, {MAX_NESTING} deep"),
+                    )
+                    .label(site, "one level too many")
+                    .help("grow a long structure with a loop or `->>` instead of nested patterns"),
+                );
+            }
+            return;
+        }
+        self.nesting += 1;
+        let mark = self.scope.mark();
+        for item in items {
+            if self.exhausted || !self.step(item.span) {
+                break;
+            }
+            self.item(item);
+        }
+        self.scope.restore(mark);
+        self.nesting -= 1;
+    }
+
+    /// Counts a statement; false when there have been too many.
+    fn step(&mut self, span: Span) -> bool {
+        self.steps += 1;
+        let most = self.limits;
+        if self.steps <= most.steps && self.plan.events.len() <= most.events {
+            return true;
+        }
+        self.exhausted = true;
+        let (count, what) = if self.steps > most.steps {
+            (most.steps, "statements")
+        } else {
+            (most.events, "captures and releases")
+        };
+        let mut finding = Finding::new(
+            Code::ExpansionLimit,
+            format!("the program grows beyond {count} {what}"),
+        )
+        .label(self.site(span), "the limit is reached here");
+        for &(_, site) in self.instances.iter().rev().take(3) {
+            finding = finding.label(site, "in this instance");
+        }
+        let help = "look for a loop with too large a range, or patterns that multiply each other";
+        self.findings.push(finding.help(help));
+        false
+    }
+
+    fn item(&mut self, item: &'a Item) {
+        match &item.kind {
+            ItemKind::Chain(chain) => self.chain(chain),
+            ItemKind::Release(release) => self.release(release),
+            ItemKind::Instance(instance) => self.instance(instance, item.span),
+            ItemKind::For(block) => self.repeat(block),
+            ItemKind::Let(_) => self.declaration(item),
+            ItemKind::Seed(seed) => self.seed_plate(seed, item.span),
+            ItemKind::Seat(seat) => self.seat(seat),
+            ItemKind::Phase(phase) => self.phase(phase),
+            ItemKind::Yields(name) => {
+                let site = self.site(name.span);
+                if let Some(phase) = self.plan.phases.last_mut() {
+                    phase.claims.push((name.symbol, site));
+                }
+            }
+            // Declared beforehand, or no part of an assembly.
+            ItemKind::Pattern(_)
+            | ItemKind::Shape(_)
+            | ItemKind::Scene(_)
+            | ItemKind::Assembly(_)
+            | ItemKind::Import(_) => {}
+        }
+    }
+
+    fn declaration(&mut self, item: &'a Item) {
+        let ItemKind::Let(let_) = &item.kind else {
+            return;
+        };
+        let site = self.site(let_.name.span);
+        // Where its value is in doubt, so is the name: it is declared all the same.
+        let value = self
+            .evaluate(&let_.value)
+            .map_or(Value::Unknown, Value::Number);
+        self.define(let_.name.symbol, value, site);
+    }
+
+    /// Gives a name a value, unless it has one in the same block.
+    fn define(&mut self, name: Symbol, value: Value, site: Site) {
+        if let Some(old) = self.scope.define(name, value, site) {
+            let finding = duplicate(self.symbols.word(name), old, site, "a `let`");
+            self.findings.push(finding);
+        }
+    }
+
+    fn phase(&mut self, phase: &'a Phase) {
+        let site = self.site(phase.name.span);
+        let Some(name) = self.single_key(&phase.name) else {
+            return;
+        };
+        let mut roles = Roles::default();
+        let role = roles.intern(name);
+        let name = roles.name(role, self.symbols);
+        if let Some(&old) = self.phase_sites.get(&name) {
+            self.findings.push(duplicate(&name, old, site, "a phase"));
+        }
+        self.phase_sites.insert(name.clone(), site);
+        let timeout = phase.timeout.as_ref().and_then(|quantity| {
+            let timeout = Timeout::of(quantity);
+            if timeout.is_none() {
+                self.findings.push(
+                    Finding::new(Code::WrongDimension, "a timeout is a positive time")
+                        .label(self.site(quantity.span), "not a time")
+                        .help("write a number of ticks such as `40000 ticks`, or seconds"),
+                );
+            }
+            timeout
+        });
+        let start = self.plan.events.len() as u32;
+        self.plan.phases.push(PlanPhase {
+            name,
+            site,
+            timeout,
+            events: start..start,
+            claims: Vec::new(),
+        });
+        self.items(&phase.body);
+        let end = self.plan.events.len() as u32;
+        if let Some(phase) = self.plan.phases.last_mut() {
+            phase.events.end = end;
+            if start == end && phase.claims.is_empty() {
+                self.findings.push(
+                    Finding::new(Code::EmptyPhase, "a phase without captures or releases")
+                        .label(site, "ends as soon as it begins")
+                        .help("remove it, or check the ranges of its loops"),
+                );
+            }
+        }
+    }
+
+    fn site(&self, span: Span) -> Site {
+        Site {
+            file: self.file,
+            span,
+        }
+    }
+}
+
+/// Two things with one name.
+pub fn duplicate(name: &str, old: Site, new: Site, noun: &str) -> Finding {
+    Finding::new(Code::DuplicateName, format!("`{name}` is declared twice"))
+        .label(new, format!("{noun} with a name that is taken"))
+        .label(old, "first declared here")
+        .help("rename one of the two")
+}

@@ -1,0 +1,215 @@
+//! Names of blocks: paths with indices and ranges.
+use smallvec::SmallVec;
+use stochc_grammar::Face;
+use stochc_grammar::tree::{Entry, Place, Segment};
+
+use super::Expander;
+use super::scope::Value;
+use crate::finding::{Code, Finding};
+use crate::plan::Key;
+use crate::table::RoleId;
+
+/// A place, worked out.
+pub struct Blocks {
+    /// The blocks it names, the last index running fastest.
+    pub keys: SmallVec<[Key; 1]>,
+    /// Whether one of its indices is a range.
+    pub ranged: bool,
+    /// The face behind it.
+    pub face: Option<Face>,
+}
+
+impl Expander<'_, '_> {
+    /// Works a place out; what is wrong with it is told of.
+    pub fn place(&mut self, place: &Place) -> Option<Blocks> {
+        let mut path = &place.path[..];
+        let mut face = place.face.map(|(face, _)| face);
+        // A parameter may stand for the face: `base.side -> T`.
+        if let (None, [_, .., last]) = (face, path)
+            && last.index.is_none()
+            && let Some(Value::Face(value)) = self.scope.get(last.name.symbol)
+        {
+            face = Some(value);
+            path = &path[..path.len() - 1];
+        }
+        let (last, outer) = path.split_last()?;
+        let mut scope = self.scope.instance;
+        for segment in outer {
+            scope = self.instance_scope(scope, segment)?;
+        }
+        if outer.is_empty()
+            && let Some(value) = self.scope.get(last.name.symbol)
+        {
+            let keys = match value {
+                Value::Block(key) if last.index.is_none() => SmallVec::from_elem(key, 1),
+                Value::Unknown => return None,
+                _ => {
+                    self.not_a_block(last);
+                    return None;
+                }
+            };
+            return Some(Blocks {
+                keys,
+                ranged: false,
+                face,
+            });
+        }
+        let (keys, ranged) = self.keys(scope, last)?;
+        Some(Blocks { keys, ranged, face })
+    }
+
+    /// A place that names exactly one block, with its face if it has one.
+    pub fn single(&mut self, place: &Place) -> Option<(RoleId, Option<Face>)> {
+        let blocks = self.place(place)?;
+        if blocks.ranged {
+            self.findings.push(
+                Finding::new(Code::RangeMisused, "several blocks where one is needed")
+                    .label(self.site(place.span), "a range of blocks")
+                    .help("`->>` captures a range of blocks in a row"),
+            );
+            return None;
+        }
+        let role = self.plan.roles.intern(*blocks.keys.first()?);
+        Some((role, blocks.face))
+    }
+
+    /// A place used as the name of something new in the current scope.
+    pub fn single_key(&mut self, place: &Place) -> Option<Key> {
+        let segment = match &place.path[..] {
+            [only] => only,
+            _ => {
+                self.findings.push(
+                    Finding::new(Code::WrongKind, "a new name has no dots")
+                        .label(self.site(place.span), "belongs to something else"),
+                );
+                return None;
+            }
+        };
+        let (keys, ranged) = self.keys(self.scope.instance, segment)?;
+        if ranged {
+            self.findings.push(
+                Finding::new(Code::RangeMisused, "several names where one is needed")
+                    .label(self.site(place.span), "a range of names"),
+            );
+            return None;
+        }
+        keys.first().copied()
+    }
+
+    /// The inside of a named instance.
+    fn instance_scope(&mut self, scope: u32, segment: &Segment) -> Option<u32> {
+        let (keys, ranged) = self.keys(scope, segment)?;
+        let key = *keys.first()?;
+        let found = self.plan.roles.scope(&key);
+        if let (Some(inside), false) = (found, ranged) {
+            return Some(inside);
+        }
+        let word = self.symbols.word(segment.name.symbol);
+        let finding = if ranged {
+            Finding::new(Code::RangeMisused, "a range of instances")
+                .label(self.site(segment.name.span), "one instance is needed here")
+        } else {
+            Finding::new(
+                Code::UnknownName,
+                format!("no instance of a pattern is called `{word}`"),
+            )
+            .label(self.site(segment.name.span), "not known here")
+            .help(format!(
+                "name the instance where it grows: `tower(A, 2) as {word}`; \
+                 what a pattern builds is known behind that statement"
+            ))
+        };
+        self.findings.push(finding);
+        None
+    }
+
+    /// The names that a segment stands for.
+    fn keys(&mut self, scope: u32, segment: &Segment) -> Option<(SmallVec<[Key; 1]>, bool)> {
+        let mut key = Key {
+            scope,
+            word: segment.name.symbol,
+            arity: 0,
+            index: [0; Key::MAX_INDICES],
+        };
+        let Some(entries) = segment.index.as_deref() else {
+            return Some((SmallVec::from_elem(key, 1), false));
+        };
+        if entries.len() > Key::MAX_INDICES {
+            self.findings.push(
+                Finding::new(
+                    Code::WrongArguments,
+                    format!("more than {} indices", Key::MAX_INDICES),
+                )
+                .label(self.site(segment.name.span), "has too many"),
+            );
+            return None;
+        }
+        key.arity = entries.len() as u8;
+        let mut ranged = false;
+        let mut bounds = [(0, 0); Key::MAX_INDICES];
+        for (i, entry) in entries.iter().enumerate() {
+            bounds[i] = match entry {
+                Entry::One(expr) => {
+                    let value = self.index(expr)?;
+                    (value, value)
+                }
+                Entry::Range(first, last) => {
+                    ranged = true;
+                    (self.index(first)?, self.index(last)?)
+                }
+            };
+        }
+        let bounds = &bounds[..entries.len()];
+        let count = bounds.iter().try_fold(1usize, |product, &(first, last)| {
+            let span = usize::try_from(i64::from(last) - i64::from(first) + 1).unwrap_or(0);
+            product.checked_mul(span)
+        });
+        let room = self.limits.events;
+        let Some(count) = count.filter(|&count| count <= room) else {
+            self.exhausted = true;
+            self.findings.push(
+                Finding::new(
+                    Code::ExpansionLimit,
+                    format!("the program grows beyond {room} captures and releases"),
+                )
+                .label(self.site(segment.name.span), "this range alone is larger"),
+            );
+            return None;
+        };
+        let mut keys = SmallVec::with_capacity(count);
+        for number in 0..count as u64 {
+            let mut rest = number;
+            for (i, &(first, last)) in bounds.iter().enumerate().rev() {
+                let span = (i64::from(last) - i64::from(first) + 1) as u64;
+                key.index[i] = first + (rest % span) as i32;
+                rest /= span;
+            }
+            keys.push(key);
+        }
+        Some((keys, ranged))
+    }
+
+    fn index(&mut self, expr: &stochc_grammar::tree::Expr) -> Option<i32> {
+        let value = self.evaluate(expr)?;
+        let index = i32::try_from(value).ok();
+        if index.is_none() {
+            self.findings.push(
+                Finding::new(
+                    Code::Arithmetic,
+                    format!("{value} is too large for an index"),
+                )
+                .label(self.site(expr.span), "indices have 32 bits"),
+            );
+        }
+        index
+    }
+
+    fn not_a_block(&mut self, segment: &Segment) {
+        let word = self.symbols.word(segment.name.symbol);
+        self.findings.push(
+            Finding::new(Code::WrongKind, format!("`{word}` is not a block here"))
+                .label(self.site(segment.name.span), "stands for something else")
+                .help("blocks, numbers and parameters need different names"),
+        );
+    }
+}

@@ -1,0 +1,97 @@
+//! The seed plate.
+use stochc_grammar::Span;
+use stochc_grammar::tree::{Expr, Seat};
+
+use super::{Expander, duplicate};
+use crate::finding::{Code, Finding};
+use crate::plan::Seed;
+use crate::table::Plate;
+use crate::{Cell, Site};
+
+/// Blocks along one edge of a plate, at most.
+const MAX_EDGE: i64 = 100_000;
+
+impl<'a> Expander<'a, '_> {
+    /// The plate and the seeds on it.
+    pub fn seed_plate(&mut self, seed: &'a stochc_grammar::tree::Seed, span: Span) {
+        let site = Site {
+            file: self.file,
+            span: Span::new(span.start, span.start + "seed".len() as u32),
+        };
+        if let Some(old) = self.plate.replace(site) {
+            self.findings.push(
+                Finding::new(Code::DuplicateName, "an assembly has one seed plate")
+                    .label(site, "a second one")
+                    .label(old, "the first"),
+            );
+            return;
+        }
+        if let Some(phase) = self.plan.phases.first() {
+            let finding = Finding::new(Code::Misplaced, "the seed plate stands behind a phase")
+                .label(site, "comes too late")
+                .label(phase.site, "the first phase")
+                .help("move it to the beginning of the assembly");
+            self.findings.push(finding);
+            return;
+        }
+        let width = self.edge(&seed.size.0);
+        let depth = self.edge(&seed.size.1);
+        self.plan.plate = Plate {
+            width: width.unwrap_or(u32::MAX),
+            depth: depth.unwrap_or(u32::MAX),
+        };
+        self.items(&seed.body);
+    }
+
+    fn edge(&mut self, expr: &Expr) -> Option<u32> {
+        let value = self.evaluate(expr)?;
+        if (1..=MAX_EDGE).contains(&value) {
+            return u32::try_from(value).ok();
+        }
+        self.findings.push(
+            Finding::new(Code::WrongValue, format!("a plate of {value} blocks")).label(
+                self.site(expr.span),
+                format!("must be from 1 to {MAX_EDGE}"),
+            ),
+        );
+        None
+    }
+
+    /// One seed.
+    pub fn seat(&mut self, seat: &'a Seat) {
+        let site = self.site(seat.place.span);
+        let key = self.single_key(&seat.place);
+        let (x, y) = (self.evaluate(&seat.at.0), self.evaluate(&seat.at.1));
+        let (Some(key), Some(x), Some(y)) = (key, x, y) else {
+            return;
+        };
+        let Plate { width, depth } = self.plan.plate;
+        let inside = |value: i64, edge: u32| (0..i64::from(edge)).contains(&value);
+        if !(inside(x, width) && inside(y, depth)) {
+            let at = self.site(seat.at.0.span.to(seat.at.1.span));
+            self.findings.push(
+                Finding::new(
+                    Code::SeedOutsidePlate,
+                    format!("({x}, {y}) is not on the plate"),
+                )
+                .label(at, format!("the plate has {width} x {depth} blocks"))
+                .help(format!(
+                    "the south-west block is (0, 0), the north-east one ({}, {})",
+                    width - 1,
+                    depth - 1
+                )),
+            );
+            return;
+        }
+        let cell = Cell::new(x as i32, y as i32, 0);
+        let role = self.plan.roles.intern(key);
+        // Seeds are interned first, so a new one has the next number.
+        if (role.0 as usize) < self.plan.seeds.len() {
+            let old = self.plan.seeds[role.0 as usize].site;
+            let name = self.plan.roles.name(role, self.symbols);
+            self.findings.push(duplicate(&name, old, site, "a seed"));
+            return;
+        }
+        self.plan.seeds.push(Seed { role, cell, site });
+    }
+}

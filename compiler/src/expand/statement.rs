@@ -1,0 +1,291 @@
+//! Captures, releases, loops and instances.
+use stochc_grammar::tree::{
+    Argument, Arrow, Chain, ExprKind, For, Instance, Place, Release, Subject,
+};
+use stochc_grammar::{Face, Span};
+
+use super::Expander;
+use super::scope::Value;
+use crate::Site;
+use crate::finding::{Code, Finding};
+use crate::plan::{After, Deed, Event, EventId, Key};
+use crate::suggest::suggest;
+use crate::table::RoleId;
+
+impl<'a> Expander<'a, '_> {
+    /// Captures, one after the other.
+    pub fn chain(&mut self, chain: &'a Chain) {
+        let first = EventId(self.plan.events.len() as u32);
+        let head = self.single(&chain.head);
+        let mut parent = head.map(|(role, _)| role);
+        let mut face = head.and_then(|(_, face)| face);
+        let mut parent_place = &chain.head;
+        for link in &chain.links {
+            let site = self.site(parent_place.span.to(link.place.span));
+            match link.arrow {
+                Arrow::One => {
+                    let child = self.single(&link.place);
+                    let used = self.face(parent, face, parent_place);
+                    if let (Some(parent), Some(face), Some((child, _))) = (parent, used, child) {
+                        self.capture(parent, face, child, site);
+                    }
+                    parent = child.map(|(role, _)| role);
+                    face = child.and_then(|(_, face)| face);
+                }
+                Arrow::Row => {
+                    let Some(blocks) = self.place(&link.place) else {
+                        parent = None;
+                        face = None;
+                        continue;
+                    };
+                    if !blocks.ranged {
+                        self.findings.push(
+                            Finding::new(Code::RangeMisused, "`->>` needs a range of blocks")
+                                .label(self.site(link.place.span), "a single block")
+                                .help("write a range such as `T[1..12]`, or `->` for one block"),
+                        );
+                    }
+                    let used = self.face(parent, face, parent_place);
+                    for key in blocks.keys {
+                        let child = self.plan.roles.intern(key);
+                        if let (Some(parent), Some(face)) = (parent, used) {
+                            self.capture(parent, face, child, site);
+                        }
+                        parent = Some(child);
+                        if self.exhausted || !self.step(link.place.span) {
+                            return;
+                        }
+                    }
+                    face = blocks.face;
+                }
+            }
+            parent_place = &link.place;
+        }
+        if let (Some(_), Some(last)) = (face, chain.links.last()) {
+            let span = last.place.face.map_or(last.place.span, |(_, span)| span);
+            self.findings.push(
+                Finding::new(
+                    Code::FaceMisused,
+                    "a face at the end of a chain captures nothing",
+                )
+                .label(self.site(span), "nothing follows")
+                .help("leave the face out, or write what it captures: `-> X`"),
+            );
+        }
+        if (first.0 as usize) < self.plan.events.len() {
+            self.after(first, &chain.after);
+        }
+    }
+
+    /// The face that captures next.
+    fn face(&mut self, parent: Option<RoleId>, face: Option<Face>, place: &Place) -> Option<Face> {
+        if parent.is_some() && face.is_none() {
+            let text = place.path.last().map(|segment| segment.name.symbol);
+            let name = text.map_or("", |symbol| self.symbols.word(symbol));
+            self.findings.push(
+                Finding::new(Code::MissingFace, "a capture needs a face")
+                    .label(self.site(place.span), "through which of its faces?")
+                    .help(format!(
+                        "write `{name}.up`, or another of up, down, north, south, east, west"
+                    )),
+            );
+        }
+        face
+    }
+
+    fn capture(&mut self, parent: RoleId, face: Face, role: RoleId, site: Site) {
+        self.plan.events.push(Event {
+            deed: Deed::Capture { parent, face },
+            role,
+            site,
+            sound: true,
+        });
+    }
+
+    fn after(&mut self, event: EventId, subjects: &'a [Subject]) {
+        for subject in subjects {
+            let site = self.site(subject.place.span);
+            let Some(blocks) = self.place(&subject.place) else {
+                continue;
+            };
+            for key in blocks.keys {
+                let role = self.plan.roles.intern(key);
+                self.plan.afters.push(After {
+                    event,
+                    role,
+                    release: subject.release,
+                    site,
+                });
+                if self.exhausted || !self.step(subject.place.span) {
+                    return;
+                }
+            }
+        }
+    }
+
+    /// Releases.
+    pub fn release(&mut self, release: &'a Release) {
+        for place in &release.places {
+            let site = self.site(place.span);
+            let Some(blocks) = self.place(place) else {
+                continue;
+            };
+            for key in blocks.keys {
+                let role = self.plan.roles.intern(key);
+                let event = EventId(self.plan.events.len() as u32);
+                self.plan.events.push(Event {
+                    deed: Deed::Release,
+                    role,
+                    site,
+                    sound: true,
+                });
+                self.after(event, &release.after);
+                if self.exhausted || !self.step(place.span) {
+                    return;
+                }
+            }
+        }
+    }
+
+    /// A loop.
+    pub fn repeat(&mut self, block: &'a For) {
+        let first = self.evaluate(&block.range.0);
+        let last = self.evaluate(&block.range.1);
+        let site = self.site(block.counter.span);
+        let (Some(first), Some(last)) = (first, last) else {
+            return;
+        };
+        for value in first..=last {
+            if self.exhausted || !self.step(block.counter.span) {
+                return;
+            }
+            let mark = self.scope.mark();
+            self.scope
+                .define(block.counter.symbol, Value::Number(value), site);
+            self.items(&block.body);
+            self.scope.restore(mark);
+        }
+    }
+
+    /// An instance of a pattern.
+    pub fn instance(&mut self, instance: &'a Instance, span: Span) {
+        let site = self.site(instance.pattern.span);
+        let name = instance.pattern.symbol;
+        let Some(&(file, pattern)) = self.patterns.get(&name) else {
+            let word = self.symbols.word(name);
+            let known = self.patterns.keys().map(|&known| self.symbols.word(known));
+            let help = suggest(word, known)
+                .unwrap_or_else(|| format!("declare it: `pattern {word}(base) {{ ... }}`"));
+            self.findings.push(
+                Finding::new(Code::UnknownName, format!("no pattern is called `{word}`"))
+                    .label(site, "not known here")
+                    .help(help),
+            );
+            return;
+        };
+        if let Some(depth) = self.instances.iter().position(|&(outer, _)| outer == name) {
+            self.recursion(depth, site);
+            return;
+        }
+        let (given, needed) = (instance.arguments.len(), pattern.parameters.len());
+        if given != needed {
+            let parameters = Site {
+                file,
+                span: pattern.name.span,
+            };
+            self.findings.push(
+                Finding::new(
+                    Code::WrongArguments,
+                    format!(
+                        "`{}` takes {needed} arguments, not {given}",
+                        self.symbols.word(name)
+                    ),
+                )
+                .label(self.site(span), format!("gives {given}"))
+                .label(parameters, format!("takes {needed}")),
+            );
+            return;
+        }
+        let values: Vec<Value> = (instance.arguments.iter())
+            .map(|argument| self.argument(argument))
+            .collect();
+        let key = match &instance.alias {
+            Some(alias) => self.single_key(alias),
+            None => {
+                self.anonymous += 1;
+                let text = format!("{}#{}", self.symbols.word(name), self.anonymous);
+                Some(Key {
+                    scope: self.scope.instance,
+                    word: self.symbols.intern(&text),
+                    arity: 0,
+                    index: [0; Key::MAX_INDICES],
+                })
+            }
+        };
+        let Some(key) = key else { return };
+        let inside = self.plan.roles.intern_scope(key);
+        let mark = self.scope.enter_instance(inside);
+        let outer_file = std::mem::replace(&mut self.file, file);
+        self.instances.push((name, site));
+        for (parameter, value) in pattern.parameters.iter().zip(values) {
+            let site = self.site(parameter.span);
+            self.define(parameter.symbol, value, site);
+        }
+        self.items(&pattern.body);
+        self.instances.pop();
+        self.file = outer_file;
+        self.scope.restore(mark);
+    }
+
+    fn argument(&mut self, argument: &'a Argument) -> Value {
+        match argument {
+            Argument::Place(place) => {
+                if let (Some((face, _)), true) = (place.face, place.path.is_empty()) {
+                    return Value::Face(face);
+                }
+                if let Some((_, span)) = place.face {
+                    self.findings.push(
+                        Finding::new(Code::FaceMisused, "an argument is a block or a face")
+                            .label(self.site(span), "this is a block with its face")
+                            .help("give them as two arguments"),
+                    );
+                    return Value::Unknown;
+                }
+                self.single_block(place)
+            }
+            Argument::Expr(expr) => {
+                // A bare name is a number, a face or a block, whichever it stands for.
+                if let ExprKind::Name(word) = expr.kind {
+                    return self.scope.get(word).unwrap_or(Value::Block(Key {
+                        scope: self.scope.instance,
+                        word,
+                        arity: 0,
+                        index: [0; Key::MAX_INDICES],
+                    }));
+                }
+                self.evaluate(expr).map_or(Value::Unknown, Value::Number)
+            }
+        }
+    }
+
+    fn single_block(&mut self, place: &'a Place) -> Value {
+        let key = self
+            .single(place)
+            .map(|(role, _)| self.plan.roles.key(role));
+        key.map_or(Value::Unknown, Value::Block)
+    }
+
+    fn recursion(&mut self, depth: usize, site: Site) {
+        let mut finding = Finding::new(
+            Code::RecursivePattern,
+            "a pattern grows itself, without end",
+        )
+        .label(site, "grows the pattern it stands in");
+        for &(name, site) in &self.instances[depth..] {
+            finding = finding.label(site, format!("grows `{}`", self.symbols.word(name)));
+        }
+        let help = "repeat with `for` or `->>` instead";
+        self.findings.push(finding.help(help));
+        self.exhausted = true;
+    }
+}

@@ -1,0 +1,201 @@
+//! Findings as pictures of the text, by miette.
+use miette::{
+    Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteError,
+    MietteSpanContents, SourceCode, SourceSpan, SpanContents,
+};
+
+use super::{Finding, Label, Severity};
+use crate::{FileId, SourceFile, Sources};
+
+/// Draws findings over the text they speak of.
+pub struct Renderer {
+    handler: GraphicalReportHandler,
+}
+
+impl Renderer {
+    /// With colours for a terminal, or in plain text for files and tests; `width` in columns.
+    pub fn new(colour: bool, width: usize) -> Renderer {
+        let theme = if colour {
+            GraphicalTheme::unicode()
+        } else {
+            GraphicalTheme::unicode_nocolor()
+        };
+        let handler = GraphicalReportHandler::new_themed(theme)
+            .with_width(width)
+            .with_links(false);
+        Renderer { handler }
+    }
+
+    /// One finding, ending in a newline.
+    pub fn render(&self, finding: &Finding, sources: &Sources) -> String {
+        let picture = Picture::new(finding, sources);
+        let mut out = String::new();
+        // Writing to a string cannot fail; a span that cannot be shown leaves the title.
+        if self.handler.render_report(&mut out, &picture).is_err() {
+            out = format!("{}: {}\n", finding.code, finding.title);
+        }
+        out
+    }
+}
+
+/// A finding, or the part of it that lies in one file.
+#[derive(Debug)]
+struct Picture<'a> {
+    code: Option<&'static str>,
+    severity: Severity,
+    title: String,
+    help: Option<&'a str>,
+    excerpt: Option<Excerpt<'a>>,
+    labels: Vec<LabeledSpan>,
+    related: Vec<Picture<'a>>,
+}
+
+impl<'a> Picture<'a> {
+    fn new(finding: &'a Finding, sources: &'a Sources) -> Picture<'a> {
+        let home = finding.labels.first().map(|label| label.site.file);
+        let mut elsewhere: Vec<FileId> = (finding.labels.iter())
+            .map(|label| label.site.file)
+            .filter(|&file| Some(file) != home)
+            .collect();
+        elsewhere.sort_unstable();
+        elsewhere.dedup();
+        let part = |file: FileId| -> Vec<LabeledSpan> {
+            let of_file = finding
+                .labels
+                .iter()
+                .filter(|label| label.site.file == file);
+            of_file.map(labeled).collect()
+        };
+        Picture {
+            code: Some(finding.code.name()),
+            severity: finding.code.severity(),
+            title: visible(&finding.title),
+            help: finding.help.as_deref(),
+            excerpt: home.map(|file| Excerpt(sources.file(file))),
+            labels: home.map(part).unwrap_or_default(),
+            related: elsewhere
+                .into_iter()
+                .map(|file| Picture {
+                    code: None,
+                    severity: finding.code.severity(),
+                    title: format!("in {}", sources.file(file).name),
+                    help: None,
+                    excerpt: Some(Excerpt(sources.file(file))),
+                    labels: part(file),
+                    related: Vec::new(),
+                })
+                .collect(),
+        }
+    }
+}
+
+fn labeled(label: &Label) -> LabeledSpan {
+    let span = label.site.span;
+    let text = visible(&label.text);
+    LabeledSpan::new(Some(text), span.start as usize, span.len())
+}
+
+/// Keeps control characters and marks of writing direction from acting on the terminal.
+fn visible(text: &str) -> String {
+    let hostile = |c: char| {
+        c.is_control()
+            || matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+    };
+    text.chars()
+        .map(|c| if hostile(c) { '\u{fffd}' } else { c })
+        .collect()
+}
+
+impl std::fmt::Display for Picture<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.title)
+    }
+}
+
+impl std::error::Error for Picture<'_> {}
+
+impl Diagnostic for Picture<'_> {
+    fn code<'b>(&'b self) -> Option<Box<dyn std::fmt::Display + 'b>> {
+        self.code.map(|code| Box::new(code) as Box<_>)
+    }
+
+    fn severity(&self) -> Option<miette::Severity> {
+        Some(match self.severity {
+            Severity::Error => miette::Severity::Error,
+            Severity::Warning => miette::Severity::Warning,
+        })
+    }
+
+    fn help<'b>(&'b self) -> Option<Box<dyn std::fmt::Display + 'b>> {
+        self.help.map(|help| Box::new(help) as Box<_>)
+    }
+
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        self.excerpt.as_ref().map(|excerpt| excerpt as _)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        Some(Box::new(self.labels.iter().cloned()))
+    }
+
+    fn related<'b>(&'b self) -> Option<Box<dyn Iterator<Item = &'b dyn Diagnostic> + 'b>> {
+        let related = self
+            .related
+            .iter()
+            .map(|picture| picture as &dyn Diagnostic);
+        (!self.related.is_empty()).then(|| Box::new(related) as Box<_>)
+    }
+}
+
+/// A file that finds its lines by its index, and cuts the long ones.
+#[derive(Debug)]
+struct Excerpt<'a>(&'a SourceFile);
+
+impl SourceCode for Excerpt<'_> {
+    fn read_span<'b>(
+        &'b self,
+        span: &SourceSpan,
+        before: usize,
+        after: usize,
+    ) -> Result<Box<dyn SpanContents<'b> + 'b>, MietteError> {
+        /// Bytes around the span that are shown of a long line.
+        const MARGIN: usize = 60;
+        /// Bytes before or behind a span from which on they are cut.
+        const LONG: usize = 800;
+        /// Bytes of a span that are shown.
+        const LONGEST: usize = 4000;
+        let file = self.0;
+        let text = &file.text;
+        let from = span.offset().min(text.len());
+        let to = (from + span.len().min(LONGEST)).min(text.len());
+        let first = file.line_of(from as u32).saturating_sub(before);
+        let last_byte = to.saturating_sub(usize::from(to > from));
+        let last = (file.line_of(last_byte as u32) + after).min(file.line_count() - 1);
+        let (line_start, _) = file.line_range(first);
+        let (_, line_end) = file.line_range(last);
+        let mut start = line_start;
+        if from - start > LONG {
+            start = from - MARGIN;
+        }
+        let mut end = line_end;
+        if end - to > LONG {
+            end = to + MARGIN;
+        }
+        while !text.is_char_boundary(start) {
+            start -= 1;
+        }
+        while !text.is_char_boundary(end) {
+            end += 1;
+        }
+        let line = file.line_of(start as u32);
+        let column = start - file.line_range(line).0;
+        Ok(Box::new(MietteSpanContents::new_named(
+            file.name.clone(),
+            &text.as_bytes()[start..end],
+            (start, end - start).into(),
+            line,
+            column,
+            last - first + 1,
+        )))
+    }
+}

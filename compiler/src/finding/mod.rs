@@ -1,0 +1,65 @@
+//! What the compiler has to say about a program.
+mod code;
+mod graphical;
+mod syntax;
+
+pub use code::{Code, Severity};
+pub use graphical::Renderer;
+
+use crate::Site;
+
+/// One message, with the places it speaks of.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Finding {
+    /// Its kind; what `stochc explain` takes.
+    pub code: Code,
+    /// The message, in one line.
+    pub title: String,
+    /// The places, the one to look at first at the front; empty only if there is no text to show.
+    pub labels: Vec<Label>,
+    /// What to do next.
+    pub help: Option<String>,
+}
+
+/// A place with its part in the message.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Label {
+    /// Where.
+    pub site: Site,
+    /// What is there.
+    pub text: String,
+}
+
+impl Finding {
+    /// A finding without labels or help.
+    pub fn new(code: Code, title: impl Into<String>) -> Finding {
+        Finding {
+            code,
+            title: title.into(),
+            labels: Vec::new(),
+            help: None,
+        }
+    }
+
+    /// Adds a place.
+    #[must_use]
+    pub fn label(mut self, site: Site, text: impl Into<String>) -> Finding {
+        self.labels.push(Label {
+            site,
+            text: text.into(),
+        });
+        self
+    }
+
+    /// Says what to do next.
+    #[must_use]
+    pub fn help(mut self, text: impl Into<String>) -> Finding {
+        self.help = Some(text.into());
+        self
+    }
+
+    /// Whether the program is wrong, not merely suspicious.
+    pub fn is_error(&self) -> bool {
+        self.code.severity() == Severity::Error
+    }
+}

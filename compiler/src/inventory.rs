@@ -1,0 +1,69 @@
+//! Whether the scene has the blocks and the room.
+use crate::finding::{Code, Finding};
+use crate::layout::Layout;
+use crate::plan::{Deed, Plan};
+use crate::scene::{Enclosure, Scene};
+
+/// Compares a program with its scene.
+pub fn check(plan: &Plan, layout: &Layout, scene: &Scene, findings: &mut Vec<Finding>) {
+    let free = scene.free.count;
+    let needed = layout
+        .sizes
+        .iter()
+        .zip(&plan.phases)
+        .max_by_key(|(size, _)| **size);
+    if let Some((&size, phase)) = needed
+        && size > free
+    {
+        findings.push(
+            Finding::new(
+                Code::TooFewBlocks,
+                format!("the structure has {size} blocks, the scene only {free}"),
+            )
+            .label(
+                phase.site,
+                format!("{size} blocks are anchored at the end of this phase"),
+            )
+            .help(format!(
+                "a scene with `free {size} uniform` or more, or a smaller structure"
+            )),
+        );
+    }
+    let Some(Enclosure::Hemisphere { radius, .. }) = scene.enclosure else {
+        return;
+    };
+    // Distances in sides, from the centre of the plate's upper side.
+    let radius = radius / scene.block.side;
+    let centre = |edge: u32| (f64::from(edge) - 1.0) / 2.0;
+    let (east, north) = (centre(plan.plate.width), centre(plan.plate.depth));
+    let outside = plan
+        .events
+        .iter()
+        .zip(&layout.cells)
+        .find_map(|(event, cell)| {
+            let cell =
+                (*cell).filter(|_| event.sound && matches!(event.deed, Deed::Capture { .. }))?;
+            let x = (f64::from(cell.x) - east).abs() + 0.5;
+            let y = (f64::from(cell.y) - north).abs() + 0.5;
+            let distance = (x * x + y * y + f64::from(cell.z) * f64::from(cell.z)).sqrt();
+            (distance > radius).then_some((event, cell, distance))
+        });
+    if let Some((event, cell, distance)) = outside {
+        let side = scene.block.side;
+        findings.push(
+            Finding::new(
+                Code::OutsideEnclosure,
+                "the structure grows out of the enclosure",
+            )
+            .label(
+                event.site,
+                format!(
+                    "the block at {cell} reaches {:.2} m from the centre, beyond {:.2} m",
+                    distance * side,
+                    radius * side
+                ),
+            )
+            .help("a scene with a larger radius, or a smaller structure"),
+        );
+    }
+}

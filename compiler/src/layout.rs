@@ -1,0 +1,416 @@
+//! Where every block sits, and what is there already.
+use rustc_hash::FxHashMap;
+use stochc_grammar::{Face, Symbols};
+
+use crate::Cell;
+use crate::finding::{Code, Finding};
+use crate::plan::{Deed, EventId, Plan};
+use crate::presence::Presence;
+use crate::table::RoleId;
+
+/// The geometry of a program.
+#[derive(Clone, Debug)]
+pub struct Layout {
+    /// For every event, the cell of its block; `None` where it cannot be worked out.
+    pub cells: Vec<Option<Cell>>,
+    /// For every event, the block that holds or held its block.
+    pub parents: Vec<Option<Attachment>>,
+    /// Releases that empty a cell for a capture of the same phase.
+    pub vacated: Vec<(EventId, EventId)>,
+    /// The cells above the plate that are taken at the end of each phase that claims a shape.
+    pub claimed: Vec<Vec<Cell>>,
+    /// Blocks above the plate at the end of each phase.
+    pub sizes: Vec<u32>,
+    /// Releases of a parent, with those of its children that have to come first.
+    pub emptied: Vec<(EventId, EventId)>,
+}
+
+/// How a block hangs on another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Attachment {
+    /// The other block.
+    pub parent: RoleId,
+    /// The face of the parent, in the structure's frame.
+    pub face: Face,
+    /// The capture that made the bond.
+    pub capture: EventId,
+}
+
+/// A block that is anchored.
+#[derive(Clone, Copy)]
+struct Seat {
+    cell: Cell,
+    /// `None`: part of the plate.
+    on: Option<Attachment>,
+}
+
+/// Works out the cells, and tells of captures that cannot dock.
+pub fn lay_out(
+    plan: &mut Plan,
+    presence: &Presence,
+    symbols: &Symbols,
+    findings: &mut Vec<Finding>,
+) -> Layout {
+    let count = plan.events.len();
+    let mut seats: Vec<Option<Seat>> = vec![None; plan.roles.len()];
+    let mut taken: FxHashMap<Cell, RoleId> = FxHashMap::default();
+    for seed in &plan.seeds {
+        let seat = Seat {
+            cell: seed.cell,
+            on: None,
+        };
+        if let Some(first) = taken.insert(seed.cell, seed.role) {
+            let first = plan.seeds[first.0 as usize];
+            findings.push(
+                Finding::new(Code::OccupiedCell, format!("two seeds at {}", seed.cell))
+                    .label(seed.site, "a second one")
+                    .label(first.site, "the first"),
+            );
+        }
+        seats[seed.role.0 as usize] = Some(seat);
+    }
+    let layout = Layout {
+        cells: vec![None; count],
+        parents: vec![None; count],
+        vacated: Vec::new(),
+        claimed: Vec::new(),
+        sizes: Vec::new(),
+        emptied: Vec::new(),
+    };
+    let mut surveyor = Surveyor {
+        plan,
+        presence,
+        symbols,
+        findings,
+        layout,
+        seats,
+        taken,
+    };
+    for phase in 0..surveyor.plan.phases.len() {
+        surveyor.phase(phase);
+    }
+    surveyor.layout
+}
+
+struct Surveyor<'a> {
+    plan: &'a mut Plan,
+    presence: &'a Presence,
+    symbols: &'a Symbols,
+    findings: &'a mut Vec<Finding>,
+    layout: Layout,
+    /// Where the blocks are that are anchored at the start of the phase.
+    seats: Vec<Option<Seat>>,
+    /// Who is where at the start of the phase.
+    taken: FxHashMap<Cell, RoleId>,
+}
+
+impl Surveyor<'_> {
+    fn phase(&mut self, number: usize) {
+        let events: Vec<EventId> = self.plan.events_of(&self.plan.phases[number]).collect();
+        // Releases of this phase, by the block that goes.
+        let mut leaving: FxHashMap<RoleId, EventId> = FxHashMap::default();
+        for &id in &events {
+            let event = self.plan.event(id);
+            if event.sound && event.deed == Deed::Release {
+                leaving.insert(event.role, id);
+            }
+        }
+        let arrivals = self.captures(&events, &leaving);
+        for &id in &events {
+            let event = *self.plan.event(id);
+            if event.sound && event.deed == Deed::Release {
+                let context = self.presence.contexts[id.0 as usize];
+                let (cell, on) = match context.anchored_by {
+                    Some(capture) => {
+                        let i = capture.0 as usize;
+                        (self.layout.cells[i], self.layout.parents[i])
+                    }
+                    None => {
+                        let seat = self.seats[event.role.0 as usize];
+                        (seat.map(|seat| seat.cell), seat.and_then(|seat| seat.on))
+                    }
+                };
+                self.layout.cells[id.0 as usize] = cell;
+                self.layout.parents[id.0 as usize] = on;
+            }
+        }
+        self.adrift(&events, &leaving, &arrivals);
+        self.settle(&events, &leaving, number);
+    }
+
+    /// The cells of the phase's captures; whoever takes a cell first.
+    fn captures(
+        &mut self,
+        events: &[EventId],
+        leaving: &FxHashMap<RoleId, EventId>,
+    ) -> FxHashMap<Cell, EventId> {
+        let mut arrivals: FxHashMap<Cell, EventId> = FxHashMap::default();
+        // Captures whose parent is captured by an event that has not been placed yet.
+        let mut waiting: FxHashMap<EventId, Vec<EventId>> = FxHashMap::default();
+        let mut ready: Vec<EventId> = Vec::new();
+        for &id in events {
+            let event = self.plan.event(id);
+            if !event.sound || event.deed == Deed::Release {
+                continue;
+            }
+            match self.presence.contexts[id.0 as usize].anchored_by {
+                Some(parent) if self.layout.cells[parent.0 as usize].is_none() => {
+                    waiting.entry(parent).or_default().push(id);
+                }
+                _ => ready.push(id),
+            }
+            while let Some(id) = ready.pop() {
+                self.place(id, leaving, &mut arrivals);
+                if let Some(children) = waiting.remove(&id) {
+                    ready.extend(children.into_iter().rev());
+                }
+            }
+        }
+        arrivals
+    }
+
+    /// Works out the cell of one capture.
+    fn place(
+        &mut self,
+        id: EventId,
+        leaving: &FxHashMap<RoleId, EventId>,
+        arrivals: &mut FxHashMap<Cell, EventId>,
+    ) {
+        let event = *self.plan.event(id);
+        let Deed::Capture { parent, face } = event.deed else {
+            return;
+        };
+        let base = match self.presence.contexts[id.0 as usize].anchored_by {
+            Some(capture) => {
+                let i = capture.0 as usize;
+                self.layout.cells[i].map(|cell| Seat {
+                    cell,
+                    on: self.layout.parents[i],
+                })
+            }
+            None => self.seats[parent.0 as usize],
+        };
+        let Some(base) = base else { return };
+        let on = Attachment {
+            parent,
+            face,
+            capture: id,
+        };
+        self.layout.parents[id.0 as usize] = Some(on);
+        if !self.is_free_face(id, base, face) {
+            return;
+        }
+        let Some(cell) = base.cell.across(face) else {
+            return;
+        };
+        // A block below the plate has been told of; its own children need no message.
+        self.layout.cells[id.0 as usize] = Some(cell);
+        if cell.z < 1 {
+            let name = self.plan.roles.name(event.role, self.symbols);
+            self.reject(
+                id,
+                Finding::new(
+                    Code::BelowPlate,
+                    format!("`{name}` would be inside the ground"),
+                )
+                .label(event.site, format!("its cell is {cell}"))
+                .help("the plate is the layer z = 0; blocks grow from z = 1 upwards"),
+            );
+            return;
+        }
+        if let Some(&there) = self.taken.get(&cell) {
+            match leaving.get(&there) {
+                Some(&release) => self.layout.vacated.push((release, id)),
+                None => {
+                    let site = match self.seats[there.0 as usize].and_then(|seat| seat.on) {
+                        Some(on) => self.plan.event(on.capture).site,
+                        None => event.site,
+                    };
+                    let name = self.plan.roles.name(there, self.symbols);
+                    let finding = self
+                        .occupied(id, cell)
+                        .label(site, format!("`{name}` is there"));
+                    self.reject(id, finding);
+                    return;
+                }
+            }
+        }
+        if let Some(&first) = arrivals.get(&cell) {
+            let first_event = *self.plan.event(first);
+            let name = self.plan.roles.name(first_event.role, self.symbols);
+            let label = format!("`{name}` takes it in the same phase");
+            let finding = self
+                .occupied(id, cell)
+                .label(first_event.site, label)
+                .help("put the second one into a later phase, behind the release of the first");
+            self.reject(id, finding);
+            return;
+        }
+        arrivals.insert(cell, id);
+    }
+
+    fn is_free_face(&mut self, id: EventId, base: Seat, face: Face) -> bool {
+        let event = *self.plan.event(id);
+        let Deed::Capture { parent, .. } = event.deed else {
+            return true;
+        };
+        let name = self.plan.roles.name(parent, self.symbols);
+        match base.on {
+            None if face != Face::Up => {
+                self.reject(
+                    id,
+                    Finding::new(
+                        Code::EmbeddedFace,
+                        format!("the {face} face of `{name}` is inside the plate"),
+                    )
+                    .label(event.site, "nothing can come to it")
+                    .help(format!(
+                        "only the upper faces of the plate show: `{name}.up`"
+                    )),
+                );
+                false
+            }
+            Some(on) if on.face.opposite() == face => {
+                let site = self.plan.event(on.capture).site;
+                self.reject(
+                    id,
+                    Finding::new(
+                        Code::AnchoringFace,
+                        format!("the {face} face of `{name}` is the one that anchors it"),
+                    )
+                    .label(event.site, "captures through it")
+                    .label(site, format!("`{name}` hangs on its parent by that face"))
+                    .help("capture through another of its five faces"),
+                );
+                false
+            }
+            _ => true,
+        }
+    }
+
+    fn occupied(&self, id: EventId, cell: Cell) -> Finding {
+        let event = self.plan.event(id);
+        let name = self.plan.roles.name(event.role, self.symbols);
+        Finding::new(
+            Code::OccupiedCell,
+            format!("`{name}` would dock where a block is"),
+        )
+        .label(event.site, format!("its cell is {cell}"))
+    }
+
+    fn reject(&mut self, id: EventId, finding: Finding) {
+        self.plan.events[id.0 as usize].sound = false;
+        self.findings.push(finding);
+    }
+
+    /// Releases that would leave a child without a parent, and the order among releases.
+    fn adrift(
+        &mut self,
+        events: &[EventId],
+        leaving: &FxHashMap<RoleId, EventId>,
+        arrivals: &FxHashMap<Cell, EventId>,
+    ) {
+        for &id in events {
+            let event = *self.plan.event(id);
+            let Some(cell) = self.layout.cells[id.0 as usize] else {
+                continue;
+            };
+            if !event.sound || event.deed != Deed::Release {
+                continue;
+            }
+            for face in Face::ALL {
+                let Some(neighbour) = cell.across(face) else {
+                    continue;
+                };
+                let child = self.child_of(event.role, neighbour, id, arrivals);
+                let Some((child, capture)) = child else {
+                    continue;
+                };
+                if let Some(&release) = leaving.get(&child) {
+                    self.layout.emptied.push((release, id));
+                    continue;
+                }
+                let name = self.plan.roles.name(event.role, self.symbols);
+                let child = self.plan.roles.name(child, self.symbols);
+                let site = self.plan.event(capture).site;
+                self.reject(
+                    id,
+                    Finding::new(
+                        Code::Adrift,
+                        format!("releasing `{name}` sets `{child}` adrift"),
+                    )
+                    .label(event.site, format!("`{name}` is let go"))
+                    .label(site, format!("`{child}` hangs on it"))
+                    .help(format!(
+                        "release `{child}` as well, in this phase or before it"
+                    )),
+                );
+            }
+        }
+    }
+
+    /// The block in a cell that hangs on `parent` when `release` happens, with its capture.
+    fn child_of(
+        &self,
+        parent: RoleId,
+        cell: Cell,
+        release: EventId,
+        arrivals: &FxHashMap<Cell, EventId>,
+    ) -> Option<(RoleId, EventId)> {
+        let anchored_by = self.presence.contexts[release.0 as usize].anchored_by;
+        let standing = self.taken.get(&cell).filter(|_| anchored_by.is_none());
+        if let Some(&child) = standing
+            && let Some(on) = self.seats[child.0 as usize].and_then(|seat| seat.on)
+            && on.parent == parent
+        {
+            return Some((child, on.capture));
+        }
+        let &capture = arrivals.get(&cell)?;
+        let Deed::Capture { parent: by, .. } = self.plan.event(capture).deed else {
+            return None;
+        };
+        // The same incarnation of the parent: both anchored in this phase, or both before it.
+        let same = self.presence.contexts[capture.0 as usize].anchored_by == anchored_by;
+        (by == parent && same).then(|| (self.plan.event(capture).role, capture))
+    }
+
+    /// The structure at the end of the phase.
+    fn settle(&mut self, events: &[EventId], leaving: &FxHashMap<RoleId, EventId>, number: usize) {
+        for &id in events {
+            let event = *self.plan.event(id);
+            if event.sound
+                && event.deed == Deed::Release
+                && self.presence.contexts[id.0 as usize].anchored_by.is_none()
+                && let Some(seat) = self.seats[event.role.0 as usize].take()
+            {
+                self.taken.remove(&seat.cell);
+            }
+        }
+        for &id in events {
+            let event = *self.plan.event(id);
+            let i = id.0 as usize;
+            let (Some(cell), Deed::Capture { .. }) = (self.layout.cells[i], event.deed) else {
+                continue;
+            };
+            let gone_again = leaving.get(&event.role).is_some_and(|release| {
+                self.presence.contexts[release.0 as usize].anchored_by == Some(id)
+            });
+            if event.sound && !gone_again {
+                self.taken.insert(cell, event.role);
+                self.seats[event.role.0 as usize] = Some(Seat {
+                    cell,
+                    on: self.layout.parents[i],
+                });
+            }
+        }
+        self.layout
+            .sizes
+            .push((self.taken.len() - self.plan.seeds.len().min(self.taken.len())) as u32);
+        let mut cells = Vec::new();
+        if !self.plan.phases[number].claims.is_empty() {
+            cells.extend(self.taken.keys().copied().filter(|cell| cell.z >= 1));
+            cells.sort_unstable();
+        }
+        self.layout.claimed.push(cells);
+    }
+}

@@ -1,0 +1,215 @@
+//! A file and everything it imports, parsed.
+use rustc_hash::FxHashMap;
+use stochc_grammar::tree::{ItemKind, Tree};
+use stochc_grammar::{Span, Symbol, Symbols, parse};
+
+use crate::finding::{Code, Finding};
+use crate::{FileId, Site, Sources};
+
+/// Reads files for the compiler, which does no IO of its own.
+pub trait Reader {
+    /// The bytes of a file, or why they cannot be had, in the words of the system.
+    ///
+    /// `path` is the program's own path joined with that of the import, with `/` between folders.
+    fn read(&mut self, path: &str) -> Result<Vec<u8>, String>;
+}
+
+impl<F: FnMut(&str) -> Result<Vec<u8>, String>> Reader for F {
+    fn read(&mut self, path: &str) -> Result<Vec<u8>, String> {
+        self(path)
+    }
+}
+
+/// One parsed file.
+#[derive(Clone, Debug)]
+pub struct Module {
+    /// Its text.
+    pub file: FileId,
+    /// What it says.
+    pub tree: Tree,
+}
+
+/// A file and everything it imports.
+#[derive(Debug, Default)]
+pub struct Loaded {
+    /// Imported files before those that import them; the program's own file comes last.
+    pub modules: Vec<Module>,
+    /// The words of all of them.
+    pub symbols: Symbols,
+    /// Words in parts that could not be read.
+    pub doubtful: rustc_hash::FxHashSet<Symbol>,
+}
+
+/// Reads and parses `path` and whatever it imports, each file once.
+pub fn load(
+    path: &str,
+    reader: &mut dyn Reader,
+    sources: &mut Sources,
+    findings: &mut Vec<Finding>,
+) -> Loaded {
+    let mut loader = Loader {
+        reader,
+        sources,
+        findings,
+        loaded: Loaded::default(),
+        state: FxHashMap::default(),
+    };
+    loader.run(path);
+    loader.loaded
+}
+
+/// How far a file has come.
+#[derive(Clone, Copy, PartialEq)]
+enum State {
+    /// Its imports are being read; the file, and where the next one is imported.
+    Open(Site),
+    Done,
+}
+
+struct Loader<'a> {
+    reader: &'a mut dyn Reader,
+    sources: &'a mut Sources,
+    findings: &'a mut Vec<Finding>,
+    loaded: Loaded,
+    state: FxHashMap<String, State>,
+}
+
+/// A file whose imports are being read.
+struct Pending {
+    path: String,
+    module: Module,
+    imports: std::vec::IntoIter<(String, Span)>,
+}
+
+impl Loader<'_> {
+    /// Depth first, with a stack of its own: a chain of imports may be as long as it likes.
+    fn run(&mut self, root: &str) {
+        let mut stack: Vec<Pending> = Vec::new();
+        stack.extend(self.open(root.to_owned(), None));
+        while let Some(top) = stack.last_mut() {
+            let Some((import, span)) = top.imports.next() else {
+                if let Some(done) = stack.pop() {
+                    self.state.insert(done.path, State::Done);
+                    self.loaded.modules.push(done.module);
+                }
+                continue;
+            };
+            let file = top.module.file;
+            let path = join(&top.path, &import);
+            self.state
+                .insert(top.path.clone(), State::Open(Site { file, span }));
+            match self.state.get(&path) {
+                None => stack.extend(self.open(path, Some(Site { file, span }))),
+                Some(State::Done) => {}
+                Some(State::Open(_)) => self.cycle(&path, &stack),
+            }
+        }
+    }
+
+    fn open(&mut self, path: String, importer: Option<Site>) -> Option<Pending> {
+        let bytes = match self.reader.read(&path) {
+            Ok(bytes) => bytes,
+            Err(reason) => {
+                self.state.insert(path.clone(), State::Done);
+                let finding = Finding::new(Code::ImportMissing, format!("cannot read `{path}`"));
+                self.findings.push(match importer {
+                    Some(site) => finding
+                        .label(site, reason)
+                        .help("the path is relative to the file that imports it"),
+                    None => finding.help(reason),
+                });
+                return None;
+            }
+        };
+        let invalid = std::str::from_utf8(&bytes).err().map(|e| e.valid_up_to());
+        let text = String::from_utf8_lossy(&bytes).into_owned();
+        let file = self.sources.add(path.clone(), text);
+        if let Some(at) = invalid {
+            let at = at as u32;
+            let span = Span::new(at, at + '\u{fffd}'.len_utf8() as u32);
+            self.findings.push(
+                Finding::new(Code::NotUtf8, "the file is not UTF-8 text")
+                    .label(Site { file, span }, "the first byte that is not")
+                    .help("save the file as UTF-8"),
+            );
+            self.state.insert(path, State::Done);
+            return None;
+        }
+        let text = self.sources.file(file).text.clone();
+        let parsed = parse(&text, &mut self.loaded.symbols);
+        self.loaded.doubtful.extend(parsed.doubtful);
+        let errors = parsed.errors.iter();
+        self.findings
+            .extend(errors.map(|error| Finding::from_syntax(file, error)));
+        let imports: Vec<_> = (parsed.tree.items.iter())
+            .filter_map(|item| match &item.kind {
+                ItemKind::Import(import) => Some((import.path.clone(), import.path_span)),
+                _ => None,
+            })
+            .collect();
+        let site = Site {
+            file,
+            span: Span::default(),
+        };
+        self.state.insert(path.clone(), State::Open(site));
+        Some(Pending {
+            path,
+            module: Module {
+                file,
+                tree: parsed.tree,
+            },
+            imports: imports.into_iter(),
+        })
+    }
+
+    /// Labels every import of a circle of files.
+    fn cycle(&mut self, path: &str, stack: &[Pending]) {
+        let first = stack.iter().position(|pending| pending.path == path);
+        let mut finding = Finding::new(Code::ImportCycle, "files import each other in a circle");
+        for pending in &stack[first.unwrap_or(0)..] {
+            if let Some(State::Open(site)) = self.state.get(&pending.path) {
+                let import = self.sources.text(*site).to_owned();
+                finding = finding.label(*site, format!("`{}` imports {import}", pending.path));
+            }
+        }
+        let help = "move what both files need into a third one";
+        self.findings.push(finding.help(help));
+    }
+}
+
+/// The path of an import, relative to what the importing file's path is relative to.
+fn join(importer: &str, import: &str) -> String {
+    let folder = importer.rfind('/').map_or("", |slash| &importer[..=slash]);
+    let joined = if import.starts_with('/') {
+        import.to_owned()
+    } else {
+        format!("{folder}{import}")
+    };
+    let mut parts: Vec<&str> = Vec::new();
+    for part in joined.split('/') {
+        match part {
+            "." => {}
+            ".." if parts.last().is_some_and(|last| !matches!(*last, ".." | "")) => {
+                parts.pop();
+            }
+            part => parts.push(part),
+        }
+    }
+    parts.join("/")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::join;
+
+    #[test]
+    fn imports_are_relative_to_their_file() {
+        assert_eq!(join("a.sa", "b.sa"), "b.sa");
+        assert_eq!(join("x/a.sa", "b.sa"), "x/b.sa");
+        assert_eq!(join("x/a.sa", "../b.sa"), "b.sa");
+        assert_eq!(join("x/a.sa", "./y/../b.sa"), "x/b.sa");
+        assert_eq!(join("../a.sa", "../b.sa"), "../../b.sa");
+        assert_eq!(join("/x/a.sa", "../../b.sa"), "/../b.sa");
+        assert_eq!(join("x/a.sa", "/b.sa"), "/b.sa");
+    }
+}

@@ -1,0 +1,297 @@
+//! The dependency graph to event tables: what each block has to know to keep the order by itself.
+use petgraph::Direction::{Incoming, Outgoing};
+use petgraph::graph::NodeIndex;
+use petgraph::visit::EdgeRef;
+use stochc_grammar::Symbols;
+
+use crate::graph::{Dependency, DependencyGraph};
+use crate::layout::Layout;
+use crate::plan::{Deed, EventId, Plan};
+use crate::presence::Presence;
+use crate::scene::Scene;
+use crate::table::{Action, Condition, News, Phase, PhaseId, Role, RoleId, Tables, Trigger};
+
+/// Lowers a program in which nothing is wrong.
+pub fn lower(
+    plan: &Plan,
+    presence: &Presence,
+    layout: &Layout,
+    graph: &DependencyGraph,
+    scene: &Scene,
+    symbols: &Symbols,
+) -> Tables {
+    let mut lowering = Lowering {
+        plan,
+        presence,
+        layout,
+        graph,
+        rules: Vec::with_capacity(plan.events.len() * 2),
+        conditions: Vec::new(),
+        reports: vec![0; plan.phases.len()],
+        duties: busy(plan, graph),
+    };
+    for (number, phase) in plan.phases.iter().enumerate() {
+        for id in plan.events_of(phase) {
+            lowering.event(id, PhaseId(number as u32));
+        }
+    }
+    lowering.finish(scene, symbols)
+}
+
+/// For every event, whether the block it anchors has more to do in the same phase.
+fn busy(plan: &Plan, graph: &DependencyGraph) -> Vec<bool> {
+    let mut busy = vec![false; plan.events.len()];
+    for edge in graph.raw_edges() {
+        if edge.weight == Dependency::Anchored {
+            busy[edge.source().index()] = true;
+        }
+    }
+    busy
+}
+
+/// A rule on its way to its duty.
+struct Loose {
+    role: RoleId,
+    phase: PhaseId,
+    trigger: Trigger,
+    /// A range of `Lowering::conditions`.
+    when: (u32, u32),
+    then: Action,
+}
+
+struct Lowering<'a> {
+    plan: &'a Plan,
+    presence: &'a Presence,
+    layout: &'a Layout,
+    graph: &'a DependencyGraph,
+    rules: Vec<Loose>,
+    conditions: Vec<Condition>,
+    reports: Vec<u32>,
+    duties: Vec<bool>,
+}
+
+impl Lowering<'_> {
+    fn event(&mut self, id: EventId, phase: PhaseId) {
+        let event = *self.plan.event(id);
+        match event.deed {
+            Deed::Capture { parent, face } => {
+                let Some(cell) = self.layout.cells[id.0 as usize] else {
+                    return;
+                };
+                let anchored_by = self.presence.contexts[id.0 as usize].anchored_by;
+                let trigger = trigger(anchored_by);
+                let when = self.conditions_of(id, parent);
+                let action = Action::Magnetize {
+                    face,
+                    child: event.role,
+                    cell,
+                };
+                self.push(parent, phase, trigger, when, action);
+                // A terminal block: it has nothing more to do, and says so.
+                if !self.duties[id.0 as usize] {
+                    self.reports[phase.0 as usize] += 1;
+                    self.push(event.role, phase, Trigger::Anchored, [], Action::Report);
+                }
+            }
+            Deed::Release => {
+                let Some(on) = self.layout.parents[id.0 as usize] else {
+                    return;
+                };
+                let context = self.presence.contexts[id.0 as usize];
+                let when = self.conditions_of(id, event.role);
+                self.push(
+                    event.role,
+                    phase,
+                    trigger(context.anchored_by),
+                    when,
+                    Action::AskRelease,
+                );
+                let parent_trigger = self.parent_trigger(id);
+                let off = Action::SwitchOff {
+                    face: on.face,
+                    child: event.role,
+                };
+                self.push(
+                    on.parent,
+                    phase,
+                    parent_trigger,
+                    [Condition::Asked(event.role)],
+                    off,
+                );
+                let node = NodeIndex::new(id.0 as usize);
+                let goes_on = (self.graph.edges_directed(node, Outgoing))
+                    .any(|edge| *edge.weight() == Dependency::Emptied);
+                if !goes_on {
+                    self.reports[phase.0 as usize] += 1;
+                    let when = [Condition::Released(event.role)];
+                    self.push(on.parent, phase, parent_trigger, when, Action::Report);
+                }
+            }
+        }
+        self.tell(id, phase);
+    }
+
+    /// When the duty begins of the block that holds the released one.
+    fn parent_trigger(&self, release: EventId) -> Trigger {
+        let context = self.presence.contexts[release.0 as usize];
+        match context.anchored_by {
+            // Captured in this phase: its parent's duty is the one that captured it.
+            Some(capture) => trigger(self.presence.contexts[capture.0 as usize].anchored_by),
+            None => Trigger::Start,
+        }
+    }
+
+    /// What an event waits for, as the acting block sees it.
+    fn conditions_of(&self, id: EventId, actor: RoleId) -> Vec<Condition> {
+        let node = NodeIndex::new(id.0 as usize);
+        let mut conditions: Vec<Condition> = (self.graph.edges_directed(node, Incoming))
+            .filter_map(|edge| {
+                let first = self.graph[edge.source()];
+                match edge.weight() {
+                    // The duty begins with it, or the world sees to it.
+                    Dependency::Anchored | Dependency::Vacated => None,
+                    Dependency::Face | Dependency::Emptied => Some(self.seen(first)),
+                    Dependency::After(_) | Dependency::Freed => {
+                        if self.witness(first) == actor {
+                            return Some(self.seen(first));
+                        }
+                        let news = self.news(first);
+                        // A block knows of its own anchoring.
+                        (news != News::Anchored(actor)).then_some(Condition::Heard(news))
+                    }
+                }
+            })
+            .collect();
+        conditions.sort_unstable();
+        conditions.dedup();
+        conditions
+    }
+
+    /// The block that sees an event happen at its own face.
+    fn witness(&self, id: EventId) -> RoleId {
+        match self.plan.event(id).deed {
+            Deed::Capture { parent, .. } => parent,
+            Deed::Release => {
+                let on = self.layout.parents[id.0 as usize];
+                on.map_or(self.plan.event(id).role, |on| on.parent)
+            }
+        }
+    }
+
+    fn seen(&self, id: EventId) -> Condition {
+        let event = self.plan.event(id);
+        match event.deed {
+            Deed::Capture { .. } => Condition::Docked(event.role),
+            Deed::Release => Condition::Released(event.role),
+        }
+    }
+
+    fn news(&self, id: EventId) -> News {
+        let event = self.plan.event(id);
+        match event.deed {
+            Deed::Capture { .. } => News::Anchored(event.role),
+            Deed::Release => News::Released(event.role),
+        }
+    }
+
+    /// The messages that an event sends to the blocks that wait for it elsewhere.
+    fn tell(&mut self, id: EventId, phase: PhaseId) {
+        let event = *self.plan.event(id);
+        let node = NodeIndex::new(id.0 as usize);
+        let witness = self.witness(id);
+        let mut receivers: Vec<RoleId> = (self.graph.edges_directed(node, Outgoing))
+            .filter(|edge| matches!(edge.weight(), Dependency::After(_) | Dependency::Freed))
+            .map(|edge| {
+                let then = self.plan.event(self.graph[edge.target()]);
+                match then.deed {
+                    Deed::Capture { parent, .. } => parent,
+                    Deed::Release => then.role,
+                }
+            })
+            .filter(|&actor| actor != witness && News::Anchored(actor) != self.news(id))
+            .collect();
+        receivers.sort_unstable();
+        receivers.dedup();
+        for to in receivers {
+            let action = Action::Tell {
+                to,
+                news: self.news(id),
+            };
+            match event.deed {
+                Deed::Capture { .. } => {
+                    self.push(event.role, phase, Trigger::Anchored, [], action);
+                }
+                Deed::Release => {
+                    let when = [Condition::Released(event.role)];
+                    self.push(witness, phase, self.parent_trigger(id), when, action);
+                }
+            }
+        }
+    }
+
+    fn push(
+        &mut self,
+        role: RoleId,
+        phase: PhaseId,
+        trigger: Trigger,
+        when: impl IntoIterator<Item = Condition>,
+        then: Action,
+    ) {
+        let start = self.conditions.len() as u32;
+        self.conditions.extend(when);
+        let when = (start, self.conditions.len() as u32);
+        self.rules.push(Loose {
+            role,
+            phase,
+            trigger,
+            when,
+            then,
+        });
+    }
+
+    fn finish(mut self, scene: &Scene, symbols: &Symbols) -> Tables {
+        // Stable: within a duty the rules keep the order of the source.
+        self.rules
+            .sort_by_key(|rule| (rule.role, rule.phase, rule.trigger));
+        let mut tables = Tables {
+            assembly: self.plan.name.clone(),
+            faces: scene.block.faces,
+            plate: self.plan.plate.clone(),
+            phases: (self.plan.phases.iter().zip(&self.reports))
+                .map(|(phase, &reports)| Phase {
+                    name: phase.name.clone(),
+                    timeout: phase.timeout.map(|timeout| timeout.ticks(scene.tick)),
+                    reports,
+                })
+                .collect(),
+            roles: (0..self.plan.roles.len() as u32)
+                .map(|role| Role {
+                    name: self.plan.roles.name(RoleId(role), symbols),
+                    seed: self.plan.seeds.get(role as usize).map(|seed| seed.cell),
+                })
+                .collect(),
+            duties: Vec::new(),
+            rules: Vec::with_capacity(self.rules.len()),
+            conditions: Vec::with_capacity(self.conditions.len()),
+        };
+        let mut open = None;
+        for rule in &self.rules {
+            let key = (rule.role, rule.phase, rule.trigger);
+            if open != Some(key) {
+                tables.begin_duty(rule.role, rule.phase, rule.trigger);
+                open = Some(key);
+            }
+            let when = &self.conditions[rule.when.0 as usize..rule.when.1 as usize];
+            tables.push_rule(when.iter().copied(), rule.then);
+        }
+        tables
+    }
+}
+
+/// When the duty begins of a block that is, or is not, anchored during the phase.
+fn trigger(anchored_by: Option<EventId>) -> Trigger {
+    match anchored_by {
+        Some(_) => Trigger::Anchored,
+        None => Trigger::Start,
+    }
+}

@@ -1,0 +1,226 @@
+//! Cycles, and the longest serial chain.
+use petgraph::Direction::{Incoming, Outgoing};
+use petgraph::algo::kosaraju_scc;
+use petgraph::graph::NodeIndex;
+use petgraph::visit::EdgeRef;
+use rustc_hash::{FxHashMap, FxHashSet};
+use stochc_grammar::Symbols;
+
+use crate::finding::{Code, Finding};
+use crate::graph::{Dependency, DependencyGraph};
+use crate::plan::{Deed, EventId, Plan};
+
+/// An order in which everything can happen, and how much of it one after the other.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Order {
+    /// Every event that makes sense, each behind all it waits for.
+    pub events: Vec<EventId>,
+    /// The longest serial chain of each phase: captures that have to follow one another, with the
+    /// releases between them. Its length is its number of captures.
+    pub chains: Vec<Vec<EventId>>,
+}
+
+impl Order {
+    /// Captures in a chain.
+    pub fn length(plan: &Plan, chain: &[EventId]) -> usize {
+        let capture = |id: &&EventId| matches!(plan.event(**id).deed, Deed::Capture { .. });
+        chain.iter().filter(capture).count()
+    }
+
+    /// The phase with the longest chain of the program, and that chain.
+    pub fn longest(&self, plan: &Plan) -> Option<(usize, &[EventId])> {
+        (self.chains.iter().enumerate())
+            .max_by_key(|(number, chain)| (Order::length(plan, chain), std::cmp::Reverse(*number)))
+            .map(|(number, chain)| (number, chain.as_slice()))
+    }
+}
+
+/// Cycles told of, at most.
+const MOST_CYCLES: usize = 10;
+
+/// Sorts the events; cycles are told of, and then there is no order.
+pub fn sort(
+    plan: &Plan,
+    graph: &DependencyGraph,
+    symbols: &Symbols,
+    findings: &mut Vec<Finding>,
+) -> Option<Order> {
+    // Kahn's algorithm, so that events without a reason to wait keep their source order.
+    let mut missing: Vec<u32> = (graph.node_indices())
+        .map(|node| graph.edges_directed(node, Incoming).count() as u32)
+        .collect();
+    let mut order = Order::default();
+    order.events.reserve(graph.node_count());
+    let ready = |node: &NodeIndex| missing[node.index()] == 0 && plan.event(graph[*node]).sound;
+    let mut queue: std::collections::VecDeque<NodeIndex> =
+        graph.node_indices().filter(ready).collect();
+    // The longest chain that ends in each event: its length, and the event before.
+    let mut best: Vec<(u32, u32)> = vec![(0, u32::MAX); graph.node_count()];
+    while let Some(node) = queue.pop_front() {
+        let id = graph[node];
+        let is_capture = matches!(plan.event(id).deed, Deed::Capture { .. });
+        best[node.index()].0 += u32::from(is_capture);
+        let length = best[node.index()].0;
+        order.events.push(id);
+        // petgraph lists the newest edge first.
+        for edge in graph.edges_directed(node, Outgoing) {
+            let next = edge.target().index();
+            if best[next].1 == u32::MAX || length > best[next].0 {
+                best[next] = (length, id.0);
+            }
+            missing[next] -= 1;
+            if missing[next] == 0 {
+                queue.push_back(edge.target());
+            }
+        }
+    }
+    let sound = plan.events.iter().filter(|event| event.sound).count();
+    if order.events.len() < sound {
+        let done: FxHashSet<EventId> = order.events.into_iter().collect();
+        tell_cycles(plan, graph, &done, symbols, findings);
+        return None;
+    }
+    order.chains = (plan.phases.iter())
+        .map(|phase| longest_chain(phase.events.clone(), plan, &best))
+        .collect();
+    Some(order)
+}
+
+fn longest_chain(events: std::ops::Range<u32>, plan: &Plan, best: &[(u32, u32)]) -> Vec<EventId> {
+    let last = events
+        .filter(|&id| plan.event(EventId(id)).sound)
+        .max_by_key(|&id| (best[id as usize].0, std::cmp::Reverse(id)));
+    let mut chain = Vec::new();
+    let mut at = last.unwrap_or(u32::MAX);
+    while at != u32::MAX {
+        chain.push(EventId(at));
+        at = best[at as usize].1;
+    }
+    chain.reverse();
+    chain
+}
+
+fn tell_cycles(
+    plan: &Plan,
+    graph: &DependencyGraph,
+    done: &FxHashSet<EventId>,
+    symbols: &Symbols,
+    findings: &mut Vec<Finding>,
+) {
+    let rest = graph.filter_map(
+        |_, &id| (!done.contains(&id) && plan.event(id).sound).then_some(id),
+        |_, &why| Some(why),
+    );
+    let mut knots: Vec<Vec<NodeIndex>> = kosaraju_scc(&rest);
+    knots.retain(|knot| knot.len() > 1 || rest.contains_edge(knot[0], knot[0]));
+    for knot in &mut knots {
+        knot.sort_unstable();
+    }
+    knots.sort_unstable();
+    for knot in knots.iter().take(MOST_CYCLES) {
+        let cycle = shortest_cycle(&rest, knot);
+        findings.push(describe(plan, &rest, &cycle, symbols));
+    }
+}
+
+/// A shortest cycle through the first event of a knot, as edges.
+fn shortest_cycle(
+    graph: &DependencyGraph,
+    knot: &[NodeIndex],
+) -> Vec<(NodeIndex, NodeIndex, Dependency)> {
+    let start = knot[0];
+    let inside: FxHashSet<NodeIndex> = knot.iter().copied().collect();
+    let mut from: FxHashMap<NodeIndex, (NodeIndex, Dependency)> = FxHashMap::default();
+    let mut queue = std::collections::VecDeque::from([start]);
+    'search: while let Some(node) = queue.pop_front() {
+        for edge in graph.edges_directed(node, Outgoing) {
+            let next = edge.target();
+            if inside.contains(&next) && !from.contains_key(&next) {
+                from.insert(next, (node, *edge.weight()));
+                if next == start {
+                    break 'search;
+                }
+                queue.push_back(next);
+            }
+        }
+    }
+    let mut cycle = Vec::new();
+    let mut at = start;
+    while let Some(&(before, why)) = from.get(&at) {
+        cycle.push((before, at, why));
+        at = before;
+        if at == start {
+            break;
+        }
+    }
+    cycle.reverse();
+    cycle
+}
+
+fn describe(
+    plan: &Plan,
+    graph: &DependencyGraph,
+    cycle: &[(NodeIndex, NodeIndex, Dependency)],
+    symbols: &Symbols,
+) -> Finding {
+    /// Edges that are labelled; a longer cycle says how many it leaves out.
+    const MOST_LABELS: usize = 50;
+    let count = cycle.len();
+    let title = match count {
+        1 => "an event waits for itself".to_owned(),
+        count => format!("{count} events wait for each other in a circle"),
+    };
+    let mut finding = Finding::new(Code::Cycle, title);
+    for &(first, then, why) in cycle.iter().take(MOST_LABELS) {
+        let (first, then) = (graph[first], graph[then]);
+        let event = plan.event(then);
+        let waits = plan.describe(then, symbols);
+        let before = plan.describe(first, symbols);
+        let (site, text) = match why {
+            Dependency::Anchored => {
+                let name = match event.deed {
+                    Deed::Capture { parent, .. } => plan.roles.name(parent, symbols),
+                    Deed::Release => plan.roles.name(event.role, symbols),
+                };
+                (
+                    event.site,
+                    format!("`{waits}` needs `{name}`, which `{before}` anchors"),
+                )
+            }
+            Dependency::Face => (
+                event.site,
+                format!("`{waits}` waits for a free face: `{before}` is written before it"),
+            ),
+            Dependency::After(site) => (site, format!("`{waits}` is told to wait for `{before}`")),
+            Dependency::Emptied => (
+                event.site,
+                format!("`{waits}` waits until its child has gone: `{before}`"),
+            ),
+            Dependency::Vacated => (
+                event.site,
+                format!("`{waits}` needs the cell that `{before}` empties"),
+            ),
+            Dependency::Freed => (
+                event.site,
+                format!("`{waits}` needs the name that `{before}` frees"),
+            ),
+        };
+        finding = finding.label(site, text);
+    }
+    let why = |kind: fn(&Dependency) -> bool| cycle.iter().any(|(_, _, why)| kind(why));
+    let help = if count > MOST_LABELS {
+        format!(
+            "{} more are not shown; break the circle in one place",
+            count - MOST_LABELS
+        )
+    } else if why(|why| matches!(why, Dependency::Face)) {
+        "a block captures in the order in which its captures are written: swap the two, or drop \
+         the `after`"
+            .to_owned()
+    } else if why(|why| matches!(why, Dependency::After(_))) {
+        "drop one `after`, or move one of the two into a later phase".to_owned()
+    } else {
+        "begin with a block that is already there: a seed, or one captured before".to_owned()
+    };
+    finding.help(help)
+}

@@ -1,0 +1,231 @@
+//! A program with its patterns and loops written out: a flat list of captures and releases.
+use rustc_hash::FxHashMap;
+use stochc_grammar::{Face, Symbol, Symbols};
+
+use crate::table::{Plate, RoleId};
+use crate::{Cell, Site};
+
+/// A program, written out.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// Its name.
+    pub name: String,
+    /// Where that stands.
+    pub site: Site,
+    /// The seed plate.
+    pub plate: Plate,
+    /// The seeds, in source order.
+    pub seeds: Vec<Seed>,
+    /// Every name of a block.
+    pub roles: Roles,
+    /// The phases, in order.
+    pub phases: Vec<PlanPhase>,
+    /// Captures and releases in source order, phase by phase.
+    pub events: Vec<Event>,
+    /// The orders that `after` adds, sorted by the event that waits.
+    pub afters: Vec<After>,
+}
+
+/// A block of the plate that has a name.
+#[derive(Clone, Copy, Debug)]
+pub struct Seed {
+    /// Its name.
+    pub role: RoleId,
+    /// Its cell, with z = 0.
+    pub cell: Cell,
+    /// Where it is named.
+    pub site: Site,
+}
+
+/// A phase, written out.
+#[derive(Clone, Debug)]
+pub struct PlanPhase {
+    /// Its name.
+    pub name: String,
+    /// Where that stands.
+    pub site: Site,
+    /// Ticks or seconds after which it has failed.
+    pub timeout: Option<Timeout>,
+    /// Its events, a range of [`Plan::events`].
+    pub events: std::ops::Range<u32>,
+    /// The shape it claims, with the place of the claim.
+    pub claims: Vec<(Symbol, Site)>,
+}
+
+/// How long a phase may take.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Timeout {
+    /// In ticks of the scene's clock.
+    Ticks(u64),
+    /// In seconds.
+    Seconds(f64),
+}
+
+/// A capture or release; an index into [`Plan::events`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct EventId(pub u32);
+
+/// A capture or a release.
+#[derive(Clone, Copy, Debug)]
+pub struct Event {
+    /// Which of the two.
+    pub deed: Deed,
+    /// The block that is captured or released.
+    pub role: RoleId,
+    /// Where it is written.
+    pub site: Site,
+    /// Whether it makes sense; a senseless event has been told of, and takes no further part.
+    pub sound: bool,
+}
+
+/// What an event does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Deed {
+    /// A block magnetizes a face and names what docks there.
+    Capture {
+        /// The block that does.
+        parent: RoleId,
+        /// Through this face, in the structure's frame.
+        face: Face,
+    },
+    /// A block asks its parent to let it go.
+    Release,
+}
+
+/// An order that the program adds.
+#[derive(Clone, Copy, Debug)]
+pub struct After {
+    /// What waits.
+    pub event: EventId,
+    /// For whom.
+    pub role: RoleId,
+    /// Whether for its release rather than its capture.
+    pub release: bool,
+    /// Where it is written.
+    pub site: Site,
+}
+
+/// A name without its text: the instance of a pattern it belongs to, a word, and indices.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Key {
+    /// Which instance; 0 is the program itself.
+    pub scope: u32,
+    /// The word.
+    pub word: Symbol,
+    /// How many of the indices count.
+    pub arity: u8,
+    /// The indices.
+    pub index: [i32; Key::MAX_INDICES],
+}
+
+impl Key {
+    /// Indices that a name may have.
+    pub const MAX_INDICES: usize = 3;
+}
+
+/// Every name of a block, and every named instance of a pattern.
+#[derive(Clone, Debug, Default)]
+pub struct Roles {
+    roles: FxHashMap<Key, RoleId>,
+    keys: Vec<Key>,
+    scopes: FxHashMap<Key, u32>,
+    scope_keys: Vec<Key>,
+}
+
+impl Roles {
+    /// The role of a name, new or known.
+    pub fn intern(&mut self, key: Key) -> RoleId {
+        let next = RoleId(self.keys.len() as u32);
+        let role = *self.roles.entry(key).or_insert(next);
+        if role == next {
+            self.keys.push(key);
+        }
+        role
+    }
+
+    /// The role of a name, if known.
+    pub fn get(&self, key: &Key) -> Option<RoleId> {
+        self.roles.get(key).copied()
+    }
+
+    /// How many names there are.
+    pub fn len(&self) -> usize {
+        self.keys.len()
+    }
+
+    /// The name of a role, without its text.
+    pub fn key(&self, role: RoleId) -> Key {
+        self.keys[role.0 as usize]
+    }
+
+    /// The scope of an instance, new or known.
+    pub fn intern_scope(&mut self, key: Key) -> u32 {
+        let next = self.scope_keys.len() as u32 + 1;
+        let scope = *self.scopes.entry(key).or_insert(next);
+        if scope == next {
+            self.scope_keys.push(key);
+        }
+        scope
+    }
+
+    /// The scope of an instance, if known.
+    pub fn scope(&self, key: &Key) -> Option<u32> {
+        self.scopes.get(key).copied()
+    }
+
+    /// A name as the program writes it, such as `a.T[2]`.
+    pub fn name(&self, role: RoleId, symbols: &Symbols) -> String {
+        let mut text = String::new();
+        self.write(self.key(role), symbols, &mut text);
+        text
+    }
+
+    fn write(&self, key: Key, symbols: &Symbols, text: &mut String) {
+        use std::fmt::Write as _;
+        // The depth of scopes is bounded by the depth of the expansion.
+        if key.scope > 0 {
+            self.write(self.scope_keys[key.scope as usize - 1], symbols, text);
+            text.push('.');
+        }
+        text.push_str(symbols.word(key.word));
+        for (i, index) in key.index[..key.arity as usize].iter().enumerate() {
+            // Writing to a string cannot fail.
+            let _ = write!(text, "{}{index}", if i == 0 { "[" } else { ", " });
+        }
+        if key.arity > 0 {
+            text.push(']');
+        }
+    }
+}
+
+impl Plan {
+    /// An event.
+    pub fn event(&self, id: EventId) -> &Event {
+        &self.events[id.0 as usize]
+    }
+
+    /// The events of a phase, by number.
+    pub fn events_of(&self, phase: &PlanPhase) -> impl Iterator<Item = EventId> + use<> {
+        phase.events.clone().map(EventId)
+    }
+
+    /// How many captures and how many releases there are.
+    pub fn counts(&self) -> (usize, usize) {
+        let releases = (self.events.iter())
+            .filter(|event| event.deed == Deed::Release)
+            .count();
+        (self.events.len() - releases, releases)
+    }
+
+    /// An event in a few words: `A.up -> E`, or `release E`.
+    pub fn describe(&self, id: EventId, symbols: &Symbols) -> String {
+        let event = self.event(id);
+        let name = self.roles.name(event.role, symbols);
+        match event.deed {
+            Deed::Capture { parent, face } => {
+                format!("{}.{face} -> {name}", self.roles.name(parent, symbols))
+            }
+            Deed::Release => format!("release {name}"),
+        }
+    }
+}

@@ -1,0 +1,383 @@
+//! Which names stand for an anchored block, phase by phase.
+use rustc_hash::FxHashSet;
+use stochc_grammar::{Symbol, Symbols};
+
+use crate::Site;
+use crate::finding::{Code, Finding};
+use crate::plan::{Deed, EventId, Plan};
+use crate::suggest::suggest;
+use crate::table::RoleId;
+
+/// Who holds the names, and what becomes of them in each phase.
+#[derive(Clone, Debug)]
+pub struct Presence {
+    /// For every event, what its names mean.
+    pub contexts: Vec<Context>,
+    /// For every `after`, the event that is waited for; `None`: it has already happened.
+    pub subjects: Vec<Option<EventId>>,
+}
+
+/// What the names of an event mean.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct Context {
+    /// The capture in this phase that anchors the parent of a capture, or the block of a release.
+    pub anchored_by: Option<EventId>,
+    /// Of a capture: the release in this phase that frees the name.
+    pub freed_by: Option<EventId>,
+}
+
+/// What is known of a name.
+#[derive(Clone, Copy, Default)]
+struct State {
+    /// The event that anchored it, or `Seed`; `None`: nobody holds it.
+    holder: Option<Holder>,
+    /// The phase that the two fields below speak of, from 1.
+    phase: u32,
+    captured: Option<EventId>,
+    released: Option<EventId>,
+    /// The last event that released it, in any phase.
+    last_release: Option<EventId>,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Holder {
+    Seed,
+    Capture(EventId),
+}
+
+/// Checks every name; events that make no sense are marked so in the plan.
+pub fn check(
+    plan: &mut Plan,
+    symbols: &Symbols,
+    doubtful: &FxHashSet<Symbol>,
+    findings: &mut Vec<Finding>,
+) -> Presence {
+    let mut checker = Checker {
+        states: vec![State::default(); plan.roles.len()],
+        used: vec![false; plan.seeds.len()],
+        presence: Presence {
+            contexts: vec![Context::default(); plan.events.len()],
+            subjects: vec![None; plan.afters.len()],
+        },
+        symbols,
+        doubtful,
+        findings,
+        plan,
+    };
+    checker.run();
+    checker.presence
+}
+
+struct Checker<'a> {
+    plan: &'a mut Plan,
+    states: Vec<State>,
+    /// Seeds that have been spoken of.
+    used: Vec<bool>,
+    presence: Presence,
+    symbols: &'a Symbols,
+    doubtful: &'a FxHashSet<Symbol>,
+    findings: &'a mut Vec<Finding>,
+}
+
+impl Checker<'_> {
+    fn run(&mut self) {
+        for i in 0..self.plan.seeds.len() {
+            let role = self.plan.seeds[i].role;
+            self.states[role.0 as usize].holder = Some(Holder::Seed);
+        }
+        let mut afters = 0;
+        for number in 0..self.plan.phases.len() {
+            let stamp = number as u32 + 1;
+            let events: Vec<EventId> = self.plan.events_of(&self.plan.phases[number]).collect();
+            for &event in &events {
+                self.enter(event, stamp);
+            }
+            for &event in &events {
+                self.resolve(event, stamp);
+            }
+            let end = self.plan.phases[number].events.end;
+            while self
+                .plan
+                .afters
+                .get(afters)
+                .is_some_and(|after| after.event.0 < end)
+            {
+                self.resolve_after(afters, stamp);
+                afters += 1;
+            }
+            for &event in &events {
+                self.leave(event);
+            }
+        }
+        for (seed, used) in self.plan.seeds.iter().zip(&self.used) {
+            let key = self.plan.roles.key(seed.role);
+            if !used && !self.doubtful.contains(&key.word) {
+                let name = self.plan.roles.name(seed.role, self.symbols);
+                self.findings.push(
+                    Finding::new(Code::UnusedSeed, format!("the seed `{name}` is never used"))
+                        .label(seed.site, "captures nothing")
+                        .help("leave it out: the plate is there without it"),
+                );
+            }
+        }
+    }
+
+    fn state(&mut self, role: RoleId, stamp: u32) -> &mut State {
+        let state = &mut self.states[role.0 as usize];
+        if state.phase != stamp {
+            state.phase = stamp;
+            state.captured = None;
+            state.released = None;
+        }
+        state
+    }
+
+    /// Notes who captures and releases what in this phase.
+    fn enter(&mut self, id: EventId, stamp: u32) {
+        let event = *self.plan.event(id);
+        let state = *self.state(event.role, stamp);
+        let seed = state.holder == Some(Holder::Seed);
+        match event.deed {
+            Deed::Capture { parent, .. } => {
+                self.use_seed(parent);
+                if let Some(first) = state.captured {
+                    self.reject(
+                        id,
+                        Code::CapturedTwice,
+                        "is captured twice in one phase",
+                        first,
+                    );
+                } else if seed {
+                    let site = self.plan.seeds[event.role.0 as usize].site;
+                    self.reject_at(id, Code::CapturedTwice, "is a seed of the plate", site);
+                } else {
+                    self.state(event.role, stamp).captured = Some(id);
+                }
+            }
+            Deed::Release => {
+                self.use_seed(event.role);
+                if let Some(first) = state.released {
+                    self.reject(
+                        id,
+                        Code::ReleasedTwice,
+                        "is released twice in one phase",
+                        first,
+                    );
+                } else if seed {
+                    let site = self.plan.seeds[event.role.0 as usize].site;
+                    self.reject_at(id, Code::ReleasedSeed, "is part of the plate", site);
+                } else {
+                    self.state(event.role, stamp).released = Some(id);
+                }
+            }
+        }
+    }
+
+    fn use_seed(&mut self, role: RoleId) {
+        if let Some(used) = self.used.get_mut(role.0 as usize) {
+            *used = true;
+        }
+    }
+
+    /// Checks an event against all that happens in its phase.
+    fn resolve(&mut self, id: EventId, stamp: u32) {
+        let event = *self.plan.event(id);
+        if !event.sound {
+            return;
+        }
+        let state = *self.state(event.role, stamp);
+        let context = match event.deed {
+            Deed::Capture { parent, .. } => {
+                let freed_by = match (state.holder, state.released) {
+                    (Some(_), Some(release)) => Some(release),
+                    (Some(Holder::Capture(first)), None) => {
+                        let what = "is captured while it is part of the structure";
+                        return self.reject(id, Code::CapturedTwice, what, first);
+                    }
+                    _ => None,
+                };
+                let parent_state = *self.state(parent, stamp);
+                if parent_state.holder.is_none() && parent_state.captured.is_none() {
+                    return self.absent(id, parent, parent_state, "it cannot capture");
+                }
+                Context {
+                    anchored_by: parent_state.captured,
+                    freed_by,
+                }
+            }
+            Deed::Release => {
+                if state.holder.is_none() && state.captured.is_none() {
+                    return self.absent(id, event.role, state, "it cannot be released");
+                }
+                let anchored_by = match state.holder {
+                    Some(_) => None,
+                    None => state.captured,
+                };
+                Context {
+                    anchored_by,
+                    freed_by: None,
+                }
+            }
+        };
+        self.presence.contexts[id.0 as usize] = context;
+    }
+
+    fn resolve_after(&mut self, number: usize, stamp: u32) {
+        let after = self.plan.afters[number];
+        self.use_seed(after.role);
+        let state = *self.state(after.role, stamp);
+        let subject = if after.release {
+            state.released
+        } else {
+            state.captured
+        };
+        if subject.is_some() {
+            self.presence.subjects[number] = subject;
+            return;
+        }
+        let key = self.plan.roles.key(after.role);
+        if self.doubtful.contains(&key.word) {
+            return;
+        }
+        let name = self.plan.roles.name(after.role, self.symbols);
+        let finding = if after.release {
+            Finding::new(
+                Code::AbsentBlock,
+                format!("`{name}` is not released in this phase"),
+            )
+            .label(after.site, "would be waited for in vain")
+            .help("release it in the same phase, or drop it from the list")
+        } else if state.holder.is_some() {
+            let mut finding = Finding::new(
+                Code::RedundantAfter,
+                format!("`{name}` is part of the structure before this phase begins"),
+            )
+            .label(after.site, "nothing to wait for");
+            if state.released.is_some() {
+                finding =
+                    finding.help(format!("to wait until it has gone: `after release {name}`"));
+            }
+            finding
+        } else {
+            let title = format!("`{name}` is not captured in this phase");
+            let finding = Finding::new(Code::AbsentBlock, title)
+                .label(after.site, "would be waited for in vain");
+            self.unknown(after.role, state, finding)
+        };
+        self.findings.push(finding);
+    }
+
+    /// The names after the phase.
+    fn leave(&mut self, id: EventId) {
+        let event = *self.plan.event(id);
+        if !event.sound {
+            return;
+        }
+        let context = self.presence.contexts[id.0 as usize];
+        let state = &mut self.states[event.role.0 as usize];
+        match event.deed {
+            // A name that is freed and taken again ends up taken; the other way round, free.
+            Deed::Capture { .. } => {
+                if state.released.is_none() || context.freed_by.is_some() {
+                    state.holder = Some(Holder::Capture(id));
+                }
+            }
+            Deed::Release => {
+                state.last_release = Some(id);
+                let taken_again = context.anchored_by.is_none() && state.captured.is_some();
+                if !taken_again {
+                    state.holder = None;
+                }
+            }
+        }
+    }
+
+    fn reject(&mut self, id: EventId, code: Code, what: &str, first: EventId) {
+        let site = self.plan.event(first).site;
+        self.reject_at(id, code, what, site);
+    }
+
+    fn reject_at(&mut self, id: EventId, code: Code, what: &str, other: Site) {
+        let event = &mut self.plan.events[id.0 as usize];
+        event.sound = false;
+        let (site, role) = (event.site, event.role);
+        let name = self.plan.roles.name(role, self.symbols);
+        let (here, there, help) = match code {
+            Code::CapturedTwice => (
+                "captured here",
+                "already anchored here",
+                "release it first, or give the new block a name of its own",
+            ),
+            Code::ReleasedTwice => (
+                "released here",
+                "already released here",
+                "remove one of the two",
+            ),
+            _ => (
+                "released here",
+                "fixed here",
+                "only captured blocks can be released",
+            ),
+        };
+        self.findings.push(
+            Finding::new(code, format!("`{name}` {what}"))
+                .label(site, here)
+                .label(other, there)
+                .help(help),
+        );
+    }
+
+    /// A block that would have to be there, and is not.
+    fn absent(&mut self, id: EventId, role: RoleId, state: State, consequence: &str) {
+        self.plan.events[id.0 as usize].sound = false;
+        let key = self.plan.roles.key(role);
+        if self.doubtful.contains(&key.word) {
+            return;
+        }
+        let site = self.plan.event(id).site;
+        let name = self.plan.roles.name(role, self.symbols);
+        let code = match self.plan.event(id).deed {
+            Deed::Release => Code::ReleasedAbsent,
+            Deed::Capture { .. } => Code::AbsentBlock,
+        };
+        let title = format!("`{name}` is not part of the structure in this phase");
+        let finding = self.unknown(
+            role,
+            state,
+            Finding::new(code, title).label(site, consequence),
+        );
+        self.findings.push(finding);
+    }
+
+    /// A finding on a name that nobody holds: unknown, or known at another time only.
+    fn unknown(&self, role: RoleId, state: State, mut finding: Finding) -> Finding {
+        if let Some(release) = state.last_release {
+            return finding
+                .label(self.plan.event(release).site, "released here")
+                .help("capture it again first; a name may be taken many times");
+        }
+        let later = self
+            .plan
+            .events
+            .iter()
+            .find(|event| event.role == role && matches!(event.deed, Deed::Capture { .. }));
+        if let Some(later) = later {
+            return finding
+                .label(later.site, "captured here")
+                .help("a block can act in the phase that captures it, or later");
+        }
+        let name = self.plan.roles.name(role, self.symbols);
+        finding.code = Code::UnknownName;
+        finding.title = format!("no block is called `{name}`");
+        let captured = (self.plan.events.iter())
+            .filter(|event| matches!(event.deed, Deed::Capture { .. }))
+            .map(|event| event.role);
+        let known = (self.plan.seeds.iter().map(|seed| seed.role))
+            .chain(captured)
+            .take(2_000)
+            .map(|role| self.plan.roles.name(role, self.symbols));
+        let help = suggest(&name, known)
+            .unwrap_or_else(|| "seat it on the plate, or capture it first".to_owned());
+        finding.help(help)
+    }
+}

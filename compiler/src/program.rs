@@ -1,0 +1,227 @@
+//! The pipeline.
+use rustc_hash::FxHashMap;
+use stochc_grammar::Symbols;
+use stochc_grammar::tree::{Assembly, ItemKind, Tree};
+
+use crate::expand::{Declarations, Limits, duplicate, expand};
+use crate::finding::Finding;
+use crate::graph::{self, DependencyGraph};
+use crate::load::{Loaded, Module, Reader, load};
+use crate::order::{self, Order};
+use crate::plan::Plan;
+use crate::scene::Scene;
+use crate::scenes::Scenes;
+use crate::table::Tables;
+use crate::{FileId, Site, Sources, inventory, layout, lower, presence, shape};
+
+/// Everything that is known of a file after looking at all of it.
+#[derive(Debug)]
+pub struct Checked {
+    /// The texts, for showing findings.
+    pub sources: Sources,
+    /// What is wrong or suspicious: by file and place, each once.
+    pub findings: Vec<Finding>,
+    /// The tree of the file itself; empty if it cannot be read.
+    pub tree: Tree,
+    /// The words of the trees and plans.
+    pub symbols: Symbols,
+    /// The assemblies of the file itself, in source order.
+    pub programs: Vec<Program>,
+}
+
+/// One assembly, as far as it makes sense.
+#[derive(Debug)]
+pub struct Program {
+    /// Written out.
+    pub plan: Plan,
+    /// The world it runs in; `None` if that is wrong.
+    pub scene: Option<Scene>,
+    /// What waits for what.
+    pub graph: DependencyGraph,
+    /// An order of it; `None` if there is a cycle.
+    pub order: Option<Order>,
+    /// What every block knows; `None` unless everything is right.
+    pub tables: Option<Tables>,
+}
+
+impl Checked {
+    /// Whether anything is wrong, not merely suspicious.
+    pub fn has_errors(&self) -> bool {
+        self.findings.iter().any(Finding::is_error)
+    }
+}
+
+/// Checks the file at `path` and everything it imports, and compiles its assemblies.
+pub fn check(path: &str, reader: &mut dyn Reader, limits: Limits) -> Checked {
+    let mut sources = Sources::default();
+    let mut findings = Vec::new();
+    let mut loaded = load(path, reader, &mut sources, &mut findings);
+    let readable = !findings.iter().any(Finding::is_error);
+    let programs = programs(&mut loaded, readable, limits, &mut findings);
+    let tree = loaded
+        .modules
+        .pop()
+        .map(|module| module.tree)
+        .unwrap_or_default();
+    findings.sort_by_key(|finding| {
+        let first = finding.labels.first().map(|label| label.site);
+        first.map(|site| (site.file, site.span.start))
+    });
+    findings.dedup();
+    Checked {
+        sources,
+        findings,
+        tree,
+        symbols: loaded.symbols,
+        programs,
+    }
+}
+
+fn programs(
+    loaded: &mut Loaded,
+    readable: bool,
+    limits: Limits,
+    findings: &mut Vec<Finding>,
+) -> Vec<Program> {
+    let Loaded {
+        modules,
+        symbols,
+        doubtful,
+    } = loaded;
+    let scenes = Scenes::of(modules, symbols, findings);
+    let declarations = declarations(modules, symbols, findings);
+    let Some(own) = modules.last() else {
+        return Vec::new();
+    };
+    let mut seen = FxHashMap::default();
+    let mut programs = Vec::new();
+    for item in &own.tree.items {
+        let ItemKind::Assembly(assembly) = &item.kind else {
+            continue;
+        };
+        let site = Site {
+            file: own.file,
+            span: assembly.name.span,
+        };
+        if let Some(old) = seen.insert(assembly.name.symbol, site) {
+            let name = symbols.word(assembly.name.symbol);
+            findings.push(duplicate(name, old, site, "an assembly"));
+        }
+        let scene = scenes.get(assembly.scene, own.file, symbols, findings);
+        let input = Input {
+            declarations: &declarations,
+            file: own.file,
+            assembly,
+            limits,
+            readable,
+        };
+        programs.push(input.compile(scene, symbols, doubtful, findings));
+    }
+    programs
+}
+
+/// What the files declare at top level.
+fn declarations<'a>(
+    modules: &'a [Module],
+    symbols: &Symbols,
+    findings: &mut Vec<Finding>,
+) -> Declarations<'a> {
+    let mut declarations = Declarations {
+        patterns: FxHashMap::default(),
+        shapes: FxHashMap::default(),
+        lets: Vec::new(),
+    };
+    for module in modules {
+        let file = module.file;
+        for item in &module.tree.items {
+            let (name, old) = match &item.kind {
+                ItemKind::Pattern(pattern) => {
+                    let old = declarations
+                        .patterns
+                        .insert(pattern.name.symbol, (file, pattern));
+                    (pattern.name, old.map(|(file, old)| (file, old.name)))
+                }
+                ItemKind::Shape(shape) => {
+                    let old = declarations.shapes.insert(shape.name.symbol, (file, shape));
+                    (shape.name, old.map(|(file, old)| (file, old.name)))
+                }
+                ItemKind::Let(_) => {
+                    declarations.lets.push((file, item));
+                    continue;
+                }
+                _ => continue,
+            };
+            if let Some((old_file, old)) = old {
+                let old = Site {
+                    file: old_file,
+                    span: old.span,
+                };
+                let new = Site {
+                    file,
+                    span: name.span,
+                };
+                findings.push(duplicate(symbols.word(name.symbol), old, new, item.noun()));
+            }
+        }
+    }
+    declarations
+}
+
+struct Input<'a> {
+    declarations: &'a Declarations<'a>,
+    file: FileId,
+    assembly: &'a Assembly,
+    limits: Limits,
+    /// All files could be read: what is missing is not missing for that reason.
+    readable: bool,
+}
+
+impl<'a> Input<'a> {
+    fn compile(
+        &self,
+        scene: Option<Scene>,
+        symbols: &mut Symbols,
+        doubtful: &rustc_hash::FxHashSet<stochc_grammar::Symbol>,
+        findings: &mut Vec<Finding>,
+    ) -> Program {
+        let mut errors = Vec::new();
+        let (mut plan, shapes) = expand(
+            self.declarations,
+            self.file,
+            self.assembly,
+            symbols,
+            self.limits,
+            &mut errors,
+        );
+        let presence = presence::check(&mut plan, symbols, doubtful, &mut errors);
+        // What follows from a statement that could not be read would only confuse.
+        let mut later = Vec::new();
+        let layout = layout::lay_out(&mut plan, &presence, symbols, &mut later);
+        let faces = scene.as_ref().map_or(1, |scene| scene.block.faces);
+        let graph = graph::build(&plan, &presence, &layout, faces);
+        let order = order::sort(&plan, &graph, symbols, &mut later);
+        let wrong = |findings: &[Finding]| findings.iter().any(Finding::is_error);
+        if !wrong(&errors) && !wrong(&later) {
+            shape::check(&plan, &layout, &shapes, symbols, &mut later);
+            if let Some(scene) = &scene {
+                inventory::check(&plan, &layout, scene, &mut later);
+            }
+        }
+        if self.readable {
+            errors.append(&mut later);
+        }
+        let right = self.readable && !wrong(&errors) && !wrong(findings) && order.is_some();
+        let tables = scene
+            .as_ref()
+            .filter(|_| right)
+            .map(|scene| lower::lower(&plan, &presence, &layout, &graph, scene, symbols));
+        findings.append(&mut errors);
+        Program {
+            plan,
+            scene,
+            graph,
+            order,
+            tables,
+        }
+    }
+}

@@ -1,0 +1,41 @@
+//! The scenes that every program knows, written in the language itself.
+use stochc_grammar::tree::ItemKind;
+use stochc_grammar::{Symbols, parse};
+
+use super::{Scene, read};
+use crate::Sources;
+
+/// The built-in scenes: a name, and the text that declares it.
+pub const BUILT_IN: [(&str, &str); 1] = [("hemisphere", include_str!("hemisphere.sa"))];
+
+/// The scene of an assembly that names none.
+pub const DEFAULT: &str = "hemisphere";
+
+/// The built-in scene of a name.
+pub fn built_in(name: &str) -> Option<Scene> {
+    let (_, text) = BUILT_IN.into_iter().find(|&(known, _)| known == name)?;
+    let mut symbols = Symbols::new();
+    let parsed = parse(text, &mut symbols);
+    let file = Sources::default().add(name, text);
+    let scene = parsed.tree.items.iter().find_map(|item| match &item.kind {
+        ItemKind::Scene(scene) => Some(scene),
+        _ => None,
+    })?;
+    read(scene, None, file, &symbols, &mut Vec::new())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_built_in_scene_reads_and_the_default_is_one() {
+        for (name, _) in BUILT_IN {
+            assert_eq!(
+                built_in(name).map(|scene| scene.name).as_deref(),
+                Some(name)
+            );
+        }
+        assert!(built_in(DEFAULT).is_some());
+    }
+}

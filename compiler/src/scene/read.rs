@@ -1,0 +1,486 @@
+//! A scene's words and values to the terms of the model.
+use stochc_grammar::tree::{Name, Quantity, Term};
+use stochc_grammar::{Span, Symbols};
+
+use super::units::{Dimension, to_si};
+use super::{
+    Agitation, Anchor, Arrangement, Block, Bond, Contact, Drag, Enclosure, Free, Measure, Messages,
+    Reach, Scene,
+};
+use crate::finding::{Code, Finding};
+use crate::suggest::suggest;
+use crate::{FileId, Site};
+
+/// The clauses that a scene may have.
+const CLAUSES: [&str; 9] = [
+    "tick",
+    "block",
+    "free",
+    "enclosure",
+    "agitation",
+    "drag",
+    "contact",
+    "bond",
+    "messages",
+];
+
+/// A scene under construction: what has been said so far.
+#[derive(Default)]
+struct Draft {
+    tick: Option<f64>,
+    block: Option<Block>,
+    free: Option<Free>,
+    enclosure: Option<Enclosure>,
+    agitation: Option<Agitation>,
+    drag: Option<Drag>,
+    contact: Option<Contact>,
+    bond: Option<Bond>,
+    messages: Option<Messages>,
+}
+
+impl From<Scene> for Draft {
+    fn from(scene: Scene) -> Draft {
+        Draft {
+            tick: Some(scene.tick),
+            block: Some(scene.block),
+            free: Some(scene.free),
+            enclosure: scene.enclosure,
+            agitation: scene.agitation,
+            drag: scene.drag,
+            contact: scene.contact,
+            bond: scene.bond,
+            messages: scene.messages,
+        }
+    }
+}
+
+/// Reads a scene, on top of the one it is derived from.
+///
+/// `None` if something in it is wrong; every wrong thing is told of.
+pub fn read(
+    scene: &stochc_grammar::tree::Scene,
+    base: Option<Scene>,
+    file: FileId,
+    symbols: &Symbols,
+    findings: &mut Vec<Finding>,
+) -> Option<Scene> {
+    let before = findings.len();
+    let mut draft = base.map_or_else(Draft::default, Draft::from);
+    let mut reader = Reader {
+        terms: scene.terms.iter().peekable(),
+        place: scene.name.span,
+        file,
+        symbols,
+        findings,
+    };
+    let mut seen: Vec<Name> = Vec::new();
+    while let Some(clause) = reader.head(&CLAUSES, "clause of a scene") {
+        reader.once(&mut seen, clause);
+        reader.clause(clause, &mut draft);
+    }
+    let site = Site {
+        file,
+        span: scene.name.span,
+    };
+    let mut missing = |clause: &str, example: &str| {
+        findings.push(
+            Finding::new(Code::MissingTerm, format!("a scene without `{clause}`"))
+                .label(site, "says nothing of it")
+                .help(format!("add `{example}`")),
+        );
+    };
+    if draft.tick.is_none() {
+        missing("tick", "tick 20ms");
+    }
+    if draft.block.is_none() {
+        missing("block", "block cube { side 20cm  mass 1kg  faces 1 }");
+    }
+    if draft.free.is_none() {
+        missing("free", "free 300 uniform");
+    }
+    if draft.enclosure.is_none() {
+        missing(
+            "enclosure",
+            "enclosure hemisphere { radius 5m  wall 25 N/m }",
+        );
+    }
+    let complete = Scene {
+        name: symbols.word(scene.name.symbol).to_owned(),
+        tick: draft.tick?,
+        block: draft.block?,
+        free: draft.free?,
+        enclosure: draft.enclosure,
+        agitation: draft.agitation,
+        drag: draft.drag,
+        contact: draft.contact,
+        bond: draft.bond,
+        messages: draft.messages,
+    };
+    (findings.len() == before).then_some(complete)
+}
+
+struct Reader<'a, 'f> {
+    terms: std::iter::Peekable<std::slice::Iter<'a, Term>>,
+    /// The last thing read, for messages about what is missing behind it.
+    place: Span,
+    file: FileId,
+    symbols: &'a Symbols,
+    findings: &'f mut Vec<Finding>,
+}
+
+impl<'a> Reader<'a, '_> {
+    fn clause(&mut self, clause: Name, draft: &mut Draft) {
+        match self.word_of(clause) {
+            "tick" => {
+                draft.tick = self.positive(Dimension::TIME);
+            }
+            "block" => {
+                self.keyword("cube");
+                let mut block = Block {
+                    side: f64::NAN,
+                    mass: f64::NAN,
+                    faces: 1,
+                };
+                self.fields(
+                    clause,
+                    &["side", "mass", "faces"],
+                    &["side", "mass"],
+                    |r, field| match field {
+                        "side" => block.side = r.positive(Dimension::LENGTH).unwrap_or(f64::NAN),
+                        "mass" => block.mass = r.positive(Dimension::MASS).unwrap_or(f64::NAN),
+                        _ => block.faces = r.count(1, 5).unwrap_or(1.0) as u8,
+                    },
+                );
+                draft.block = Some(block);
+            }
+            "free" => {
+                let count = self.count(0, 10_000_000);
+                self.keyword("uniform");
+                draft.free = count.map(|count| Free {
+                    count: count as u32,
+                    arrangement: Arrangement::Uniform,
+                });
+            }
+            "enclosure" => {
+                self.keyword("hemisphere");
+                let (mut radius, mut wall) = (None, None);
+                let all = ["radius", "wall"];
+                self.fields(clause, &all, &all, |r, field| match field {
+                    "radius" => radius = r.positive(Dimension::LENGTH),
+                    _ => wall = r.positive(Dimension::STIFFNESS),
+                });
+                draft.enclosure =
+                    (radius.zip(wall)).map(|(radius, wall)| Enclosure::Hemisphere { radius, wall });
+            }
+            "agitation" => {
+                self.keyword("kicks");
+                let mut speed = None;
+                self.fields(clause, &["speed"], &["speed"], |r, _| {
+                    speed = r.range(Dimension::SPEED);
+                });
+                draft.agitation = speed.map(|speed| Agitation::Kicks { speed });
+            }
+            "drag" => {
+                let mut rate = None;
+                self.fields(clause, &["rate"], &["rate"], |r, _| {
+                    rate = r.positive(Dimension::RATE);
+                });
+                draft.drag = rate.map(|rate| Drag { rate });
+            }
+            "contact" => {
+                let (mut restitution, mut friction) = (None, None);
+                let all = ["restitution", "friction"];
+                self.fields(clause, &all, &all, |r, field| match field {
+                    "restitution" => restitution = r.between(Dimension::NUMBER, 0.0, 1.0),
+                    _ => friction = r.between(Dimension::NUMBER, 0.0, f64::MAX),
+                });
+                draft.contact =
+                    (restitution.zip(friction)).map(|(restitution, friction)| Contact {
+                        restitution,
+                        friction,
+                    });
+            }
+            "bond" => draft.bond = self.bond(clause),
+            "messages" => {
+                let mut hop = None;
+                self.fields(clause, &["hop"], &["hop"], |r, _| {
+                    hop = r.between(Dimension::TICKS, 0.0, 1e6);
+                });
+                draft.messages = hop.map(|hop| Messages { hop: hop as u32 });
+            }
+            _ => {}
+        }
+    }
+
+    fn bond(&mut self, clause: Name) -> Option<Bond> {
+        self.keyword("attract");
+        let (mut pull, mut align, mut anchor) = (None, None, None);
+        let all = ["pull", "align", "anchor"];
+        self.fields(clause, &all, &["pull", "anchor"], |r, field| match field {
+            "pull" => pull = r.reach(),
+            "align" => align = r.reach(),
+            _ => {
+                let measure = r.head(&["centres", "gap"], "measure of the anchoring distance");
+                let measure = measure.map(|word| match r.word_of(word) {
+                    "gap" => Measure::Gap,
+                    _ => Measure::Centres,
+                });
+                let within = r.positive(Dimension::LENGTH);
+                let tilt = if r.next_is("tilt") {
+                    r.between(Dimension::NUMBER, 1e-6, std::f64::consts::FRAC_PI_2)
+                } else {
+                    Some(std::f64::consts::FRAC_PI_4)
+                };
+                anchor = (measure.zip(within).zip(tilt)).map(|((measure, within), tilt)| Anchor {
+                    measure,
+                    within,
+                    tilt,
+                });
+            }
+        });
+        Some(Bond::Attract {
+            pull: pull?,
+            align,
+            anchor: anchor?,
+        })
+    }
+
+    /// `15 N within 20cm`
+    fn reach(&mut self) -> Option<Reach> {
+        let force = self.between(Dimension::FORCE, 0.0, f64::MAX);
+        self.keyword("within");
+        let within = self.positive(Dimension::LENGTH);
+        Some(Reach {
+            force: force?,
+            within: within?,
+        })
+    }
+
+    /// The fields between a clause's braces, in any order.
+    fn fields(
+        &mut self,
+        clause: Name,
+        known: &[&str],
+        needed: &[&str],
+        mut read: impl FnMut(&mut Reader<'a, '_>, &'a str),
+    ) {
+        let Some(Term::Block(terms, span)) = self.terms.peek() else {
+            let word = self.word_of(clause);
+            let finding = Finding::new(Code::MissingTerm, format!("`{word}` without its braces"))
+                .label(self.site(clause.span), "what of it?")
+                .help(format!("write `{word} ... {{ {} }}`", known.join(" ... ")));
+            self.findings.push(finding);
+            return;
+        };
+        self.terms.next();
+        let mut inner = Reader {
+            terms: terms.iter().peekable(),
+            place: *span,
+            file: self.file,
+            symbols: self.symbols,
+            findings: &mut *self.findings,
+        };
+        let mut seen: Vec<Name> = Vec::new();
+        while let Some(field) = inner.head(known, "field") {
+            inner.once(&mut seen, field);
+            let word = inner.word_of(field);
+            read(&mut inner, word);
+        }
+        for &field in needed {
+            if !seen.iter().any(|name| self.word_of(*name) == field) {
+                let word = self.word_of(clause);
+                let finding =
+                    Finding::new(Code::MissingTerm, format!("`{word}` without `{field}`"))
+                        .label(self.site(clause.span), format!("needs `{field}`"));
+                self.findings.push(finding);
+            }
+        }
+        self.place = *span;
+    }
+
+    /// The next word, which has to be one of `known`; skips what is none, and tells of it once.
+    fn head(&mut self, known: &[&str], noun: &str) -> Option<Name> {
+        let mut told = false;
+        loop {
+            let term = self.terms.next()?;
+            if let Term::Word(name) = term {
+                self.place = name.span;
+                let word = self.word_of(*name);
+                if known.contains(&word) {
+                    return Some(*name);
+                }
+                if !told {
+                    let help = suggest(word, known)
+                        .unwrap_or_else(|| format!("known are {}", known.join(", ")));
+                    let title = format!("`{word}` is no {noun}");
+                    self.tell(Code::UnknownTerm, title, name.span, "not known here", help);
+                }
+            } else if !told {
+                let span = span(term);
+                let help = format!("expected one of {}", known.join(", "));
+                let title = format!("expected a {noun}");
+                self.tell(Code::UnknownTerm, title, span, "does not belong here", help);
+            }
+            told = true;
+        }
+    }
+
+    /// A word that has to stand here.
+    fn keyword(&mut self, word: &str) {
+        if self.next_is(word) {
+            return;
+        }
+        let (found, span) = match self.terms.peek() {
+            Some(Term::Word(name)) => {
+                let found = (self.word_of(*name), name.span);
+                self.terms.next();
+                found
+            }
+            Some(term) => ("something else", span(term)),
+            None => ("nothing", self.place),
+        };
+        let title = format!("expected `{word}`, found {found}");
+        let help = format!("`{word}` is the only kind there is");
+        self.tell(Code::UnknownTerm, title, span, "here", help);
+    }
+
+    fn next_is(&mut self, word: &str) -> bool {
+        let Some(&&Term::Word(name)) = self.terms.peek() else {
+            return false;
+        };
+        let is_next = self.word_of(name) == word;
+        if is_next {
+            self.place = name.span;
+            self.terms.next();
+        }
+        is_next
+    }
+
+    fn quantity(&mut self, dimension: Dimension) -> Option<&'a Quantity> {
+        if let Some(Term::Quantity(quantity)) = self.terms.peek() {
+            self.terms.next();
+            self.place = quantity.span;
+            return Some(quantity);
+        }
+        let here = self.terms.peek().map_or(self.place, |term| span(term));
+        let title = format!("expected {}", dimension.noun());
+        self.findings.push(
+            Finding::new(Code::MissingTerm, title).label(self.site(here), "a value belongs here"),
+        );
+        None
+    }
+
+    fn value(&mut self, quantity: &Quantity, dimension: Dimension) -> Option<f64> {
+        let (value, found) = to_si(quantity);
+        if found == dimension {
+            return Some(value);
+        }
+        let title = format!("expected {}", dimension.noun());
+        let label = match found {
+            Dimension::NUMBER => "has no unit".to_owned(),
+            other => match other.noun() {
+                "a value of another kind" => "has another unit".to_owned(),
+                noun => format!("is {}", noun.split(',').next().unwrap_or(noun)),
+            },
+        };
+        let site = self.site(quantity.span);
+        self.findings
+            .push(Finding::new(Code::WrongDimension, title).label(site, label));
+        None
+    }
+
+    fn positive(&mut self, dimension: Dimension) -> Option<f64> {
+        self.between(dimension, f64::MIN_POSITIVE, f64::MAX)
+    }
+
+    fn between(&mut self, dimension: Dimension, least: f64, most: f64) -> Option<f64> {
+        let quantity = self.quantity(dimension)?;
+        let value = self.value(quantity, dimension)?;
+        if (least..=most).contains(&value) {
+            return Some(value);
+        }
+        let rule = match (least, most) {
+            (f64::MIN_POSITIVE, f64::MAX) => "must be more than 0".to_owned(),
+            (least, f64::MAX) => format!("must be at least {least}"),
+            (least, most) => format!("must be from {least} to {most}"),
+        };
+        let site = self.site(quantity.span);
+        let title = "a value out of its range";
+        self.findings
+            .push(Finding::new(Code::WrongValue, title).label(site, rule));
+        None
+    }
+
+    fn count(&mut self, least: u32, most: u32) -> Option<f64> {
+        let quantity = self.quantity(Dimension::NUMBER)?;
+        let value = self.value(quantity, Dimension::NUMBER)?;
+        if value.fract() == 0.0 && (f64::from(least)..=f64::from(most)).contains(&value) {
+            return Some(value);
+        }
+        let site = self.site(quantity.span);
+        self.findings.push(
+            Finding::new(Code::WrongValue, "a value out of its range").label(
+                site,
+                format!("must be a whole number from {least} to {most}"),
+            ),
+        );
+        None
+    }
+
+    fn range(&mut self, dimension: Dimension) -> Option<(f64, f64)> {
+        let Some(Term::Range(first, last)) = self.terms.peek() else {
+            let value = self.between(dimension, 0.0, f64::MAX)?;
+            return Some((value, value));
+        };
+        self.terms.next();
+        self.place = last.span;
+        let (low, high) = (self.value(first, dimension)?, self.value(last, dimension)?);
+        if 0.0 <= low && low <= high {
+            return Some((low, high));
+        }
+        let site = self.site(first.span.to(last.span));
+        self.findings.push(
+            Finding::new(Code::WrongValue, "a range that is empty or negative")
+                .label(site, "from small to large, and not below 0"),
+        );
+        None
+    }
+
+    fn once(&mut self, seen: &mut Vec<Name>, name: Name) {
+        if let Some(old) = seen.iter().find(|old| old.symbol == name.symbol) {
+            let word = self.word_of(name);
+            let finding = Finding::new(Code::DuplicateTerm, format!("`{word}` is said twice"))
+                .label(self.site(name.span), "again")
+                .label(self.site(old.span), "first said here")
+                .help("remove one of the two");
+            self.findings.push(finding);
+        }
+        seen.push(name);
+    }
+
+    fn tell(&mut self, code: Code, title: String, span: Span, label: &str, help: String) {
+        let site = self.site(span);
+        self.findings
+            .push(Finding::new(code, title).label(site, label).help(help));
+    }
+
+    fn word_of(&self, name: Name) -> &'a str {
+        self.symbols.word(name.symbol)
+    }
+
+    fn site(&self, span: Span) -> Site {
+        Site {
+            file: self.file,
+            span,
+        }
+    }
+}
+
+fn span(term: &Term) -> Span {
+    match term {
+        Term::Word(name) => name.span,
+        Term::Quantity(quantity) => quantity.span,
+        Term::Range(first, last) => first.span.to(last.span),
+        Term::Block(_, span) => *span,
+    }
+}

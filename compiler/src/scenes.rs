@@ -1,0 +1,157 @@
+//! The scenes of a program: its own and the built-in ones.
+use rustc_hash::FxHashMap;
+use stochc_grammar::tree::{ItemKind, Name, Scene as Tree};
+use stochc_grammar::{Symbol, Symbols};
+
+use crate::finding::{Code, Finding};
+use crate::load::Module;
+use crate::scene::{BUILT_IN, DEFAULT, Scene, built_in, read};
+use crate::suggest::suggest;
+use crate::{FileId, Site};
+
+/// Every scene that a program may name.
+pub struct Scenes {
+    read: FxHashMap<Symbol, Option<Scene>>,
+}
+
+impl Scenes {
+    /// Reads every declared scene, whether it is used or not.
+    pub fn of(modules: &[Module], symbols: &Symbols, findings: &mut Vec<Finding>) -> Scenes {
+        let mut declared: FxHashMap<Symbol, (FileId, &Tree)> = FxHashMap::default();
+        let mut order: Vec<Symbol> = Vec::new();
+        for module in modules {
+            for item in &module.tree.items {
+                let ItemKind::Scene(scene) = &item.kind else {
+                    continue;
+                };
+                let here = Site {
+                    file: module.file,
+                    span: scene.name.span,
+                };
+                if let Some((file, old)) = declared.get(&scene.name.symbol) {
+                    let old = Site {
+                        file: *file,
+                        span: old.name.span,
+                    };
+                    let word = symbols.word(scene.name.symbol);
+                    findings.push(crate::expand::duplicate(word, old, here, "a scene"));
+                    continue;
+                }
+                declared.insert(scene.name.symbol, (module.file, scene));
+                order.push(scene.name.symbol);
+            }
+        }
+        let mut scenes = Scenes {
+            read: FxHashMap::default(),
+        };
+        for name in order {
+            scenes.resolve(name, &declared, symbols, findings);
+        }
+        scenes
+    }
+
+    /// Reads a scene and, before it, those it is derived from.
+    fn resolve(
+        &mut self,
+        name: Symbol,
+        declared: &FxHashMap<Symbol, (FileId, &Tree)>,
+        symbols: &Symbols,
+        findings: &mut Vec<Finding>,
+    ) {
+        // From the scene itself to the first one that is known or stands for itself.
+        let mut line: Vec<(FileId, &Tree)> = Vec::new();
+        let mut base = None;
+        let mut next = Some(name);
+        while let Some(at) = next {
+            if let Some(known) = self.read.get(&at) {
+                base = known.clone();
+                break;
+            }
+            let Some(&(file, tree)) = declared.get(&at) else {
+                base = self.elsewhere(at, &line, symbols, findings);
+                break;
+            };
+            if line.iter().any(|(_, seen)| seen.name.symbol == at) {
+                let mut finding = Finding::new(Code::UnknownScene, "scenes derived in a circle");
+                for (file, tree) in &line {
+                    let span = tree.base.map_or(tree.name.span, |base| base.span);
+                    finding = finding.label(Site { file: *file, span }, "derived from this");
+                }
+                findings.push(finding.help("one of them has to stand for itself"));
+                break;
+            }
+            line.push((file, tree));
+            next = tree.base.map(|base| base.symbol);
+        }
+        for (file, tree) in line.into_iter().rev() {
+            let scene = if tree.base.is_some() && base.is_none() {
+                None
+            } else {
+                read(tree, base.take(), file, symbols, findings)
+            };
+            base.clone_from(&scene);
+            self.read.insert(tree.name.symbol, scene);
+        }
+    }
+
+    fn elsewhere(
+        &self,
+        name: Symbol,
+        line: &[(FileId, &Tree)],
+        symbols: &Symbols,
+        findings: &mut Vec<Finding>,
+    ) -> Option<Scene> {
+        let word = symbols.word(name);
+        let scene = built_in(word);
+        if scene.is_none()
+            && let Some((file, tree)) = line.last()
+            && let Some(base) = tree.base
+        {
+            findings.push(self.unknown(base, *file, symbols));
+        }
+        scene
+    }
+
+    /// The scene of an assembly; `None` if it is unknown or wrong, which has been told.
+    pub fn get(
+        &self,
+        name: Option<Name>,
+        file: FileId,
+        symbols: &Symbols,
+        findings: &mut Vec<Finding>,
+    ) -> Option<Scene> {
+        let Some(name) = name else {
+            return self.read_or_built_in(symbols.get(DEFAULT), DEFAULT);
+        };
+        let scene = self.read_or_built_in(Some(name.symbol), symbols.word(name.symbol));
+        if scene.is_none() && !self.read.contains_key(&name.symbol) {
+            findings.push(self.unknown(name, file, symbols));
+        }
+        scene
+    }
+
+    fn read_or_built_in(&self, symbol: Option<Symbol>, word: &str) -> Option<Scene> {
+        match symbol.and_then(|symbol| self.read.get(&symbol)) {
+            Some(scene) => scene.clone(),
+            None => built_in(word),
+        }
+    }
+
+    fn unknown(&self, name: Name, file: FileId, symbols: &Symbols) -> Finding {
+        let word = symbols.word(name.symbol);
+        let mut known: Vec<&str> = self.read.keys().map(|&scene| symbols.word(scene)).collect();
+        known.extend(BUILT_IN.iter().map(|(name, _)| *name));
+        known.sort_unstable();
+        let help =
+            suggest(word, &known).unwrap_or_else(|| format!("known are {}", known.join(", ")));
+        Finding::new(Code::UnknownScene, format!("no scene is called `{word}`"))
+            .label(
+                Site {
+                    file,
+                    span: name.span,
+                },
+                "not known",
+            )
+            .help(help)
+    }
+}

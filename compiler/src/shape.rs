@@ -1,0 +1,204 @@
+//! Claimed shapes against built ones.
+use rustc_hash::FxHashMap;
+use stochc_grammar::tree::{Entry, Expr, ExprKind, Operator, Shape};
+use stochc_grammar::{Symbol, Symbols};
+
+use crate::finding::{Code, Finding};
+use crate::layout::Layout;
+use crate::plan::Plan;
+use crate::suggest::suggest;
+use crate::{Cell, FileId, Site};
+
+/// Cells of a shape, at most.
+const MOST_CELLS: usize = 50_000_000;
+
+/// Compares what phases claim with what they build.
+pub fn check(
+    plan: &Plan,
+    layout: &Layout,
+    shapes: &FxHashMap<Symbol, (FileId, &Shape)>,
+    symbols: &Symbols,
+    findings: &mut Vec<Finding>,
+) {
+    for (phase, built) in plan.phases.iter().zip(&layout.claimed) {
+        for &(name, site) in &phase.claims {
+            let word = symbols.word(name);
+            let Some(&(file, shape)) = shapes.get(&name) else {
+                let known = shapes.keys().map(|&known| symbols.word(known));
+                let help = suggest(word, known)
+                    .unwrap_or_else(|| format!("declare it: `shape {word} {{ layer 1 {{ # }} }}`"));
+                findings.push(
+                    Finding::new(Code::UnknownName, format!("no shape is called `{word}`"))
+                        .label(site, "not known here")
+                        .help(help),
+                );
+                continue;
+            };
+            let Some(mut claimed) = cells(shape, file, findings) else {
+                continue;
+            };
+            claimed.sort_unstable();
+            claimed.dedup();
+            if claimed != *built {
+                let declared = Site {
+                    file,
+                    span: shape.name.span,
+                };
+                findings.push(difference(word, site, declared, &claimed, built));
+            }
+        }
+    }
+}
+
+/// The cells of a shape, unsorted.
+fn cells(shape: &Shape, file: FileId, findings: &mut Vec<Finding>) -> Option<Vec<Cell>> {
+    let malformed = |span, text: &str| {
+        Finding::new(Code::ShapeMalformed, "a shape that is no shape")
+            .label(Site { file, span }, text)
+    };
+    let mut number = |expr: &Expr| {
+        let value = constant(expr).and_then(|value| i32::try_from(value).ok());
+        if value.is_none() {
+            findings.push(malformed(
+                expr.span,
+                "needs a number, not too large, without names",
+            ));
+        }
+        value
+    };
+    let (x, y) = match &shape.at {
+        Some((x, y)) => (number(x)?, number(y)?),
+        None => (0, 0),
+    };
+    let mut cells = Vec::new();
+    for layer in &shape.layers {
+        let (low, high) = match &layer.heights {
+            Entry::One(height) => {
+                let height = number(height)?;
+                (height, height)
+            }
+            Entry::Range(low, high) => (number(low)?, number(high)?),
+        };
+        if low < 1 || high < low {
+            findings.push(
+                malformed(layer.span, "heights are from 1 upwards")
+                    .help("layer 1 rests on the plate; `layer 1..2` stands for two equal layers"),
+            );
+            return None;
+        }
+        let rows = layer.rows.len();
+        let count: usize = layer.rows.iter().map(|row| row.cells.len()).sum();
+        let levels = (high - low) as usize + 1;
+        if count.saturating_mul(levels).saturating_add(cells.len()) > MOST_CELLS {
+            findings.push(malformed(layer.span, "more cells than a shape may have"));
+            return None;
+        }
+        for z in low..=high {
+            for (i, row) in layer.rows.iter().enumerate() {
+                let north = (rows - 1 - i) as i32;
+                let blocks = row.cells.iter().enumerate().filter(|(_, block)| **block);
+                for (east, _) in blocks {
+                    cells.push(Cell::new(
+                        x.saturating_add(east as i32),
+                        y.saturating_add(north),
+                        z,
+                    ));
+                }
+            }
+        }
+    }
+    Some(cells)
+}
+
+/// Shapes are declared outside of loops and patterns: their numbers are plain.
+fn constant(expr: &Expr) -> Option<i64> {
+    match &expr.kind {
+        ExprKind::Int(value) => Some(*value),
+        ExprKind::Name(_) => None,
+        ExprKind::Negate(inner) => constant(inner)?.checked_neg(),
+        ExprKind::Binary(operator, sides) => {
+            let (left, right) = (constant(&sides.0)?, constant(&sides.1)?);
+            match operator {
+                Operator::Add => left.checked_add(right),
+                Operator::Subtract => left.checked_sub(right),
+                Operator::Multiply => left.checked_mul(right),
+                Operator::Divide => left.checked_div(right),
+                Operator::Remainder => left.checked_rem(right),
+            }
+        }
+    }
+}
+
+/// Both sorted; shows the layers that differ.
+fn difference(word: &str, site: Site, declared: Site, claimed: &[Cell], built: &[Cell]) -> Finding {
+    let missing: Vec<Cell> = minus(claimed, built);
+    let extra: Vec<Cell> = minus(built, claimed);
+    let count = |cells: &[Cell], what: &str| match cells.len() {
+        0 => None,
+        1 => Some(format!("1 block {what}")),
+        n => Some(format!("{n} blocks {what}")),
+    };
+    let parts: Vec<String> = [count(&missing, "missing"), count(&extra, "too many")]
+        .into_iter()
+        .flatten()
+        .collect();
+    Finding::new(
+        Code::ShapeMismatch,
+        format!("the phase does not build `{word}`: {}", parts.join(", ")),
+    )
+    .label(site, "claimed here")
+    .label(declared, "declared here")
+    .help(picture(&missing, &extra, claimed, built))
+}
+
+fn minus(left: &[Cell], right: &[Cell]) -> Vec<Cell> {
+    let absent = |cell: &&Cell| right.binary_search(cell).is_err();
+    left.iter().filter(absent).copied().collect()
+}
+
+/// The lowest layer that differs, drawn; and in words if it is too wide.
+fn picture(missing: &[Cell], extra: &[Cell], claimed: &[Cell], built: &[Cell]) -> String {
+    const WIDEST: i32 = 30;
+    let wrong = || missing.iter().chain(extra);
+    let layer = wrong().map(|cell| cell.z).min().unwrap_or(1);
+    let here = || claimed.iter().chain(built).filter(|cell| cell.z == layer);
+    let bounds = |axis: fn(&Cell) -> i32| {
+        (
+            here().map(axis).min().unwrap_or(0),
+            here().map(axis).max().unwrap_or(0),
+        )
+    };
+    let ((west, east), (south, north)) = (bounds(|cell| cell.x), bounds(|cell| cell.y));
+    if i64::from(east) - i64::from(west) > WIDEST.into()
+        || i64::from(north) - i64::from(south) > WIDEST.into()
+    {
+        let first = |cells: &[Cell]| {
+            let shown: Vec<String> = cells.iter().take(5).map(Cell::to_string).collect();
+            let dots = if cells.len() > 5 { ", ..." } else { "" };
+            if shown.is_empty() {
+                "none".to_owned()
+            } else {
+                shown.join(", ") + dots
+            }
+        };
+        return format!("missing: {}; too many: {}", first(missing), first(extra));
+    }
+    let mut text =
+        format!("layer {layer}, north at the top: `#` as claimed, `-` missing, `+` too many\n");
+    for y in (south..=north).rev() {
+        for x in west..=east {
+            let cell = Cell::new(x, y, layer);
+            let has = |cells: &[Cell]| cells.binary_search(&cell).is_ok();
+            text.push_str(match (has(claimed), has(built)) {
+                (true, true) => "# ",
+                (true, false) => "- ",
+                (false, true) => "+ ",
+                (false, false) => ". ",
+            });
+        }
+        text.truncate(text.trim_end().len());
+        text.push_str(&format!("   (y = {y})\n"));
+    }
+    text.push_str(&format!("from x = {west} to {east}"));
+    text
+}

@@ -1,0 +1,102 @@
+//! The text of the files of a program.
+use std::sync::Arc;
+
+use stochc_grammar::Span;
+
+/// One of a program's files; an index into [`Sources`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct FileId(pub u32);
+
+/// A place in one of a program's files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Site {
+    /// Which file.
+    pub file: FileId,
+    /// Where in it.
+    pub span: Span,
+}
+
+/// Every file that was read, in the order of reading; the first is the program's own.
+#[derive(Clone, Debug, Default)]
+pub struct Sources {
+    files: Vec<SourceFile>,
+}
+
+/// One file.
+#[derive(Clone, Debug)]
+pub struct SourceFile {
+    /// As messages show it.
+    pub name: String,
+    /// Its whole text.
+    pub text: Arc<str>,
+    /// Where its lines begin.
+    lines: Vec<u32>,
+}
+
+impl Sources {
+    /// Adds a file.
+    pub fn add(&mut self, name: impl Into<String>, text: impl Into<Arc<str>>) -> FileId {
+        let text = text.into();
+        let newlines = text.bytes().enumerate().filter(|&(_, byte)| byte == b'\n');
+        let lines = std::iter::once(0)
+            .chain(newlines.map(|(at, _)| at as u32 + 1))
+            .collect();
+        self.files.push(SourceFile {
+            name: name.into(),
+            text,
+            lines,
+        });
+        FileId(self.files.len() as u32 - 1)
+    }
+
+    /// A file.
+    pub fn file(&self, id: FileId) -> &SourceFile {
+        &self.files[id.0 as usize]
+    }
+
+    /// Every file.
+    pub fn files(&self) -> &[SourceFile] {
+        &self.files
+    }
+
+    /// The text of a site.
+    pub fn text(&self, site: Site) -> &str {
+        let text = &self.file(site.file).text;
+        text.get(site.span.start as usize..site.span.end as usize)
+            .unwrap_or_default()
+    }
+}
+
+impl SourceFile {
+    /// Line and column of a byte, both from 1; the column counts characters.
+    pub fn position(&self, at: u32) -> (usize, usize) {
+        let line = self.line_of(at);
+        let start = self.lines[line] as usize;
+        let end = (at as usize).min(self.text.len());
+        let column = self
+            .text
+            .get(start..end)
+            .map_or(end.saturating_sub(start), |before| before.chars().count());
+        (line + 1, column + 1)
+    }
+
+    /// The number of the line that holds a byte, from 0.
+    pub(crate) fn line_of(&self, at: u32) -> usize {
+        self.lines.partition_point(|&start| start <= at) - 1
+    }
+
+    /// The bytes of a line, from 0, without its newline.
+    pub(crate) fn line_range(&self, line: usize) -> (usize, usize) {
+        let start = self.lines[line] as usize;
+        let end = self
+            .lines
+            .get(line + 1)
+            .map_or(self.text.len(), |&next| next as usize - 1);
+        (start, end)
+    }
+
+    /// How many lines there are.
+    pub(crate) fn line_count(&self) -> usize {
+        self.lines.len()
+    }
+}

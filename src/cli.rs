@@ -1,0 +1,65 @@
+//! The command line.
+use clap::{Parser, Subcommand};
+
+use crate::command::{check, compile, explain};
+
+/// Compiler, verifier and simulator for stochastic modular robots.
+#[derive(Debug, Parser)]
+#[command(version, about, after_help = EXIT_STATUS)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+const EXIT_STATUS: &str = "\
+Exit status: 0 all is well, 1 the program is wrong, 2 the command line is wrong or a file cannot \
+be read or written, 3 a run was unsuccessful, 130 interrupted.";
+
+/// The subcommands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Say all that can be said about programs before anything moves
+    Check(check::Options),
+    /// Show a stage of the compilation: the syntax tree, the dependency graph, or the event tables
+    Compile(compile::Options),
+    /// Explain a finding by its code
+    Explain(explain::Options),
+}
+
+/// How a command ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Exit {
+    /// All is well.
+    Success,
+    /// The program is wrong.
+    WrongProgram,
+    /// The command line is wrong, or a file cannot be read or written.
+    Usage,
+    /// A run was unsuccessful.
+    UnsuccessfulRun,
+    /// Stopped by the user.
+    Interrupted,
+}
+
+impl Exit {
+    /// The number that the shell sees.
+    pub const fn status(self) -> u8 {
+        match self {
+            Exit::Success => 0,
+            Exit::WrongProgram => 1,
+            Exit::Usage => 2,
+            Exit::UnsuccessfulRun => 3,
+            Exit::Interrupted => 130,
+        }
+    }
+}
+
+/// Does what the command line says.
+pub fn run(cli: Cli) -> Exit {
+    match cli.command {
+        Command::Check(options) => check::run(&options),
+        Command::Compile(options) => compile::run(&options),
+        Command::Explain(options) => explain::run(&options),
+    }
+}

@@ -1,0 +1,115 @@
+//! `stochc check`.
+use clap::Args;
+use stochc_compiler::emit::chain_text;
+use stochc_compiler::order::Order;
+use stochc_compiler::{Checked, Program};
+
+use super::terminal::{WIDTH, has_colour, print, warn};
+use crate::cli::Exit;
+use crate::findings::{Format, show};
+
+/// What `check` is given.
+#[derive(Debug, Args)]
+pub struct Options {
+    /// Programs to check
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<String>,
+    /// How to show findings
+    #[arg(long, value_name = "FORM", default_value = "graphical")]
+    format: Format,
+}
+
+/// Checks each file, and says of the right ones what is known before anything moves.
+pub fn run(options: &Options) -> Exit {
+    let mut exit = Exit::Success;
+    for file in &options.files {
+        let checked = crate::check(file);
+        let findings = show(&checked, options.format, has_colour(), WIDTH);
+        match options.format {
+            // A machine reads the findings, a person the summary.
+            Format::Json | Format::Short => print(&findings),
+            Format::Graphical => {
+                warn(&findings);
+                if !checked.has_errors() {
+                    print(&summary(file, &checked));
+                }
+            }
+        }
+        exit = worse(exit, verdict(&checked));
+    }
+    exit
+}
+
+/// What the findings of a file mean for the exit status.
+pub fn verdict(checked: &Checked) -> Exit {
+    if !checked.has_errors() {
+        Exit::Success
+    } else if checked.sources.files().is_empty() {
+        Exit::Usage
+    } else {
+        Exit::WrongProgram
+    }
+}
+
+fn worse(a: Exit, b: Exit) -> Exit {
+    if b.status() > a.status() { b } else { a }
+}
+
+fn summary(file: &str, checked: &Checked) -> String {
+    if checked.programs.is_empty() {
+        return format!("{file}: all is well; it declares no assembly\n");
+    }
+    let mut out = String::new();
+    for program in &checked.programs {
+        out.push_str(&format!("{file}: {}\n", describe(program, checked)));
+    }
+    out
+}
+
+fn describe(program: &Program, checked: &Checked) -> String {
+    let plan = &program.plan;
+    let scene = program.scene.as_ref().map_or("?", |scene| &scene.name);
+    let Some(order) = &program.order else {
+        return plan.name.clone();
+    };
+    let (captures, releases) = plan.counts();
+    let mut out = format!(
+        "assembly {} in {scene}: {}, {}, {}; all is well\n",
+        plan.name,
+        count(plan.phases.len(), "phase"),
+        count(captures, "capture"),
+        count(releases, "release"),
+    );
+    let width = plan
+        .phases
+        .iter()
+        .map(|phase| phase.name.len())
+        .max()
+        .unwrap_or(0);
+    for (phase, chain) in plan.phases.iter().zip(&order.chains) {
+        out.push_str(&format!(
+            "  phase {:width$}  longest serial chain {}: {}\n",
+            phase.name,
+            Order::length(plan, chain),
+            chain_text(plan, chain, &checked.symbols),
+        ));
+    }
+    let all: usize = order
+        .chains
+        .iter()
+        .map(|chain| Order::length(plan, chain))
+        .sum();
+    if let Some((number, chain)) = order.longest(plan) {
+        out.push_str(&format!(
+            "  the program's longest serial chain is {} (phase {}); one phase after the other, {all}\n",
+            Order::length(plan, chain),
+            plan.phases[number].name,
+        ));
+    }
+    out
+}
+
+fn count(n: usize, noun: &str) -> String {
+    let plural = if n == 1 { "" } else { "s" };
+    format!("{n} {noun}{plural}")
+}

@@ -1,0 +1,45 @@
+//! `stochc explain`.
+use clap::Args;
+use stochc_compiler::finding::{Code, Severity};
+
+use super::terminal::{print, warn};
+use crate::cli::Exit;
+
+/// What `explain` is given.
+#[derive(Debug, Args)]
+pub struct Options {
+    /// The code of a finding, such as `cycle`; without one, all codes are listed
+    code: Option<String>,
+}
+
+/// Prints the page of a code, or the list of all.
+pub fn run(options: &Options) -> Exit {
+    let Some(name) = &options.code else {
+        let lines = Code::ALL.iter().map(|code| {
+            let severity = match code.severity() {
+                Severity::Error => "error",
+                Severity::Warning => "warning",
+            };
+            let title = code.page().lines().next().unwrap_or_default();
+            format!(
+                "{:20} {severity:8} {}\n",
+                code.name(),
+                title.trim_start_matches("# ")
+            )
+        });
+        print(&lines.collect::<String>());
+        return Exit::Success;
+    };
+    match Code::from_name(name) {
+        Some(code) => {
+            print(code.page());
+            Exit::Success
+        }
+        None => {
+            warn(&format!(
+                "error: no finding has the code `{name}`; `stochc explain` lists them all\n"
+            ));
+            Exit::Usage
+        }
+    }
+}
