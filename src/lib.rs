@@ -1,1 +1,3 @@
 //! Compile and simulate stochastic assembly programs.
+pub mod ensemble;
+pub mod statistics;
