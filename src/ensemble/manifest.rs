@@ -198,11 +198,12 @@ impl Manifest {
         struct Version {
             format: u32,
         }
-        let Version { format } = serde_json::from_str(json).map_err(|error| error.to_string())?;
+        let Version { format } =
+            serde_json::from_str(json).map_err(|_| "it is no manifest of an ensemble")?;
         if format != FORMAT {
             return Err(format!("its format is {format}, and this is {FORMAT}"));
         }
-        serde_json::from_str(json).map_err(|error| error.to_string())
+        serde_json::from_str(json).map_err(|error| format!("it is damaged, {error}"))
     }
 }
 

@@ -1,0 +1,5 @@
+//! Ensembles from outside: what is kept, what is refused, and what the tables say.
+mod interrupted;
+mod refused;
+mod tables;
+mod world;
