@@ -5,17 +5,23 @@
 mod atomic;
 mod board;
 mod clock;
+mod comparison;
+mod edges;
 mod estimate;
 mod execute;
 mod folder;
 mod interrupt;
 mod journal;
+mod layout;
 mod manifest;
 mod parquet;
 mod progress;
 mod run;
+mod table;
 
 pub use board::Watch;
+pub use comparison::{Column, Comparison, Pair, PhaseTime, Time};
+pub use edges::{Edge, edges, edges_to_text};
 pub use execute::Cancelled;
 pub use folder::{Folder, FolderError, State};
 pub use interrupt::{INTERRUPTED, stop_on_interrupt};

@@ -1,5 +1,6 @@
 //! Times of which some are censored: the estimator of Kaplan and Meier (1958).
 use super::Observation;
+use super::distribution::normal_quantile;
 
 /// The share of runs that are still incomplete, as a function of time.
 ///
@@ -35,6 +36,13 @@ pub struct RestrictedMean {
     pub error: f64,
     /// Times count up to here.
     pub horizon: f64,
+}
+
+impl RestrictedMean {
+    /// Half the width of the 95 % confidence interval of the mean, 1.96 standard errors.
+    pub fn half_width(&self) -> f64 {
+        normal_quantile() * self.error
+    }
 }
 
 impl KaplanMeier {
