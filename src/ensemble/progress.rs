@@ -14,7 +14,7 @@ use super::{Manifest, clock, estimate};
 pub enum Display {
     /// A bar that is drawn again and again.
     Bar,
-    /// Plain lines: after each tenth of the runs, but 10 s apart, and after 5 min in any case.
+    /// Plain lines: after each tenth of the runs, but 10 s apart, and after a minute in any case.
     Lines,
     /// Nothing.
     Quiet,
@@ -156,7 +156,7 @@ fn last(snapshot: &Snapshot, elapsed: Duration) -> String {
 
 impl Cadence {
     const APART: Duration = Duration::from_secs(10);
-    const LONG: Duration = Duration::from_secs(300);
+    const LONG: Duration = Duration::from_secs(60);
 
     fn new(snapshot: &Snapshot) -> Cadence {
         Cadence {
@@ -202,12 +202,12 @@ mod tests {
             (15, 40),
             (21, 40),
             (22, 49),
-            (400, 49),
+            (81, 49),
         ]
         .into_iter()
         .filter(|&(second, done)| cadence.due(Duration::from_secs(second), &at(done)))
         .map(|(second, _)| second)
         .collect();
-        assert_eq!(told, [11, 21, 400]);
+        assert_eq!(told, [11, 21, 81]);
     }
 }
