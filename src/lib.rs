@@ -10,8 +10,10 @@
 //! ```
 pub mod cli;
 pub mod command;
+pub mod ensemble;
 pub mod files;
 pub mod findings;
+pub mod statistics;
 mod wrong;
 
 pub use stochc_compiler as compiler;

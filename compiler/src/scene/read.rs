@@ -78,31 +78,27 @@ pub fn read(
         reader.once(&mut seen, clause);
         reader.clause(clause, &mut draft);
     }
-    let site = Site {
-        file,
-        span: scene.name.span,
-    };
-    let mut missing = |clause: &str, example: &str| {
-        findings.push(
-            Finding::new(Code::MissingTerm, format!("a scene without `{clause}`"))
-                .label(site, "says nothing of it")
-                .help(format!("add `{example}`")),
-        );
-    };
-    if draft.tick.is_none() {
-        missing("tick", "tick 20ms");
-    }
-    if draft.block.is_none() {
-        missing("block", "block cube { side 20cm  mass 1kg  faces 1 }");
-    }
-    if draft.free.is_none() {
-        missing("free", "free 300 uniform");
-    }
-    if draft.enclosure.is_none() {
-        missing(
+    // A clause that is there but wrong has been told of.
+    let said = |clause: &str| seen.iter().any(|name| symbols.word(name.symbol) == clause);
+    let absent = [
+        ("tick", draft.tick.is_none(), "tick 20ms"),
+        ("block", draft.block.is_none(), "block cube { side 20cm  mass 1kg  faces 1 }"),
+        ("free", draft.free.is_none(), "free 300 uniform"),
+        (
             "enclosure",
+            draft.enclosure.is_none(),
             "enclosure hemisphere { radius 5m  wall 25 N/m }",
-        );
+        ),
+    ];
+    for (clause, is_absent, example) in absent {
+        if is_absent && !said(clause) {
+            let site = Site { file, span: scene.name.span };
+            findings.push(
+                Finding::new(Code::MissingTerm, format!("a scene without `{clause}`"))
+                    .label(site, "says nothing of it")
+                    .help(format!("add `{example}`")),
+            );
+        }
     }
     let complete = Scene {
         name: symbols.word(scene.name.symbol).to_owned(),

@@ -1,0 +1,36 @@
+//! Files that are whole or absent, whatever happens while they are written.
+use std::fs::File;
+use std::io::{self, Write as _};
+use std::path::Path;
+
+/// How the files begin that are still being written; a crash may leave one behind.
+pub(super) const PARTIAL: &str = ".stochc-partial-";
+
+/// Puts `content` in the place of the file at `path`, so that a reader sees the old or the new.
+///
+/// It survives a loss of power once this has returned.
+///
+/// # Errors
+/// Those of the file system; the old file is untouched then.
+pub(super) fn replace(path: &Path, content: &[u8]) -> io::Result<()> {
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(PARTIAL);
+    // A temporary file is private by default; a result is as readable as any other file.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    let mut file = builder.tempfile_in(folder)?;
+    file.write_all(content)?;
+    file.as_file().sync_all()?;
+    file.persist(path).map_err(|error| error.error)?;
+    sync_folder(folder)
+}
+
+/// Makes the names in a folder survive a loss of power.
+pub(super) fn sync_folder(folder: &Path) -> io::Result<()> {
+    // Only Unix lets a folder be opened as a file, and needs it.
+    if cfg!(unix) {
+        File::open(folder)?.sync_all()?;
+    }
+    Ok(())
+}

@@ -1,0 +1,190 @@
+//! What the runs under way are doing: written once a tick by the workers, read by the display.
+use std::ops::ControlFlow;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, AtomicUsize, Ordering};
+
+use stochc_compiler::table::PhaseId;
+use stochc_runtime::record::Outcome;
+
+use super::{Finished, Manifest};
+
+/// In place of a program: the worker has nothing to do.
+const IDLE: usize = usize::MAX;
+
+/// The state of an ensemble, shared by its workers and its display.
+pub(super) struct Board {
+    total: u64,
+    workers: Vec<Slot>,
+    tally: Mutex<Tally>,
+}
+
+/// Where one worker is.
+struct Slot {
+    program: AtomicUsize,
+    phase: AtomicU32,
+    tick: AtomicU64,
+}
+
+/// What has been finished.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Tally {
+    /// For each program.
+    pub programs: Vec<Pace>,
+    /// Runs that timed out.
+    pub timed_out: u64,
+    /// Runs whose physics broke down.
+    pub failed: u64,
+    /// Ticks simulated by this process in runs that are finished.
+    pub ticks_here: u64,
+}
+
+/// How long the runs of a program take.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Pace {
+    /// Finished runs, of this process or an earlier one.
+    pub done: u64,
+    /// Their ticks together.
+    pub ticks: u64,
+    /// Runs that are not finished.
+    pub left: u64,
+    /// Ticks of those of them that are under way.
+    pub under_way: u64,
+}
+
+/// All of it at one moment.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Snapshot {
+    pub total: u64,
+    pub done: u64,
+    pub tally: Tally,
+    /// Ticks simulated by this process.
+    pub ticks_here: u64,
+    /// The program and phase of each run under way.
+    pub under_way: Vec<(usize, PhaseId)>,
+}
+
+/// A run's line to the outside, which it calls once a tick.
+#[derive(Clone, Copy)]
+pub struct Watch<'a> {
+    slot: &'a Slot,
+    stops: [&'a AtomicBool; 2],
+}
+
+impl Watch<'_> {
+    /// Says how far the run is; breaks when it should stop at once, and be forgotten.
+    pub fn tick(&self, tick: u64, phase: PhaseId) -> ControlFlow<()> {
+        // Each of these stands for itself, so that no order among them is needed.
+        self.slot.tick.store(tick, Ordering::Relaxed);
+        self.slot.phase.store(phase.0, Ordering::Relaxed);
+        if self.stops.iter().any(|stop| stop.load(Ordering::Relaxed)) {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    }
+
+    /// The tick and phase told last.
+    pub(super) fn last(&self) -> (u64, PhaseId) {
+        let phase = PhaseId(self.slot.phase.load(Ordering::Relaxed));
+        (self.slot.tick.load(Ordering::Relaxed), phase)
+    }
+}
+
+impl Board {
+    /// The state before the first worker starts; `kept` are the runs of earlier processes.
+    pub fn new(manifest: &Manifest, kept: &[Finished], workers: usize) -> Board {
+        let pace = Pace {
+            left: manifest.runs,
+            ..Pace::default()
+        };
+        let mut tally = Tally {
+            programs: vec![pace; manifest.programs.len()],
+            ..Tally::default()
+        };
+        for done in kept {
+            tally.count(done);
+        }
+        let idle = || Slot {
+            program: AtomicUsize::new(IDLE),
+            phase: AtomicU32::new(0),
+            tick: AtomicU64::new(0),
+        };
+        Board {
+            total: manifest.total(),
+            workers: std::iter::repeat_with(idle).take(workers).collect(),
+            tally: Mutex::new(tally),
+        }
+    }
+
+    /// How many there are.
+    pub fn workers(&self) -> usize {
+        self.workers.len()
+    }
+
+    /// Puts a worker on a run, which stops when either of `stops` is set.
+    pub fn begin<'a>(
+        &'a self,
+        worker: usize,
+        program: usize,
+        stops: [&'a AtomicBool; 2],
+    ) -> Watch<'a> {
+        let slot = &self.workers[worker];
+        slot.tick.store(0, Ordering::Relaxed);
+        slot.phase.store(0, Ordering::Relaxed);
+        slot.program.store(program, Ordering::Relaxed);
+        Watch { slot, stops }
+    }
+
+    /// Takes a worker off its run; `finished`: unless the run was stopped.
+    pub fn end(&self, worker: usize, finished: Option<&Finished>) {
+        let slot = &self.workers[worker];
+        slot.program.store(IDLE, Ordering::Relaxed);
+        if let Some(finished) = finished {
+            let mut tally = self.tally.lock().expect("nobody panics while counting");
+            tally.count(finished);
+            tally.ticks_here += finished.record.ticks;
+        }
+    }
+
+    /// What can be told now.
+    pub fn snapshot(&self) -> Snapshot {
+        let mut tally = self
+            .tally
+            .lock()
+            .expect("nobody panics while counting")
+            .clone();
+        let mut ticks_here = tally.ticks_here;
+        let mut under_way = Vec::new();
+        for slot in &self.workers {
+            let program = slot.program.load(Ordering::Relaxed);
+            if let Some(pace) = tally.programs.get_mut(program) {
+                let tick = slot.tick.load(Ordering::Relaxed);
+                pace.under_way += tick;
+                ticks_here += tick;
+                under_way.push((program, PhaseId(slot.phase.load(Ordering::Relaxed))));
+            }
+        }
+        under_way.sort_unstable();
+        Snapshot {
+            total: self.total,
+            done: tally.programs.iter().map(|pace| pace.done).sum(),
+            tally,
+            ticks_here,
+            under_way,
+        }
+    }
+}
+
+impl Tally {
+    fn count(&mut self, finished: &Finished) {
+        let pace = &mut self.programs[finished.program];
+        pace.done += 1;
+        pace.ticks += finished.record.ticks;
+        pace.left = pace.left.saturating_sub(1);
+        match finished.record.outcome {
+            Outcome::Completed => {}
+            Outcome::TimedOut { .. } => self.timed_out += 1,
+            Outcome::Failed { .. } => self.failed += 1,
+        }
+    }
+}

@@ -1,0 +1,221 @@
+//! The figures that compare programs: what `--format json` says, and [`Comparison::to_text`] draws.
+use serde::Serialize;
+use stochc_runtime::record::{Outcome, RunRecord};
+
+use super::{Finished, Manifest, Program};
+use crate::statistics::{Difference, KaplanMeier, Observation, Summary, compare};
+
+/// An ensemble in figures; times are in ticks.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Comparison {
+    /// One for each program, in the order of the manifest.
+    pub programs: Vec<Column>,
+    /// One for each pair of programs, in the same order.
+    pub pairs: Vec<Pair>,
+}
+
+/// The figures of one program.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Column {
+    /// The program's name in the manifest.
+    pub name: String,
+    /// Length of a tick \[s\].
+    pub tick: f64,
+    /// How many phases it has.
+    pub phases: usize,
+    /// How many captures it makes: the paper's "total units involved".
+    pub captures: u64,
+    /// How many different blocks a completed run captured, on average; `None`: none completed.
+    pub blocks_used: Option<f64>,
+    /// Runs asked for.
+    pub runs: u64,
+    /// Runs finished, the sum of the next three.
+    pub finished: u64,
+    /// Runs that completed the structure.
+    pub completed: u64,
+    /// Runs that were stopped by a timeout or the limit of ticks: their times are censored.
+    pub timed_out: u64,
+    /// Runs whose physics broke down: no time counts them.
+    pub failed: u64,
+    /// Of the whole run.
+    pub time: Option<Time>,
+    /// Of each phase, in their order; a phase nobody reached has none.
+    pub phase_times: Vec<PhaseTime>,
+}
+
+/// The times of one phase.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PhaseTime {
+    /// The phase's name.
+    pub name: String,
+    /// Of the runs that reached it.
+    pub time: Option<Time>,
+}
+
+/// What is known of a time to completion; ticks, except for `cv`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Time {
+    /// Times that were completed.
+    pub completed: usize,
+    /// Times that were cut short.
+    pub censored: usize,
+    /// The mean; where any are cut short the mean of min(time, horizon), which is a lower bound.
+    pub mean: f64,
+    /// Half the width of its 95 % confidence interval; `None`: fewer than two were completed.
+    pub half_width: Option<f64>,
+    /// Where any are cut short: up to here the mean counts.
+    pub horizon: Option<f64>,
+    /// The shortest that was completed.
+    pub min: Option<f64>,
+    /// The longest; unknown where any are cut short.
+    pub max: Option<f64>,
+    /// Standard deviation; unknown where any are cut short.
+    pub sd: Option<f64>,
+    /// The median, of Kaplan and Meier where any are cut short; `None`: fewer than half completed.
+    pub median: Option<f64>,
+    /// Standard deviation / mean; unknown where any are cut short.
+    pub cv: Option<f64>,
+}
+
+/// Two programs side by side.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Pair {
+    /// Name of the first program.
+    pub first: String,
+    /// Name of the second.
+    pub second: String,
+    /// The first's time to completion less the second's; `None`: too few runs to tell.
+    pub difference: Option<Difference>,
+}
+
+impl Comparison {
+    /// Draws up the figures of finished runs.
+    pub fn of(manifest: &Manifest, finished: &[Finished]) -> Comparison {
+        let records = |of: usize| {
+            let of = finished.iter().filter(move |done| done.program == of);
+            of.map(|done| &done.record).collect::<Vec<_>>()
+        };
+        let records: Vec<_> = (0..manifest.programs.len()).map(records).collect();
+        let programs = manifest.programs.iter().zip(&records);
+        let times: Vec<_> = records.iter().map(|records| whole(records)).collect();
+        let names = || manifest.programs.iter().map(|p| &p.name).zip(&times);
+        Comparison {
+            programs: programs
+                .map(|(program, records)| column(manifest, program, records))
+                .collect(),
+            pairs: names()
+                .enumerate()
+                .flat_map(|(i, first)| names().skip(i + 1).map(move |second| (first, second)))
+                .map(|((first, ours), (second, theirs))| Pair {
+                    first: first.clone(),
+                    second: second.clone(),
+                    difference: compare(ours, theirs),
+                })
+                .collect(),
+        }
+    }
+}
+
+impl Time {
+    /// Sums up times of which some may be cut short; `None`: there are none.
+    pub fn of(observations: &[Observation]) -> Option<Time> {
+        let completed: Vec<f64> = observations
+            .iter()
+            .filter(|o| o.completed)
+            .map(|o| o.time)
+            .collect();
+        let summary = Summary::of(&completed);
+        let censored = observations.len() - completed.len();
+        if censored == 0 {
+            let summary = summary?;
+            return Some(Time {
+                completed: summary.n,
+                censored,
+                mean: summary.mean,
+                half_width: summary.half_width,
+                horizon: None,
+                min: Some(summary.min),
+                max: Some(summary.max),
+                sd: summary.sd,
+                median: Some(summary.median),
+                cv: summary.cv(),
+            });
+        }
+        let curve = KaplanMeier::of(observations)?;
+        let mean = curve.restricted_mean(curve.last());
+        Some(Time {
+            completed: completed.len(),
+            censored,
+            mean: mean.mean,
+            half_width: (completed.len() > 1).then(|| mean.half_width()),
+            horizon: Some(mean.horizon),
+            min: summary.map(|summary| summary.min),
+            max: None,
+            sd: None,
+            median: curve.median(),
+            cv: None,
+        })
+    }
+}
+
+fn column(manifest: &Manifest, program: &Program, records: &[&RunRecord]) -> Column {
+    let completed = |record: &&&RunRecord| record.outcome == Outcome::Completed;
+    let timed_out = |record: &&&RunRecord| matches!(record.outcome, Outcome::TimedOut { .. });
+    let blocks: Vec<f64> = records
+        .iter()
+        .filter(completed)
+        .map(|record| record.blocks_used.into())
+        .collect();
+    let count = |runs: usize| runs as u64;
+    let (done, late) = (
+        records.iter().filter(completed).count(),
+        records.iter().filter(timed_out).count(),
+    );
+    let phases = program.phases.iter().enumerate();
+    Column {
+        name: program.name.clone(),
+        tick: program.scene.tick,
+        phases: program.phases.len(),
+        captures: program.captures,
+        blocks_used: Summary::of(&blocks).map(|summary| summary.mean),
+        runs: manifest.runs,
+        finished: count(records.len()),
+        completed: count(done),
+        timed_out: count(late),
+        failed: count(records.len() - done - late),
+        time: Time::of(&whole(records)),
+        phase_times: phases
+            .map(|(i, name)| PhaseTime {
+                name: name.clone(),
+                time: Time::of(&of_phase(records, i)),
+            })
+            .collect(),
+    }
+}
+
+/// Times to completion; a failed run has none.
+fn whole(records: &[&RunRecord]) -> Vec<Observation> {
+    let time = |record: &&RunRecord| match record.outcome {
+        Outcome::Completed => Some(Observation::completed(record.ticks as f64)),
+        Outcome::TimedOut { .. } => Some(Observation::censored(record.ticks as f64)),
+        Outcome::Failed { .. } => None,
+    };
+    records.iter().filter_map(time).collect()
+}
+
+/// Times of one phase, of the runs that reached it and did not fail.
+fn of_phase(records: &[&RunRecord], phase: usize) -> Vec<Observation> {
+    let time = |record: &&RunRecord| match &record.outcome {
+        Outcome::Failed { .. } => None,
+        outcome => match record.phase_ticks.get(phase) {
+            Some(&ticks) => Some(Observation::completed(ticks as f64)),
+            None if record.phase_ticks.len() == phase && *outcome != Outcome::Completed => {
+                let before: u64 = record.phase_ticks.iter().sum();
+                let cut = record.ticks.saturating_sub(before);
+                Some(Observation::censored(cut as f64))
+            }
+            None => None,
+        },
+    };
+    records.iter().filter_map(time).collect()
+}

@@ -1,0 +1,70 @@
+//! Many runs of one or more programs, kept in a folder that outlives every interruption.
+//!
+//! [`Manifest`] says what the ensemble depends on, [`Folder`] who may write where, and [`run`]
+//! does what is left to do. [`Comparison`] and [`edges`] say what came of it.
+//!
+//! ```no_run
+//! use std::path::Path;
+//! use stochc::ensemble::{
+//!     Comparison, Display, Folder, Manifest, Means, Place, Program, Source, edges,
+//!     edges_to_text, run, stop_on_interrupt,
+//! };
+//! # use stochc_compiler::{scene::Scene, table::Tables};
+//! # use stochc_runtime::record::RunRecord;
+//! # fn simulate(_: &Tables, _: u64, _: &mut dyn FnMut(u64, stochc_compiler::table::PhaseId) -> bool)
+//! #     -> Option<RunRecord> { None }
+//! # fn command(text: String, scene: Scene, tables: Tables) -> Result<(), Box<dyn std::error::Error>> {
+//! let stop = stop_on_interrupt()?;
+//! let file = Source { path: "examples/line.sa".into(), text };
+//! let program = Program::new("line", vec![file], scene, &tables);
+//! let mut manifest = Manifest::new("rapier", /* seed */ 1, /* runs */ 50, vec![program]);
+//! manifest.substeps = 4;
+//! manifest.max_ticks = Some(100_000);
+//! let place = match Some("results/line") {
+//!     Some(out) => Place::Folder(Folder::open(Path::new(out), &manifest, /* --resume */ false)?),
+//!     None => Place::Memory(&manifest),
+//! };
+//! let means = Means {
+//!     threads: std::thread::available_parallelism()?,
+//!     display: Display::on_standard_error(/* --quiet */ false),
+//!     stop,
+//! };
+//! let results = run(place, means, |_program, run, watch| {
+//!     // The runtime's way to be watched: told the tick and the phase, it says whether to stop.
+//!     let mut told = |tick, phase| watch.tick(tick, phase).is_break();
+//!     simulate(&tables, run, &mut told).ok_or(stochc::ensemble::Cancelled)
+//! })?;
+//! print!("{}", Comparison::of(&manifest, &results.finished).to_text(100));
+//! print!("{}", edges_to_text(&edges(&manifest, &results.finished, 0), 100));
+//! # Ok(())
+//! # }
+//! ```
+mod atomic;
+mod board;
+mod clock;
+mod comparison;
+mod edges;
+mod estimate;
+mod execute;
+mod folder;
+mod interrupt;
+mod journal;
+mod layout;
+mod manifest;
+mod parquet;
+mod progress;
+mod refusal;
+mod run;
+mod table;
+
+pub use board::Watch;
+pub use comparison::{Column, Comparison, Pair, PhaseTime, Time};
+pub use edges::{Edge, edges, edges_to_text};
+pub use execute::Cancelled;
+pub use folder::{Folder, State};
+pub use interrupt::{INTERRUPTED, stop_on_interrupt};
+pub use journal::{Finished, JournalError};
+pub use manifest::{FORMAT, Manifest, Program, Source};
+pub use progress::Display;
+pub use refusal::FolderError;
+pub use run::{Means, Place, Results, RunError, run};

@@ -1,0 +1,172 @@
+//! A comparison as text, in the layout of the paper's Tables I and II.
+use std::fmt::Write as _;
+
+use super::comparison::{Column, Comparison, Pair, Time};
+use super::layout::Layout;
+use crate::statistics::Test;
+
+/// Below this, a difference is called one.
+const SIGNIFICANT: f64 = 0.05;
+
+/// In place of a figure that does not exist.
+const NONE: &str = "-";
+
+impl Comparison {
+    /// The table, and below it a sentence for each pair of programs.
+    ///
+    /// `width` is that of the terminal, in characters; columns that do not fit go below.
+    pub fn to_text(&self, width: usize) -> String {
+        let mut rows = Rows::new(&self.programs);
+        rows.add("Construction phases", |c| c.phases.to_string());
+        rows.add("Total units involved", |c| c.captures.to_string());
+        rows.add("Different blocks used", |c| {
+            c.blocks_used.map_or(NONE.into(), |n| format!("{n:.1}"))
+        });
+        rows.add("Runs", |c| match c.finished == c.runs {
+            true => c.runs.to_string(),
+            false => format!("{} of {}", c.finished, c.runs),
+        });
+        rows.add("Mean time to completion", |c| mean(c.time.as_ref()));
+        rows.add("Min time to completion", |c| figure(c, |t| t.min));
+        rows.add("Max time to completion", |c| figure(c, |t| t.max));
+        rows.add("SD", |c| figure(c, |t| t.sd));
+        rows.add("Median", |c| figure(c, |t| t.median));
+        rows.add("CV", |c| {
+            let cv = c.time.as_ref().and_then(|time| time.cv);
+            cv.map_or(NONE.into(), |cv| format!("{cv:.2}"))
+        });
+        rows.add("Timed out (censored)", |c| c.timed_out.to_string());
+        rows.add("Failed", |c| c.failed.to_string());
+        let phases = self.programs.iter().map(|c| c.phases).max().unwrap_or(0);
+        for i in 0..phases {
+            rows.add(&format!("Mean of phase {}", i + 1), |c| {
+                match c.phase_times.get(i) {
+                    Some(phase) => format!("{}: {}", phase.name, mean(phase.time.as_ref())),
+                    None => String::new(),
+                }
+            });
+        }
+        let mut text = rows.layout.text(width);
+        text.push('\n');
+        text += &self.notes();
+        for pair in &self.pairs {
+            text += &sentence(pair);
+            text.push('\n');
+        }
+        if self.pairs.len() > 1 {
+            text += "Each p stands for itself: none is corrected for the number of pairs.\n";
+        }
+        text
+    }
+
+    /// What the figures mean.
+    fn notes(&self) -> String {
+        let mut text = String::new();
+        let mut ticks: Vec<f64> = self.programs.iter().map(|column| column.tick).collect();
+        ticks.dedup();
+        let tick = match ticks[..] {
+            [tick] => format!("ticks of {} ms", round(tick * 1e3)),
+            _ => "ticks, each of its own scene".to_owned(),
+        };
+        writeln!(text, "Times in {tick}; ± is half of a 95 % interval.").expect("it is a string");
+        if self.programs.iter().any(|c| c.finished < c.runs) {
+            text += "Not all runs are finished; those under way longest are missing, so that times \
+                     are too short.\n";
+        }
+        let censored = |c: &Column| c.timed_out > 0;
+        if self.programs.iter().any(censored) {
+            text += "≥: some runs were stopped before they completed, so that the mean is one of \
+                     min(time, horizon),\n   a lower bound; the median is Kaplan and Meier's, and \
+                     SD, CV and the longest time are unknown.\n";
+        }
+        text
+    }
+}
+
+/// The table while it grows.
+struct Rows<'a> {
+    programs: &'a [Column],
+    layout: Layout,
+}
+
+impl<'a> Rows<'a> {
+    fn new(programs: &'a [Column]) -> Rows<'a> {
+        let columns = programs.iter().map(|c| (c.name.clone(), Vec::new()));
+        Rows {
+            programs,
+            layout: Layout {
+                labels: Vec::new(),
+                columns: columns.collect(),
+            },
+        }
+    }
+
+    fn add(&mut self, label: &str, cell: impl Fn(&Column) -> String) {
+        self.layout.labels.push(label.to_owned());
+        for (program, (_, cells)) in self.programs.iter().zip(&mut self.layout.columns) {
+            cells.push(cell(program));
+        }
+    }
+}
+
+fn mean(time: Option<&Time>) -> String {
+    let Some(time) = time else {
+        return NONE.to_owned();
+    };
+    let mut text = ticks(time.mean);
+    if let Some(half_width) = time.half_width {
+        text += &format!(" ± {}", ticks(half_width));
+    }
+    match time.horizon {
+        None => text,
+        Some(horizon) => format!("≥ {text} (to {})", ticks(horizon)),
+    }
+}
+
+fn figure(column: &Column, of: impl Fn(&Time) -> Option<f64>) -> String {
+    let figure = column.time.as_ref().and_then(of);
+    figure.map_or(NONE.to_owned(), ticks)
+}
+
+/// Whole ticks, except where they are few.
+pub(super) fn ticks(ticks: f64) -> String {
+    if ticks.abs() < 100.0 && ticks.fract() != 0.0 {
+        format!("{ticks:.1}")
+    } else {
+        format!("{ticks:.0}")
+    }
+}
+
+/// Six digits, without the zeros that say nothing.
+fn round(value: f64) -> f64 {
+    format!("{value:.5e}").parse().unwrap_or(value)
+}
+
+fn sentence(pair: &Pair) -> String {
+    let (first, second) = (&pair.first, &pair.second);
+    let Some(found) = &pair.difference else {
+        return format!("{first} - {second}: too few completed runs to tell.");
+    };
+    let (test, of) = match found.test {
+        Test::Welch { .. } => ("Welch's t test", String::new()),
+        Test::LogRank { horizon } => ("log-rank test", format!(" (to {})", ticks(horizon))),
+    };
+    let p = match found.p {
+        p if p < 1e-4 => "p < 0.0001".to_owned(),
+        p if p < 0.01 => format!("p = {p:.4}"),
+        p if p < 0.1 => format!("p = {p:.3}"),
+        p => format!("p = {p:.2}"),
+    };
+    let verdict = if found.p >= SIGNIFICANT {
+        "these runs show no difference".to_owned()
+    } else if found.difference > 0.0 {
+        format!("{first} takes longer on average")
+    } else {
+        format!("{second} takes longer on average")
+    };
+    format!(
+        "{first} - {second}: {} ± {} ticks{of}, {p} ({test}): {verdict}.",
+        ticks(found.difference),
+        ticks(found.half_width),
+    )
+}

@@ -1,0 +1,62 @@
+//! The three distributions that intervals and tests need, from `statrs`.
+use statrs::distribution::{ChiSquared, ContinuousCDF, Normal, StudentsT};
+
+/// Confidence level of every interval.
+const LEVEL: f64 = 0.95;
+
+/// The factor that turns a standard error into the half-width of a 95 % interval, by Student's t.
+///
+/// `freedom` are its degrees of freedom, positive; 49 of them give 2.0096.
+pub(super) fn t_quantile(freedom: f64) -> f64 {
+    StudentsT::new(0.0, 1.0, freedom)
+        .expect("the degrees of freedom are positive")
+        .inverse_cdf(0.5 + LEVEL / 2.0)
+}
+
+/// The probability that |T| is at least `t` under Student's t.
+pub(super) fn t_two_sided(t: f64, freedom: f64) -> f64 {
+    let t_distribution =
+        StudentsT::new(0.0, 1.0, freedom).expect("the degrees of freedom are positive");
+    2.0 * t_distribution.sf(t.abs())
+}
+
+/// As [`t_quantile`], for a normal estimate: 1.96.
+pub(super) fn normal_quantile() -> f64 {
+    Normal::standard().inverse_cdf(0.5 + LEVEL / 2.0)
+}
+
+/// The probability that chi squared with one degree of freedom is at least `x`.
+pub(super) fn chi_squared_above(x: f64) -> f64 {
+    ChiSquared::new(1.0)
+        .expect("one degree of freedom is allowed")
+        .sf(x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `scipy.stats.t.ppf(0.975, df)` and `2 * scipy.stats.t.sf(5, df)`, scipy 1.17.1.
+    #[test]
+    fn student_t_agrees_with_scipy() {
+        for (freedom, quantile, tail) in [
+            (1.0, 12.706204736174694, 0.1256659163780024),
+            (2.0, 4.302652729749462, 0.037749551350623724),
+            (3.7, 2.8675207071911895, 0.009163967644893314),
+            (49.0, 2.0095752371292392, 7.736116446289065e-6),
+            (98.0, 1.9844674545084815, 2.51357798323805e-6),
+            (1000.0, 1.9623390808264083, 6.767256364648635e-7),
+        ] {
+            assert!((t_quantile(freedom) / quantile - 1.0).abs() < 1e-9);
+            assert!((t_two_sided(-5.0, freedom) / tail - 1.0).abs() < 1e-9);
+        }
+    }
+
+    /// `scipy.stats.norm.ppf(0.975)` and `scipy.stats.chi2.sf(16.792940989216547, 1)`.
+    #[test]
+    fn normal_and_chi_squared_agree_with_scipy() {
+        assert!((normal_quantile() - 1.959963984540054).abs() < 1e-12);
+        let above = chi_squared_above(16.792940989216547);
+        assert!((above / 4.168809109334511e-5 - 1.0).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,146 @@
+//! The table that compares programs, and the figures behind it.
+use insta::{assert_json_snapshot, assert_snapshot};
+use stochc::ensemble::{
+    Comparison, Display, Finished, Manifest, Means, Place, edges, edges_to_text, run,
+};
+use stochc::statistics::{Test, median};
+use stochc_compiler::table::PhaseId;
+use stochc_runtime::record::{Outcome, RunRecord};
+
+use crate::world::{manifest, means, program, simulate};
+
+/// Runs of the first program at the times of [`LEFT`], of the second at those of [`RIGHT`].
+const LEFT: [u64; 8] = [2948, 6611, 5120, 7303, 14496, 4410, 3999, 6120];
+const RIGHT: [u64; 6] = [2826, 5158, 4400, 5011, 8312, 4790];
+
+fn record(run: usize, outcome: Outcome, phase_ticks: Vec<u64>, ticks: u64) -> RunRecord {
+    RunRecord {
+        run: run as u64,
+        outcome,
+        ticks,
+        phase_ticks,
+        blocks_used: 12 + run as u32 % 3,
+        hops: 40,
+        bonds: Vec::new(),
+    }
+}
+
+fn at(program: usize, times: &[u64]) -> Vec<Finished> {
+    let record = |(run, &ticks)| {
+        let first = ticks / 4;
+        record(run, Outcome::Completed, vec![first, ticks - first], ticks)
+    };
+    let records = times.iter().enumerate().map(record);
+    records.map(|record| Finished { program, record }).collect()
+}
+
+/// Stops every run of the program that took more than `limit` ticks.
+fn limit(finished: &mut [Finished], limit: u64) {
+    for Finished { record, .. } in finished {
+        if record.ticks > limit {
+            record.outcome = Outcome::TimedOut { phase: PhaseId(1) };
+            record.phase_ticks.truncate(1);
+            record.ticks = limit;
+        }
+    }
+}
+
+fn both() -> (Manifest, Vec<Finished>) {
+    (manifest(8), [at(0, &LEFT), at(1, &RIGHT)].concat())
+}
+
+#[test]
+fn two_programs_without_censoring() {
+    let (manifest, finished) = both();
+    let comparison = Comparison::of(&manifest, &finished);
+    assert_snapshot!(comparison.to_text(100));
+    let difference = comparison.pairs[0].difference.as_ref().unwrap();
+    assert!(matches!(difference.test, Test::Welch { .. }));
+    // scipy.stats.ttest_ind(left, right, equal_var=False).pvalue
+    assert!((difference.p - 0.3959250164443995).abs() < 1e-9);
+}
+
+#[test]
+fn censored_runs_are_not_averaged_away() {
+    let (manifest, mut finished) = both();
+    limit(&mut finished, 6500);
+    let failed = Outcome::Failed {
+        phase: PhaseId(0),
+        reason: "block 7 left the world".into(),
+    };
+    finished.push(Finished {
+        program: 1,
+        record: record(6, failed, Vec::new(), 1),
+    });
+    let comparison = Comparison::of(&manifest, &finished);
+    assert_snapshot!(comparison.to_text(100));
+    let left = comparison.programs[0].time.as_ref().unwrap();
+    let all: Vec<f64> = LEFT.iter().map(|&ticks| ticks as f64).collect();
+    // Fewer than half are cut short, so that the median is the one of all.
+    assert_eq!(left.median, median(&all));
+    assert!(left.mean < all.iter().sum::<f64>() / 8.0);
+    assert_json_snapshot!(comparison);
+}
+
+#[test]
+fn a_difference_is_called_one() {
+    let manifest = manifest(6);
+    let slow: Vec<u64> = RIGHT.iter().map(|ticks| ticks * 4).collect();
+    let mut finished = [at(0, &slow), at(1, &RIGHT)].concat();
+    let text = |finished: &[Finished]| {
+        let text = Comparison::of(&manifest, finished).to_text(100);
+        text.lines().last().unwrap().to_owned()
+    };
+    let known = text(&finished);
+    limit(&mut finished, 20_000);
+    assert_snapshot!(format!("{known}\n{}", text(&finished)), @"left - right: 15248 ± 7509 ticks, p = 0.0028 (Welch's t test): left takes longer on average.
+left - right: 3229 ± 1310 ticks (to 8312), p = 0.0005 (log-rank test): left takes longer on average.");
+}
+
+#[test]
+fn no_run_and_no_completed_run() {
+    let manifest = manifest(3);
+    let mut never = at(1, &[900, 900, 900]);
+    limit(&mut never, 500);
+    assert_snapshot!(Comparison::of(&manifest, &never).to_text(100));
+}
+
+#[test]
+fn many_programs_with_long_names_go_below_each_other() {
+    let name = "a_reconfigured_five_tower_with_a_very_long_name";
+    let programs = [name, "line", "line", "line"].map(program);
+    let manifest = Manifest::new("hash", 1, 6, programs.into());
+    let finished: Vec<_> = (0..4).flat_map(|program| at(program, &RIGHT)).collect();
+    let text = Comparison::of(&manifest, &finished).to_text(78);
+    assert!(
+        text.lines()
+            .take_while(|l| !l.is_empty())
+            .all(|l| l.chars().count() <= 78)
+    );
+    assert_snapshot!(text);
+}
+
+#[test]
+fn one_program_has_no_pairs() {
+    let manifest = Manifest::new("hash", 1, 6, vec![program("line")]);
+    let comparison = Comparison::of(&manifest, &at(0, &RIGHT));
+    assert!(comparison.pairs.is_empty());
+    assert_snapshot!(comparison.to_text(100));
+}
+
+#[test]
+fn captures_are_summed_up_by_edge() {
+    let manifest = manifest(40);
+    let never = std::sync::atomic::AtomicBool::new(false);
+    let quiet = Means {
+        display: Display::Quiet,
+        ..means(2, &never)
+    };
+    let results = run(Place::Memory(&manifest), quiet, simulate).unwrap();
+    let found = edges(&manifest, &results.finished, 0);
+    assert_snapshot!(edges_to_text(&found, 100));
+    assert_eq!(found[1].released, [("B".to_owned(), found[1].n)]);
+    assert!(edges(&manifest, &[], 1).is_empty());
+    assert_snapshot!(edges_to_text(&[], 100), @"n   wait   CV   entries   docking   released before
+─   ────   ──   ───────   ───────   ───────────────");
+}

@@ -1,0 +1,6 @@
+//! Ensembles from outside: what is kept, what is refused, and what the tables say.
+mod figures;
+mod interrupted;
+mod refused;
+mod tables;
+mod world;

@@ -1,0 +1,189 @@
+//! An ensemble of two programs that needs no physics: a run is a hash of its number.
+use std::num::NonZeroUsize;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use stochc::ensemble::{
+    Cancelled, Display, Folder, Manifest, Means, Place, Program, Results, Source, Watch, run,
+};
+use stochc_compiler::scene::{Arrangement, Block, Enclosure, Free, Scene};
+use stochc_compiler::table::{Action, Phase, PhaseId, Plate, Role, RoleId, Tables, Trigger};
+use stochc_compiler::{Cell, Face};
+use stochc_runtime::record::{BondRecord, Origin, Outcome, RunRecord};
+
+/// A scene whose numbers do not survive a careless reader of JSON.
+pub fn scene() -> Scene {
+    Scene {
+        name: "void".into(),
+        tick: 0.1 + 0.2,
+        block: Block {
+            side: 1.0 / 3.0,
+            mass: 1e-300,
+            faces: 1,
+        },
+        free: Free {
+            count: 300,
+            arrangement: Arrangement::Uniform,
+        },
+        enclosure: Some(Enclosure::Hemisphere {
+            radius: std::f64::consts::PI,
+            wall: 7.038531e-26,
+        }),
+        agitation: None,
+        drag: None,
+        contact: None,
+        bond: None,
+        messages: None,
+    }
+}
+
+/// A catches B, which catches C in a second phase.
+pub fn program(name: &str) -> Program {
+    let role = |name: &str, seed| Role {
+        name: name.into(),
+        seed,
+    };
+    let phase = |name: &str| Phase {
+        name: name.into(),
+        timeout: None,
+        reports: 1,
+    };
+    let catch = |child, z| Action::Magnetize {
+        face: Face::Up,
+        child: RoleId(child),
+        cell: Cell::new(0, 0, z),
+    };
+    let tables = Tables::assemble(
+        "stack",
+        1,
+        Plate { width: 1, depth: 1 },
+        vec![phase("first"), phase("second")],
+        vec![
+            role("A", Some(Cell::new(0, 0, 0))),
+            role("B", None),
+            role("C", None),
+        ],
+        vec![
+            (
+                RoleId(0),
+                PhaseId(0),
+                Trigger::Start,
+                vec![(vec![], catch(1, 1))],
+            ),
+            (
+                RoleId(1),
+                PhaseId(1),
+                Trigger::Start,
+                vec![(vec![], catch(2, 2))],
+            ),
+        ],
+    );
+    let source = Source {
+        path: format!("somewhere/{name}.sa"),
+        text: format!("assembly {name} {{}}"),
+    };
+    Program::new(name, vec![source], scene(), &tables)
+}
+
+pub fn manifest(runs: u64) -> Manifest {
+    Manifest::new(
+        "hash",
+        u64::MAX,
+        runs,
+        vec![program("left"), program("right")],
+    )
+}
+
+/// SplitMix64 of the run's number and what the draw is for.
+fn draw(program: usize, run: u64, what: u64) -> u64 {
+    let mut z = (run << 8 | (program as u64) << 4 | what).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
+/// A run that waits for one block, and most times for a second one.
+pub fn simulate(program: usize, run: u64, watch: &Watch) -> Result<RunRecord, Cancelled> {
+    let waits = [draw(program, run, 0) % 500, draw(program, run, 1) % 500];
+    let bond = |phase: usize, magnetized, origin| BondRecord {
+        phase: PhaseId(phase as u32),
+        parent: RoleId(phase as u32),
+        face: Face::Up,
+        child: RoleId(phase as u32 + 1),
+        cell: Cell::new(-1, 0, phase as i32 + 1),
+        magnetized,
+        docked: magnetized + waits[phase],
+        entries: 3,
+        docking: waits[phase] / 10,
+        body: (draw(program, run, 2) % 300) as u32,
+        origin,
+    };
+    let total = waits[0] + waits[1];
+    for tick in 0..total {
+        let phase = PhaseId(u32::from(tick >= waits[0]));
+        if watch.tick(tick, phase).is_break() {
+            return Err(Cancelled);
+        }
+    }
+    let late = total > 800;
+    let released = Origin::Released {
+        role: RoleId(1),
+        tick: 7,
+    };
+    let mut record = RunRecord {
+        run,
+        outcome: Outcome::Completed,
+        ticks: total,
+        phase_ticks: vec![waits[0], waits[1]],
+        blocks_used: 2,
+        hops: draw(program, run, 3) % 20,
+        bonds: vec![bond(0, 0, Origin::Free), bond(1, waits[0], released)],
+    };
+    if late {
+        record.outcome = Outcome::TimedOut { phase: PhaseId(1) };
+        record.phase_ticks.truncate(1);
+        record.bonds.truncate(1);
+    }
+    match run {
+        3 => panic!("run 3 goes wrong"),
+        5 => {
+            record.phase_ticks.clear();
+            record.bonds.clear();
+            record.outcome = Outcome::Failed {
+                phase: PhaseId(0),
+                reason: "block 7 left the world".into(),
+            };
+        }
+        _ => {}
+    }
+    Ok(record)
+}
+
+pub fn means(threads: usize, stop: &AtomicBool) -> Means<'_> {
+    Means {
+        threads: NonZeroUsize::new(threads).unwrap(),
+        display: Display::Quiet,
+        stop,
+    }
+}
+
+/// Does or goes on with the ensemble of `manifest` in `path`.
+pub fn complete(path: &Path, manifest: &Manifest, threads: usize) -> Results {
+    let folder = Folder::open(path, manifest, true).unwrap();
+    let never = AtomicBool::new(false);
+    run(Place::Folder(folder), means(threads, &never), simulate).unwrap()
+}
+
+/// Both tables, to the byte.
+pub fn bytes(path: &Path) -> [Vec<u8>; 2] {
+    ["runs.parquet", "bonds.parquet"].map(|name| std::fs::read(path.join(name)).unwrap())
+}
+
+/// Puts a file where a test needs one.
+#[expect(
+    clippy::disallowed_methods,
+    reason = "a test plays the rest of the world"
+)]
+pub fn put(path: &Path, content: impl AsRef<[u8]>) {
+    std::fs::write(path, content).unwrap();
+}
