@@ -1,2 +1,3 @@
 //! Event tables and a scene to runs.
+pub mod draw;
 pub mod record;
