@@ -1,7 +1,7 @@
 //! The distributed control: every anchored block runs its own part of the event tables.
 //!
 //! A block sees only itself: what docked on its faces and what it was told. What crosses from one
-//! block to another crosses as a [message](post). Nothing here knows how blocks move; any
+//! block to another crosses as a message, hop by hop along parents and children. Nothing here knows how blocks move; any
 //! [`World`] will do.
 //!
 //! Times are boundaries between steps of the world: tick t is when t steps have been made. A phase

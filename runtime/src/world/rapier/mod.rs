@@ -312,12 +312,13 @@ impl Block {
         let speed = self.velocity.length();
         let spin = self.spin.length();
         let far = self.position.length();
-        // Written so that what is not a number fails too.
-        if !(speed < MOST_SPEED) {
+        // What is not a number is not below anything.
+        let sound = |value: f32, most: f32| value < most;
+        if !sound(speed, MOST_SPEED) {
             Some(format!("its speed is {speed} sides per tick"))
-        } else if !(spin < MOST_SPEED) {
+        } else if !sound(spin, MOST_SPEED) {
             Some(format!("its spin is {spin} radians per tick"))
-        } else if !(far < FARTHEST) || !self.rotation.is_finite() {
+        } else if !sound(far, FARTHEST) || !self.rotation.is_finite() {
             Some(format!("it is {far} sides from the plate"))
         } else {
             None
