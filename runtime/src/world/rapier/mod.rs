@@ -13,14 +13,17 @@
 mod capture;
 mod convert;
 mod engine;
+mod error;
+mod fault;
 mod magnet;
 mod push;
 mod start;
+mod state;
 mod terms;
 
 use std::collections::BTreeMap;
 
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::Vector3;
 use rapier3d::dynamics::RigidBodyHandle;
 use rapier3d::glamx::{Quat, Vec3};
 use rapier3d::pipeline::PhysicsWorld;
@@ -34,88 +37,12 @@ use crate::orientation::Orientation;
 use crate::settings::Settings;
 use capture::{Active, Sighting};
 use convert::{unit_quaternion, vec3, vector};
+pub use error::SceneError;
+pub use state::BodyState;
 use terms::Terms;
 
 /// From the centre of a block to its faces \[side\].
 const INSIDE: f32 = 0.5;
-
-/// A faster block \[side / tick\] is a fault.
-const MOST_SPEED: f32 = 100.0;
-
-/// A block farther from the plate \[side\] is a fault: single precision resolves its place no more.
-const FARTHEST: f32 = 1e5;
-
-/// Where a block is and how it moves, in block units: side 1, tick 1.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BodyState {
-    /// Of the centre \[side\], from the centre of the plate's upper side.
-    pub position: Vector3<f64>,
-    /// Own directions to the structure's.
-    pub orientation: UnitQuaternion<f64>,
-    /// Of the centre \[side / tick\].
-    pub velocity: Vector3<f64>,
-    /// Angular velocity, in the structure's frame \[rad / tick\].
-    pub spin: Vector3<f64>,
-}
-
-impl BodyState {
-    /// A block at rest, its own directions those of the structure.
-    pub fn at_rest(position: Vector3<f64>) -> BodyState {
-        BodyState {
-            position,
-            orientation: UnitQuaternion::identity(),
-            velocity: Vector3::zeros(),
-            spin: Vector3::zeros(),
-        }
-    }
-}
-
-/// Why a scene cannot be set up.
-#[derive(Clone, Debug, PartialEq)]
-pub enum SceneError {
-    /// The enclosure is too small for its blocks.
-    DoesNotFit {
-        /// How many there should be.
-        count: u32,
-        /// How many there could be.
-        fits: u32,
-    },
-    /// There are free blocks, and nothing says where.
-    NoEnclosure {
-        /// How many there should be.
-        count: u32,
-    },
-    /// A quantity is negative, or too large or small for single precision, or not a number.
-    NotANumber {
-        /// Which.
-        what: &'static str,
-        /// Its value; where it makes sense, in block units.
-        value: f64,
-    },
-}
-
-impl std::fmt::Display for SceneError {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            SceneError::DoesNotFit { count, fits } => write!(
-                f,
-                "{count} free blocks do not fit into the enclosure, which has room for {fits}"
-            ),
-            SceneError::NoEnclosure { count } => write!(
-                f,
-                "{count} free blocks cannot be spread uniformly without an enclosure"
-            ),
-            SceneError::NotANumber { what, value } => {
-                write!(
-                    f,
-                    "{what} is {value:e} in block units, which makes no sense"
-                )
-            }
-        }
-    }
-}
-
-impl std::error::Error for SceneError {}
 
 /// A world of rigid cubes.
 pub struct RapierWorld {
@@ -268,32 +195,6 @@ impl RapierWorld {
             }
         }
     }
-
-    /// Reads what the engine has made of the blocks.
-    fn read(&mut self) -> Result<(), Fault> {
-        let quarantine = self.engine.physics_pipeline.quarantine();
-        if !quarantine.is_empty() {
-            let lost = |handle| quarantine.bodies().contains(handle);
-            let body = self.handles.iter().position(lost).unwrap_or(0) as u32;
-            let what = "its position or speed is not a number".to_owned();
-            return Err(Fault { body, what });
-        }
-        for (id, (block, &handle)) in self.blocks.iter_mut().zip(&self.handles).enumerate() {
-            if block.anchored.is_some() {
-                continue;
-            }
-            let body = &self.engine.bodies[handle];
-            block.position = body.translation();
-            block.rotation = *body.rotation();
-            block.velocity = body.linvel();
-            block.spin = body.angvel();
-            if let Some(what) = block.absurdity() {
-                let body = id as u32;
-                return Err(Fault { body, what });
-            }
-        }
-        Ok(())
-    }
 }
 
 impl Block {
@@ -304,24 +205,6 @@ impl Block {
             velocity: vec3(state.velocity),
             spin: vec3(state.spin),
             anchored: None,
-        }
-    }
-
-    /// What is wrong with it, if something is.
-    fn absurdity(&self) -> Option<String> {
-        let speed = self.velocity.length();
-        let spin = self.spin.length();
-        let far = self.position.length();
-        // What is not a number is not below anything.
-        let sound = |value: f32, most: f32| value < most;
-        if !sound(speed, MOST_SPEED) {
-            Some(format!("its speed is {speed} sides per tick"))
-        } else if !sound(spin, MOST_SPEED) {
-            Some(format!("its spin is {spin} radians per tick"))
-        } else if !sound(far, FARTHEST) || !self.rotation.is_finite() {
-            Some(format!("it is {far} sides from the plate"))
-        } else {
-            None
         }
     }
 }
