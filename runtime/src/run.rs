@@ -66,7 +66,7 @@ pub fn run(
     settings: &Settings,
     seed: u64,
     run: u64,
-    watch: &mut impl Watch,
+    watch: &mut (impl Watch + ?Sized),
 ) -> Result<RunRecord, RunError> {
     let messages = scene.messages.as_ref();
     let limit = settings.max_ticks;
@@ -84,6 +84,9 @@ pub fn run(
 
 /// Runs tables in a world of one's own, which has to be at its beginning.
 ///
+/// A world that passes everything on to another one can look into it at every tick: that is how
+/// to record what moves where.
+///
 /// `max_ticks` as in [`Settings::max_ticks`]; `run` is only the number to put in the record.
 ///
 /// # Errors
@@ -94,7 +97,7 @@ pub fn drive(
     world: &mut impl World,
     max_ticks: Option<u64>,
     run: u64,
-    watch: &mut impl Watch,
+    watch: &mut (impl Watch + ?Sized),
 ) -> Result<RunRecord, RunError> {
     let mut controller = Controller::new(tables, messages);
     let mut dockings = Vec::new();
