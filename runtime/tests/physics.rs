@@ -1,11 +1,13 @@
 //! The rigid-body world against closed forms.
 mod scenes;
 
-use nalgebra::Vector3;
+use nalgebra::{UnitQuaternion, Vector3};
 use scenes::{Dice, attract, contact, empty, hemisphere, kicks, pass, world};
 use stochc_compiler::scene::Drag;
+use stochc_compiler::{Cell, Face};
 use stochc_runtime::Settings;
 use stochc_runtime::world::rapier::{BodyState, RapierWorld};
+use stochc_runtime::world::{Body, Site, World};
 
 fn states(world: &RapierWorld) -> Vec<BodyState> {
     (0..world.count()).map(|id| world.state(id)).collect()
@@ -210,4 +212,58 @@ fn an_absent_term_is_not_there() {
     let mut held = world(&scene, &Settings::default(), &blocks[..1]);
     pass(&mut held, 64);
     assert!(held.state(0).position.z > 0.4);
+}
+
+/// One tick of the magnet in the middle of the plate on a block at rest.
+fn magnetized(block: BodyState) -> BodyState {
+    let mut scene = empty();
+    scene.bond = attract(PULL, 0.0);
+    let mut world = world(&scene, &Settings::default(), &[block]);
+    let (body, face) = (Body::Seed(Cell::new(1, 1, 0)), Face::Up);
+    world.magnetize(Site { body, face });
+    pass(&mut world, 1);
+    world.state(0)
+}
+
+const PULL: f64 = 0.01;
+
+#[test]
+fn a_magnet_pulls_the_nearest_face_with_constant_force_within_its_reach() {
+    for height in [0.55, 0.8, 0.99] {
+        let pulled = magnetized(BodyState::at_rest(at(0.0, 0.0, 0.5 + height)));
+        assert!((pulled.velocity - at(0.0, 0.0, -PULL)).norm() < 1e-6);
+        assert!(pulled.spin.norm() < 1e-6);
+    }
+    // The lower face of this one is at (0.3, 0, 0.7), half a side below the centre.
+    let pulled = magnetized(BodyState::at_rest(at(0.3, 0.0, 1.2)));
+    let force = PULL * at(-0.3, 0.0, -0.7).normalize();
+    assert!((pulled.velocity - force).norm() < 1e-6);
+    let torque = at(0.0, 0.0, -0.5).cross(&force);
+    assert!((pulled.spin - 6.0 * torque).norm() < 1e-6);
+    for out_of_reach in [at(0.0, 0.0, 1.51), at(0.8, 0.0, 1.2)] {
+        let left = BodyState::at_rest(out_of_reach);
+        assert_eq!(magnetized(left).velocity, left.velocity);
+    }
+}
+
+#[test]
+fn the_corners_turn_a_close_block_to_the_nearest_quarter_turn() {
+    for (degrees, sign) in [(10, -1.0), (40, -1.0), (50, 1.0), (80, 1.0), (95, -1.0)] {
+        let yaw = f64::from(degrees).to_radians();
+        let turned = magnetized(BodyState {
+            orientation: UnitQuaternion::from_axis_angle(&Vector3::z_axis(), yaw),
+            ..BodyState::at_rest(at(0.0, 0.0, 0.9))
+        });
+        assert!(turned.spin.z * sign > 1e-5, "{degrees}: {}", turned.spin);
+        assert!(turned.spin.xy().norm() < 1e-6);
+        // Four corners at a twentieth each, nearly straight down, besides the pull.
+        let speed = -turned.velocity.z / PULL;
+        assert!((1.1..=1.2).contains(&speed), "{speed}");
+    }
+    // Not beyond the second reach.
+    let far = magnetized(BodyState {
+        orientation: UnitQuaternion::from_axis_angle(&Vector3::z_axis(), 0.3),
+        ..BodyState::at_rest(at(0.0, 0.0, 1.1))
+    });
+    assert!(far.spin.norm() < 1e-6);
 }
