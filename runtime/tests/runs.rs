@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 
 use nalgebra::Vector3;
 use scenes::{attract, contact, empty, hemisphere, kicks, paper, pass, world};
-use stochc_compiler::scene::{Agitation, Scene};
+use stochc_compiler::scene::{Agitation, Bond, Scene};
 use stochc_compiler::table::{Action, Condition, PhaseId, Tables};
 use stochc_compiler::{Cell, Face};
 use stochc_runtime::record::{Origin, Outcome, RunRecord};
@@ -234,4 +234,38 @@ fn blocks_start_evenly_spread_and_apart() {
     // Half of a half ball lies below this height.
     let low = at.iter().filter(|p| p.z < 0.3473 * 25.0).count();
     assert!((120..180).contains(&low), "{low}");
+}
+
+#[test]
+fn only_dimensionless_groups_matter() {
+    // The same scene with blocks of 12 um: powers of two, so that not a bit may differ.
+    let (length, mass, time) = (2f64.powi(-14), 2f64.powi(-40), 2f64.powi(-9));
+    let (speed, force) = (length / time, mass * length / (time * time));
+    let mut small = crowd();
+    small.tick *= time;
+    small.block.side *= length;
+    small.block.mass *= mass;
+    small.enclosure = hemisphere(1.6 * length, 25.0 * mass / (time * time));
+    small.agitation = Some(Agitation::Kicks {
+        speed: (0.0, 0.4 * speed),
+    });
+    let Some(Bond::Attract {
+        pull,
+        align: Some(align),
+        anchor,
+    }) = &mut small.bond
+    else {
+        panic!("the paper's magnet");
+    };
+    for reach in [pull, align] {
+        reach.force *= force;
+        reach.within *= length;
+    }
+    anchor.within *= length;
+    let tables = three_phases();
+    let settings = Settings::default();
+    assert_eq!(
+        record(&tables, &small, &settings, 2),
+        record(&tables, &crowd(), &settings, 2)
+    );
 }
