@@ -243,6 +243,54 @@ fn news_crosses_the_plate_to_other_branches_and_waits_for_its_receiver() {
 }
 
 #[test]
+fn who_takes_a_role_over_knows_what_its_last_holder_was_told() {
+    // In the second phase X is released after C has docked, and taken again by B; the new X
+    // captures Y after C has docked, of which only the old X was told.
+    let mut draft = Draft::default();
+    let (first, second) = (draft.phase(1), draft.phase(1));
+    let [a, b, d] = [("A", 0), ("B", 1), ("D", 2)].map(|(name, x)| draft.seed(name, x, 0));
+    let [x, y, c] = ["X", "Y", "C"].map(|name| draft.role(name));
+    let cell = |x, z| Cell::new(x, 0, z);
+    let face = Face::Up;
+    draft.start(a, first, vec![at_once(magnetize(face, x, cell(0, 1)))]);
+    draft.anchored(x, first, vec![at_once(Action::Report)]);
+    let news = News::Anchored(c);
+    draft.start(d, second, vec![at_once(magnetize(face, c, cell(2, 1)))]);
+    draft.anchored(c, second, vec![at_once(Action::Tell { to: x, news })]);
+    draft.start(
+        x,
+        second,
+        vec![(vec![Condition::Heard(news)], Action::AskRelease)],
+    );
+    let gone = News::Released(x);
+    draft.start(
+        a,
+        second,
+        vec![
+            (
+                vec![Condition::Asked(x)],
+                Action::SwitchOff { face, child: x },
+            ),
+            (
+                vec![Condition::Released(x)],
+                Action::Tell { to: b, news: gone },
+            ),
+        ],
+    );
+    let again = magnetize(face, x, cell(1, 1));
+    draft.start(b, second, vec![(vec![Condition::Heard(gone)], again)]);
+    let next = magnetize(face, y, cell(1, 2));
+    draft.anchored(x, second, vec![(vec![Condition::Heard(news)], next)]);
+    draft.anchored(y, second, vec![at_once(Action::Report)]);
+    let tables = draft.tables();
+    for hop in [None, Some(0), Some(3)] {
+        let (record, _) = shuffle(&tables, hop, 1);
+        assert_eq!(record.outcome, Outcome::Completed);
+        assert_eq!(record.bonds.len(), 4);
+    }
+}
+
+#[test]
 fn a_phase_begins_when_the_last_report_arrives_and_an_empty_one_ends_at_once() {
     let mut draft = Draft::default();
     let (first, empty, second) = (draft.phase(1), draft.phase(0), draft.phase(1));

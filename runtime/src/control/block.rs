@@ -68,6 +68,15 @@ impl Block {
         }
     }
 
+    /// What it has heard and what waits at it, as messages to whoever has the role next.
+    pub fn legacy(&self) -> Vec<Message> {
+        let heard = self.seen.iter().filter_map(|&condition| match condition {
+            Condition::Heard(news) => Some(Message::tell(self.role, news)),
+            _ => None,
+        });
+        heard.chain(self.waiting.iter().cloned()).collect()
+    }
+
     /// Takes a face from those that are on.
     pub fn close(&mut self, own: Face) -> Option<Open> {
         let i = self.open.iter().position(|open| open.own == own)?;

@@ -20,7 +20,7 @@ use crate::orientation::Orientation;
 use crate::record::{BondRecord, Origin};
 use crate::world::{Body, Docking, Site, World};
 use block::{Block, Open};
-use post::{Payload, Post, Target};
+use post::{Message, Payload, Post, Target};
 
 /// Runs event tables in a world.
 #[derive(Debug)]
@@ -228,7 +228,9 @@ impl<'t> Controller<'t> {
                 block.see(Condition::Released(child));
                 world.switch_off(Site { body, face: own });
                 if let Some((gone, _)) = gone {
-                    self.forget(gone);
+                    for message in self.forget(gone) {
+                        self.forward(body, message, world);
+                    }
                 }
             }
             Action::AskRelease => {
@@ -245,10 +247,12 @@ impl<'t> Controller<'t> {
     }
 
     /// A block, and all that hangs on it, has drifted away.
-    fn forget(&mut self, id: u32) {
+    ///
+    /// What is left behind is the news that it had heard, for those who take the roles next.
+    fn forget(&mut self, id: u32) -> Vec<Message> {
         let body = Body::Free(id);
         let Some(block) = self.blocks.remove(&body) else {
-            return;
+            return Vec::new();
         };
         let holder = &mut self.holders[block.role.0 as usize];
         if *holder == Some(body) {
@@ -259,9 +263,11 @@ impl<'t> Controller<'t> {
             tick: self.tick,
         };
         self.released.insert(id, origin);
+        let mut left = block.legacy();
         for (child, _) in block.children.into_values() {
-            self.forget(child);
+            left.extend(self.forget(child));
         }
+        left
     }
 
     /// Everything that is kept, once the run has ended.

@@ -2,7 +2,8 @@
 //!
 //! A block sends to its parent, or to the child on whose branch the receiver is; the plate is one
 //! body, so that crossing it is no hop. News for a role that nobody holds yet waits at the block
-//! that will capture it: every block has the program, and knows which one that is.
+//! that will capture it: every block has the program, and knows which one that is. A block that is
+//! let go leaves what it has heard to the next one in its role.
 use std::collections::BTreeMap;
 
 use stochc_compiler::table::{Action, Condition, News, PhaseId, RoleId, Tables};
@@ -47,6 +48,16 @@ pub(super) enum Payload {
     Ask(RoleId),
     /// Something happened elsewhere.
     Tell(News),
+}
+
+impl Message {
+    /// News for whoever holds a role, or will.
+    pub fn tell(to: RoleId, news: News) -> Message {
+        Message {
+            target: Target::Role(to),
+            payload: Payload::Tell(news),
+        }
+    }
 }
 
 impl Post {
