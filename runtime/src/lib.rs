@@ -1,2 +1,15 @@
 //! Event tables and a scene to runs.
+//!
+//! [`run()`] is the whole of it: a pure function from tables, scene, settings, seed and number of
+//! the run to a [record](record::RunRecord). Inside, a [`Controller`](control::Controller) runs
+//! the tables and a [`World`](world::World) moves the blocks; neither knows the other's business.
+pub mod control;
+pub mod draw;
+pub mod orientation;
 pub mod record;
+mod run;
+mod settings;
+pub mod world;
+
+pub use run::{RunError, Watch, drive, run};
+pub use settings::{Model, Settings};

@@ -1,0 +1,136 @@
+//! One run, from the first tick to its record.
+use std::collections::BTreeSet;
+use std::ops::ControlFlow;
+
+use stochc_compiler::scene::{Messages, Scene};
+use stochc_compiler::table::{PhaseId, Tables};
+
+use crate::control::Controller;
+use crate::record::{Outcome, RunRecord};
+use crate::settings::{Model, Settings};
+use crate::world::World;
+use crate::world::rapier::{RapierWorld, SceneError};
+use crate::world::shuffle::ShuffleWorld;
+
+/// Looks on while a run goes, and may end it.
+///
+/// Any `FnMut(u64, PhaseId) -> ControlFlow<()>` is one.
+pub trait Watch {
+    /// Called before every tick with the number of ticks passed and the phase that is running;
+    /// `Break` cancels the run.
+    fn tick(&mut self, tick: u64, phase: PhaseId) -> ControlFlow<()>;
+}
+
+impl<F: FnMut(u64, PhaseId) -> ControlFlow<()>> Watch for F {
+    fn tick(&mut self, tick: u64, phase: PhaseId) -> ControlFlow<()> {
+        self(tick, phase)
+    }
+}
+
+/// Why a run left no record.
+#[derive(Clone, Debug, PartialEq)]
+pub enum RunError {
+    /// The scene cannot be set up.
+    Scene(SceneError),
+    /// The [`Watch`] ended it.
+    Cancelled,
+}
+
+impl std::fmt::Display for RunError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            RunError::Scene(error) => error.fmt(f),
+            RunError::Cancelled => f.write_str("the run was cancelled"),
+        }
+    }
+}
+
+impl std::error::Error for RunError {}
+
+impl From<SceneError> for RunError {
+    fn from(error: SceneError) -> RunError {
+        RunError::Scene(error)
+    }
+}
+
+/// Makes run number `run` of the ensemble with this `seed`.
+///
+/// The record is a pure function of all arguments but `watch`.
+///
+/// # Errors
+/// [`RunError::Scene`] before the first tick, [`RunError::Cancelled`] when `watch` says so. A
+/// physics that breaks down on the way is no error but an [`Outcome::Failed`].
+pub fn run(
+    tables: &Tables,
+    scene: &Scene,
+    settings: &Settings,
+    seed: u64,
+    run: u64,
+    watch: &mut (impl Watch + ?Sized),
+) -> Result<RunRecord, RunError> {
+    let messages = scene.messages.as_ref();
+    let limit = settings.max_ticks;
+    match settings.model {
+        Model::Rapier => {
+            let mut world = RapierWorld::new(scene, &tables.plate, settings, seed, run)?;
+            drive(tables, messages, &mut world, limit, run, watch)
+        }
+        Model::Shuffle => {
+            let mut world = ShuffleWorld::new(scene.free.count, seed, run);
+            drive(tables, messages, &mut world, limit, run, watch)
+        }
+    }
+}
+
+/// Runs tables in a world of one's own, which has to be at its beginning.
+///
+/// A world that passes everything on to another one can look into it at every tick: that is how
+/// to record what moves where.
+///
+/// `max_ticks` as in [`Settings::max_ticks`]; `run` is only the number to put in the record.
+///
+/// # Errors
+/// [`RunError::Cancelled`] when `watch` says so.
+pub fn drive(
+    tables: &Tables,
+    messages: Option<&Messages>,
+    world: &mut impl World,
+    max_ticks: Option<u64>,
+    run: u64,
+    watch: &mut (impl Watch + ?Sized),
+) -> Result<RunRecord, RunError> {
+    let mut controller = Controller::new(tables, messages);
+    let mut dockings = Vec::new();
+    controller.start(world);
+    let outcome = loop {
+        let Some(phase) = controller.phase() else {
+            break Outcome::Completed;
+        };
+        let tick = world.tick();
+        if controller.timed_out() || max_ticks.is_some_and(|limit| tick >= limit) {
+            break Outcome::TimedOut { phase };
+        }
+        if watch.tick(tick, phase).is_break() {
+            return Err(RunError::Cancelled);
+        }
+        dockings.clear();
+        if let Err(fault) = world.step(&mut dockings) {
+            break Outcome::Failed {
+                phase,
+                reason: format!("block {}: {}", fault.body, fault.what),
+            };
+        }
+        controller.advance(&dockings, world);
+    };
+    let (phase_ticks, hops, bonds) = controller.into_parts();
+    let used: BTreeSet<u32> = bonds.iter().map(|bond| bond.body).collect();
+    Ok(RunRecord {
+        run,
+        outcome,
+        ticks: world.tick(),
+        phase_ticks,
+        blocks_used: used.len() as u32,
+        hops,
+        bonds,
+    })
+}

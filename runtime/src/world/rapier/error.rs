@@ -1,0 +1,48 @@
+//! Scenes that cannot be set up.
+
+/// Why a scene cannot be set up.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SceneError {
+    /// The enclosure is too small for its blocks.
+    DoesNotFit {
+        /// How many there should be.
+        count: u32,
+        /// How many there could be.
+        fits: u32,
+    },
+    /// There are free blocks, and nothing says where.
+    NoEnclosure {
+        /// How many there should be.
+        count: u32,
+    },
+    /// A quantity is negative, or too large or small for single precision, or not a number.
+    NotANumber {
+        /// Which.
+        what: &'static str,
+        /// Its value; where it makes sense, in block units.
+        value: f64,
+    },
+}
+
+impl std::fmt::Display for SceneError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            SceneError::DoesNotFit { count, fits } => write!(
+                f,
+                "{count} free blocks do not fit into the enclosure, which has room for {fits}"
+            ),
+            SceneError::NoEnclosure { count } => write!(
+                f,
+                "{count} free blocks cannot be spread uniformly without an enclosure"
+            ),
+            SceneError::NotANumber { what, value } => {
+                write!(
+                    f,
+                    "{what} is {value:e} in block units, which makes no sense"
+                )
+            }
+        }
+    }
+}
+
+impl std::error::Error for SceneError {}

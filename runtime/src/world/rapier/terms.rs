@@ -1,0 +1,134 @@
+//! The scene in block units: side 1, mass 1, and the tick as the unit of time.
+//!
+//! Single precision and contact settings then mean the same for a block of 10 um and of 20 cm.
+use stochc_compiler::scene::{Agitation, Bond, Enclosure, Measure, Reach, Scene};
+
+use super::SceneError;
+
+/// The terms in force; `None` is a term that does not exist.
+#[derive(Clone, Debug)]
+pub(super) struct Terms {
+    pub hemisphere: Option<Hemisphere>,
+    pub kicks: Option<Kicks>,
+    /// Rate of the linear drag \[1 / tick\].
+    pub drag: Option<f64>,
+    pub contact: Option<Contact>,
+    pub bond: Option<Magnet>,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Hemisphere {
+    /// \[side\]
+    pub radius: f32,
+    /// Acceleration per depth \[1 / tick^2\].
+    pub stiffness: f32,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Kicks {
+    /// Least and most change of speed \[side / tick\].
+    pub speed: (f64, f64),
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Contact {
+    pub restitution: f32,
+    pub friction: f32,
+}
+
+/// How a magnetized face captures.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Magnet {
+    pub pull: Pull,
+    pub align: Option<Pull>,
+    pub measure: Measure,
+    /// Anchoring distance \[side\].
+    pub within: f32,
+    /// Cosine of the greatest tilt at which a block is anchored.
+    pub cos_tilt: f32,
+}
+
+/// A force of constant magnitude.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pull {
+    /// Acceleration \[side / tick^2\].
+    pub force: f32,
+    /// Reach \[side\].
+    pub within: f32,
+}
+
+impl Terms {
+    pub fn new(scene: &Scene) -> Result<Terms, SceneError> {
+        let side = positive("the side of a block", scene.block.side)?;
+        let mass = positive("the mass of a block", scene.block.mass)?;
+        let tick = positive("the tick", scene.tick)?;
+        let length = |what, value: f64| Ok::<f32, SceneError>(number(what, value / side)? as f32);
+        let speed = |what, value: f64| number(what, value * tick / side);
+        let reach = |what, reach: &Reach| {
+            Ok::<Pull, SceneError>(Pull {
+                force: number(what, reach.force * tick * tick / (mass * side))? as f32,
+                within: length(what, reach.within)?,
+            })
+        };
+        Ok(Terms {
+            hemisphere: match &scene.enclosure {
+                Some(Enclosure::Hemisphere { radius, wall }) => Some(Hemisphere {
+                    radius: length("the radius of the enclosure", *radius)?,
+                    stiffness: number("the wall", wall * tick * tick / mass)? as f32,
+                }),
+                None => None,
+            },
+            kicks: match &scene.agitation {
+                Some(Agitation::Kicks { speed: (low, high) }) => Some(Kicks {
+                    speed: (speed("a kick", *low)?, speed("a kick", *high)?),
+                }),
+                None => None,
+            },
+            drag: match &scene.drag {
+                Some(drag) => Some(number("the drag", drag.rate * tick)?),
+                None => None,
+            },
+            contact: match &scene.contact {
+                Some(contact) => Some(Contact {
+                    restitution: number("the restitution", contact.restitution)? as f32,
+                    friction: number("the friction", contact.friction)? as f32,
+                }),
+                None => None,
+            },
+            bond: match &scene.bond {
+                Some(Bond::Attract {
+                    pull,
+                    align,
+                    anchor,
+                }) => Some(Magnet {
+                    pull: reach("the pull", pull)?,
+                    align: match align {
+                        Some(align) => Some(reach("the aligning force", align)?),
+                        None => None,
+                    },
+                    measure: anchor.measure,
+                    within: length("the anchoring distance", anchor.within)?,
+                    cos_tilt: libm::cos(number("the anchoring tilt", anchor.tilt)?) as f32,
+                }),
+                None => None,
+            },
+        })
+    }
+}
+
+/// A number that single precision can hold, and is not negative.
+fn number(what: &'static str, value: f64) -> Result<f64, SceneError> {
+    if value >= 0.0 && value <= f64::from(f32::MAX) {
+        Ok(value)
+    } else {
+        Err(SceneError::NotANumber { what, value })
+    }
+}
+
+fn positive(what: &'static str, value: f64) -> Result<f64, SceneError> {
+    if value > 0.0 && value.is_finite() {
+        Ok(value)
+    } else {
+        Err(SceneError::NotANumber { what, value })
+    }
+}

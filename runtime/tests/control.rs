@@ -1,0 +1,353 @@
+//! Tables, run in a world that captures in random order with random orientations, build what they
+//! say and when they say it.
+mod tables;
+
+use std::ops::ControlFlow;
+
+use proptest::prelude::*;
+use stochc_compiler::scene::Messages;
+use stochc_compiler::table::{Action, Condition, News, PhaseId, RoleId, Tables};
+use stochc_compiler::{Cell, Face};
+use stochc_runtime::control::Controller;
+use stochc_runtime::record::{BondRecord, Origin, Outcome, RunRecord};
+use stochc_runtime::world::shuffle::ShuffleWorld;
+use stochc_runtime::world::{Body, World};
+use stochc_runtime::{RunError, drive};
+use tables::{Draft, at_once, chain, magnetize};
+
+fn go(_: u64, _: PhaseId) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
+/// The record of a run without physics, and the world that it leaves.
+fn shuffle(tables: &Tables, hop: Option<u32>, run: u64) -> (RunRecord, ShuffleWorld) {
+    let mut world = ShuffleWorld::new(30, 5, run);
+    let messages = hop.map(|hop| Messages { hop });
+    let record = drive(
+        tables,
+        messages.as_ref(),
+        &mut world,
+        Some(1000),
+        run,
+        &mut go,
+    );
+    (record.expect("nobody cancels"), world)
+}
+
+fn bond(record: &RunRecord, child: RoleId) -> &BondRecord {
+    let found = record.bonds.iter().find(|bond| bond.child == child);
+    found.expect("the role was given")
+}
+
+const SNAKE: [Face; 8] = [
+    Face::Up,
+    Face::Up,
+    Face::East,
+    Face::North,
+    Face::Up,
+    Face::West,
+    Face::West,
+    Face::South,
+];
+
+#[test]
+fn a_chain_grows_where_the_tables_say_however_its_blocks_are_turned() {
+    let (tables, roles) = chain(&SNAKE);
+    for run in 0..200 {
+        let (record, world) = shuffle(&tables, None, run);
+        assert_eq!(record.outcome, Outcome::Completed);
+        assert_eq!(record.bonds.len(), SNAKE.len());
+        for (bond, &(role, cell)) in record.bonds.iter().zip(&roles[1..]) {
+            assert_eq!((bond.child, bond.cell), (role, cell));
+            assert_eq!(world.cells().get(&cell), Some(&bond.body));
+        }
+        assert_eq!(world.cells().len(), SNAKE.len());
+        // The one report climbs all but the seed's own step.
+        assert_eq!(record.hops, SNAKE.len() as u64);
+    }
+}
+
+proptest! {
+    #[test]
+    fn a_block_knows_how_it_sits(run: u64) {
+        let (tables, roles) = chain(&SNAKE);
+        let mut world = ShuffleWorld::new(9, 1, run);
+        let mut controller = Controller::new(&tables, None);
+        let mut dockings = Vec::new();
+        controller.start(&mut world);
+        while controller.phase().is_some() {
+            dockings.clear();
+            world.step(&mut dockings).expect("no physics, no fault");
+            controller.advance(&dockings, &mut world);
+        }
+        prop_assert_eq!(controller.structure().count(), roles.len());
+        for (role, body, orientation) in controller.structure() {
+            prop_assert_eq!(Some(orientation), world.orientation(body));
+            prop_assert_eq!(controller.cell(role), Some(roles[role.0 as usize].1));
+        }
+    }
+}
+
+#[test]
+fn a_capture_that_waits_is_switched_on_when_the_one_before_it_has_docked() {
+    let mut draft = Draft::default();
+    let phase = draft.phase(3);
+    let a = draft.seed("A", 1, 1);
+    let hub = draft.role("hub");
+    let arms = [Face::East, Face::North, Face::Up].map(|face| (face, draft.role(face.word())));
+    let middle = Cell::new(1, 1, 1);
+    draft.start(a, phase, vec![at_once(magnetize(Face::Up, hub, middle))]);
+    let mut before = None;
+    let rules = arms.iter().map(|&(face, arm)| {
+        let when = before.replace(Condition::Docked(arm)).into_iter().collect();
+        let cell = middle.across(face).expect("next door");
+        (when, magnetize(face, arm, cell))
+    });
+    draft.anchored(hub, phase, rules.collect());
+    for (_, arm) in arms {
+        draft.anchored(arm, phase, vec![at_once(Action::Report)]);
+    }
+    let tables = draft.tables();
+    for run in 0..50 {
+        let (record, _) = shuffle(&tables, None, run);
+        assert_eq!(record.outcome, Outcome::Completed);
+        for pair in record.bonds.windows(2) {
+            assert_eq!(pair[1].magnetized, pair[0].docked);
+        }
+        assert_eq!(record.hops, 2 * 3);
+    }
+}
+
+/// A and B capture two each; in a second phase A's are released, children first, and taken again.
+fn release(hop: Option<u32>) -> (RunRecord, ShuffleWorld, [RoleId; 4]) {
+    let mut draft = Draft::default();
+    let (grow, shrink, again) = (draft.phase(1), draft.phase(1), draft.phase(1));
+    let a = draft.seed("A", 0, 0);
+    let [b, c, d] = ["B", "C", "D"].map(|name| draft.role(name));
+    let cell = |z| Cell::new(0, 0, z);
+    draft.start(a, grow, vec![at_once(magnetize(Face::Up, b, cell(1)))]);
+    draft.anchored(b, grow, vec![at_once(magnetize(Face::Up, c, cell(2)))]);
+    draft.anchored(c, grow, vec![at_once(Action::Report)]);
+    let off = |child| Action::SwitchOff {
+        face: Face::Up,
+        child,
+    };
+    draft.start(c, shrink, vec![at_once(Action::AskRelease)]);
+    draft.start(
+        b,
+        shrink,
+        vec![
+            (vec![Condition::Asked(c)], off(c)),
+            (vec![Condition::Released(c)], Action::AskRelease),
+        ],
+    );
+    draft.start(
+        a,
+        shrink,
+        vec![
+            (vec![Condition::Asked(b)], off(b)),
+            (vec![Condition::Released(b)], Action::Report),
+        ],
+    );
+    draft.start(a, again, vec![at_once(magnetize(Face::Up, d, cell(1)))]);
+    draft.anchored(d, again, vec![at_once(Action::Report)]);
+    let mut world = ShuffleWorld::new(2, 5, 3);
+    let messages = hop.map(|hop| Messages { hop });
+    let tables = draft.tables();
+    let record = drive(&tables, messages.as_ref(), &mut world, Some(99), 3, &mut go);
+    (record.expect("nobody cancels"), world, [a, b, c, d])
+}
+
+#[test]
+fn a_release_is_asked_for_and_frees_children_first() {
+    let (record, world, [_, b, c, d]) = release(Some(5));
+    assert_eq!(record.outcome, Outcome::Completed);
+    // C's report over two hops; then C asks B, B asks A; D reports over one.
+    assert_eq!(record.hops, 2 + 1 + 1 + 1);
+    assert_eq!(record.phase_ticks, [2 + 2 * 5, 2 * 5, 1 + 5]);
+    let again = bond(&record, d);
+    let start = record.phase_ticks[0];
+    let (role, tick) = if again.body == bond(&record, c).body {
+        (c, start + 5)
+    } else {
+        (b, start + 10)
+    };
+    assert_eq!(again.origin, Origin::Released { role, tick });
+    assert_eq!(bond(&record, b).origin, Origin::Free);
+    assert_eq!(record.blocks_used, 2);
+    assert_eq!(world.cells().len(), 1);
+}
+
+#[test]
+fn without_a_price_messages_arrive_in_the_tick_they_are_sent_in() {
+    let (record, _, _) = release(None);
+    assert_eq!(record.phase_ticks, [2, 0, 1]);
+    assert_eq!(record.ticks, 3);
+    assert_eq!(record.hops, 5);
+}
+
+/// Two towers of two on A and B; M captures N only after both are complete, and N's own child O
+/// also waits for news that can come before N is there.
+fn news(hop: Option<u32>, run: u64) -> (RunRecord, [RoleId; 4]) {
+    let mut draft = Draft::default();
+    let phase = draft.phase(1);
+    let [a, b] = [draft.seed("A", 0, 0), draft.seed("B", 2, 2)];
+    let m = draft.seed("M", 1, 1);
+    let [e, f, i, j, n, o] = ["E", "F", "I", "J", "N", "O"].map(|name| draft.role(name));
+    let told = |role| Condition::Heard(News::Anchored(role));
+    let tell = |to, role| {
+        at_once(Action::Tell {
+            to,
+            news: News::Anchored(role),
+        })
+    };
+    for (seed, x, low, high) in [(a, 0, e, i), (b, 2, f, j)] {
+        let cell = |z| Cell::new(x, x, z);
+        draft.start(
+            seed,
+            phase,
+            vec![at_once(magnetize(Face::Up, low, cell(1)))],
+        );
+        draft.anchored(
+            low,
+            phase,
+            vec![at_once(magnetize(Face::Up, high, cell(2)))],
+        );
+        draft.anchored(high, phase, vec![tell(m, high), tell(n, high)]);
+    }
+    let first = magnetize(Face::Up, n, Cell::new(1, 1, 1));
+    draft.start(m, phase, vec![(vec![told(i)], first)]);
+    let second = magnetize(Face::Up, o, Cell::new(1, 1, 2));
+    draft.anchored(n, phase, vec![(vec![told(i), told(j)], second)]);
+    draft.anchored(o, phase, vec![at_once(Action::Report)]);
+    (shuffle(&draft.tables(), hop, run).0, [i, j, n, o])
+}
+
+#[test]
+fn news_crosses_the_plate_to_other_branches_and_waits_for_its_receiver() {
+    for run in 0..50 {
+        let (record, [i, j, n, o]) = news(Some(7), run);
+        assert_eq!(record.outcome, Outcome::Completed);
+        let docked = |role| bond(&record, role).docked;
+        // Down I's tower to the plate; M is part of the plate.
+        assert_eq!(bond(&record, n).magnetized, docked(i) + 2 * 7);
+        // At M, and from there up to N, which may come later.
+        let at_n = |news: u64| (news + 2 * 7).max(docked(n)) + 7;
+        assert_eq!(
+            bond(&record, o).magnetized,
+            at_n(docked(i)).max(at_n(docked(j)))
+        );
+        // Two messages of two hops from each tower, two hops up to N, two for the report.
+        assert_eq!(record.hops, 4 * 2 + 2 + 2);
+    }
+}
+
+#[test]
+fn who_takes_a_role_over_knows_what_its_last_holder_was_told() {
+    // In the second phase X is released after C has docked, and taken again by B; the new X
+    // captures Y after C has docked, of which only the old X was told.
+    let mut draft = Draft::default();
+    let (first, second) = (draft.phase(1), draft.phase(1));
+    let [a, b, d] = [("A", 0), ("B", 1), ("D", 2)].map(|(name, x)| draft.seed(name, x, 0));
+    let [x, y, c] = ["X", "Y", "C"].map(|name| draft.role(name));
+    let cell = |x, z| Cell::new(x, 0, z);
+    let face = Face::Up;
+    draft.start(a, first, vec![at_once(magnetize(face, x, cell(0, 1)))]);
+    draft.anchored(x, first, vec![at_once(Action::Report)]);
+    let news = News::Anchored(c);
+    draft.start(d, second, vec![at_once(magnetize(face, c, cell(2, 1)))]);
+    draft.anchored(c, second, vec![at_once(Action::Tell { to: x, news })]);
+    draft.start(
+        x,
+        second,
+        vec![(vec![Condition::Heard(news)], Action::AskRelease)],
+    );
+    let gone = News::Released(x);
+    draft.start(
+        a,
+        second,
+        vec![
+            (
+                vec![Condition::Asked(x)],
+                Action::SwitchOff { face, child: x },
+            ),
+            (
+                vec![Condition::Released(x)],
+                Action::Tell { to: b, news: gone },
+            ),
+        ],
+    );
+    let again = magnetize(face, x, cell(1, 1));
+    draft.start(b, second, vec![(vec![Condition::Heard(gone)], again)]);
+    let next = magnetize(face, y, cell(1, 2));
+    draft.anchored(x, second, vec![(vec![Condition::Heard(news)], next)]);
+    draft.anchored(y, second, vec![at_once(Action::Report)]);
+    let tables = draft.tables();
+    for hop in [None, Some(0), Some(3)] {
+        let (record, _) = shuffle(&tables, hop, 1);
+        assert_eq!(record.outcome, Outcome::Completed);
+        assert_eq!(record.bonds.len(), 4);
+    }
+}
+
+#[test]
+fn a_phase_begins_when_the_last_report_arrives_and_an_empty_one_ends_at_once() {
+    let mut draft = Draft::default();
+    let (first, empty, second) = (draft.phase(1), draft.phase(0), draft.phase(1));
+    let a = draft.seed("A", 1, 1);
+    let [b, c] = ["B", "C"].map(|name| draft.role(name));
+    let cell = |z| Cell::new(1, 1, z);
+    draft.start(a, first, vec![at_once(magnetize(Face::Up, b, cell(1)))]);
+    draft.anchored(b, first, vec![at_once(Action::Report)]);
+    draft.start(b, second, vec![at_once(magnetize(Face::Up, c, cell(2)))]);
+    draft.anchored(c, second, vec![at_once(Action::Report)]);
+    let tables = draft.tables();
+    let (record, _) = shuffle(&tables, Some(4), 0);
+    assert_eq!(bond(&record, c).magnetized, bond(&record, b).docked + 4);
+    assert_eq!(record.phase_ticks, [1 + 4, 0, 1 + 2 * 4]);
+    assert_eq!(record.phase_ticks[empty.0 as usize], 0);
+    assert_eq!(record.ticks, record.phase_ticks.iter().sum::<u64>());
+}
+
+#[test]
+fn no_block_docks_into_an_occupied_cell() {
+    // Towers beside the middle reach for the same cell above it; one of them waits for ever.
+    let mut draft = Draft::default();
+    let phase = draft.phase(2);
+    let [a, b] = [draft.seed("A", 0, 1), draft.seed("B", 2, 1)];
+    for (seed, x, face) in [(a, 0, Face::East), (b, 2, Face::West)] {
+        let [low, side] = [draft.role("low"), draft.role("side")];
+        let cell = Cell::new(x, 1, 1);
+        draft.start(seed, phase, vec![at_once(magnetize(Face::Up, low, cell))]);
+        let middle = Cell::new(1, 1, 1);
+        draft.anchored(low, phase, vec![at_once(magnetize(face, side, middle))]);
+        draft.anchored(side, phase, vec![at_once(Action::Report)]);
+    }
+    draft.timeout(phase, 60);
+    let (record, world) = shuffle(&draft.tables(), None, 0);
+    assert_eq!(record.outcome, Outcome::TimedOut { phase });
+    assert_eq!(record.ticks, 60);
+    assert_eq!((record.bonds.len(), world.cells().len()), (3, 3));
+}
+
+#[test]
+fn a_run_ends_at_its_limit_or_when_it_is_cancelled() {
+    let (tables, _) = chain(&SNAKE);
+    let mut world = ShuffleWorld::new(3, 0, 0);
+    let record = drive(&tables, None, &mut world, Some(40), 0, &mut go).expect("nobody cancels");
+    let phase = PhaseId(0);
+    assert_eq!(record.outcome, Outcome::TimedOut { phase });
+    assert_eq!((record.ticks, record.blocks_used), (40, 3));
+    let mut world = ShuffleWorld::new(30, 0, 0);
+    let mut stop = |tick, _| {
+        if tick < 3 {
+            ControlFlow::Continue(())
+        } else {
+            ControlFlow::Break(())
+        }
+    };
+    let cancelled = drive(&tables, None, &mut world, None, 0, &mut stop);
+    assert_eq!(cancelled, Err(RunError::Cancelled));
+    assert_eq!(world.tick(), 3);
+    assert!(world.orientation(Body::Seed(Cell::new(0, 0, 0))).is_some());
+}

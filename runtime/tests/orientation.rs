@@ -1,0 +1,69 @@
+//! The 24 rotations are a group, and agree with matrices and quaternions.
+use nalgebra::Vector3;
+use proptest::prelude::*;
+use stochc_compiler::Face;
+use stochc_runtime::orientation::Orientation;
+
+fn orientation() -> impl Strategy<Value = Orientation> {
+    prop::sample::select(Orientation::all().collect::<Vec<_>>())
+}
+
+fn face() -> impl Strategy<Value = Face> {
+    prop::sample::select(Face::ALL.to_vec())
+}
+
+fn normal(face: Face) -> Vector3<f64> {
+    Vector3::from(face.normal()).cast()
+}
+
+#[test]
+fn there_are_24_proper_ones() {
+    let all: std::collections::BTreeSet<_> = Orientation::all().collect();
+    assert_eq!(all.len(), 24);
+    assert_eq!(Orientation::all().next(), Some(Orientation::IDENTITY));
+    for orientation in all {
+        assert_eq!(orientation.matrix().determinant(), 1.0);
+    }
+}
+
+proptest! {
+    #[test]
+    fn they_are_a_group(a in orientation(), b in orientation(), c in orientation()) {
+        prop_assert_eq!(a.after(b).after(c), a.after(b.after(c)));
+        prop_assert_eq!(a.after(Orientation::IDENTITY), a);
+        prop_assert_eq!(Orientation::IDENTITY.after(a), a);
+        prop_assert_eq!(a.after(a.inverse()), Orientation::IDENTITY);
+        prop_assert_eq!(a.inverse().after(a), Orientation::IDENTITY);
+    }
+
+    #[test]
+    fn they_act_on_faces_as_matrices_do(a in orientation(), b in orientation(), own in face()) {
+        let there = a.to_structure(own);
+        prop_assert_eq!(a.to_own(there), own);
+        prop_assert_eq!(a.after(b).to_structure(own), a.to_structure(b.to_structure(own)));
+        prop_assert_eq!(a.to_structure(own.opposite()), there.opposite());
+        prop_assert_eq!(a.matrix() * normal(own), normal(there));
+        prop_assert!((a.quaternion() * normal(own) - normal(there)).norm() < 1e-12);
+        prop_assert_eq!(a.after(b).matrix(), a.matrix() * b.matrix());
+    }
+
+    #[test]
+    fn docking_brings_two_faces_together(
+        parent in orientation(),
+        parent_face in face(),
+        child_face in face(),
+        turn in 0u8..4,
+    ) {
+        let docked = |turn| Orientation::docked(parent, parent_face, child_face, turn);
+        let towards = parent.to_structure(parent_face);
+        prop_assert_eq!(docked(turn).to_structure(child_face), towards.opposite());
+        // A quarter turn is one, in the positive sense about the parent's outward normal.
+        let quarter = Orientation::turned(towards, 1);
+        prop_assert_eq!(docked((turn + 1) % 4), quarter.after(docked(turn)));
+        let angle = quarter.quaternion();
+        prop_assert!((angle.scaled_axis() - normal(towards) * std::f64::consts::FRAC_PI_2).norm() < 1e-12);
+        // Seen from the parent, it does not matter how the parent sits.
+        let plain = Orientation::docked(Orientation::IDENTITY, parent_face, child_face, turn);
+        prop_assert_eq!(docked(turn), parent.after(plain));
+    }
+}

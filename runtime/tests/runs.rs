@@ -1,0 +1,271 @@
+//! Whole runs of the rigid-body model: they end, are reproducible, and fail in good order.
+mod scenes;
+mod tables;
+
+use std::ops::ControlFlow;
+
+use nalgebra::Vector3;
+use scenes::{attract, contact, empty, hemisphere, kicks, paper, pass, world};
+use stochc_compiler::scene::{Agitation, Bond, Scene};
+use stochc_compiler::table::{Action, Condition, PhaseId, Tables};
+use stochc_compiler::{Cell, Face};
+use stochc_runtime::record::{Origin, Outcome, RunRecord};
+use stochc_runtime::world::rapier::{BodyState, RapierWorld, SceneError};
+use stochc_runtime::world::{Body, Site, World};
+use stochc_runtime::{RunError, Settings, run};
+use tables::{Draft, at_once, chain, magnetize};
+
+/// A small enclosure with many blocks, where little time passes between captures.
+fn crowd() -> Scene {
+    let mut scene = paper();
+    scene.free.count = 60;
+    scene.enclosure = hemisphere(1.6, 25.0);
+    scene
+}
+
+fn record(tables: &Tables, scene: &Scene, settings: &Settings, number: u64) -> RunRecord {
+    let mut watch = |_: u64, _: PhaseId| ControlFlow::Continue(());
+    run(tables, scene, settings, 9, number, &mut watch).expect("a sound scene")
+}
+
+/// A captures B, B captures C and lets it go in the next phase; B then captures D.
+fn three_phases() -> Tables {
+    let mut draft = Draft::default();
+    let [grow, shrink, again] = [1, 1, 1].map(|reports| draft.phase(reports));
+    let a = draft.seed("A", 1, 1);
+    let [b, c, d] = ["B", "C", "D"].map(|name| draft.role(name));
+    let cell = |z| Cell::new(1, 1, z);
+    let (face, child) = (Face::Up, c);
+    draft.start(a, grow, vec![at_once(magnetize(Face::Up, b, cell(1)))]);
+    draft.anchored(b, grow, vec![at_once(magnetize(Face::Up, c, cell(2)))]);
+    draft.anchored(c, grow, vec![at_once(Action::Report)]);
+    draft.start(c, shrink, vec![at_once(Action::AskRelease)]);
+    draft.start(
+        b,
+        shrink,
+        vec![
+            (vec![Condition::Asked(c)], Action::SwitchOff { face, child }),
+            (vec![Condition::Released(c)], Action::Report),
+        ],
+    );
+    draft.start(b, again, vec![at_once(magnetize(Face::Up, d, cell(2)))]);
+    draft.anchored(d, again, vec![at_once(Action::Report)]);
+    draft.tables()
+}
+
+#[test]
+fn a_small_tower_grows() {
+    let (tables, roles) = chain(&[Face::Up, Face::Up, Face::East]);
+    let record = record(&tables, &crowd(), &Settings::default(), 0);
+    assert_eq!(record.outcome, Outcome::Completed);
+    assert_eq!(record.phase_ticks, [record.ticks]);
+    for (bond, &(role, cell)) in record.bonds.iter().zip(&roles[1..]) {
+        assert_eq!((bond.child, bond.cell), (role, cell));
+        assert!(bond.magnetized + bond.docking <= bond.docked);
+        assert!(bond.entries >= 1);
+        assert_eq!(bond.origin, Origin::Free);
+    }
+    assert_eq!(record.bonds.len(), 3);
+    assert_eq!(record.hops, 3);
+}
+
+#[test]
+fn a_run_is_the_same_alone_in_sequence_and_on_any_thread() {
+    let (tables, scene) = (three_phases(), crowd());
+    let settings = Settings::default();
+    let sequence: Vec<RunRecord> = (0..4)
+        .map(|number| record(&tables, &scene, &settings, number))
+        .collect();
+    assert!(sequence.iter().all(|r| r.outcome == Outcome::Completed));
+    assert_ne!(sequence[0].ticks, sequence[1].ticks);
+    std::thread::scope(|threads| {
+        let (tables, scene, settings) = (&tables, &scene, &settings);
+        let alone = [3, 1].map(|number| {
+            let run = threads.spawn(move || record(tables, scene, settings, number));
+            (number, run)
+        });
+        for (number, run) in alone {
+            let alone = run.join().expect("a run never panics");
+            assert_eq!(alone, sequence[number as usize]);
+        }
+    });
+}
+
+#[test]
+fn a_captured_block_sits_on_the_lattice_and_a_released_one_starts_from_rest() {
+    let mut scene = empty();
+    scene.bond = attract(0.03, 0.05);
+    scene.contact = contact(0.0, 0.2);
+    let start = BodyState {
+        velocity: Vector3::new(0.0, 0.0, -0.01),
+        spin: Vector3::new(0.0, 0.0, 0.01),
+        ..BodyState::at_rest(Vector3::new(1.02, 1.0, 0.6))
+    };
+    let mut world = world(&scene, &Settings::default(), &[start]);
+    let (body, face) = (Body::Seed(Cell::new(2, 2, 0)), Face::Up);
+    world.magnetize(Site { body, face });
+    let mut dockings = Vec::new();
+    while dockings.is_empty() {
+        world.step(&mut dockings).expect("sound physics");
+        assert!(world.tick() < 200, "it never docks");
+    }
+    let docking = dockings[0];
+    assert_eq!((docking.site.body, docking.child), (body, 0));
+    assert_eq!((docking.child_face, docking.entries), (Face::Down, 1));
+    let seated = world.state(0);
+    assert_eq!(seated.position, world.centre(Cell::new(2, 2, 1)));
+    let sits = world.anchored(0).expect("it is anchored");
+    assert!(seated.orientation.angle_to(&sits.quaternion()) < 1e-6);
+    pass(&mut world, 20);
+    assert_eq!(world.state(0), seated);
+    world.switch_off(Site { body, face });
+    assert_eq!(world.anchored(0), None);
+    pass(&mut world, 20);
+    // Nothing moves it; the engine parts it from the plate by its margin at most.
+    assert!((world.state(0).position - seated.position).norm() < 0.05);
+}
+
+#[test]
+fn of_two_blocks_the_closer_one_docks_and_no_block_docks_twice() {
+    let mut scene = empty();
+    scene.bond = attract(0.0, 0.6);
+    let above = |x: f64, z: f64| BodyState::at_rest(Vector3::new(x, 0.0, z));
+    let blocks = [above(-0.9, 0.75), above(-0.9, 0.7), above(0.45, 0.6)];
+    let mut world = world(&scene, &Settings::default(), &blocks);
+    let site = |x| Site {
+        body: Body::Seed(Cell::new(x, 1, 0)),
+        face: Face::Up,
+    };
+    for x in 0..3 {
+        world.magnetize(site(x));
+    }
+    let mut dockings = Vec::new();
+    world.step(&mut dockings).expect("sound physics");
+    let pairs: Vec<_> = dockings.iter().map(|d| (d.site, d.child)).collect();
+    // Blocks 0 and 1 are for face 0; block 2 is in reach of faces 1 and 2.
+    assert_eq!(pairs, [(site(0), 1), (site(1), 2)]);
+    pass(&mut world, 5);
+}
+
+#[test]
+fn physics_that_breaks_down_is_a_failed_run() {
+    let (tables, _) = chain(&[Face::Up]);
+    let mut scene = crowd();
+    scene.agitation = Some(Agitation::Kicks {
+        speed: (1e30, 1e30),
+    });
+    let record = record(&tables, &scene, &Settings::default(), 0);
+    let phase = PhaseId(0);
+    let Outcome::Failed { phase: p, reason } = record.outcome else {
+        panic!("{:?}", record.outcome);
+    };
+    assert_eq!(p, phase);
+    assert!(reason.starts_with("block 0: its speed is"), "{reason}");
+    assert_eq!(record.ticks, 0);
+}
+
+#[test]
+fn not_a_number_is_found_at_once_at_the_block_that_has_it() {
+    let mut scene = empty();
+    scene.agitation = kicks(0.001);
+    scene.contact = contact(0.0, 0.2);
+    let at = |x: f64| BodyState::at_rest(Vector3::new(x, 0.0, 5.0));
+    let blocks = [at(0.0), at(1.05), at(2.1)];
+    type Spoil = fn(&mut BodyState);
+    let spoils: [Spoil; 4] = [
+        |state| state.velocity.x = f64::NAN,
+        |state| state.position.z = f64::NAN,
+        |state| state.spin.y = f64::INFINITY,
+        |state| state.velocity.y = 1e6,
+    ];
+    for spoil in spoils {
+        let mut world = world(&scene, &Settings::default(), &blocks);
+        pass(&mut world, 3);
+        let mut state = world.state(1);
+        spoil(&mut state);
+        world.set_state(1, &state);
+        let fault = world.step(&mut Vec::new()).expect_err("it is spoilt");
+        assert_eq!(fault.body, 1);
+    }
+}
+
+#[test]
+fn a_scene_that_cannot_be_set_up_is_an_error_before_the_run() {
+    let (tables, _) = chain(&[Face::Up]);
+    let error = |scene: &Scene| {
+        let mut watch = |_: u64, _: PhaseId| panic!("the run has begun");
+        let result = run(&tables, scene, &Settings::default(), 0, 0, &mut watch);
+        let Err(RunError::Scene(error)) = result else {
+            panic!("{result:?}");
+        };
+        error
+    };
+    let mut scene = paper();
+    scene.free.count = 30_000;
+    let SceneError::DoesNotFit { count, fits } = error(&scene) else {
+        panic!("30,000 cubes of 0.2 m in a hemisphere of 5 m");
+    };
+    assert!(count == 30_000 && (10_000..30_000).contains(&fits));
+    scene.enclosure = None;
+    assert_eq!(error(&scene), SceneError::NoEnclosure { count });
+    let mut scene = paper();
+    scene.block.mass = 0.0;
+    let message = error(&scene).to_string();
+    assert!(message.starts_with("the mass of a block is 0"), "{message}");
+}
+
+#[test]
+fn blocks_start_evenly_spread_and_apart() {
+    let scene = paper();
+    let settings = Settings::default();
+    let world = RapierWorld::new(&scene, &scenes::PLATE, &settings, 0, 0).expect("they fit");
+    let at: Vec<_> = (0..world.count())
+        .map(|id| world.state(id).position)
+        .collect();
+    assert_eq!(at.len(), 300);
+    assert!(at.iter().all(|p| p.norm() <= 24.0 && p.z >= 1.0));
+    let apart = |i: usize| {
+        at[..i]
+            .iter()
+            .map(|p| (p - at[i]).norm())
+            .fold(99.0, f64::min)
+    };
+    assert!((1..300).all(|i| apart(i) > 4.0));
+    // Half of a half ball lies below this height.
+    let low = at.iter().filter(|p| p.z < 0.3473 * 25.0).count();
+    assert!((120..180).contains(&low), "{low}");
+}
+
+#[test]
+fn only_dimensionless_groups_matter() {
+    // The same scene with blocks of 12 um: powers of two, so that not a bit may differ.
+    let (length, mass, time) = (2f64.powi(-14), 2f64.powi(-40), 2f64.powi(-9));
+    let (speed, force) = (length / time, mass * length / (time * time));
+    let mut small = crowd();
+    small.tick *= time;
+    small.block.side *= length;
+    small.block.mass *= mass;
+    small.enclosure = hemisphere(1.6 * length, 25.0 * mass / (time * time));
+    small.agitation = Some(Agitation::Kicks {
+        speed: (0.0, 0.4 * speed),
+    });
+    let Some(Bond::Attract {
+        pull,
+        align: Some(align),
+        anchor,
+    }) = &mut small.bond
+    else {
+        panic!("the paper's magnet");
+    };
+    for reach in [pull, align] {
+        reach.force *= force;
+        reach.within *= length;
+    }
+    anchor.within *= length;
+    let tables = three_phases();
+    let settings = Settings::default();
+    assert_eq!(
+        record(&tables, &small, &settings, 2),
+        record(&tables, &crowd(), &settings, 2)
+    );
+}

@@ -1,0 +1,150 @@
+//! Scenes for tests, one term at a time, in block units: side 1 m, mass 1 kg, tick 1 s.
+#![allow(dead_code, reason = "each test file sets other scenes")]
+use nalgebra::{UnitQuaternion, Vector3};
+use stochc_compiler::scene::{
+    Agitation, Anchor, Arrangement, Block, Bond, Contact, Enclosure, Free, Measure, Reach, Scene,
+};
+use stochc_compiler::table::Plate;
+use stochc_runtime::Settings;
+use stochc_runtime::draw::{Draws, Stream, direction, unit};
+use stochc_runtime::world::World;
+use stochc_runtime::world::rapier::{BodyState, RapierWorld};
+
+/// Blocks that do nothing but fly.
+pub fn empty() -> Scene {
+    Scene {
+        name: "test".to_owned(),
+        tick: 1.0,
+        block: Block {
+            side: 1.0,
+            mass: 1.0,
+            faces: 1,
+        },
+        free: Free {
+            count: 0,
+            arrangement: Arrangement::Uniform,
+        },
+        enclosure: None,
+        agitation: None,
+        drag: None,
+        contact: None,
+        bond: None,
+        messages: None,
+    }
+}
+
+pub fn kicks(rms: f64) -> Option<Agitation> {
+    let speed = (0.0, 3f64.sqrt() * rms);
+    Some(Agitation::Kicks { speed })
+}
+
+pub fn contact(restitution: f64, friction: f64) -> Option<Contact> {
+    Some(Contact {
+        restitution,
+        friction,
+    })
+}
+
+pub fn hemisphere(radius: f64, wall: f64) -> Option<Enclosure> {
+    Some(Enclosure::Hemisphere { radius, wall })
+}
+
+pub fn attract(pull: f64, anchor: f64) -> Option<Bond> {
+    let reach = |force, within| Reach { force, within };
+    Some(Bond::Attract {
+        pull: reach(pull, 1.0),
+        align: Some(reach(pull / 20.0, 0.5)),
+        anchor: Anchor {
+            measure: Measure::Centres,
+            within: anchor,
+            tilt: 26f64.to_radians(),
+        },
+    })
+}
+
+/// The paper's hemisphere, in SI units, with the contact and kicks that it leaves open.
+pub fn paper() -> Scene {
+    Scene {
+        tick: 0.02,
+        block: Block {
+            side: 0.2,
+            mass: 1.0,
+            faces: 1,
+        },
+        free: Free {
+            count: 300,
+            arrangement: Arrangement::Uniform,
+        },
+        enclosure: hemisphere(5.0, 25.0),
+        agitation: Some(Agitation::Kicks { speed: (0.0, 0.4) }),
+        contact: contact(0.0, 0.2),
+        bond: Some(Bond::Attract {
+            pull: Reach {
+                force: 15.0,
+                within: 0.2,
+            },
+            align: Some(Reach {
+                force: 0.75,
+                within: 0.1,
+            }),
+            anchor: Anchor {
+                measure: Measure::Centres,
+                within: 0.001,
+                tilt: 26f64.to_radians(),
+            },
+        }),
+        ..empty()
+    }
+}
+
+pub const PLATE: Plate = Plate { width: 3, depth: 3 };
+
+pub fn world(scene: &Scene, settings: &Settings, blocks: &[BodyState]) -> RapierWorld {
+    RapierWorld::with_blocks(scene, &PLATE, settings, 1, 0, blocks).expect("a sound scene")
+}
+
+/// Lets ticks pass in which nothing docks.
+pub fn pass(world: &mut RapierWorld, ticks: u64) {
+    let mut dockings = Vec::new();
+    for _ in 0..ticks {
+        world.step(&mut dockings).expect("sound physics");
+    }
+    assert_eq!(dockings, []);
+}
+
+/// Numbers in (0, 1) and directions for setting up tests, from a stream that no world uses.
+pub struct Dice(Draws, u64);
+
+impl Dice {
+    pub fn new(seed: u64) -> Dice {
+        Dice(Draws::new(seed, u64::MAX, Stream::Shuffle), 0)
+    }
+
+    fn words(&mut self) -> [u32; 4] {
+        self.1 += 1;
+        self.0.step(self.1).block(0)
+    }
+
+    pub fn unit(&mut self) -> f64 {
+        unit(self.words()[0])
+    }
+
+    pub fn direction(&mut self) -> Vector3<f64> {
+        let [height, azimuth, ..] = self.words();
+        Vector3::from(direction(height, azimuth)).cast().normalize()
+    }
+
+    /// Evenly spread over all rotations (Shoemake 1992).
+    pub fn rotation(&mut self) -> UnitQuaternion<f64> {
+        let (u, a, b) = (self.unit(), self.unit(), self.unit());
+        let tau = std::f64::consts::TAU;
+        let (s, t) = ((1.0 - u).sqrt(), u.sqrt());
+        let (a, b) = ((tau * a).sin_cos(), (tau * b).sin_cos());
+        UnitQuaternion::from_quaternion(nalgebra::Quaternion::new(
+            s * a.0,
+            s * a.1,
+            t * b.0,
+            t * b.1,
+        ))
+    }
+}
