@@ -66,6 +66,10 @@ impl<'a> Expander<'a, '_> {
             return;
         };
         let Plate { width, depth } = self.plan.plate;
+        // A seed outside of a plate, which has been told of.
+        if width == 0 {
+            return;
+        }
         let inside = |value: i64, edge: u32| (0..i64::from(edge)).contains(&value);
         if !(inside(x, width) && inside(y, depth)) {
             let at = self.site(seat.at.0.span.to(seat.at.1.span));
@@ -92,6 +96,9 @@ impl<'a> Expander<'a, '_> {
             self.findings.push(duplicate(&name, old, site, "a seed"));
             return;
         }
-        self.plan.seeds.push(Seed { role, cell, site });
+        // Unless a statement that does not belong in a plate came first; that has been told of.
+        if role.0 as usize == self.plan.seeds.len() {
+            self.plan.seeds.push(Seed { role, cell, site });
+        }
     }
 }
