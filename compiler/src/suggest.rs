@@ -29,7 +29,11 @@ pub fn suggest<S: AsRef<str>>(unknown: &str, known: impl IntoIterator<Item = S>)
         .count()
         .max(word.as_ref().chars().count())
         .div_ceil(3);
-    (distance <= limit).then(|| format!("did you mean `{}`?", word.as_ref()))
+    // Two names of one letter have nothing in common.
+    let longest = unknown.len().max(word.as_ref().len());
+    let near =
+        distance <= limit && distance < longest || unknown.eq_ignore_ascii_case(word.as_ref());
+    near.then(|| format!("did you mean `{}`?", word.as_ref()))
 }
 
 #[cfg(test)]
@@ -48,5 +52,7 @@ mod tests {
             Some("did you mean `T[2]`?")
         );
         assert_eq!(suggest("platform", known), None);
+        assert_eq!(suggest("M", ["X"]), None);
+        assert_eq!(suggest("m", ["M"]).as_deref(), Some("did you mean `M`?"));
     }
 }
