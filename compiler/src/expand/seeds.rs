@@ -22,7 +22,8 @@ impl<'a> Expander<'a, '_> {
             self.findings.push(
                 Finding::new(Code::DuplicateName, "an assembly has one seed plate")
                     .label(site, "a second one")
-                    .label(old, "the first"),
+                    .label(old, "the first")
+                    .help("put all seeds on one plate"),
             );
             return;
         }
