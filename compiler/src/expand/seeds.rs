@@ -86,9 +86,10 @@ impl<'a> Expander<'a, '_> {
                     depth - 1
                 )),
             );
-            return;
         }
-        let cell = Cell::new(x as i32, y as i32, 0);
+        // A seed beside the plate is known all the same: its captures are no further mistakes.
+        let near = |value: i64| value.clamp(-MAX_EDGE, MAX_EDGE) as i32;
+        let cell = Cell::new(near(x), near(y), 0);
         let role = self.plan.roles.intern(key);
         // Seeds are interned first, so a new one has the next number.
         if (role.0 as usize) < self.plan.seeds.len() {
