@@ -92,7 +92,7 @@ pub fn found(text: &str, at: usize) -> &str {
     };
     let is_word = |c: char| c.is_alphanumeric() || c == '_';
     if !is_word(first) {
-        let twins = ["->>", "->", "..", "//"];
+        let twins = ["->>", "->", "..", "///", "//"];
         return twins
             .into_iter()
             .find(|sign| rest.starts_with(sign))
