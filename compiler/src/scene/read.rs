@@ -207,7 +207,7 @@ impl<'a> Reader<'a, '_> {
             "messages" => {
                 let mut hop = None;
                 self.fields(clause, &["hop"], &["hop"], |r, _| {
-                    hop = r.between(Dimension::TICKS, 0.0, 1e6);
+                    hop = r.whole(Dimension::TICKS, 0, 1_000_000);
                 });
                 draft.messages = hop.map(|hop| Messages { hop: hop as u32 });
             }
@@ -429,8 +429,12 @@ impl<'a> Reader<'a, '_> {
     }
 
     fn count(&mut self, least: u32, most: u32) -> Option<f64> {
-        let quantity = self.quantity(Dimension::NUMBER)?;
-        let value = self.value(quantity, Dimension::NUMBER)?;
+        self.whole(Dimension::NUMBER, least, most)
+    }
+
+    fn whole(&mut self, dimension: Dimension, least: u32, most: u32) -> Option<f64> {
+        let quantity = self.quantity(dimension)?;
+        let value = self.value(quantity, dimension)?;
         if value.fract() == 0.0 && (f64::from(least)..=f64::from(most)).contains(&value) {
             return Some(value);
         }
