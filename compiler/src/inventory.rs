@@ -18,11 +18,11 @@ pub fn check(plan: &Plan, layout: &Layout, scene: &Scene, findings: &mut Vec<Fin
         findings.push(
             Finding::new(
                 Code::TooFewBlocks,
-                format!("the structure has {size} blocks, the scene only {free}"),
+                format!("the structure needs {size} free blocks, the scene has {free}"),
             )
             .label(
                 phase.site,
-                format!("{size} blocks are anchored at the end of this phase"),
+                format!("anchored at the end of this phase: {size}"),
             )
             .help(format!(
                 "a scene with `free {size} uniform` or more, or a smaller structure"

@@ -4,7 +4,7 @@ use stochc_grammar::Symbols;
 use stochc_grammar::tree::{Assembly, ItemKind, Tree};
 
 use crate::expand::{Declarations, Limits, duplicate, expand};
-use crate::finding::Finding;
+use crate::finding::{Code, Finding};
 use crate::graph::{self, DependencyGraph};
 use crate::load::{Loaded, Module, Reader, load};
 use crate::order::{self, Order};
@@ -204,6 +204,10 @@ impl<'a> Input<'a> {
         // A seed or a phase may only seem to be without use where statements have been left out.
         if incomplete || !self.readable {
             errors.retain(Finding::is_error);
+        }
+        let plate_in_doubt = (symbols.get("plate")).is_some_and(|word| doubtful.contains(&word));
+        if plate_in_doubt {
+            errors.retain(|finding| finding.code != Code::MissingPlate);
         }
         let wrong = |findings: &[Finding]| findings.iter().any(Finding::is_error);
         if !wrong(&errors) && !wrong(&later) {

@@ -69,6 +69,11 @@ impl Finding {
 }
 
 fn unexpected(site: Site, found: &str, expected: &[&str]) -> Finding {
+    if found.starts_with('\u{feff}') {
+        return Finding::new(Code::Syntax, "a byte-order mark")
+            .label(site, "an invisible sign of three bytes")
+            .help("save the file as UTF-8 without a byte-order mark");
+    }
     let list = alternatives(expected);
     let found = match found {
         "" => "the end of the file".to_owned(),
