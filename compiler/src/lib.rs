@@ -28,6 +28,6 @@ pub mod table;
 pub use cell::Cell;
 pub use expand::{Limits, MAX_NESTING};
 pub use load::Reader;
-pub use program::{Checked, Program, check};
+pub use program::{Checked, Program, Stage, check, check_observed};
 pub use source::{FileId, Site, SourceFile, Sources};
 pub use stochc_grammar::{Face, Span, Symbols};

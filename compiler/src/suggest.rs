@@ -24,11 +24,9 @@ pub fn suggest<S: AsRef<str>>(unknown: &str, known: impl IntoIterator<Item = S>)
         }
     }
     let (distance, word) = best?;
-    let limit = unknown
-        .chars()
-        .count()
-        .max(word.as_ref().chars().count())
-        .div_ceil(3);
+    let longest = unknown.chars().count().max(word.as_ref().chars().count());
+    // One letter for another says nothing of a name of one letter.
+    let limit = if longest == 1 { 0 } else { longest.div_ceil(3) };
     (distance <= limit).then(|| format!("did you mean `{}`?", word.as_ref()))
 }
 

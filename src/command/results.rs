@@ -51,9 +51,19 @@ pub fn run(options: &Options) -> Exit {
     };
     let missing = manifest.total().saturating_sub(finished.len() as u64);
     if missing > 0 {
-        warn(&format!("{missing} of {} runs are still to do\n", manifest.total()));
+        warn(&format!(
+            "{missing} of {} runs are still to do\n",
+            manifest.total()
+        ));
     }
-    show(&manifest, &finished, &Shown { form: options.format, bonds: options.bonds })
+    show(
+        &manifest,
+        &finished,
+        &Shown {
+            form: options.format,
+            bonds: options.bonds,
+        },
+    )
 }
 
 /// Prints the comparison of an ensemble's programs; says whether every run was successful.
@@ -66,7 +76,10 @@ pub fn show(manifest: &Manifest, finished: &[Finished], shown: &Shown) -> Exit {
             print(&comparison.to_text(super::terminal::WIDTH));
             if shown.bonds {
                 for program in programs {
-                    print(&format!("\n{}, capture by capture\n", manifest.programs[program].name));
+                    print(&format!(
+                        "\n{}, capture by capture\n",
+                        manifest.programs[program].name
+                    ));
                     print(&edges_to_text(&captures(program), super::terminal::WIDTH));
                 }
             }
@@ -80,6 +93,13 @@ pub fn show(manifest: &Manifest, finished: &[Finished], shown: &Shown) -> Exit {
             print(&format!("{value:#}\n"));
         }
     }
-    let unsuccessful = comparison.programs.iter().any(|column| column.timed_out + column.failed > 0);
-    if unsuccessful { Exit::UnsuccessfulRun } else { Exit::Success }
+    let unsuccessful = comparison
+        .programs
+        .iter()
+        .any(|column| column.timed_out + column.failed > 0);
+    if unsuccessful {
+        Exit::UnsuccessfulRun
+    } else {
+        Exit::Success
+    }
 }

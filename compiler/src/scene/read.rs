@@ -82,7 +82,11 @@ pub fn read(
     let said = |clause: &str| seen.iter().any(|name| symbols.word(name.symbol) == clause);
     let absent = [
         ("tick", draft.tick.is_none(), "tick 20ms"),
-        ("block", draft.block.is_none(), "block cube { side 20cm  mass 1kg  faces 1 }"),
+        (
+            "block",
+            draft.block.is_none(),
+            "block cube { side 20cm  mass 1kg  faces 1 }",
+        ),
         ("free", draft.free.is_none(), "free 300 uniform"),
         (
             "enclosure",
@@ -92,7 +96,10 @@ pub fn read(
     ];
     for (clause, is_absent, example) in absent {
         if is_absent && !said(clause) {
-            let site = Site { file, span: scene.name.span };
+            let site = Site {
+                file,
+                span: scene.name.span,
+            };
             findings.push(
                 Finding::new(Code::MissingTerm, format!("a scene without `{clause}`"))
                     .label(site, "says nothing of it")

@@ -46,7 +46,9 @@ fn from_files(options: &Options) -> Result<(Manifest, Vec<Ready>), Exit> {
     manifest.substeps = options.substeps;
     manifest.max_ticks = Some(options.max_ticks);
     let iterations = options.solver_iterations.to_string();
-    manifest.settings.insert(SOLVER_ITERATIONS.into(), iterations);
+    manifest
+        .settings
+        .insert(SOLVER_ITERATIONS.into(), iterations);
     Ok((manifest, ready))
 }
 
@@ -76,8 +78,8 @@ fn accept(file: &str, checked: Checked) -> Result<Vec<(Program, Ready)>, Exit> {
 /// Compiles the sources that a manifest holds, and nothing else.
 fn from_manifest(path: &std::path::Path) -> Result<(Manifest, Vec<Ready>), Exit> {
     let shown = path.display();
-    let bytes = std::fs::read(path)
-        .map_err(|error| usage(&format!("cannot read `{shown}`: {error}")))?;
+    let bytes =
+        std::fs::read(path).map_err(|error| usage(&format!("cannot read `{shown}`: {error}")))?;
     let text = String::from_utf8_lossy(&bytes);
     let manifest =
         Manifest::from_json(&text).map_err(|reason| usage(&format!("`{shown}`: {reason}")))?;
@@ -88,9 +90,13 @@ fn from_manifest(path: &std::path::Path) -> Result<(Manifest, Vec<Ready>), Exit>
             .collect();
         let mut reader = |path: &str| {
             let text = texts.get(path).copied();
-            text.map(|text| text.as_bytes().to_vec()).ok_or("not in the manifest".to_owned())
+            text.map(|text| text.as_bytes().to_vec())
+                .ok_or("not in the manifest".to_owned())
         };
-        let root = entry.sources.first().map_or("", |source| source.path.as_str());
+        let root = entry
+            .sources
+            .first()
+            .map_or("", |source| source.path.as_str());
         let checked = stochc_compiler::check(root, &mut reader, Limits::default());
         let found = accept(root, checked)?
             .into_iter()

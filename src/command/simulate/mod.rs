@@ -36,10 +36,7 @@ pub fn run(options: &Options) -> Exit {
     };
     for program in &programs {
         if let Err(error) = try_out(program, &settings) {
-            warn(&format!(
-                "error: {}: {error}\n",
-                program.tables.assembly
-            ));
+            warn(&format!("error: {}: {error}\n", program.tables.assembly));
             return Exit::WrongProgram;
         }
     }
@@ -96,7 +93,10 @@ fn ensemble(
         Ok(results) => results,
         Err(error) => return usage(&error.to_string()),
     };
-    let shown = Shown { form: options.format, bonds: options.bonds };
+    let shown = Shown {
+        form: options.format,
+        bonds: options.bonds,
+    };
     let exit = show(manifest, &results.finished, &shown);
     if results.complete {
         return exit;

@@ -33,7 +33,9 @@ pub fn run(
     for (ready, program) in programs.iter().zip(&manifest.programs) {
         let Ready { tables, scene } = ready;
         let record = run_once(tables, scene, settings, manifest.seed, number, &mut watch);
-        let Ok(record) = record else { return Exit::Interrupted };
+        let Ok(record) = record else {
+            return Exit::Interrupted;
+        };
         if record.outcome != Outcome::Completed {
             exit = Exit::UnsuccessfulRun;
         }
@@ -58,7 +60,10 @@ fn story(record: &RunRecord, program: &Program) -> String {
     let _ = writeln!(out, "{}, run {}", program.name, record.run);
     let mut begun = 0;
     for (number, phase) in program.phases.iter().enumerate() {
-        let bonds = record.bonds.iter().filter(|bond| bond.phase.0 as usize == number);
+        let bonds = record
+            .bonds
+            .iter()
+            .filter(|bond| bond.phase.0 as usize == number);
         let bonds: Vec<&BondRecord> = bonds.collect();
         let ended = record.phase_ticks.get(number);
         if ended.is_none() && bonds.is_empty() {
@@ -66,7 +71,12 @@ fn story(record: &RunRecord, program: &Program) -> String {
         }
         let _ = writeln!(out, "  phase {phase}, from tick {begun}");
         for bond in bonds {
-            let _ = writeln!(out, "    tick {:>7}  {}", bond.docked, capture(bond, program));
+            let _ = writeln!(
+                out,
+                "    tick {:>7}  {}",
+                bond.docked,
+                capture(bond, program)
+            );
         }
         begun += ended.unwrap_or(&0);
     }
@@ -95,7 +105,11 @@ fn capture(bond: &BondRecord, program: &Program) -> String {
             format!(", the former {}, released at {tick}", program.role(*role))
         }
     };
-    let entries = if bond.entries == 1 { "entry" } else { "entries" };
+    let entries = if bond.entries == 1 {
+        "entry"
+    } else {
+        "entries"
+    };
     format!(
         "{}.{} captures {} after {} ticks and {} {entries}: block {}{origin}",
         program.role(bond.parent),
