@@ -11,7 +11,7 @@ mod expand;
 pub mod finding;
 pub mod graph;
 mod inventory;
-mod layout;
+pub mod layout;
 mod load;
 mod lower;
 pub mod order;

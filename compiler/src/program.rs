@@ -6,6 +6,7 @@ use stochc_grammar::tree::{Assembly, ItemKind, Tree};
 use crate::expand::{Declarations, Limits, duplicate, expand};
 use crate::finding::Finding;
 use crate::graph::{self, DependencyGraph};
+use crate::layout::Layout;
 use crate::load::{Loaded, Module, Reader, load};
 use crate::order::{self, Order};
 use crate::plan::Plan;
@@ -36,6 +37,8 @@ pub struct Program {
     pub plan: Plan,
     /// The world it runs in; `None` if that is wrong.
     pub scene: Option<Scene>,
+    /// Where every block sits.
+    pub layout: Layout,
     /// What waits for what.
     pub graph: DependencyGraph,
     /// An order of it; `None` if there is a cycle.
@@ -261,6 +264,7 @@ impl<'a> Input<'a> {
         Program {
             plan,
             scene,
+            layout,
             graph,
             order,
             tables,
