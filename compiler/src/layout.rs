@@ -64,7 +64,8 @@ pub fn lay_out(
             findings.push(
                 Finding::new(Code::OccupiedCell, format!("two seeds at {}", seed.cell))
                     .label(seed.site, "a second one")
-                    .label(first.site, "the first"),
+                    .label(first.site, "the first")
+                    .help("give each seed a place of its own"),
             );
         }
         seats[seed.role.0 as usize] = Some(seat);
@@ -229,7 +230,10 @@ impl Surveyor<'_> {
                     let name = self.plan.roles.name(there, self.symbols);
                     let finding = self
                         .occupied(id, cell)
-                        .label(site, format!("`{name}` is there"));
+                        .label(site, format!("`{name}` is there"))
+                        .help(format!(
+                            "capture through another face, or release `{name}` first"
+                        ));
                     self.reject(id, finding);
                     return;
                 }

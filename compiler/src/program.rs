@@ -232,6 +232,7 @@ impl<'a> Input<'a> {
             &mut errors,
         );
         done(Stage::Expand);
+        let incomplete = errors.iter().any(Finding::is_error);
         let presence = presence::check(&mut plan, symbols, doubtful, &mut errors);
         done(Stage::Names);
         // What follows from a statement that could not be read would only confuse.
@@ -243,6 +244,10 @@ impl<'a> Input<'a> {
         done(Stage::Graph);
         let order = order::sort(&plan, &graph, symbols, &mut later);
         done(Stage::Order);
+        // A seed or a phase may only seem to be without use where statements have been left out.
+        if incomplete || !self.readable {
+            errors.retain(Finding::is_error);
+        }
         let wrong = |findings: &[Finding]| findings.iter().any(Finding::is_error);
         if !wrong(&errors) && !wrong(&later) {
             shape::check(&plan, &layout, &shapes, symbols, &mut later);

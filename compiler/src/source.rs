@@ -8,13 +8,23 @@ use stochc_grammar::Span;
 pub struct FileId(pub u32);
 
 /// A place in one of a program's files.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug)]
 pub struct Site {
     /// Which file.
     pub file: FileId,
     /// Where in it.
     pub span: Span,
 }
+
+/// Unlike spans in trees, sites are compared: two findings are the same only in the same place.
+impl PartialEq for Site {
+    fn eq(&self, other: &Site) -> bool {
+        let place = |site: &Site| (site.file, site.span.start, site.span.end);
+        place(self) == place(other)
+    }
+}
+
+impl Eq for Site {}
 
 /// Every file that was read, in the order of reading; the first is the program's own.
 #[derive(Clone, Debug, Default)]

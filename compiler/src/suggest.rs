@@ -24,10 +24,12 @@ pub fn suggest<S: AsRef<str>>(unknown: &str, known: impl IntoIterator<Item = S>)
         }
     }
     let (distance, word) = best?;
-    let longest = unknown.chars().count().max(word.as_ref().chars().count());
-    // One letter for another says nothing of a name of one letter.
-    let limit = if longest == 1 { 0 } else { longest.div_ceil(3) };
-    (distance <= limit).then(|| format!("did you mean `{}`?", word.as_ref()))
+    let letters = |word: &str| word.chars().count();
+    let longest = letters(unknown).max(letters(word.as_ref()));
+    // Two names of one letter have nothing in common.
+    let near = distance <= longest.div_ceil(3) && distance < longest
+        || unknown.eq_ignore_ascii_case(word.as_ref());
+    near.then(|| format!("did you mean `{}`?", word.as_ref()))
 }
 
 #[cfg(test)]
@@ -46,5 +48,7 @@ mod tests {
             Some("did you mean `T[2]`?")
         );
         assert_eq!(suggest("platform", known), None);
+        assert_eq!(suggest("M", ["X"]), None);
+        assert_eq!(suggest("m", ["M"]).as_deref(), Some("did you mean `M`?"));
     }
 }

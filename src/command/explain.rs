@@ -20,12 +20,10 @@ pub fn run(options: &Options) -> Exit {
                 Severity::Error => "error",
                 Severity::Warning => "warning",
             };
+            // `# cycle: events wait for each other in a circle`
             let title = code.page().lines().next().unwrap_or_default();
-            format!(
-                "{:20} {severity:8} {}\n",
-                code.name(),
-                title.trim_start_matches("# ")
-            )
+            let meaning = title.split_once(": ").map_or(title, |(_, meaning)| meaning);
+            format!("{:20} {severity:8} {meaning}\n", code.name())
         });
         print(&lines.collect::<String>());
         return Exit::Success;

@@ -51,7 +51,8 @@ impl Expander<'_, '_> {
                     Operator::Divide | Operator::Remainder if right == 0 => {
                         let finding = Finding::new(Code::Arithmetic, "a division by zero")
                             .label(self.site(sides.1.span), "this is 0")
-                            .label(self.site(sides.0.span), "divided by it");
+                            .label(self.site(sides.0.span), "divided by it")
+                            .help("begin the range of its counter at 1, or add to it");
                         self.findings.push(finding);
                         return None;
                     }
@@ -66,7 +67,8 @@ impl Expander<'_, '_> {
     fn in_range(&mut self, value: Option<i64>, expr: &Expr) -> Option<i64> {
         if value.is_none() {
             let finding = Finding::new(Code::Arithmetic, "a number leaves the range of 64 bits")
-                .label(self.site(expr.span), "too large or too small");
+                .label(self.site(expr.span), "too large or too small")
+                .help("whole numbers have 64 bits");
             self.findings.push(finding);
         }
         value

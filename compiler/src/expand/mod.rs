@@ -280,7 +280,7 @@ impl<'a> Expander<'a, '_> {
             if timeout.is_none() {
                 self.findings.push(
                     Finding::new(Code::WrongDimension, "a timeout is a positive time")
-                        .label(self.site(quantity.span), "not a time")
+                        .label(self.site(quantity.span), "not a positive time")
                         .help("write a number of ticks such as `40000 ticks`, or seconds"),
                 );
             }

@@ -80,7 +80,8 @@ impl Expander<'_, '_> {
             _ => {
                 self.findings.push(
                     Finding::new(Code::WrongKind, "a new name has no dots")
-                        .label(self.site(place.span), "belongs to something else"),
+                        .label(self.site(place.span), "belongs to something else")
+                        .help("use a name of its own"),
                 );
                 return None;
             }
@@ -89,7 +90,8 @@ impl Expander<'_, '_> {
         if ranged {
             self.findings.push(
                 Finding::new(Code::RangeMisused, "several names where one is needed")
-                    .label(self.site(place.span), "a range of names"),
+                    .label(self.site(place.span), "a range of names")
+                    .help("write one after the other, or use a loop"),
             );
             return None;
         }
@@ -108,6 +110,7 @@ impl Expander<'_, '_> {
         let finding = if ranged {
             Finding::new(Code::RangeMisused, "a range of instances")
                 .label(self.site(segment.name.span), "one instance is needed here")
+                .help("go through the instances with a loop")
         } else {
             Finding::new(
                 Code::UnknownName,
@@ -140,7 +143,8 @@ impl Expander<'_, '_> {
                     Code::WrongArguments,
                     format!("more than {} indices", Key::MAX_INDICES),
                 )
-                .label(self.site(segment.name.span), "has too many"),
+                .label(self.site(segment.name.span), "has too many")
+                .help("count some of them into one: `T[3 * i + j]`"),
             );
             return None;
         }
@@ -172,7 +176,8 @@ impl Expander<'_, '_> {
                     Code::ExpansionLimit,
                     format!("the program grows beyond {room} captures and releases"),
                 )
-                .label(self.site(segment.name.span), "this range alone is larger"),
+                .label(self.site(segment.name.span), "this range alone is larger")
+                .help("check the ends of the range: both are included"),
             );
             return None;
         };
@@ -198,7 +203,8 @@ impl Expander<'_, '_> {
                     Code::Arithmetic,
                     format!("{value} is too large for an index"),
                 )
-                .label(self.site(expr.span), "indices have 32 bits"),
+                .label(self.site(expr.span), "indices have 32 bits")
+                .help("count from a smaller number"),
             );
         }
         index

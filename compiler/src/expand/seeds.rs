@@ -22,7 +22,8 @@ impl<'a> Expander<'a, '_> {
             self.findings.push(
                 Finding::new(Code::DuplicateName, "an assembly has one seed plate")
                     .label(site, "a second one")
-                    .label(old, "the first"),
+                    .label(old, "the first")
+                    .help("put all seeds on one plate"),
             );
             return;
         }
@@ -66,6 +67,10 @@ impl<'a> Expander<'a, '_> {
             return;
         };
         let Plate { width, depth } = self.plan.plate;
+        // A seed outside of a plate, which has been told of.
+        if width == 0 {
+            return;
+        }
         let inside = |value: i64, edge: u32| (0..i64::from(edge)).contains(&value);
         if !(inside(x, width) && inside(y, depth)) {
             let at = self.site(seat.at.0.span.to(seat.at.1.span));
@@ -81,9 +86,10 @@ impl<'a> Expander<'a, '_> {
                     depth - 1
                 )),
             );
-            return;
         }
-        let cell = Cell::new(x as i32, y as i32, 0);
+        // A seed beside the plate is known all the same: its captures are no further mistakes.
+        let near = |value: i64| value.clamp(-MAX_EDGE, MAX_EDGE) as i32;
+        let cell = Cell::new(near(x), near(y), 0);
         let role = self.plan.roles.intern(key);
         // Seeds are interned first, so a new one has the next number.
         if (role.0 as usize) < self.plan.seeds.len() {
@@ -92,6 +98,9 @@ impl<'a> Expander<'a, '_> {
             self.findings.push(duplicate(&name, old, site, "a seed"));
             return;
         }
-        self.plan.seeds.push(Seed { role, cell, site });
+        // Unless a statement that does not belong in a plate came first; that has been told of.
+        if role.0 as usize == self.plan.seeds.len() {
+            self.plan.seeds.push(Seed { role, cell, site });
+        }
     }
 }

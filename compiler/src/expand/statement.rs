@@ -197,8 +197,9 @@ impl<'a> Expander<'a, '_> {
                 Finding::new(
                     Code::WrongArguments,
                     format!(
-                        "`{}` takes {needed} arguments, not {given}",
-                        self.symbols.word(name)
+                        "`{}` takes {needed} argument{}, not {given}",
+                        self.symbols.word(name),
+                        if needed == 1 { "" } else { "s" }
                     ),
                 )
                 .label(self.site(span), format!("gives {given}"))

@@ -223,18 +223,21 @@ impl<'a> Reader<'a, '_> {
             "pull" => pull = r.reach(),
             "align" => align = r.reach(),
             _ => {
-                let measure = r.head(&["centres", "gap"], "measure of the anchoring distance");
-                let measure = measure.map(|word| match r.word_of(word) {
+                let Some(word) = r.head(&["centres", "gap"], "measure of the anchoring distance")
+                else {
+                    return;
+                };
+                let measure = match r.word_of(word) {
                     "gap" => Measure::Gap,
                     _ => Measure::Centres,
-                });
+                };
                 let within = r.positive(Dimension::LENGTH);
                 let tilt = if r.next_is("tilt") {
                     r.between(Dimension::NUMBER, 1e-6, std::f64::consts::FRAC_PI_2)
                 } else {
                     Some(std::f64::consts::FRAC_PI_4)
                 };
-                anchor = (measure.zip(within).zip(tilt)).map(|((measure, within), tilt)| Anchor {
+                anchor = (within.zip(tilt)).map(|(within, tilt)| Anchor {
                     measure,
                     within,
                     tilt,
@@ -251,7 +254,17 @@ impl<'a> Reader<'a, '_> {
     /// `15 N within 20cm`
     fn reach(&mut self) -> Option<Reach> {
         let force = self.between(Dimension::FORCE, 0.0, f64::MAX);
-        self.keyword("within");
+        if !self.next_is("within") {
+            let here = self.terms.peek().map_or(self.place, |term| span(term));
+            self.tell(
+                Code::MissingTerm,
+                "a force without its reach".to_owned(),
+                here,
+                "`within` and a length belong here",
+                "write how far it reaches, such as `15 N within 20cm`".to_owned(),
+            );
+            return None;
+        }
         let within = self.positive(Dimension::LENGTH);
         Some(Reach {
             force: force?,
@@ -335,12 +348,12 @@ impl<'a> Reader<'a, '_> {
         }
         let (found, span) = match self.terms.peek() {
             Some(Term::Word(name)) => {
-                let found = (self.word_of(*name), name.span);
+                let found = (format!("`{}`", self.word_of(*name)), name.span);
                 self.terms.next();
                 found
             }
-            Some(term) => ("something else", span(term)),
-            None => ("nothing", self.place),
+            Some(term) => ("something else".to_owned(), span(term)),
+            None => ("nothing".to_owned(), self.place),
         };
         let title = format!("expected `{word}`, found {found}");
         let help = format!("`{word}` is the only kind there is");
@@ -405,6 +418,7 @@ impl<'a> Reader<'a, '_> {
         let rule = match (least, most) {
             (f64::MIN_POSITIVE, f64::MAX) => "must be more than 0".to_owned(),
             (least, f64::MAX) => format!("must be at least {least}"),
+            (_, std::f64::consts::FRAC_PI_2) => "must be more than 0 and at most 90 deg".to_owned(),
             (least, most) => format!("must be from {least} to {most}"),
         };
         let site = self.site(quantity.span);

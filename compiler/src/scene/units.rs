@@ -95,8 +95,9 @@ pub fn to_si(quantity: &Quantity) -> (f64, Dimension) {
     for UnitFactor { symbol, power } in &quantity.unit {
         let (scale, base) = factor(symbol);
         // One multiplication or division by a power of ten keeps `20cm` the nearest double to 0.2.
-        if scale < 1.0 {
-            value /= scale.recip().round().powi(i32::from(*power));
+        let parts = scale.recip().round();
+        if scale < 1.0 && (parts * scale - 1.0).abs() < 1e-9 {
+            value /= parts.powi(i32::from(*power));
         } else {
             value *= scale.powi(i32::from(*power));
         }
@@ -253,5 +254,6 @@ mod tests {
         let (viscosity, _) = si(100.0, &[("mPa", 1), ("s", 1)]);
         assert!((viscosity - 0.1).abs() < 1e-15);
         assert!((si(180.0, &[("deg", 1)]).0 - std::f64::consts::PI).abs() < 1e-15);
+        assert!((si(1.0, &[("mmin", 1)]).0 - 0.06).abs() < 1e-15);
     }
 }

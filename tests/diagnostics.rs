@@ -1,0 +1,227 @@
+//! Every page of `stochc explain` shows what it speaks of.
+use std::collections::BTreeMap;
+
+use stochc::compiler::finding::Code;
+use stochc::compiler::{Checked, Limits, check};
+
+/// Pages without a wrong program, and why.
+const WITHOUT: [(Code, &str); 8] = [
+    (Code::NotUtf8, "a page is UTF-8 itself"),
+    (Code::FileTooLarge, "4 GiB are too many for a test as well"),
+    (Code::TooDeep, "a hundred braces on a page help nobody"),
+    (Code::StatementTooLong, "a statement of 4 MiB"),
+    (Code::TooManyErrors, "a hundred errors"),
+    (Code::ImportMissing, "a fence has no files beside it"),
+    (Code::ImportCycle, "a fence has no files beside it"),
+    // Its program takes a limit that is too large for a quick test; see below.
+    (Code::ExpansionLimit, "ten million captures"),
+];
+
+#[test]
+fn every_page_has_a_title_of_one_line() {
+    for &code in Code::ALL {
+        let title = code.page().lines().next().unwrap_or_default();
+        let meaning = title
+            .strip_prefix(&format!("# {code}: "))
+            .unwrap_or_default();
+        assert!(!meaning.is_empty(), "`{title}`");
+        assert!(meaning.len() <= 80 && !meaning.ends_with('.'), "`{title}`");
+        assert!(!meaning.starts_with(char::is_uppercase), "`{title}`");
+        assert!(code.page().ends_with('\n') && !code.page().ends_with("\n\n"));
+    }
+}
+
+#[test]
+fn every_wrong_program_of_a_page_has_its_finding_and_no_other() {
+    for &code in Code::ALL {
+        let Some(program) = fence(code.page(), "Wrong:") else {
+            assert!(
+                WITHOUT.iter().any(|(without, _)| *without == code),
+                "the page of `{code}` has no wrong program"
+            );
+            continue;
+        };
+        if WITHOUT.iter().any(|(without, _)| *without == code) {
+            continue;
+        }
+        let codes = codes(&text(program));
+        assert_eq!(codes, [code], "the wrong program of `{code}`");
+    }
+}
+
+#[test]
+fn every_right_program_of_a_page_has_no_finding() {
+    for &code in Code::ALL {
+        let program = fence(code.page(), "Right:");
+        assert_eq!(
+            program.is_some(),
+            fence(code.page(), "Wrong:").is_some() || code == Code::TooDeep,
+            "the page of `{code}`"
+        );
+        if let Some(program) = program {
+            assert_eq!(codes(&text(program)), [], "the right program of `{code}`");
+        }
+    }
+}
+
+#[test]
+fn bytes_that_are_no_text() {
+    let mut reader = |_: &str| Ok(b"let n = 3 // caf\xe9".to_vec());
+    assert_eq!(codes(&checked("a.sa", &mut reader)), [Code::NotUtf8]);
+}
+
+#[test]
+fn braces_and_parentheses_too_deep() {
+    let braces = "for i in 1..1 {".repeat(200);
+    let program = format!("assembly a {{ phase p {{ {braces}");
+    assert!(codes(&text(&program)).contains(&Code::TooDeep));
+    let sum = format!("{}1{}", "(".repeat(120), ")".repeat(120));
+    assert_eq!(codes(&text(&format!("let n = {sum}"))), [Code::TooDeep]);
+}
+
+#[test]
+fn patterns_too_deep() {
+    let mut program = String::new();
+    for depth in 0..300 {
+        let next = depth + 1;
+        program.push_str(&format!(
+            "pattern p{depth}(base) {{ base.up -> T p{next}(T) }}\n"
+        ));
+    }
+    program.push_str("pattern p300(base) { base.up -> T }\n");
+    program.push_str("assembly a { seed plate 1 x 1 { M at (0, 0) } phase p { p0(M) } }");
+    assert!(codes(&text(&program)).contains(&Code::TooDeep));
+}
+
+#[test]
+fn a_statement_too_long() {
+    let mut program = "assembly a { seed plate 1 x 1 { M at (0, 0) } phase p { M".to_owned();
+    let mut number = 0;
+    while program.len() < 20 << 20 {
+        number += 1;
+        program.push_str(&format!(".up -> T{number}"));
+    }
+    program.push_str(" } }");
+    assert!(codes(&text(&program)).contains(&Code::StatementTooLong));
+}
+
+#[test]
+fn too_many_errors() {
+    let codes = codes(&text(&"?\n".repeat(200)));
+    assert_eq!(codes.len(), 101);
+    assert_eq!(codes.last(), Some(&Code::TooManyErrors));
+}
+
+#[test]
+fn a_file_that_is_missing() {
+    assert_eq!(
+        codes(&files(&[("x/a.sa", "import \"../b.sa\"")], "x/a.sa")),
+        [Code::ImportMissing]
+    );
+    assert_eq!(codes(&files(&[], "a.sa")), [Code::ImportMissing]);
+}
+
+#[test]
+fn files_that_import_each_other() {
+    let circle = [
+        ("a.sa", "import \"x/b.sa\""),
+        ("x/b.sa", "import \"../c.sa\""),
+        ("c.sa", "import \"./a.sa\""),
+    ];
+    let checked = files(&circle, "a.sa");
+    assert_eq!(codes(&checked), [Code::ImportCycle]);
+    assert_eq!(checked.findings[0].labels.len(), 3);
+    assert_eq!(
+        codes(&files(&[("a.sa", "import \"a.sa\"")], "a.sa")),
+        [Code::ImportCycle]
+    );
+}
+
+#[test]
+fn a_program_that_grows_too_large() {
+    let limits = Limits {
+        events: 100,
+        steps: 10_000,
+    };
+    let program = |statements: &str| {
+        let mut reader = |_: &str| {
+            Ok(format!(
+                "assembly a {{ seed plate 1 x 1 {{ M at (0, 0) }} phase p {{ {statements} }} }}"
+            )
+            .into_bytes())
+        };
+        codes(&check("a.sa", &mut reader, limits))
+    };
+    assert_eq!(program("M.up ->> T[1..13]"), []);
+    assert_eq!(program("M.up ->> T[1..130]"), [Code::ExpansionLimit]);
+    assert_eq!(
+        program("for i in 1..200 { M.up -> T[i] }"),
+        [Code::ExpansionLimit]
+    );
+    assert_eq!(
+        program("M.up -> A for i in 1..100000 { }"),
+        [Code::ExpansionLimit]
+    );
+}
+
+#[test]
+fn equal_findings_in_two_places_are_two() {
+    let program = "scene a from hemisphere { tick 1m }\nscene b from hemisphere { tick 1m }";
+    assert_eq!(codes(&text(program)), [Code::WrongDimension; 2]);
+}
+
+#[test]
+fn misplaced_seeds_are_misplaced_and_nothing_worse() {
+    let no_plate = "assembly a { phase p { A at (0, 0) } }";
+    assert!(codes(&text(no_plate)).contains(&Code::Misplaced));
+    let capture_first = "assembly a {
+        seed plate 2 x 1 { M at (0, 0)  M.up -> X  N at (1, 0) }
+        phase p { M.up -> N }
+    }";
+    assert!(codes(&text(capture_first)).contains(&Code::Misplaced));
+}
+
+#[test]
+fn degrees_reach_a_right_angle() {
+    let scene = |degrees: &str| {
+        codes(&text(&format!(
+            "scene s from hemisphere {{
+                bond attract {{ pull 1 N within 1m  anchor gap 1mm tilt {degrees} deg }}
+            }}"
+        )))
+    };
+    assert_eq!(scene("90"), []);
+    assert_eq!(scene("90.001"), [Code::WrongValue]);
+}
+
+/// The program behind a line of a page, such as `Wrong:`.
+fn fence<'a>(page: &'a str, title: &str) -> Option<&'a str> {
+    let (_, rest) = page.split_once(&format!("\n{title}\n\n```sa\n"))?;
+    rest.split_once("```").map(|(program, _)| program)
+}
+
+fn codes(checked: &Checked) -> Vec<Code> {
+    checked
+        .findings
+        .iter()
+        .map(|finding| finding.code)
+        .collect()
+}
+
+fn text(program: &str) -> Checked {
+    files(&[("page.sa", program)], "page.sa")
+}
+
+/// Checks one of several files that exist in memory only.
+fn files(files: &[(&str, &str)], path: &str) -> Checked {
+    let files: BTreeMap<&str, &str> = files.iter().copied().collect();
+    let mut reader = |path: &str| {
+        let text = files.get(path).ok_or("no such file")?;
+        Ok(text.as_bytes().to_vec())
+    };
+    checked(path, &mut reader)
+}
+
+fn checked(path: &str, reader: &mut dyn FnMut(&str) -> Result<Vec<u8>, String>) -> Checked {
+    check(path, &mut |path: &str| reader(path), Limits::default())
+}
