@@ -1,7 +1,7 @@
 //! The command line.
 use clap::{Parser, Subcommand};
 
-use crate::command::{check, compile, explain};
+use crate::command::{check, compile, explain, results, simulate};
 
 /// Compiler, verifier and simulator for stochastic modular robots.
 #[derive(Debug, Parser)]
@@ -23,6 +23,10 @@ pub enum Command {
     Check(check::Options),
     /// Show a stage of the compilation: the syntax tree, the dependency graph, or the event tables
     Compile(compile::Options),
+    /// Run programs many times in their physical world, and compare them
+    Simulate(Box<simulate::Options>),
+    /// Show the table of a folder that `simulate` has filled
+    Results(results::Options),
     /// Explain a finding by its code
     Explain(explain::Options),
 }
@@ -60,6 +64,8 @@ pub fn run(cli: Cli) -> Exit {
     match cli.command {
         Command::Check(options) => check::run(&options),
         Command::Compile(options) => compile::run(&options),
+        Command::Simulate(options) => simulate::run(&options),
+        Command::Results(options) => results::run(&options),
         Command::Explain(options) => explain::run(&options),
     }
 }

@@ -148,8 +148,11 @@ impl Lowering<'_> {
             .filter_map(|edge| {
                 let first = self.graph[edge.source()];
                 match edge.weight() {
-                    // The duty begins with it, or the world sees to it.
-                    Dependency::Anchored | Dependency::Vacated => None,
+                    // The duty begins with it.
+                    Dependency::Anchored => None,
+                    // The world sees to it, but for a face that has to be switched off before it
+                    // can be switched on again.
+                    Dependency::Vacated => (self.witness(first) == actor).then(|| self.seen(first)),
                     Dependency::Face | Dependency::Emptied => Some(self.seen(first)),
                     Dependency::After(_) | Dependency::Freed => {
                         if self.witness(first) == actor {

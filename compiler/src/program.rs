@@ -6,6 +6,7 @@ use stochc_grammar::tree::{Assembly, ItemKind, Tree};
 use crate::expand::{Declarations, Limits, duplicate, expand};
 use crate::finding::{Code, Finding};
 use crate::graph::{self, DependencyGraph};
+use crate::layout::Layout;
 use crate::load::{Loaded, Module, Reader, load};
 use crate::order::{self, Order};
 use crate::plan::Plan;
@@ -36,6 +37,8 @@ pub struct Program {
     pub plan: Plan,
     /// The world it runs in; `None` if that is wrong.
     pub scene: Option<Scene>,
+    /// Where every block sits.
+    pub layout: Layout,
     /// What waits for what.
     pub graph: DependencyGraph,
     /// An order of it; `None` if there is a cycle.
@@ -51,13 +54,46 @@ impl Checked {
     }
 }
 
+/// A step of the pipeline, in the order of work.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Stage {
+    /// Files to syntax trees.
+    Parse,
+    /// Patterns and loops written out.
+    Expand,
+    /// Names followed through the phases.
+    Names,
+    /// Cells.
+    Layout,
+    /// The dependency graph.
+    Graph,
+    /// Cycles and chains.
+    Order,
+    /// Shapes and inventory.
+    Compare,
+    /// Event tables.
+    Lower,
+}
+
 /// Checks the file at `path` and everything it imports, and compiles its assemblies.
 pub fn check(path: &str, reader: &mut dyn Reader, limits: Limits) -> Checked {
+    check_observed(path, reader, limits, &mut |_| {})
+}
+
+/// [`check`], telling when each stage is complete, once for every assembly; the compiler itself
+/// has no clock.
+pub fn check_observed(
+    path: &str,
+    reader: &mut dyn Reader,
+    limits: Limits,
+    done: &mut dyn FnMut(Stage),
+) -> Checked {
     let mut sources = Sources::default();
     let mut findings = Vec::new();
     let mut loaded = load(path, reader, &mut sources, &mut findings);
     let readable = !findings.iter().any(Finding::is_error);
-    let programs = programs(&mut loaded, readable, limits, &mut findings);
+    done(Stage::Parse);
+    let programs = programs(&mut loaded, readable, limits, &mut findings, done);
     let tree = loaded
         .modules
         .pop()
@@ -82,6 +118,7 @@ fn programs(
     readable: bool,
     limits: Limits,
     findings: &mut Vec<Finding>,
+    done: &mut dyn FnMut(Stage),
 ) -> Vec<Program> {
     let Loaded {
         modules,
@@ -115,7 +152,7 @@ fn programs(
             limits,
             readable,
         };
-        programs.push(input.compile(scene, symbols, doubtful, findings));
+        programs.push(input.compile(scene, symbols, doubtful, findings, done));
     }
     programs
 }
@@ -183,6 +220,7 @@ impl<'a> Input<'a> {
         symbols: &mut Symbols,
         doubtful: &rustc_hash::FxHashSet<stochc_grammar::Symbol>,
         findings: &mut Vec<Finding>,
+        done: &mut dyn FnMut(Stage),
     ) -> Program {
         let mut errors = Vec::new();
         let (mut plan, shapes) = expand(
@@ -193,14 +231,19 @@ impl<'a> Input<'a> {
             self.limits,
             &mut errors,
         );
+        done(Stage::Expand);
         let incomplete = errors.iter().any(Finding::is_error);
         let presence = presence::check(&mut plan, symbols, doubtful, &mut errors);
+        done(Stage::Names);
         // What follows from a statement that could not be read would only confuse.
         let mut later = Vec::new();
         let layout = layout::lay_out(&mut plan, &presence, symbols, &mut later);
+        done(Stage::Layout);
         let faces = scene.as_ref().map_or(1, |scene| scene.block.faces);
         let graph = graph::build(&plan, &presence, &layout, faces);
+        done(Stage::Graph);
         let order = order::sort(&plan, &graph, symbols, &mut later);
+        done(Stage::Order);
         // A seed or a phase may only seem to be without use where statements have been left out.
         if incomplete || !self.readable {
             errors.retain(Finding::is_error);
@@ -216,6 +259,7 @@ impl<'a> Input<'a> {
                 inventory::check(&plan, &layout, scene, &mut later);
             }
         }
+        done(Stage::Compare);
         if self.readable {
             errors.append(&mut later);
         }
@@ -224,10 +268,12 @@ impl<'a> Input<'a> {
             .as_ref()
             .filter(|_| right)
             .map(|scene| lower::lower(&plan, &presence, &layout, &graph, scene, symbols));
+        done(Stage::Lower);
         findings.append(&mut errors);
         Program {
             plan,
             scene,
+            layout,
             graph,
             order,
             tables,

@@ -24,15 +24,11 @@ pub fn suggest<S: AsRef<str>>(unknown: &str, known: impl IntoIterator<Item = S>)
         }
     }
     let (distance, word) = best?;
-    let limit = unknown
-        .chars()
-        .count()
-        .max(word.as_ref().chars().count())
-        .div_ceil(3);
+    let letters = |word: &str| word.chars().count();
+    let longest = letters(unknown).max(letters(word.as_ref()));
     // Two names of one letter have nothing in common.
-    let longest = unknown.len().max(word.as_ref().len());
-    let near =
-        distance <= limit && distance < longest || unknown.eq_ignore_ascii_case(word.as_ref());
+    let near = distance <= longest.div_ceil(3) && distance < longest
+        || unknown.eq_ignore_ascii_case(word.as_ref());
     near.then(|| format!("did you mean `{}`?", word.as_ref()))
 }
 

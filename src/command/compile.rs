@@ -1,8 +1,11 @@
 //! `stochc compile`.
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
-use stochc_compiler::emit::{graph_dot, graph_json, graph_text, table_json, table_text};
-use stochc_compiler::{Checked, Program};
+use stochc_compiler::emit::{
+    graph_dot, graph_json, graph_text, structure_json, structure_svg, structure_text, table_json,
+    table_text,
+};
+use stochc_compiler::{Checked, Program, Symbols};
 
 use super::check::verdict;
 use super::terminal::{WIDTH, has_colour, print, warn};
@@ -18,7 +21,7 @@ pub struct Options {
     /// The stage to show
     #[arg(long, value_name = "STAGE", default_value = "table")]
     emit: Stage,
-    /// Its form; `dot` is for the graph only
+    /// Its form; `dot` is for the graph only, `svg` for the structure only
     #[arg(long, value_name = "FORM", default_value = "text")]
     format: Form,
 }
@@ -28,6 +31,8 @@ pub struct Options {
 enum Stage {
     /// The syntax tree
     Ast,
+    /// What stands at the end of each phase
+    Structure,
     /// What waits for what
     Graph,
     /// What every block knows
@@ -41,14 +46,25 @@ enum Form {
     Text,
     /// To process
     Json,
-    /// To draw, with Graphviz
+    /// To draw, with Graphviz: the graph
     Dot,
+    /// A picture: the structure
+    Svg,
 }
 
 /// Compiles a file and shows a stage.
 pub fn run(options: &Options) -> Exit {
-    if options.format == Form::Dot && options.emit != Stage::Graph {
-        warn("error: `--format dot` is for `--emit graph` only\n");
+    let only = match options.format {
+        Form::Dot => Some(("dot", Stage::Graph, "graph")),
+        Form::Svg => Some(("svg", Stage::Structure, "structure")),
+        Form::Text | Form::Json => None,
+    };
+    if let Some((form, stage, name)) = only
+        && stage != options.emit
+    {
+        warn(&format!(
+            "error: `--format {form}` is for `--emit {name}` only\n"
+        ));
         return Exit::Usage;
     }
     let checked = crate::check(&options.file);
@@ -74,34 +90,52 @@ fn emit(checked: &Checked, stage: Stage, form: Form) -> String {
             _ => stochc_grammar::print(&checked.tree, symbols),
         };
     }
-    let complete: Vec<_> = (checked.programs.iter())
-        .filter_map(|program| {
-            let Program {
-                plan,
-                graph,
-                order,
-                tables,
-                ..
-            } = program;
-            Some((plan, graph, order.as_ref()?, tables.as_ref()?))
-        })
-        .collect();
+    let programs = &checked.programs;
     if form == Form::Json {
-        let values = complete
+        let values = programs
             .iter()
-            .map(|(plan, graph, order, tables)| match stage {
-                Stage::Table => table_json(tables),
-                _ => graph_json(plan, graph, order, symbols),
-            });
+            .filter_map(|program| value(program, stage, symbols));
         let value: Value = json!({ "programs": values.collect::<Vec<_>>() });
         return format!("{value:#}\n");
     }
-    let texts = complete
+    let texts = programs
         .iter()
-        .map(|(plan, graph, order, tables)| match (stage, form) {
-            (Stage::Table, _) => table_text(tables),
-            (_, Form::Dot) => graph_dot(plan, graph, order, symbols),
-            _ => graph_text(plan, graph, order, symbols),
-        });
+        .filter_map(|program| text(program, stage, form, symbols));
     texts.collect::<Vec<_>>().join("\n")
+}
+
+/// A stage of one program as JSON; `None` if the program did not come that far.
+fn value(program: &Program, stage: Stage, symbols: &Symbols) -> Option<Value> {
+    let Program {
+        plan,
+        layout,
+        graph,
+        order,
+        tables,
+        ..
+    } = program;
+    Some(match stage {
+        Stage::Structure => structure_json(plan, layout, symbols),
+        Stage::Graph => graph_json(plan, graph, order.as_ref()?, symbols),
+        Stage::Table | Stage::Ast => table_json(tables.as_ref()?),
+    })
+}
+
+/// A stage of one program as text; `None` if the program did not come that far.
+fn text(program: &Program, stage: Stage, form: Form, symbols: &Symbols) -> Option<String> {
+    let Program {
+        plan,
+        layout,
+        graph,
+        order,
+        tables,
+        ..
+    } = program;
+    Some(match (stage, form) {
+        (Stage::Structure, Form::Svg) => structure_svg(plan, layout, symbols)?,
+        (Stage::Structure, _) => structure_text(plan, layout),
+        (Stage::Graph, Form::Dot) => graph_dot(plan, graph, order.as_ref()?, symbols),
+        (Stage::Graph, _) => graph_text(plan, graph, order.as_ref()?, symbols),
+        (Stage::Table | Stage::Ast, _) => table_text(tables.as_ref()?),
+    })
 }

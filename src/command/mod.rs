@@ -2,6 +2,6 @@
 pub mod check;
 pub mod compile;
 pub mod explain;
+pub mod results;
+pub mod simulate;
 mod terminal;
-
-pub use terminal::{print, warn};

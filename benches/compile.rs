@@ -1,0 +1,204 @@
+//! What checking a large program costs: `cargo bench --bench compile [CAPTURES [REPEATS]]`.
+//!
+//! Two programs of the same structure, towers of four on a square plate, are read, checked and
+//! lowered: one written out flat, one of nested patterns and loops. Times are medians of several
+//! runs, as ratios to pest's bare parse of the same text by the grammar's `program` rule; memory is
+//! what is still held at the end of each stage, less the text itself. Without arguments the sizes
+//! are 10^3 to 10^6 captures.
+#![allow(missing_docs, reason = "a command, not a library")]
+#![expect(clippy::disallowed_methods, reason = "a benchmark needs a clock")]
+
+use std::fmt::Write as _;
+use std::time::{Duration, Instant};
+
+use peak_alloc::PeakAlloc;
+use stochc::compiler::{Checked, Limits, Stage, check_observed};
+
+#[global_allocator]
+static MEMORY: PeakAlloc = PeakAlloc;
+
+/// Captures in each tower.
+const HEIGHT: usize = 4;
+
+const STAGES: [Stage; 8] = [
+    Stage::Parse,
+    Stage::Expand,
+    Stage::Names,
+    Stage::Layout,
+    Stage::Graph,
+    Stage::Order,
+    Stage::Compare,
+    Stage::Lower,
+];
+
+fn main() {
+    let numbers: Vec<usize> = std::env::args()
+        .skip(1)
+        .filter_map(|word| word.parse().ok())
+        .collect();
+    let repeats = numbers.get(1).copied().unwrap_or(5).max(1);
+    let sizes = match numbers.first() {
+        Some(&captures) => vec![captures],
+        None => vec![1_000, 10_000, 100_000, 1_000_000],
+    };
+    let mut bare = Vec::new();
+    for (name, generate) in [("flat", flat as fn(usize) -> String), ("nested", nested)] {
+        println!(
+            "\n{name}: time as a ratio to the bare parse of the flat text, bytes held for each capture\n"
+        );
+        println!(
+            "| captures | text | bare parse of it | {} | check | at the end | at the peak |",
+            STAGES
+                .map(|stage| format!("{stage:?}").to_lowercase())
+                .join(" | ")
+        );
+        println!("|{}", "---|".repeat(STAGES.len() + 6));
+        for (i, &captures) in sizes.iter().enumerate() {
+            let edge = ((captures / HEIGHT) as f64).sqrt().round().max(1.0) as usize;
+            let text = generate(edge);
+            let own = bare_parse(&text, repeats);
+            if name == "flat" {
+                bare.push(own);
+            }
+            report(edge * edge * HEIGHT, &text, own, bare[i], repeats);
+        }
+    }
+}
+
+fn bare_parse(text: &str, repeats: usize) -> Duration {
+    median((0..repeats).map(|_| {
+        let start = Instant::now();
+        assert!(stochc_grammar::accepts(text));
+        start.elapsed()
+    }))
+}
+
+fn report(captures: usize, text: &str, own: Duration, bare: Duration, repeats: usize) {
+    let runs: Vec<Measured> = (0..repeats).map(|_| measure(text)).collect();
+    let ratio = |time: Duration| time.as_secs_f64() / bare.as_secs_f64();
+    let stages: Vec<String> = (0..STAGES.len())
+        .map(|stage| {
+            let time = median(runs.iter().map(|run| run.stages[stage].0));
+            let held = runs[0].stages[stage].1 / captures;
+            format!("{:.2}, {held} B", ratio(time))
+        })
+        .collect();
+    let total = median(runs.iter().map(|run| run.total));
+    println!(
+        "| {captures} | {:.1} kB | {:.2} ms | {} | {:.2} | {} B | {} B |",
+        text.len() as f64 / 1e3,
+        own.as_secs_f64() * 1e3,
+        stages.join(" | "),
+        ratio(total),
+        runs[0].held / captures,
+        runs[0].peak / captures,
+    );
+}
+
+struct Measured {
+    /// Of each stage its time, and the bytes held when it ended.
+    stages: Vec<(Duration, usize)>,
+    total: Duration,
+    held: usize,
+    peak: usize,
+}
+
+fn measure(text: &str) -> Measured {
+    let mut stages = vec![(Duration::ZERO, 0); STAGES.len()];
+    let before = MEMORY.current_usage();
+    MEMORY.reset_peak_usage();
+    let start = Instant::now();
+    let mut last = start;
+    let mut reader = |_: &str| Ok(text.as_bytes().to_vec());
+    let mut done = |stage| {
+        let now = Instant::now();
+        let held = MEMORY.current_usage().saturating_sub(before + text.len());
+        if let Some(i) = STAGES.iter().position(|&known| known == stage) {
+            stages[i] = (now - last, held);
+        }
+        last = now;
+    };
+    let checked = check_observed("generated.sa", &mut reader, Limits::default(), &mut done);
+    let total = start.elapsed();
+    right(&checked);
+    Measured {
+        stages,
+        total,
+        held: MEMORY.current_usage().saturating_sub(before + text.len()),
+        peak: MEMORY.peak_usage().saturating_sub(before + text.len()),
+    }
+}
+
+/// A benchmark of a program that is wrong would measure nothing.
+fn right(checked: &Checked) {
+    assert_eq!(checked.findings, []);
+    assert!(checked.programs[0].tables.is_some());
+}
+
+fn median(times: impl Iterator<Item = Duration>) -> Duration {
+    let mut times: Vec<Duration> = times.collect();
+    times.sort_unstable();
+    times[times.len() / 2]
+}
+
+fn scene(out: &mut String, edge: usize) {
+    let blocks = edge * edge * HEIGHT;
+    let radius = edge + 10;
+    let _ = writeln!(out, "scene vast from hemisphere {{");
+    let _ = writeln!(out, "    free {blocks} uniform");
+    let _ = writeln!(
+        out,
+        "    enclosure hemisphere {{ radius {radius}m  wall 25 N/m }}\n}}"
+    );
+}
+
+/// Every seed and every tower in a line of its own.
+fn flat(edge: usize) -> String {
+    let mut out = String::new();
+    scene(&mut out, edge);
+    let _ = writeln!(
+        out,
+        "assembly flat in vast {{\n    seed plate {edge} x {edge} {{"
+    );
+    for y in 0..edge {
+        for x in 0..edge {
+            let _ = writeln!(out, "        S{} at ({x}, {y})", y * edge + x);
+        }
+    }
+    out.push_str("    }\n    phase grow {\n");
+    for tower in 0..edge * edge {
+        let _ = write!(out, "        S{tower}.up");
+        for level in 1..=HEIGHT {
+            let up = if level == HEIGHT { "" } else { ".up" };
+            let _ = write!(out, " -> T{tower}_{level}{up}");
+        }
+        out.push('\n');
+    }
+    out.push_str("    }\n}\n");
+    out
+}
+
+/// A pattern of towers in a pattern of rows in a loop.
+fn nested(edge: usize) -> String {
+    let mut out = String::new();
+    scene(&mut out, edge);
+    let last = edge - 1;
+    let _ = write!(
+        out,
+        "pattern tower(base, height) {{
+    base.up ->> T[1..height]
+}}
+assembly nested in vast {{
+    seed plate {edge} x {edge} {{
+        for y in 0..{last} {{ for x in 0..{last} {{ S[x, y] at (x, y) }} }}
+    }}
+    phase grow {{
+        for y in 0..{last} {{
+            for x in 0..{last} {{ tower(S[x, y], {HEIGHT}) as t[x, y] }}
+        }}
+    }}
+}}
+"
+    );
+    out
+}

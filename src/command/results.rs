@@ -1,0 +1,105 @@
+//! `stochc results`, and the table that `simulate` ends with.
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use serde_json::json;
+
+use super::terminal::{print, warn};
+use crate::cli::Exit;
+use crate::ensemble::{Comparison, Finished, Folder, Manifest, edges, edges_to_text};
+
+/// What `results` is given.
+#[derive(Debug, Args)]
+pub struct Options {
+    /// A folder that `simulate --out` has filled
+    #[arg(value_name = "DIR")]
+    folder: PathBuf,
+    /// The form of the table
+    #[arg(long, value_name = "FORM", default_value = "text")]
+    format: Form,
+    /// Show the captures as well: waits, entries, where the blocks came from
+    #[arg(long)]
+    bonds: bool,
+}
+
+/// A form of the table of results.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Form {
+    /// To read
+    Text,
+    /// To process
+    Json,
+}
+
+/// What to show of an ensemble.
+#[derive(Clone, Copy, Debug)]
+pub struct Shown {
+    /// In which form.
+    pub form: Form,
+    /// The captures as well.
+    pub bonds: bool,
+}
+
+/// Shows what a folder holds, finished or not.
+pub fn run(options: &Options) -> Exit {
+    let (manifest, finished) = match Folder::read(&options.folder) {
+        Ok(read) => read,
+        Err(error) => {
+            warn(&format!("error: {error}\n"));
+            return Exit::Usage;
+        }
+    };
+    let missing = manifest.total().saturating_sub(finished.len() as u64);
+    if missing > 0 {
+        warn(&format!(
+            "{missing} of {} runs are still to do\n",
+            manifest.total()
+        ));
+    }
+    show(
+        &manifest,
+        &finished,
+        &Shown {
+            form: options.format,
+            bonds: options.bonds,
+        },
+    )
+}
+
+/// Prints the comparison of an ensemble's programs; says whether every run was successful.
+pub fn show(manifest: &Manifest, finished: &[Finished], shown: &Shown) -> Exit {
+    let comparison = Comparison::of(manifest, finished);
+    let captures = |program| edges(manifest, finished, program);
+    let programs = 0..manifest.programs.len();
+    match shown.form {
+        Form::Text => {
+            print(&comparison.to_text(super::terminal::WIDTH));
+            if shown.bonds {
+                for program in programs {
+                    print(&format!(
+                        "\n{}, capture by capture\n",
+                        manifest.programs[program].name
+                    ));
+                    print(&edges_to_text(&captures(program), super::terminal::WIDTH));
+                }
+            }
+        }
+        Form::Json => {
+            let bonds: Vec<_> = programs.filter(|_| shown.bonds).map(captures).collect();
+            let value = match shown.bonds {
+                false => json!(comparison),
+                true => json!({ "comparison": comparison, "captures": bonds }),
+            };
+            print(&format!("{value:#}\n"));
+        }
+    }
+    let unsuccessful = comparison
+        .programs
+        .iter()
+        .any(|column| column.timed_out + column.failed > 0);
+    if unsuccessful {
+        Exit::UnsuccessfulRun
+    } else {
+        Exit::Success
+    }
+}

@@ -1,0 +1,140 @@
+//! Files or a manifest to programs that are ready to run.
+use std::collections::HashMap;
+
+use stochc_compiler::{Checked, Limits};
+use stochc_runtime::{Model, Settings};
+
+use super::super::check::verdict;
+use super::super::terminal::{WIDTH, has_colour, warn};
+use super::options::ModelName;
+use super::{Options, Ready, usage};
+use crate::cli::Exit;
+use crate::ensemble::{Manifest, Program, Source};
+use crate::findings::{Format, show};
+
+/// The setting of a manifest that holds the solver's iterations.
+const SOLVER_ITERATIONS: &str = "solver_iterations";
+
+/// The manifest of what is asked for, and its programs.
+pub fn prepare(options: &Options) -> Result<(Manifest, Vec<Ready>), Exit> {
+    match &options.manifest {
+        Some(path) => from_manifest(path),
+        None => from_files(options),
+    }
+}
+
+fn from_files(options: &Options) -> Result<(Manifest, Vec<Ready>), Exit> {
+    let mut entries = Vec::new();
+    let mut ready = Vec::new();
+    let mut wrong = None;
+    for file in &options.files {
+        let checked = crate::check(file);
+        match accept(file, checked) {
+            Ok(programs) => {
+                for (entry, program) in programs {
+                    entries.push(entry);
+                    ready.push(program);
+                }
+            }
+            Err(exit) => wrong = Some(exit),
+        }
+    }
+    if let Some(exit) = wrong {
+        return Err(exit);
+    }
+    let mut manifest = Manifest::new(options.model.name(), options.seed, options.runs, entries);
+    manifest.substeps = options.substeps;
+    manifest.max_ticks = Some(options.max_ticks);
+    let iterations = options.solver_iterations.to_string();
+    manifest
+        .settings
+        .insert(SOLVER_ITERATIONS.into(), iterations);
+    Ok((manifest, ready))
+}
+
+/// The programs of a file in which nothing is wrong.
+fn accept(file: &str, checked: Checked) -> Result<Vec<(Program, Ready)>, Exit> {
+    warn(&show(&checked, Format::Graphical, has_colour(), WIDTH));
+    if checked.has_errors() {
+        return Err(verdict(&checked));
+    }
+    if checked.programs.is_empty() {
+        return Err(usage(&format!("`{file}` declares no assembly to run")));
+    }
+    let sources: Vec<Source> = (checked.sources.files().iter())
+        .map(|file| Source {
+            path: file.name.clone(),
+            text: file.text.to_string(),
+        })
+        .collect();
+    let complete = checked.programs.into_iter().filter_map(|program| {
+        let (tables, scene) = (program.tables?, program.scene?);
+        let entry = Program::new(&tables.assembly, sources.clone(), scene.clone(), &tables);
+        Some((entry, Ready { tables, scene }))
+    });
+    Ok(complete.collect())
+}
+
+/// Compiles the sources that a manifest holds, and nothing else.
+fn from_manifest(path: &std::path::Path) -> Result<(Manifest, Vec<Ready>), Exit> {
+    let shown = path.display();
+    let bytes =
+        std::fs::read(path).map_err(|error| usage(&format!("cannot read `{shown}`: {error}")))?;
+    let text = String::from_utf8_lossy(&bytes);
+    let manifest =
+        Manifest::from_json(&text).map_err(|reason| usage(&format!("`{shown}`: {reason}")))?;
+    let mut ready = Vec::new();
+    for entry in &manifest.programs {
+        let texts: HashMap<&str, &str> = (entry.sources.iter())
+            .map(|source| (source.path.as_str(), source.text.as_str()))
+            .collect();
+        let mut reader = |path: &str| {
+            let text = texts.get(path).copied();
+            text.map(|text| text.as_bytes().to_vec())
+                .ok_or("not in the manifest".to_owned())
+        };
+        let root = entry
+            .sources
+            .first()
+            .map_or("", |source| source.path.as_str());
+        let checked = stochc_compiler::check(root, &mut reader, Limits::default());
+        let found = accept(root, checked)?
+            .into_iter()
+            .find(|(_, program)| program.tables.assembly == entry.assembly);
+        let same = found.filter(|(_, program)| {
+            program.scene == entry.scene && entry.phases.len() == program.tables.phases.len()
+        });
+        let Some((_, program)) = same else {
+            return Err(usage(&format!(
+                "`{shown}`: its sources do not give its assembly `{}` any more",
+                entry.assembly
+            )));
+        };
+        ready.push(program);
+    }
+    Ok((manifest, ready))
+}
+
+/// The settings of the runtime that a manifest asks for.
+pub fn settings(manifest: &Manifest) -> Result<Settings, String> {
+    let model = match manifest.model.as_str() {
+        name if name == ModelName::Rapier.name() => Model::Rapier,
+        name if name == ModelName::Shuffle.name() => Model::Shuffle,
+        other => return Err(format!("this version has no model `{other}`")),
+    };
+    let default = Settings::default();
+    let solver_iterations = match manifest.settings.get(SOLVER_ITERATIONS) {
+        None => default.solver_iterations,
+        Some(text) => (text.parse().ok().filter(|&n| n > 0))
+            .ok_or_else(|| format!("`{SOLVER_ITERATIONS}` is `{text}`, not a number from 1"))?,
+    };
+    if manifest.substeps == 0 {
+        return Err("`substeps` is 0; at least 1 is needed".into());
+    }
+    Ok(Settings {
+        model,
+        substeps: manifest.substeps,
+        solver_iterations,
+        max_ticks: manifest.max_ticks,
+    })
+}

@@ -1,0 +1,115 @@
+//! `stochc simulate`.
+mod input;
+mod options;
+mod single;
+
+use std::num::NonZeroUsize;
+
+use stochc_compiler::scene::Scene;
+use stochc_compiler::table::Tables;
+use stochc_runtime::{RunError, Settings, run as run_once};
+
+pub use options::Options;
+
+use super::results::{Shown, show};
+use super::terminal::warn;
+use crate::cli::Exit;
+use crate::ensemble::{
+    Cancelled, Display, Folder, Manifest, Means, Place, State, run as run_all, stop_on_interrupt,
+};
+
+/// A program that is ready to run.
+struct Ready {
+    tables: Tables,
+    scene: Scene,
+}
+
+/// Runs programs many times, or one of their runs alone.
+pub fn run(options: &Options) -> Exit {
+    let (manifest, programs) = match input::prepare(options) {
+        Ok(prepared) => prepared,
+        Err(exit) => return exit,
+    };
+    let settings = match input::settings(&manifest) {
+        Ok(settings) => settings,
+        Err(reason) => return usage(&reason),
+    };
+    for program in &programs {
+        if let Err(error) = try_out(program, &settings) {
+            warn(&format!("error: {}: {error}\n", program.tables.assembly));
+            return Exit::WrongProgram;
+        }
+    }
+    match options.run {
+        Some(number) => single::run(options, &manifest, &programs, &settings, number),
+        None => ensemble(options, &manifest, &programs, &settings),
+    }
+}
+
+/// Sets a scene up once, so that one that cannot be is told of before the first run.
+fn try_out(program: &Ready, settings: &Settings) -> Result<(), RunError> {
+    let mut stop = |_, _| std::ops::ControlFlow::Break(());
+    match run_once(&program.tables, &program.scene, settings, 0, 0, &mut stop) {
+        Err(RunError::Scene(error)) => Err(error.into()),
+        _ => Ok(()),
+    }
+}
+
+fn ensemble(
+    options: &Options,
+    manifest: &Manifest,
+    programs: &[Ready],
+    settings: &Settings,
+) -> Exit {
+    let stop = match stop_on_interrupt() {
+        Ok(stop) => stop,
+        Err(error) => return usage(&format!("cannot listen for Ctrl-C: {error}")),
+    };
+    let place = match &options.out {
+        None => Place::Memory(manifest),
+        Some(out) => match Folder::open(out, manifest, options.resume) {
+            Ok(folder) => {
+                if folder.state() == State::Finished {
+                    warn(&format!("`{}` is finished already\n", out.display()));
+                }
+                Place::Folder(folder)
+            }
+            Err(error) => return usage(&error.to_string()),
+        },
+    };
+    let cores = std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
+    let means = Means {
+        threads: options.threads.unwrap_or(cores),
+        display: Display::on_standard_error(options.quiet),
+        stop,
+    };
+    let results = run_all(place, means, |program, number, watch| {
+        let Ready { tables, scene } = &programs[program];
+        let mut told = |tick, phase| watch.tick(tick, phase);
+        // The scene has been tried out, so only a cancelled run leaves no record.
+        run_once(tables, scene, settings, manifest.seed, number, &mut told).map_err(|_| Cancelled)
+    });
+    let results = match results {
+        Ok(results) => results,
+        Err(error) => return usage(&error.to_string()),
+    };
+    let shown = Shown {
+        form: options.format,
+        bonds: options.bonds,
+    };
+    let exit = show(manifest, &results.finished, &shown);
+    if results.complete {
+        return exit;
+    }
+    warn(match &options.out {
+        Some(_) => "stopped; what was finished is kept, and `--resume` goes on from there\n",
+        None => "stopped; with `--out DIR`, what was finished would have been kept\n",
+    });
+    Exit::Interrupted
+}
+
+/// Tells of a command that cannot be carried out.
+fn usage(reason: &str) -> Exit {
+    warn(&format!("error: {reason}\n"));
+    Exit::Usage
+}

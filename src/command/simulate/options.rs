@@ -1,0 +1,75 @@
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+use super::super::results::Form;
+
+/// What `simulate` is given.
+#[derive(Debug, Args)]
+pub struct Options {
+    /// Programs to run; several are compared with each other
+    #[arg(value_name = "FILE", required_unless_present = "manifest")]
+    pub files: Vec<String>,
+    /// Rerun what a manifest says, sources and settings included
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["files", "runs", "seed", "model", "substeps", "solver_iterations", "max_ticks"])]
+    pub manifest: Option<PathBuf>,
+    /// Runs of each program
+    #[arg(long, default_value_t = 50, value_parser = clap::value_parser!(u64).range(1..=10_000_000))]
+    pub runs: u64,
+    /// The seed of all chance
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// What moves the blocks
+    #[arg(long, default_value = "rapier")]
+    pub model: ModelName,
+    /// Steps of the engine within a tick: more are more accurate and slower
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub substeps: u32,
+    /// Internal steps of the engine's contact solver
+    #[arg(long, default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub solver_iterations: u32,
+    /// Ticks after which a run is given up, and its time censored
+    #[arg(long, default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(1..))]
+    pub max_ticks: u64,
+    /// Runs at the same time; all cores if left out
+    #[arg(long)]
+    pub threads: Option<NonZeroUsize>,
+    /// A folder for the results, which must be new
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Go on with an ensemble that was interrupted, or with more runs of it
+    #[arg(long, requires = "out")]
+    pub resume: bool,
+    /// Do run number N alone, and tell all that happens in it
+    #[arg(long, value_name = "N", conflicts_with_all = ["runs", "out", "threads", "bonds"])]
+    pub run: Option<u64>,
+    /// The form of the table
+    #[arg(long, value_name = "FORM", default_value = "text")]
+    pub format: Form,
+    /// Show the captures as well: waits, entries, where the blocks came from
+    #[arg(long)]
+    pub bonds: bool,
+    /// No progress
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+/// A model of the physics.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ModelName {
+    /// Full rigid bodies, by the engine Rapier
+    Rapier,
+    /// No physics: one random capture a tick, for looking at tables at work
+    Shuffle,
+}
+
+impl ModelName {
+    /// Its name in a manifest.
+    pub const fn name(self) -> &'static str {
+        match self {
+            ModelName::Rapier => "rapier",
+            ModelName::Shuffle => "shuffle",
+        }
+    }
+}
