@@ -1,0 +1,61 @@
+//! Every example of the language reference is a right program.
+use stochc::compiler::scene::BUILT_IN;
+use stochc::compiler::{Checked, Limits, check};
+use stochc::findings::{Format, show};
+
+const REFERENCE: &str = include_str!("../docs/language.md");
+const README: &str = include_str!("../README.md");
+
+#[test]
+fn every_example_of_the_reference_is_right() {
+    let programs = programs(REFERENCE);
+    assert!(programs.len() >= 15, "{} examples", programs.len());
+    for (line, program) in programs {
+        no_findings(&format!("docs/language.md:{line}"), program);
+    }
+}
+
+#[test]
+fn every_example_of_the_readme_is_right() {
+    for (line, program) in programs(README) {
+        no_findings(&format!("README.md:{line}"), program);
+    }
+}
+
+#[test]
+fn the_reference_shows_the_built_in_scenes_as_they_are() {
+    for (name, text) in BUILT_IN {
+        let scene = text.find("scene ").map(|at| text[at..].trim_end());
+        assert!(
+            scene.is_some_and(|scene| REFERENCE.contains(scene)),
+            "docs/language.md shows another scene `{name}`"
+        );
+    }
+}
+
+#[test]
+fn what_cannot_be_checked_alone_is_rare() {
+    let excerpts = REFERENCE.matches("```sa,fragment").count();
+    assert!(excerpts <= 1, "{excerpts} excerpts that no test checks");
+}
+
+/// The programs between "```sa" and "```", with the line on which each begins.
+fn programs(page: &str) -> Vec<(usize, &str)> {
+    const FENCE: &str = "\n```sa\n";
+    let fences = page.match_indices(FENCE);
+    fences
+        .filter_map(|(at, _)| {
+            let start = at + FENCE.len();
+            let (program, _) = page[start..].split_once("```")?;
+            Some((page[..start].lines().count() + 1, program))
+        })
+        .collect()
+}
+
+/// Warnings count as well: an example is a model.
+fn no_findings(name: &str, program: &str) {
+    let mut reader = |_: &str| Ok(program.as_bytes().to_vec());
+    let checked: Checked = check(name, &mut reader, Limits::default());
+    let findings = show(&checked, Format::Short, false, 100);
+    assert!(findings.is_empty(), "{findings}");
+}
