@@ -88,7 +88,7 @@ fn face_turns(plan: &Plan, faces: u8) -> Vec<(EventId, EventId)> {
     let mut turns = Vec::new();
     // The last captures of each block, in rings of `faces`, forgotten at the end of a phase.
     let faces = usize::from(faces.max(1));
-    let mut last: Vec<(u32, u32)> = vec![(0, 0); plan.roles.len()];
+    let mut last: Vec<(u32, u32)> = vec![(0, 0); plan.roles.count()];
     let mut rings: Vec<EventId> = Vec::new();
     for (number, phase) in plan.phases.iter().enumerate() {
         let stamp = number as u32 + 1;

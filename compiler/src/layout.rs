@@ -52,7 +52,7 @@ pub fn lay_out(
     findings: &mut Vec<Finding>,
 ) -> Layout {
     let count = plan.events.len();
-    let mut seats: Vec<Option<Seat>> = vec![None; plan.roles.len()];
+    let mut seats: Vec<Option<Seat>> = vec![None; plan.roles.count()];
     let mut taken: FxHashMap<Cell, RoleId> = FxHashMap::default();
     for seed in &plan.seeds {
         let seat = Seat {

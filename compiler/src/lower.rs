@@ -267,7 +267,7 @@ impl Lowering<'_> {
                     reports,
                 })
                 .collect(),
-            roles: (0..self.plan.roles.len() as u32)
+            roles: (0..self.plan.roles.count() as u32)
                 .map(|role| Role {
                     name: self.plan.roles.name(RoleId(role), symbols),
                     seed: self.plan.seeds.get(role as usize).map(|seed| seed.cell),

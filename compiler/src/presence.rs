@@ -53,7 +53,7 @@ pub fn check(
     findings: &mut Vec<Finding>,
 ) -> Presence {
     let mut checker = Checker {
-        states: vec![State::default(); plan.roles.len()],
+        states: vec![State::default(); plan.roles.count()],
         used: vec![false; plan.seeds.len()],
         presence: Presence {
             contexts: vec![Context::default(); plan.events.len()],

@@ -44,7 +44,7 @@ fn main() {
     );
     println!("density, mean         {:.3} / m^3", density / side.powi(3));
     println!("density near ground   {:.3} / m^3", near / side.powi(3));
-    let tower = area(reach, |centre, rotation| overlaps_column(centre, rotation));
+    let tower = area(reach, overlaps_column);
     let plate = area(reach, |centre, rotation| lowest(centre, rotation) < 0.0);
     let rate = |area: f64, density: f64, speed: f64| density * speed * area / 4.0;
     println!("area of a tower's top {:.3} m^2", tower * side * side);

@@ -192,6 +192,9 @@ impl<'a> Duty<'a> {
     }
 }
 
+/// A duty that belongs to no tables yet: whose, when, and its rules.
+pub type LooseDuty = (RoleId, PhaseId, Trigger, Vec<(Vec<Condition>, Action)>);
+
 impl Tables {
     /// Puts tables together from loose duties, for tools and tests that write them by hand.
     ///
@@ -202,7 +205,7 @@ impl Tables {
         plate: Plate,
         phases: Vec<Phase>,
         roles: Vec<Role>,
-        mut duties: Vec<(RoleId, PhaseId, Trigger, Vec<(Vec<Condition>, Action)>)>,
+        mut duties: Vec<LooseDuty>,
     ) -> Tables {
         duties.sort_by_key(|&(role, phase, trigger, _)| (role, phase, trigger));
         let mut tables = Tables {

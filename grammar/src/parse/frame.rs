@@ -173,9 +173,9 @@ impl Parser<'_, '_> {
 
     /// Puts a word or value into the scene that is open.
     pub fn push_term(&mut self, term: Term) {
-        match self.frames.last_mut().map(|frame| &mut frame.content) {
-            Some(Content::Scene(_, terms) | Content::SceneBlock(terms)) => terms.push(term),
-            _ => {}
+        let content = self.frames.last_mut().map(|frame| &mut frame.content);
+        if let Some(Content::Scene(_, terms) | Content::SceneBlock(terms)) = content {
+            terms.push(term);
         }
     }
 
