@@ -174,6 +174,22 @@ fn misplaced_seeds_are_misplaced_and_nothing_worse() {
 }
 
 #[test]
+fn phases_and_plates_in_patterns_and_phases_are_misplaced_and_nothing_worse() {
+    let in_pattern = "pattern t(b) {
+        seed plate 1 x 1 { N at (0, 0) }
+        phase inner { b.up -> X }
+    }
+    assembly a { seed plate 1 x 1 { M at (0, 0) } phase p { t(M) as k } phase q { k.X.up -> Y } }";
+    assert_eq!(codes(&text(in_pattern)), [Code::Misplaced; 2]);
+    let in_phase = "assembly a {
+        seed plate 1 x 1 { M at (0, 0) }
+        phase p { M.up -> X  phase q { X.up -> Y }  Y.up -> Z }
+        phase r { Z.up -> W }
+    }";
+    assert_eq!(codes(&text(in_phase)), [Code::Misplaced]);
+}
+
+#[test]
 fn degrees_reach_a_right_angle() {
     let scene = |degrees: &str| {
         codes(&text(&format!(

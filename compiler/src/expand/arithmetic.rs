@@ -16,14 +16,11 @@ impl Expander<'_, '_> {
                 Some(Value::Unknown) => None,
                 Some(Value::Block(_) | Value::Face(_)) => {
                     let name = self.symbols.word(*word);
-                    let mut finding =
+                    let finding =
                         Finding::new(Code::WrongKind, format!("`{name}` is not a number"))
                             .label(self.site(expr.span), "a number is needed here")
                             .help("this parameter stands for a block or a face");
-                    if let Some(&(_, site)) = self.instances.last() {
-                        finding = finding.label(site, "in this instance");
-                    }
-                    self.findings.push(finding);
+                    self.findings.push(self.in_instance(finding));
                     None
                 }
                 None => {

@@ -81,6 +81,7 @@ pub fn expand<'a>(
         exhausted: false,
         plate: None,
         phase_sites: FxHashMap::default(),
+        in_phase: false,
         symbols,
         findings,
     };
@@ -111,6 +112,7 @@ struct Expander<'a, 'f> {
     exhausted: bool,
     plate: Option<Site>,
     phase_sites: FxHashMap<String, Site>,
+    in_phase: bool,
     symbols: &'f mut Symbols,
     findings: &'f mut Vec<Finding>,
 }
@@ -264,6 +266,10 @@ impl<'a> Expander<'a, '_> {
     }
 
     fn phase(&mut self, phase: &'a Phase) {
+        // A phase inside a phase has been told of; what it says is said by the outer one.
+        if self.in_phase {
+            return self.items(&phase.body);
+        }
         let site = self.site(phase.name.span);
         let Some(name) = self.single_key(&phase.name) else {
             return;
@@ -294,7 +300,9 @@ impl<'a> Expander<'a, '_> {
             events: start..start,
             claims: Vec::new(),
         });
+        self.in_phase = true;
         self.items(&phase.body);
+        self.in_phase = false;
         let end = self.plan.events.len() as u32;
         if let Some(phase) = self.plan.phases.last_mut() {
             phase.events.end = end;
@@ -305,6 +313,14 @@ impl<'a> Expander<'a, '_> {
                         .help("remove it, or check the ranges of its loops"),
                 );
             }
+        }
+    }
+
+    /// Adds the place where the pattern at hand is grown, if there is one.
+    fn in_instance(&self, finding: Finding) -> Finding {
+        match self.instances.last() {
+            Some(&(_, site)) => finding.label(site, "in this instance"),
+            None => finding,
         }
     }
 

@@ -122,7 +122,7 @@ impl Expander<'_, '_> {
                  what a pattern builds is known behind that statement"
             ))
         };
-        self.findings.push(finding);
+        self.findings.push(self.in_instance(finding));
         None
     }
 
@@ -212,10 +212,9 @@ impl Expander<'_, '_> {
 
     fn not_a_block(&mut self, segment: &Segment) {
         let word = self.symbols.word(segment.name.symbol);
-        self.findings.push(
-            Finding::new(Code::WrongKind, format!("`{word}` is not a block here"))
-                .label(self.site(segment.name.span), "stands for something else")
-                .help("blocks, numbers and parameters need different names"),
-        );
+        let finding = Finding::new(Code::WrongKind, format!("`{word}` is not a block here"))
+            .label(self.site(segment.name.span), "stands for something else")
+            .help("blocks, numbers and parameters need different names");
+        self.findings.push(self.in_instance(finding));
     }
 }

@@ -14,6 +14,10 @@ const MAX_EDGE: i64 = 100_000;
 impl<'a> Expander<'a, '_> {
     /// The plate and the seeds on it.
     pub fn seed_plate(&mut self, seed: &'a stochc_grammar::tree::Seed, span: Span) {
+        // A plate in a phase has been told of.
+        if self.in_phase {
+            return;
+        }
         let site = Site {
             file: self.file,
             span: Span::new(span.start, span.start + "seed".len() as u32),

@@ -40,11 +40,23 @@ impl Parser<'_, '_> {
                         .collect();
                     expected.sort_unstable();
                     expected.dedup();
+                    // Behind a word of the language stands what it needs, not what a block needs.
+                    if self.is_behind_keyword(start, at) && expected.len() > 1 {
+                        expected.retain(|word| !matches!(*word, "`(`" | "`->`" | "`at`"));
+                    }
                     expected
                 },
             },
         };
         self.error(kind, span);
+    }
+
+    /// Whether a piece has only one word before a byte, and that is one of the language.
+    fn is_behind_keyword(&self, start: usize, at: usize) -> bool {
+        let word = words::found(self.text, start);
+        let symbol = self.symbols.get(word);
+        symbol.is_some_and(|symbol| self.symbols.is_reserved(symbol))
+            && trivia::skip(self.text, start + word.len()) >= at
     }
 
     /// Where the next piece may begin, and whether a brace has been opened just before.
