@@ -25,12 +25,7 @@ pub fn show(checked: &Checked, format: Format, colour: bool, width: usize) -> St
         Format::Short => (checked.findings.iter())
             .map(|finding| short(finding, &checked.sources))
             .collect(),
-        Format::Json => {
-            let list: Vec<Value> = (checked.findings.iter())
-                .map(|finding| value(finding, &checked.sources))
-                .collect();
-            format!("{:#}\n", Value::Array(list))
-        }
+        Format::Json => format!("{:#}\n", Value::Array(values(checked).collect())),
     }
 }
 
@@ -62,8 +57,13 @@ fn short(finding: &Finding, sources: &Sources) -> String {
     format!("{place}{severity}[{}]: {}\n", finding.code, finding.title)
 }
 
+/// The findings of a file as JSON, each as
 /// `{ code, severity, title, help, labels: [{ file, start, end, text }] }`; `start` and `end` have
 /// `offset` in bytes from 0, `line` and `column` from 1, the column in characters.
+pub fn values(checked: &Checked) -> impl Iterator<Item = Value> {
+    (checked.findings.iter()).map(|finding| value(finding, &checked.sources))
+}
+
 fn value(finding: &Finding, sources: &Sources) -> Value {
     let point = |site: Site, at: u32| {
         let (line, column) = position(sources, site, at);

@@ -1,12 +1,13 @@
 //! `stochc check`.
 use clap::Args;
+use serde_json::Value;
 use stochc_compiler::emit::chain_text;
 use stochc_compiler::order::Order;
 use stochc_compiler::{Checked, Program};
 
-use super::terminal::{WIDTH, has_colour, print, warn};
+use super::terminal::{has_colour, message_width, print, warn};
 use crate::cli::Exit;
-use crate::findings::{Format, show};
+use crate::findings::{Format, show, values};
 
 /// What `check` is given.
 #[derive(Debug, Args)]
@@ -14,7 +15,7 @@ pub struct Options {
     /// Programs to check
     #[arg(required = true, value_name = "FILE")]
     files: Vec<String>,
-    /// How to show findings
+    /// How to show findings; `short` and `json` write them to the standard output
     #[arg(long, value_name = "FORM", default_value = "graphical")]
     format: Format,
 }
@@ -22,20 +23,25 @@ pub struct Options {
 /// Checks each file, and says of the right ones what is known before anything moves.
 pub fn run(options: &Options) -> Exit {
     let mut exit = Exit::Success;
+    let mut document = Vec::new();
     for file in &options.files {
         let checked = crate::check(file);
-        let findings = show(&checked, options.format, has_colour(), WIDTH);
+        let shown = || show(&checked, options.format, has_colour(), message_width());
         match options.format {
             // A machine reads the findings, a person the summary.
-            Format::Json | Format::Short => print(&findings),
+            Format::Short => print(&shown()),
+            Format::Json => document.extend(values(&checked)),
             Format::Graphical => {
-                warn(&findings);
+                warn(&shown());
                 if !checked.has_errors() {
                     print(&summary(file, &checked));
                 }
             }
         }
         exit = worse(exit, verdict(&checked));
+    }
+    if options.format == Format::Json {
+        print(&format!("{:#}\n", Value::Array(document)));
     }
     exit
 }
@@ -57,28 +63,38 @@ fn worse(a: Exit, b: Exit) -> Exit {
 
 fn summary(file: &str, checked: &Checked) -> String {
     if checked.programs.is_empty() {
-        return format!("{file}: all is well; it declares no assembly\n");
+        let verdict = judgement(checked);
+        return format!("{file}: {verdict}; it declares no assembly\n");
     }
     let mut out = String::new();
     for program in &checked.programs {
-        out.push_str(&format!("{file}: {}\n", describe(program, checked)));
+        out.push_str(&format!("{file}: {}", describe(program, checked)));
     }
     out
+}
+
+/// What can be said of a file without errors.
+fn judgement(checked: &Checked) -> String {
+    match checked.findings.len() {
+        0 => "all is well".to_owned(),
+        warnings => count(warnings, "warning"),
+    }
 }
 
 fn describe(program: &Program, checked: &Checked) -> String {
     let plan = &program.plan;
     let scene = program.scene.as_ref().map_or("?", |scene| &scene.name);
     let Some(order) = &program.order else {
-        return plan.name.clone();
+        return format!("{}\n", plan.name);
     };
     let (captures, releases) = plan.counts();
     let mut out = format!(
-        "assembly {} in {scene}: {}, {}, {}; all is well\n",
+        "assembly {} in {scene}: {}, {}, {}; {}\n",
         plan.name,
         count(plan.phases.len(), "phase"),
         count(captures, "capture"),
         count(releases, "release"),
+        judgement(checked),
     );
     let width = plan
         .phases

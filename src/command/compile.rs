@@ -8,7 +8,7 @@ use stochc_compiler::emit::{
 use stochc_compiler::{Checked, Program, Symbols};
 
 use super::check::verdict;
-use super::terminal::{WIDTH, has_colour, print, warn};
+use super::terminal::{has_colour, message_width, print, warn};
 use crate::cli::Exit;
 use crate::findings;
 
@@ -72,7 +72,7 @@ pub fn run(options: &Options) -> Exit {
         &checked,
         findings::Format::Graphical,
         has_colour(),
-        WIDTH,
+        message_width(),
     ));
     // The tree needs no more than a text that can be read.
     if checked.has_errors() {

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use serde_json::json;
 
-use super::terminal::{print, warn};
+use super::terminal::{output_width, print, warn};
 use crate::cli::Exit;
 use crate::ensemble::{Comparison, Finished, Folder, Manifest, edges, edges_to_text};
 
@@ -73,14 +73,14 @@ pub fn show(manifest: &Manifest, finished: &[Finished], shown: &Shown) -> Exit {
     let programs = 0..manifest.programs.len();
     match shown.form {
         Form::Text => {
-            print(&comparison.to_text(super::terminal::WIDTH));
+            print(&comparison.to_text(output_width()));
             if shown.bonds {
                 for program in programs {
                     print(&format!(
                         "\n{}, capture by capture\n",
                         manifest.programs[program].name
                     ));
-                    print(&edges_to_text(&captures(program), super::terminal::WIDTH));
+                    print(&edges_to_text(&captures(program), output_width()));
                 }
             }
         }

@@ -1,15 +1,22 @@
 //! Writing to the terminal, or to whatever stands in its place.
-use std::io::{IsTerminal as _, Write as _};
+use std::io::{ErrorKind, IsTerminal as _, Write as _};
 
-/// Prints; a reader that has gone away, such as `head`, ends the command quietly.
+use console::Term;
+
+use crate::cli::Exit;
+
+/// Prints; a reader that has gone away, such as `head`, ends the command quietly, and any other
+/// reason why nothing can be written, such as a full disk, with a word.
 pub fn print(text: &str) {
     let mut out = std::io::stdout().lock();
-    if out
-        .write_all(text.as_bytes())
-        .and_then(|()| out.flush())
-        .is_err()
-    {
-        std::process::exit(0);
+    let printed = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+    match printed {
+        Ok(()) => {}
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => std::process::exit(0),
+        Err(error) => {
+            warn(&format!("error: cannot write the output: {error}\n"));
+            std::process::exit(Exit::Usage.status().into());
+        }
     }
 }
 
@@ -23,5 +30,22 @@ pub fn has_colour() -> bool {
     std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty())
 }
 
-/// Columns for messages.
-pub const WIDTH: usize = 100;
+/// Columns of the output: those of the terminal, or [`WIDTH`] where it is none.
+pub fn output_width() -> usize {
+    columns(&Term::stdout()).unwrap_or(WIDTH)
+}
+
+/// Columns for messages: those of the terminal, but no more than are easy to read.
+pub fn message_width() -> usize {
+    columns(&Term::stderr()).map_or(WIDTH, |columns| columns.min(WIDTH))
+}
+
+/// Columns where nobody says how many there are.
+const WIDTH: usize = 100;
+
+fn columns(terminal: &Term) -> Option<usize> {
+    /// With fewer than this, a break by the terminal itself is easier to read.
+    const LEAST: usize = 40;
+    let (_, columns) = terminal.size_checked()?;
+    Some(usize::from(columns).max(LEAST))
+}

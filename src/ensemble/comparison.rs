@@ -84,7 +84,7 @@ pub struct Pair {
     pub first: String,
     /// Name of the second.
     pub second: String,
-    /// The first's time to completion less the second's; `None`: too few runs to tell.
+    /// The first's time to completion less the second's; `None`: too few runs, or no spread, to tell.
     pub difference: Option<Difference>,
 }
 

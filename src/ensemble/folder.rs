@@ -121,7 +121,12 @@ impl Folder {
     /// # Errors
     /// When there is no ensemble, or it cannot be read.
     pub fn read(path: &Path) -> Result<(Manifest, Vec<Finished>), FolderError> {
-        let manifest = survey(path)?.ok_or_else(|| FolderError::Absent(path.to_owned()))?;
+        let absent = || FolderError::Absent(path.to_owned());
+        let manifest = match survey(path) {
+            Err(FolderError::NotResults(_) | FolderError::NotAFolder(_)) => None,
+            surveyed => surveyed?,
+        };
+        let manifest = manifest.ok_or_else(absent)?;
         let (kept, _) = journal::read(&path.join(JOURNAL), &manifest.identity())?;
         let kept = within(&manifest, kept);
         Ok((manifest, kept))

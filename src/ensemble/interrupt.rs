@@ -19,7 +19,7 @@ pub fn stop_on_interrupt() -> io::Result<&'static AtomicBool> {
         if STOP.swap(true, Ordering::Relaxed) {
             std::process::exit(INTERRUPTED);
         }
-        let message = "\nstopping, finished runs are kept; again to leave at once";
+        let message = "\nstopping; again to leave at once";
         let _ = writeln!(io::stderr(), "{message}");
     })
     .map_err(io::Error::other)?;

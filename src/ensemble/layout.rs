@@ -60,7 +60,10 @@ impl Layout {
         line(&"─".repeat(label_width), &rules);
         for (i, label) in self.labels.iter().enumerate() {
             let cells: Vec<&str> = columns.iter().map(|c| c.cells[i].as_str()).collect();
-            line(label, &cells);
+            // A row for others, which stand in another block.
+            if cells.iter().any(|cell| !cell.is_empty()) {
+                line(label, &cells);
+            }
         }
         text
     }
@@ -100,6 +103,28 @@ fn broken(header: &str) -> Vec<String> {
     }
     lines.push(rest.iter().collect());
     lines
+}
+
+/// A sentence in lines of `width` characters, all but the first of them indented.
+pub(super) fn paragraph(text: &str, width: usize) -> String {
+    let mut out = String::new();
+    let mut used = 0;
+    for word in text.split_whitespace() {
+        let fits = used + 1 + chars(word) <= width;
+        let gap = match (used, fits) {
+            (0, _) => "",
+            (_, true) => " ",
+            (_, false) => {
+                used = 0;
+                "\n  "
+            }
+        };
+        out += gap;
+        out += word;
+        used += gap.trim_start_matches('\n').len() + chars(word);
+    }
+    out.push('\n');
+    out
 }
 
 fn chars(text: &str) -> usize {

@@ -62,7 +62,7 @@ fn bar(manifest: &Manifest, board: &Board, ended: &Receiver<()>) {
     let start = clock::now();
     let target = ProgressDrawTarget::stderr();
     let bar = ProgressBar::with_draw_target(Some(manifest.total()), target);
-    let style = "{bar:24.cyan} {pos} of {len} runs{msg}";
+    let style = "{bar:24.cyan} {pos} of {len} runs{wide_msg}";
     bar.set_style(ProgressStyle::with_template(style).expect("the template is well formed"));
     loop {
         let snapshot = board.snapshot();
@@ -98,11 +98,15 @@ fn say(line: &str) {
     let _ = writeln!(std::io::stderr(), "{line}");
 }
 
-/// What follows the number of runs: what went wrong, what is under way, how long it will take.
+/// What follows the number of runs: what went wrong, how long it will take, what is under way; a
+/// narrow terminal cuts off the end.
 fn rest(manifest: &Manifest, snapshot: &Snapshot, elapsed: Duration) -> String {
     /// More than this is no longer read.
     const TOLD: usize = 3;
     let mut text = troubles(snapshot);
+    if let Some(left) = estimate::time_left(snapshot, elapsed) {
+        text += &format!("; about {} left", estimate::words(left));
+    }
     let mut under_way = BTreeMap::<_, u64>::new();
     for &(program, phase) in &snapshot.under_way {
         *under_way.entry((program, phase)).or_default() += 1;
@@ -124,9 +128,6 @@ fn rest(manifest: &Manifest, snapshot: &Snapshot, elapsed: Duration) -> String {
     }
     if !places.is_empty() {
         text += &format!("; {}", places.join(", "));
-    }
-    if let Some(left) = estimate::time_left(snapshot, elapsed) {
-        text += &format!("; about {} left", estimate::words(left));
     }
     text
 }

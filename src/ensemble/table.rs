@@ -1,8 +1,6 @@
 //! A comparison as text, in the layout of the paper's Tables I and II.
-use std::fmt::Write as _;
-
 use super::comparison::{Column, Comparison, Pair, Time};
-use super::layout::Layout;
+use super::layout::{Layout, paragraph};
 use crate::statistics::Test;
 
 /// Below this, a difference is called one.
@@ -48,38 +46,39 @@ impl Comparison {
         }
         let mut text = rows.layout.text(width);
         text.push('\n');
-        text += &self.notes();
-        for pair in &self.pairs {
-            text += &sentence(pair);
-            text.push('\n');
+        let pairs = self.pairs.iter().map(sentence);
+        for sentence in self.notes().into_iter().chain(pairs) {
+            text += &paragraph(&sentence, width);
         }
         if self.pairs.len() > 1 {
-            text += "Each p stands for itself: none is corrected for the number of pairs.\n";
+            let note = "Each p stands for itself: none is corrected for the number of pairs.";
+            text += &paragraph(note, width);
         }
         text
     }
 
     /// What the figures mean.
-    fn notes(&self) -> String {
-        let mut text = String::new();
+    fn notes(&self) -> Vec<String> {
         let mut ticks: Vec<f64> = self.programs.iter().map(|column| column.tick).collect();
         ticks.dedup();
         let tick = match ticks[..] {
             [tick] => format!("ticks of {} ms", round(tick * 1e3)),
             _ => "ticks, each of its own scene".to_owned(),
         };
-        writeln!(text, "Times in {tick}; ± is half of a 95 % interval.").expect("it is a string");
+        let mut notes = vec![format!("Times in {tick}; ± is half of a 95 % interval.")];
         if self.programs.iter().any(|c| c.finished < c.runs) {
-            text += "Not all runs are finished; those under way longest are missing, so that times \
-                     are too short.\n";
+            let note = "Not all runs are finished; those under way longest are missing, so that \
+                        times are too short.";
+            notes.push(note.to_owned());
         }
         let censored = |c: &Column| c.timed_out > 0;
         if self.programs.iter().any(censored) {
-            text += "≥: some runs were stopped before they completed, so that the mean is one of \
-                     min(time, horizon),\n   a lower bound; the median is Kaplan and Meier's, and \
-                     SD, CV and the longest time are unknown.\n";
+            let note = "≥: some runs were stopped before they completed, so that the mean is one \
+                        of min(time, horizon), a lower bound; the median is Kaplan and Meier's, \
+                        and SD, CV and the longest time are unknown.";
+            notes.push(note.to_owned());
         }
-        text
+        notes
     }
 }
 
@@ -145,7 +144,7 @@ fn round(value: f64) -> f64 {
 fn sentence(pair: &Pair) -> String {
     let (first, second) = (&pair.first, &pair.second);
     let Some(found) = &pair.difference else {
-        return format!("{first} - {second}: too few completed runs to tell.");
+        return format!("{first} - {second}: too few completed runs, or no spread, to tell.");
     };
     let (test, of) = match found.test {
         Test::Welch { .. } => ("Welch's t test", String::new()),
@@ -161,6 +160,8 @@ fn sentence(pair: &Pair) -> String {
         "these runs show no difference".to_owned()
     } else if found.difference > 0.0 {
         format!("{first} takes longer on average")
+    } else if found.difference == 0.0 {
+        "their times differ, though not on average".to_owned()
     } else {
         format!("{second} takes longer on average")
     };

@@ -5,7 +5,7 @@ use stochc_compiler::{Checked, Limits};
 use stochc_runtime::{Model, Settings};
 
 use super::super::check::verdict;
-use super::super::terminal::{WIDTH, has_colour, warn};
+use super::super::terminal::{has_colour, message_width, warn};
 use super::options::ModelName;
 use super::{Options, Ready, usage};
 use crate::cli::Exit;
@@ -54,7 +54,12 @@ fn from_files(options: &Options) -> Result<(Manifest, Vec<Ready>), Exit> {
 
 /// The programs of a file in which nothing is wrong.
 fn accept(file: &str, checked: Checked) -> Result<Vec<(Program, Ready)>, Exit> {
-    warn(&show(&checked, Format::Graphical, has_colour(), WIDTH));
+    warn(&show(
+        &checked,
+        Format::Graphical,
+        has_colour(),
+        message_width(),
+    ));
     if checked.has_errors() {
         return Err(verdict(&checked));
     }

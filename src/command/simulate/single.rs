@@ -89,11 +89,15 @@ fn story(record: &RunRecord, program: &Program) -> String {
     };
     let _ = writeln!(
         out,
-        "  {end} after {} ticks; {} captures of {} different blocks, {} message hops",
-        record.ticks,
-        record.bonds.len(),
-        record.blocks_used,
-        record.hops
+        "  {end} after {}; {} of {}, {}",
+        count(record.ticks, "tick", "ticks"),
+        count(record.bonds.len() as u64, "capture", "captures"),
+        count(
+            record.blocks_used.into(),
+            "different block",
+            "different blocks"
+        ),
+        count(record.hops, "message hop", "message hops"),
     );
     out
 }
@@ -105,18 +109,17 @@ fn capture(bond: &BondRecord, program: &Program) -> String {
             format!(", the former {}, released at {tick}", program.role(*role))
         }
     };
-    let entries = if bond.entries == 1 {
-        "entry"
-    } else {
-        "entries"
-    };
     format!(
-        "{}.{} captures {} after {} ticks and {} {entries}: block {}{origin}",
+        "{}.{} captures {} after {} and {}: block {}{origin}",
         program.role(bond.parent),
         bond.face,
         program.role(bond.child),
-        bond.docked - bond.magnetized,
-        bond.entries,
+        count(bond.docked - bond.magnetized, "tick", "ticks"),
+        count(bond.entries.into(), "entry", "entries"),
         bond.body,
     )
+}
+
+fn count(n: u64, one: &str, many: &str) -> String {
+    format!("{n} {}", if n == 1 { one } else { many })
 }

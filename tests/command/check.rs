@@ -1,0 +1,160 @@
+use crate::stochc::{stochc, stochc_with};
+
+const TOWER: &str = "\
+tests/fixtures/tower.sa: assembly tower in hemisphere: 2 phases, 3 captures, 0 releases; all is well
+  phase foot  longest serial chain 1: M.up -> A
+  phase top   longest serial chain 2: A.up -> B, B.up -> C
+  the program's longest serial chain is 2 (phase top); one phase after the other, 3
+";
+
+#[test]
+fn a_right_program_is_summed_up() {
+    let said = stochc("check tests/fixtures/tower.sa");
+    assert_eq!((said.status, said.err.as_str()), (0, ""));
+    assert_eq!(said.out, TOWER);
+}
+
+#[test]
+fn a_file_without_an_assembly_is_right() {
+    let said = stochc("check tests/fixtures/importing_tower.sa");
+    assert_eq!((said.status, said.err.as_str()), (0, ""));
+    assert!(said.out.ends_with("all is well; it declares no assembly\n"));
+    let said = stochc("check tests/fixtures/importing.sa");
+    assert_eq!((said.status, said.err.as_str()), (0, ""));
+    assert!(said.out.contains("3 captures"), "{}", said.out);
+}
+
+#[test]
+fn findings_are_drawn_on_standard_error() {
+    let said = stochc("check tests/fixtures/wrong.sa");
+    assert_eq!((said.status, said.out.as_str()), (1, ""));
+    for part in ["unknown-name", "unused-seed", "wrong.sa:5:", "│", "help:"] {
+        assert!(said.err.contains(part), "{part} in {}", said.err);
+    }
+}
+
+#[test]
+fn a_warning_is_no_error() {
+    let said = stochc("check tests/fixtures/careless.sa");
+    assert_eq!(said.status, 0);
+    assert!(said.err.contains("the seed `N` is never used"));
+    assert!(said.out.contains("0 releases; 1 warning\n"), "{}", said.out);
+}
+
+#[test]
+fn files_that_cannot_be_read_are_another_status() {
+    let folder = tempfile::tempdir().unwrap();
+    let missing = crate::stochc::path(folder.path(), "missing.sa");
+    for (file, reason) in [
+        (missing.as_str(), "No such file"),
+        ("tests/fixtures", "folder"),
+    ] {
+        for command in ["check", "compile", "simulate"] {
+            let said = stochc_with(command, &[file]);
+            assert_eq!(
+                (said.status, said.out.as_str()),
+                (2, ""),
+                "{command} {file}"
+            );
+            assert!(said.err.contains(&format!("cannot read `{file}`")));
+            assert!(said.err.contains(reason), "{}", said.err);
+        }
+    }
+}
+
+#[test]
+#[cfg(unix)]
+fn a_file_that_may_not_be_read_is_told_of() {
+    use std::fs::Permissions;
+    use std::os::unix::fs::PermissionsExt as _;
+    let folder = tempfile::tempdir().unwrap();
+    let file = crate::stochc::path(folder.path(), "secret.sa");
+    std::fs::write(&file, "").unwrap();
+    std::fs::set_permissions(&file, Permissions::from_mode(0o000)).unwrap();
+    if std::fs::File::open(&file).is_ok() {
+        return; // Nothing is secret before root.
+    }
+    let said = stochc_with("check", &[&file]);
+    assert_eq!(said.status, 2);
+    assert!(said.err.contains("Permission denied"), "{}", said.err);
+}
+
+#[test]
+fn bytes_that_are_no_text_are_a_finding() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = crate::stochc::path(folder.path(), "bytes.sa");
+    std::fs::write(&file, b"assembly x {\n \xff }").unwrap();
+    let said = stochc_with("check --format short", &[&file]);
+    assert_eq!(said.status, 1, "{}", said.err);
+    assert!(said.out.contains("error[not-utf8]"), "{}", said.out);
+}
+
+#[test]
+fn several_files_are_checked_to_the_last() {
+    let said = stochc("check tests/fixtures/wrong.sa tests/fixtures/tower.sa");
+    assert_eq!(said.status, 1);
+    assert_eq!(said.out, TOWER);
+    assert!(said.err.contains("unknown-name"));
+    let said =
+        stochc("check tests/fixtures/none.sa tests/fixtures/wrong.sa tests/fixtures/tower.sa");
+    assert_eq!(said.status, 2, "the worst of all");
+    assert_eq!(said.out, TOWER);
+}
+
+#[test]
+fn short_findings_are_one_to_a_line() {
+    let said = stochc("check --format short tests/fixtures/wrong.sa tests/fixtures/tower.sa");
+    assert_eq!((said.status, said.err.as_str()), (1, ""));
+    let lines = "\
+tests/fixtures/wrong.sa:4:24: warning[unused-seed]: the seed `M` is never used
+tests/fixtures/wrong.sa:5:18: error[unknown-name]: no block is called `Q`
+";
+    assert_eq!(said.out, lines);
+}
+
+#[test]
+fn json_of_all_files_is_one_document_with_lines_and_columns() {
+    let said = stochc("check --format json tests/fixtures/wrong.sa tests/fixtures/careless.sa");
+    assert_eq!((said.status, said.err.as_str()), (1, ""));
+    let findings = said.json();
+    let told: Vec<_> = (findings.as_array().unwrap().iter())
+        .map(|finding| {
+            let label = &finding["labels"][0];
+            let at = |end: &str| {
+                let end = &label[end];
+                (
+                    end["line"].as_u64().unwrap(),
+                    end["column"].as_u64().unwrap(),
+                )
+            };
+            let text = |value: &serde_json::Value| value.as_str().unwrap().to_owned();
+            let file = text(&label["file"]);
+            (file, text(&finding["code"]), at("start"), at("end"))
+        })
+        .collect();
+    let finding = |file: &str, code: &str, start, end| {
+        (
+            format!("tests/fixtures/{file}.sa"),
+            code.to_owned(),
+            start,
+            end,
+        )
+    };
+    assert_eq!(
+        told,
+        [
+            finding("wrong", "unused-seed", (4, 24), (4, 25)),
+            finding("wrong", "unknown-name", (5, 18), (5, 27)),
+            finding("careless", "unused-seed", (4, 37), (4, 38)),
+        ]
+    );
+    assert_eq!(findings[1]["severity"], "error");
+    let label = &findings[1]["labels"][0];
+    let text = std::fs::read("tests/fixtures/wrong.sa").unwrap();
+    let offset = |end: &str| label[end]["offset"].as_u64().unwrap() as usize;
+    assert_eq!(&text[offset("start")..offset("end")], b"Q.up -> A");
+    assert_eq!(
+        stochc("check --format json tests/fixtures/tower.sa").out,
+        "[]\n"
+    );
+}

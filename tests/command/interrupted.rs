@@ -1,0 +1,120 @@
+//! Ctrl-C in the middle.
+use std::fs;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use crate::stochc::{Said, command, path, stochc_with};
+
+/// Longer than any of these waits can take on a busy machine.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+/// Waits until something is so, which must happen while the process runs.
+fn until(child: &mut Child, what: &str, so: impl Fn() -> bool) {
+    let start = Instant::now();
+    while !so() {
+        assert_eq!(child.try_wait().unwrap(), None, "it ended before {what}");
+        assert!(start.elapsed() < PATIENCE, "no {what}");
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
+
+fn start(arguments: &[&str]) -> Child {
+    let mut command = command(arguments.iter().copied());
+    command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    command.spawn().unwrap()
+}
+
+/// Sends a signal, and waits for the end.
+fn interrupt(child: Child, signal: &str) -> Said {
+    let id = child.id().to_string();
+    let sent = Command::new("kill").args([signal, &id]).status().unwrap();
+    assert!(sent.success());
+    let output = child.wait_with_output().unwrap();
+    Said {
+        status: output.status.code().unwrap(),
+        out: String::from_utf8(output.stdout).unwrap(),
+        err: String::from_utf8(output.stderr).unwrap(),
+    }
+}
+
+#[test]
+fn what_is_finished_is_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = path(folder.path(), "out");
+    let journal = path(out.as_ref(), "journal.jsonl");
+    // The first program ends at once, the second never.
+    let simulate = [
+        "simulate",
+        "tests/fixtures/dense.sa",
+        "tests/fixtures/still.sa",
+        "--runs",
+        "1",
+        "--max-ticks",
+        "1000000000000",
+        "--threads",
+        "2",
+        "--out",
+        &out,
+    ];
+    let lines = || fs::read_to_string(&journal).map_or(0, |text| text.matches('\n').count());
+    let mut child = start(&simulate);
+    until(&mut child, "first finished run", || lines() == 2);
+    let said = interrupt(child, "-INT");
+    assert_eq!(said.status, 130, "{}", said.err);
+    assert!(said.err.contains("`--resume`"), "{}", said.err);
+    assert!(!said.err.contains("panicked"), "{}", said.err);
+    assert_eq!(said.row("Runs"), ["1", "0", "of", "1"]);
+    assert_eq!(lines(), 2);
+
+    let results = stochc_with("results", &[&out]);
+    assert_eq!(results.status, 0);
+    assert_eq!(results.err, "1 of 2 runs are still to do\n");
+    assert_eq!(results.out, said.out);
+    let refused = stochc_with("", &simulate);
+    assert_eq!(refused.status, 2);
+    assert!(refused.err.contains("1 of the 2 runs"), "{}", refused.err);
+
+    // It goes on, and can be interrupted again, also by those who end processes politely.
+    #[cfg(target_os = "linux")]
+    {
+        let mut child = start(&[&simulate[..], &["--resume"]].concat());
+        listens(&mut child);
+        let said = interrupt(child, "-TERM");
+        assert_eq!(said.status, 130, "{}", said.err);
+        assert_eq!(said.out, results.out);
+    }
+}
+
+/// Waits until the process has a handler for SIGINT.
+#[cfg(target_os = "linux")]
+fn listens(child: &mut Child) {
+    const SIGINT: u64 = 1 << 1;
+    let status = format!("/proc/{}/status", child.id());
+    until(child, "handler", || {
+        let status = fs::read_to_string(&status).unwrap_or_default();
+        let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:"));
+        let caught = caught.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+        caught.is_some_and(|mask| mask & SIGINT != 0)
+    });
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn without_a_folder_nothing_is_kept() {
+    let still = [
+        "simulate",
+        "tests/fixtures/still.sa",
+        "--max-ticks",
+        "1000000000000",
+    ];
+    let mut child = start(&still);
+    listens(&mut child);
+    let said = interrupt(child, "-INT");
+    assert_eq!(said.status, 130);
+    assert!(said.err.contains("with `--out DIR`"), "{}", said.err);
+    assert!(!said.err.contains("runs are kept"), "{}", said.err);
+    let mut child = start(&[&still[..], &["--run", "0"]].concat());
+    listens(&mut child);
+    let said = interrupt(child, "-INT");
+    assert_eq!((said.status, said.out.as_str()), (130, ""));
+}

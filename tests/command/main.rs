@@ -1,0 +1,17 @@
+//! The command as a user runs it: what it says, where, and with which exit status.
+#![allow(
+    clippy::disallowed_methods,
+    reason = "the tests read what the command has written"
+)]
+mod check;
+mod compile;
+mod explain;
+#[cfg(unix)]
+mod interrupted;
+mod manifest;
+mod physical;
+mod refused;
+mod results;
+mod simulate;
+mod stochc;
+mod streams;

@@ -1,0 +1,99 @@
+//! A folder's manifest reruns it, and a folder goes on where it was left.
+use std::fs;
+
+use crate::stochc::{path, stochc_with, tables};
+
+const TOWER: &str = "simulate --model shuffle --quiet tests/fixtures/tower.sa";
+
+#[test]
+fn a_manifest_reruns_its_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let [first, again] = ["first", "again"].map(|name| path(folder.path(), name));
+    let program = path(folder.path(), "program.sa");
+    let imported = path(folder.path(), "importing_tower.sa");
+    fs::copy("tests/fixtures/importing.sa", &program).unwrap();
+    fs::copy("tests/fixtures/importing_tower.sa", &imported).unwrap();
+    let said = stochc_with(
+        TOWER,
+        &[&program, "--runs", "6", "--seed", "9", "--out", &first],
+    );
+    assert_eq!(said.status, 0, "{}", said.err);
+    // It needs no file but itself.
+    fs::remove_file(&program).unwrap();
+    fs::remove_file(&imported).unwrap();
+    let manifest = path(first.as_ref(), "manifest.json");
+    let rerun = stochc_with("simulate --quiet --manifest", &[&manifest, "--out", &again]);
+    assert_eq!((rerun.status, rerun.err.as_str()), (0, ""));
+    assert_eq!(rerun.out, said.out);
+    assert!(tables(&first) == tables(&again));
+    let manifests =
+        [&first, &again].map(|of| fs::read(path(of.as_ref(), "manifest.json")).unwrap());
+    assert!(manifests[0] == manifests[1]);
+    // One of its runs alone.
+    let said = stochc_with("simulate --run 3 --manifest", &[&manifest]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    assert!(said.out.contains("importing, run 3"), "{}", said.out);
+}
+
+#[test]
+fn what_is_no_manifest_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(folder.path(), "manifest.json");
+    for (text, reason) in [
+        ("", "no manifest"),
+        ("{}", "no manifest"),
+        (r#"{"format": 999}"#, "format is 999"),
+        (r#"{"format": 1}"#, "damaged"),
+    ] {
+        fs::write(&file, text).unwrap();
+        let said = stochc_with("simulate --manifest", &[&file]);
+        assert_eq!((said.status, said.out.as_str()), (2, ""), "{text}");
+        assert!(said.err.contains(reason), "{}", said.err);
+    }
+    let said = stochc_with("simulate --seed 2 --manifest", &[&file]);
+    assert_eq!(said.status, 2, "the manifest says the seed");
+}
+
+#[test]
+fn more_runs_are_added() {
+    let folder = tempfile::tempdir().unwrap();
+    let [grown, fresh] = ["grown", "fresh"].map(|name| path(folder.path(), name));
+    stochc_with(TOWER, &["--runs", "3", "--out", &grown]);
+    let refused = stochc_with(TOWER, &["--runs", "8", "--out", &grown]);
+    assert_eq!(refused.status, 2);
+    assert!(refused.err.contains("3 of the 8 runs"), "{}", refused.err);
+    assert!(refused.err.contains("`--resume`"), "{}", refused.err);
+    let said = stochc_with(TOWER, &["--runs", "8", "--out", &grown, "--resume"]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    stochc_with(TOWER, &["--runs", "8", "--out", &fresh]);
+    assert!(tables(&grown) == tables(&fresh));
+}
+
+#[test]
+fn what_a_kill_has_left_goes_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let [whole, torn] = ["whole", "torn"].map(|name| path(folder.path(), name));
+    stochc_with(TOWER, &["--runs", "8", "--out", &whole]);
+    fs::create_dir(&torn).unwrap();
+    let file = |of: &String, name: &str| path(of.as_ref(), name);
+    fs::copy(file(&whole, "manifest.json"), file(&torn, "manifest.json")).unwrap();
+    let journal = fs::read(file(&whole, "journal.jsonl")).unwrap();
+    fs::write(
+        file(&torn, "journal.jsonl"),
+        &journal[..journal.len() * 2 / 3],
+    )
+    .unwrap();
+
+    let said = stochc_with("results", &[&torn]);
+    assert_eq!(said.status, 0);
+    assert!(
+        said.err.ends_with("of 8 runs are still to do\n"),
+        "{}",
+        said.err
+    );
+    let said = stochc_with(TOWER, &["--runs", "8", "--out", &torn]);
+    assert_eq!(said.status, 2);
+    let said = stochc_with(TOWER, &["--runs", "8", "--out", &torn, "--resume"]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    assert!(tables(&whole) == tables(&torn));
+}

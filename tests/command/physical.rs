@@ -1,0 +1,37 @@
+//! A small ensemble of rigid bodies.
+use std::fs;
+
+use crate::stochc::{path, stochc, stochc_with, tables};
+
+#[test]
+fn a_physical_run_depends_on_nothing_but_its_inputs() {
+    let folder = tempfile::tempdir().unwrap();
+    let outs = ["1", "3"].map(|threads| {
+        let out = path(folder.path(), threads);
+        let said = stochc_with(
+            "simulate tests/fixtures/dense.sa --runs 3 --seed 5 --out",
+            &[&out, "--threads", threads],
+        );
+        assert_eq!(said.status, 0, "{}", said.err);
+        assert!(said.err.starts_with("3 of 3 runs, after "), "{}", said.err);
+        out
+    });
+    assert!(
+        tables(&outs[0]) == tables(&outs[1]),
+        "threads do not matter"
+    );
+
+    let journal = fs::read_to_string(path(outs[0].as_ref(), "journal.jsonl")).unwrap();
+    let last: serde_json::Value = serde_json::from_str(journal.lines().last().unwrap()).unwrap();
+    assert_eq!(last["record"]["run"], 2, "one thread keeps the order");
+    let alone = "simulate tests/fixtures/dense.sa --seed 5 --run 2";
+    let said = stochc_with(alone, &["--format", "json"]);
+    assert_eq!(said.json(), serde_json::json!([last["record"]]));
+    let told = stochc(alone).out;
+    assert!(
+        told.starts_with("dense, run 2\n  phase grow, from tick 0\n"),
+        "{told}"
+    );
+    assert!(told.contains("T[1].up captures T[2]"), "{told}");
+    assert!(told.contains(&format!("complete after {} ticks", last["record"]["ticks"])));
+}

@@ -1,0 +1,150 @@
+//! What is refused before anything is run.
+use std::fs;
+
+use crate::stochc::{path, stochc, stochc_with, tables};
+
+const TOWER: &str = "simulate --model shuffle --quiet tests/fixtures/tower.sa --runs 3";
+
+#[test]
+fn wrong_command_lines_are_told_of() {
+    for line in [
+        "",
+        "chekc",
+        "check",
+        "check --format xml tests/fixtures/tower.sa",
+        "compile",
+        "compile --emit nothing tests/fixtures/tower.sa",
+        "results",
+        "simulate",
+        "simulate --bogus tests/fixtures/tower.sa",
+        "simulate --runs 0 tests/fixtures/tower.sa",
+        "simulate --runs many tests/fixtures/tower.sa",
+        "simulate --substeps 0 tests/fixtures/tower.sa",
+        "simulate --solver-iterations 0 tests/fixtures/tower.sa",
+        "simulate --max-ticks 0 tests/fixtures/tower.sa",
+        "simulate --threads 0 tests/fixtures/tower.sa",
+        "simulate --seed -1 tests/fixtures/tower.sa",
+        "simulate --model magic tests/fixtures/tower.sa",
+        "simulate --resume tests/fixtures/tower.sa",
+        "simulate --run 1 --runs 2 tests/fixtures/tower.sa",
+        "simulate --run 1 --out nowhere tests/fixtures/tower.sa",
+    ] {
+        let said = stochc(line);
+        assert_eq!((said.status, said.out.as_str()), (2, ""), "{line}");
+        assert!(
+            said.err.contains("Usage") || said.err.contains("--help"),
+            "{line}: {}",
+            said.err
+        );
+    }
+    assert!(
+        stochc("simulate --seed -1 tests/fixtures/tower.sa")
+            .err
+            .contains("'-1' for '--seed")
+    );
+}
+
+#[test]
+fn help_and_version_are_output() {
+    for line in [
+        "--help",
+        "--version",
+        "help simulate",
+        "simulate --help",
+        "check -h",
+    ] {
+        let said = stochc(line);
+        assert_eq!((said.status, said.err.as_str()), (0, ""), "{line}");
+        assert!(!said.out.is_empty());
+    }
+    let help = stochc("--help").out;
+    let (_, statuses) = help.split_once("Exit status:").unwrap();
+    for status in ["0", "1", "2", "3", "130"] {
+        assert!(statuses.contains(&format!(" {status} ")), "{statuses}");
+    }
+}
+
+#[test]
+fn a_wrong_program_is_not_run() {
+    let said = stochc("simulate tests/fixtures/tower.sa tests/fixtures/wrong.sa");
+    assert_eq!((said.status, said.out.as_str()), (1, ""));
+    assert!(said.err.contains("unknown-name"), "{}", said.err);
+    let said = stochc("simulate tests/fixtures/importing_tower.sa");
+    assert_eq!((said.status, said.out.as_str()), (2, ""));
+    assert!(said.err.contains("no assembly"), "{}", said.err);
+}
+
+#[test]
+fn a_scene_that_does_not_fit_is_not_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = path(folder.path(), "out");
+    let said = stochc_with(
+        "simulate tests/fixtures/dense.sa tests/fixtures/crowded.sa --out",
+        &[&out],
+    );
+    assert_eq!((said.status, said.out.as_str()), (1, ""));
+    assert!(
+        said.err.contains("crowded: 400 free blocks do not fit"),
+        "{}",
+        said.err
+    );
+    assert!(!fs::exists(&out).unwrap());
+}
+
+#[test]
+fn a_finished_folder_is_shown_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = path(folder.path(), "deep/er/out");
+    let first = stochc_with(TOWER, &["--out", &out]);
+    assert_eq!((first.status, first.err.as_str()), (0, ""));
+    let before = tables(&out);
+    let again = stochc_with(TOWER, &["--out", &out]);
+    assert_eq!((again.status, again.out), (0, first.out));
+    assert!(again.err.contains("finished already"), "{}", again.err);
+    assert!(before == tables(&out));
+}
+
+#[test]
+fn other_results_are_never_overwritten() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = path(folder.path(), "out");
+    stochc_with(TOWER, &["--out", &out]);
+    let before = tables(&out);
+    for (more, reason) in [
+        (&["--seed", "2"][..], "the seed is `1` there and `2` here"),
+        (&["--max-ticks", "7"], "the limit of ticks"),
+        (&["--substeps", "7"], "the number of substeps"),
+        (&["--solver-iterations", "7"], "`solver_iterations`"),
+        (&["tests/fixtures/late.sa"], "`tower, late` here"),
+    ] {
+        for resume in [&[][..], &["--resume"]] {
+            let arguments = [&["--out", &out], more, resume].concat();
+            let said = stochc_with(TOWER, &arguments);
+            assert_eq!((said.status, said.out.as_str()), (2, ""), "{more:?}");
+            assert!(said.err.contains(reason), "{}", said.err);
+        }
+    }
+    let fewer = TOWER.replace("--runs 3", "--runs 2");
+    let said = stochc_with(&fewer, &["--out", &out, "--resume"]);
+    assert_eq!(said.status, 2, "no run is thrown away");
+    assert!(before == tables(&out));
+}
+
+#[test]
+fn files_of_others_are_left_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let note = path(folder.path(), "note.txt");
+    fs::write(&note, "mine").unwrap();
+    let mine = folder.path().to_str().unwrap();
+    let said = stochc_with(TOWER, &["--out", mine]);
+    assert_eq!(said.status, 2);
+    assert!(
+        said.err.contains("files that are no results"),
+        "{}",
+        said.err
+    );
+    let said = stochc_with(TOWER, &["--out", &note]);
+    assert_eq!(said.status, 2);
+    assert!(said.err.contains("is a file"), "{}", said.err);
+    assert_eq!(fs::read_dir(mine).unwrap().count(), 1);
+}

@@ -1,0 +1,65 @@
+//! The command and what came of it.
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+/// What a command has said.
+pub struct Said {
+    /// Its exit status.
+    pub status: i32,
+    /// What it wrote to the standard output.
+    pub out: String,
+    /// What it wrote to the standard error.
+    pub err: String,
+}
+
+/// The command, not yet started, in the folder of the project.
+pub fn command<'a>(arguments: impl IntoIterator<Item = &'a str>) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_stochc"));
+    command.args(arguments).stdin(Stdio::null());
+    command
+}
+
+/// Does the command with the words of `line`, and then `more`, which may hold spaces.
+pub fn stochc_with(line: &str, more: &[&str]) -> Said {
+    let arguments = line.split_whitespace().chain(more.iter().copied());
+    said(&mut command(arguments))
+}
+
+/// Does the command with the words of `line`.
+pub fn stochc(line: &str) -> Said {
+    stochc_with(line, &[])
+}
+
+/// Does a command.
+pub fn said(command: &mut Command) -> Said {
+    let output = command.output().unwrap();
+    Said {
+        status: output.status.code().unwrap(),
+        out: String::from_utf8(output.stdout).unwrap(),
+        err: String::from_utf8(output.stderr).unwrap(),
+    }
+}
+
+impl Said {
+    /// The standard output as JSON.
+    pub fn json(&self) -> serde_json::Value {
+        serde_json::from_str(&self.out).unwrap()
+    }
+
+    /// The figures in the row of the comparison that begins with `label`.
+    pub fn row(&self, label: &str) -> Vec<&str> {
+        let row = self.out.lines().find_map(|line| line.strip_prefix(label));
+        row.unwrap().split_whitespace().collect()
+    }
+}
+
+/// A file below a folder, as an argument.
+pub fn path(folder: &Path, name: &str) -> String {
+    folder.join(name).to_str().unwrap().to_owned()
+}
+
+/// The tables of a folder of results.
+pub fn tables(folder: &str) -> [Vec<u8>; 2] {
+    ["runs.parquet", "bonds.parquet"]
+        .map(|name| std::fs::read(Path::new(folder).join(name)).unwrap())
+}

@@ -1,0 +1,80 @@
+//! Where the words go, and what happens when nobody takes them.
+use std::process::Stdio;
+
+use crate::stochc::{command, path, said};
+
+#[test]
+fn nothing_is_coloured_outside_a_terminal() {
+    for line in [
+        "check tests/fixtures/wrong.sa",
+        "check nothing --bogus",
+        "explain cycle",
+        "simulate --model shuffle --runs 3 tests/fixtures/tower.sa",
+        "--help",
+    ] {
+        for no_colour in [None, Some("1")] {
+            let mut command = command(line.split_whitespace());
+            // What a terminal is said to be must not matter.
+            command.env("TERM", "xterm-256color").env_remove("NO_COLOR");
+            command.envs(no_colour.map(|value| ("NO_COLOR", value)));
+            let said = said(&mut command);
+            assert!(
+                !said.out.contains('\x1b') && !said.err.contains('\x1b'),
+                "{line}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_reader_that_leaves_is_no_trouble() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(folder.path(), "long.sa");
+    // Its table is larger than a pipe holds.
+    let program = "assembly long {\n\
+                   seed plate 3 x 3 { M at (1, 1) }\n\
+                   phase grow { M.up ->> T[1..20] }\n\
+                   }\n";
+    std::fs::write(&file, program).unwrap();
+    for arguments in [
+        &["compile", "--format", "json", &file][..],
+        &["compile", "--emit", "graph", "--format", "dot", &file],
+        &["check", &file],
+        &["check", "--format", "short", "tests/fixtures/wrong.sa"],
+        &["explain"],
+        &["explain", "cycle"],
+        &["simulate", "--model", "shuffle", "--runs", "3", &file],
+        &["simulate", "--model", "shuffle", "--run", "3", &file],
+        &["--help"],
+    ] {
+        let mut command = command(arguments.iter().copied());
+        command.stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut child = command.spawn().unwrap();
+        drop(child.stdout.take());
+        let output = child.wait_with_output().unwrap();
+        let err = String::from_utf8(output.stderr).unwrap();
+        assert!(!err.contains("panicked"), "{arguments:?}: {err}");
+        assert!(matches!(output.status.code(), Some(0 | 1)), "{arguments:?}");
+    }
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_full_disk_is_told_of() {
+    for line in [
+        "explain",
+        "check tests/fixtures/tower.sa",
+        "compile tests/fixtures/tower.sa",
+        "simulate --model shuffle --runs 3 tests/fixtures/tower.sa",
+    ] {
+        let full = std::fs::File::options()
+            .write(true)
+            .open("/dev/full")
+            .unwrap();
+        let mut command = command(line.split_whitespace());
+        let output = command.stdout(full).output().unwrap();
+        let err = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{line}");
+        assert!(err.contains("cannot write the output"), "{err}");
+    }
+}
