@@ -2,6 +2,7 @@
 use std::fmt::Write as _;
 
 use crate::Symbols;
+use crate::parse::is_unit;
 use crate::tree::{
     Argument, Arrow, Entry, Expr, ExprKind, Item, ItemKind, Place, Quantity, Subject, Term, Tree,
 };
@@ -202,14 +203,18 @@ impl Printer<'_> {
     fn terms(&mut self, terms: &[Term]) {
         self.depth += 1;
         let mut fresh = true;
+        let mut valued = false;
         for term in terms {
-            if fresh {
+            // On the same line, a word such as `s` would be part of the unit before it.
+            let taken = matches!(term, Term::Word(name) if is_unit(self.symbols.word(name.symbol)));
+            if fresh || (valued && taken) {
                 self.out.push('\n');
                 self.indent();
             } else {
                 self.out.push(' ');
             }
             fresh = false;
+            valued = matches!(term, Term::Quantity(_) | Term::Range(..));
             match term {
                 Term::Word(name) => self.out.push_str(&self.word(name.symbol)),
                 Term::Quantity(quantity) => self.quantity(quantity),

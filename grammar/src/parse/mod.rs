@@ -89,6 +89,11 @@ pub fn accepts(text: &str) -> bool {
     SaParser::parse(Rule::program, text).is_ok()
 }
 
+/// Whether a word would be read as a unit behind a value.
+pub(crate) fn is_unit(word: &str) -> bool {
+    SaParser::parse(Rule::unit_symbol, word).is_ok()
+}
+
 struct Parser<'t, 's> {
     text: &'t str,
     symbols: &'s mut Symbols,
