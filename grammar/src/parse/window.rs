@@ -67,6 +67,11 @@ pub fn read(text: &str, base: usize, mode: Mode) -> Read<'_> {
                         return Read::Error(error);
                     }
                 } else if size > MAX_STATEMENT {
+                    // A short piece with a long line behind it is no long piece.
+                    let end = pairs.peek().map_or(0, |only| only.as_span().end());
+                    if end <= window.len() / 2 {
+                        return Read::Pieces(pairs.take(1));
+                    }
                     return Read::Error(Unreadable {
                         at: base,
                         expected: Vec::new(),
