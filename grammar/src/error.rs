@@ -46,6 +46,8 @@ pub enum SyntaxErrorKind {
     NumberTooLarge,
     /// Blocks or parentheses nested deeper than [`crate::MAX_DEPTH`].
     TooDeep,
+    /// More than [`crate::MAX_TERMS`] numbers and names in one expression.
+    TooManyTerms,
     /// A single statement longer than [`crate::MAX_STATEMENT`] bytes.
     StatementTooLong,
     /// Nothing for this comment to belong to.

@@ -1,5 +1,5 @@
 //! The grammar's errors as findings.
-use stochc_grammar::{MAX_DEPTH, MAX_ERRORS, MAX_STATEMENT, SyntaxError, SyntaxErrorKind as K};
+use stochc_grammar::{MAX_DEPTH, MAX_ERRORS, MAX_STATEMENT, MAX_TERMS, SyntaxError, SyntaxErrorKind as K};
 
 use super::{Code, Finding};
 use crate::{FileId, Site};
@@ -47,6 +47,12 @@ impl Finding {
             )
             .label(site, "one level too many")
             .help("move the inner part into a pattern or a `let`"),
+            K::TooManyTerms => Finding::new(
+                Code::TooDeep,
+                format!("an expression of more than {MAX_TERMS} numbers and names"),
+            )
+            .label(site, "too many to work out at once")
+            .help("name a part of it with a `let`"),
             K::StatementTooLong => Finding::new(
                 Code::StatementTooLong,
                 format!("a statement of more than {MAX_STATEMENT} bytes"),
@@ -77,8 +83,7 @@ fn unexpected(site: Site, found: &str, expected: &[&str]) -> Finding {
     let list = alternatives(expected);
     let found = match found {
         "" => "the end of the file".to_owned(),
-        word if word.chars().any(char::is_control) => format!("`{}`", word.escape_debug()),
-        word => format!("`{word}`"),
+        word => format!("`{}`", visible(word)),
     };
     let title = match list.as_str() {
         "" => format!("did not expect {found}"),
@@ -90,6 +95,18 @@ fn unexpected(site: Site, found: &str, expected: &[&str]) -> Finding {
         "here"
     };
     Finding::new(Code::Syntax, title).label(site, label)
+}
+
+/// Spells out what would not be seen, such as a character without width.
+fn visible(word: &str) -> String {
+    let mut text = String::new();
+    for c in word.chars() {
+        match c {
+            '\'' | '"' | '\\' => text.push(c),
+            _ => text.extend(c.escape_debug()),
+        }
+    }
+    text
 }
 
 /// `a`, `a or b`, `a, b or c`.

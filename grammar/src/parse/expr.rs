@@ -1,13 +1,27 @@
 //! Integer arithmetic: a flat list of terms and operators to a tree.
 use pest::iterators::{Pair, Pairs};
 
-use super::{MAX_DEPTH, Parser, Rule, span_of};
+use super::{MAX_DEPTH, MAX_TERMS, Parser, Rule, span_of};
 use crate::error::SyntaxErrorKind;
 use crate::tree::{Entry, Expr, ExprKind, Operator};
 
 impl Parser<'_, '_> {
     /// An `expr`.
     pub fn expr(&mut self, pair: Pair<'_, Rule>, base: usize) -> Expr {
+        // Terms have a byte each at least, with an operator between them.
+        if pair.as_str().len() > 2 * MAX_TERMS {
+            let terms = pair.clone().into_inner().flatten();
+            let is_term =
+                |pair: &Pair<'_, Rule>| matches!(pair.as_rule(), Rule::integer | Rule::name);
+            if terms.filter(is_term).count() > MAX_TERMS {
+                let span = span_of(&pair, base);
+                self.error(SyntaxErrorKind::TooManyTerms, span);
+                return Expr {
+                    kind: ExprKind::Int(0),
+                    span,
+                };
+            }
+        }
         self.expr_at(pair, base, 0)
     }
 

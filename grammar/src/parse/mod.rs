@@ -29,6 +29,9 @@ mod grammar {
 /// Blocks inside blocks, and parentheses inside parentheses, at most.
 pub const MAX_DEPTH: usize = 100;
 
+/// Numbers and names in one expression, at most: their sum is worked out recursively.
+pub const MAX_TERMS: usize = 1_000;
+
 /// Bytes of one statement, at most.
 pub const MAX_STATEMENT: usize = 4 << 20;
 
