@@ -148,7 +148,13 @@ impl Parser<'_, '_> {
                     shape.layers.push(layer);
                 }
             }
-            Content::Broken(_) => self.doubt(start as usize, end as usize),
+            // A broken block around it brings these words into doubt as well.
+            Content::Broken(_) => {
+                let outer = self.frames.last().map(|frame| &frame.content);
+                if !matches!(outer, Some(Content::Broken(_))) {
+                    self.doubt(start as usize, end as usize);
+                }
+            }
         }
     }
 

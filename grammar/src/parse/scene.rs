@@ -28,7 +28,7 @@ impl Parser<'_, '_> {
                 if let Some(Content::Layer(layer)) = self.frames.last_mut().map(|f| &mut f.content)
                 {
                     layer.rows.push(Row { cells, span });
-                } else {
+                } else if !self.is_broken() {
                     self.error(
                         SyntaxErrorKind::Misplaced {
                             what: "a row of cells",
@@ -55,7 +55,7 @@ impl Parser<'_, '_> {
             Some(Frame { content: Content::Shape(item), .. }) if matches!(item.kind, ItemKind::Shape(_))
         );
         let Some(heights) = heights else { return };
-        if !inside_shape {
+        if !inside_shape && !self.is_broken() {
             self.error(
                 SyntaxErrorKind::Misplaced {
                     what: "a layer",
@@ -71,6 +71,17 @@ impl Parser<'_, '_> {
             rows: Vec::new(),
         };
         self.open(Content::Layer(layer), span);
+    }
+
+    /// Whether the head of the innermost block could not be read, which has been told of.
+    fn is_broken(&self) -> bool {
+        matches!(
+            self.frames.last(),
+            Some(Frame {
+                content: Content::Broken(_),
+                ..
+            })
+        )
     }
 
     fn span_of_values(&mut self, pair: Pair<'_, Rule>, base: usize) {
