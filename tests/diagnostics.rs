@@ -233,3 +233,27 @@ fn files(files: &[(&str, &str)], path: &str) -> Checked {
 fn checked(path: &str, reader: &mut dyn FnMut(&str) -> Result<Vec<u8>, String>) -> Checked {
     check(path, &mut |path: &str| reader(path), Limits::default())
 }
+
+#[test]
+fn a_program_without_a_bond_can_capture_nothing() {
+    let text = "scene s { tick 1 s block cube { side 1 m mass 1 kg } free 3 uniform \
+                enclosure hemisphere { radius 1 km wall 1 N/m } }\n\
+                assembly a in s { seed plate 1 x 1 { M at (0, 0) } phase p { M.up -> N } }";
+    let mut reader = |_: &str| Ok(text.as_bytes().to_vec());
+    let checked = stochc::compiler::check("a.sa", &mut reader, Default::default());
+    let codes: Vec<_> = checked
+        .findings
+        .iter()
+        .map(|finding| finding.code.name())
+        .collect();
+    assert_eq!(codes, ["missing-term"]);
+}
+
+#[test]
+fn a_million_equal_mistakes_are_told_a_thousand_times() {
+    let text = "assembly a { seed plate 1 x 1 { M at (0, 0) } \
+                phase p { for i in 1..1000000 { M.up -> T[i] } } }";
+    let mut reader = |_: &str| Ok(text.as_bytes().to_vec());
+    let checked = stochc::compiler::check("a.sa", &mut reader, Default::default());
+    assert_eq!(checked.findings.len(), 1001);
+}

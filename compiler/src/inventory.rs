@@ -29,6 +29,15 @@ pub fn check(plan: &Plan, layout: &Layout, scene: &Scene, findings: &mut Vec<Fin
             )),
         );
     }
+    let captures = |event: &&crate::plan::Event| matches!(event.deed, Deed::Capture { .. });
+    if let (None, Some(first)) = (&scene.bond, plan.events.iter().find(captures)) {
+        let title = format!("the scene `{}` has no `bond`", scene.name);
+        findings.push(
+            Finding::new(Code::MissingTerm, title)
+                .label(first.site, "nothing can be captured in it")
+                .help("add a clause such as `bond attract { pull 15 N within 20cm  anchor centres 1mm }`"),
+        );
+    }
     let Some(Enclosure::Hemisphere { radius, .. }) = scene.enclosure else {
         return;
     };

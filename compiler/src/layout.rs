@@ -3,7 +3,7 @@ use rustc_hash::FxHashMap;
 use stochc_grammar::{Face, Symbols};
 
 use crate::Cell;
-use crate::finding::{Code, Finding};
+use crate::finding::{Code, Finding, tell};
 use crate::plan::{Deed, EventId, Plan};
 use crate::presence::Presence;
 use crate::table::RoleId;
@@ -304,7 +304,7 @@ impl Surveyor<'_> {
 
     fn reject(&mut self, id: EventId, finding: Finding) {
         self.plan.events[id.0 as usize].sound = false;
-        self.findings.push(finding);
+        tell(self.findings, finding);
     }
 
     /// Releases that would leave a child without a parent, and the order among releases.

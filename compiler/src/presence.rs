@@ -3,7 +3,7 @@ use rustc_hash::FxHashSet;
 use stochc_grammar::{Symbol, Symbols};
 
 use crate::Site;
-use crate::finding::{Code, Finding};
+use crate::finding::{Code, Finding, tell};
 use crate::plan::{Deed, EventId, Plan};
 use crate::suggest::suggest;
 use crate::table::RoleId;
@@ -113,7 +113,8 @@ impl Checker<'_> {
             let key = self.plan.roles.key(seed.role);
             if !used && !self.doubtful.contains(&key.word) {
                 let name = self.plan.roles.name(seed.role, self.symbols);
-                self.findings.push(
+                tell(
+                    self.findings,
                     Finding::new(Code::UnusedSeed, format!("the seed `{name}` is never used"))
                         .label(seed.site, "captures nothing")
                         .help("leave it out: the plate is there without it"),
@@ -264,7 +265,7 @@ impl Checker<'_> {
                 .label(after.site, "would be waited for in vain");
             self.unknown(after.role, state, finding)
         };
-        self.findings.push(finding);
+        tell(self.findings, finding);
     }
 
     /// The names after the phase.
@@ -319,7 +320,8 @@ impl Checker<'_> {
                 "only captured blocks can be released",
             ),
         };
-        self.findings.push(
+        tell(
+            self.findings,
             Finding::new(code, format!("`{name}` {what}"))
                 .label(site, here)
                 .label(other, there)
@@ -346,7 +348,7 @@ impl Checker<'_> {
             state,
             Finding::new(code, title).label(site, consequence),
         );
-        self.findings.push(finding);
+        tell(self.findings, finding);
     }
 
     /// A finding on a name that nobody holds: unknown, or known at another time only.

@@ -9,7 +9,7 @@ use rustc_hash::FxHashMap;
 use stochc_grammar::tree::{Assembly, Item, ItemKind, Pattern, Phase, Shape};
 use stochc_grammar::{Span, Symbol, Symbols};
 
-use crate::finding::{Code, Finding};
+use crate::finding::{Code, Finding, MOST_FINDINGS};
 use crate::plan::{Plan, PlanPhase, Roles, Timeout};
 use crate::table::Plate;
 use crate::{FileId, Site};
@@ -198,10 +198,14 @@ impl<'a> Expander<'a, '_> {
     fn step(&mut self, span: Span) -> bool {
         self.steps += 1;
         let most = self.limits;
-        if self.steps <= most.steps && self.plan.events.len() <= most.events {
+        let enough = self.findings.len() > MOST_FINDINGS;
+        if !enough && self.steps <= most.steps && self.plan.events.len() <= most.events {
             return true;
         }
         self.exhausted = true;
+        if enough {
+            return false;
+        }
         let (count, what) = if self.steps > most.steps {
             (most.steps, "statements")
         } else {

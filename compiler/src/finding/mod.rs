@@ -30,6 +30,23 @@ pub struct Label {
     pub text: String,
 }
 
+/// Findings of one assembly that are told, at most.
+pub const MOST_FINDINGS: usize = 1_000;
+
+/// Adds a finding, unless there are so many that nobody would read them.
+pub(crate) fn tell(findings: &mut Vec<Finding>, finding: Finding) {
+    if findings.len() < MOST_FINDINGS {
+        findings.push(finding);
+    } else if findings.len() == MOST_FINDINGS {
+        let title = format!("more than {MOST_FINDINGS} findings; the rest is not told");
+        let labels = finding.labels.into_iter().take(1);
+        let mut last =
+            Finding::new(Code::TooManyErrors, title).help("mend the first few and check again");
+        last.labels.extend(labels);
+        findings.push(last);
+    }
+}
+
 impl Finding {
     /// A finding without labels or help.
     pub fn new(code: Code, title: impl Into<String>) -> Finding {

@@ -1,5 +1,7 @@
 //! The grammar's errors as findings.
-use stochc_grammar::{MAX_DEPTH, MAX_ERRORS, MAX_STATEMENT, MAX_TERMS, SyntaxError, SyntaxErrorKind as K};
+use stochc_grammar::{
+    MAX_DEPTH, MAX_ERRORS, MAX_STATEMENT, MAX_TERMS, SyntaxError, SyntaxErrorKind as K,
+};
 
 use super::{Code, Finding};
 use crate::{FileId, Site};
