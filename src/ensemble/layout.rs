@@ -3,6 +3,9 @@
 /// A header cell is broken into lines of this many characters.
 const HEADER: usize = 22;
 
+/// Between words that belong together; no name has it.
+const TIE: char = '~';
+
 /// Between two columns.
 const GAP: &str = "   ";
 
@@ -105,11 +108,12 @@ fn broken(header: &str) -> Vec<String> {
     lines
 }
 
-/// A sentence in lines of `width` characters, all but the first of them indented.
+/// A sentence in lines of `width` characters, all but the first of them indented; it is not broken
+/// at `~`, which becomes a space.
 pub(super) fn paragraph(text: &str, width: usize) -> String {
     let mut out = String::new();
     let mut used = 0;
-    for word in text.split_whitespace() {
+    for word in text.split(' ') {
         let fits = used + 1 + chars(word) <= width;
         let gap = match (used, fits) {
             (0, _) => "",
@@ -120,7 +124,7 @@ pub(super) fn paragraph(text: &str, width: usize) -> String {
             }
         };
         out += gap;
-        out += word;
+        out += &word.replace(TIE, " ");
         used += gap.trim_start_matches('\n').len() + chars(word);
     }
     out.push('\n');

@@ -147,14 +147,14 @@ fn sentence(pair: &Pair) -> String {
         return format!("{first} - {second}: too few completed runs, or no spread, to tell.");
     };
     let (test, of) = match found.test {
-        Test::Welch { .. } => ("Welch's t test", String::new()),
-        Test::LogRank { horizon } => ("log-rank test", format!(" (to {})", ticks(horizon))),
+        Test::Welch { .. } => ("Welch's~t~test", String::new()),
+        Test::LogRank { horizon } => ("log-rank~test", format!(" (to~{})", ticks(horizon))),
     };
     let p = match found.p {
-        p if p < 1e-4 => "p < 0.0001".to_owned(),
-        p if p < 0.01 => format!("p = {p:.4}"),
-        p if p < 0.1 => format!("p = {p:.3}"),
-        p => format!("p = {p:.2}"),
+        p if p < 1e-4 => "p~<~0.0001".to_owned(),
+        p if p < 0.01 => format!("p~=~{p:.4}"),
+        p if p < 0.1 => format!("p~=~{p:.3}"),
+        p => format!("p~=~{p:.2}"),
     };
     let verdict = if found.p >= SIGNIFICANT {
         "these runs show no difference".to_owned()
@@ -166,7 +166,7 @@ fn sentence(pair: &Pair) -> String {
         format!("{second} takes longer on average")
     };
     format!(
-        "{first} - {second}: {} ± {} ticks{of}, {p} ({test}): {verdict}.",
+        "{first}~- {second}: {}~±~{}~ticks{of}, {p} ({test}): {verdict}.",
         ticks(found.difference),
         ticks(found.half_width),
     )

@@ -24,6 +24,7 @@ fn a_physical_run_depends_on_nothing_but_its_inputs() {
     let journal = fs::read_to_string(path(outs[0].as_ref(), "journal.jsonl")).unwrap();
     let last: serde_json::Value = serde_json::from_str(journal.lines().last().unwrap()).unwrap();
     assert_eq!(last["record"]["run"], 2, "one thread keeps the order");
+    // The same run, alone.
     let alone = "simulate tests/fixtures/dense.sa --seed 5 --run 2";
     let said = stochc_with(alone, &["--format", "json"]);
     assert_eq!(said.json(), serde_json::json!([last["record"]]));

@@ -23,6 +23,7 @@ fn wrong_command_lines_are_told_of() {
         "simulate --solver-iterations 0 tests/fixtures/tower.sa",
         "simulate --max-ticks 0 tests/fixtures/tower.sa",
         "simulate --threads 0 tests/fixtures/tower.sa",
+        "simulate --threads 100000 tests/fixtures/tower.sa",
         "simulate --seed -1 tests/fixtures/tower.sa",
         "simulate --model magic tests/fixtures/tower.sa",
         "simulate --resume tests/fixtures/tower.sa",

@@ -77,9 +77,12 @@ fn ensemble(
             Err(error) => return usage(&error.to_string()),
         },
     };
-    let cores = std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
+    let threads = match options.threads {
+        Some(threads) => NonZeroUsize::new(threads.into()),
+        None => std::thread::available_parallelism().ok(),
+    };
     let means = Means {
-        threads: options.threads.unwrap_or(cores),
+        threads: threads.unwrap_or(NonZeroUsize::MIN),
         display: Display::on_standard_error(options.quiet),
         stop,
     };
