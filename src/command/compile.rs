@@ -74,7 +74,6 @@ pub fn run(options: &Options) -> Exit {
         has_colour(),
         message_width(),
     ));
-    // The tree needs no more than a text that can be read.
     if checked.has_errors() {
         return verdict(&checked);
     }

@@ -60,7 +60,7 @@ pub fn chain_text(plan: &Plan, chain: &[EventId], symbols: &Symbols) -> String {
     if chain.is_empty() {
         return "nothing".to_owned();
     }
-    if chain.len() <= SHOWN {
+    if chain.len() <= SHOWN + 2 {
         return describe(chain).join(", ");
     }
     let (head, tail) = (&chain[..SHOWN / 2], &chain[chain.len() - SHOWN / 2..]);

@@ -59,12 +59,9 @@ pub fn structure_text(plan: &Plan, layout: &Layout) -> String {
         let ((west, east), (south, north)) = (bounds(|cell| cell.x), bounds(|cell| cell.y));
         let heights = bounds(|cell| cell.z);
         // Writing to a string cannot fail.
-        let _ = writeln!(
-            out,
-            "// after phase {}: {} blocks",
-            phase.name,
-            blocks.len()
-        );
+        let count = blocks.len();
+        let plural = if count == 1 { "" } else { "s" };
+        let _ = writeln!(out, "// after phase {}: {count} block{plural}", phase.name);
         let _ = writeln!(out, "shape {} at ({west}, {south}) {{", plan.name);
         for z in heights.0.max(1)..=heights.1 {
             let _ = writeln!(out, "    layer {z} {{");

@@ -174,7 +174,10 @@ impl SourceCode for Excerpt<'_> {
         let (line_start, _) = file.line_range(first);
         let (_, line_end) = file.line_range(last);
         let mut start = line_start;
-        if from - start > LONG {
+        // Asked for no more than the span, miette wants to know where it begins.
+        if before == 0 {
+            start = from;
+        } else if from - start > LONG {
             start = from - MARGIN;
         }
         let mut end = line_end;
