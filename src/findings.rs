@@ -54,7 +54,8 @@ fn short(finding: &Finding, sources: &Sources) -> String {
         let (line, column) = position(sources, label.site, label.site.span.start);
         format!("{}:{line}:{column}: ", sources.file(label.site.file).name)
     });
-    format!("{place}{severity}[{}]: {}\n", finding.code, finding.title)
+    let title = stochc_compiler::finding::visible(&finding.title);
+    format!("{place}{severity}[{}]: {title}\n", finding.code)
 }
 
 /// The findings of a file as JSON, each as

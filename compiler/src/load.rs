@@ -121,8 +121,7 @@ impl Loader<'_> {
                 return None;
             }
         };
-        let invalid = std::str::from_utf8(&bytes).err().map(|e| e.valid_up_to());
-        let text = String::from_utf8_lossy(&bytes).into_owned();
+        let (text, invalid) = decode(bytes);
         let file = self.sources.add(path.clone(), text);
         if let Some(at) = invalid {
             let at = at as u32;
@@ -164,16 +163,45 @@ impl Loader<'_> {
 
     /// Labels every import of a circle of files.
     fn cycle(&mut self, path: &str, stack: &[Pending]) {
+        /// Circles told of, and imports labelled of each, at most.
+        const MOST: usize = 10;
+        let is_circle = |finding: &&Finding| finding.code == Code::ImportCycle;
+        if self.findings.iter().filter(is_circle).count() >= MOST {
+            return;
+        }
         let first = stack.iter().position(|pending| pending.path == path);
-        let mut finding = Finding::new(Code::ImportCycle, "files import each other in a circle");
-        for pending in &stack[first.unwrap_or(0)..] {
+        let circle = &stack[first.unwrap_or(0)..];
+        let title = match circle.len() {
+            1 => "a file imports itself".to_owned(),
+            count @ 2..=MOST => format!("{count} files import each other in a circle"),
+            count => format!("{count} files import each other in a circle; {MOST} are shown"),
+        };
+        let mut finding = Finding::new(Code::ImportCycle, title);
+        for pending in circle.iter().take(MOST) {
             if let Some(State::Open(site)) = self.state.get(&pending.path) {
                 let import = self.sources.text(*site).to_owned();
                 finding = finding.label(*site, format!("`{}` imports {import}", pending.path));
             }
         }
-        let help = "move what both files need into a third one";
+        let help = match circle.len() {
+            1 => "remove the import",
+            _ => "move what both files need into a third one",
+        };
         self.findings.push(finding.help(help));
+    }
+}
+
+/// The text of a file without the mark of the byte order, and where it is none.
+fn decode(mut bytes: Vec<u8>) -> (String, Option<usize>) {
+    if bytes.starts_with("\u{feff}".as_bytes()) {
+        bytes.drain(.."\u{feff}".len());
+    }
+    match String::from_utf8(bytes) {
+        Ok(text) => (text, None),
+        Err(error) => {
+            let text = String::from_utf8_lossy(error.as_bytes()).into_owned();
+            (text, Some(error.utf8_error().valid_up_to()))
+        }
     }
 }
 

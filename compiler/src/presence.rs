@@ -3,7 +3,7 @@ use rustc_hash::FxHashSet;
 use stochc_grammar::{Symbol, Symbols};
 
 use crate::Site;
-use crate::finding::{Code, Finding, tell};
+use crate::finding::{Code, Finding, MOST_FINDINGS, tell};
 use crate::plan::{Deed, EventId, Plan};
 use crate::suggest::suggest;
 use crate::table::RoleId;
@@ -237,7 +237,7 @@ impl Checker<'_> {
             return;
         }
         let key = self.plan.roles.key(after.role);
-        if self.doubtful.contains(&key.word) {
+        if self.findings.len() > MOST_FINDINGS || self.doubtful.contains(&key.word) {
             return;
         }
         let name = self.plan.roles.name(after.role, self.symbols);
@@ -301,6 +301,9 @@ impl Checker<'_> {
     fn reject_at(&mut self, id: EventId, code: Code, what: &str, other: Site) {
         let event = &mut self.plan.events[id.0 as usize];
         event.sound = false;
+        if self.findings.len() > MOST_FINDINGS {
+            return;
+        }
         let (site, role) = (event.site, event.role);
         let name = self.plan.roles.name(role, self.symbols);
         let (here, there, help) = match code {
@@ -332,6 +335,9 @@ impl Checker<'_> {
     /// A block that would have to be there, and is not.
     fn absent(&mut self, id: EventId, role: RoleId, state: State, consequence: &str) {
         self.plan.events[id.0 as usize].sound = false;
+        if self.findings.len() > MOST_FINDINGS {
+            return;
+        }
         let key = self.plan.roles.key(role);
         if self.doubtful.contains(&key.word) {
             return;

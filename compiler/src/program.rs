@@ -233,7 +233,19 @@ impl<'a> Input<'a> {
         );
         done(Stage::Expand);
         let incomplete = errors.iter().any(Finding::is_error);
-        let presence = presence::check(&mut plan, symbols, doubtful, &mut errors);
+        // What follows from a program that was not written out to its end would only confuse.
+        let cut_short = errors.iter().any(|finding| {
+            use crate::finding::Code;
+            matches!(
+                finding.code,
+                Code::ExpansionLimit | Code::RecursivePattern | Code::TooDeep | Code::TooManyErrors
+            )
+        });
+        let mut names = Vec::new();
+        let presence = presence::check(&mut plan, symbols, doubtful, &mut names);
+        if !cut_short {
+            errors.append(&mut names);
+        }
         done(Stage::Names);
         // What follows from a statement that could not be read would only confuse.
         let mut later = Vec::new();
@@ -260,7 +272,7 @@ impl<'a> Input<'a> {
             }
         }
         done(Stage::Compare);
-        if self.readable {
+        if self.readable && !cut_short {
             errors.append(&mut later);
         }
         let right = self.readable && !wrong(&errors) && !wrong(findings) && order.is_some();

@@ -60,6 +60,7 @@ impl Scenes {
     ) {
         // From the scene itself to the first one that is known or stands for itself.
         let mut line: Vec<(FileId, &Tree)> = Vec::new();
+        let mut passed = rustc_hash::FxHashSet::default();
         let mut base = None;
         let mut next = Some(name);
         while let Some(at) = next {
@@ -71,7 +72,7 @@ impl Scenes {
                 base = self.elsewhere(at, &line, symbols, findings);
                 break;
             };
-            if line.iter().any(|(_, seen)| seen.name.symbol == at) {
+            if !passed.insert(at) {
                 let mut finding = Finding::new(Code::UnknownScene, "scenes derived in a circle");
                 for (file, tree) in &line {
                     let span = tree.base.map_or(tree.name.span, |base| base.span);

@@ -1,7 +1,9 @@
 //! The text of the files of a program.
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use stochc_grammar::Span;
+
+use crate::finding::is_hostile;
 
 /// One of a program's files; an index into [`Sources`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -41,6 +43,8 @@ pub struct SourceFile {
     pub text: Arc<str>,
     /// Where its lines begin.
     lines: Vec<u32>,
+    /// The text as it can be shown, once it has been.
+    shown: OnceLock<Arc<str>>,
 }
 
 impl Sources {
@@ -55,6 +59,7 @@ impl Sources {
             name: name.into(),
             text,
             lines,
+            shown: OnceLock::new(),
         });
         FileId(self.files.len() as u32 - 1)
     }
@@ -88,6 +93,24 @@ impl SourceFile {
             .get(start..end)
             .map_or(end.saturating_sub(start), |before| before.chars().count());
         (line + 1, column + 1)
+    }
+
+    /// The text with harmless characters, of as many bytes, for those that act on a terminal.
+    pub(crate) fn shown(&self) -> &str {
+        let hostile = |c: char| is_hostile(c) && !matches!(c, '\n' | '\t');
+        self.shown.get_or_init(|| {
+            if !self.text.contains(hostile) {
+                return self.text.clone();
+            }
+            let harmless = |c: char| match c.len_utf8() {
+                _ if !hostile(c) => c,
+                1 if c == '\r' => ' ',
+                1 => '?',
+                2 => '\u{bf}',
+                _ => '\u{fffd}',
+            };
+            self.text.chars().map(harmless).collect::<String>().into()
+        })
     }
 
     /// The number of the line that holds a byte, from 0.

@@ -198,18 +198,29 @@ impl<'a> Expander<'a, '_> {
     fn step(&mut self, span: Span) -> bool {
         self.steps += 1;
         let most = self.limits;
-        let enough = self.findings.len() > MOST_FINDINGS;
-        if !enough && self.steps <= most.steps && self.plan.events.len() <= most.events {
+        let plan = &self.plan;
+        // What is written out beside the events takes memory as well.
+        let grown = (plan.events.len().max(plan.afters.len()))
+            .max(plan.roles.count())
+            .max(self.anonymous as usize);
+        let told = self.findings.len();
+        if self.steps <= most.steps && grown <= most.events && told < MOST_FINDINGS {
             return true;
         }
         self.exhausted = true;
-        if enough {
+        if told >= MOST_FINDINGS {
+            let title = format!("more than {MOST_FINDINGS} errors; the rest was not written out");
+            self.findings.push(
+                Finding::new(Code::TooManyErrors, title)
+                    .label(self.site(span), "writing out stopped here")
+                    .help("mend the errors above first"),
+            );
             return false;
         }
         let (count, what) = if self.steps > most.steps {
             (most.steps, "statements")
         } else {
-            (most.events, "captures and releases")
+            (most.events, "blocks, captures and releases")
         };
         let mut finding = Finding::new(
             Code::ExpansionLimit,

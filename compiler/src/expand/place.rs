@@ -181,6 +181,9 @@ impl Expander<'_, '_> {
             );
             return None;
         };
+        if ranged {
+            self.steps = self.steps.saturating_add(count);
+        }
         let mut keys = SmallVec::with_capacity(count);
         for number in 0..count as u64 {
             let mut rest = number;

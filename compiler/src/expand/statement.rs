@@ -21,6 +21,9 @@ impl<'a> Expander<'a, '_> {
         let mut face = head.and_then(|(_, face)| face);
         let mut parent_place = &chain.head;
         for link in &chain.links {
+            if self.exhausted || !self.step(link.place.span) {
+                return;
+            }
             let site = self.site(parent_place.span.to(link.place.span));
             match link.arrow {
                 Arrow::One => {

@@ -44,7 +44,7 @@ struct Picture<'a> {
     code: Option<&'static str>,
     severity: Severity,
     title: String,
-    help: Option<&'a str>,
+    help: Option<String>,
     excerpt: Option<Excerpt<'a>>,
     labels: Vec<LabeledSpan>,
     related: Vec<Picture<'a>>,
@@ -70,7 +70,7 @@ impl<'a> Picture<'a> {
             code: Some(finding.code.name()),
             severity: finding.code.severity(),
             title: visible(&finding.title),
-            help: finding.help.as_deref(),
+            help: finding.help.as_deref().map(visible),
             excerpt: home.map(|file| Excerpt(sources.file(file))),
             labels: home.map(part).unwrap_or_default(),
             related: elsewhere
@@ -95,15 +95,29 @@ fn labeled(label: &Label) -> LabeledSpan {
     LabeledSpan::new(Some(text), span.start as usize, span.len())
 }
 
-/// Keeps control characters and marks of writing direction from acting on the terminal.
-fn visible(text: &str) -> String {
-    let hostile = |c: char| {
-        c.is_control()
-            || matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
-    };
-    text.chars()
-        .map(|c| if hostile(c) { '\u{fffd}' } else { c })
-        .collect()
+/// Keeps control characters and marks of writing direction from acting on the terminal, and words
+/// of any length from filling it.
+pub fn visible(text: &str) -> String {
+    /// Characters of a word that are shown.
+    const LONGEST: usize = 100;
+    let mut out = String::with_capacity(text.len().min(1 << 10));
+    let mut length = 0;
+    for c in text.chars() {
+        length = if c.is_whitespace() { 0 } else { length + 1 };
+        match length {
+            0..LONGEST if is_hostile(c) && c != '\n' => out.push('\u{fffd}'),
+            0..LONGEST => out.push(c),
+            LONGEST => out.push_str("..."),
+            _ => {}
+        }
+    }
+    out
+}
+
+/// Whether a character acts on a terminal, or is not seen there.
+pub(crate) fn is_hostile(c: char) -> bool {
+    c.is_control()
+        || matches!(c, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}')
 }
 
 impl std::fmt::Display for Picture<'_> {
@@ -127,7 +141,7 @@ impl Diagnostic for Picture<'_> {
     }
 
     fn help<'b>(&'b self) -> Option<Box<dyn std::fmt::Display + 'b>> {
-        self.help.map(|help| Box::new(help) as Box<_>)
+        self.help.as_ref().map(|help| Box::new(help) as Box<_>)
     }
 
     fn source_code(&self) -> Option<&dyn SourceCode> {
@@ -165,14 +179,15 @@ impl SourceCode for Excerpt<'_> {
         /// Bytes of a span that are shown.
         const LONGEST: usize = 4000;
         let file = self.0;
-        let text = &file.text;
+        let text = file.shown();
         let from = span.offset().min(text.len());
         let to = (from + span.len().min(LONGEST)).min(text.len());
         let first = file.line_of(from as u32).saturating_sub(before);
         let last_byte = to.saturating_sub(usize::from(to > from));
         let last = (file.line_of(last_byte as u32) + after).min(file.line_count() - 1);
         let (line_start, _) = file.line_range(first);
-        let (_, line_end) = file.line_range(last);
+        // The span may end with its line's newline.
+        let line_end = file.line_range(last).1.max(to);
         let mut start = line_start;
         // Asked for no more than the span, miette wants to know where it begins.
         if before == 0 {

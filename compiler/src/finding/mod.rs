@@ -4,7 +4,8 @@ mod graphical;
 mod syntax;
 
 pub use code::{Code, Severity};
-pub use graphical::Renderer;
+pub(crate) use graphical::is_hostile;
+pub use graphical::{Renderer, visible};
 
 use crate::Site;
 
