@@ -93,7 +93,11 @@ fn cells(shape: &Shape, file: FileId, findings: &mut Vec<Finding>) -> Option<Vec
             findings.push(malformed(layer.span, "more cells than a shape may have"));
             return None;
         }
-        for z in if count == 0 { 1..=0 } else { low..=high } {
+        // A layer without rows may have any height.
+        if count == 0 {
+            continue;
+        }
+        for z in low..=high {
             for (i, row) in layer.rows.iter().enumerate() {
                 let north = (rows - 1 - i) as i32;
                 let blocks = row.cells.iter().enumerate().filter(|(_, block)| **block);
