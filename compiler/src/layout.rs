@@ -17,8 +17,9 @@ pub struct Layout {
     pub parents: Vec<Option<Attachment>>,
     /// Releases that empty a cell for a capture of the same phase.
     pub vacated: Vec<(EventId, EventId)>,
-    /// The cells above the plate that are taken at the end of each phase that claims a shape.
-    pub claimed: Vec<Vec<Cell>>,
+    /// For every phase, the cells above the plate that it empties for good, and then those that it
+    /// fills.
+    pub changes: Vec<(Vec<Cell>, Vec<Cell>)>,
     /// Blocks above the plate at the end of each phase.
     pub sizes: Vec<u32>,
     /// Releases of a parent, with those of its children that have to come first.
@@ -74,7 +75,7 @@ pub fn lay_out(
         cells: vec![None; count],
         parents: vec![None; count],
         vacated: Vec::new(),
-        claimed: Vec::new(),
+        changes: Vec::new(),
         sizes: Vec::new(),
         emptied: Vec::new(),
     };
@@ -136,7 +137,7 @@ impl Surveyor<'_> {
             }
         }
         self.adrift(&events, &leaving, &arrivals);
-        self.settle(&events, &leaving, number);
+        self.settle(&events, &leaving);
     }
 
     /// The cells of the phase's captures; whoever takes a cell first.
@@ -379,7 +380,8 @@ impl Surveyor<'_> {
     }
 
     /// The structure at the end of the phase.
-    fn settle(&mut self, events: &[EventId], leaving: &FxHashMap<RoleId, EventId>, number: usize) {
+    fn settle(&mut self, events: &[EventId], leaving: &FxHashMap<RoleId, EventId>) {
+        let (mut emptied, mut filled) = (Vec::new(), Vec::new());
         for &id in events {
             let event = *self.plan.event(id);
             if event.sound
@@ -388,6 +390,7 @@ impl Surveyor<'_> {
                 && let Some(seat) = self.seats[event.role.0 as usize].take()
             {
                 self.taken.remove(&seat.cell);
+                emptied.push(seat.cell);
             }
         }
         for &id in events {
@@ -401,6 +404,7 @@ impl Surveyor<'_> {
             });
             if event.sound && !gone_again {
                 self.taken.insert(cell, event.role);
+                filled.push(cell);
                 self.seats[event.role.0 as usize] = Some(Seat {
                     cell,
                     on: self.layout.parents[i],
@@ -410,11 +414,6 @@ impl Surveyor<'_> {
         self.layout
             .sizes
             .push((self.taken.len() - self.plan.seeds.len().min(self.taken.len())) as u32);
-        let mut cells = Vec::new();
-        if !self.plan.phases[number].claims.is_empty() {
-            cells.extend(self.taken.keys().copied().filter(|cell| cell.z >= 1));
-            cells.sort_unstable();
-        }
-        self.layout.claimed.push(cells);
+        self.layout.changes.push((emptied, filled));
     }
 }

@@ -96,7 +96,7 @@ impl Scenes {
     }
 
     fn elsewhere(
-        &self,
+        &mut self,
         name: Symbol,
         line: &[(FileId, &Tree)],
         symbols: &Symbols,
@@ -104,8 +104,9 @@ impl Scenes {
     ) -> Option<Scene> {
         let word = symbols.word(name);
         let scene = built_in(word);
-        if scene.is_none()
-            && let Some((file, tree)) = line.last()
+        if scene.is_some() {
+            self.read.insert(name, scene.clone());
+        } else if let Some((file, tree)) = line.last()
             && let Some(base) = tree.base
         {
             findings.push(self.unknown(base, *file, symbols));
@@ -143,6 +144,7 @@ impl Scenes {
         let mut known: Vec<&str> = self.read.keys().map(|&scene| symbols.word(scene)).collect();
         known.extend(BUILT_IN.iter().map(|(name, _)| *name));
         known.sort_unstable();
+        known.dedup();
         let help =
             suggest(word, &known).unwrap_or_else(|| format!("known are {}", known.join(", ")));
         Finding::new(Code::UnknownScene, format!("no scene is called `{word}`"))

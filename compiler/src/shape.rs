@@ -1,9 +1,9 @@
 //! Claimed shapes against built ones.
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 use stochc_grammar::tree::{Entry, Expr, ExprKind, Operator, Shape};
 use stochc_grammar::{Symbol, Symbols};
 
-use crate::finding::{Code, Finding};
+use crate::finding::{Code, Finding, MOST_FINDINGS, tell};
 use crate::layout::Layout;
 use crate::plan::Plan;
 use crate::suggest::suggest;
@@ -20,32 +20,46 @@ pub fn check(
     symbols: &Symbols,
     findings: &mut Vec<Finding>,
 ) {
-    for (phase, built) in plan.phases.iter().zip(&layout.claimed) {
+    // Sorted, or `None` for what is no shape.
+    let mut known: FxHashMap<Symbol, Option<Vec<Cell>>> = FxHashMap::default();
+    let mut built: FxHashSet<Cell> = FxHashSet::default();
+    for (phase, (emptied, filled)) in plan.phases.iter().zip(&layout.changes) {
+        for cell in emptied {
+            built.remove(cell);
+        }
+        built.extend(filled);
         for &(name, site) in &phase.claims {
             let word = symbols.word(name);
             let Some(&(file, shape)) = shapes.get(&name) else {
                 let known = shapes.keys().map(|&known| symbols.word(known));
                 let help = suggest(word, known)
                     .unwrap_or_else(|| format!("declare it: `shape {word} {{ layer 1 {{ # }} }}`"));
-                findings.push(
+                tell(
+                    findings,
                     Finding::new(Code::UnknownName, format!("no shape is called `{word}`"))
                         .label(site, "not known here")
                         .help(help),
                 );
                 continue;
             };
-            let Some(mut claimed) = cells(shape, file, findings) else {
+            let claimed = known.entry(name).or_insert_with(|| {
+                let mut claimed = cells(shape, file, findings)?;
+                claimed.sort_unstable();
+                claimed.dedup();
+                Some(claimed)
+            });
+            let Some(claimed) = claimed else { continue };
+            let is_built = || claimed.iter().all(|cell| built.contains(cell));
+            if (claimed.len() == built.len() && is_built()) || findings.len() > MOST_FINDINGS {
                 continue;
-            };
-            claimed.sort_unstable();
-            claimed.dedup();
-            if claimed != *built {
-                let declared = Site {
-                    file,
-                    span: shape.name.span,
-                };
-                findings.push(difference(word, site, declared, &claimed, built));
             }
+            let mut built: Vec<Cell> = built.iter().copied().collect();
+            built.sort_unstable();
+            let declared = Site {
+                file,
+                span: shape.name.span,
+            };
+            tell(findings, difference(word, site, declared, claimed, &built));
         }
     }
 }

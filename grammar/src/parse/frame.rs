@@ -36,7 +36,7 @@ impl Mode {
     pub const fn window(self) -> usize {
         match self {
             Mode::Block => 1 << 15,
-            Mode::Scene | Mode::Shape => 1 << 10,
+            Mode::Scene | Mode::Shape => 1 << 8,
         }
     }
 }
