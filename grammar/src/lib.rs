@@ -2,7 +2,7 @@
 //!
 //! [`parse`] turns the text of one file into a [`tree::Tree`] and a list of [`SyntaxError`]s; it
 //! always gives both, and neither the size nor the nesting of the text can exhaust the stack.
-//! [`print`] turns a tree into text that parses to the same tree. The grammar itself is
+//! [`print()`] turns a tree into text that parses to the same tree. The grammar itself is
 //! `src/sa.pest`; no other crate names a rule of it.
 mod error;
 mod face;

@@ -205,7 +205,7 @@ impl Timeout {
         }
     }
 
-    /// In ticks of a clock [s], at least one.
+    /// In ticks of a clock \[s\], at least one.
     pub fn ticks(self, tick: f64) -> u64 {
         match self {
             Timeout::Ticks(ticks) => ticks,
