@@ -24,6 +24,32 @@ const CLAUSES: [&str; 9] = [
     "messages",
 ];
 
+/// The words inside of clauses.
+const WORDS: [&str; 22] = [
+    "cube",
+    "side",
+    "mass",
+    "faces",
+    "uniform",
+    "hemisphere",
+    "radius",
+    "wall",
+    "kicks",
+    "speed",
+    "rate",
+    "restitution",
+    "friction",
+    "attract",
+    "pull",
+    "align",
+    "anchor",
+    "centres",
+    "gap",
+    "within",
+    "tilt",
+    "hop",
+];
+
 /// A scene under construction: what has been said so far.
 #[derive(Default)]
 struct Draft {
@@ -392,6 +418,24 @@ impl<'a> Reader<'a, '_> {
             return Some(value);
         }
         let title = format!("expected {}", dimension.noun());
+        if let (Dimension::NUMBER, Some(&&Term::Word(name))) = (found, self.terms.peek())
+            && name.span.start <= quantity.span.end + 1
+            && !CLAUSES.contains(&self.word_of(name))
+            && !WORDS.contains(&self.word_of(name))
+        {
+            self.terms.next();
+            let label = format!("`{}` is no unit", self.word_of(name));
+            let help = "units are those of the SI, with prefixes such as `m` and `k`, and min, h, \
+                        L, rev, deg and ticks";
+            self.tell(
+                Code::WrongDimension,
+                title,
+                name.span,
+                &label,
+                help.to_owned(),
+            );
+            return None;
+        }
         let label = match found {
             Dimension::NUMBER => "has no unit".to_owned(),
             other => match other.noun() {
