@@ -7,7 +7,7 @@ use super::{
     Agitation, Anchor, Arrangement, Block, Bond, Contact, Drag, Enclosure, Free, Measure, Messages,
     Reach, Scene,
 };
-use crate::finding::{Code, Finding};
+use crate::finding::{Code, Finding, tell};
 use crate::suggest::suggest;
 use crate::{FileId, Site};
 
@@ -126,7 +126,8 @@ pub fn read(
                 file,
                 span: scene.name.span,
             };
-            findings.push(
+            tell(
+                findings,
                 Finding::new(Code::MissingTerm, format!("a scene without `{clause}`"))
                     .label(site, "says nothing of it")
                     .help(format!("add `{example}`")),
@@ -311,7 +312,7 @@ impl<'a> Reader<'a, '_> {
             let finding = Finding::new(Code::MissingTerm, format!("`{word}` without its braces"))
                 .label(self.site(clause.span), "what of it?")
                 .help(format!("write `{word} ... {{ {} }}`", known.join(" ... ")));
-            self.findings.push(finding);
+            tell(self.findings, finding);
             return;
         };
         self.terms.next();
@@ -334,7 +335,7 @@ impl<'a> Reader<'a, '_> {
                 let finding =
                     Finding::new(Code::MissingTerm, format!("`{word}` without `{field}`"))
                         .label(self.site(clause.span), format!("needs `{field}`"));
-                self.findings.push(finding);
+                tell(self.findings, finding);
             }
         }
         self.place = *span;
@@ -406,7 +407,8 @@ impl<'a> Reader<'a, '_> {
         }
         let here = self.terms.peek().map_or(self.place, |term| span(term));
         let title = format!("expected {}", dimension.noun());
-        self.findings.push(
+        tell(
+            self.findings,
             Finding::new(Code::MissingTerm, title).label(self.site(here), "a value belongs here"),
         );
         None
@@ -444,8 +446,10 @@ impl<'a> Reader<'a, '_> {
             },
         };
         let site = self.site(quantity.span);
-        self.findings
-            .push(Finding::new(Code::WrongDimension, title).label(site, label));
+        tell(
+            self.findings,
+            Finding::new(Code::WrongDimension, title).label(site, label),
+        );
         None
     }
 
@@ -467,8 +471,10 @@ impl<'a> Reader<'a, '_> {
         };
         let site = self.site(quantity.span);
         let title = "a value out of its range";
-        self.findings
-            .push(Finding::new(Code::WrongValue, title).label(site, rule));
+        tell(
+            self.findings,
+            Finding::new(Code::WrongValue, title).label(site, rule),
+        );
         None
     }
 
@@ -483,7 +489,8 @@ impl<'a> Reader<'a, '_> {
             return Some(value);
         }
         let site = self.site(quantity.span);
-        self.findings.push(
+        tell(
+            self.findings,
             Finding::new(Code::WrongValue, "a value out of its range").label(
                 site,
                 format!("must be a whole number from {least} to {most}"),
@@ -504,7 +511,8 @@ impl<'a> Reader<'a, '_> {
             return Some((low, high));
         }
         let site = self.site(first.span.to(last.span));
-        self.findings.push(
+        tell(
+            self.findings,
             Finding::new(Code::WrongValue, "a range that is empty or negative")
                 .label(site, "from small to large, and not below 0"),
         );
@@ -518,15 +526,17 @@ impl<'a> Reader<'a, '_> {
                 .label(self.site(name.span), "again")
                 .label(self.site(old.span), "first said here")
                 .help("remove one of the two");
-            self.findings.push(finding);
+            tell(self.findings, finding);
         }
         seen.push(name);
     }
 
     fn tell(&mut self, code: Code, title: String, span: Span, label: &str, help: String) {
         let site = self.site(span);
-        self.findings
-            .push(Finding::new(code, title).label(site, label).help(help));
+        tell(
+            self.findings,
+            Finding::new(code, title).label(site, label).help(help),
+        );
     }
 
     fn word_of(&self, name: Name) -> &'a str {
