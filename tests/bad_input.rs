@@ -728,3 +728,65 @@ fn what_grows_with_the_program_grows_in_proportion() {
         Limits::default(),
     );
 }
+
+/// Files of a hundred megabytes: right, in one line, and garbage.
+#[test]
+#[ignore = "takes minutes and 8 GB without optimization; run it by hand in release mode"]
+fn files_of_a_hundred_megabytes_are_answered() {
+    const SIZE: usize = 100_000_000;
+    let head = "scene wide from hemisphere { free 10000000 uniform \
+                enclosure hemisphere { radius 10000000m wall 25 N/m } } \
+                assembly a in wide { seed plate 1 x 1 { T[0] at (0, 0) } phase p { ";
+    for end in ["\n", " "] {
+        let mut text = head.to_owned();
+        for i in 0.. {
+            if text.len() >= SIZE {
+                break;
+            }
+            let _ = write!(text, "T[{i}].up -> T[{}]{end}", i + 1);
+        }
+        text.push_str("} }");
+        let checked = run(text.as_bytes(), Limits::default());
+        assert!(!checked.has_errors(), "{:?}", checked.findings);
+    }
+    for sign in [
+        "{",
+        "}",
+        "a",
+        "! a\n",
+        "\0",
+        "// c\n",
+        "/// c\n",
+        "#",
+        "let n = 1\n",
+    ] {
+        let text = sign.repeat(SIZE / sign.len());
+        let checked = run(text.as_bytes(), Limits::default());
+        assert_eq!(checked.has_errors(), sign != "// c\n", "{sign}");
+    }
+}
+
+#[test]
+fn mistakes_in_declarations_are_told_a_bounded_number_of_times() {
+    for one in [
+        "import \"x.sa\" import \"y%.sa\"\n",
+        "pattern p() { }\n",
+        "shape s { }\n",
+        "scene s from t { }\n",
+        "scene s% from t { }\n",
+        "scene s% { tick 1 m tick }\n",
+        "let n = 1\n",
+    ] {
+        let text: String = (0..20_000)
+            .map(|i| one.replace('%', &i.to_string()))
+            .collect();
+        let text = format!("{text}{}", program("A.up -> B"));
+        let checked = run(text.as_bytes(), Limits::default());
+        assert!(checked.has_errors(), "{one}");
+        assert!(
+            checked.findings.len() <= 2_100,
+            "{one}: {}",
+            checked.findings.len()
+        );
+    }
+}

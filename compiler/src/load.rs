@@ -3,7 +3,7 @@ use rustc_hash::FxHashMap;
 use stochc_grammar::tree::{ItemKind, Tree};
 use stochc_grammar::{Span, Symbol, Symbols, parse};
 
-use crate::finding::{Code, Finding};
+use crate::finding::{Code, Finding, tell};
 use crate::{FileId, Site, Sources};
 
 /// Reads files for the compiler, which does no IO of its own.
@@ -112,12 +112,13 @@ impl Loader<'_> {
             Err(reason) => {
                 self.state.insert(path.clone(), State::Done);
                 let finding = Finding::new(Code::ImportMissing, format!("cannot read `{path}`"));
-                self.findings.push(match importer {
+                let finding = match importer {
                     Some(site) => finding
                         .label(site, reason)
                         .help("the path is relative to the file that imports it"),
                     None => finding.help(reason),
-                });
+                };
+                tell(self.findings, finding);
                 return None;
             }
         };

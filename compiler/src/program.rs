@@ -4,7 +4,7 @@ use stochc_grammar::Symbols;
 use stochc_grammar::tree::{Assembly, ItemKind, Tree};
 
 use crate::expand::{Declarations, Limits, duplicate, expand};
-use crate::finding::{Code, Finding};
+use crate::finding::{Code, Finding, tell};
 use crate::graph::{self, DependencyGraph};
 use crate::layout::Layout;
 use crate::load::{Loaded, Module, Reader, load};
@@ -142,7 +142,7 @@ fn programs(
         };
         if let Some(old) = seen.insert(assembly.name.symbol, site) {
             let name = symbols.word(assembly.name.symbol);
-            findings.push(duplicate(name, old, site, "an assembly"));
+            tell(findings, duplicate(name, old, site, "an assembly"));
         }
         let scene = scenes.get(assembly.scene, own.file, symbols, findings);
         let input = Input {
@@ -197,7 +197,10 @@ fn declarations<'a>(
                     file,
                     span: name.span,
                 };
-                findings.push(duplicate(symbols.word(name.symbol), old, new, item.noun()));
+                tell(
+                    findings,
+                    duplicate(symbols.word(name.symbol), old, new, item.noun()),
+                );
             }
         }
     }

@@ -3,7 +3,7 @@ use rustc_hash::FxHashMap;
 use stochc_grammar::tree::{ItemKind, Name, Scene as Tree};
 use stochc_grammar::{Symbol, Symbols};
 
-use crate::finding::{Code, Finding};
+use crate::finding::{Code, Finding, tell};
 use crate::load::Module;
 use crate::scene::{BUILT_IN, DEFAULT, Scene, built_in, read};
 use crate::suggest::suggest;
@@ -34,7 +34,10 @@ impl Scenes {
                         span: old.name.span,
                     };
                     let word = symbols.word(scene.name.symbol);
-                    findings.push(crate::expand::duplicate(word, old, here, "a scene"));
+                    tell(
+                        findings,
+                        crate::expand::duplicate(word, old, here, "a scene"),
+                    );
                     continue;
                 }
                 declared.insert(scene.name.symbol, (module.file, scene));
@@ -109,7 +112,7 @@ impl Scenes {
         } else if let Some((file, tree)) = line.last()
             && let Some(base) = tree.base
         {
-            findings.push(self.unknown(base, *file, symbols));
+            tell(findings, self.unknown(base, *file, symbols));
         }
         scene
     }
@@ -127,7 +130,7 @@ impl Scenes {
         };
         let scene = self.read_or_built_in(Some(name.symbol), symbols.word(name.symbol));
         if scene.is_none() && !self.read.contains_key(&name.symbol) {
-            findings.push(self.unknown(name, file, symbols));
+            tell(findings, self.unknown(name, file, symbols));
         }
         scene
     }

@@ -18,6 +18,8 @@ pub enum SyntaxErrorKind {
         found: String,
         /// What could have stood here, in the language's own words; empty: nothing of the language.
         expected: Vec<&'static str>,
+        /// The first word of the statement, if it is all of it that could be read; else empty.
+        behind: String,
     },
     /// A block without its closing brace; the span is its opening one.
     Unclosed,

@@ -9,7 +9,7 @@ use rustc_hash::FxHashMap;
 use stochc_grammar::tree::{Assembly, Item, ItemKind, Pattern, Phase, Shape};
 use stochc_grammar::{Span, Symbol, Symbols};
 
-use crate::finding::{Code, Finding, MOST_FINDINGS};
+use crate::finding::{Code, Finding, MOST_FINDINGS, tell};
 use crate::plan::{Plan, PlanPhase, Roles, Timeout};
 use crate::table::Plate;
 use crate::{FileId, Site};
@@ -276,7 +276,7 @@ impl<'a> Expander<'a, '_> {
     fn define(&mut self, name: Symbol, value: Value, site: Site) {
         if let Some(old) = self.scope.define(name, value, site) {
             let finding = duplicate(self.symbols.word(name), old, site, "a `let`");
-            self.findings.push(finding);
+            tell(self.findings, finding);
         }
     }
 

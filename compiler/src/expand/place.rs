@@ -7,6 +7,7 @@ use super::Expander;
 use super::scope::Value;
 use crate::finding::{Code, Finding};
 use crate::plan::Key;
+use crate::suggest::suggest;
 use crate::table::RoleId;
 
 /// A place, worked out.
@@ -34,8 +35,8 @@ impl Expander<'_, '_> {
         }
         let (last, outer) = path.split_last()?;
         let mut scope = self.scope.instance;
-        for segment in outer {
-            scope = self.instance_scope(scope, segment)?;
+        for (i, segment) in outer.iter().enumerate() {
+            scope = self.instance_scope(scope, segment, &path[i + 1])?;
         }
         if outer.is_empty()
             && let Some(value) = self.scope.get(last.name.symbol)
@@ -98,8 +99,8 @@ impl Expander<'_, '_> {
         keys.first().copied()
     }
 
-    /// The inside of a named instance.
-    fn instance_scope(&mut self, scope: u32, segment: &Segment) -> Option<u32> {
+    /// The inside of a named instance, of which `next` is spoken.
+    fn instance_scope(&mut self, scope: u32, segment: &Segment, next: &Segment) -> Option<u32> {
         let (keys, ranged) = self.keys(scope, segment)?;
         let key = *keys.first()?;
         let found = self.plan.roles.scope(&key);
@@ -107,7 +108,20 @@ impl Expander<'_, '_> {
             return Some(inside);
         }
         let word = self.symbols.word(segment.name.symbol);
-        let finding = if ranged {
+        let faces = Face::ALL.map(Face::word);
+        let wanted = self.symbols.word(next.name.symbol);
+        let meant = suggest(wanted, faces);
+        let is_block = self.plan.roles.get(&key).is_some();
+        let finding = if !ranged && next.index.is_none() && (is_block || meant.is_some()) {
+            Finding::new(
+                Code::UnknownName,
+                format!("`{wanted}` is no face of `{word}`"),
+            )
+            .label(self.site(next.name.span), "not known here")
+            .help(meant.unwrap_or_else(|| {
+                "the faces are up, down, north, south, east and west".to_owned()
+            }))
+        } else if ranged {
             Finding::new(Code::RangeMisused, "a range of instances")
                 .label(self.site(segment.name.span), "one instance is needed here")
                 .help("go through the instances with a loop")

@@ -4,6 +4,7 @@ use stochc_grammar::{
 };
 
 use super::{Code, Finding};
+use crate::suggest::suggest;
 use crate::{FileId, Site};
 
 impl Finding {
@@ -14,7 +15,11 @@ impl Finding {
             span: error.span,
         };
         match &error.kind {
-            K::Unexpected { found, expected } => unexpected(site, found, expected),
+            K::Unexpected {
+                found,
+                expected,
+                behind,
+            } => unexpected(site, found, expected, behind),
             K::Unclosed => Finding::new(Code::UnclosedBrace, "a block is not closed")
                 .label(site, "opened here")
                 .help("write `}` where the block ends"),
@@ -30,7 +35,15 @@ impl Finding {
                 format!("{what} does not belong in {within}"),
             )
             .label(site, format!("{what}, in {within}"))
-            .help(format!("it belongs in {belongs}")),
+            .help(match *within {
+                // Where one stands in the other, the first has probably been left open.
+                "a phase" | "a seed plate"
+                    if what.starts_with("a phase") || what.starts_with("a seed plate") =>
+                {
+                    format!("it belongs in {belongs}: is the `}}` of {within} missing before it?")
+                }
+                _ => format!("it belongs in {belongs}"),
+            }),
             K::ReservedWord { word } => Finding::new(
                 Code::ReservedWord,
                 format!("`{word}` is a word of the language"),
@@ -76,27 +89,60 @@ impl Finding {
     }
 }
 
-fn unexpected(site: Site, found: &str, expected: &[&str]) -> Finding {
+fn unexpected(site: Site, found: &str, expected: &[&str], behind: &str) -> Finding {
     if found.starts_with('\u{feff}') {
         return Finding::new(Code::Syntax, "a byte-order mark")
             .label(site, "an invisible sign of three bytes")
             .help("save the file as UTF-8 without a byte-order mark");
     }
     let list = alternatives(expected);
-    let found = match found {
+    let shown = match found {
         "" => "the end of the file".to_owned(),
         word => format!("`{}`", visible(word)),
     };
     let title = match list.as_str() {
-        "" => format!("did not expect {found}"),
-        list => format!("expected {list}, found {found}"),
+        "" => format!("did not expect {shown}"),
+        list => format!("expected {list}, found {shown}"),
     };
     let label = if expected.is_empty() {
         "not part of the language"
     } else {
         "here"
     };
-    Finding::new(Code::Syntax, title).label(site, label)
+    let finding = Finding::new(Code::Syntax, title).label(site, label);
+    match advice(found, expected, behind) {
+        Some(help) => finding.help(help),
+        None => finding,
+    }
+}
+
+/// What to do about the most frequent slips.
+fn advice(found: &str, expected: &[&str], behind: &str) -> Option<String> {
+    /// Words that begin something.
+    const FIRST: [&str; 12] = [
+        "assembly", "for", "import", "layer", "let", "pattern", "phase", "release", "scene",
+        "seed", "shape", "yields",
+    ];
+    let is_expected = |sign: &str| expected.contains(&sign);
+    if is_expected("`->`") && !behind.is_empty() && !FIRST.contains(&behind) {
+        return Some(suggest(behind, FIRST).unwrap_or_else(|| {
+            let behind = visible(behind);
+            format!("`{behind}` alone is no statement: is a comma or a brace missing before it?")
+        }));
+    }
+    let help = match found {
+        ";" => "remove it: nothing stands between two statements",
+        "/" => "a comment runs from `//` to the end of its line",
+        "#" if !is_expected("a row of `#` and `.`") => {
+            "a comment runs from `//` to the end of its line"
+        }
+        "\"" | "'" => "a file name stands between two `\"`, in one line",
+        "=" | "-" | "\u{2192}" | "\u{2013}" | "\u{2014}" if is_expected("`->`") => {
+            "an arrow is written `->`, and `->>` for a row of blocks"
+        }
+        _ => return None,
+    };
+    Some(help.to_owned())
 }
 
 /// Spells out what would not be seen, such as a character without width.

@@ -7,7 +7,7 @@ use super::{
     Agitation, Anchor, Arrangement, Block, Bond, Contact, Drag, Enclosure, Free, Measure, Messages,
     Reach, Scene,
 };
-use crate::finding::{Code, Finding};
+use crate::finding::{Code, Finding, tell};
 use crate::suggest::suggest;
 use crate::{FileId, Site};
 
@@ -22,6 +22,32 @@ const CLAUSES: [&str; 9] = [
     "contact",
     "bond",
     "messages",
+];
+
+/// The words inside of clauses.
+const WORDS: [&str; 22] = [
+    "cube",
+    "side",
+    "mass",
+    "faces",
+    "uniform",
+    "hemisphere",
+    "radius",
+    "wall",
+    "kicks",
+    "speed",
+    "rate",
+    "restitution",
+    "friction",
+    "attract",
+    "pull",
+    "align",
+    "anchor",
+    "centres",
+    "gap",
+    "within",
+    "tilt",
+    "hop",
 ];
 
 /// A scene under construction: what has been said so far.
@@ -100,7 +126,8 @@ pub fn read(
                 file,
                 span: scene.name.span,
             };
-            findings.push(
+            tell(
+                findings,
                 Finding::new(Code::MissingTerm, format!("a scene without `{clause}`"))
                     .label(site, "says nothing of it")
                     .help(format!("add `{example}`")),
@@ -285,7 +312,7 @@ impl<'a> Reader<'a, '_> {
             let finding = Finding::new(Code::MissingTerm, format!("`{word}` without its braces"))
                 .label(self.site(clause.span), "what of it?")
                 .help(format!("write `{word} ... {{ {} }}`", known.join(" ... ")));
-            self.findings.push(finding);
+            tell(self.findings, finding);
             return;
         };
         self.terms.next();
@@ -308,7 +335,7 @@ impl<'a> Reader<'a, '_> {
                 let finding =
                     Finding::new(Code::MissingTerm, format!("`{word}` without `{field}`"))
                         .label(self.site(clause.span), format!("needs `{field}`"));
-                self.findings.push(finding);
+                tell(self.findings, finding);
             }
         }
         self.place = *span;
@@ -380,7 +407,8 @@ impl<'a> Reader<'a, '_> {
         }
         let here = self.terms.peek().map_or(self.place, |term| span(term));
         let title = format!("expected {}", dimension.noun());
-        self.findings.push(
+        tell(
+            self.findings,
             Finding::new(Code::MissingTerm, title).label(self.site(here), "a value belongs here"),
         );
         None
@@ -392,6 +420,24 @@ impl<'a> Reader<'a, '_> {
             return Some(value);
         }
         let title = format!("expected {}", dimension.noun());
+        if let (Dimension::NUMBER, Some(&&Term::Word(name))) = (found, self.terms.peek())
+            && name.span.start <= quantity.span.end + 1
+            && !CLAUSES.contains(&self.word_of(name))
+            && !WORDS.contains(&self.word_of(name))
+        {
+            self.terms.next();
+            let label = format!("`{}` is no unit", self.word_of(name));
+            let help = "units are those of the SI, with prefixes such as `m` and `k`, and min, h, \
+                        L, rev, deg and ticks";
+            self.tell(
+                Code::WrongDimension,
+                title,
+                name.span,
+                &label,
+                help.to_owned(),
+            );
+            return None;
+        }
         let label = match found {
             Dimension::NUMBER => "has no unit".to_owned(),
             other => match other.noun() {
@@ -400,8 +446,10 @@ impl<'a> Reader<'a, '_> {
             },
         };
         let site = self.site(quantity.span);
-        self.findings
-            .push(Finding::new(Code::WrongDimension, title).label(site, label));
+        tell(
+            self.findings,
+            Finding::new(Code::WrongDimension, title).label(site, label),
+        );
         None
     }
 
@@ -423,8 +471,10 @@ impl<'a> Reader<'a, '_> {
         };
         let site = self.site(quantity.span);
         let title = "a value out of its range";
-        self.findings
-            .push(Finding::new(Code::WrongValue, title).label(site, rule));
+        tell(
+            self.findings,
+            Finding::new(Code::WrongValue, title).label(site, rule),
+        );
         None
     }
 
@@ -439,7 +489,8 @@ impl<'a> Reader<'a, '_> {
             return Some(value);
         }
         let site = self.site(quantity.span);
-        self.findings.push(
+        tell(
+            self.findings,
             Finding::new(Code::WrongValue, "a value out of its range").label(
                 site,
                 format!("must be a whole number from {least} to {most}"),
@@ -460,7 +511,8 @@ impl<'a> Reader<'a, '_> {
             return Some((low, high));
         }
         let site = self.site(first.span.to(last.span));
-        self.findings.push(
+        tell(
+            self.findings,
             Finding::new(Code::WrongValue, "a range that is empty or negative")
                 .label(site, "from small to large, and not below 0"),
         );
@@ -474,15 +526,17 @@ impl<'a> Reader<'a, '_> {
                 .label(self.site(name.span), "again")
                 .label(self.site(old.span), "first said here")
                 .help("remove one of the two");
-            self.findings.push(finding);
+            tell(self.findings, finding);
         }
         seen.push(name);
     }
 
     fn tell(&mut self, code: Code, title: String, span: Span, label: &str, help: String) {
         let site = self.site(span);
-        self.findings
-            .push(Finding::new(code, title).label(site, label).help(help));
+        tell(
+            self.findings,
+            Finding::new(code, title).label(site, label).help(help),
+        );
     }
 
     fn word_of(&self, name: Name) -> &'a str {

@@ -18,7 +18,11 @@ impl Parser<'_, '_> {
         if self.mode() != Mode::Block {
             return self.scene_or_shape_piece(pair, base);
         }
-        let span = span_of(&pair, base);
+        let mut span = span_of(&pair, base);
+        // Blanks before an `after` that is not there are no part of the statement.
+        if let Some(last) = pair.clone().into_inner().next_back() {
+            span.end = span_of(&last, base).end;
+        }
         let rule = pair.as_rule();
         let kind = match rule {
             Rule::chain => ItemKind::Chain(self.chain(pair, base)),

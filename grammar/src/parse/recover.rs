@@ -1,6 +1,6 @@
 //! Going on behind a broken statement.
 use super::frame::{Content, Mode};
-use super::window::{Cause, Unreadable};
+use super::window::{self, Cause, Unreadable};
 use super::{Parser, trivia, words};
 use crate::Span;
 use crate::error::SyntaxErrorKind;
@@ -10,10 +10,15 @@ impl Parser<'_, '_> {
     /// Tells of a piece that cannot be read and skips it: to the end of its line, or to a brace.
     pub fn recover(&mut self, error: Unreadable) {
         let start = self.at;
+        let error = window::sharpen(self.text, start, error);
         let at = error.at.max(start);
         self.tell(&error, start, at);
         self.docs.clear();
-        let (end, brace) = self.end_of_piece(at);
+        // A word alone is all of what is wrong: the next line may be right.
+        let (end, brace) = self.end_of_piece(
+            self.lone_word(start, at)
+                .map_or(at, |word| start + word.len()),
+        );
         self.doubt(start, end);
         self.at = end;
         if brace {
@@ -46,6 +51,7 @@ impl Parser<'_, '_> {
                     }
                     expected
                 },
+                behind: self.lone_word(start, at).unwrap_or_default().to_owned(),
             },
         };
         self.error(kind, span);
@@ -57,6 +63,13 @@ impl Parser<'_, '_> {
         let symbol = self.symbols.get(word);
         symbol.is_some_and(|symbol| self.symbols.is_reserved(symbol))
             && trivia::skip(self.text, start + word.len()) >= at
+    }
+
+    /// The first word of a piece, if what is wrong stands right behind it.
+    fn lone_word(&self, start: usize, at: usize) -> Option<&str> {
+        let first = words::found(self.text, start);
+        let is_alone = at > start && trivia::skip(self.text, start + first.len()) == at;
+        is_alone.then_some(first)
     }
 
     /// Where the next piece may begin, and whether a brace has been opened just before.

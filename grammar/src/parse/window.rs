@@ -8,7 +8,7 @@ use pest::error::{Error, ErrorVariant, InputLocation};
 use pest::iterators::{Pair, Pairs};
 
 use super::frame::Mode;
-use super::{MAX_STATEMENT, Rule, SaParser, trivia};
+use super::{MAX_STATEMENT, Rule, SaParser, trivia, words};
 
 /// What a window gave.
 pub enum Read<'t> {
@@ -133,6 +133,23 @@ fn explain(window: &str, base: usize, mode: Mode) -> Unreadable {
             cause: Cause::Word,
         },
         Err(error) => unreadable(&error, base),
+    }
+}
+
+/// What is wrong with an index or an `after` that follows a statement: without it, that is whole.
+pub fn sharpen(text: &str, base: usize, error: Unreadable) -> Unreadable {
+    const MOST: usize = 1 << 12;
+    let window = &text[base..cut(text, base.saturating_add(MOST))];
+    let rule = if window.starts_with('[') {
+        Rule::index
+    } else if words::found(text, base) == "after" {
+        Rule::after
+    } else {
+        return error;
+    };
+    match SaParser::parse(rule, window) {
+        Err(inner) if error.cause == Cause::Word => unreadable(&inner, base),
+        _ => error,
     }
 }
 
