@@ -20,6 +20,29 @@ pub struct Finding {
     pub labels: Vec<Label>,
     /// What to do next.
     pub help: Option<String>,
+    /// A change of the text that mends it.
+    pub fix: Option<Fix>,
+}
+
+/// A change of the text that mends a finding.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Fix {
+    /// What it does, as a command: `add an \`after\``.
+    pub title: String,
+    /// The changes, which do not overlap.
+    pub edits: Vec<Edit>,
+    /// Whether the program surely means the same afterwards, or is right where it was wrong in one
+    /// way only; what is not safe is shown, and never applied unasked.
+    pub safe: bool,
+}
+
+/// A piece of text that takes the place of another.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Edit {
+    /// What goes; empty: an insertion.
+    pub site: Site,
+    /// What comes.
+    pub text: String,
 }
 
 /// A place with its part in the message.
@@ -56,6 +79,7 @@ impl Finding {
             title: title.into(),
             labels: Vec::new(),
             help: None,
+            fix: None,
         }
     }
 
@@ -73,6 +97,13 @@ impl Finding {
     #[must_use]
     pub fn help(mut self, text: impl Into<String>) -> Finding {
         self.help = Some(text.into());
+        self
+    }
+
+    /// Says how the text can be mended.
+    #[must_use]
+    pub fn fix(mut self, fix: Fix) -> Finding {
+        self.fix = Some(fix);
         self
     }
 
