@@ -251,3 +251,14 @@ fn the_verdict_is_that_of_the_whole_grammar() {
         }
     }
 }
+
+#[test]
+fn a_range_of_values_goes_on_behind_a_window() {
+    // A value as long as the first window, and its `..` at the end of a line.
+    for length in 200..300 {
+        let zeros = "0".repeat(length);
+        let text = format!("scene s {{ speed 0.{zeros}1 ..\n 4 m/s }}");
+        let parsed = parse(&text, &mut Symbols::new());
+        assert_eq!(parsed.errors, [], "{length}");
+    }
+}

@@ -117,7 +117,8 @@ fn is_complete(piece: &Pair<'_, Rule>, window: &str, mode: Mode) -> bool {
         return false;
     }
     let error = explain(&window[next..], next, mode);
-    !is_cut_off(window, error.at, window.len())
+    // What begins no piece may go on with this one, if more of it can be seen.
+    error.at > next && !is_cut_off(window, error.at, window.len())
 }
 
 /// Whether an error may be due to the end of the window rather than to the text.
