@@ -2,10 +2,12 @@
 //!
 //! [`parse`] turns the text of one file into a [`tree::Tree`] and a list of [`SyntaxError`]s; it
 //! always gives both, and neither the size nor the nesting of the text can exhaust the stack.
-//! [`print()`] turns a tree into text that parses to the same tree. The grammar itself is
-//! `src/sa.pest`; no other crate names a rule of it.
+//! [`print()`] turns a tree into text that parses to the same tree, and [`format`](format()) lays a
+//! text out in the one canonical way, comments included. The grammar itself is `src/sa.pest`; no
+//! other crate names a rule of it.
 mod error;
 mod face;
+mod format;
 mod json;
 mod parse;
 mod print;
@@ -15,6 +17,7 @@ pub mod tree;
 
 pub use error::{SyntaxError, SyntaxErrorKind};
 pub use face::Face;
+pub use format::{Refusal, format};
 pub use json::to_json;
 pub use parse::{MAX_DEPTH, MAX_ERRORS, MAX_STATEMENT, MAX_TERMS, Parsed, accepts, parse};
 pub use print::print;

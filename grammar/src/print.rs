@@ -1,36 +1,28 @@
-//! Tree to text, in one canonical layout.
+//! Tree to text. The layout is the formatter's: here words and signs are put in their order.
 use std::fmt::Write as _;
 
 use crate::Symbols;
+use crate::format::lay_out;
 use crate::parse::is_unit;
 use crate::tree::{
     Argument, Arrow, Entry, Expr, ExprKind, Item, ItemKind, Place, Quantity, Subject, Term, Tree,
 };
 
-/// The text of a tree; parsing it gives the same tree.
+/// The text of a tree, laid out as [`crate::format()`] does it; parsing it gives the same tree.
 pub fn print(tree: &Tree, symbols: &Symbols) -> String {
     let mut printer = Printer {
         symbols,
         out: String::new(),
-        depth: 0,
     };
-    for (i, item) in tree.items.iter().enumerate() {
-        if i > 0 && (is_block(item) || is_block(&tree.items[i - 1])) {
-            printer.out.push('\n');
-        }
+    for item in &tree.items {
         printer.item(item);
     }
-    printer.out
-}
-
-fn is_block(item: &Item) -> bool {
-    !matches!(item.kind, ItemKind::Let(_) | ItemKind::Import(_))
+    lay_out(&printer.out).unwrap_or(printer.out)
 }
 
 struct Printer<'a> {
     symbols: &'a Symbols,
     out: String,
-    depth: usize,
 }
 
 /// Writing to a string cannot fail.
@@ -41,26 +33,18 @@ macro_rules! put {
 }
 
 impl Printer<'_> {
-    fn indent(&mut self) {
-        for _ in 0..self.depth {
-            self.out.push_str("    ");
-        }
-    }
-
     fn word(&self, symbol: crate::Symbol) -> String {
         self.symbols.word(symbol).to_owned()
     }
 
     fn item(&mut self, item: &Item) {
         for line in item.docs.0.iter().flat_map(|lines| lines.iter()) {
-            self.indent();
             put!(
                 self,
                 "///{}{line}\n",
                 if line.is_empty() { "" } else { " " }
             );
         }
-        self.indent();
         match &item.kind {
             ItemKind::Chain(chain) => {
                 self.place(&chain.head);
@@ -158,12 +142,9 @@ impl Printer<'_> {
 
     fn body(&mut self, items: &[Item]) {
         self.out.push_str(" {\n");
-        self.depth += 1;
         for item in items {
             self.item(item);
         }
-        self.depth -= 1;
-        self.indent();
         self.out.push('}');
     }
 
@@ -174,15 +155,11 @@ impl Printer<'_> {
             self.pair(at);
         }
         self.out.push_str(" {\n");
-        self.depth += 1;
         for layer in &shape.layers {
-            self.indent();
             self.out.push_str("layer ");
             self.entry(&layer.heights);
             self.out.push_str(" {\n");
-            self.depth += 1;
             for row in &layer.rows {
-                self.indent();
                 let cells: Vec<_> = row
                     .cells
                     .iter()
@@ -190,18 +167,13 @@ impl Printer<'_> {
                     .collect();
                 put!(self, "{}\n", cells.join(" "));
             }
-            self.depth -= 1;
-            self.indent();
             self.out.push_str("}\n");
         }
-        self.depth -= 1;
-        self.indent();
         self.out.push('}');
     }
 
     /// A scene's words go on lines of their own where a block ends; the layout carries no meaning.
     fn terms(&mut self, terms: &[Term]) {
-        self.depth += 1;
         let mut fresh = true;
         let mut valued = false;
         for term in terms {
@@ -209,7 +181,6 @@ impl Printer<'_> {
             let taken = matches!(term, Term::Word(name) if is_unit(self.symbols.word(name.symbol)));
             if fresh || (valued && taken) {
                 self.out.push('\n');
-                self.indent();
             } else {
                 self.out.push(' ');
             }
@@ -231,9 +202,7 @@ impl Printer<'_> {
                 }
             }
         }
-        self.depth -= 1;
         self.out.push('\n');
-        self.indent();
     }
 
     fn quantity(&mut self, quantity: &Quantity) {

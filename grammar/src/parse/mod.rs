@@ -2,6 +2,7 @@
 mod build;
 mod expr;
 mod frame;
+mod record;
 mod recover;
 mod scene;
 mod trivia;
@@ -16,6 +17,8 @@ use crate::error::{SyntaxError, SyntaxErrorKind};
 use crate::tree::{Docs, Item, Tree};
 use crate::{Span, Symbol, Symbols};
 use frame::{Frame, Mode};
+pub(crate) use record::{Record, Token};
+pub(crate) use trivia::is_comment;
 
 pub(crate) use grammar::{Rule, SaParser};
 
@@ -54,6 +57,16 @@ pub struct Parsed {
 /// Never fails as a whole: a broken statement is told in [`Parsed::errors`] and left out of the
 /// tree, and reading goes on behind it.
 pub fn parse(text: &str, symbols: &mut Symbols) -> Parsed {
+    read(text, symbols, None).0
+}
+
+/// [`parse`], and every token in the order of the text.
+pub(crate) fn parse_recorded(text: &str, symbols: &mut Symbols) -> (Parsed, Record) {
+    let (parsed, record) = read(text, symbols, Some(Record::default()));
+    (parsed, record.unwrap_or_default())
+}
+
+fn read(text: &str, symbols: &mut Symbols, record: Option<Record>) -> (Parsed, Option<Record>) {
     let mut parser = Parser {
         text,
         symbols,
@@ -64,6 +77,7 @@ pub fn parse(text: &str, symbols: &mut Symbols) -> Parsed {
         errors: Vec::new(),
         doubtful: FxHashSet::default(),
         stopped: false,
+        record,
     };
     if text.len() >= u32::MAX as usize {
         parser.error(SyntaxErrorKind::FileTooLarge, Span::new(0, 0));
@@ -74,14 +88,16 @@ pub fn parse(text: &str, symbols: &mut Symbols) -> Parsed {
         root,
         mut errors,
         doubtful,
+        record,
         ..
     } = parser;
     errors.sort_by_key(|error| error.span.start);
-    Parsed {
+    let parsed = Parsed {
         tree: Tree { items: root },
         errors,
         doubtful,
-    }
+    };
+    (parsed, record)
 }
 
 /// Whether pest alone takes the text for a program, by the grammar's `program` rule.
@@ -111,6 +127,8 @@ struct Parser<'t, 's> {
     doubtful: FxHashSet<Symbol>,
     /// The rest of the file is given up.
     stopped: bool,
+    /// Every token, for those who want them.
+    record: Option<Record>,
 }
 
 impl Parser<'_, '_> {
@@ -171,6 +189,9 @@ impl Parser<'_, '_> {
 
     fn piece(&mut self, pair: Pair<'_, Rule>, base: usize) {
         let span = span_of(&pair, base);
+        if let Some(record) = &mut self.record {
+            record.piece(&pair, base);
+        }
         match pair.as_rule() {
             Rule::doc => {
                 let line = pair.as_str()[3..].trim().to_owned();

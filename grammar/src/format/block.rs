@@ -1,0 +1,322 @@
+//! Pieces to lines: what stands on a line of its own, and how far it is indented.
+use super::line::{Kind, Line, SEAT_GAP, columns};
+use super::source::{Note, Piece, Source};
+use super::{INDENT, WIDTH, align, scene, statement};
+use crate::parse::Rule;
+
+/// The layout of a text.
+pub fn lay_out(source: &Source<'_>) -> String {
+    let mut layout = Layout {
+        source,
+        lines: Vec::new(),
+        depth: 0,
+        fresh: true,
+        documented: false,
+        ended: None,
+    };
+    let mut at = 0;
+    while at < source.pieces.len() {
+        at = layout.piece(at);
+    }
+    for number in source.rest.clone() {
+        layout.note(number);
+    }
+    align::write(layout.lines)
+}
+
+/// The lines so far.
+pub struct Layout<'s, 't> {
+    pub source: &'s Source<'t>,
+    pub lines: Vec<Line>,
+    /// Blocks that are open.
+    pub depth: usize,
+    /// Nothing stands in the innermost block yet.
+    fresh: bool,
+    /// The last piece was a `///`.
+    documented: bool,
+    /// At the level of the file, whether the last thing there was a block.
+    ended: Option<bool>,
+}
+
+impl Layout<'_, '_> {
+    /// Lays out a piece, and those behind it that share its line; where the next one is.
+    fn piece(&mut self, at: usize) -> usize {
+        let piece = &self.source.pieces[at];
+        let apart = self.is_set_apart(at);
+        let first = self.lines.len();
+        for number in self.source.first(piece).notes.clone() {
+            self.note(number);
+        }
+        let own_notes = (self.lines[first..].iter()).position(|line| line.kind == Kind::Comment);
+        if piece.rule == Rule::close {
+            self.depth = self.depth.saturating_sub(1);
+        }
+        let start = self.lines.len();
+        let next = self.code(at);
+        let blank = self.source.first(piece).newlines > 1
+            && !self.fresh
+            && !self.documented
+            && piece.rule != Rule::close;
+        if let Some(line) = self.lines.get_mut(start) {
+            line.blank |= blank;
+        }
+        if apart && let Some(line) = self.lines.get_mut(own_notes.map_or(start, |i| first + i)) {
+            line.blank = true;
+        }
+        let last = self.source.pieces[at..next].last().map(|last| last.rule);
+        self.fresh = last.is_some_and(opens);
+        self.documented = piece.rule == Rule::doc;
+        if self.depth == 0 && !self.documented {
+            self.ended = Some(last == Some(Rule::close));
+        }
+        next
+    }
+
+    /// Whether the layout itself sets the piece apart from what is before it: blocks of the file
+    /// have a blank line around them.
+    fn is_set_apart(&self, at: usize) -> bool {
+        let (Some(was_block), 0, false) = (self.ended, self.depth, self.documented) else {
+            return false;
+        };
+        let source = self.source;
+        let documented = source.pieces[at..].iter();
+        let item = documented.clone().find(|piece| piece.rule != Rule::doc);
+        if !was_block && !item.is_some_and(|item| opens(item.rule)) {
+            return false;
+        }
+        // A blank line that is there already may stand before or behind a comment.
+        let first = source.first(&source.pieces[at]);
+        let is_wide = |newlines: u32| newlines > 1;
+        let notes = &source.notes[first.notes.clone()];
+        !is_wide(first.newlines) && !notes.iter().any(|note| is_wide(note.newlines))
+    }
+
+    fn code(&mut self, at: usize) -> usize {
+        let source = self.source;
+        let piece = &source.pieces[at];
+        match piece.rule {
+            Rule::close => {
+                self.lines.push(Line::code(Kind::Brace, self.depth, "}"));
+                at + 1
+            }
+            Rule::doc => {
+                let mut line = Line::code(Kind::Comment, self.depth, "");
+                line.note = Some(statement::text(source, piece));
+                self.lines.push(line);
+                at + 1
+            }
+            Rule::word | Rule::quantity | Rule::span_of_values | Rule::open => self.terms(at),
+            Rule::seat => self.seats(at),
+            rule if opens(rule) => self.head(at),
+            _ => {
+                self.statement(at);
+                at + 1
+            }
+        }
+    }
+
+    fn statement(&mut self, at: usize) {
+        let source = self.source;
+        statement::wrap(
+            source,
+            &source.pieces[at],
+            self.depth,
+            &mut self.lines,
+            |lines, number| push_note(lines, &source.notes[number], self.depth + 1, false),
+        );
+    }
+
+    /// The head of a block, and its inside where both are short.
+    fn head(&mut self, at: usize) -> usize {
+        if let Some((text, next)) = self.one_line(at) {
+            self.lines.push(Line::code(Kind::Plain, self.depth, text));
+            return next;
+        }
+        let start = self.lines.len();
+        self.statement(at);
+        if let Some(line) = self.lines[start..].last_mut() {
+            line.kind = Kind::Brace;
+        }
+        self.depth += 1;
+        match self.source.pieces[at].rule {
+            Rule::layer_head => self.rows(at + 1),
+            _ => at + 1,
+        }
+    }
+
+    /// A block on one line: an empty one, or one that is written so, with one statement or a row
+    /// of seeds in it, and short.
+    fn one_line(&self, at: usize) -> Option<(String, usize)> {
+        let source = self.source;
+        let room = WIDTH.saturating_sub(INDENT * self.depth);
+        let mut text = String::new();
+        // For every open block, what stands in it so far.
+        let mut open: Vec<Option<Rule>> = Vec::new();
+        for (i, piece) in source.pieces[at..].iter().enumerate() {
+            let first = source.first(piece);
+            if source.is_commented(piece) || (i > 0 && !first.notes.is_empty()) {
+                return None;
+            }
+            let left = room.checked_sub(columns(&text))?;
+            if piece.rule == Rule::close {
+                let empty = open.pop()?.is_none();
+                // Only an empty block is drawn together.
+                if !empty && first.newlines > 0 {
+                    return None;
+                }
+                text.push_str(if empty { "}" } else { " }" });
+                match open.last() {
+                    Some(_) => continue,
+                    None => return (columns(&text) <= room).then_some((text, at + i + 1)),
+                }
+            }
+            if i > 0 {
+                let inside = open.last_mut()?;
+                let gap = match *inside {
+                    None => 1,
+                    Some(Rule::seat) if piece.rule == Rule::seat => SEAT_GAP,
+                    Some(_) => return None,
+                };
+                if first.newlines > 0 {
+                    return None;
+                }
+                *inside = Some(piece.rule);
+                text.extend(std::iter::repeat_n(' ', gap));
+            }
+            text.push_str(&statement::short_text(source, piece, left)?);
+            if opens(piece.rule) {
+                let is_empty = (source.pieces.get(at + i + 1)).is_some_and(|next| {
+                    next.rule == Rule::close && source.first(next).notes.is_empty()
+                });
+                if !is_empty && !is_small(piece.rule) {
+                    return None;
+                }
+                open.push(None);
+            }
+        }
+        None
+    }
+
+    /// Seeds that share a line.
+    fn seats(&mut self, at: usize) -> usize {
+        let source = self.source;
+        if source.is_commented(&source.pieces[at]) {
+            self.statement(at);
+            return at + 1;
+        }
+        let mut line = Line::code(Kind::Seats, self.depth, "");
+        line.cells.clear();
+        let mut next = at;
+        while let Some(piece) = source.pieces.get(next) {
+            let first = source.first(piece);
+            let beside = first.newlines == 0 && first.notes.is_empty();
+            if piece.rule != Rule::seat || (next > at && !beside) || source.is_commented(piece) {
+                break;
+            }
+            line.cells.push(statement::text(source, piece));
+            if next > at && line.width() > WIDTH {
+                line.cells.pop();
+                break;
+            }
+            next += 1;
+        }
+        self.lines.push(line);
+        next
+    }
+
+    /// The rows of a layer: drawn close if all of them are, else with a blank between the cells.
+    fn rows(&mut self, at: usize) -> usize {
+        let source = self.source;
+        let rows = source.pieces[at..].iter();
+        let rows = rows.take_while(|piece| piece.rule == Rule::row);
+        let cells = |piece: &Piece| statement::text(source, piece);
+        let is_close = rows.clone().all(|row| !cells(row).contains([' ', '\t']));
+        let mut next = at;
+        self.fresh = true;
+        for row in rows {
+            for number in source.first(row).notes.clone() {
+                self.note(number);
+            }
+            let mut text = String::new();
+            for cell in cells(row).chars().filter(|cell| !cell.is_whitespace()) {
+                if !text.is_empty() && !is_close {
+                    text.push(' ');
+                }
+                text.push(cell);
+            }
+            let mut line = Line::code(Kind::Plain, self.depth, text);
+            line.blank = source.first(row).newlines > 1 && !self.fresh;
+            self.fresh = false;
+            self.lines.push(line);
+            next += 1;
+        }
+        next
+    }
+
+    /// A line of a scene, and the block behind it.
+    fn terms(&mut self, at: usize) -> usize {
+        if self.source.is_commented(&self.source.pieces[at]) {
+            self.statement(at);
+            return at + 1;
+        }
+        let (line, next, opened) = scene::line(self.source, at, self.depth);
+        self.lines.push(line);
+        self.depth += usize::from(opened);
+        next
+    }
+
+    fn note(&mut self, number: usize) {
+        let note = &self.source.notes[number];
+        let blank = note.newlines > 1 && !self.fresh && !self.documented;
+        let before = self.lines.len();
+        push_note(&mut self.lines, note, self.depth, blank);
+        self.fresh &= self.lines.len() == before;
+    }
+}
+
+/// Adds a comment: behind the last line, under the comment there, or on a line of its own.
+pub fn push_note(lines: &mut Vec<Line>, note: &Note<'_>, depth: usize, blank: bool) {
+    let own = match lines.last_mut() {
+        Some(last) if note.newlines == 0 && last.note.is_none() => {
+            last.note = Some(note.text.to_owned());
+            last.note_column = Some(note.column);
+            return;
+        }
+        Some(last) => note.newlines != 1 || last.note_column != Some(note.column),
+        None => true,
+    };
+    let (kind, column) = if own {
+        (Kind::Comment, None)
+    } else {
+        (Kind::Continued, Some(note.column))
+    };
+    let mut line = Line::code(kind, depth, "");
+    line.note = Some(note.text.to_owned());
+    line.note_column = column;
+    line.blank = blank;
+    lines.push(line);
+}
+
+/// Whether a piece ends in an opening brace.
+fn opens(rule: Rule) -> bool {
+    matches!(
+        rule,
+        Rule::assembly_head
+            | Rule::phase_head
+            | Rule::for_head
+            | Rule::pattern_head
+            | Rule::seed_head
+            | Rule::scene_head
+            | Rule::shape_head
+            | Rule::layer_head
+            | Rule::open
+    )
+}
+
+/// Whether a block may stand on one line with something in it.
+fn is_small(rule: Rule) -> bool {
+    matches!(
+        rule,
+        Rule::phase_head | Rule::for_head | Rule::pattern_head | Rule::seed_head
+    )
+}

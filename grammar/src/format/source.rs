@@ -1,0 +1,202 @@
+//! A text as pieces, words and comments, with all that the layout keeps of what is between them.
+use std::borrow::Cow;
+use std::ops::Range;
+
+use crate::parse::{Record, Rule, Token, is_comment};
+
+/// A text, taken apart.
+pub struct Source<'t> {
+    pub pieces: Vec<Piece>,
+    pub words: Vec<Word<'t>>,
+    pub notes: Vec<Note<'t>>,
+    /// The comments behind the last piece.
+    pub rest: Range<usize>,
+}
+
+/// A statement, the head of a block, a brace, a row of cells and so on.
+#[derive(Clone, Debug)]
+pub struct Piece {
+    pub rule: Rule,
+    /// Its words; the comments before it are those of the first one.
+    pub words: Range<usize>,
+}
+
+/// A token.
+#[derive(Clone, Debug)]
+pub struct Word<'t> {
+    /// `None`: the dot of a place.
+    pub rule: Option<Rule>,
+    text: &'t str,
+    /// The comments before it.
+    pub notes: Range<usize>,
+    /// Ends of lines directly before it, behind the comments.
+    pub newlines: u32,
+    /// How it is set apart from the word before it on its line.
+    pub gap: Gap,
+}
+
+/// The blanks between two words of a line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Gap {
+    None,
+    Blank,
+    Wide,
+}
+
+/// A comment.
+#[derive(Clone, Debug)]
+pub struct Note<'t> {
+    /// From its slashes on, without blanks at its end.
+    pub text: &'t str,
+    /// Ends of lines directly before it; none: it stands behind something.
+    pub newlines: u32,
+    /// Characters before it on its line.
+    pub column: usize,
+}
+
+impl<'t> Word<'t> {
+    /// As it is written; a value and its unit are set apart by one blank at most.
+    pub fn text(&self) -> Cow<'t, str> {
+        match self.rule {
+            Some(Rule::quantity | Rule::unit) if self.text.contains("  ") => {
+                let parts = self.text.split(' ').filter(|part| !part.is_empty());
+                parts.collect::<Vec<_>>().join(" ").into()
+            }
+            Some(Rule::doc) => self.text.trim_end().into(),
+            _ => self.text.into(),
+        }
+    }
+}
+
+impl Source<'_> {
+    /// The first word of a piece, which carries what stands before the piece.
+    pub fn first(&self, piece: &Piece) -> &Word<'_> {
+        &self.words[piece.words.start]
+    }
+
+    /// Whether a comment stands inside a piece.
+    pub fn is_commented(&self, piece: &Piece) -> bool {
+        let inner = piece.words.start + 1..piece.words.end;
+        self.words[inner].iter().any(|word| !word.notes.is_empty())
+    }
+}
+
+/// Takes a text apart.
+pub fn read<'t>(text: &'t str, record: &Record) -> Source<'t> {
+    let mut reader = Reader {
+        text,
+        at: 0,
+        words: Vec::with_capacity(record.tokens.len()),
+        notes: Vec::new(),
+    };
+    let mut pieces = Vec::with_capacity(record.pieces.len());
+    for (i, &(rule, first)) in record.pieces.iter().enumerate() {
+        let end = (record.pieces.get(i + 1)).map_or(record.tokens.len(), |next| next.1 as usize);
+        let start = reader.words.len();
+        for token in &record.tokens[first as usize..end] {
+            reader.token(token);
+        }
+        let words = start..reader.words.len();
+        if !words.is_empty() {
+            pieces.push(Piece { rule, words });
+        }
+    }
+    let before = reader.notes.len();
+    reader.between(text.len());
+    Source {
+        pieces,
+        rest: before..reader.notes.len(),
+        words: reader.words,
+        notes: reader.notes,
+    }
+}
+
+struct Reader<'t> {
+    text: &'t str,
+    at: usize,
+    words: Vec<Word<'t>>,
+    notes: Vec<Note<'t>>,
+}
+
+impl<'t> Reader<'t> {
+    fn token(&mut self, token: &Token) {
+        let (start, end) = (token.span.start as usize, token.span.end as usize);
+        let first = self.notes.len();
+        let mut newlines = self.between(start);
+        let mut gap = self.gap_before(start);
+        // What is left of a place between its names is its dot.
+        if self.at < start {
+            let at = self.at;
+            self.at += 1;
+            self.push(None, at..at + 1, first, newlines, gap);
+            newlines = self.between(start);
+            gap = Gap::None;
+        }
+        let first = first.max(self.words.last().map_or(0, |word| word.notes.end));
+        self.push(Some(token.rule), start..end, first, newlines, gap);
+        self.at = end;
+    }
+
+    fn push(
+        &mut self,
+        rule: Option<Rule>,
+        span: Range<usize>,
+        first_note: usize,
+        newlines: u32,
+        gap: Gap,
+    ) {
+        self.words.push(Word {
+            rule,
+            text: &self.text[span],
+            notes: first_note..self.notes.len(),
+            newlines,
+            gap,
+        });
+    }
+
+    fn gap_before(&self, start: usize) -> Gap {
+        let blanks = self.text[..start].bytes().rev();
+        match blanks
+            .take(2)
+            .take_while(|byte| b" \t".contains(byte))
+            .count()
+        {
+            0 => Gap::None,
+            1 if self.text.as_bytes()[start - 1] == b' ' => Gap::Blank,
+            _ => Gap::Wide,
+        }
+    }
+
+    /// Goes over blanks and comments up to `end` or to something else, and counts the ends of
+    /// lines behind the last comment.
+    fn between(&mut self, end: usize) -> u32 {
+        let bytes = self.text.as_bytes();
+        let mut newlines = 0;
+        while self.at < end {
+            match bytes[self.at] {
+                b'\n' => newlines += 1,
+                b' ' | b'\t' | b'\r' => {}
+                _ if is_comment(&bytes[self.at..]) => {
+                    self.note(end, newlines);
+                    newlines = 0;
+                    continue;
+                }
+                _ => break,
+            }
+            self.at += 1;
+        }
+        newlines
+    }
+
+    fn note(&mut self, end: usize, newlines: u32) {
+        let text = &self.text[self.at..end];
+        let text = text.split('\n').next().unwrap_or(text);
+        let line = self.text[..self.at].rfind('\n').map_or(0, |at| at + 1);
+        self.notes.push(Note {
+            text: text.trim_end(),
+            newlines,
+            column: self.text[line..self.at].chars().count(),
+        });
+        self.at += text.len();
+    }
+}

@@ -1,0 +1,48 @@
+//! The blank between two words of a piece.
+use super::source::{Gap, Word};
+use crate::parse::Rule;
+
+/// Whether a blank stands between two neighbouring words of a piece.
+pub fn is_blank(whole: Rule, left: &Word<'_>, right: &Word<'_>) -> bool {
+    let (Some(first), Some(second)) = (left.rule, right.rule) else {
+        // The dot of a place.
+        return false;
+    };
+    match (first, second) {
+        (Rule::paren_open | Rule::bracket_open | Rule::minus, _) => false,
+        (_, Rule::paren_close | Rule::bracket_close | Rule::bracket_open | Rule::comma) => false,
+        // The arguments of a pattern, against `at (0, 0)` and `2 * (3 + 4)`.
+        (Rule::name, Rule::paren_open) => false,
+        (Rule::dots, _) | (_, Rule::dots) => whole == Rule::span_of_values,
+        // `20cm` and `20 cm` are both good.
+        (Rule::number, Rule::unit) => right.gap != Gap::None,
+        _ => true,
+    }
+}
+
+/// Follows the parentheses of a piece, to tell where its line may break.
+#[derive(Debug, Default)]
+pub struct Breaks {
+    parens: u32,
+    brackets: u32,
+}
+
+impl Breaks {
+    /// Goes over a word; whether the line may break before the next one.
+    pub fn may_break(&mut self, whole: Rule, word: &Word<'_>, next: &Word<'_>) -> bool {
+        match word.rule {
+            Some(Rule::paren_open) => self.parens += 1,
+            Some(Rule::paren_close) => self.parens = self.parens.saturating_sub(1),
+            Some(Rule::bracket_open) => self.brackets += 1,
+            Some(Rule::bracket_close) => self.brackets = self.brackets.saturating_sub(1),
+            _ => {}
+        }
+        // Positions and indices stay together, lists of arguments need not.
+        let listed = u32::from(matches!(whole, Rule::instance | Rule::pattern_head));
+        if self.brackets > 0 || self.parens > listed {
+            return false;
+        }
+        word.rule == Some(Rule::comma)
+            || matches!(next.rule, Some(Rule::arrow | Rule::kw_after | Rule::kw_as))
+    }
+}

@@ -1,0 +1,101 @@
+//! One piece as a line, or as several where it is too long.
+use super::line::{Kind, Line, columns};
+use super::source::{Piece, Source};
+use super::spacing::{Breaks, is_blank};
+use super::{INDENT, WIDTH};
+
+/// Words that stay together.
+struct Chunk {
+    text: String,
+    /// The comments before it.
+    notes: std::ops::Range<usize>,
+}
+
+/// The text of a piece on one line.
+pub fn text(source: &Source<'_>, piece: &Piece) -> String {
+    let mut text = String::new();
+    let words = &source.words[piece.words.clone()];
+    for (i, word) in words.iter().enumerate() {
+        if i > 0 && is_blank(piece.rule, &words[i - 1], word) {
+            text.push(' ');
+        }
+        text.push_str(&word.text());
+    }
+    text
+}
+
+/// The text of a piece on one line, unless it takes more than so many columns.
+pub fn short_text(source: &Source<'_>, piece: &Piece, most: usize) -> Option<String> {
+    // A word has a character at least, so most pieces that are too long are never written.
+    if piece.words.len() > most {
+        return None;
+    }
+    let text = text(source, piece);
+    (columns(&text) <= most).then_some(text)
+}
+
+/// The lines of a piece; comments inside it go to `note`.
+pub fn wrap(
+    source: &Source<'_>,
+    piece: &Piece,
+    depth: usize,
+    lines: &mut Vec<Line>,
+    mut note: impl FnMut(&mut Vec<Line>, usize),
+) {
+    if !source.is_commented(piece) {
+        let room = WIDTH.saturating_sub(INDENT * depth);
+        if let Some(text) = short_text(source, piece, room) {
+            lines.push(Line::code(Kind::Plain, depth, text));
+            return;
+        }
+    }
+    let mut current: Option<Line> = None;
+    for (i, chunk) in chunks(source, piece).into_iter().enumerate() {
+        for number in chunk.notes {
+            lines.extend(current.take());
+            note(lines, number);
+        }
+        match &mut current {
+            Some(line) if line.width() + 1 + columns(&chunk.text) <= WIDTH => {
+                let text = &mut line.cells[0];
+                text.push(' ');
+                text.push_str(&chunk.text);
+            }
+            _ => {
+                lines.extend(current.take());
+                let (kind, depth) = match i {
+                    0 => (Kind::Plain, depth),
+                    _ => (Kind::Wrapped, depth + 1),
+                };
+                current = Some(Line::code(kind, depth, chunk.text));
+            }
+        }
+    }
+    lines.extend(current);
+}
+
+fn chunks(source: &Source<'_>, piece: &Piece) -> Vec<Chunk> {
+    let words = &source.words[piece.words.clone()];
+    let mut chunks: Vec<Chunk> = Vec::new();
+    let mut breaks = Breaks::default();
+    let mut may_break = true;
+    for (i, word) in words.iter().enumerate() {
+        match chunks.last_mut() {
+            Some(chunk) if !may_break && word.notes.is_empty() => {
+                if is_blank(piece.rule, &words[i - 1], word) {
+                    chunk.text.push(' ');
+                }
+                chunk.text.push_str(&word.text());
+            }
+            _ => chunks.push(Chunk {
+                text: word.text().into_owned(),
+                // Those before the whole piece are no part of it.
+                notes: if i == 0 { 0..0 } else { word.notes.clone() },
+            }),
+        }
+        if let Some(next) = words.get(i + 1) {
+            may_break = breaks.may_break(piece.rule, word, next);
+        }
+    }
+    chunks
+}

@@ -1,0 +1,43 @@
+//! The tokens of a file, for those who care how it is written.
+use pest::iterators::Pair;
+
+use super::{Rule, span_of};
+use crate::Span;
+
+/// Every token of a file, in order.
+#[derive(Debug, Default)]
+pub(crate) struct Record {
+    pub tokens: Vec<Token>,
+    /// For every statement, head of a block, closing brace and so on: its rule, and its first token.
+    pub pieces: Vec<(Rule, u32)>,
+}
+
+/// A word, sign or value.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Token {
+    pub rule: Rule,
+    pub span: Span,
+}
+
+impl Record {
+    /// Adds what a piece consists of. The dots of a place have no rule and are not recorded.
+    pub fn piece(&mut self, pair: &Pair<'_, Rule>, base: usize) {
+        let first = self.tokens.len() as u32;
+        self.pieces.push((pair.as_rule(), first));
+        // A value and its unit belong together, whatever they consist of.
+        let mut whole_until = 0;
+        for part in std::iter::once(pair.clone()).chain(pair.clone().into_inner().flatten()) {
+            let span = span_of(&part, base);
+            if span.is_empty() || span.end <= whole_until {
+                continue;
+            }
+            let rule = part.as_rule();
+            if matches!(rule, Rule::quantity | Rule::unit) {
+                whole_until = span.end;
+            } else if part.into_inner().next().is_some() {
+                continue;
+            }
+            self.tokens.push(Token { rule, span });
+        }
+    }
+}

@@ -1,0 +1,357 @@
+//! Random syntax trees.
+use proptest::prelude::*;
+use proptest::sample::select;
+use stochc_grammar::tree::{
+    Argument, Arrow, Assembly, Chain, Docs, Entry, Expr, ExprKind, For, Import, Instance, Item,
+    ItemKind, Layer, Let, Link, Name, Operator, Pattern, Phase, Place, Quantity, Release, Row,
+    Scene, Seat, Seed, Segment, Shape, Subject, Term, Tree, UnitFactor,
+};
+use stochc_grammar::{Face, Span, Symbols};
+
+/// Names that look like words of the language, units or signs, and are none.
+const NAMES: [&str; 12] = [
+    "E", "T", "tower", "_", "_b2", "x", "m", "s", "after_", "iffor", "upward", "a9",
+];
+
+/// Words of a scene may be words of the language, and units where no value stands before them.
+const WORDS: [&str; 10] = [
+    "block", "faces", "phase", "up", "m", "s", "Pa", "kg", "x", "after",
+];
+
+/// The words of all random trees, so that a strategy need not carry them along.
+pub fn symbols() -> Symbols {
+    let mut symbols = Symbols::new();
+    for word in NAMES.into_iter().chain(WORDS) {
+        symbols.intern(word);
+    }
+    symbols
+}
+
+fn named(word: &str) -> Name {
+    Name {
+        symbol: symbols().get(word).unwrap(),
+        span: Span::default(),
+    }
+}
+
+fn name() -> impl Strategy<Value = Name> {
+    select(&NAMES[..]).prop_map(named)
+}
+
+fn expr() -> impl Strategy<Value = Expr> {
+    let kind = |kind| Expr {
+        kind,
+        span: Span::default(),
+    };
+    let leaf = prop_oneof![
+        any::<i64>()
+            .prop_filter("has no literal", |value| *value != i64::MIN)
+            .prop_map(ExprKind::Int),
+        (-9i64..9).prop_map(ExprKind::Int),
+        name().prop_map(|name| ExprKind::Name(name.symbol)),
+    ]
+    .prop_map(kind);
+    let operator = select(vec![
+        Operator::Add,
+        Operator::Subtract,
+        Operator::Multiply,
+        Operator::Divide,
+        Operator::Remainder,
+    ]);
+    leaf.prop_recursive(5, 24, 2, move |inner| {
+        prop_oneof![
+            inner.clone().prop_map(move |inner| kind(match inner.kind {
+                // A sign before a number is part of the number.
+                ExprKind::Int(value) => ExprKind::Int(-value),
+                _ => ExprKind::Negate(Box::new(inner)),
+            })),
+            (operator.clone(), inner.clone(), inner).prop_map(move |(operator, left, right)| kind(
+                ExprKind::Binary(operator, Box::new((left, right)))
+            )),
+        ]
+    })
+}
+
+fn range() -> impl Strategy<Value = (Expr, Expr)> {
+    (expr(), expr())
+}
+
+fn entry() -> impl Strategy<Value = Entry> {
+    prop_oneof![
+        expr().prop_map(Entry::One),
+        range().prop_map(|(first, last)| Entry::Range(first, last)),
+    ]
+}
+
+/// A place without a face.
+fn block() -> impl Strategy<Value = Place> {
+    let index = prop::option::weighted(0.3, prop::collection::vec(entry(), 1..3));
+    let segment = (name(), index).prop_map(|(name, index)| Segment {
+        name,
+        index: index.map(Vec::into_boxed_slice),
+    });
+    prop::collection::vec(segment, 1..3).prop_map(|path| Place {
+        path: path.into_iter().collect(),
+        face: None,
+        span: Span::default(),
+    })
+}
+
+fn face() -> impl Strategy<Value = Option<(Face, Span)>> {
+    prop::option::of(select(&Face::ALL[..]).prop_map(|face| (face, Span::default())))
+}
+
+fn place() -> impl Strategy<Value = Place> {
+    (block(), face()).prop_map(|(place, face)| Place { face, ..place })
+}
+
+fn after() -> impl Strategy<Value = Vec<Subject>> {
+    let subject = (any::<bool>(), block()).prop_map(|(release, place)| Subject { release, place });
+    prop::collection::vec(subject, 0..3)
+}
+
+fn argument() -> impl Strategy<Value = Argument> {
+    prop_oneof![
+        expr().prop_map(Argument::Expr),
+        select(&Face::ALL[..]).prop_map(|face| Argument::Place(Place {
+            path: Default::default(),
+            face: Some((face, Span::default())),
+            span: Span::default(),
+        })),
+        // A bare name is an expression.
+        place().prop_map(|place| match (&place.path[..], place.face) {
+            ([only], None) if only.index.is_none() => Argument::Expr(Expr {
+                kind: ExprKind::Name(only.name.symbol),
+                span: Span::default(),
+            }),
+            _ => Argument::Place(place),
+        }),
+    ]
+}
+
+/// With prefixes and without.
+const UNITS: [&str; 23] = [
+    "m", "mm", "µm", "um", "s", "ms", "min", "kg", "g", "N", "mPa", "L", "rev", "tick", "ticks",
+    "%", "deg", "kHz", "GW", "nJ", "V", "cm", "h",
+];
+
+fn quantity() -> impl Strategy<Value = Quantity> {
+    let value = prop_oneof![
+        -1e3f64..1e3,
+        any::<f64>().prop_filter("is no number", |value| value.is_finite()),
+        (-5i32..500).prop_map(f64::from),
+    ];
+    let factor = (select(&UNITS[..]), -99i8..=99).prop_map(|(symbol, power)| UnitFactor {
+        symbol: symbol.to_owned(),
+        power,
+    });
+    (value, prop::collection::vec(factor, 0..4)).prop_map(|(value, unit)| Quantity {
+        value,
+        unit,
+        span: Span::default(),
+    })
+}
+
+fn terms() -> impl Strategy<Value = Vec<Term>> {
+    let leaf = prop_oneof![
+        select(&WORDS[..]).prop_map(|word| Term::Word(named(word))),
+        quantity().prop_map(Term::Quantity),
+        (quantity(), quantity()).prop_map(|(mut first, second)| {
+            if first.unit.is_empty() {
+                first.unit.clone_from(&second.unit);
+            }
+            Term::Range(first, second)
+        }),
+    ];
+    let term = leaf.prop_recursive(3, 12, 4, |inner| {
+        (select(&WORDS[..]), prop::collection::vec(inner, 0..4))
+            .prop_map(|(_, terms)| Term::Block(terms, Span::default()))
+    });
+    prop::collection::vec(term, 0..8).prop_map(readable)
+}
+
+/// Puts a word before each block, and before what would belong to the value in front of it.
+fn readable(terms: Vec<Term>) -> Vec<Term> {
+    let mut out: Vec<Term> = Vec::new();
+    for term in terms {
+        let bare = match out.last() {
+            Some(Term::Quantity(quantity) | Term::Range(_, quantity)) => quantity.unit.is_empty(),
+            _ => false,
+        };
+        let is_unit = matches!(&term, Term::Word(name)
+            if ["m", "s", "Pa", "kg"].map(named).contains(name));
+        if (bare && is_unit) || (matches!(term, Term::Block(..)) && !ends_in_word(&out)) {
+            out.push(Term::Word(named("block")));
+        }
+        out.push(match term {
+            Term::Block(terms, span) => Term::Block(readable(terms), span),
+            other => other,
+        });
+    }
+    out
+}
+
+/// The grammar wants a word or value before a brace.
+fn ends_in_word(terms: &[Term]) -> bool {
+    !matches!(terms.last(), None | Some(Term::Block(..)))
+}
+
+fn docs() -> impl Strategy<Value = Docs> {
+    let line = prop_oneof![
+        "[ -~µ\u{202e}\u{200b}\t]{0,12}",
+        Just("/// }} release".to_owned()),
+        Just(String::new()),
+    ]
+    .prop_map(|line| line.trim().to_owned());
+    prop::option::weighted(0.2, prop::collection::vec(line, 1..3))
+        .prop_map(|lines| Docs(lines.map(Box::new)))
+}
+
+fn item(kind: impl Strategy<Value = ItemKind> + 'static) -> BoxedStrategy<Item> {
+    (docs(), kind)
+        .prop_map(|(docs, kind)| Item {
+            docs,
+            span: Span::default(),
+            kind,
+        })
+        .boxed()
+}
+
+fn let_() -> BoxedStrategy<Item> {
+    item((name(), expr()).prop_map(|(name, value)| ItemKind::Let(Box::new(Let { name, value }))))
+}
+
+/// A loop over some items, in themselves or not.
+fn repeated(inner: BoxedStrategy<Item>) -> BoxedStrategy<Item> {
+    inner
+        .prop_recursive(3, 12, 3, |inner| {
+            let body = prop::collection::vec(inner, 0..3);
+            item((name(), range(), body).prop_map(|(counter, range, body)| {
+                ItemKind::For(Box::new(For {
+                    counter,
+                    range,
+                    body,
+                }))
+            }))
+        })
+        .boxed()
+}
+
+/// What stands in a pattern.
+fn growth() -> BoxedStrategy<Item> {
+    let arrow = select(vec![Arrow::One, Arrow::Row]);
+    let links = prop::collection::vec(
+        (arrow, place()).prop_map(|(arrow, place)| Link { arrow, place }),
+        1..4,
+    );
+    let chain = (place(), links, after())
+        .prop_map(|(head, links, after)| ItemKind::Chain(Chain { head, links, after }));
+    let release = (prop::collection::vec(block(), 1..3), after())
+        .prop_map(|(places, after)| ItemKind::Release(Release { places, after }));
+    let arguments = prop::collection::vec(argument(), 0..4);
+    let instance =
+        (name(), arguments, prop::option::of(block())).prop_map(|(pattern, arguments, alias)| {
+            ItemKind::Instance(Box::new(Instance {
+                pattern,
+                arguments,
+                alias,
+            }))
+        });
+    repeated(
+        prop_oneof![
+            3 => item(chain),
+            1 => item(release),
+            2 => item(instance),
+            1 => let_(),
+        ]
+        .boxed(),
+    )
+}
+
+fn pattern() -> BoxedStrategy<Item> {
+    let parameters = prop::collection::vec(name(), 0..3);
+    let body = prop::collection::vec(growth(), 0..3);
+    item(
+        (name(), parameters, body).prop_map(|(name, parameters, body)| {
+            ItemKind::Pattern(Box::new(Pattern {
+                name,
+                parameters,
+                body,
+            }))
+        }),
+    )
+}
+
+fn shape() -> BoxedStrategy<Item> {
+    let row = prop::collection::vec(any::<bool>(), 1..6).prop_map(|cells| Row {
+        cells,
+        span: Span::default(),
+    });
+    let layer = (entry(), prop::collection::vec(row, 0..3)).prop_map(|(heights, rows)| Layer {
+        heights,
+        span: Span::default(),
+        rows,
+    });
+    let layers = prop::collection::vec(layer, 0..3);
+    item(
+        (name(), prop::option::of(range()), layers)
+            .prop_map(|(name, at, layers)| ItemKind::Shape(Box::new(Shape { name, at, layers }))),
+    )
+}
+
+fn assembly() -> BoxedStrategy<Item> {
+    let seat = item(
+        (block(), range()).prop_map(|(place, at)| ItemKind::Seat(Box::new(Seat { place, at }))),
+    );
+    let seats = prop::collection::vec(repeated(prop_oneof![seat, let_()].boxed()), 0..4);
+    let seed = item(
+        (range(), seats).prop_map(|(size, body)| ItemKind::Seed(Box::new(Seed { size, body }))),
+    );
+    let claim = item(name().prop_map(ItemKind::Yields));
+    let body = prop::collection::vec(prop_oneof![4 => growth(), 1 => claim], 0..4);
+    let phase = item((block(), prop::option::of(quantity()), body).prop_map(
+        |(name, timeout, body)| {
+            ItemKind::Phase(Box::new(Phase {
+                name,
+                timeout,
+                body,
+            }))
+        },
+    ));
+    let part = prop_oneof![
+        2 => repeated(phase),
+        1 => seed,
+        1 => let_(),
+        1 => pattern(),
+        1 => shape(),
+    ];
+    let body = prop::collection::vec(part, 0..4);
+    item(
+        (name(), prop::option::of(name()), body).prop_map(|(name, scene, body)| {
+            ItemKind::Assembly(Box::new(Assembly { name, scene, body }))
+        }),
+    )
+}
+
+/// A whole file.
+pub fn tree() -> impl Strategy<Value = Tree> {
+    let scene = item(
+        (name(), prop::option::of(name()), terms())
+            .prop_map(|(name, base, terms)| ItemKind::Scene(Box::new(Scene { name, base, terms }))),
+    );
+    let import = item("[ -!#-~µ/]{0,12}".prop_map(|path| {
+        ItemKind::Import(Box::new(Import {
+            path,
+            path_span: Span::default(),
+        }))
+    }));
+    let top = prop_oneof![
+        2 => assembly(),
+        1 => pattern(),
+        1 => shape(),
+        2 => scene,
+        1 => let_(),
+        1 => import,
+    ];
+    prop::collection::vec(top, 0..4).prop_map(|items| Tree { items })
+}
