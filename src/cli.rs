@@ -1,7 +1,7 @@
 //! The command line.
 use clap::{Parser, Subcommand};
 
-use crate::command::{check, compile, explain, results, simulate};
+use crate::command::{check, compile, explain, fmt, results, simulate};
 
 /// Compiler, verifier and simulator for stochastic modular robots.
 #[derive(Debug, Parser)]
@@ -21,6 +21,8 @@ be read or written, 3 a run was unsuccessful, 130 interrupted.";
 pub enum Command {
     /// Say all that can be said about programs before anything moves
     Check(check::Options),
+    /// Lay out programs in the one canonical way
+    Fmt(fmt::Options),
     /// Show a stage of the compilation: the syntax tree, the dependency graph, or the event tables
     Compile(compile::Options),
     /// Run programs many times in their physical world, and compare them
@@ -63,6 +65,7 @@ impl Exit {
 pub fn run(cli: Cli) -> Exit {
     match cli.command {
         Command::Check(options) => check::run(&options),
+        Command::Fmt(options) => fmt::run(&options),
         Command::Compile(options) => compile::run(&options),
         Command::Simulate(options) => simulate::run(&options),
         Command::Results(options) => results::run(&options),

@@ -39,13 +39,27 @@ fn what_cannot_be_checked_alone_is_rare() {
     assert!(excerpts <= 1, "{excerpts} excerpts that no test checks");
 }
 
+#[test]
+fn every_example_is_laid_out() {
+    for (page, text) in [("docs/language.md", REFERENCE), ("README.md", README)] {
+        let fragments = programs_behind("\n```sa,fragment\n", text);
+        for (line, program) in programs(text).into_iter().chain(fragments) {
+            let laid_out = stochc_grammar::format(program);
+            assert_eq!(laid_out.as_deref(), Ok(program), "{page}:{line}");
+        }
+    }
+}
+
 /// The programs between "```sa" and "```", with the line on which each begins.
 fn programs(page: &str) -> Vec<(usize, &str)> {
-    const FENCE: &str = "\n```sa\n";
-    let fences = page.match_indices(FENCE);
+    programs_behind("\n```sa\n", page)
+}
+
+fn programs_behind<'a>(fence: &str, page: &'a str) -> Vec<(usize, &'a str)> {
+    let fences = page.match_indices(fence);
     fences
         .filter_map(|(at, _)| {
-            let start = at + FENCE.len();
+            let start = at + fence.len();
             let (program, _) = page[start..].split_once("```")?;
             Some((page[..start].lines().count() + 1, program))
         })

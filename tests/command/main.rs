@@ -6,6 +6,7 @@
 mod check;
 mod compile;
 mod explain;
+mod fmt;
 #[cfg(unix)]
 mod interrupted;
 mod manifest;

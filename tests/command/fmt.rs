@@ -1,0 +1,122 @@
+use std::io::Write as _;
+use std::process::Stdio;
+
+use crate::stochc::{command, path, said, stochc, stochc_with};
+
+const CARELESS: &str = "assembly a{seed plate 1 x 1{M at(0,0)}// plate\nphase p{M.up->A}}";
+const LAID_OUT: &str = "\
+assembly a {
+    seed plate 1 x 1 { M at (0, 0) }   // plate
+    phase p { M.up -> A }
+}
+";
+
+#[test]
+fn files_are_laid_out_in_place() {
+    let folder = tempfile::tempdir().unwrap();
+    let inner = folder.path().join("deep/er");
+    std::fs::create_dir_all(&inner).unwrap();
+    let (a, b) = (path(folder.path(), "a.sa"), path(&inner, "b.sa"));
+    let text = path(folder.path(), "c.txt");
+    for file in [&a, &b, &text] {
+        std::fs::write(file, CARELESS).unwrap();
+    }
+    let said = stochc_with("fmt", &[folder.path().to_str().unwrap()]);
+    assert_eq!(
+        (said.status, said.out, said.err),
+        (0, String::new(), String::new())
+    );
+    assert_eq!(std::fs::read_to_string(&a).unwrap(), LAID_OUT);
+    assert_eq!(std::fs::read_to_string(&b).unwrap(), LAID_OUT);
+    assert_eq!(std::fs::read_to_string(&text).unwrap(), CARELESS);
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 3);
+    assert_eq!(stochc_with("fmt --check", &[&a, &b]).status, 0);
+}
+
+#[test]
+fn check_shows_what_would_change_and_changes_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(folder.path(), "a.sa");
+    std::fs::write(&file, LAID_OUT.replace("M.up -> A", "M.up->A")).unwrap();
+    let said = stochc_with("fmt --check", &[&file]);
+    assert_eq!(said.status, 1);
+    for line in [
+        "-    phase p { M.up->A }\n",
+        "+    phase p { M.up -> A }\n",
+        "@@ -1,4 +1,4 @@",
+    ] {
+        assert!(said.out.contains(line), "{}", said.out);
+    }
+    assert!(std::fs::read_to_string(&file).unwrap().contains("M.up->A"));
+}
+
+#[test]
+fn a_wrong_program_is_left_as_it_is_and_the_others_are_laid_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let (a, b) = (path(folder.path(), "a.sa"), path(folder.path(), "b.sa"));
+    std::fs::write(&a, "assembly a  {").unwrap();
+    std::fs::write(&b, CARELESS).unwrap();
+    let said = stochc_with("fmt", &[&a, &b]);
+    assert_eq!(said.status, 1);
+    assert!(said.err.contains("unclosed-brace"), "{}", said.err);
+    assert_eq!(std::fs::read_to_string(&a).unwrap(), "assembly a  {");
+    assert_eq!(std::fs::read_to_string(&b).unwrap(), LAID_OUT);
+
+    std::fs::write(&a, b"// \xff").unwrap();
+    assert_eq!(stochc_with("fmt", &[&a]).status, 1);
+    let said = stochc_with("fmt", &[&path(folder.path(), "none.sa")]);
+    assert_eq!(said.status, 2);
+    assert!(said.err.contains("No such file"), "{}", said.err);
+}
+
+#[test]
+#[cfg(unix)]
+fn permissions_and_links_stay() {
+    use std::fs::Permissions;
+    use std::os::unix::fs::{PermissionsExt as _, symlink};
+    let folder = tempfile::tempdir().unwrap();
+    let (file, link) = (path(folder.path(), "a.sa"), path(folder.path(), "link.sa"));
+    std::fs::write(&file, CARELESS).unwrap();
+    std::fs::set_permissions(&file, Permissions::from_mode(0o640)).unwrap();
+    symlink("a.sa", &link).unwrap();
+    assert_eq!(stochc_with("fmt", &[&link]).status, 0);
+    assert_eq!(std::fs::read_to_string(&file).unwrap(), LAID_OUT);
+    assert!(std::fs::symlink_metadata(&link).unwrap().is_symlink());
+    let mode = std::fs::metadata(&file).unwrap().permissions().mode();
+    assert_eq!(mode & 0o777, 0o640);
+}
+
+#[test]
+fn the_standard_input_goes_to_the_standard_output() {
+    let mut child = command(["fmt", "-"]);
+    child.stdin(Stdio::piped()).stdout(Stdio::piped());
+    let mut child = child.spawn().unwrap();
+    child
+        .stdin
+        .take()
+        .unwrap()
+        .write_all(CARELESS.as_bytes())
+        .unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(String::from_utf8(output.stdout).unwrap(), LAID_OUT);
+    assert_eq!(said(&mut command(["fmt", "-"])).out, "");
+}
+
+#[test]
+fn the_mark_of_the_byte_order_goes() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(folder.path(), "a.sa");
+    std::fs::write(&file, format!("\u{feff}{LAID_OUT}")).unwrap();
+    assert_eq!(stochc_with("fmt --check", &[&file]).status, 1);
+    assert_eq!(stochc_with("fmt", &[&file]).status, 0);
+    assert_eq!(std::fs::read_to_string(&file).unwrap(), LAID_OUT);
+}
+
+#[test]
+fn the_programs_of_this_project_are_laid_out() {
+    let said = stochc("fmt --check examples compiler/src/scene/hemisphere.sa");
+    assert_eq!(
+        (said.status, said.out.as_str(), said.err.as_str()),
+        (0, "", "")
+    );
+}
