@@ -13,7 +13,9 @@ pub mod graph;
 mod inventory;
 pub mod layout;
 mod load;
+pub mod locate;
 mod lower;
+pub mod names;
 pub mod order;
 pub mod plan;
 mod presence;
@@ -27,7 +29,7 @@ pub mod table;
 
 pub use cell::Cell;
 pub use expand::{Limits, MAX_NESTING};
-pub use load::Reader;
+pub use load::{Module, Reader};
 pub use program::{Checked, Program, Stage, check, check_observed};
 pub use source::{FileId, Site, SourceFile, Sources};
 pub use stochc_grammar::{Face, Span, Symbols};

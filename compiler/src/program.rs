@@ -24,6 +24,8 @@ pub struct Checked {
     pub findings: Vec<Finding>,
     /// The tree of the file itself; empty if it cannot be read.
     pub tree: Tree,
+    /// The files it imports, in the order of reading.
+    pub imports: Vec<Module>,
     /// The words of the trees and plans.
     pub symbols: Symbols,
     /// The assemblies of the file itself, in source order.
@@ -48,6 +50,14 @@ pub struct Program {
 }
 
 impl Checked {
+    /// The trees of all files: imported ones before those that import them, the file's own last.
+    pub fn trees(&self) -> impl Iterator<Item = (FileId, &Tree)> {
+        let imports = self.imports.iter();
+        // The file itself is read first.
+        let own = (!self.sources.files().is_empty()).then_some((FileId(0), &self.tree));
+        imports.map(|module| (module.file, &module.tree)).chain(own)
+    }
+
     /// Whether anything is wrong, not merely suspicious.
     pub fn has_errors(&self) -> bool {
         self.findings.iter().any(Finding::is_error)
@@ -108,6 +118,7 @@ pub fn check_observed(
         sources,
         findings,
         tree,
+        imports: loaded.modules,
         symbols: loaded.symbols,
         programs,
     }
@@ -126,7 +137,8 @@ fn programs(
         doubtful,
     } = loaded;
     let scenes = Scenes::of(modules, symbols, findings);
-    let declarations = declarations(modules, symbols, findings);
+    let trees = modules.iter().map(|module| (module.file, &module.tree));
+    let declarations = declarations(trees, symbols, findings);
     let Some(own) = modules.last() else {
         return Vec::new();
     };
@@ -158,8 +170,8 @@ fn programs(
 }
 
 /// What the files declare at top level.
-fn declarations<'a>(
-    modules: &'a [Module],
+pub(crate) fn declarations<'a>(
+    trees: impl Iterator<Item = (FileId, &'a Tree)>,
     symbols: &Symbols,
     findings: &mut Vec<Finding>,
 ) -> Declarations<'a> {
@@ -168,9 +180,8 @@ fn declarations<'a>(
         shapes: FxHashMap::default(),
         lets: Vec::new(),
     };
-    for module in modules {
-        let file = module.file;
-        for item in &module.tree.items {
+    for (file, tree) in trees {
+        for item in &tree.items {
             let (name, old) = match &item.kind {
                 ItemKind::Pattern(pattern) => {
                     let old = declarations

@@ -1,7 +1,7 @@
 //! Event tables as text: stable, sorted and made for comparing line by line.
 use std::fmt::Write as _;
 
-use crate::table::{Action, Condition, News, Rule, Tables, Trigger};
+use crate::table::{Action, Condition, Duty, News, PhaseId, RoleId, Rule, Tables, Trigger};
 
 /// The text form of event tables.
 pub fn table_text(tables: &Tables) -> String {
@@ -43,17 +43,35 @@ pub fn table_text(tables: &Tables) -> String {
                 None => out.push('\n'),
             }
         }
-        let phase = &tables.phases[duty.phase.0 as usize].name;
-        let trigger = match duty.trigger {
-            Trigger::Start => "at the start of",
-            Trigger::Anchored => "when anchored in",
-        };
-        let _ = writeln!(out, "    {trigger} {phase}");
-        for rule in duty.rules() {
-            let _ = writeln!(out, "        {}", rule_text(tables, rule));
+        write_duty(tables, duty, &mut out);
+    }
+    out
+}
+
+/// The part of the text form that one block holds, without its name; empty if it does nothing.
+pub fn duties_text(tables: &Tables, role: RoleId) -> String {
+    let mut out = String::new();
+    for phase in (0..tables.phases.len() as u32).map(PhaseId) {
+        for trigger in [Trigger::Start, Trigger::Anchored] {
+            if let Some(duty) = tables.duty(role, phase, trigger) {
+                write_duty(tables, duty, &mut out);
+            }
         }
     }
     out
+}
+
+fn write_duty(tables: &Tables, duty: Duty<'_>, out: &mut String) {
+    let phase = &tables.phases[duty.phase.0 as usize].name;
+    let trigger = match duty.trigger {
+        Trigger::Start => "at the start of",
+        Trigger::Anchored => "when anchored in",
+    };
+    // Writing to a string cannot fail.
+    let _ = writeln!(out, "    {trigger} {phase}");
+    for rule in duty.rules() {
+        let _ = writeln!(out, "        {}", rule_text(tables, rule));
+    }
 }
 
 fn rule_text(tables: &Tables, rule: Rule<'_>) -> String {

@@ -1,6 +1,7 @@
 //! Patterns, loops and arithmetic written out.
 mod arithmetic;
 mod place;
+mod probe;
 mod scope;
 mod seeds;
 mod statement;
@@ -13,6 +14,7 @@ use crate::finding::{Code, Finding, MOST_FINDINGS, tell};
 use crate::plan::{Plan, PlanPhase, Roles, Timeout};
 use crate::table::Plate;
 use crate::{FileId, Site};
+pub use probe::Probe;
 use scope::{Scope, Value};
 
 /// How large a program may grow when it is written out.
@@ -55,6 +57,28 @@ pub fn expand<'a>(
     limits: Limits,
     findings: &mut Vec<Finding>,
 ) -> (Plan, FxHashMap<Symbol, (FileId, &'a Shape)>) {
+    let mut nowhere = Probe::default();
+    expand_probed(
+        declarations,
+        file,
+        assembly,
+        symbols,
+        limits,
+        findings,
+        &mut nowhere,
+    )
+}
+
+/// [`expand`], noting which blocks are meant at a place of the text.
+pub fn expand_probed<'a>(
+    declarations: &Declarations<'a>,
+    file: FileId,
+    assembly: &'a Assembly,
+    symbols: &mut Symbols,
+    limits: Limits,
+    findings: &mut Vec<Finding>,
+    probe: &mut Probe,
+) -> (Plan, FxHashMap<Symbol, (FileId, &'a Shape)>) {
     let mut expander = Expander {
         plan: Plan {
             name: symbols.word(assembly.name.symbol).to_owned(),
@@ -84,6 +108,7 @@ pub fn expand<'a>(
         in_phase: false,
         symbols,
         findings,
+        probe,
     };
     for &(file, item) in &declarations.lets {
         expander.file = file;
@@ -115,6 +140,7 @@ struct Expander<'a, 'f> {
     in_phase: bool,
     symbols: &'f mut Symbols,
     findings: &'f mut Vec<Finding>,
+    probe: &'f mut Probe,
 }
 
 impl<'a> Expander<'a, '_> {

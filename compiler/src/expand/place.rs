@@ -49,6 +49,7 @@ impl Expander<'_, '_> {
                     return None;
                 }
             };
+            self.probe.note(self.file, place, &keys);
             return Some(Blocks {
                 keys,
                 ranged: false,
@@ -56,6 +57,7 @@ impl Expander<'_, '_> {
             });
         }
         let (keys, ranged) = self.keys(scope, last)?;
+        self.probe.note(self.file, place, &keys);
         Some(Blocks { keys, ranged, face })
     }
 

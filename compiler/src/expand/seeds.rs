@@ -70,6 +70,7 @@ impl<'a> Expander<'a, '_> {
         let (Some(key), Some(x), Some(y)) = (key, x, y) else {
             return;
         };
+        self.probe.note(self.file, &seat.place, &[key]);
         let Plate { width, depth } = self.plan.plate;
         // A seed outside of a plate, which has been told of.
         if width == 0 {

@@ -260,12 +260,16 @@ impl<'a> Expander<'a, '_> {
             Argument::Expr(expr) => {
                 // A bare name is a number, a face or a block, whichever it stands for.
                 if let ExprKind::Name(word) = expr.kind {
-                    return self.scope.get(word).unwrap_or(Value::Block(Key {
+                    let value = self.scope.get(word).unwrap_or(Value::Block(Key {
                         scope: self.scope.instance,
                         word,
                         arity: 0,
                         index: [0; Key::MAX_INDICES],
                     }));
+                    if let Value::Block(key) = value {
+                        self.probe.note_span(self.file, expr.span, &[key]);
+                    }
+                    return value;
                 }
                 self.evaluate(expr).map_or(Value::Unknown, Value::Number)
             }

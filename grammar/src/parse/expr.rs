@@ -65,7 +65,7 @@ impl Parser<'_, '_> {
         let mut first = None;
         loop {
             let pair = pairs.next()?;
-            let span = span_of(&pair, base);
+            let mut span = span_of(&pair, base);
             let first = *first.get_or_insert(span);
             let kind = match pair.as_rule() {
                 Rule::minus => {
@@ -78,6 +78,8 @@ impl Parser<'_, '_> {
                 _ => {
                     let inside = self.expr_at(pair, base, depth + 1);
                     pairs.next();
+                    // Without the blanks before the parenthesis: a name is where it stands.
+                    span = inside.span;
                     inside.kind
                 }
             };

@@ -1,0 +1,41 @@
+//! Which blocks are meant at one place of the text.
+use stochc_grammar::Span;
+use stochc_grammar::tree::Place;
+
+use crate::FileId;
+use crate::plan::Key;
+
+/// A place of the text, and the blocks that are found to be meant there.
+#[derive(Debug, Default)]
+pub struct Probe {
+    /// The file and a byte of it; `None`: no place at all.
+    pub at: Option<(FileId, u32)>,
+    /// The names, in the order in which the program is written out, each once.
+    pub keys: Vec<Key>,
+}
+
+/// Names that are kept of one place; in a loop it may stand for millions.
+const MOST_KEYS: usize = 64;
+
+impl Probe {
+    /// Notes the blocks of a place if it is the one in question.
+    pub fn note(&mut self, file: FileId, place: &Place, keys: &[Key]) {
+        // The instances before the last name are other things.
+        let last = place.path.last();
+        let start = last.map_or(place.span.start, |segment| segment.name.span.start);
+        self.note_span(file, Span::new(start, place.span.end), keys);
+    }
+
+    /// Notes the blocks of a part of the text.
+    pub fn note_span(&mut self, file: FileId, span: Span, keys: &[Key]) {
+        let Some((probed, at)) = self.at else { return };
+        if probed != file || !(span.start..=span.end).contains(&at) {
+            return;
+        }
+        for key in keys {
+            if self.keys.len() < MOST_KEYS && !self.keys.contains(key) {
+                self.keys.push(*key);
+            }
+        }
+    }
+}

@@ -1,0 +1,218 @@
+//! From a place of the text to the blocks that are meant there, and what becomes of them.
+use petgraph::Direction::Incoming;
+use petgraph::graph::NodeIndex;
+use petgraph::visit::EdgeRef as _;
+use rustc_hash::FxHashMap;
+use stochc_grammar::tree::ItemKind;
+
+use crate::expand::{Limits, Probe, expand_probed};
+use crate::graph::Dependency;
+use crate::plan::{Deed, EventId, Plan};
+use crate::program::declarations;
+use crate::table::RoleId;
+use crate::{Checked, FileId, Program};
+
+/// Blocks of one assembly.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Located {
+    /// Which assembly: an index into [`Checked::programs`].
+    pub program: usize,
+    /// Its blocks, in the order in which the program is written out; the first 64 at most.
+    pub roles: Vec<RoleId>,
+}
+
+/// The blocks that the name at a byte of a file stands for, in every assembly that has any there.
+///
+/// In a loop or a pattern one name stands for many. The programs are written out once more for it.
+pub fn blocks_at(checked: &Checked, file: FileId, at: u32) -> Vec<Located> {
+    let mut located = Vec::new();
+    let mut symbols = checked.symbols.clone();
+    // What is wrong has been told.
+    let mut findings = Vec::new();
+    let declarations = declarations(checked.trees(), &symbols, &mut findings);
+    let assemblies = checked
+        .tree
+        .items
+        .iter()
+        .filter_map(|item| match &item.kind {
+            ItemKind::Assembly(assembly) => Some(assembly),
+            _ => None,
+        });
+    for (program, assembly) in assemblies.enumerate() {
+        let Some(known) = checked.programs.get(program) else {
+            break;
+        };
+        let mut probe = Probe {
+            at: Some((file, at)),
+            keys: Vec::new(),
+        };
+        findings.clear();
+        expand_probed(
+            &declarations,
+            known.plan.site.file,
+            assembly,
+            &mut symbols,
+            Limits::default(),
+            &mut findings,
+            &mut probe,
+        );
+        let keys = probe.keys.iter();
+        let roles: Vec<RoleId> = keys.filter_map(|key| known.plan.roles.get(key)).collect();
+        if !roles.is_empty() {
+            located.push(Located { program, roles });
+        }
+    }
+    located
+}
+
+/// The captures of each block, to follow the parents of one down to the plate.
+pub struct Ancestry<'a> {
+    program: &'a Program,
+    captures: FxHashMap<RoleId, Vec<EventId>>,
+}
+
+impl<'a> Ancestry<'a> {
+    /// Looks through the captures of a program.
+    pub fn of(program: &'a Program) -> Ancestry<'a> {
+        let mut captures: FxHashMap<RoleId, Vec<EventId>> = FxHashMap::default();
+        for (number, event) in program.plan.events.iter().enumerate() {
+            if event.sound && matches!(event.deed, Deed::Capture { .. }) {
+                let id = EventId(number as u32);
+                captures.entry(event.role).or_default().push(id);
+            }
+        }
+        Ancestry { program, captures }
+    }
+
+    /// The captures of a block, in source order: a name may be captured again after a release.
+    pub fn captures(&self, role: RoleId) -> &[EventId] {
+        self.captures.get(&role).map_or(&[], Vec::as_slice)
+    }
+
+    /// Captures from the plate to the block of this one, itself included; `None` if it makes no
+    /// sense, or hangs on what makes none.
+    pub fn depth(&self, capture: EventId) -> Option<u32> {
+        let plan = &self.program.plan;
+        let mut at = capture;
+        let mut depth = 0;
+        loop {
+            depth += 1;
+            let Deed::Capture { parent, .. } = plan.event(at).deed else {
+                return None;
+            };
+            // More steps than captures would be a circle.
+            if !plan.event(at).sound || depth as usize > plan.events.len() {
+                return None;
+            }
+            if plan.seeds.iter().any(|seed| seed.role == parent) {
+                return Some(depth);
+            }
+            at = self.anchoring(at, parent)?;
+        }
+    }
+
+    /// The capture that anchored the parent of another one: in the same phase, or the last before.
+    fn anchoring(&self, capture: EventId, parent: RoleId) -> Option<EventId> {
+        let graph = &self.program.graph;
+        let node = NodeIndex::new(capture.0 as usize);
+        let here = (graph.edges_directed(node, Incoming))
+            .find(|edge| *edge.weight() == Dependency::Anchored);
+        if let Some(edge) = here {
+            return Some(graph[edge.source()]);
+        }
+        let start = phase_of(&self.program.plan, capture)?.events.start;
+        let earlier = self.captures(parent).iter().rev();
+        earlier.copied().find(|id| id.0 < start)
+    }
+}
+
+/// The phase that an event belongs to.
+pub fn phase_of(plan: &Plan, event: EventId) -> Option<&crate::plan::PlanPhase> {
+    let after = plan
+        .phases
+        .partition_point(|phase| phase.events.end <= event.0);
+    plan.phases.get(after)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::check;
+
+    const TEXT: &str = "pattern tower(base, height) {
+    base.up ->> T[1..height]
+}
+assembly a {
+    seed plate 2 x 1 { A at (0, 0) B at (1, 0) }
+    phase p {
+        tower(A, 2) as left
+        tower(B, 1) as right
+    }
+    phase q {
+        left.T[2].up -> Top.up -> Tip
+        right.T[1].up -> R
+    }
+    phase r {
+        release Tip
+        Top.up -> Tip
+    }
+}";
+
+    fn checked() -> Checked {
+        let mut reader = |_: &str| Ok(TEXT.as_bytes().to_vec());
+        let checked = check("a.sa", &mut reader, Limits::default());
+        assert_eq!(checked.findings, []);
+        checked
+    }
+
+    /// The names of the blocks at the end of the first occurrence of a text.
+    fn names(checked: &Checked, behind: &str) -> Vec<String> {
+        let at = TEXT.find(behind).unwrap() + behind.len();
+        let located = blocks_at(checked, FileId(0), at as u32);
+        let names = located.iter().flat_map(|located| {
+            let plan = &checked.programs[located.program].plan;
+            let roles = located.roles.iter();
+            roles.map(|&role| plan.roles.name(role, &checked.symbols))
+        });
+        names.collect()
+    }
+
+    #[test]
+    fn a_place_stands_for_its_blocks() {
+        let checked = checked();
+        assert_eq!(names(&checked, "tower(A"), ["A"]);
+        assert_eq!(names(&checked, "{ A"), ["A"]);
+        assert_eq!(names(&checked, "left.T"), ["left.T[2]"]);
+        assert_eq!(names(&checked, "    left"), [""; 0]);
+        assert_eq!(names(&checked, "-> Top"), ["Top"]);
+        assert_eq!(names(&checked, "release Tip"), ["Tip"]);
+        // In a pattern, those of all its instances.
+        assert_eq!(
+            names(&checked, "->> T"),
+            ["left.T[1]", "left.T[2]", "right.T[1]"]
+        );
+        assert_eq!(names(&checked, "    base"), ["A", "B"]);
+        assert_eq!(names(&checked, "phase"), [""; 0]);
+    }
+
+    #[test]
+    fn depth_is_counted_from_the_plate() {
+        let checked = checked();
+        let program = &checked.programs[0];
+        let ancestry = Ancestry::of(program);
+        let depths: Vec<_> = (0..program.plan.events.len() as u32)
+            .map(|id| ancestry.depth(EventId(id)))
+            .collect();
+        let expected = [
+            Some(1),
+            Some(2),
+            Some(1),
+            Some(3),
+            Some(4),
+            Some(2),
+            None,
+            Some(4),
+        ];
+        assert_eq!(depths, expected);
+    }
+}

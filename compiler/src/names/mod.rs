@@ -1,0 +1,205 @@
+//! What every name of a program's files refers to: where it is declared, and where it is used.
+//!
+//! Names are words here: `T[1]` and `T[i + 1]` are uses of the same `T`, since only writing the
+//! program out could tell them apart ([`crate::locate`] does). A name that may stand for several
+//! things, such as a number of the assembly that grows a pattern, makes them one.
+mod resolve;
+mod scope;
+
+use stochc_grammar::Symbol;
+
+use crate::{Checked, FileId, Site};
+
+/// Every name of a program's files.
+#[derive(Clone, Debug, Default)]
+pub struct Names {
+    /// By file and place.
+    occurrences: Vec<Occurrence>,
+    kinds: Vec<(Kind, Symbol)>,
+}
+
+/// A name at its place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Occurrence {
+    /// Where.
+    pub site: Site,
+    /// What it refers to.
+    pub thing: Thing,
+    /// Whether it is declared here, or captured if it is a block.
+    pub declares: bool,
+}
+
+/// Something with a name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Thing(u32);
+
+/// What has a name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Kind {
+    /// Blocks of an assembly or a pattern.
+    Block,
+    /// Named instances of patterns.
+    Instance,
+    /// A `let`.
+    Number,
+    /// The counter of a loop.
+    Counter,
+    /// A parameter of a pattern.
+    Parameter,
+    /// A pattern.
+    Pattern,
+    /// A shape.
+    Shape,
+    /// A scene.
+    Scene,
+    /// An assembly.
+    Assembly,
+    /// Phases of an assembly.
+    Phase,
+}
+
+impl Kind {
+    /// What messages call it.
+    pub const fn noun(self) -> &'static str {
+        match self {
+            Kind::Block => "block",
+            Kind::Instance => "instance of a pattern",
+            Kind::Number => "number",
+            Kind::Counter => "counter",
+            Kind::Parameter => "parameter",
+            Kind::Pattern => "pattern",
+            Kind::Shape => "shape",
+            Kind::Scene => "scene",
+            Kind::Assembly => "assembly",
+            Kind::Phase => "phase",
+        }
+    }
+}
+
+impl Names {
+    /// Finds out what the names of a program's files refer to.
+    pub fn of(checked: &Checked) -> Names {
+        resolve::resolve(checked)
+    }
+
+    /// The name at a byte of a file, or the one that ends there.
+    pub fn at(&self, file: FileId, at: u32) -> Option<&Occurrence> {
+        let key = |occurrence: &Occurrence| (occurrence.site.file, occurrence.site.span.start);
+        let behind = (self.occurrences).partition_point(|occurrence| key(occurrence) <= (file, at));
+        let candidate = &self.occurrences[behind.checked_sub(1)?];
+        let site = candidate.site;
+        (site.file == file && at <= site.span.end).then_some(candidate)
+    }
+
+    /// Every name, by file and place.
+    pub fn all(&self) -> &[Occurrence] {
+        &self.occurrences
+    }
+
+    /// Every place where a thing is named, by file and place.
+    pub fn of_thing(&self, thing: Thing) -> impl Iterator<Item = &Occurrence> {
+        (self.occurrences.iter()).filter(move |occurrence| occurrence.thing == thing)
+    }
+
+    /// What a thing is.
+    pub fn kind(&self, thing: Thing) -> Kind {
+        self.kinds[thing.0 as usize].0
+    }
+
+    /// The word of a thing.
+    pub fn word(&self, thing: Thing) -> Symbol {
+        self.kinds[thing.0 as usize].1
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Limits, check};
+
+    /// The words of a program that are names, each with its thing's number, by order of mention;
+    /// where it is declared, with a star.
+    fn shown(files: &[(&str, &str)]) -> String {
+        let mut reader = |path: &str| {
+            let file = files.iter().find(|(name, _)| *name == path);
+            file.map(|(_, text)| text.as_bytes().to_vec())
+                .ok_or_else(|| "none".to_owned())
+        };
+        let checked = check(files[0].0, &mut reader, Limits::default());
+        let names = Names::of(&checked);
+        let mut seen: Vec<Thing> = Vec::new();
+        let mut shown = Vec::new();
+        for occurrence in names.all() {
+            let number = seen.iter().position(|&thing| thing == occurrence.thing);
+            let number = number.unwrap_or_else(|| {
+                seen.push(occurrence.thing);
+                seen.len() - 1
+            });
+            let word = checked.sources.text(occurrence.site);
+            assert_eq!(word, checked.symbols.word(names.word(occurrence.thing)));
+            let star = if occurrence.declares { "*" } else { "" };
+            shown.push(format!("{word}{number}{star}"));
+        }
+        shown.join(" ")
+    }
+
+    #[test]
+    fn blocks_belong_to_their_assembly() {
+        let one = "{ seed plate 1 x 1 { M at (0, 0) } phase p { M.up -> T[1].up -> T[2] \
+                   release T[2] after T[1] } }";
+        assert_eq!(
+            shown(&[("a.sa", &format!("assembly a {one} assembly b {one}"))]),
+            "a0* M1* p2* M1 T3* T3* T3 T3 b4* M5* p6* M5 T7* T7* T7 T7"
+        );
+    }
+
+    #[test]
+    fn numbers_are_hidden_by_inner_ones() {
+        let text = "let n = 1 let k = n + -(n) assembly a { seed plate n x (n) { M[n] at (0, 0) }
+            let n = n phase p[n] { for n in n..2 { let n = n M[n].up -> T[( n )] } } }";
+        assert_eq!(
+            shown(&[("a.sa", text)]),
+            "n0* k1* n0 n0 a2* n0 n0 M3* n0 n4* n0 p5* n4 n6* n4 n7* n6 M3 n7 T8* n7"
+        );
+    }
+
+    #[test]
+    fn patterns_have_blocks_of_their_own() {
+        let text = "pattern t(base, h, side) { base.up ->> T[1..h] T[h].side -> U }
+            pattern two(a, b) { t(a, 1, up) as l t(b, 2, up) as r l.T[1].up -> r.T[3] }
+            assembly a { seed plate 2 x 1 { A at (0, 0) T at (1, 0) }
+            phase p { two(A, T) as g[1] t(T, 3, east) as s }
+            phase q { g[1].l.T[1].up -> T s.U.up -> V } }";
+        assert_eq!(
+            shown(&[("a.sa", text)]),
+            "t0* base1* h2* side3* base1 T4* h2 T4 h2 side3 U5* two6* a7* b8* t0 a7 l9* t0 b8 r10* \
+             l9 T4 r10 T4* a11* A12* T13* p14* two6 A12 T13 g15* t0 T13 s16* q17* g15 l9 T4 T13* \
+             s16 U5 V18*"
+        );
+    }
+
+    #[test]
+    fn what_may_be_either_is_one() {
+        let text = "let n = 1 pattern t(base) { base.up -> T[n] }
+            assembly a { let n = 2 seed plate n x 1 { A at (0, 0) } phase p { t(A) } }
+            assembly b { let m = 3 pattern s(base) { base.up -> T[m] } seed plate 1 x 1 { A at (0, 0) }
+            phase p { s(A) } }";
+        assert_eq!(
+            shown(&[("a.sa", text)]),
+            "n0* t1* base2* base2 T3* n0 a4* n0* n0 A5* p6* t1 A5 b7* m8* s9* base10* base10 T11* m8 \
+             A12* p13* s9 A12"
+        );
+    }
+
+    #[test]
+    fn files_share_their_names() {
+        let main = "import \"b.sa\" assembly a in dry { seed plate w x 1 { M at (0, 0) }
+            phase p { t(M) yields s } }";
+        let other = "let w = 1 pattern t(b) { b.up -> T } shape s { layer 1 { # } }
+            scene dry from hemisphere { free 3 uniform }";
+        assert_eq!(
+            shown(&[("a.sa", main), ("b.sa", other)]),
+            "a0* dry1 w2 M3* p4* t5 M3 s6 w2* t5* b7* b7 T8* s6* dry1* hemisphere9"
+        );
+    }
+}

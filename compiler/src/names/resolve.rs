@@ -1,0 +1,509 @@
+//! Goes through the trees with the rules of scope that the expansion has.
+use rustc_hash::{FxHashMap, FxHashSet};
+use stochc_grammar::tree::{
+    Argument, Entry, Expr, ExprKind, Instance, Item, ItemKind, Name, Pattern, Place, Segment,
+};
+use stochc_grammar::{Span, Symbol};
+
+use super::scope::{Bindings, Things};
+use super::{Kind, Names, Thing};
+use crate::{Checked, FileId, Site};
+
+/// Resolves every name of a program's files.
+pub fn resolve(checked: &Checked) -> Names {
+    let mut resolver = Resolver {
+        things: Things::default(),
+        file: FileId(0),
+        bindings: Bindings::default(),
+        file_numbers: FxHashMap::default(),
+        shared: FxHashMap::default(),
+        realms: FxHashMap::default(),
+        realm_count: 0,
+        captured: FxHashSet::default(),
+        blocks: FxHashMap::default(),
+        grown: FxHashMap::default(),
+        assemblies: Vec::new(),
+        within: Within::File,
+        realm: Realm(0),
+    };
+    let trees: Vec<_> = checked.trees().collect();
+    for (file, tree) in &trees {
+        resolver.file = *file;
+        resolver.declare_file(&tree.items);
+    }
+    let mut number = 0;
+    for (file, tree) in &trees {
+        resolver.file = *file;
+        for item in &tree.items {
+            resolver.top(item, &mut number);
+        }
+    }
+    resolver.things.finish()
+}
+
+/// Whose blocks and instances are spoken of: those of an assembly, or of a pattern.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct Realm(u32);
+
+/// What is gone through.
+#[derive(Clone, Copy, PartialEq)]
+enum Within {
+    /// The file itself.
+    File,
+    /// An assembly, by number.
+    Assembly(usize),
+    /// A pattern of an assembly.
+    OwnPattern(usize),
+    /// A pattern of the file, which sees what the assemblies that grow it see.
+    Pattern,
+}
+
+/// What an assembly declares for itself.
+#[derive(Default)]
+struct Own {
+    numbers: FxHashMap<Symbol, Vec<Thing>>,
+    /// The same, by the place of their names.
+    lets: FxHashMap<u32, Thing>,
+    named: FxHashMap<(Kind, Symbol), Thing>,
+}
+
+struct Resolver {
+    things: Things,
+    file: FileId,
+    bindings: Bindings,
+    file_numbers: FxHashMap<Symbol, Thing>,
+    /// Patterns, shapes and scenes of all files.
+    shared: FxHashMap<(Kind, Symbol), Thing>,
+    /// For every pattern, whose names it has.
+    realms: FxHashMap<Thing, Realm>,
+    realm_count: u32,
+    /// The words that are captured in each pattern.
+    captured: FxHashSet<(Realm, Symbol)>,
+    /// Blocks, instances and phases.
+    blocks: FxHashMap<(Realm, Kind, Symbol), Thing>,
+    /// The patterns that the instances of a name have grown from.
+    grown: FxHashMap<Thing, Vec<Realm>>,
+    assemblies: Vec<Own>,
+    within: Within,
+    realm: Realm,
+}
+
+impl Resolver {
+    fn declare_file(&mut self, items: &[Item]) {
+        let named = self.declare(items);
+        self.shared.extend(named);
+        for item in items {
+            match &item.kind {
+                ItemKind::Scene(scene) => {
+                    let thing = self.scene(scene.name);
+                    self.occur(thing, scene.name.span, true);
+                }
+                ItemKind::Let(let_) => {
+                    self.expr(&let_.value);
+                    let thing = self.bind(Kind::Number, let_.name);
+                    self.file_numbers.insert(let_.name.symbol, thing);
+                }
+                ItemKind::Assembly(assembly) => {
+                    let mut own = Own {
+                        named: self.declare(&assembly.body),
+                        ..Own::default()
+                    };
+                    for item in &assembly.body {
+                        if let ItemKind::Let(let_) = &item.kind {
+                            let word = let_.name.symbol;
+                            let thing = self.things.new_thing(Kind::Number, word);
+                            own.numbers.entry(word).or_default().push(thing);
+                            own.lets.insert(let_.name.span.start, thing);
+                        }
+                    }
+                    self.assemblies.push(own);
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// Patterns and shapes, which may stand behind their use.
+    fn declare(&mut self, items: &[Item]) -> FxHashMap<(Kind, Symbol), Thing> {
+        let mut named = FxHashMap::default();
+        for item in items {
+            let (kind, name) = match &item.kind {
+                ItemKind::Pattern(pattern) => (Kind::Pattern, pattern.name),
+                ItemKind::Shape(shape) => (Kind::Shape, shape.name),
+                _ => continue,
+            };
+            let thing = self.things.new_thing(kind, name.symbol);
+            self.occur(thing, name.span, true);
+            named.insert((kind, name.symbol), thing);
+            if let ItemKind::Pattern(pattern) = &item.kind {
+                let realm = self.new_realm();
+                self.realms.insert(thing, realm);
+                self.capture_words(&pattern.body, realm);
+            }
+        }
+        named
+    }
+
+    fn capture_words(&mut self, items: &[Item], realm: Realm) {
+        for item in items {
+            match &item.kind {
+                ItemKind::Chain(chain) => {
+                    for link in &chain.links {
+                        if let [only] = &link.place.path[..] {
+                            self.captured.insert((realm, only.name.symbol));
+                        }
+                    }
+                }
+                ItemKind::For(block) => self.capture_words(&block.body, realm),
+                _ => {}
+            }
+        }
+    }
+
+    fn new_realm(&mut self) -> Realm {
+        self.realm_count += 1;
+        Realm(self.realm_count)
+    }
+
+    fn top(&mut self, item: &Item, number: &mut usize) {
+        self.within = Within::File;
+        match &item.kind {
+            ItemKind::Assembly(assembly) => {
+                let thing = self.things.new_thing(Kind::Assembly, assembly.name.symbol);
+                self.occur(thing, assembly.name.span, true);
+                if let Some(scene) = assembly.scene {
+                    let thing = self.scene(scene);
+                    self.occur(thing, scene.span, false);
+                }
+                self.within = Within::Assembly(*number);
+                self.realm = self.new_realm();
+                *number += 1;
+                self.items(&assembly.body);
+            }
+            ItemKind::Pattern(pattern) => self.pattern(pattern, Within::Pattern),
+            ItemKind::Scene(scene) => {
+                if let Some(base) = scene.base {
+                    let thing = self.scene(base);
+                    self.occur(thing, base.span, false);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// A scene, declared or built in.
+    fn scene(&mut self, name: Name) -> Thing {
+        let key = (Kind::Scene, name.symbol);
+        if let Some(&thing) = self.shared.get(&key) {
+            return thing;
+        }
+        let thing = self.things.new_thing(Kind::Scene, name.symbol);
+        self.shared.insert(key, thing);
+        thing
+    }
+
+    fn pattern(&mut self, pattern: &Pattern, within: Within) {
+        let Some(&realm) = (self.named(Kind::Pattern, pattern.name.symbol))
+            .and_then(|thing| self.realms.get(&thing))
+        else {
+            return;
+        };
+        let outer = (self.within, self.realm, std::mem::take(&mut self.bindings));
+        (self.within, self.realm) = (within, realm);
+        for &parameter in &pattern.parameters {
+            self.bind(Kind::Parameter, parameter);
+        }
+        self.items(&pattern.body);
+        (self.within, self.realm, self.bindings) = outer;
+    }
+
+    fn items(&mut self, items: &[Item]) {
+        let mark = self.bindings.mark();
+        for item in items {
+            self.item(item);
+        }
+        self.bindings.restore(mark);
+    }
+
+    fn item(&mut self, item: &Item) {
+        match &item.kind {
+            ItemKind::Chain(chain) => {
+                self.place(&chain.head, false);
+                for link in &chain.links {
+                    self.place(&link.place, true);
+                }
+                for subject in &chain.after {
+                    self.place(&subject.place, false);
+                }
+            }
+            ItemKind::Release(release) => {
+                let subjects = release.after.iter().map(|subject| &subject.place);
+                for place in release.places.iter().chain(subjects) {
+                    self.place(place, false);
+                }
+            }
+            ItemKind::Instance(instance) => self.instance(instance),
+            ItemKind::Seat(seat) => {
+                self.new_name(Kind::Block, &seat.place);
+                self.expr(&seat.at.0);
+                self.expr(&seat.at.1);
+            }
+            ItemKind::For(block) => {
+                self.expr(&block.range.0);
+                self.expr(&block.range.1);
+                let mark = self.bindings.mark();
+                self.bind(Kind::Counter, block.counter);
+                self.items(&block.body);
+                self.bindings.restore(mark);
+            }
+            ItemKind::Let(let_) => {
+                self.expr(&let_.value);
+                self.bind(Kind::Number, let_.name);
+            }
+            ItemKind::Yields(name) => self.refer(Kind::Shape, *name),
+            ItemKind::Phase(phase) => {
+                self.new_name(Kind::Phase, &phase.name);
+                self.items(&phase.body);
+            }
+            ItemKind::Seed(seed) => {
+                self.expr(&seed.size.0);
+                self.expr(&seed.size.1);
+                self.items(&seed.body);
+            }
+            ItemKind::Pattern(pattern) => {
+                if let Within::Assembly(number) = self.within {
+                    self.pattern(pattern, Within::OwnPattern(number));
+                }
+            }
+            // Numbers in a shape have no names; the others do not belong here.
+            ItemKind::Shape(_)
+            | ItemKind::Assembly(_)
+            | ItemKind::Scene(_)
+            | ItemKind::Import(_) => {}
+        }
+    }
+
+    fn instance(&mut self, instance: &Instance) {
+        self.refer(Kind::Pattern, instance.pattern);
+        for argument in &instance.arguments {
+            match argument {
+                Argument::Expr(expr) => match expr.kind {
+                    // A bare name is the number of that name, or else the block.
+                    ExprKind::Name(word) => {
+                        let thing = self
+                            .number(word)
+                            .unwrap_or_else(|| self.block(self.realm, Kind::Block, word));
+                        self.occur(thing, expr.span, false);
+                    }
+                    _ => self.expr(expr),
+                },
+                Argument::Place(place) => self.place(place, false),
+            }
+        }
+        let Some(alias) = &instance.alias else { return };
+        let realm = (self.named(Kind::Pattern, instance.pattern.symbol))
+            .and_then(|thing| self.realms.get(&thing).copied());
+        if let (Some(thing), Some(realm)) = (self.new_name(Kind::Instance, alias), realm) {
+            let realms = self.grown.entry(thing).or_default();
+            if !realms.contains(&realm) {
+                realms.push(realm);
+            }
+        }
+    }
+
+    /// The name of something new in this realm.
+    fn new_name(&mut self, kind: Kind, place: &Place) -> Option<Thing> {
+        let [segment] = &place.path[..] else {
+            return None;
+        };
+        self.indices(segment);
+        let thing = self.block(self.realm, kind, segment.name.symbol);
+        self.occur(thing, segment.name.span, true);
+        Some(thing)
+    }
+
+    fn place(&mut self, place: &Place, captures: bool) {
+        place.path.iter().for_each(|segment| self.indices(segment));
+        let mut path = &place.path[..];
+        // A parameter may stand for the face: `base.side -> T`.
+        if let (None, [outer @ .., _, last]) = (place.face, path)
+            && last.index.is_none()
+            && let Some(thing) = self.number(last.name.symbol)
+            && self.things.kind(thing) == Kind::Parameter
+        {
+            let instances = &path[..path.len() - 1];
+            let inside = self.inside(instances);
+            let is_block = inside.is_some_and(|realms| {
+                (realms.iter()).any(|&realm| self.captured.contains(&(realm, last.name.symbol)))
+            });
+            if !is_block {
+                self.occur(thing, last.name.span, false);
+                path = &path[..outer.len() + 1];
+            }
+        }
+        let Some((last, instances)) = path.split_last() else {
+            return;
+        };
+        let word = last.name.symbol;
+        if instances.is_empty() {
+            let (thing, declares) = match self.number(word) {
+                Some(thing) => (thing, false),
+                None => (self.block(self.realm, Kind::Block, word), captures),
+            };
+            self.occur(thing, last.name.span, declares);
+            return;
+        }
+        let Some(mut realms) = self.inside(instances) else {
+            return;
+        };
+        self.occur_instances(instances);
+        if realms
+            .iter()
+            .any(|&realm| self.captured.contains(&(realm, word)))
+        {
+            realms.retain(|&realm| self.captured.contains(&(realm, word)));
+        }
+        let things: Vec<Thing> = (realms.into_iter())
+            .map(|realm| self.block(realm, Kind::Block, word))
+            .collect();
+        if let Some(thing) = self.things.unite(things) {
+            self.occur(thing, last.name.span, captures);
+        }
+    }
+
+    /// The patterns inside of which a path of instances leads; `None` if one is unknown.
+    fn inside(&self, instances: &[Segment]) -> Option<Vec<Realm>> {
+        let mut realms = vec![self.realm];
+        for segment in instances {
+            let key = |realm| (realm, Kind::Instance, segment.name.symbol);
+            let things = realms
+                .iter()
+                .filter_map(|&realm| self.blocks.get(&key(realm)));
+            let mut inside: Vec<Realm> = things
+                .filter_map(|thing| self.grown.get(thing))
+                .flatten()
+                .copied()
+                .collect();
+            inside.sort_unstable_by_key(|realm| realm.0);
+            inside.dedup();
+            if inside.is_empty() {
+                return None;
+            }
+            realms = inside;
+        }
+        Some(realms)
+    }
+
+    fn occur_instances(&mut self, instances: &[Segment]) {
+        for (i, segment) in instances.iter().enumerate() {
+            let realms = self.inside(&instances[..i]).unwrap_or_default();
+            let key = |realm| (realm, Kind::Instance, segment.name.symbol);
+            let known = realms
+                .into_iter()
+                .filter_map(|realm| self.blocks.get(&key(realm)));
+            let known: Vec<Thing> = known.copied().collect();
+            if let Some(thing) = self.things.unite(known) {
+                self.occur(thing, segment.name.span, false);
+            }
+        }
+    }
+
+    fn indices(&mut self, segment: &Segment) {
+        for entry in segment.index.iter().flat_map(|entries| entries.iter()) {
+            match entry {
+                Entry::One(expr) => self.expr(expr),
+                Entry::Range(first, last) => {
+                    self.expr(first);
+                    self.expr(last);
+                }
+            }
+        }
+    }
+
+    fn expr(&mut self, expr: &Expr) {
+        match &expr.kind {
+            ExprKind::Int(_) => {}
+            ExprKind::Name(word) => {
+                if let Some(thing) = self.number(*word) {
+                    self.occur(thing, expr.span, false);
+                }
+            }
+            ExprKind::Negate(inner) => self.expr(inner),
+            ExprKind::Binary(_, sides) => {
+                self.expr(&sides.0);
+                self.expr(&sides.1);
+            }
+        }
+    }
+
+    /// The number, counter or parameter of a word.
+    fn number(&mut self, word: Symbol) -> Option<Thing> {
+        if let Some(thing) = self.bindings.get(word) {
+            return Some(thing);
+        }
+        let of = |own: &Own| own.numbers.get(&word).cloned().unwrap_or_default();
+        let mut things: Vec<Thing> = match self.within {
+            Within::File | Within::Assembly(_) => return None,
+            Within::OwnPattern(number) => self.assemblies.get(number).map(of).unwrap_or_default(),
+            Within::Pattern => self.assemblies.iter().flat_map(of).collect(),
+        };
+        things.extend(self.file_numbers.get(&word));
+        self.things.unite(things)
+    }
+
+    /// The pattern or shape of a word.
+    fn named(&mut self, kind: Kind, word: Symbol) -> Option<Thing> {
+        let own = |own: &Own| own.named.get(&(kind, word)).copied();
+        let mut things: Vec<Thing> = match self.within {
+            Within::Assembly(number) | Within::OwnPattern(number) => self
+                .assemblies
+                .get(number)
+                .and_then(own)
+                .into_iter()
+                .collect(),
+            Within::File | Within::Pattern => Vec::new(),
+        };
+        if things.is_empty() {
+            things.extend(self.shared.get(&(kind, word)));
+        }
+        // A pattern of the file may be grown where only the assembly knows the word.
+        if things.is_empty() && self.within == Within::Pattern {
+            things.extend(self.assemblies.iter().filter_map(own));
+            self.things.unite(things.iter().copied());
+        }
+        things.first().copied()
+    }
+
+    fn refer(&mut self, kind: Kind, name: Name) {
+        if let Some(thing) = self.named(kind, name.symbol) {
+            self.occur(thing, name.span, false);
+        }
+    }
+
+    fn bind(&mut self, kind: Kind, name: Name) -> Thing {
+        let own = match self.within {
+            Within::Assembly(number) => self.assemblies.get(number),
+            _ => None,
+        };
+        let own = own.and_then(|own| own.lets.get(&name.span.start).copied());
+        let thing = own.unwrap_or_else(|| self.things.new_thing(kind, name.symbol));
+        self.bindings.define(name.symbol, thing);
+        self.occur(thing, name.span, true);
+        thing
+    }
+
+    fn block(&mut self, realm: Realm, kind: Kind, word: Symbol) -> Thing {
+        let things = &mut self.things;
+        *(self.blocks)
+            .entry((realm, kind, word))
+            .or_insert_with(|| things.new_thing(kind, word))
+    }
+
+    fn occur(&mut self, thing: Thing, span: Span, declares: bool) {
+        let site = Site {
+            file: self.file,
+            span,
+        };
+        self.things.occur(thing, site, declares);
+    }
+}
