@@ -1,7 +1,7 @@
 //! The command line.
 use clap::{Parser, Subcommand};
 
-use crate::command::{check, compile, explain, fmt, results, simulate};
+use crate::command::{check, compile, explain, fmt, lsp, results, simulate};
 
 /// Compiler, verifier and simulator for stochastic modular robots.
 #[derive(Debug, Parser)]
@@ -31,6 +31,8 @@ pub enum Command {
     Results(results::Options),
     /// Explain a finding by its code
     Explain(explain::Options),
+    /// Serve an editor: findings as you type, definitions, renaming (the Language Server Protocol)
+    Lsp(lsp::Options),
 }
 
 /// How a command ended.
@@ -70,5 +72,6 @@ pub fn run(cli: Cli) -> Exit {
         Command::Simulate(options) => simulate::run(&options),
         Command::Results(options) => results::run(&options),
         Command::Explain(options) => explain::run(&options),
+        Command::Lsp(options) => lsp::run(&options),
     }
 }

@@ -29,7 +29,7 @@ pub mod table;
 
 pub use cell::Cell;
 pub use expand::{Limits, MAX_NESTING};
-pub use load::{Module, Reader};
+pub use load::{Module, Reader, join as join_import};
 pub use program::{Checked, Program, Stage, check, check_observed};
 pub use source::{FileId, Site, SourceFile, Sources};
 pub use stochc_grammar::{Face, Span, Symbols};

@@ -207,7 +207,7 @@ fn decode(mut bytes: Vec<u8>) -> (String, Option<usize>) {
 }
 
 /// The path of an import, relative to what the importing file's path is relative to.
-fn join(importer: &str, import: &str) -> String {
+pub fn join(importer: &str, import: &str) -> String {
     let folder = importer.rfind('/').map_or("", |slash| &importer[..=slash]);
     let joined = if import.starts_with('/') {
         import.to_owned()

@@ -389,6 +389,18 @@ impl Item {
         }
     }
 
+    /// The statements of a block; none for what has none.
+    pub fn body(&self) -> &[Item] {
+        match &self.kind {
+            ItemKind::For(block) => &block.body,
+            ItemKind::Phase(block) => &block.body,
+            ItemKind::Seed(block) => &block.body,
+            ItemKind::Pattern(block) => &block.body,
+            ItemKind::Assembly(block) => &block.body,
+            _ => &[],
+        }
+    }
+
     /// What messages call it.
     pub const fn noun(&self) -> &'static str {
         match self.kind {

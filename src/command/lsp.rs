@@ -1,0 +1,22 @@
+//! `stochc lsp`.
+use clap::Args;
+
+use crate::cli::Exit;
+use crate::lsp;
+
+/// What `lsp` is given.
+#[derive(Debug, Args)]
+pub struct Options {
+    /// Speak over the standard input and output, as always
+    #[arg(long, hide = true)]
+    stdio: bool,
+}
+
+/// Serves an editor until it says goodbye.
+pub fn run(_: &Options) -> Exit {
+    // The protocol: 0 after `shutdown`, else 1.
+    match lsp::serve(std::io::stdin(), std::io::stdout().lock()) {
+        true => Exit::Success,
+        false => Exit::WrongProgram,
+    }
+}

@@ -1,0 +1,96 @@
+//! Changes that mend findings.
+use std::collections::HashMap;
+
+use gen_lsp_types::{CodeAction, CodeActionKind, TextEdit, Uri, WorkspaceEdit};
+use stochc_compiler::finding::{Finding, Fix};
+
+use super::analysis::Analysis;
+use super::diagnostics::diagnostic;
+use super::documents::Documents;
+
+/// The changes that mend what is found between two bytes of a program's file.
+pub fn actions(
+    analysis: &Analysis,
+    path: &str,
+    (start, end): (usize, usize),
+    documents: &Documents,
+) -> Vec<CodeAction> {
+    let file = analysis.file(path);
+    let is_near = |finding: &&Finding| {
+        finding.labels.iter().any(|label| {
+            let span = label.site.span;
+            Some(label.site.file) == file
+                && span.start as usize <= end
+                && start <= span.end as usize
+        })
+    };
+    let findings = analysis.checked.findings.iter().filter(is_near);
+    findings
+        .filter_map(|finding| Some((finding, finding.fix.as_ref()?)))
+        .map(|(finding, fix)| CodeAction {
+            title: fix.title.clone(),
+            kind: Some(CodeActionKind::QuickFix),
+            diagnostics: Some(vec![diagnostic(finding, analysis, documents)]),
+            is_preferred: Some(fix.safe),
+            edit: Some(edit(fix, analysis, documents)),
+            ..CodeAction::default()
+        })
+        .collect()
+}
+
+fn edit(fix: &Fix, analysis: &Analysis, documents: &Documents) -> WorkspaceEdit {
+    let mut changes: HashMap<Uri, Vec<TextEdit>> = HashMap::new();
+    for edit in &fix.edits {
+        let uri = documents.uri(analysis.path(edit.site.file));
+        changes.entry(uri.into()).or_default().push(TextEdit {
+            range: analysis.range(edit.site),
+            new_text: edit.text.clone(),
+        });
+    }
+    WorkspaceEdit {
+        changes: Some(changes),
+        ..WorkspaceEdit::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use stochc_compiler::finding::{Code, Edit};
+    use stochc_compiler::{Site, Span};
+
+    use super::super::position::Encoding;
+    use super::*;
+
+    #[test]
+    fn a_finding_with_a_fix_is_offered_where_it_stands() {
+        let mut documents = Documents::default();
+        let text = "let \u{b5} = 1\nlet n = 2\n";
+        let path = documents.open("file:///x/a.sa".to_owned(), text.to_owned(), 1);
+        let mut analysis = Analysis::of(&path, &documents, Encoding::Utf16);
+        let at = |start, end| Site {
+            file: stochc_compiler::FileId(0),
+            span: Span::new(start, end),
+        };
+        let fix = Fix {
+            title: "call it `m`".to_owned(),
+            edits: vec![Edit {
+                site: at(15, 16),
+                text: "m".to_owned(),
+            }],
+            safe: true,
+        };
+        let finding = Finding::new(Code::UnknownName, "a name").label(at(15, 16), "here");
+        analysis.checked.findings = vec![finding.clone().fix(fix), finding];
+
+        let found = actions(&analysis, &path, (15, 15), &documents);
+        assert_eq!(found.len(), 1);
+        let action = serde_json::to_value(&found[0]).unwrap();
+        assert_eq!(action["title"], "call it `m`");
+        assert_eq!(action["isPreferred"], true);
+        let edit = &action["edit"]["changes"]["file:///x/a.sa"][0];
+        assert_eq!(edit["newText"], "m");
+        assert_eq!(edit["range"]["start"]["line"], 1);
+        assert_eq!(edit["range"]["start"]["character"], 4);
+        assert_eq!(actions(&analysis, &path, (0, 3), &documents), []);
+    }
+}

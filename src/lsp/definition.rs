@@ -1,0 +1,128 @@
+//! Where things are declared, and where they are used.
+use std::collections::BTreeSet;
+
+use gen_lsp_types::Range;
+use stochc_compiler::locate::{Ancestry, blocks_at};
+use stochc_compiler::names::{Kind, Occurrence};
+use stochc_compiler::{FileId, Site};
+use stochc_grammar::tree::ItemKind;
+
+use super::analysis::Analysis;
+
+/// The places that introduce what is named at a byte: of a block its seed or its captures.
+pub fn definitions(analysis: &Analysis, at: usize) -> Vec<Site> {
+    let Some(name) = analysis.name_at(at) else {
+        return imported(analysis, at).into_iter().collect();
+    };
+    let names = &analysis.names;
+    let declarations: Vec<Site> = (names.of_thing(name.thing))
+        .filter(|occurrence| occurrence.declares)
+        .map(|occurrence| occurrence.site)
+        .collect();
+    if names.kind(name.thing) != Kind::Block {
+        return declarations;
+    }
+    // Of all blocks with this word, the very ones that are meant here.
+    let mut sites: Vec<Site> = Vec::new();
+    for site in introductions(analysis, at) {
+        let end = site.span.end;
+        let within = declarations.iter().filter(|declaration| {
+            declaration.file == site.file
+                && (site.span.start..end).contains(&declaration.span.start)
+        });
+        let last = within.max_by_key(|declaration| declaration.span.start);
+        sites.extend(last.filter(|last| !sites.contains(last)));
+    }
+    if sites.is_empty() {
+        declarations
+    } else {
+        sites
+    }
+}
+
+/// The seeds and captures of the blocks that are meant at a byte.
+fn introductions(analysis: &Analysis, at: usize) -> Vec<Site> {
+    let mut sites = Vec::new();
+    for located in blocks_at(&analysis.checked, FileId(0), at as u32) {
+        let program = &analysis.checked.programs[located.program];
+        let ancestry = Ancestry::of(program);
+        for role in located.roles {
+            let seeds = program.plan.seeds.iter().filter(|seed| seed.role == role);
+            sites.extend(seeds.map(|seed| seed.site));
+            let captures = ancestry.captures(role).iter();
+            sites.extend(captures.map(|&capture| program.plan.event(capture).site));
+        }
+    }
+    sites
+}
+
+/// The beginning of the file whose import is named at a byte.
+fn imported(analysis: &Analysis, at: usize) -> Option<Site> {
+    let checked = &analysis.checked;
+    let import = checked
+        .tree
+        .items
+        .iter()
+        .find_map(|item| match &item.kind {
+            ItemKind::Import(import) => {
+                let span = import.path_span;
+                (span.start..=span.end)
+                    .contains(&(at as u32))
+                    .then_some(import)
+            }
+            _ => None,
+        })?;
+    let path = stochc_compiler::join_import(&checked.sources.file(FileId(0)).name, &import.path);
+    let file = analysis.file(&path)?;
+    let span = stochc_compiler::Span::new(0, 0);
+    Some(Site { file, span })
+}
+
+/// A place in a file by its path, which means the same in every program.
+pub type Place = (String, u32, u32);
+
+/// Every place, in any of the programs, where the thing at a place is named.
+pub fn everywhere(analyses: &[&Analysis], from: Place) -> BTreeSet<Place> {
+    let mut places = BTreeSet::from([from.clone()]);
+    let mut waiting = vec![from];
+    let mut done = BTreeSet::new();
+    while let Some(place) = waiting.pop() {
+        for (number, analysis) in analyses.iter().enumerate() {
+            let Some(name) = named_at(analysis, &place) else {
+                continue;
+            };
+            if !done.insert((number, name.thing)) {
+                continue;
+            }
+            for occurrence in analysis.names.of_thing(name.thing) {
+                let span = occurrence.site.span;
+                let path = analysis.path(occurrence.site.file);
+                let found = (path.to_owned(), span.start, span.end);
+                // Another program may know of more.
+                if places.insert(found.clone()) && analyses.len() > 1 {
+                    waiting.push(found);
+                }
+            }
+        }
+    }
+    places
+}
+
+/// The name at a place, if it is part of a program.
+pub fn named_at<'a>(analysis: &'a Analysis, (path, start, _): &Place) -> Option<&'a Occurrence> {
+    analysis.names.at(analysis.file(path)?, *start)
+}
+
+/// Every place in the program's own file where the thing at a byte is named.
+pub fn highlights(analysis: &Analysis, at: usize) -> Vec<(Range, bool)> {
+    let Some(name) = analysis.name_at(at) else {
+        return Vec::new();
+    };
+    let own = FileId(0);
+    let lines = analysis.lines(own);
+    let places = analysis.names.of_thing(name.thing);
+    places
+        .filter(|occurrence| occurrence.site.file == own)
+        .map(|occurrence| (lines.range(occurrence.site.span), occurrence.declares))
+        .collect()
+}

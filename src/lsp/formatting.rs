@@ -1,0 +1,45 @@
+//! The layout of a text, as changes to it.
+use gen_lsp_types::TextEdit;
+use similar::{DiffOp, TextDiff};
+use stochc_compiler::Span;
+use stochc_grammar::{Refusal, format};
+
+use super::position::Lines;
+use super::wire::Failure;
+
+/// The changes that lay a text out: of the lines that change only, so that the rest keeps its marks.
+///
+/// # Errors
+///
+/// If the text has errors of syntax.
+pub fn edits(text: &str, lines: &Lines<'_>) -> Result<Vec<TextEdit>, Failure> {
+    let laid_out = format(text).map_err(|refusal| {
+        Failure::refusal(match refusal {
+            Refusal::Wrong(_) => "the program has errors of syntax: mend them first",
+            Refusal::Unfaithful => "the layout would change the program: please report this",
+        })
+    })?;
+    let diff = TextDiff::from_lines(text, &laid_out);
+    let starts = |text: &str| {
+        let mut starts = vec![0];
+        starts.extend(text.split_inclusive('\n').scan(0, |at, line| {
+            *at += line.len();
+            Some(*at)
+        }));
+        starts
+    };
+    let (old, new) = (starts(text), starts(&laid_out));
+    let changed = diff
+        .ops()
+        .iter()
+        .filter(|op| !matches!(op, DiffOp::Equal { .. }));
+    Ok(changed
+        .map(|op| {
+            let (from, to) = (op.old_range(), op.new_range());
+            TextEdit {
+                range: lines.range(Span::new(old[from.start] as u32, old[from.end] as u32)),
+                new_text: laid_out[new[to.start]..new[to.end]].to_owned(),
+            }
+        })
+        .collect())
+}

@@ -1,0 +1,215 @@
+//! What is known of a name, in Markdown.
+use std::fmt::Write as _;
+
+use stochc_compiler::emit::duties_text;
+use stochc_compiler::locate::{Ancestry, Located, blocks_at, phase_of};
+use stochc_compiler::names::{Kind, Occurrence};
+use stochc_compiler::order::Order;
+use stochc_compiler::plan::{Deed, EventId, PlanPhase};
+use stochc_compiler::table::RoleId;
+use stochc_compiler::{FileId, Program, Site};
+use stochc_grammar::tree::{Item, Tree};
+
+use super::analysis::Analysis;
+
+/// Blocks that are described in full, and those that are listed at most.
+const MOST_DESCRIBED: usize = 3;
+const MOST_LISTED: usize = 12;
+
+/// What is known of the name at a byte, and where that stands.
+pub fn hover(analysis: &Analysis, at: usize) -> Option<(String, Site)> {
+    let name = analysis.name_at(at)?;
+    let kind = analysis.names.kind(name.thing);
+    // A parameter may stand for a block.
+    if matches!(kind, Kind::Block | Kind::Parameter) {
+        let located = blocks_at(&analysis.checked, FileId(0), at as u32);
+        if !located.is_empty() {
+            let blocks = located.iter().map(|located| blocks(analysis, located));
+            return Some((blocks.collect::<Vec<_>>().join("\n---\n"), name.site));
+        }
+    }
+    let mut text = declaration(analysis, name, kind);
+    if kind == Kind::Phase {
+        text.push_str(&phases(analysis, name.site));
+    }
+    Some((text, name.site))
+}
+
+fn blocks(analysis: &Analysis, located: &Located) -> String {
+    let program = &analysis.checked.programs[located.program];
+    let ancestry = Ancestry::of(program);
+    let roles = &located.roles;
+    let mut text = String::new();
+    for &role in roles.iter().take(MOST_DESCRIBED) {
+        text.push_str(&block(analysis, program, &ancestry, role));
+        if let Some(tables) = &program.tables {
+            let duties = duties_text(tables, role);
+            if !duties.is_empty() {
+                let _ = writeln!(text, "```text\n{}```", unindented(&duties));
+            }
+        }
+    }
+    let listed = roles.iter().skip(MOST_DESCRIBED).take(MOST_LISTED);
+    for &role in listed {
+        text.push_str(&block(analysis, program, &ancestry, role));
+    }
+    let rest = roles.len().saturating_sub(MOST_DESCRIBED + MOST_LISTED);
+    if rest > 0 {
+        let _ = writeln!(text, "\nand more blocks of this name");
+    }
+    text
+}
+
+/// Four blanks would make a block of code inside the block of code.
+fn unindented(duties: &str) -> String {
+    let lines = duties.lines();
+    lines
+        .map(|line| format!("{}\n", line.strip_prefix("    ").unwrap_or(line)))
+        .collect()
+}
+
+/// One block, and how it came where it is.
+fn block(analysis: &Analysis, program: &Program, ancestry: &Ancestry<'_>, role: RoleId) -> String {
+    let (plan, symbols) = (&program.plan, &analysis.checked.symbols);
+    let name = |role| plan.roles.name(role, symbols);
+    let mut text = format!("**`{}`**, block of `{}`\n", name(role), plan.name);
+    if let Some(seed) = plan.seeds.iter().find(|seed| seed.role == role) {
+        let _ = writeln!(text, "- seed of the plate at {}, depth 0", seed.cell);
+    }
+    for &capture in ancestry.captures(role) {
+        let Deed::Capture { parent, face } = plan.event(capture).deed else {
+            continue;
+        };
+        let cell = program
+            .layout
+            .cells
+            .get(capture.0 as usize)
+            .copied()
+            .flatten();
+        let cell = cell.map_or_else(String::new, |cell| format!(" at {cell}"));
+        let depth = ancestry.depth(capture);
+        let depth = depth.map_or_else(String::new, |depth| format!(", depth {depth}"));
+        let _ = writeln!(
+            text,
+            "- captured in phase `{}` by `{}.{face}`{cell}{depth}",
+            phase_name(program, capture),
+            name(parent),
+        );
+    }
+    let releases = plan
+        .events
+        .iter()
+        .enumerate()
+        .filter(|(_, event)| event.role == role && event.sound && event.deed == Deed::Release);
+    for (number, _) in releases.take(MOST_LISTED) {
+        let phase = phase_name(program, EventId(number as u32));
+        let _ = writeln!(text, "- released in phase `{phase}`");
+    }
+    text.push('\n');
+    text
+}
+
+fn phase_name(program: &Program, event: EventId) -> &str {
+    phase_of(&program.plan, event).map_or("?", |phase| &phase.name)
+}
+
+/// What is written where a thing is declared.
+fn declaration(analysis: &Analysis, name: &Occurrence, kind: Kind) -> String {
+    let names = &analysis.names;
+    let word = analysis.checked.symbols.word(names.word(name.thing));
+    let mut text = format!("**`{word}`**, {}\n", kind.noun());
+    let Some(site) = (names.of_thing(name.thing))
+        .find(|occurrence| occurrence.declares)
+        .map(|occurrence| occurrence.site)
+    else {
+        let scene = stochc_compiler::scene::BUILT_IN
+            .iter()
+            .find(|(known, _)| *known == word);
+        if let (Kind::Scene, Some((_, built_in))) = (kind, scene) {
+            let _ = writeln!(text, "\nbuilt in:\n```sa\n{}\n```", built_in.trim_end());
+        }
+        return text;
+    };
+    let source = &analysis.checked.sources.file(site.file).text;
+    let start = source[..site.span.start as usize]
+        .rfind('\n')
+        .map_or(0, |at| at + 1);
+    let line = source[start..].lines().next().unwrap_or_default().trim();
+    let line: String = line.chars().take(200).collect();
+    let _ = writeln!(text, "```sa\n{line}\n```");
+    let tree = analysis
+        .checked
+        .trees()
+        .find(|(file, _)| *file == site.file);
+    for line in tree
+        .iter()
+        .flat_map(|(_, tree)| docs(tree, site.span.start))
+    {
+        let _ = writeln!(text, "{line}");
+    }
+    text
+}
+
+/// The documentation of the innermost item around a byte.
+fn docs(tree: &Tree, at: u32) -> &[String] {
+    let mut items: &[Item] = &tree.items;
+    let mut docs: &[String] = &[];
+    let around = |item: &&Item| (item.span.start..=item.span.end).contains(&at);
+    while let Some(item) = items.iter().find(around) {
+        docs = item.docs.0.as_ref().map_or(&[], |lines| lines.as_slice());
+        items = item.body();
+    }
+    docs
+}
+
+/// What is known of the phases with a name, which may stand in a loop.
+fn phases(analysis: &Analysis, site: Site) -> String {
+    let mut text = String::new();
+    for program in &analysis.checked.programs {
+        let phases = program.plan.phases.iter().enumerate();
+        let named = phases.filter(|(_, phase)| {
+            phase.site.file == site.file && phase.site.span.start == site.span.start
+        });
+        for (number, phase) in named.take(MOST_LISTED) {
+            let _ = writeln!(
+                text,
+                "- `{}`: {}",
+                phase.name,
+                measure(program, number, phase)
+            );
+        }
+    }
+    text
+}
+
+fn measure(program: &Program, number: usize, phase: &PlanPhase) -> String {
+    let events = program.plan.events_of(phase);
+    let is_capture = |id: &EventId| matches!(program.plan.event(*id).deed, Deed::Capture { .. });
+    let all = phase.events.len();
+    let captures = events.filter(is_capture).count();
+    let count = |n: usize, noun: &str| format!("{n} {noun}{}", if n == 1 { "" } else { "s" });
+    let mut text = count(captures, "capture");
+    if all > captures {
+        let _ = write!(text, ", {}", count(all - captures, "release"));
+    }
+    if let Some(chain) = program
+        .order
+        .as_ref()
+        .and_then(|order| order.chains.get(number))
+    {
+        let length = Order::length(&program.plan, chain);
+        let _ = write!(text, ", longest serial chain {length}");
+    }
+    if let Some(phase) = program
+        .tables
+        .as_ref()
+        .and_then(|tables| tables.phases.get(number))
+    {
+        let _ = write!(
+            text,
+            ", ends after {}",
+            count(phase.reports as usize, "report")
+        );
+    }
+    text
+}

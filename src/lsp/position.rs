@@ -1,0 +1,132 @@
+//! Bytes of a text, and the lines and characters by which clients count.
+use gen_lsp_types::{Position, Range};
+use stochc_compiler::Span;
+
+/// What the characters of a line are counted in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Encoding {
+    /// Bytes.
+    Utf8,
+    /// Halves of characters, what the protocol wants unless something else is agreed on.
+    #[default]
+    Utf16,
+}
+
+/// A text with the places where its lines begin; a line ends with `\n`, `\r\n` or `\r`.
+#[derive(Clone, Debug)]
+pub struct Lines<'t> {
+    text: &'t str,
+    starts: Vec<usize>,
+    encoding: Encoding,
+}
+
+impl<'t> Lines<'t> {
+    /// Finds the lines of a text.
+    pub fn of(text: &'t str, encoding: Encoding) -> Lines<'t> {
+        let bytes = text.as_bytes();
+        let ends = bytes.iter().enumerate().filter(|&(i, byte)| match byte {
+            b'\n' => true,
+            b'\r' => bytes.get(i + 1) != Some(&b'\n'),
+            _ => false,
+        });
+        let starts = std::iter::once(0).chain(ends.map(|(i, _)| i + 1)).collect();
+        Lines {
+            text,
+            starts,
+            encoding,
+        }
+    }
+
+    /// The position of a byte; of the end for what is behind it.
+    pub fn position(&self, at: usize) -> Position {
+        let mut at = at.min(self.text.len());
+        while !self.text.is_char_boundary(at) {
+            at -= 1;
+        }
+        let line = self.starts.partition_point(|&start| start <= at) - 1;
+        let before = &self.text[self.starts[line]..at];
+        let character = match self.encoding {
+            Encoding::Utf8 => before.len(),
+            Encoding::Utf16 => before.chars().map(char::len_utf16).sum(),
+        };
+        Position {
+            line: line as u32,
+            character: character as u32,
+        }
+    }
+
+    /// The range of a span.
+    pub fn range(&self, span: Span) -> Range {
+        Range {
+            start: self.position(span.start as usize),
+            end: self.position(span.end as usize),
+        }
+    }
+
+    /// The byte of a position: behind the end of a line its end, behind the last one that of the
+    /// text, and inside a character its first byte.
+    pub fn offset(&self, position: Position) -> usize {
+        let line = position.line as usize;
+        let Some(&start) = self.starts.get(line) else {
+            return self.text.len();
+        };
+        let end = (self.starts.get(line + 1)).map_or(self.text.len(), |&next| next);
+        let content = self.text[start..end].trim_end_matches(['\n', '\r']);
+        let mut left = position.character as usize;
+        for (i, c) in content.char_indices() {
+            let width = match self.encoding {
+                Encoding::Utf8 => c.len_utf8(),
+                Encoding::Utf16 => c.len_utf16(),
+            };
+            if left < width {
+                return start + i;
+            }
+            left -= width;
+        }
+        start + content.len()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str = "a\u{b5}b\r\n\u{1f9f1}x\ry\n";
+
+    #[test]
+    fn characters_are_counted_as_agreed() {
+        let at = |text: &str| TEXT.find(text).unwrap();
+        for (encoding, b, x) in [(Encoding::Utf16, 2, 2), (Encoding::Utf8, 3, 4)] {
+            let lines = Lines::of(TEXT, encoding);
+            let place = |text| {
+                let position = lines.position(at(text));
+                (position.line, position.character)
+            };
+            assert_eq!(place("b"), (0, b));
+            assert_eq!(place("x"), (1, x));
+            assert_eq!(place("y"), (2, 0));
+            assert_eq!(lines.position(TEXT.len()).line, 3);
+        }
+    }
+
+    #[test]
+    fn every_byte_is_found_again_and_no_position_is_too_far() {
+        for encoding in [Encoding::Utf8, Encoding::Utf16] {
+            let lines = Lines::of(TEXT, encoding);
+            for (at, c) in TEXT.char_indices().filter(|(_, c)| !"\r\n".contains(*c)) {
+                assert_eq!(lines.offset(lines.position(at)), at, "{c:?}");
+            }
+            for line in 0..6 {
+                for character in 0..9 {
+                    let offset = lines.offset(Position { line, character });
+                    assert!(TEXT.is_char_boundary(offset));
+                }
+            }
+            let far = Position {
+                line: 0,
+                character: u32::MAX,
+            };
+            assert_eq!(lines.offset(far), 4);
+        }
+    }
+}

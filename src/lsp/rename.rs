@@ -1,0 +1,161 @@
+//! New names for things, where that changes nothing but the name.
+use std::collections::{BTreeMap, HashMap};
+
+use gen_lsp_types::{TextEdit, Uri, WorkspaceEdit};
+use stochc_compiler::finding::Code;
+use stochc_compiler::names::{Kind, Names, Thing};
+use stochc_compiler::{Checked, Limits, Site, check};
+use stochc_grammar::{Symbols, parse};
+
+use super::analysis::Analysis;
+use super::definition::{Place, everywhere};
+use super::documents::Documents;
+use super::wire::Failure;
+
+/// The name at a byte of a program's own file, if it can be changed.
+///
+/// # Errors
+///
+/// If there is none, or if it is not the program that gives it.
+pub fn renameable(analysis: &Analysis, at: usize) -> Result<Site, Failure> {
+    let Some(name) = analysis.name_at(at) else {
+        return Err(Failure::refusal("there is no name here"));
+    };
+    let names = &analysis.names;
+    let declared = names
+        .of_thing(name.thing)
+        .any(|occurrence| occurrence.declares);
+    if !declared {
+        let word = analysis.checked.symbols.word(names.word(name.thing));
+        return Err(Failure::refusal(match names.kind(name.thing) {
+            Kind::Scene => format!("the scene `{word}` is built in"),
+            kind => format!("no {} is called `{word}`", kind.noun()),
+        }));
+    }
+    Ok(name.site)
+}
+
+/// The changes that give the thing at a byte of a program's own file another name, in all the
+/// programs that know it.
+///
+/// # Errors
+///
+/// If the name cannot be changed, is no name, or would mean something else anywhere.
+pub fn rename(
+    analysis: &Analysis,
+    all: &[&Analysis],
+    at: usize,
+    new_name: &str,
+    documents: &Documents,
+) -> Result<WorkspaceEdit, Failure> {
+    let site = renameable(analysis, at)?;
+    check_name(new_name)?;
+    let path = analysis.path(site.file).to_owned();
+    let places = everywhere(all, (path, site.span.start, site.span.end));
+    let mut by_file: BTreeMap<&str, Vec<&Place>> = BTreeMap::new();
+    for place in &places {
+        by_file.entry(&place.0).or_default().push(place);
+    }
+    let concerned =
+        |analysis: &&&Analysis| by_file.keys().any(|path| analysis.file(path).is_some());
+    for analysis in all.iter().filter(concerned) {
+        stays_the_same(analysis, &by_file, new_name)?;
+    }
+    let mut changes: HashMap<Uri, Vec<TextEdit>> = HashMap::new();
+    for (path, places) in &by_file {
+        let Some((analysis, file)) =
+            (all.iter()).find_map(|analysis| Some((analysis, analysis.file(path)?)))
+        else {
+            continue;
+        };
+        let lines = analysis.lines(file);
+        let edits = places.iter().map(|(_, start, end)| TextEdit {
+            range: lines.range(stochc_compiler::Span::new(*start, *end)),
+            new_text: new_name.to_owned(),
+        });
+        changes.insert(documents.uri(path).into(), edits.collect());
+    }
+    Ok(WorkspaceEdit {
+        changes: Some(changes),
+        ..WorkspaceEdit::default()
+    })
+}
+
+fn check_name(name: &str) -> Result<(), Failure> {
+    let is_letter = |c: char| c.is_ascii_alphabetic() || c == '_';
+    let rest = |c: char| is_letter(c) || c.is_ascii_digit();
+    if !name.starts_with(is_letter) || !name.chars().all(rest) {
+        return Err(Failure::refusal(
+            "a name begins with a letter or `_` and goes on with letters, digits and `_`",
+        ));
+    }
+    let symbols = Symbols::new();
+    match symbols.get(name) {
+        Some(_) => Err(Failure::refusal(format!(
+            "`{name}` is a word of the language"
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// Tries the new name: every name has to refer to the same as before, and nothing may be wrong
+/// that was not.
+fn stays_the_same(
+    analysis: &Analysis,
+    places: &BTreeMap<&str, Vec<&Place>>,
+    new_name: &str,
+) -> Result<(), Failure> {
+    let old = &analysis.checked;
+    let mut texts: BTreeMap<&str, String> = BTreeMap::new();
+    for file in old.sources.files() {
+        if !parse(&file.text, &mut Symbols::new()).errors.is_empty() {
+            let why = format!("`{}` has errors of syntax: mend them first", file.name);
+            return Err(Failure::refusal(why));
+        }
+        let mut text = String::new();
+        let mut done = 0;
+        for (_, start, end) in places.get(file.name.as_str()).into_iter().flatten() {
+            text.push_str(file.text.get(done..*start as usize).unwrap_or_default());
+            text.push_str(new_name);
+            done = *end as usize;
+        }
+        text.push_str(file.text.get(done..).unwrap_or_default());
+        texts.insert(&file.name, text);
+    }
+    let Some(root) = old.sources.files().first() else {
+        return Ok(());
+    };
+    let mut reader = |path: &str| match texts.get(path) {
+        Some(text) => Ok(text.clone().into_bytes()),
+        None => Err("not read before".to_owned()),
+    };
+    let new = check(&root.name, &mut reader, Limits::default());
+    if !same_structure(&analysis.names, &Names::of(&new)) || codes(old) != codes(&new) {
+        let why = format!("`{new_name}` already means something where it would stand");
+        return Err(Failure::refusal(why));
+    }
+    Ok(())
+}
+
+/// Whether names that were the same are the same, and others are others.
+fn same_structure(old: &Names, new: &Names) -> bool {
+    if old.all().len() != new.all().len() {
+        return false;
+    }
+    let mut there: HashMap<Thing, Thing> = HashMap::new();
+    let mut back: HashMap<Thing, Thing> = HashMap::new();
+    old.all().iter().zip(new.all()).all(|(old, new)| {
+        *there.entry(old.thing).or_insert(new.thing) == new.thing
+            && *back.entry(new.thing).or_insert(old.thing) == old.thing
+    })
+}
+
+fn codes(checked: &Checked) -> Vec<Code> {
+    let mut codes: Vec<Code> = checked
+        .findings
+        .iter()
+        .map(|finding| finding.code)
+        .collect();
+    codes.sort_unstable();
+    codes
+}

@@ -1,0 +1,53 @@
+//! Paths of files as addresses, and back.
+use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, percent_decode_str, utf8_percent_encode};
+
+/// What stands in the path of an address as it is.
+const PLAIN: &AsciiSet = &NON_ALPHANUMERIC
+    .remove(b'/')
+    .remove(b'-')
+    .remove(b'_')
+    .remove(b'.')
+    .remove(b'~');
+
+/// The path of a file by its address, with `/` between folders; what is no file keeps its address.
+pub fn path(uri: &str) -> String {
+    let Some(rest) = uri.strip_prefix("file://") else {
+        return uri.to_owned();
+    };
+    // Between the slashes stands a machine, which is this one.
+    let path = rest.find('/').map_or(rest, |slash| &rest[slash..]);
+    let path = percent_decode_str(path).decode_utf8_lossy();
+    // `/c:/x` is `c:/x` where drives have letters.
+    match path.as_bytes() {
+        [b'/', drive, b':', ..] if drive.is_ascii_alphabetic() => path[1..].to_owned(),
+        _ => path.into_owned(),
+    }
+}
+
+/// The address of a file.
+pub fn uri(path: &str) -> String {
+    if path.contains("://") || path.starts_with("untitled:") {
+        return path.to_owned();
+    }
+    let slash = if path.starts_with('/') { "" } else { "/" };
+    format!("file://{slash}{}", utf8_percent_encode(path, PLAIN))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_and_addresses() {
+        for (address, file) in [
+            ("file:///a/b%20c/%C2%B5.sa", "/a/b c/\u{b5}.sa"),
+            ("file:///c%3A/x.sa", "c:/x.sa"),
+            ("untitled:Untitled-1", "untitled:Untitled-1"),
+        ] {
+            assert_eq!(path(address), file);
+            assert_eq!(uri(file), address);
+        }
+        assert_eq!(path("file://localhost/a%zz"), "/a%zz");
+        assert_eq!(path("file:///%ff"), "/\u{fffd}");
+    }
+}

@@ -1,0 +1,205 @@
+//! A client that speaks the raw protocol with the command.
+use std::io::{BufRead, BufReader, Read, Write};
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+
+use serde_json::{Value, json};
+
+/// A server that has been started, and what it has said.
+pub struct Client {
+    child: Child,
+    input: Option<ChildStdin>,
+    output: BufReader<ChildStdout>,
+    next: i64,
+    /// Notifications that have come in and were not asked for yet.
+    notifications: Vec<Value>,
+}
+
+impl Client {
+    /// Starts a server and says nothing.
+    pub fn start() -> Client {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_stochc"))
+            .args(["lsp", "--stdio"])
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        Client {
+            input: child.stdin.take(),
+            output: BufReader::new(child.stdout.take().unwrap()),
+            child,
+            next: 0,
+            notifications: Vec::new(),
+        }
+    }
+
+    /// Starts a server and introduces itself, with the encodings that it offers.
+    pub fn new(encodings: &[&str]) -> Client {
+        let mut client = Client::start();
+        let general = json!({ "positionEncodings": encodings });
+        let answer = client.ask(
+            "initialize",
+            json!({ "capabilities": { "general": general } }),
+        );
+        assert_eq!(answer["result"]["serverInfo"]["name"], "stochc");
+        client.tell("initialized", json!({}));
+        client
+    }
+
+    /// Opens a text.
+    pub fn open(&mut self, uri: &str, text: &str) {
+        let document = json!({ "uri": uri, "languageId": "stochc", "version": 1, "text": text });
+        self.tell("textDocument/didOpen", json!({ "textDocument": document }));
+    }
+
+    /// Sends a notification.
+    pub fn tell(&mut self, method: &str, params: Value) {
+        self.send(&json!({ "jsonrpc": "2.0", "method": method, "params": params }));
+    }
+
+    /// Sends a request; its answer.
+    pub fn ask(&mut self, method: &str, params: Value) -> Value {
+        let id = self.request(method, params);
+        self.answer(&json!(id))
+    }
+
+    /// Sends a request; its number.
+    pub fn request(&mut self, method: &str, params: Value) -> i64 {
+        self.next += 1;
+        let id = self.next;
+        self.send(&json!({ "jsonrpc": "2.0", "id": id, "method": method, "params": params }));
+        id
+    }
+
+    /// Waits for the answer to a request.
+    pub fn answer(&mut self, id: &Value) -> Value {
+        loop {
+            let message = self.receive().expect("an answer");
+            if message.get("method").is_some() {
+                self.notifications.push(message);
+            } else if message["id"] == *id {
+                return message;
+            }
+        }
+    }
+
+    /// The next diagnostics of a text.
+    pub fn diagnostics(&mut self, uri: &str) -> Vec<Value> {
+        let is_it = |message: &Value| {
+            message["method"] == "textDocument/publishDiagnostics"
+                && message["params"]["uri"] == uri
+        };
+        loop {
+            if let Some(at) = self.notifications.iter().position(is_it) {
+                let message = self.notifications.remove(at);
+                return message["params"]["diagnostics"].as_array().unwrap().clone();
+            }
+            let message = self.receive().expect("diagnostics");
+            self.notifications.push(message);
+        }
+    }
+
+    /// Sends bytes that may be anything.
+    pub fn send_raw(&mut self, bytes: &[u8]) {
+        let input = self.input.as_mut().unwrap();
+        input.write_all(bytes).unwrap();
+        input.flush().unwrap();
+    }
+
+    fn send(&mut self, message: &Value) {
+        let body = message.to_string();
+        self.send_raw(format!("Content-Length: {}\r\n\r\n{body}", body.len()).as_bytes());
+    }
+
+    /// The next message; `None` at the end of the stream.
+    fn receive(&mut self) -> Option<Value> {
+        let mut length = 0;
+        loop {
+            let mut line = String::new();
+            if self.output.read_line(&mut line).unwrap() == 0 {
+                return None;
+            }
+            match line.trim_end() {
+                "" => break,
+                line => {
+                    let (_, value) = line.split_once(": ").unwrap();
+                    length = value.parse().unwrap();
+                }
+            }
+        }
+        let mut body = vec![0; length];
+        self.output.read_exact(&mut body).unwrap();
+        Some(serde_json::from_slice(&body).unwrap())
+    }
+
+    /// Takes its leave as the protocol wants it; the exit status.
+    pub fn leave(mut self) -> i32 {
+        assert_eq!(self.ask("shutdown", Value::Null)["result"], Value::Null);
+        self.tell("exit", Value::Null);
+        self.child.wait().unwrap().code().unwrap()
+    }
+
+    /// Hangs up; the exit status.
+    pub fn hang_up(mut self) -> i32 {
+        self.input = None;
+        self.child.wait().unwrap().code().unwrap()
+    }
+}
+
+impl Drop for Client {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// The parameters of a question about a place: the beginning of the nth occurrence of some words.
+pub fn place(uri: &str, text: &str, words: &str, nth: usize) -> Value {
+    let (at, _) = text.match_indices(words).nth(nth).unwrap();
+    let before = &text[..at];
+    let line = before.matches('\n').count();
+    let column = before.rsplit('\n').next().unwrap().encode_utf16().count();
+    json!({
+        "textDocument": { "uri": uri },
+        "position": { "line": line, "character": column },
+    })
+}
+
+/// `1:2-1:5` for a range.
+pub fn shown(range: &Value) -> String {
+    let end = |end: &str| format!("{}:{}", range[end]["line"], range[end]["character"]);
+    format!("{}-{}", end("start"), end("end"))
+}
+
+/// A text after the changes that an edit makes to it; positions are counted in UTF-16.
+pub fn edited(text: &str, edits: &Value) -> String {
+    let offset = |position: &Value| {
+        let (line, character) = (
+            position["line"].as_u64().unwrap() as usize,
+            position["character"].as_u64().unwrap() as usize,
+        );
+        let start: usize = text.split_inclusive('\n').take(line).map(str::len).sum();
+        let mut units = 0;
+        let within = text[start..].char_indices().find(|(_, c)| {
+            let here = units == character;
+            units += c.len_utf16();
+            here
+        });
+        within.map_or(text.len(), |(i, _)| start + i)
+    };
+    let mut spans: Vec<(usize, usize, &str)> = edits
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|edit| {
+            let range = &edit["range"];
+            let new = edit["newText"].as_str().unwrap();
+            (offset(&range["start"]), offset(&range["end"]), new)
+        })
+        .collect();
+    spans.sort_unstable();
+    let mut out = text.to_owned();
+    for (start, end, new) in spans.into_iter().rev() {
+        out.replace_range(start..end, new);
+    }
+    out
+}

@@ -1,0 +1,10 @@
+//! The language server, as a client meets it.
+#![allow(
+    clippy::disallowed_methods,
+    reason = "the tests write what the server is to read"
+)]
+mod client;
+mod neovim;
+mod programs;
+mod protocol;
+mod rename;

@@ -1,0 +1,61 @@
+//! A real editor as the client: `neovim.lua` drives Neovim's own client and checks what it gets.
+use std::io::Write as _;
+use std::process::{Command, Stdio};
+
+/// Set where the editor has to be there: a test that is passed over would go unnoticed.
+const REQUIRED: &str = "STOCHC_REQUIRE_NEOVIM";
+
+#[test]
+fn neovim_is_served() {
+    let version = Command::new("nvim")
+        .arg("--version")
+        .stdin(Stdio::null())
+        .output();
+    let Ok(version) = version else {
+        assert!(
+            std::env::var_os(REQUIRED).is_none(),
+            "`nvim` cannot be run, and {REQUIRED} is set"
+        );
+        // Past the test's own capture, so that it is seen.
+        let note = "skipped 1 test: `nvim` cannot be run (apt-get install neovim)\n";
+        let _ = std::io::stderr().write_all(note.as_bytes());
+        return;
+    };
+    let version = String::from_utf8_lossy(&version.stdout);
+    println!("{}", version.lines().next().unwrap_or_default());
+
+    let folder = tempfile::tempdir().unwrap();
+    let program = folder.path().join("tower.sa");
+    std::fs::copy("tests/lsp/neovim.sa", &program).unwrap();
+    let log = folder.path().join("log");
+    let editor = Command::new("nvim")
+        .args(["--headless", "-u", "NONE", "-i", "NONE", "-n"])
+        .args(["-c", "luafile tests/lsp/neovim.lua"])
+        .arg(&program)
+        .env("STOCHC", env!("CARGO_BIN_EXE_stochc"))
+        .env("STOCHC_LOG", &log)
+        .env("XDG_CACHE_HOME", folder.path())
+        .env("XDG_STATE_HOME", folder.path())
+        .env("XDG_DATA_HOME", folder.path())
+        .stdin(Stdio::null())
+        .output()
+        .unwrap();
+    let log = std::fs::read_to_string(&log).unwrap_or_default();
+    let said = String::from_utf8_lossy(&editor.stderr);
+    assert!(editor.status.success(), "{log}\n{said}");
+    let done: Vec<&str> = log.lines().collect();
+    let expected = [
+        "ok attach",
+        "ok diagnostics",
+        "ok diagnostics as typed",
+        "ok hover",
+        "ok definition",
+        "ok references",
+        "ok symbols",
+        "ok rename",
+        "ok rename refused",
+        "ok format",
+        "ok shutdown",
+    ];
+    assert_eq!(done, expected, "{said}");
+}

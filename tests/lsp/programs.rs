@@ -1,0 +1,276 @@
+//! What is asked about programs.
+use serde_json::{Value, json};
+
+use crate::client::{Client, edited, place, shown};
+
+const URI: &str = "file:///nowhere/tower.sa";
+
+const TOWER: &str = "\
+/// Blocks above each other.
+pattern tower(base, height) {
+    base.up ->> T[1..height]
+}
+
+let tall = 2
+
+assembly city in hemisphere {
+    seed plate 2 x 1 { A at (0, 0)   B at (1, 0) }
+    /// The first stage.
+    phase grow {
+        tower(A, tall) as left   // \u{1f9f1} and \u{b5}
+        B.up -> C.up -> D
+    }
+    phase top timeout 3 min {
+        left.T[2].up -> Flag
+        release D
+        C.up -> D
+    }
+}
+";
+
+fn client() -> Client {
+    let mut client = Client::new(&["utf-16"]);
+    client.open(URI, TOWER);
+    client
+}
+
+fn ask(client: &mut Client, method: &str, words: &str, nth: usize) -> Value {
+    let answer = client.ask(
+        &format!("textDocument/{method}"),
+        place(URI, TOWER, words, nth),
+    );
+    assert!(answer.get("error").is_none(), "{answer}");
+    answer["result"].clone()
+}
+
+fn hover(words: &str, nth: usize) -> String {
+    let answer = ask(&mut client(), "hover", words, nth);
+    assert_eq!(answer["contents"]["kind"], "markdown");
+    answer["contents"]["value"].as_str().unwrap().to_owned()
+}
+
+#[test]
+fn a_block_is_known_with_its_cell_parent_depth_and_table() {
+    let text = hover("D\n", 0);
+    for part in [
+        "**`D`**, block of `city`",
+        "- captured in phase `grow` by `C.up` at (1, 0, 2), depth 2",
+        "- captured in phase `top` by `C.up` at (1, 0, 2), depth 2",
+        "- released in phase `top`",
+        "at the start of top\n    ask to be released",
+    ] {
+        assert!(text.contains(part), "{part} in\n{text}");
+    }
+    let text = hover("A at", 0);
+    assert!(
+        text.contains("- seed of the plate at (0, 0, 0), depth 0"),
+        "{text}"
+    );
+    assert!(
+        text.contains("magnetize up for left.T[1] at (0, 0, 1)"),
+        "{text}"
+    );
+}
+
+#[test]
+fn a_name_in_a_pattern_stands_for_all_its_blocks() {
+    let text = hover("T[1..height]", 0);
+    for part in [
+        "`left.T[1]`",
+        "(0, 0, 1), depth 1",
+        "`left.T[2]`",
+        "(0, 0, 2), depth 2",
+    ] {
+        assert!(text.contains(part), "{part} in\n{text}");
+    }
+    // A parameter stands for the blocks that are given for it.
+    assert!(hover("base.up", 0).contains("**`A`**, block of `city`"));
+}
+
+#[test]
+fn what_is_no_block_is_shown_as_declared() {
+    for (words, nth, parts) in [
+        (
+            "tower(",
+            1,
+            ["pattern tower(base, height) {", "Blocks above each other."],
+        ),
+        ("tall)", 0, ["**`tall`**, number", "let tall = 2"]),
+        (
+            "grow",
+            0,
+            [
+                "The first stage.",
+                "4 captures, longest serial chain 2, ends after 2 reports",
+            ],
+        ),
+        (
+            "hemisphere",
+            0,
+            ["built in", "enclosure hemisphere { radius 5m"],
+        ),
+        (
+            "left",
+            0,
+            ["instance of a pattern", "tower(A, tall) as left"],
+        ),
+    ] {
+        let text = hover(words, nth);
+        for part in parts {
+            assert!(text.contains(part), "{part} in\n{text}");
+        }
+    }
+    assert_eq!(ask(&mut client(), "hover", "release", 0), Value::Null);
+}
+
+fn places(answer: &Value) -> Vec<String> {
+    let places = answer.as_array().unwrap().iter();
+    places.map(|place| shown(&place["range"])).collect()
+}
+
+#[test]
+fn definitions_are_seeds_captures_and_declarations() {
+    let mut client = client();
+    let mut definition = |words, nth| places(&ask(&mut client, "definition", words, nth));
+    assert_eq!(definition("A, tall", 0), ["8:23-8:24"]);
+    assert_eq!(definition("C.up", 1), ["12:16-12:17"]);
+    // The name is given twice.
+    assert_eq!(definition("D\n", 1), ["12:24-12:25", "17:16-17:17"]);
+    assert_eq!(definition("T[2]", 0), ["2:16-2:17"]);
+    assert_eq!(definition("tower(A", 0), ["1:8-1:13"]);
+    assert_eq!(definition("tall)", 0), ["5:4-5:8"]);
+    assert_eq!(definition("height]", 0), ["1:20-1:26"]);
+    assert_eq!(definition("left.T", 0), ["11:26-11:30"]);
+    assert_eq!(definition("release", 0), [""; 0]);
+}
+
+#[test]
+fn references_are_all_places_or_all_but_the_declarations() {
+    let mut client = client();
+    let mut params = place(URI, TOWER, "C.up", 1);
+    for (with, expected) in [
+        (true, vec!["12:16-12:17", "17:8-17:9"]),
+        (false, vec!["17:8-17:9"]),
+    ] {
+        params["context"] = json!({ "includeDeclaration": with });
+        let answer = client.ask("textDocument/references", params.clone());
+        assert_eq!(places(&answer["result"]), expected);
+    }
+    let found = ask(&mut client, "documentHighlight", "tall", 0);
+    assert_eq!(places(&found), ["5:4-5:8", "11:17-11:21"]);
+}
+
+#[test]
+fn the_outline_has_what_is_declared() {
+    fn outline(symbols: &Value, depth: usize, out: &mut Vec<String>) {
+        for symbol in symbols.as_array().into_iter().flatten() {
+            let name = symbol["name"].as_str().unwrap();
+            out.push(format!("{}{name}", " ".repeat(depth)));
+            outline(&symbol["children"], depth + 1, out);
+        }
+    }
+    let params = json!({ "textDocument": { "uri": URI } });
+    let answer = client().ask("textDocument/documentSymbol", params);
+    let mut names = Vec::new();
+    outline(&answer["result"], 0, &mut names);
+    let expected = [
+        "tower",
+        "tall",
+        "city",
+        " seed plate",
+        "  A",
+        "  B",
+        " grow",
+        " top",
+    ];
+    assert_eq!(names, expected);
+}
+
+#[test]
+fn formatting_touches_the_lines_that_change() {
+    let mut client = client();
+    let params = json!({
+        "textDocument": { "uri": URI },
+        "options": { "tabSize": 8, "insertSpaces": false },
+    });
+    let answer = client.ask("textDocument/formatting", params.clone());
+    assert_eq!(answer["result"], json!([]));
+
+    let careless = TOWER
+        .replace("base.up ->> T", "base.up->>T")
+        .replace("release D", "release  D");
+    let change = json!({ "text": careless });
+    client.tell(
+        "textDocument/didChange",
+        json!({ "textDocument": { "uri": URI, "version": 2 }, "contentChanges": [change] }),
+    );
+    let answer = client.ask("textDocument/formatting", params.clone());
+    let edits = &answer["result"];
+    assert_eq!(places(edits), ["2:0-3:0", "16:0-17:0"]);
+    assert_eq!(edited(&careless, edits), TOWER);
+
+    client.open("file:///x.sa", "assembly {");
+    let mut params = params;
+    params["textDocument"]["uri"] = json!("file:///x.sa");
+    let answer = client.ask("textDocument/formatting", params);
+    assert_eq!(answer["error"]["code"], -32803);
+}
+
+#[test]
+fn a_wrong_program_is_answered_as_far_as_it_makes_sense() {
+    let mut client = Client::new(&[]);
+    let text = "assembly a {\n  seed plate 1 x 1 { M at (0, 0) }\n  phase p {\n    M.up -> A.\n    A.up -> B\n";
+    client.open(URI, text);
+    let mut params = place(URI, text, "A.up", 0);
+    let answer = client.ask("textDocument/definition", params.clone());
+    assert!(answer.get("result").is_some(), "{answer}");
+    for method in [
+        "hover",
+        "documentSymbol",
+        "documentHighlight",
+        "prepareRename",
+    ] {
+        let answer = client.ask(&format!("textDocument/{method}"), params.clone());
+        assert!(
+            answer.get("result").is_some() || answer["error"]["code"] == -32803,
+            "{answer}"
+        );
+    }
+    params["position"] = json!({ "line": 4_000_000_000u32, "character": 4_000_000_000u32 });
+    let answer = client.ask("textDocument/hover", params);
+    assert_eq!(answer["result"], Value::Null);
+}
+
+#[test]
+fn imports_lead_to_their_files_and_texts_of_the_editor_come_first() {
+    let folder = tempfile::tempdir().unwrap();
+    let uri = |name: &str| format!("file://{}/{name}", folder.path().to_str().unwrap());
+    let pattern = "pattern tower(base) {\n    base.up -> T\n}\n";
+    std::fs::write(
+        folder.path().join("towers.sa"),
+        "pattern tower(base, more) {\n}\n",
+    )
+    .unwrap();
+    let main = "import \"towers.sa\"\nassembly a {\n    seed plate 1 x 1 { M at (0, 0) }\n    phase p { tower(M) as t }\n    phase q { t.T.up -> X }\n}\n";
+    let mut client = Client::new(&["utf-16"]);
+    client.open(&uri("main.sa"), main);
+    let found = client.diagnostics(&uri("main.sa"));
+    assert_eq!(found[0]["code"], "wrong-arguments");
+
+    // What is on the disk is not what the editor has.
+    client.open(&uri("towers.sa"), pattern);
+    assert_eq!(client.diagnostics(&uri("main.sa")), [Value::Null; 0]);
+    let ask = place(&uri("main.sa"), main, "towers.sa", 0);
+    let answer = client.ask("textDocument/definition", ask);
+    assert_eq!(answer["result"][0]["uri"], uri("towers.sa"));
+    let ask = place(&uri("main.sa"), main, "T.up", 0);
+    let answer = client.ask("textDocument/definition", ask);
+    assert_eq!(answer["result"][0]["uri"], uri("towers.sa"));
+    assert_eq!(places(&answer["result"]), ["1:15-1:16"]);
+
+    client.tell(
+        "textDocument/didClose",
+        json!({ "textDocument": { "uri": uri("towers.sa") } }),
+    );
+    assert_eq!(client.diagnostics(&uri("main.sa")), found);
+}

@@ -1,0 +1,166 @@
+//! The conversation itself.
+use serde_json::{Value, json};
+
+use crate::client::{Client, place, shown};
+
+const URI: &str = "file:///nowhere/a%20b.sa";
+
+#[test]
+fn the_exit_status_says_whether_the_client_said_goodbye() {
+    assert_eq!(Client::new(&[]).leave(), 0);
+    assert_eq!(Client::new(&[]).hang_up(), 1);
+    let mut client = Client::new(&[]);
+    client.tell("exit", Value::Null);
+    assert_eq!(client.hang_up(), 1);
+    assert_eq!(Client::start().hang_up(), 1);
+}
+
+#[test]
+fn requests_come_between_initialize_and_shutdown() {
+    let mut client = Client::start();
+    let hover = place(URI, "x", "x", 0);
+    let answer = client.ask("textDocument/hover", hover.clone());
+    assert_eq!(answer["error"]["code"], -32002);
+    client.tell("textDocument/didOpen", json!({}));
+    let answer = client.ask("initialize", json!({ "capabilities": {} }));
+    assert_eq!(
+        answer["result"]["capabilities"]["positionEncoding"],
+        "utf-16"
+    );
+    assert_eq!(client.ask("initialize", json!({}))["error"]["code"], -32600);
+    client.ask("shutdown", Value::Null);
+    assert_eq!(
+        client.ask("textDocument/hover", hover)["error"]["code"],
+        -32600
+    );
+    client.tell("exit", Value::Null);
+    assert_eq!(client.hang_up(), 0);
+}
+
+#[test]
+fn what_nobody_understands_does_no_harm() {
+    let mut client = Client::new(&[]);
+    client.open(URI, "let n = 1\n");
+    client.send_raw(b"Content-Length: 5\r\n\r\n{{{{{");
+    assert_eq!(client.answer(&Value::Null)["error"]["code"], -32700);
+    client.send_raw(b"Content-Length: 99999999999999\r\n\r\n");
+    assert_eq!(client.answer(&Value::Null)["error"]["code"], -32700);
+    client.send_raw(b"Content-Length: 2\r\n\r\n[]");
+    assert_eq!(client.answer(&Value::Null)["error"]["code"], -32700);
+    client.tell("textDocument/didChange", json!({ "textDocument": 3 }));
+    client.tell("textDocument/didOpen", json!([]));
+    client.tell("no/such", json!({}));
+    client.tell(
+        "textDocument/didChange",
+        json!({ "textDocument": { "uri": "file:///other", "version": 1 }, "contentChanges": [] }),
+    );
+    assert_eq!(client.ask("no/such", json!({}))["error"]["code"], -32601);
+    for params in [
+        json!({}),
+        json!([1]),
+        json!("x"),
+        json!({ "textDocument": { "uri": 3 } }),
+    ] {
+        for method in [
+            "hover",
+            "rename",
+            "formatting",
+            "codeAction",
+            "documentSymbol",
+        ] {
+            let answer = client.ask(&format!("textDocument/{method}"), params.clone());
+            assert_eq!(answer["error"]["code"], -32602, "{method} {params}");
+        }
+    }
+    // A file that is not open.
+    let answer = client.ask("textDocument/hover", place("file:///none", "x", "x", 0));
+    assert_eq!(answer["error"]["code"], -32803);
+    let answer = client.ask("textDocument/hover", place(URI, "let n", "n", 0));
+    assert!(answer["result"].is_object(), "{answer}");
+    assert_eq!(client.leave(), 0);
+}
+
+#[test]
+fn a_request_can_be_cancelled_before_its_turn() {
+    let mut client = Client::new(&[]);
+    // Long enough to be under way when the rest comes in.
+    let text = "assembly a { seed plate 1 x 1 { M at (0, 0) } phase p { M.up ->> T[1..200000] } }";
+    client.open(URI, text);
+    let first = client.request("textDocument/hover", place(URI, text, "M.up", 0));
+    let second = client.request("textDocument/hover", place(URI, text, "M.up", 0));
+    client.tell("$/cancelRequest", json!({ "id": second }));
+    client.tell("$/cancelRequest", json!({ "id": "none" }));
+    let mut answers = [
+        client.answer(&json!(second)),
+        client.ask("shutdown", Value::Null),
+    ];
+    // Whichever was quicker; it is answered once, and so is the other.
+    let answer = answers[0].take();
+    let cancelled = answer["error"]["code"] == -32800;
+    assert!(cancelled || answer["result"].is_object(), "{answer}");
+    assert!(first < second);
+}
+
+#[test]
+fn diagnostics_follow_the_text() {
+    let mut client = Client::new(&["utf-16"]);
+    let text = "// \u{1f9f1}\nassembly a {\n    seed plate 1 x 1 { M at (0, 0) }\n    phase p { M.up -> A B.up -> C }\n}\n";
+    client.open(URI, text);
+    let found = client.diagnostics(URI);
+    assert_eq!(found.len(), 1);
+    assert_eq!(found[0]["code"], "unknown-name");
+    assert_eq!(found[0]["severity"], 1);
+    assert_eq!(found[0]["source"], "stochc");
+    assert_eq!(shown(&found[0]["range"]), "3:24-3:33");
+    assert!(
+        found[0]["message"]
+            .as_str()
+            .unwrap()
+            .starts_with("no block is called `B`\n")
+    );
+
+    // `B` becomes `A`, by a change of one character.
+    let range = json!({
+        "start": { "line": 3, "character": 24 },
+        "end": { "line": 3, "character": 25 },
+    });
+    client.tell(
+        "textDocument/didChange",
+        json!({
+            "textDocument": { "uri": URI, "version": 2 },
+            "contentChanges": [{ "range": range, "text": "A" }],
+        }),
+    );
+    assert_eq!(client.diagnostics(URI), [Value::Null; 0]);
+
+    client.tell(
+        "textDocument/didChange",
+        json!({
+            "textDocument": { "uri": URI, "version": 3 },
+            "contentChanges": [{ "text": "assembly" }],
+        }),
+    );
+    let found = client.diagnostics(URI);
+    assert_eq!(found[0]["code"], "syntax");
+    client.tell(
+        "textDocument/didClose",
+        json!({ "textDocument": { "uri": URI } }),
+    );
+    assert_eq!(client.diagnostics(URI), [Value::Null; 0]);
+}
+
+#[test]
+fn positions_are_counted_as_agreed() {
+    let text = "let n = 1\nimport \"\u{1f9f1}\u{b5}.sa\"\n";
+    for (encodings, expected) in [
+        (&["utf-8", "utf-16"][..], "1:7-1:18"),
+        (&["utf-16"], "1:7-1:15"),
+        (&["utf-32"], "1:7-1:15"),
+    ] {
+        let mut client = Client::new(encodings);
+        client.open(URI, text);
+        let found = client.diagnostics(URI);
+        assert_eq!(found[0]["code"], "import-missing");
+        assert_eq!(shown(&found[0]["range"]), expected, "{encodings:?}");
+    }
+}

@@ -1,0 +1,144 @@
+//! New names, and those that are refused.
+use serde_json::{Value, json};
+
+use crate::client::{Client, edited, place};
+
+const URI: &str = "file:///nowhere/a.sa";
+
+const TEXT: &str = "\
+let n = 2
+pattern tower(base, height) {
+    base.up ->> T[1..height]
+    T[n].east -> U
+}
+assembly a in hemisphere {
+    seed plate 2 x 1 { A at (0, 0)   B at (1, 0) }
+    phase p {
+        tower(A, n) as left
+        for i in 1..1 { B.up -> T[i] }
+    }
+    phase q {
+        left.T[n].up -> Top
+        T[1].up -> V
+    }
+}
+";
+
+fn rename(words: &str, nth: usize, new: &str) -> Result<String, String> {
+    let mut client = Client::new(&["utf-16"]);
+    client.open(URI, TEXT);
+    let mut params = place(URI, TEXT, words, nth);
+    params["newName"] = json!(new);
+    let answer = client.ask("textDocument/rename", params);
+    match answer.get("error") {
+        Some(error) => Err(error["message"].as_str().unwrap().to_owned()),
+        None => Ok(edited(TEXT, &answer["result"]["changes"][URI])),
+    }
+}
+
+#[test]
+fn a_thing_is_renamed_wherever_it_is_named_and_nowhere_else() {
+    let renamed = rename("T[1..", 0, "Block").unwrap();
+    let expected = TEXT
+        .replace("->> T[1..height]", "->> Block[1..height]")
+        .replace("T[n].east", "Block[n].east")
+        .replace("left.T[n]", "left.Block[n]");
+    assert_eq!(renamed, expected);
+
+    let renamed = rename("T[1].up", 0, "S").unwrap();
+    let expected = TEXT
+        .replace("-> T[i]", "-> S[i]")
+        .replace("T[1].up", "S[1].up");
+    assert_eq!(renamed, expected);
+
+    let renamed = rename("n)", 0, "count").unwrap();
+    let expected = TEXT
+        .replace("let n", "let count")
+        .replace("T[n]", "T[count]")
+        .replace("A, n)", "A, count)");
+    assert_eq!(renamed, expected);
+
+    let renamed = rename("tower", 1, "stack").unwrap();
+    assert_eq!(renamed, TEXT.replace("tower", "stack"));
+    let renamed = rename("left", 1, "west_side").unwrap();
+    assert_eq!(renamed, TEXT.replace("left", "west_side"));
+    let renamed = rename("base.up", 0, "foot").unwrap();
+    assert_eq!(renamed, TEXT.replace("base", "foot"));
+}
+
+#[test]
+fn what_would_change_the_program_is_refused() {
+    for (words, nth, new, why) in [
+        ("T[1].up", 0, "V", "already means something"),
+        ("T[1].up", 0, "n", "already means something"),
+        ("T[1..", 0, "U", "already means something"),
+        ("n)", 0, "height", "already means something"),
+        ("i in", 0, "n", ""),
+        ("p {", 0, "q", "already means something"),
+        ("hemisphere", 0, "h", "built in"),
+        ("A at", 0, "release", "word of the language"),
+        ("A at", 0, "up", "word of the language"),
+        ("A at", 0, "2x", "a name begins with a letter"),
+        ("A at", 0, "\u{b5}", "a name begins with a letter"),
+        ("A at", 0, "", "a name begins with a letter"),
+        ("seed", 0, "x", "no name here"),
+    ] {
+        match rename(words, nth, new) {
+            Err(refusal) => assert!(!why.is_empty() && refusal.contains(why), "{new}: {refusal}"),
+            Ok(_) => assert_eq!(why, "", "{words} may not become {new}"),
+        }
+    }
+}
+
+#[test]
+fn programs_that_share_a_file_are_renamed_together() {
+    let folder = tempfile::tempdir().unwrap();
+    let uri = |name: &str| format!("file://{}/{name}", folder.path().to_str().unwrap());
+    let pattern = "pattern tower(base) {\n    base.up -> T\n}\n";
+    std::fs::write(folder.path().join("towers.sa"), pattern).unwrap();
+    let program = |name: &str| {
+        format!(
+            "import \"towers.sa\"\nassembly {name} {{\n    seed plate 1 x 1 {{ M at (0, 0) }}\n    phase p {{ tower(M) }}\n}}\n"
+        )
+    };
+    let mut client = Client::new(&["utf-16"]);
+    client.open(&uri("a.sa"), &program("a"));
+    client.open(&uri("b.sa"), &program("b"));
+    let mut params = place(&uri("a.sa"), &program("a"), "tower(", 0);
+    params["newName"] = json!("mast");
+    let answer = client.ask("textDocument/rename", params);
+    let changes = &answer["result"]["changes"];
+    for (name, text) in [
+        ("a.sa", program("a")),
+        ("b.sa", program("b")),
+        ("towers.sa", pattern.to_owned()),
+    ] {
+        let renamed = edited(&text, &changes[uri(name)]);
+        assert_eq!(renamed, text.replace("tower(", "mast("), "{changes}");
+    }
+}
+
+#[test]
+fn a_name_is_offered_for_renaming_with_its_place() {
+    let mut client = Client::new(&["utf-16"]);
+    client.open(URI, TEXT);
+    let answer = client.ask("textDocument/prepareRename", place(URI, TEXT, "eft.T", 0));
+    assert_eq!(answer["result"]["placeholder"], "left");
+    let answer = client.ask(
+        "textDocument/prepareRename",
+        place(URI, TEXT, "hemisphere", 0),
+    );
+    assert_eq!(answer["error"]["code"], -32803);
+    client.open(
+        URI,
+        "assembly a { seed plate 1 x 1 { A at (0, 0) } phase p { A.up -> } }",
+    );
+    let mut params = json!({
+        "textDocument": { "uri": URI },
+        "position": { "line": 0, "character": 32 },
+    });
+    params["newName"] = json!("B");
+    let answer: Value = client.ask("textDocument/rename", params);
+    let why = answer["error"]["message"].as_str().unwrap();
+    assert!(why.contains("errors of syntax"), "{why}");
+}
