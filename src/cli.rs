@@ -1,7 +1,7 @@
 //! The command line.
 use clap::{Parser, Subcommand};
 
-use crate::command::{check, compile, explain, fmt, lsp, results, simulate};
+use crate::command::{check, compile, completions, explain, fmt, lsp, man, results, simulate};
 
 /// Compiler, verifier and simulator for stochastic modular robots.
 #[derive(Debug, Parser)]
@@ -33,6 +33,10 @@ pub enum Command {
     Explain(explain::Options),
     /// Serve an editor: findings as you type, definitions, renaming (the Language Server Protocol)
     Lsp(lsp::Options),
+    /// Print a script that lets a shell complete the command line
+    Completions(completions::Options),
+    /// Print the manual, in the form that `man` reads
+    Man(man::Options),
 }
 
 /// How a command ended.
@@ -73,5 +77,7 @@ pub fn run(cli: Cli) -> Exit {
         Command::Results(options) => results::run(&options),
         Command::Explain(options) => explain::run(&options),
         Command::Lsp(options) => lsp::run(&options),
+        Command::Completions(options) => completions::run(&options),
+        Command::Man(options) => man::run(&options),
     }
 }

@@ -1,5 +1,6 @@
 //! `stochc explain`.
 use clap::Args;
+use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 use stochc_compiler::finding::{Code, Severity};
 
 use super::terminal::{print, warn};
@@ -9,6 +10,7 @@ use crate::cli::Exit;
 #[derive(Debug, Args)]
 pub struct Options {
     /// The code of a finding, such as `cycle`; without one, all codes are listed
+    #[arg(value_parser = CodeParser, hide_possible_values = true)]
     code: Option<String>,
 }
 
@@ -39,5 +41,27 @@ pub fn run(options: &Options) -> Exit {
             ));
             Exit::Usage
         }
+    }
+}
+
+/// Takes any word, and lets a shell complete the codes.
+#[derive(Clone)]
+struct CodeParser;
+
+impl TypedValueParser for CodeParser {
+    type Value = String;
+
+    fn parse_ref(
+        &self,
+        command: &clap::Command,
+        argument: Option<&clap::Arg>,
+        value: &std::ffi::OsStr,
+    ) -> Result<String, clap::Error> {
+        StringValueParser::new().parse_ref(command, argument, value)
+    }
+
+    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
+        let codes = Code::ALL.iter();
+        Some(Box::new(codes.map(|code| PossibleValue::new(code.name()))))
     }
 }

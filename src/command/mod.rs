@@ -1,9 +1,11 @@
 //! One module for each subcommand.
 pub mod check;
 pub mod compile;
+pub mod completions;
 pub mod explain;
 pub mod fmt;
 pub mod lsp;
+pub mod man;
 pub mod results;
 pub mod simulate;
 mod terminal;

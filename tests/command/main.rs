@@ -10,6 +10,7 @@ mod fmt;
 #[cfg(unix)]
 mod interrupted;
 mod manifest;
+mod manual;
 mod physical;
 mod refused;
 mod results;

@@ -1,0 +1,35 @@
+//! `stochc completions`.
+use clap::{Args, CommandFactory as _};
+use clap_complete::{Shell, generate};
+use stochc_compiler::finding::Code;
+
+use super::terminal::print;
+use crate::cli::{Cli, Exit};
+
+/// What `completions` is given.
+#[derive(Debug, Args)]
+pub struct Options {
+    /// The shell that is to complete
+    shell: Shell,
+}
+
+/// Prints a script for a shell.
+pub fn run(options: &Options) -> Exit {
+    let mut command = Cli::command();
+    let name = command.get_name().to_owned();
+    let mut script = Vec::new();
+    generate(options.shell, &mut command, name, &mut script);
+    let mut script = String::from_utf8_lossy(&script).into_owned();
+    if options.shell == Shell::Fish {
+        script.push_str(&codes_for_fish());
+    }
+    print(&script);
+    Exit::Success
+}
+
+/// The generator for fish knows the values of options only, and a code is an argument.
+fn codes_for_fish() -> String {
+    let codes: Vec<&str> = Code::ALL.iter().map(|code| code.name()).collect();
+    let codes = codes.join(" ");
+    format!("complete -c stochc -n \"__fish_seen_subcommand_from explain\" -f -a \"{codes}\"\n")
+}

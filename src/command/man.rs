@@ -1,0 +1,70 @@
+//! `stochc man`.
+use std::io;
+use std::path::{Path, PathBuf};
+
+use clap::{Args, CommandFactory as _};
+use clap_mangen::Man;
+
+use super::terminal::{print, warn};
+use crate::cli::{Cli, Exit};
+
+/// What `man` is given.
+#[derive(Debug, Args)]
+pub struct Options {
+    /// Write a page for every subcommand into a folder, instead of printing the first one
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+/// Prints the manual, or writes it into a folder.
+pub fn run(options: &Options) -> Exit {
+    // `help` needs no page: it is what every page is about.
+    let mut command = Cli::command().disable_help_subcommand(true);
+    // So that every page knows what its command is called.
+    command.build();
+    let written = match &options.out {
+        None => page(command).map(|page| print(&String::from_utf8_lossy(&page))),
+        Some(folder) => pages(command, folder),
+    };
+    match written {
+        Ok(()) => Exit::Success,
+        Err(error) => {
+            warn(&format!("error: cannot write the manual: {error}\n"));
+            Exit::Usage
+        }
+    }
+}
+
+fn page(command: clap::Command) -> io::Result<Vec<u8>> {
+    let mut page = Vec::new();
+    Man::new(command).render(&mut page)?;
+    Ok(page)
+}
+
+fn pages(command: clap::Command, folder: &Path) -> io::Result<()> {
+    std::fs::create_dir_all(folder)?;
+    let name = command.get_name().to_owned();
+    let subcommands = command.get_subcommands();
+    // `help` needs no page: it is what every page is about.
+    let subcommands: Vec<_> = subcommands
+        .filter(|it| it.get_name() != "help")
+        .cloned()
+        .collect();
+    write(folder, &name, &page(command)?)?;
+    for subcommand in subcommands {
+        let name = format!("{name}-{}", subcommand.get_name());
+        write(folder, &name, &page(subcommand)?)?;
+    }
+    Ok(())
+}
+
+fn write(folder: &Path, name: &str, page: &[u8]) -> io::Result<()> {
+    let mut file = tempfile::NamedTempFile::new_in(folder)?;
+    io::Write::write_all(&mut file, page)?;
+    let file = file.persist(folder.join(format!("{name}.1")))?;
+    // A temporary file is private; a page of the manual is for everybody.
+    #[cfg(unix)]
+    file.set_permissions(std::os::unix::fs::PermissionsExt::from_mode(0o644))?;
+    drop(file);
+    Ok(())
+}
