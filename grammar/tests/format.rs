@@ -207,6 +207,80 @@ proptest! {
     }
 }
 
+const PIECES: [&str; 40] = [
+    "assembly a",
+    "in s",
+    "{",
+    "}",
+    "{",
+    "}",
+    "\n",
+    "\n",
+    "\n\n",
+    "\t",
+    " ",
+    "\r",
+    "// c",
+    "//// d\n",
+    "/// doc\n",
+    "seed plate",
+    "1 x 1",
+    "A at (0, 0)",
+    "phase p",
+    "timeout 3 min",
+    "M.up -> A",
+    "->>",
+    "T[1..",
+    "3]",
+    "release A",
+    ",",
+    "after B",
+    "t(A, 2)",
+    "as k",
+    "let n =",
+    "-(n + 1)",
+    "% 2",
+    "shape s",
+    "layer 1",
+    "# . #",
+    "##",
+    "scene s",
+    "20 ms",
+    "0 .. 4 m/s",
+    "block",
+];
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 4_000, ..ProptestConfig::default() })]
+
+    #[test]
+    fn any_text_is_laid_out_or_refused(
+        pieces in prop::collection::vec(prop::sample::select(&PIECES[..]), 0..30),
+        blanks in any::<bool>(),
+    ) {
+        let text = pieces.join(if blanks { " " } else { "" });
+        match format(&text) {
+            Ok(laid_out) => prop_assert_eq!(format(&laid_out), Ok(laid_out), "{:?}", text),
+            Err(refusal) => prop_assert!(matches!(refusal, Refusal::Wrong(_)), "{:?}", text),
+        }
+    }
+
+    #[test]
+    fn a_program_without_some_of_its_text_is_laid_out_or_refused(
+        start in 0usize..900,
+        length in 0usize..40,
+    ) {
+        let text = include_str!("../../examples/five_tower_reconfigured.sa");
+        let start = start.min(text.len());
+        let mut text = text.to_owned();
+        text.replace_range(start..(start + length).min(text.len()), "");
+        match format(&text) {
+            Ok(laid_out) => prop_assert_eq!(format(&laid_out), Ok(laid_out), "{:?}", text),
+            Err(refusal) => prop_assert!(matches!(refusal, Refusal::Wrong(_)), "{:?}", text),
+        }
+    }
+}
+
 /// What is written, and what it becomes.
 fn becomes(text: &str, expected: &str) {
     let formatted = format(text).unwrap();

@@ -1,7 +1,7 @@
 //! The language server: what editors ask about programs while they are written.
 //!
-//! One thread reads messages ([`wire`]), one answers them ([`server`]); each feature is a module
-//! of pure functions over an [`analysis`] of what the editor has, saved or not ([`documents`]).
+//! One thread reads messages (`wire`), one answers them (`server`); each feature is a module
+//! of pure functions over an `analysis` of what the editor has, saved or not (`documents`).
 //! A change is checked once nothing more has come in for a moment.
 mod actions;
 mod analysis;
