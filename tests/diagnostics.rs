@@ -5,12 +5,13 @@ use stochc::compiler::finding::Code;
 use stochc::compiler::{Checked, Limits, check};
 
 /// Pages without a wrong program, and why.
-const WITHOUT: [(Code, &str); 7] = [
+const WITHOUT: [(Code, &str); 8] = [
     (Code::NotUtf8, "a page is UTF-8 itself"),
     (Code::FileTooLarge, "4 GiB are too many for a test as well"),
     (Code::TooDeep, "a hundred braces on a page help nobody"),
     (Code::StatementTooLong, "a statement of 4 MiB"),
     (Code::TooManyErrors, "a hundred errors"),
+    (Code::ReachUndecided, "a hall of a million blocks"),
     (Code::ImportMissing, "a fence has no files beside it"),
     (Code::ImportCycle, "a fence has no files beside it"),
 ];
@@ -54,7 +55,10 @@ fn every_right_program_of_a_page_has_no_finding() {
             "the page of `{code}`"
         );
         if let Some(program) = program {
-            assert_eq!(codes(&text(program)), [], "the right program of `{code}`");
+            // A small program is a crowded one; a narrow gap is not what the page is about.
+            let mut codes = codes(&text(program));
+            codes.retain(|&found| found != Code::TightApproach || code == Code::TightApproach);
+            assert_eq!(codes, [], "the right program of `{code}`");
         }
     }
 }

@@ -2,10 +2,12 @@
 //!
 //! [`check`] is the pipeline: files are loaded and parsed, each assembly is written out
 //! ([`plan`]), its names are followed through the phases, its blocks get their cells, and its
-//! events their order ([`graph`], [`order`]); then shapes and the scene are compared with what is
+//! events their order ([`graph`], [`order`]); whether a block can still come to every cell is
+//! proved (`reach`); then shapes and the scene are compared with what is
 //! built, and what is right is lowered to event tables ([`table`]). Each stage tells what it finds
 //! and leaves the wrong part out, so that the next one can go on.
 mod cell;
+pub mod cost;
 pub mod emit;
 mod expand;
 pub mod finding;
@@ -18,6 +20,7 @@ pub mod order;
 pub mod plan;
 mod presence;
 mod program;
+mod reach;
 pub mod scene;
 mod scenes;
 mod shape;

@@ -13,7 +13,7 @@ use crate::plan::Plan;
 use crate::scene::Scene;
 use crate::scenes::Scenes;
 use crate::table::Tables;
-use crate::{FileId, Site, Sources, inventory, layout, lower, presence, shape};
+use crate::{FileId, Site, Sources, inventory, layout, lower, presence, reach, shape};
 
 /// Everything that is known of a file after looking at all of it.
 #[derive(Debug)]
@@ -69,6 +69,8 @@ pub enum Stage {
     Graph,
     /// Cycles and chains.
     Order,
+    /// Ways in.
+    Reach,
     /// Shapes and inventory.
     Compare,
     /// Event tables.
@@ -93,7 +95,7 @@ pub fn check_observed(
     let mut loaded = load(path, reader, &mut sources, &mut findings);
     let readable = !findings.iter().any(Finding::is_error);
     done(Stage::Parse);
-    let programs = programs(&mut loaded, readable, limits, &mut findings, done);
+    let programs = programs(&mut loaded, &sources, readable, limits, &mut findings, done);
     let tree = loaded
         .modules
         .pop()
@@ -115,6 +117,7 @@ pub fn check_observed(
 
 fn programs(
     loaded: &mut Loaded,
+    sources: &Sources,
     readable: bool,
     limits: Limits,
     findings: &mut Vec<Finding>,
@@ -150,6 +153,7 @@ fn programs(
             file: own.file,
             assembly,
             limits,
+            sources,
             readable,
         };
         programs.push(input.compile(scene, symbols, doubtful, findings, done));
@@ -212,6 +216,7 @@ struct Input<'a> {
     file: FileId,
     assembly: &'a Assembly,
     limits: Limits,
+    sources: &'a Sources,
     /// All files could be read: what is missing is not missing for that reason.
     readable: bool,
 }
@@ -268,7 +273,25 @@ impl<'a> Input<'a> {
             errors.retain(|finding| finding.code != Code::MissingPlate);
         }
         let wrong = |findings: &[Finding]| findings.iter().any(Finding::is_error);
-        if !wrong(&errors) && !wrong(&later) {
+        let is_sound = !wrong(&errors) && !wrong(&later);
+        // Of a program with gaps it would say what is not so.
+        let is_whole = is_sound && self.readable && plan.events.iter().all(|event| event.sound);
+        if let (Some(order), true) = (&order, is_whole) {
+            let subject = reach::Subject {
+                plan: &plan,
+                presence: &presence,
+                layout: &layout,
+                graph: &graph,
+                order,
+                assembly: self.assembly,
+                file: self.file,
+                sources: self.sources,
+                symbols,
+            };
+            reach::check(subject, &mut later);
+        }
+        done(Stage::Reach);
+        if is_sound {
             shape::check(&plan, &layout, &shapes, symbols, &mut later);
             if let Some(scene) = &scene {
                 inventory::check(&plan, &layout, scene, &mut later);

@@ -5,6 +5,7 @@ use stochc_compiler::emit::chain_text;
 use stochc_compiler::order::Order;
 use stochc_compiler::{Checked, Program};
 
+use super::cost::costs;
 use super::terminal::{has_colour, message_width, print, warn};
 use crate::cli::Exit;
 use crate::findings::{Format, show, values};
@@ -18,6 +19,9 @@ pub struct Options {
     /// How to show findings; `short` and `json` write them to the standard output
     #[arg(long, value_name = "FORM", default_value = "graphical")]
     format: Format,
+    /// Show what will take the time, capture by capture: the first N, or 10
+    #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "10")]
+    cost: Option<usize>,
 }
 
 /// Checks each file, and says of the right ones what is known before anything moves.
@@ -34,7 +38,7 @@ pub fn run(options: &Options) -> Exit {
             Format::Graphical => {
                 warn(&shown());
                 if !checked.has_errors() {
-                    print(&summary(file, &checked));
+                    print(&summary(file, &checked, options.cost));
                 }
             }
         }
@@ -61,7 +65,7 @@ fn worse(a: Exit, b: Exit) -> Exit {
     if b.status() > a.status() { b } else { a }
 }
 
-fn summary(file: &str, checked: &Checked) -> String {
+fn summary(file: &str, checked: &Checked, cost: Option<usize>) -> String {
     if checked.programs.is_empty() {
         let verdict = judgement(checked);
         return format!("{file}: {verdict}; it declares no assembly\n");
@@ -69,6 +73,7 @@ fn summary(file: &str, checked: &Checked) -> String {
     let mut out = String::new();
     for program in &checked.programs {
         out.push_str(&format!("{file}: {}", describe(program, checked)));
+        out.push_str(&costs(program, &checked.symbols, cost));
     }
     out
 }

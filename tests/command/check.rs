@@ -5,6 +5,7 @@ tests/fixtures/tower.sa: assembly tower in hemisphere: 2 phases, 3 captures, 0 r
   phase foot  longest serial chain 1: M.up -> A
   phase top   longest serial chain 2: A.up -> B, B.up -> C
   the program's longest serial chain is 2 (phase top); one phase after the other, 3
+  likely bottleneck: M.up -> A, 39 % of the time; `--cost` ranks the others
 ";
 
 #[test]

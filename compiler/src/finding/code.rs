@@ -90,6 +90,9 @@ codes! {
     Error BelowPlate "below-plate"
     Error OccupiedCell "occupied-cell"
     Error Adrift "adrift"
+    Error SealedCavity "sealed-cavity"
+    Warning TightApproach "tight-approach"
+    Warning ReachUndecided "reach-undecided"
     Error ShapeMismatch "shape-mismatch"
     Error ShapeMalformed "shape-malformed"
 
