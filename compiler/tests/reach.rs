@@ -15,6 +15,7 @@ struct Room {
     edge: i32,
     height: i32,
     captures: usize,
+    phases: usize,
 }
 
 /// Small enough for a search through every order.
@@ -22,12 +23,14 @@ const SMALL: Room = Room {
     edge: 3,
     height: 3,
     captures: 4,
+    phases: 2,
 };
 /// Large enough for caves.
 const LARGE: Room = Room {
     edge: 6,
     height: 4,
     captures: 20,
+    phases: 4,
 };
 
 fn checked(text: &str) -> Checked {
@@ -68,7 +71,7 @@ fn program(choices: &[u32], room: Room, releases: bool) -> String {
     }
     text.push_str("    }\n");
     let mut names = 0;
-    for phase in 0..=choose(2) {
+    for phase in 0..=choose(room.phases) {
         let _ = writeln!(text, "    phase p{phase} {{");
         let standing: BTreeSet<String> = blocks.iter().map(|block| block.0.clone()).collect();
         let mut busy: BTreeSet<String> = BTreeSet::new();
@@ -230,10 +233,11 @@ fn can_get_stuck(program: &Program) -> bool {
     result
 }
 
-/// Whether a capture without a way out in its worst case exists: the definition, word by word.
-fn has_sealed_capture(room: Room, program: &Program) -> bool {
+/// Every capture with its phase and the cells that are full in its worst case, word by word.
+fn worst_cases(program: &Program) -> Vec<(usize, EventId, BTreeMap<Cell, EventId>)> {
     let mut full: BTreeMap<Cell, EventId> = BTreeMap::new();
-    for phase in &program.plan.phases {
+    let mut cases = Vec::new();
+    for (number, phase) in program.plan.phases.iter().enumerate() {
         for id in phase.events.clone().map(EventId) {
             let mut following = BTreeSet::from([id]);
             let mut open = vec![id];
@@ -250,12 +254,44 @@ fn has_sealed_capture(room: Room, program: &Program) -> bool {
                     worst.insert(program.layout.cells[other.0 as usize].unwrap(), other);
                 }
             }
-            if !is_open(room, program.layout.cells[id.0 as usize].unwrap(), &worst) {
-                return true;
-            }
+            cases.push((number, id, worst));
         }
         for id in phase.events.clone().map(EventId) {
             full.insert(program.layout.cells[id.0 as usize].unwrap(), id);
+        }
+    }
+    cases
+}
+
+/// Whether a capture without a way out in its worst case exists.
+fn has_sealed_capture(room: Room, program: &Program) -> bool {
+    worst_cases(program)
+        .into_iter()
+        .any(|(_, id, worst)| !is_open(room, program.layout.cells[id.0 as usize].unwrap(), &worst))
+}
+
+/// Whether a cube of two cells can bring a block to a cell from outside.
+fn is_wide(room: Room, target: Cell, full: &BTreeMap<Cell, EventId>) -> bool {
+    let cells = |low: Cell| {
+        (0..8).map(move |i| Cell::new(low.x + (i & 1), low.y + (i >> 1 & 1), low.z + (i >> 2)))
+    };
+    let is_free = |low: Cell| low.z >= 1 && cells(low).all(|cell| !full.contains_key(&cell));
+    let mut open: Vec<Cell> = cells(Cell::new(target.x - 1, target.y - 1, target.z - 1))
+        .filter(|&low| is_free(low))
+        .collect();
+    let mut found: BTreeSet<Cell> = open.iter().copied().collect();
+    while let Some(low) = open.pop() {
+        let inside = (-1..room.edge).contains(&low.x)
+            && (-1..room.edge).contains(&low.y)
+            && low.z <= room.height;
+        if !inside {
+            return true;
+        }
+        for face in Face::ALL {
+            let next = low.across(face).unwrap();
+            if is_free(next) && found.insert(next) {
+                open.push(next);
+            }
         }
     }
     false
@@ -265,6 +301,14 @@ fn sealed(checked: &Checked) -> Vec<&Finding> {
     (checked.findings.iter())
         .filter(|finding| finding.code == Code::SealedCavity)
         .collect()
+}
+
+/// The event that a finding speaks of first.
+fn finding_event(program: &Program, finding: &Finding) -> u32 {
+    let site = finding.labels[0].site;
+    (program.plan.events.iter())
+        .position(|event| event.site == site)
+        .unwrap() as u32
 }
 
 /// The text after a fix.
@@ -313,7 +357,25 @@ proptest! {
         let checked = checked(&text);
         prop_assert!(others(&checked).is_empty(), "{text}\n{:#?}", others(&checked));
         let verdict = !sealed(&checked).is_empty();
-        prop_assert_eq!(verdict, has_sealed_capture(LARGE, &checked.programs[0]), "{}", text);
+        let program = &checked.programs[0];
+        prop_assert_eq!(verdict, has_sealed_capture(LARGE, program), "{}", text);
+        if verdict {
+            return Ok(());
+        }
+        for (number, phase) in program.plan.phases.iter().enumerate() {
+            let tight: Vec<EventId> = (worst_cases(program).into_iter())
+                .filter(|&(of, ..)| of == number)
+                .filter(|(_, id, worst)| {
+                    !is_wide(LARGE, program.layout.cells[id.0 as usize].unwrap(), worst)
+                })
+                .map(|(_, id, _)| id)
+                .collect();
+            let told = (checked.findings.iter())
+                .filter(|finding| finding.code == Code::TightApproach)
+                .find(|finding| phase.events.contains(&finding_event(program, finding)))
+                .map(|finding| finding.title.split(' ').next().unwrap().parse().unwrap_or(1));
+            prop_assert_eq!(told.unwrap_or(0), tight.len(), "phase {}\n{}", number, text);
+        }
     }
 
     #[test]

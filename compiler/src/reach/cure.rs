@@ -84,7 +84,7 @@ impl Survey<'_> {
             return Cure::None;
         };
         self.standing.sort();
-        let following = descent.of(id, &mut self.steps);
+        let following = descent.of(id, &mut self.proof.steps);
         let has_at_worst = |other: EventId| !following.contains(other);
         let worst = Search {
             standing: &self.standing,
@@ -102,7 +102,7 @@ impl Survey<'_> {
             if best.len() > FARTHEST {
                 return Cure::Unknown;
             }
-            self.steps += 1;
+            self.proof.steps += 1;
             let mut reach = |next: Cell, extra: u32| {
                 let cost = cost + extra;
                 if best.get(&next).is_some_and(|&(known, _)| known <= cost) {

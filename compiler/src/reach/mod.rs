@@ -35,6 +35,7 @@ mod sealed;
 mod standing;
 mod tell;
 mod tight;
+mod trail;
 mod way;
 
 use stochc_grammar::Symbols;
@@ -49,6 +50,7 @@ use crate::presence::Presence;
 use crate::{Cell, FileId, Sources};
 use descent::Descent;
 use standing::Standing;
+use trail::Trail;
 
 /// Searched cells before the proof is given up: a fixed number, and more for every event.
 const STEPS: u64 = 2_000_000;
@@ -81,12 +83,17 @@ pub struct Subject<'a> {
 pub fn check(subject: Subject, findings: &mut Vec<Finding>) {
     let plan = subject.plan;
     let count = plan.events.len();
+    let effort = |steps| Effort {
+        steps: 0,
+        budget: steps + STEPS_PER_EVENT * count as u64,
+    };
     let mut survey = Survey {
         subject,
         standing: Standing::with_capacity(count + plan.seeds.len()),
         is_safe: vec![false; count],
-        steps: 0,
-        budget: STEPS + STEPS_PER_EVENT * count as u64,
+        trails: Default::default(),
+        proof: effort(STEPS),
+        warning: effort(STEPS / 10),
     };
     let events = events_by_phase(plan, subject.order);
     for (number, events) in events.iter().enumerate() {
@@ -117,6 +124,15 @@ struct Survey<'a> {
     standing: Standing,
     /// Captures that have a way out in every order.
     is_safe: Vec<bool>,
+    /// Known ways out, of a cube of one cell and of one of two.
+    trails: [Trail; 2],
+    /// Work done and work allowed, for the proof and for the warning.
+    proof: Effort,
+    warning: Effort,
+}
+
+/// Places searched, and how many may be.
+struct Effort {
     steps: u64,
     budget: u64,
 }
@@ -134,6 +150,7 @@ impl Survey<'_> {
                 self.standing.fill(cell, id);
             }
         }
+        self.trails.iter_mut().for_each(Trail::begin_phase);
         let stuck = self.stuck(events, descent);
         self.tell_sealed(events, descent, &stuck, findings);
         if stuck.is_empty() {

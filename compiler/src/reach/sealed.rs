@@ -102,7 +102,7 @@ impl Survey<'_> {
             return true;
         };
         self.standing.sort();
-        let following = descent.of(id, &mut self.steps);
+        let following = descent.of(id, &mut self.proof.steps);
         let search = Search {
             standing: &self.standing,
             has: &|other| !following.contains(other),
@@ -110,7 +110,13 @@ impl Survey<'_> {
         };
         let is_safe = &self.is_safe;
         let is_out = |next: EventId| is_safe[next.0 as usize] && following.contains(next);
-        let pocket = match search.run([cell], &is_out, &mut self.steps, self.budget) {
+        let pocket = match search.run(
+            [cell],
+            &is_out,
+            &mut self.trails[0],
+            &mut self.proof.steps,
+            self.proof.budget,
+        ) {
             Way::Out => return true,
             Way::Sealed(pocket) => Some(pocket),
             Way::Unknown => None,

@@ -20,6 +20,8 @@ pub struct Standing {
     tops: FxHashMap<(i32, i32), i32>,
     /// The full cells by (x, y, z), once they are needed in this order.
     sorted: Option<BTreeSet<(i32, i32, i32)>>,
+    /// Blocks passed by in looking for ceilings.
+    passed: std::cell::Cell<u64>,
 }
 
 impl Standing {
@@ -106,7 +108,13 @@ impl Standing {
         let sorted = self.sorted.as_ref()?;
         (sorted.range((x, y, z)..=(x, y, i32::MAX)))
             .map(|&(x, y, z)| Cell::new(x, y, z))
+            .inspect(|_| self.passed.set(self.passed.get() + 1))
             .find(|&cell| self.is_blocked(cell, has))
             .map(|cell| cell.z)
+    }
+
+    /// Blocks passed by in [`Standing::ceiling`] since the last call.
+    pub fn take_passed(&self) -> u64 {
+        self.passed.take()
     }
 }

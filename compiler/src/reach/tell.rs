@@ -37,7 +37,12 @@ impl Survey<'_> {
         } else {
             self.cures(events, descent, stuck)
         };
+        // Where there is a cavity, what the search had no time for says nothing more.
+        let is_sealed = stuck.iter().any(|stuck| stuck.pocket.is_some());
         for (stuck, cure) in stuck.iter().zip(cures) {
+            if is_sealed && stuck.pocket.is_none() {
+                continue;
+            }
             let finding = match &stuck.pocket {
                 Some(pocket) => {
                     let walls = self.walls(stuck.capture, pocket, descent);
@@ -146,7 +151,13 @@ impl Survey<'_> {
             size: 1,
         };
         let start = self.cell(id);
-        let way = search.run(start, &|_| false, &mut self.steps, self.budget);
+        let way = search.run(
+            start,
+            &|_| false,
+            &mut self.trails[0],
+            &mut self.proof.steps,
+            self.proof.budget,
+        );
         matches!(way, Way::Sealed(_))
     }
 

@@ -94,7 +94,7 @@ impl Survey<'_> {
     /// The open sides of a cell that a cube of two cannot bring a block to; `None`: it can.
     fn tightness(&mut self, id: EventId, cell: Cell, descent: &Descent) -> Option<u32> {
         self.standing.sort();
-        let following = descent.of(id, &mut self.steps);
+        let following = descent.of(id, &mut self.warning.steps);
         let has = |other: EventId| !following.contains(other);
         let search = Search {
             standing: &self.standing,
@@ -103,7 +103,13 @@ impl Survey<'_> {
         };
         let boxes: Vec<Cell> = boxes(cell).filter(|&low| !search.is_blocked(low)).collect();
         if !boxes.is_empty() {
-            match search.run(boxes, &|_| false, &mut self.steps, self.budget) {
+            match search.run(
+                boxes,
+                &|_| false,
+                &mut self.trails[1],
+                &mut self.warning.steps,
+                self.warning.budget,
+            ) {
                 Way::Out | Way::Unknown => return None,
                 Way::Sealed(_) => {}
             }
@@ -117,7 +123,7 @@ impl Survey<'_> {
     /// How many narrow cells the best way in has.
     fn gap_length(&mut self, id: EventId, descent: &Descent) -> Option<u32> {
         let start = self.cell(id)?;
-        let following = descent.of(id, &mut self.steps);
+        let following = descent.of(id, &mut self.warning.steps);
         let has = |other: EventId| !following.contains(other);
         let wide = Search {
             standing: &self.standing,
@@ -134,13 +140,19 @@ impl Survey<'_> {
             if let Some(low) = free
                 && !closed.contains(&low)
             {
-                match wide.run([low], &|_| false, &mut self.steps, self.budget) {
+                match wide.run(
+                    [low],
+                    &|_| false,
+                    &mut self.trails[1],
+                    &mut self.warning.steps,
+                    self.warning.budget,
+                ) {
                     Way::Out => return Some(length),
                     Way::Sealed(pocket) => closed.extend(pocket),
                     Way::Unknown => return None,
                 }
             }
-            if best.len() > FARTHEST || self.steps > self.budget {
+            if best.len() > FARTHEST || self.warning.steps > self.warning.budget {
                 return None;
             }
             for face in Face::ALL {

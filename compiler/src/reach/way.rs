@@ -6,10 +6,14 @@
 //! faces one region is connected in itself (a connected obstacle bounds each region of its
 //! complement in one piece), no other wall cuts it, and the highest cell of an outer skin sees the
 //! sky or the next wall that encloses it.
-use rustc_hash::FxHashSet;
+use std::collections::VecDeque;
+use std::collections::hash_map::Entry;
+
+use rustc_hash::FxHashMap;
 use stochc_grammar::Face;
 
 use super::standing::{Has, Standing};
+use super::trail::Trail;
 use crate::Cell;
 use crate::plan::EventId;
 
@@ -81,50 +85,65 @@ impl Search<'_> {
         Some(Cell { z, ..at })
     }
 
+    /// Whether nothing stops a cube that is free at `at` on its way up to `z`.
+    pub fn rises_to(&self, at: Cell, z: i32) -> bool {
+        self.rise(at).is_none_or(|under| under.z >= z)
+    }
+
     /// Whether a cube that is free at `at` can rise to the sky.
     pub fn sees_sky(&self, at: Cell) -> bool {
         self.ceiling(at).is_none()
     }
 
-    /// Searches from places that are free; `is_out` knows of events whose cell has a way out.
+    /// Searches from places that are free, the nearest first, so that the ways that are kept are short;
+    /// `is_out` knows of events whose cell has a way out.
     pub fn run(
         &self,
         starts: impl IntoIterator<Item = Cell>,
         is_out: &dyn Fn(EventId) -> bool,
+        trail: &mut Trail,
         steps: &mut u64,
         budget: u64,
     ) -> Way {
-        let mut found = FxHashSet::default();
+        // Where each place was reached from.
+        let mut found: FxHashMap<Cell, Cell> = FxHashMap::default();
         let mut order = Vec::new();
-        let mut stack = Vec::new();
+        let mut queue = VecDeque::new();
         for start in starts {
-            if found.insert(start) {
-                stack.push(start);
+            if found.insert(start, start).is_none() {
+                queue.push_back(start);
             }
         }
-        while let Some(at) = stack.pop() {
+        while let Some(at) = queue.pop_front() {
             order.push(at);
-            *steps += 1;
+            *steps += 1 + self.standing.take_passed();
             if *steps > budget {
                 return Way::Unknown;
             }
             if self.size == 1 && self.standing.at(at).is_some_and(is_out) {
                 return Way::Out;
             }
+            if trail.leads_out(at, self, steps) {
+                trail.keep(at, &found, self);
+                return Way::Out;
+            }
             let Some(under) = self.rise(at) else {
+                trail.end(at, self);
+                trail.keep(at, &found, self);
                 return Way::Out;
             };
             for face in Face::ALL {
                 let Some(next) = at.across(face) else {
                     continue;
                 };
-                if !found.contains(&next) && !self.is_blocked(next) && self.is_at_wall(next) {
-                    found.insert(next);
-                    stack.push(next);
+                if !found.contains_key(&next) && !self.is_blocked(next) && self.is_at_wall(next) {
+                    found.insert(next, at);
+                    queue.push_back(next);
                 }
             }
-            if found.insert(under) {
-                stack.push(under);
+            if let Entry::Vacant(place) = found.entry(under) {
+                place.insert(at);
+                queue.push_front(under);
             }
         }
         Way::Sealed(order)
