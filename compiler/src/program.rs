@@ -45,6 +45,9 @@ pub struct Program {
     pub order: Option<Order>,
     /// What every block knows; `None` unless everything is right.
     pub tables: Option<Tables>,
+    /// The tables of a program that is right but for cells out of reach: to show how it gets
+    /// stuck, not to be run.
+    pub stuck: Option<Tables>,
 }
 
 impl Checked {
@@ -301,11 +304,19 @@ impl<'a> Input<'a> {
         if self.readable && !cut_short {
             errors.append(&mut later);
         }
-        let right = self.readable && !wrong(&errors) && !wrong(findings) && order.is_some();
-        let tables = scene
+        let mistakes = || {
+            errors
+                .iter()
+                .chain(findings.iter())
+                .filter(|finding| finding.is_error())
+        };
+        let is_right = mistakes().next().is_none();
+        let is_stuck = mistakes().all(|finding| finding.code == crate::finding::Code::SealedCavity);
+        let mut tables = scene
             .as_ref()
-            .filter(|_| right)
+            .filter(|_| self.readable && order.is_some() && is_stuck)
             .map(|scene| lower::lower(&plan, &presence, &layout, &graph, scene, symbols));
+        let stuck = if is_right { None } else { tables.take() };
         done(Stage::Lower);
         findings.append(&mut errors);
         Program {
@@ -315,6 +326,7 @@ impl<'a> Input<'a> {
             graph,
             order,
             tables,
+            stuck,
         }
     }
 }
