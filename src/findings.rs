@@ -46,7 +46,7 @@ fn graphical(checked: &Checked, colour: bool, width: usize) -> String {
 }
 
 fn short(finding: &Finding, sources: &Sources) -> String {
-    let severity = match finding.code.severity() {
+    let severity = match finding.severity {
         Severity::Error => "error",
         Severity::Warning => "warning",
     };
@@ -82,7 +82,7 @@ fn value(finding: &Finding, sources: &Sources) -> Value {
         .collect();
     json!({
         "code": finding.code,
-        "severity": finding.code.severity(),
+        "severity": finding.severity,
         "title": finding.title,
         "help": finding.help,
         "labels": labels,

@@ -7,6 +7,7 @@ use crate::expand::{Declarations, Limits, duplicate, expand};
 use crate::finding::{Code, Finding, tell};
 use crate::graph::{self, DependencyGraph};
 use crate::layout::Layout;
+use crate::levels::{Allowed, FileLevels, Levels};
 use crate::load::{Loaded, Module, Reader, load};
 use crate::order::{self, Order};
 use crate::plan::Plan;
@@ -22,6 +23,8 @@ pub struct Checked {
     pub sources: Sources,
     /// What is wrong or suspicious: by file and place, each once.
     pub findings: Vec<Finding>,
+    /// What is suspicious and allowed to be.
+    pub allowed: Vec<Allowed>,
     /// The tree of the file itself; empty if it cannot be read.
     pub tree: Tree,
     /// The words of the trees and plans.
@@ -77,36 +80,53 @@ pub enum Stage {
 
 /// Checks the file at `path` and everything it imports, and compiles its assemblies.
 pub fn check(path: &str, reader: &mut dyn Reader, limits: Limits) -> Checked {
-    check_observed(path, reader, limits, &mut |_| {})
+    check_with(path, reader, limits, &Levels::default())
 }
 
-/// [`check`], telling when each stage is complete, once for every assembly; the compiler itself
+/// [`check`], with levels for the warnings that the files say nothing of.
+pub fn check_with(path: &str, reader: &mut dyn Reader, limits: Limits, levels: &Levels) -> Checked {
+    check_observed(path, reader, limits, levels, &mut |_| {})
+}
+
+/// [`check_with`], telling when each stage is complete, once for every assembly; the compiler itself
 /// has no clock.
 pub fn check_observed(
     path: &str,
     reader: &mut dyn Reader,
     limits: Limits,
+    levels: &Levels,
     done: &mut dyn FnMut(Stage),
 ) -> Checked {
     let mut sources = Sources::default();
     let mut findings = Vec::new();
     let mut loaded = load(path, reader, &mut sources, &mut findings);
     let readable = !findings.iter().any(Finding::is_error);
+    let file_levels = FileLevels::of(&loaded.modules, &sources, &loaded.symbols, &mut findings);
     done(Stage::Parse);
-    let programs = programs(&mut loaded, readable, limits, &mut findings, done);
+    let mut programs = programs(&mut loaded, readable, limits, &mut findings, done);
     let tree = loaded
         .modules
         .pop()
         .map(|module| module.tree)
         .unwrap_or_default();
-    findings.sort_by_key(|finding| {
+    let place = |finding: &Finding| {
         let first = finding.labels.first().map(|label| label.site);
         first.map(|site| (site.file, site.span.start))
-    });
+    };
+    findings.sort_by_key(place);
     findings.dedup();
+    let (mut findings, allowed) = file_levels.judge(findings, levels, &sources);
+    findings.sort_by_key(place);
+    // A denied warning has come too late to keep a program from being lowered.
+    if findings.iter().any(Finding::is_denied) {
+        programs
+            .iter_mut()
+            .for_each(|program| program.tables = None);
+    }
     Checked {
         sources,
         findings,
+        allowed,
         tree,
         symbols: loaded.symbols,
         programs,

@@ -8,6 +8,7 @@ mod compile;
 mod explain;
 #[cfg(unix)]
 mod interrupted;
+mod levels;
 mod manifest;
 mod physical;
 mod refused;

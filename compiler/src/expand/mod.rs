@@ -256,7 +256,8 @@ impl<'a> Expander<'a, '_> {
             | ItemKind::Shape(_)
             | ItemKind::Scene(_)
             | ItemKind::Assembly(_)
-            | ItemKind::Import(_) => {}
+            | ItemKind::Import(_)
+            | ItemKind::Level(_) => {}
         }
     }
 

@@ -68,7 +68,7 @@ impl<'a> Picture<'a> {
         };
         Picture {
             code: Some(finding.code.name()),
-            severity: finding.code.severity(),
+            severity: finding.severity,
             title: visible(&finding.title),
             help: finding.help.as_deref().map(visible),
             excerpt: home.map(|file| Excerpt(sources.file(file))),
@@ -77,7 +77,7 @@ impl<'a> Picture<'a> {
                 .into_iter()
                 .map(|file| Picture {
                     code: None,
-                    severity: finding.code.severity(),
+                    severity: finding.severity,
                     title: format!("in {}", sources.file(file).name),
                     help: None,
                     excerpt: Some(Excerpt(sources.file(file))),

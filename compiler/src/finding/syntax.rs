@@ -74,6 +74,9 @@ impl Finding {
             )
             .label(site, "begins here")
             .help("break it up: a chain may go on in the next statement with its last block"),
+            K::MissingReason => Finding::new(Code::MissingReason, "no reason is given")
+                .label(site, "why?")
+                .help("say in quotation marks why: `allow unused-seed \"it marks the corner\"`"),
             K::DanglingDoc => Finding::new(Code::DanglingDoc, "a `///` comment with nothing below")
                 .label(site, "belongs to nothing")
                 .help("use `//` for a free comment"),

@@ -1,0 +1,92 @@
+//! Changes of the text that mend findings.
+use super::{Edit, Fix};
+use crate::{Site, Sources, Span};
+
+impl Fix {
+    /// Puts `text` in the place of what stands at `site`; safe unless said otherwise.
+    pub(crate) fn replace(site: Site, text: impl Into<String>, title: impl Into<String>) -> Fix {
+        let text = text.into();
+        Fix {
+            title: title.into(),
+            edits: vec![Edit { site, text }],
+            safe: true,
+        }
+    }
+
+    /// Takes away what stands at `site`; safe unless said otherwise.
+    pub(crate) fn remove(site: Site, title: impl Into<String>) -> Fix {
+        Fix::replace(site, "", title)
+    }
+
+    /// Only to be shown.
+    #[must_use]
+    pub(crate) fn unsafe_if(mut self, doubt: bool) -> Fix {
+        self.safe &= !doubt;
+        self
+    }
+}
+
+/// A statement with the blanks that go with it; with its line, if it stands there alone.
+pub(crate) fn removal(sources: &Sources, statement: Site) -> Site {
+    let text = &sources.file(statement.file).text;
+    let is_blank = |c: char| matches!(c, ' ' | '\t' | '\r');
+    let (start, end) = (statement.span.start as usize, statement.span.end as usize);
+    let (before, behind) = (&text[..start], &text[end..]);
+    let blanks_before = start - before.trim_end_matches(is_blank).len();
+    let rest = behind.trim_start_matches(is_blank);
+    let blanks_behind = behind.len() - rest.len();
+    let begins_line = before[..start - blanks_before].ends_with('\n') || start == blanks_before;
+    let (start, end) = match rest.chars().next() {
+        Some('\n') if begins_line => (start - blanks_before, end + blanks_behind + 1),
+        None if begins_line => (start - blanks_before, end + blanks_behind),
+        Some('\n' | '}' | '/') | None if !begins_line => (start - blanks_before, end),
+        _ => (start, end + blanks_behind),
+    };
+    Site {
+        file: statement.file,
+        span: Span::new(start as u32, end as u32),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The text without its `X`.
+    fn without(text: &str) -> String {
+        let mut sources = Sources::default();
+        let file = sources.add("a.sa", text);
+        let at = text.find('X').unwrap_or(0) as u32;
+        let site = Site {
+            file,
+            span: Span::new(at, at + 1),
+        };
+        let span = removal(&sources, site).span;
+        format!(
+            "{}{}",
+            &text[..span.start as usize],
+            &text[span.end as usize..]
+        )
+    }
+
+    #[test]
+    fn blanks_go_with_a_statement() {
+        for (before, after) in [
+            ("a\n  X\n  b", "a\n  b"),
+            ("a\n  X\r\nb", "a\nb"),
+            ("{ X }", "{ }"),
+            ("{ a  X }", "{ a }"),
+            ("{ X  a }", "{ a }"),
+            ("a X b", "a b"),
+            ("  X  b", "  b"),
+            ("a  X\nb", "a\nb"),
+            ("a X // c", "a // c"),
+            ("  X // c", "  // c"),
+            ("X", ""),
+            ("a\nX", "a\n"),
+            ("{X}", "{}"),
+        ] {
+            assert_eq!(without(before), after, "{before:?}");
+        }
+    }
+}
