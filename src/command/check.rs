@@ -1,6 +1,5 @@
 //! `stochc check`.
 use clap::Args;
-use serde_json::Value;
 use stochc_compiler::emit::chain_text;
 use stochc_compiler::order::Order;
 use stochc_compiler::{Checked, Program};
@@ -8,7 +7,7 @@ use stochc_compiler::{Checked, Program};
 use super::levels::LevelOptions;
 use super::terminal::{has_colour, message_width, print, warn};
 use crate::cli::Exit;
-use crate::findings::{Format, show, values};
+use crate::findings::{Format, Log, json_document, show, values};
 
 /// What `check` is given.
 #[derive(Debug, Args)]
@@ -16,7 +15,7 @@ pub struct Options {
     /// Programs to check
     #[arg(required = true, value_name = "FILE")]
     files: Vec<String>,
-    /// How to show findings; `short` and `json` write them to the standard output
+    /// How to show findings; all but `graphical` write them to the standard output
     #[arg(long, value_name = "FORM", default_value = "graphical")]
     format: Format,
     #[command(flatten)]
@@ -27,6 +26,7 @@ pub struct Options {
 pub fn run(options: &Options) -> Exit {
     let mut exit = Exit::Success;
     let mut document = Vec::new();
+    let mut log = Log::new(std::env::current_dir().ok().as_deref());
     for file in &options.files {
         let checked = crate::check_with(file, &options.levels.levels);
         let shown = || show(&checked, options.format, has_colour(), message_width());
@@ -34,6 +34,7 @@ pub fn run(options: &Options) -> Exit {
             // A machine reads the findings, a person the summary.
             Format::Short => print(&shown()),
             Format::Json => document.extend(values(&checked)),
+            Format::Sarif => log.add(file, &checked),
             Format::Graphical => {
                 warn(&shown());
                 if !checked.has_errors() {
@@ -43,8 +44,10 @@ pub fn run(options: &Options) -> Exit {
         }
         exit = worse(exit, verdict(&checked));
     }
-    if options.format == Format::Json {
-        print(&format!("{:#}\n", Value::Array(document)));
+    match options.format {
+        Format::Json => print(&json_document(document)),
+        Format::Sarif => print(&log.document()),
+        Format::Graphical | Format::Short => {}
     }
     exit
 }

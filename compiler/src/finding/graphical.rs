@@ -70,7 +70,7 @@ impl<'a> Picture<'a> {
             code: Some(finding.code.name()),
             severity: finding.severity,
             title: visible(&finding.title),
-            help: finding.help.as_deref().map(visible),
+            help: advice(finding).as_deref().map(visible),
             excerpt: home.map(|file| Excerpt(sources.file(file))),
             labels: home.map(part).unwrap_or_default(),
             related: elsewhere
@@ -87,6 +87,33 @@ impl<'a> Picture<'a> {
                 .collect(),
         }
     }
+}
+
+/// The help, and the change that would mend it if the help does not say so.
+fn advice(finding: &Finding) -> Option<String> {
+    let help = finding.help.as_deref();
+    let Some(fix) = &finding.fix else {
+        return help.map(str::to_owned);
+    };
+    let new = match &fix.edits[..] {
+        [edit] if !edit.text.contains('\n') => edit.text.trim(),
+        _ => "",
+    };
+    let says = |text: &str| !text.is_empty() && text.contains(new) && !new.is_empty();
+    if help.is_some_and(says) {
+        return help.map(str::to_owned);
+    }
+    let mut line = match fix.safe {
+        true => format!("`stochc check --fix` can {}", fix.title),
+        false => format!("perhaps {}", fix.title),
+    };
+    if !new.is_empty() && !says(&fix.title) {
+        line.push_str(&format!(": `{new}`"));
+    }
+    Some(match help {
+        Some(help) => format!("{help}\n{line}"),
+        None => line,
+    })
 }
 
 fn labeled(label: &Label) -> LabeledSpan {
