@@ -13,6 +13,7 @@ pub mod command;
 pub mod ensemble;
 pub mod files;
 pub mod findings;
+pub mod mend;
 pub mod statistics;
 mod wrong;
 

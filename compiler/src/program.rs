@@ -101,9 +101,11 @@ pub fn check_observed(
     let mut findings = Vec::new();
     let mut loaded = load(path, reader, &mut sources, &mut findings);
     let readable = !findings.iter().any(Finding::is_error);
+    let syntax = findings.len();
     let file_levels = FileLevels::of(&loaded.modules, &sources, &loaded.symbols, &mut findings);
     done(Stage::Parse);
-    let mut programs = programs(&mut loaded, readable, limits, &mut findings, done);
+    let mut programs = programs(&mut loaded, &sources, readable, limits, &mut findings, done);
+    doubt_fixes(&mut findings, syntax);
     let tree = loaded
         .modules
         .pop()
@@ -133,8 +135,24 @@ pub fn check_observed(
     }
 }
 
+/// Keeps changes from being safe that another finding puts in doubt; the first `syntax` findings
+/// are those of reading the text.
+fn doubt_fixes(findings: &mut [Finding], syntax: usize) {
+    let wrong = |findings: &[Finding]| findings.iter().any(Finding::is_error);
+    // What has been read in part may be meant otherwise as a whole, and a seed without use may be
+    // the one whose name is misspelt elsewhere.
+    let (unreadable, wrong) = (wrong(&findings[..syntax]), wrong(findings));
+    for finding in &mut findings[syntax..] {
+        let doubtful = unreadable || (wrong && !finding.is_error());
+        if let Some(fix) = finding.fix.as_mut().filter(|_| doubtful) {
+            fix.safe = false;
+        }
+    }
+}
+
 fn programs(
     loaded: &mut Loaded,
+    sources: &Sources,
     readable: bool,
     limits: Limits,
     findings: &mut Vec<Finding>,
@@ -169,6 +187,7 @@ fn programs(
             declarations: &declarations,
             file: own.file,
             assembly,
+            sources,
             limits,
             readable,
         };
@@ -231,6 +250,7 @@ struct Input<'a> {
     declarations: &'a Declarations<'a>,
     file: FileId,
     assembly: &'a Assembly,
+    sources: &'a Sources,
     limits: Limits,
     /// All files could be read: what is missing is not missing for that reason.
     readable: bool,
@@ -250,6 +270,7 @@ impl<'a> Input<'a> {
             self.declarations,
             self.file,
             self.assembly,
+            self.sources,
             symbols,
             self.limits,
             &mut errors,
@@ -265,7 +286,7 @@ impl<'a> Input<'a> {
             )
         });
         let mut names = Vec::new();
-        let presence = presence::check(&mut plan, symbols, doubtful, &mut names);
+        let presence = presence::check(&mut plan, self.sources, symbols, doubtful, &mut names);
         if !cut_short {
             errors.append(&mut names);
         }

@@ -85,29 +85,20 @@ fn is_slip(unknown: &str, word: &str, distance: usize, second: usize) -> bool {
     }
 }
 
-/// ``did you mean `tower`?``, if a known word is near enough.
-pub fn suggest<S: AsRef<str>>(unknown: &str, known: impl IntoIterator<Item = S>) -> Option<String> {
-    nearest(unknown, known).map(|meant| meant.help())
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{nearest, suggest};
+    use super::nearest;
 
     #[test]
     fn near_words_are_suggested_and_far_ones_not() {
+        let help = |unknown, known: &[&str]| nearest(unknown, known).map(|meant| meant.help());
         let known = ["tower", "bridge", "T[2]"];
-        assert_eq!(
-            suggest("towr", known).as_deref(),
-            Some("did you mean `tower`?")
-        );
-        assert_eq!(
-            suggest("T[3]", known).as_deref(),
-            Some("did you mean `T[2]`?")
-        );
-        assert_eq!(suggest("platform", known), None);
-        assert_eq!(suggest("M", ["X"]), None);
-        assert_eq!(suggest("m", ["M"]).as_deref(), Some("did you mean `M`?"));
+        let meant = |word: &str| Some(format!("did you mean `{word}`?"));
+        assert_eq!(help("towr", &known), meant("tower"));
+        assert_eq!(help("T[3]", &known), meant("T[2]"));
+        assert_eq!(help("platform", &known), None);
+        assert_eq!(help("M", &["X"]), None);
+        assert_eq!(help("m", &["M"]), meant("M"));
     }
 
     #[test]

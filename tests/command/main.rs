@@ -6,6 +6,7 @@
 mod check;
 mod compile;
 mod explain;
+mod fix;
 #[cfg(unix)]
 mod interrupted;
 mod levels;

@@ -48,6 +48,42 @@ pub(crate) fn removal(sources: &Sources, statement: Site) -> Site {
     }
 }
 
+/// The place of a name at the beginning of `site`, if it is written there as it is told.
+pub(crate) fn named(sources: &Sources, site: Site, name: &str) -> Option<Site> {
+    let rest = sources.text(site).strip_prefix(name)?;
+    let goes_on = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '[');
+    let span = Span::new(site.span.start, site.span.start + name.len() as u32);
+    (!rest.starts_with(goes_on)).then_some(Site { span, ..site })
+}
+
+/// One entry of the list behind an `after`, with its comma; with the `after`, if it is the only
+/// one. `None` where comments stand between.
+pub(crate) fn entry(sources: &Sources, entry: Site) -> Option<Site> {
+    let text = &sources.file(entry.file).text;
+    let (start, end) = (entry.span.start as usize, entry.span.end as usize);
+    let site = |start: usize, end: usize| Site {
+        span: Span::new(start as u32, end as u32),
+        ..entry
+    };
+    let before = text[..start].trim_end();
+    let line = &before[before.rfind('\n').map_or(0, |at| at + 1)..];
+    if line.contains("//") {
+        return None;
+    }
+    if let Some(rest) = before.strip_suffix(',') {
+        return Some(site(rest.len(), end));
+    }
+    let after = before.strip_suffix("after")?.len();
+    let behind = text[end..].trim_start();
+    Some(match behind.strip_prefix(',') {
+        Some(rest) => site(
+            start,
+            text.len() - rest.trim_start_matches([' ', '\t']).len(),
+        ),
+        None => removal(sources, site(after, end)),
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

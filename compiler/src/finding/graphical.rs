@@ -142,7 +142,7 @@ pub fn visible(text: &str) -> String {
 }
 
 /// Whether a character acts on a terminal, or is not seen there.
-pub(crate) fn is_hostile(c: char) -> bool {
+pub fn is_hostile(c: char) -> bool {
     c.is_control()
         || matches!(c, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}')
 }

@@ -2,12 +2,14 @@
 mod code;
 mod fix;
 mod graphical;
+mod mended;
+mod slips;
 mod syntax;
 
 pub use code::{Code, Severity};
-pub(crate) use fix::removal;
-pub(crate) use graphical::is_hostile;
-pub use graphical::{Renderer, visible};
+pub(crate) use fix::{entry, named, removal};
+pub use graphical::{Renderer, is_hostile, visible};
+pub use mended::mended;
 
 use crate::Site;
 use crate::suggest::Suggestion;

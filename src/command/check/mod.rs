@@ -1,4 +1,6 @@
 //! `stochc check`.
+mod fix;
+
 use clap::Args;
 use stochc_compiler::emit::chain_text;
 use stochc_compiler::order::Order;
@@ -18,6 +20,12 @@ pub struct Options {
     /// How to show findings; all but `graphical` write them to the standard output
     #[arg(long, value_name = "FORM", default_value = "graphical")]
     format: Format,
+    /// Apply the changes that are safe, shown as a diff first, until none is left
+    #[arg(long)]
+    fix: bool,
+    /// Show what `--fix` would change, and write nothing
+    #[arg(long, requires = "fix")]
+    dry_run: bool,
     #[command(flatten)]
     levels: LevelOptions,
 }
@@ -28,6 +36,12 @@ pub fn run(options: &Options) -> Exit {
     let mut document = Vec::new();
     let mut log = Log::new(std::env::current_dir().ok().as_deref());
     for file in &options.files {
+        if options.fix
+            && let Some(ended) = fix::run(file, options, &mut exit)
+        {
+            exit = worse(exit, ended);
+            continue;
+        }
         let checked = crate::check_with(file, &options.levels.levels);
         let shown = || show(&checked, options.format, has_colour(), message_width());
         match options.format {
