@@ -100,7 +100,9 @@ fn advice(finding: &Finding) -> Option<String> {
         _ => "",
     };
     let says = |text: &str| !text.is_empty() && text.contains(new) && !new.is_empty();
-    if help.is_some_and(says) {
+    // What may be taken away has been spoken of.
+    let told = !fix.safe && new.is_empty() && help.is_some();
+    if told || help.is_some_and(says) {
         return help.map(str::to_owned);
     }
     let mut line = match fix.safe {
