@@ -115,6 +115,9 @@ impl Checker<'_> {
         self.keep_needed_afters();
         for (seed, used) in self.plan.seeds.iter().zip(&self.used) {
             let key = self.plan.roles.key(seed.role);
+            if self.findings.len() > MOST_FINDINGS {
+                break;
+            }
             if !used && !self.doubtful.contains(&key.word) {
                 let name = self.plan.roles.name(seed.role, self.symbols);
                 let mut finding =

@@ -86,6 +86,13 @@ impl Scenes {
             }
             line.push((file, tree));
             next = tree.base.map(|base| base.symbol);
+            // A scene may take the place of the built-in one it is derived from.
+            if next == Some(at)
+                && let Some(scene) = built_in(symbols.word(at))
+            {
+                base = Some(scene);
+                break;
+            }
         }
         for (file, tree) in line.into_iter().rev() {
             let scene = if tree.base.is_some() && base.is_none() {

@@ -21,6 +21,7 @@ impl Expander<'_, '_> {
                             .label(self.site(expr.span), "a number is needed here")
                             .help("this parameter stands for a block or a face");
                     self.findings.push(self.in_instance(finding));
+                    self.scope.forget(*word);
                     None
                 }
                 None => {

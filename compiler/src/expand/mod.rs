@@ -9,7 +9,7 @@ use rustc_hash::FxHashMap;
 use stochc_grammar::tree::{Assembly, Item, ItemKind, Pattern, Phase, Shape};
 use stochc_grammar::{Span, Symbol, Symbols};
 
-use crate::finding::{Code, Finding, Fix, MOST_FINDINGS, removal, tell};
+use crate::finding::{Code, Finding, Fix, LONG, MOST_FINDINGS, removal, tell};
 use crate::plan::{Plan, PlanPhase, Roles, Timeout};
 use crate::table::Plate;
 use crate::{FileId, Site, Sources};
@@ -341,6 +341,9 @@ impl<'a> Expander<'a, '_> {
     /// The removal of a block, if not even a comment stands in it.
     fn without(&self, block: &Item) -> Option<Fix> {
         let site = self.site(block.span);
+        if block.span.len() > LONG {
+            return None;
+        }
         let (_, body) = self.sources.text(site).split_once('{')?;
         let title = format!("remove {}", block.noun().replacen("a ", "the ", 1));
         (body.trim() == "}").then(|| Fix::remove(removal(self.sources, site), title))

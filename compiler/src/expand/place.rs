@@ -245,6 +245,7 @@ impl Expander<'_, '_> {
             .label(self.site(segment.name.span), "stands for something else")
             .help("blocks, numbers and parameters need different names");
         self.findings.push(self.in_instance(finding));
+        self.scope.forget(segment.name.symbol);
     }
 }
 

@@ -56,6 +56,9 @@ pub(crate) fn named(sources: &Sources, site: Site, name: &str) -> Option<Site> {
     (!rest.starts_with(goes_on)).then_some(Site { span, ..site })
 }
 
+/// Bytes of a line or block that are looked through, so that many findings in a long one stay quick.
+pub(crate) const LONG: usize = 1 << 12;
+
 /// One entry of the list behind an `after`, with its comma; with the `after`, if it is the only
 /// one. `None` where comments stand between.
 pub(crate) fn entry(sources: &Sources, entry: Site) -> Option<Site> {
@@ -66,8 +69,13 @@ pub(crate) fn entry(sources: &Sources, entry: Site) -> Option<Site> {
         ..entry
     };
     let before = text[..start].trim_end();
-    let line = &before[before.rfind('\n').map_or(0, |at| at + 1)..];
-    if line.contains("//") {
+    let line = before
+        .bytes()
+        .rev()
+        .take(LONG)
+        .take_while(|&byte| byte != b'\n');
+    let length = line.count();
+    if length == LONG || before.get(before.len() - length..)?.contains("//") {
         return None;
     }
     if let Some(rest) = before.strip_suffix(',') {

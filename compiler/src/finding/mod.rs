@@ -7,7 +7,7 @@ mod slips;
 mod syntax;
 
 pub use code::{Code, Severity};
-pub(crate) use fix::{entry, named, removal};
+pub(crate) use fix::{LONG, entry, named, removal};
 pub use graphical::{Renderer, is_hostile, visible};
 pub use mended::mended;
 
