@@ -12,7 +12,7 @@ use std::fmt::Write as _;
 use std::time::{Duration, Instant};
 
 use peak_alloc::PeakAlloc;
-use stochc::compiler::{Checked, Limits, Stage, check_observed};
+use stochc::compiler::{Checked, Levels, Limits, Stage, check_observed};
 
 #[global_allocator]
 static MEMORY: PeakAlloc = PeakAlloc;
@@ -119,7 +119,13 @@ fn measure(text: &str) -> Measured {
         }
         last = now;
     };
-    let checked = check_observed("generated.sa", &mut reader, Limits::default(), &mut done);
+    let checked = check_observed(
+        "generated.sa",
+        &mut reader,
+        Limits::default(),
+        &Levels::default(),
+        &mut done,
+    );
     let total = start.elapsed();
     right(&checked);
     Measured {

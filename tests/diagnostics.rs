@@ -261,3 +261,22 @@ fn a_million_equal_mistakes_are_told_a_thousand_times() {
     let checked = stochc::compiler::check("a.sa", &mut reader, Default::default());
     assert_eq!(checked.findings.len(), 1001);
 }
+
+#[test]
+fn a_wrong_argument_is_told_once_for_each_instance() {
+    let program = "pattern t(b, n) { b.up -> T  b.east -> V  b.west ->> W[1..n + n] }
+        assembly a {
+            seed plate 5 x 1 { M at (0, 0)  N at (4, 0) }
+            phase p { M.up -> A  N.up -> B  t(3, M) t(A, B) }
+        }";
+    assert_eq!(codes(&text(program)), [Code::WrongKind; 3]);
+}
+
+#[test]
+fn a_scene_may_take_the_place_of_the_built_in_one() {
+    let program = "scene hemisphere from hemisphere { free 5 uniform }
+        assembly a { seed plate 1 x 1 { M at (0, 0) } phase p { M.up ->> A[1..6] } }";
+    assert_eq!(codes(&text(program)), [Code::TooFewBlocks]);
+    let program = "scene other from other { free 5 uniform }";
+    assert_eq!(codes(&text(program)), [Code::UnknownScene]);
+}

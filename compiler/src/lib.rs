@@ -14,6 +14,7 @@ pub mod finding;
 pub mod graph;
 mod inventory;
 pub mod layout;
+mod levels;
 mod load;
 mod lower;
 pub mod order;
@@ -30,7 +31,8 @@ pub mod table;
 
 pub use cell::Cell;
 pub use expand::{Limits, MAX_NESTING};
+pub use levels::{Allowed, Level, Levels};
 pub use load::Reader;
-pub use program::{Checked, Program, Stage, check, check_observed};
+pub use program::{Checked, Program, Stage, check, check_observed, check_with};
 pub use source::{FileId, Site, SourceFile, Sources};
 pub use stochc_grammar::{Face, Span, Symbols};

@@ -24,7 +24,10 @@ pub fn print(tree: &Tree, symbols: &Symbols) -> String {
 }
 
 fn is_block(item: &Item) -> bool {
-    !matches!(item.kind, ItemKind::Let(_) | ItemKind::Import(_))
+    !matches!(
+        item.kind,
+        ItemKind::Let(_) | ItemKind::Import(_) | ItemKind::Level(_)
+    )
 }
 
 struct Printer<'a> {
@@ -99,6 +102,10 @@ impl Printer<'_> {
             ItemKind::Let(let_) => {
                 put!(self, "let {} = ", self.word(let_.name.symbol));
                 self.expr(&let_.value, 0);
+            }
+            ItemKind::Level(level) => {
+                let code = self.word(level.code.symbol);
+                put!(self, "{} {code} \"{}\"", level.verdict.word(), level.reason);
             }
             ItemKind::Yields(name) => {
                 put!(self, "yields {}", self.word(name.symbol));

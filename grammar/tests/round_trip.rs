@@ -3,10 +3,10 @@ use proptest::prelude::*;
 use proptest::sample::select;
 use stochc_grammar::tree::{
     Argument, Arrow, Assembly, Chain, Docs, Entry, Expr, ExprKind, For, Import, Instance, Item,
-    ItemKind, Layer, Let, Link, Name, Operator, Pattern, Phase, Place, Quantity, Release, Row,
-    Scene, Seat, Seed, Segment, Shape, Subject, Term, Tree, UnitFactor,
+    ItemKind, Layer, Let, Level, Link, Name, Operator, Pattern, Phase, Place, Quantity, Release,
+    Row, Scene, Seat, Seed, Segment, Shape, Subject, Term, Tree, UnitFactor, Verdict,
 };
-use stochc_grammar::{Face, Span, Symbols, accepts, parse, print};
+use stochc_grammar::{Face, Span, Symbols, SyntaxErrorKind, accepts, parse, print};
 
 #[test]
 fn examples_survive_printing() {
@@ -32,9 +32,13 @@ fn examples_survive_printing() {
 }
 
 /// Names that look like words of the language, units or signs, and are none.
-const NAMES: [&str; 12] = [
-    "E", "T", "tower", "_", "_b2", "x", "m", "s", "after_", "iffor", "upward", "a9",
+const NAMES: [&str; 14] = [
+    "E", "T", "tower", "_", "_b2", "x", "m", "s", "after_", "iffor", "upward", "a9", "allow",
+    "deny",
 ];
+
+/// Codes of findings, some of which are names or words of the language.
+const CODES: [&str; 6] = ["unused-seed", "a-b2-c_d", "tower", "at", "up", "shape-9"];
 
 /// Words of a scene may be words of the language, and units where no value stands before them.
 const WORDS: [&str; 10] = [
@@ -44,7 +48,7 @@ const WORDS: [&str; 10] = [
 /// The words of all random trees, so that a strategy need not carry them along.
 fn symbols() -> Symbols {
     let mut symbols = Symbols::new();
-    for word in NAMES.into_iter().chain(WORDS) {
+    for word in NAMES.into_iter().chain(WORDS).chain(CODES) {
         symbols.intern(word);
     }
     symbols
@@ -244,6 +248,18 @@ fn let_() -> BoxedStrategy<Item> {
     item((name(), expr()).prop_map(|(name, value)| ItemKind::Let(Box::new(Let { name, value }))))
 }
 
+fn level() -> BoxedStrategy<Item> {
+    let verdict = select(vec![Verdict::Allow, Verdict::Deny]);
+    let level = (verdict, select(&CODES[..]), "[ -!#-~µ/]{0,12}[!-~&&[^\"]]");
+    item(level.prop_map(|(verdict, code, reason)| {
+        ItemKind::Level(Box::new(Level {
+            verdict,
+            code: named(code),
+            reason,
+        }))
+    }))
+}
+
 /// A loop over some items, in themselves or not.
 fn repeated(inner: BoxedStrategy<Item>) -> BoxedStrategy<Item> {
     inner
@@ -286,6 +302,7 @@ fn growth() -> BoxedStrategy<Item> {
             1 => item(release),
             2 => item(instance),
             1 => let_(),
+            1 => level(),
         ]
         .boxed(),
     )
@@ -326,7 +343,7 @@ fn assembly() -> BoxedStrategy<Item> {
     let seat = item(
         (block(), range()).prop_map(|(place, at)| ItemKind::Seat(Box::new(Seat { place, at }))),
     );
-    let seats = prop::collection::vec(repeated(prop_oneof![seat, let_()].boxed()), 0..4);
+    let seats = prop::collection::vec(repeated(prop_oneof![seat, let_(), level()].boxed()), 0..4);
     let seed = item(
         (range(), seats).prop_map(|(size, body)| ItemKind::Seed(Box::new(Seed { size, body }))),
     );
@@ -347,6 +364,7 @@ fn assembly() -> BoxedStrategy<Item> {
         1 => let_(),
         1 => pattern(),
         1 => shape(),
+        1 => level(),
     ];
     let body = prop::collection::vec(part, 0..4);
     item(
@@ -373,6 +391,7 @@ fn tree() -> impl Strategy<Value = Tree> {
         1 => shape(),
         2 => scene,
         1 => let_(),
+        1 => level(),
         1 => import,
     ];
     prop::collection::vec(top, 0..4).prop_map(|items| Tree { items })
@@ -415,4 +434,35 @@ fn a_scene_s_word_behind_a_value_is_no_unit() {
     assert_eq!(parsed.errors, []);
     let printed = print(&parsed.tree, &symbols);
     assert_eq!(parse(&printed, &mut symbols).tree, parsed.tree, "{printed}");
+}
+
+#[test]
+fn allow_and_deny_are_names_as_well() {
+    let text = "pattern allow(deny) { deny.up -> allow.up -> deny2 }
+        assembly a {
+            allow unused-seed \"kept\"
+            seed plate 2 x 1 { allow at (0, 0)  deny at (1, 0) }
+            phase allow {
+                allow.up -> B
+                allow (B) as deny
+                deny empty-phase \"ranges are computed\"
+                release allow
+            }
+        }";
+    let mut symbols = Symbols::new();
+    let parsed = parse(text, &mut symbols);
+    assert_eq!(parsed.errors, []);
+    assert!(accepts(text));
+    let printed = print(&parsed.tree, &symbols);
+    assert_eq!(printed.matches("allow unused-seed \"kept\"\n").count(), 1);
+    assert_eq!(parse(&printed, &mut symbols).tree, parsed.tree, "{printed}");
+}
+
+#[test]
+fn a_level_needs_a_reason() {
+    for text in ["allow unused-seed", "deny a-b \"\"", "allow x \" \""] {
+        let parsed = parse(text, &mut Symbols::new());
+        let kinds: Vec<_> = parsed.errors.into_iter().map(|error| error.kind).collect();
+        assert_eq!(kinds, [SyntaxErrorKind::MissingReason], "{text}");
+    }
 }

@@ -1,8 +1,8 @@
 //! One module for each subcommand.
 pub mod check;
 pub mod compile;
-mod cost;
 pub mod explain;
+pub mod levels;
 pub mod results;
 pub mod simulate;
 mod terminal;

@@ -114,6 +114,35 @@ tests/fixtures/wrong.sa:5:18: error[unknown-name]: no block is called `Q`
 }
 
 #[test]
+fn sarif_of_all_files_is_one_run() {
+    let said = stochc("check --format sarif tests/fixtures/wrong.sa tests/fixtures/careless.sa");
+    assert_eq!((said.status, said.err.as_str()), (1, ""));
+    let log = said.json();
+    let runs = log["runs"].as_array().unwrap();
+    assert_eq!(runs.len(), 1);
+    let results = runs[0]["results"].as_array().unwrap();
+    let told: Vec<_> = (results.iter())
+        .map(|result| {
+            let place = &result["locations"][0]["physicalLocation"];
+            (
+                place["artifactLocation"]["uri"].as_str().unwrap(),
+                place["region"]["startLine"].as_u64().unwrap(),
+                result["ruleId"].as_str().unwrap(),
+                result["level"].as_str().unwrap(),
+            )
+        })
+        .collect();
+    assert_eq!(
+        told,
+        [
+            ("tests/fixtures/wrong.sa", 4, "unused-seed", "warning"),
+            ("tests/fixtures/wrong.sa", 5, "unknown-name", "error"),
+            ("tests/fixtures/careless.sa", 4, "unused-seed", "warning"),
+        ]
+    );
+}
+
+#[test]
 fn json_of_all_files_is_one_document_with_lines_and_columns() {
     let said = stochc("check --format json tests/fixtures/wrong.sa tests/fixtures/careless.sa");
     assert_eq!((said.status, said.err.as_str()), (1, ""));

@@ -6,8 +6,10 @@
 mod check;
 mod compile;
 mod explain;
+mod fix;
 #[cfg(unix)]
 mod interrupted;
+mod levels;
 mod manifest;
 mod physical;
 mod refused;

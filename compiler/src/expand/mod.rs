@@ -9,10 +9,10 @@ use rustc_hash::FxHashMap;
 use stochc_grammar::tree::{Assembly, Item, ItemKind, Pattern, Phase, Shape};
 use stochc_grammar::{Span, Symbol, Symbols};
 
-use crate::finding::{Code, Finding, MOST_FINDINGS, tell};
+use crate::finding::{Code, Finding, Fix, LONG, MOST_FINDINGS, removal, tell};
 use crate::plan::{Plan, PlanPhase, Roles, Timeout};
 use crate::table::Plate;
-use crate::{FileId, Site};
+use crate::{FileId, Site, Sources};
 use scope::{Scope, Value};
 
 /// How large a program may grow when it is written out.
@@ -51,6 +51,7 @@ pub fn expand<'a>(
     declarations: &Declarations<'a>,
     file: FileId,
     assembly: &'a Assembly,
+    sources: &Sources,
     symbols: &mut Symbols,
     limits: Limits,
     findings: &mut Vec<Finding>,
@@ -82,6 +83,7 @@ pub fn expand<'a>(
         plate: None,
         phase_sites: FxHashMap::default(),
         in_phase: false,
+        sources,
         symbols,
         findings,
     };
@@ -113,6 +115,7 @@ struct Expander<'a, 'f> {
     plate: Option<Site>,
     phase_sites: FxHashMap<String, Site>,
     in_phase: bool,
+    sources: &'f Sources,
     symbols: &'f mut Symbols,
     findings: &'f mut Vec<Finding>,
 }
@@ -243,8 +246,8 @@ impl<'a> Expander<'a, '_> {
             ItemKind::For(block) => self.repeat(block),
             ItemKind::Let(_) => self.declaration(item),
             ItemKind::Seed(seed) => self.seed_plate(seed, item.span),
-            ItemKind::Seat(seat) => self.seat(seat),
-            ItemKind::Phase(phase) => self.phase(phase),
+            ItemKind::Seat(seat) => self.seat(seat, item),
+            ItemKind::Phase(phase) => self.phase(phase, item),
             ItemKind::Yields(name) => {
                 let site = self.site(name.span);
                 if let Some(phase) = self.plan.phases.last_mut() {
@@ -256,7 +259,8 @@ impl<'a> Expander<'a, '_> {
             | ItemKind::Shape(_)
             | ItemKind::Scene(_)
             | ItemKind::Assembly(_)
-            | ItemKind::Import(_) => {}
+            | ItemKind::Import(_)
+            | ItemKind::Level(_) => {}
         }
     }
 
@@ -280,7 +284,7 @@ impl<'a> Expander<'a, '_> {
         }
     }
 
-    fn phase(&mut self, phase: &'a Phase) {
+    fn phase(&mut self, phase: &'a Phase, item: &'a Item) {
         // A phase inside a phase has been told of; what it says is said by the outer one.
         if self.in_phase {
             return self.items(&phase.body);
@@ -319,16 +323,30 @@ impl<'a> Expander<'a, '_> {
         self.items(&phase.body);
         self.in_phase = false;
         let end = self.plan.events.len() as u32;
-        if let Some(phase) = self.plan.phases.last_mut() {
-            phase.events.end = end;
-            if start == end && phase.claims.is_empty() {
-                self.findings.push(
+        if let Some(planned) = self.plan.phases.last_mut() {
+            planned.events.end = end;
+            if start == end && planned.claims.is_empty() {
+                let mut finding =
                     Finding::new(Code::EmptyPhase, "a phase without captures or releases")
                         .label(site, "ends as soon as it begins")
-                        .help("remove it, or check the ranges of its loops"),
-                );
+                        .help("remove it, or check the ranges of its loops");
+                if phase.body.is_empty() && item.docs.0.is_none() {
+                    finding.fix = self.without(item);
+                }
+                self.findings.push(finding);
             }
         }
+    }
+
+    /// The removal of a block, if not even a comment stands in it.
+    fn without(&self, block: &Item) -> Option<Fix> {
+        let site = self.site(block.span);
+        if block.span.len() > LONG {
+            return None;
+        }
+        let (_, body) = self.sources.text(site).split_once('{')?;
+        let title = format!("remove {}", block.noun().replacen("a ", "the ", 1));
+        (body.trim() == "}").then(|| Fix::remove(removal(self.sources, site), title))
     }
 
     /// Adds the place where the pattern at hand is grown, if there is one.

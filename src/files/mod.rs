@@ -1,4 +1,6 @@
-//! Reading programs from the disk.
+//! Reading programs from the disk, and writing whole files.
+pub mod atomic;
+
 use std::io::Read as _;
 
 /// The bytes of a file, for the compiler.

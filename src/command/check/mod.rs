@@ -1,14 +1,17 @@
 //! `stochc check`.
+mod cost;
+mod fix;
+
 use clap::Args;
-use serde_json::Value;
 use stochc_compiler::emit::chain_text;
 use stochc_compiler::order::Order;
 use stochc_compiler::{Checked, Program};
 
-use super::cost::costs;
+use self::cost::costs;
+use super::levels::LevelOptions;
 use super::terminal::{has_colour, message_width, print, warn};
 use crate::cli::Exit;
-use crate::findings::{Format, show, values};
+use crate::findings::{Format, Log, json_document, show, values};
 
 /// What `check` is given.
 #[derive(Debug, Args)]
@@ -16,25 +19,41 @@ pub struct Options {
     /// Programs to check
     #[arg(required = true, value_name = "FILE")]
     files: Vec<String>,
-    /// How to show findings; `short` and `json` write them to the standard output
+    /// How to show findings; all but `graphical` write them to the standard output
     #[arg(long, value_name = "FORM", default_value = "graphical")]
     format: Format,
     /// Show what will take the time, capture by capture: the first N, or 10
     #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "10")]
     cost: Option<usize>,
+    /// Apply the changes that are safe, shown as a diff first, until none is left
+    #[arg(long)]
+    fix: bool,
+    /// Show what `--fix` would change, and write nothing
+    #[arg(long, requires = "fix")]
+    dry_run: bool,
+    #[command(flatten)]
+    levels: LevelOptions,
 }
 
 /// Checks each file, and says of the right ones what is known before anything moves.
 pub fn run(options: &Options) -> Exit {
     let mut exit = Exit::Success;
     let mut document = Vec::new();
+    let mut log = Log::new(std::env::current_dir().ok().as_deref());
     for file in &options.files {
-        let checked = crate::check(file);
+        if options.fix
+            && let Some(ended) = fix::run(file, options, &mut exit)
+        {
+            exit = worse(exit, ended);
+            continue;
+        }
+        let checked = crate::check_with(file, &options.levels.levels);
         let shown = || show(&checked, options.format, has_colour(), message_width());
         match options.format {
             // A machine reads the findings, a person the summary.
             Format::Short => print(&shown()),
             Format::Json => document.extend(values(&checked)),
+            Format::Sarif => log.add(file, &checked),
             Format::Graphical => {
                 warn(&shown());
                 if !checked.has_errors() {
@@ -44,8 +63,10 @@ pub fn run(options: &Options) -> Exit {
         }
         exit = worse(exit, verdict(&checked));
     }
-    if options.format == Format::Json {
-        print(&format!("{:#}\n", Value::Array(document)));
+    match options.format {
+        Format::Json => print(&json_document(document)),
+        Format::Sarif => print(&log.document()),
+        Format::Graphical | Format::Short => {}
     }
     exit
 }
@@ -80,9 +101,13 @@ fn summary(file: &str, checked: &Checked, cost: Option<usize>) -> String {
 
 /// What can be said of a file without errors.
 fn judgement(checked: &Checked) -> String {
-    match checked.findings.len() {
+    let verdict = match checked.findings.len() {
         0 => "all is well".to_owned(),
         warnings => count(warnings, "warning"),
+    };
+    match checked.allowed.len() {
+        0 => verdict,
+        allowed => format!("{verdict}, {} allowed", count(allowed, "warning")),
     }
 }
 
