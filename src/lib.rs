@@ -14,6 +14,7 @@ pub mod ensemble;
 pub mod files;
 pub mod findings;
 pub mod lsp;
+pub mod mend;
 pub mod statistics;
 mod wrong;
 
@@ -21,11 +22,16 @@ pub use stochc_compiler as compiler;
 pub use stochc_runtime as runtime;
 pub use wrong::Wrong;
 
-use compiler::{Checked, Limits};
+use compiler::{Checked, Levels, Limits};
 
 /// Checks a file of the disk and all it imports, and compiles its assemblies.
 ///
 /// Never fails: a file that cannot be read is a finding as well.
 pub fn check(path: &str) -> Checked {
-    compiler::check(path, &mut files::read, Limits::default())
+    check_with(path, &Levels::default())
+}
+
+/// [`check`], with levels for the warnings that the files say nothing of.
+pub fn check_with(path: &str, levels: &Levels) -> Checked {
+    compiler::check_with(path, &mut files::read, Limits::default(), levels)
 }

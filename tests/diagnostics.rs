@@ -5,12 +5,13 @@ use stochc::compiler::finding::Code;
 use stochc::compiler::{Checked, Limits, check};
 
 /// Pages without a wrong program, and why.
-const WITHOUT: [(Code, &str); 7] = [
+const WITHOUT: [(Code, &str); 8] = [
     (Code::NotUtf8, "a page is UTF-8 itself"),
     (Code::FileTooLarge, "4 GiB are too many for a test as well"),
     (Code::TooDeep, "a hundred braces on a page help nobody"),
     (Code::StatementTooLong, "a statement of 4 MiB"),
     (Code::TooManyErrors, "a hundred errors"),
+    (Code::ReachUndecided, "a hall of a million blocks"),
     (Code::ImportMissing, "a fence has no files beside it"),
     (Code::ImportCycle, "a fence has no files beside it"),
 ];
@@ -54,7 +55,10 @@ fn every_right_program_of_a_page_has_no_finding() {
             "the page of `{code}`"
         );
         if let Some(program) = program {
-            assert_eq!(codes(&text(program)), [], "the right program of `{code}`");
+            // A small program is a crowded one; a narrow gap is not what the page is about.
+            let mut codes = codes(&text(program));
+            codes.retain(|&found| found != Code::TightApproach || code == Code::TightApproach);
+            assert_eq!(codes, [], "the right program of `{code}`");
         }
     }
 }
@@ -256,4 +260,23 @@ fn a_million_equal_mistakes_are_told_a_thousand_times() {
     let mut reader = |_: &str| Ok(text.as_bytes().to_vec());
     let checked = stochc::compiler::check("a.sa", &mut reader, Default::default());
     assert_eq!(checked.findings.len(), 1001);
+}
+
+#[test]
+fn a_wrong_argument_is_told_once_for_each_instance() {
+    let program = "pattern t(b, n) { b.up -> T  b.east -> V  b.west ->> W[1..n + n] }
+        assembly a {
+            seed plate 5 x 1 { M at (0, 0)  N at (4, 0) }
+            phase p { M.up -> A  N.up -> B  t(3, M) t(A, B) }
+        }";
+    assert_eq!(codes(&text(program)), [Code::WrongKind; 3]);
+}
+
+#[test]
+fn a_scene_may_take_the_place_of_the_built_in_one() {
+    let program = "scene hemisphere from hemisphere { free 5 uniform }
+        assembly a { seed plate 1 x 1 { M at (0, 0) } phase p { M.up ->> A[1..6] } }";
+    assert_eq!(codes(&text(program)), [Code::TooFewBlocks]);
+    let program = "scene other from other { free 5 uniform }";
+    assert_eq!(codes(&text(program)), [Code::UnknownScene]);
 }

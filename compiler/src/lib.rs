@@ -2,16 +2,19 @@
 //!
 //! [`check`] is the pipeline: files are loaded and parsed, each assembly is written out
 //! ([`plan`]), its names are followed through the phases, its blocks get their cells, and its
-//! events their order ([`graph`], [`order`]); then shapes and the scene are compared with what is
+//! events their order ([`graph`], [`order`]); whether a block can still come to every cell is
+//! proved (`reach`); then shapes and the scene are compared with what is
 //! built, and what is right is lowered to event tables ([`table`]). Each stage tells what it finds
 //! and leaves the wrong part out, so that the next one can go on.
 mod cell;
+pub mod cost;
 pub mod emit;
 mod expand;
 pub mod finding;
 pub mod graph;
 mod inventory;
 pub mod layout;
+mod levels;
 mod load;
 pub mod locate;
 mod lower;
@@ -20,6 +23,7 @@ pub mod order;
 pub mod plan;
 mod presence;
 mod program;
+mod reach;
 pub mod scene;
 mod scenes;
 mod shape;
@@ -29,7 +33,8 @@ pub mod table;
 
 pub use cell::Cell;
 pub use expand::{Limits, MAX_NESTING};
+pub use levels::{Allowed, Level, Levels};
 pub use load::{Module, Reader, join as join_import};
-pub use program::{Checked, Program, Stage, check, check_observed};
+pub use program::{Checked, Program, Stage, check, check_observed, check_with};
 pub use source::{FileId, Site, SourceFile, Sources};
 pub use stochc_grammar::{Face, Span, Symbols};

@@ -3,7 +3,7 @@ use rustc_hash::FxHashMap;
 use stochc_grammar::tree::{ItemKind, Tree};
 use stochc_grammar::{Span, Symbol, Symbols, parse};
 
-use crate::finding::{Code, Finding, tell};
+use crate::finding::{Code, Finding, Fix, removal, tell};
 use crate::{FileId, Site, Sources};
 
 /// Reads files for the compiler, which does no IO of its own.
@@ -78,7 +78,8 @@ struct Loader<'a> {
 struct Pending {
     path: String,
     module: Module,
-    imports: std::vec::IntoIter<(String, Span)>,
+    /// With the places of their paths, and of the whole statements if no comments belong to them.
+    imports: std::vec::IntoIter<(String, Span, Option<Span>)>,
 }
 
 impl Loader<'_> {
@@ -87,7 +88,7 @@ impl Loader<'_> {
         let mut stack: Vec<Pending> = Vec::new();
         stack.extend(self.open(root.to_owned(), None));
         while let Some(top) = stack.last_mut() {
-            let Some((import, span)) = top.imports.next() else {
+            let Some((import, span, statement)) = top.imports.next() else {
                 if let Some(done) = stack.pop() {
                     self.state.insert(done.path, State::Done);
                     self.loaded.modules.push(done.module);
@@ -101,7 +102,10 @@ impl Loader<'_> {
             match self.state.get(&path) {
                 None => stack.extend(self.open(path, Some(Site { file, span }))),
                 Some(State::Done) => {}
-                Some(State::Open(_)) => self.cycle(&path, &stack),
+                Some(State::Open(_)) => {
+                    let statement = statement.map(|span| Site { file, span });
+                    self.cycle(&path, &stack, statement);
+                }
             }
         }
     }
@@ -140,10 +144,13 @@ impl Loader<'_> {
         self.loaded.doubtful.extend(parsed.doubtful);
         let errors = parsed.errors.iter();
         self.findings
-            .extend(errors.map(|error| Finding::from_syntax(file, error)));
+            .extend(errors.map(|error| Finding::from_syntax(file, error, &text)));
         let imports: Vec<_> = (parsed.tree.items.iter())
             .filter_map(|item| match &item.kind {
-                ItemKind::Import(import) => Some((import.path.clone(), import.path_span)),
+                ItemKind::Import(import) => {
+                    let statement = item.docs.0.is_none().then_some(item.span);
+                    Some((import.path.clone(), import.path_span, statement))
+                }
                 _ => None,
             })
             .collect();
@@ -163,7 +170,7 @@ impl Loader<'_> {
     }
 
     /// Labels every import of a circle of files.
-    fn cycle(&mut self, path: &str, stack: &[Pending]) {
+    fn cycle(&mut self, path: &str, stack: &[Pending], statement: Option<Site>) {
         /// Circles told of, and imports labelled of each, at most.
         const MOST: usize = 10;
         let is_circle = |finding: &&Finding| finding.code == Code::ImportCycle;
@@ -188,7 +195,12 @@ impl Loader<'_> {
             1 => "remove the import",
             _ => "move what both files need into a third one",
         };
-        self.findings.push(finding.help(help));
+        finding = finding.help(help);
+        if let (1, Some(statement)) = (circle.len(), statement) {
+            let site = removal(self.sources, statement);
+            finding = finding.fix(Fix::remove(site, "remove the import"));
+        }
+        self.findings.push(finding);
     }
 }
 

@@ -49,8 +49,8 @@ pub fn blocks_at(checked: &Checked, file: FileId, at: u32) -> Vec<Located> {
         findings.clear();
         expand_probed(
             &declarations,
-            known.plan.site.file,
-            assembly,
+            (known.plan.site.file, assembly),
+            &checked.sources,
             &mut symbols,
             Limits::default(),
             &mut findings,

@@ -35,6 +35,8 @@ pub struct Seed {
     pub cell: Cell,
     /// Where it is named.
     pub site: Site,
+    /// The whole statement, if no comments belong to it.
+    pub statement: Option<Site>,
 }
 
 /// A phase, written out.
@@ -171,6 +173,12 @@ impl Roles {
     /// The scope of an instance, if known.
     pub fn scope(&self, key: &Key) -> Option<u32> {
         self.scopes.get(key).copied()
+    }
+
+    /// The words by which the named instances of a scope are known.
+    pub fn instances(&self, scope: u32) -> impl Iterator<Item = Symbol> {
+        let inside = self.scope_keys.iter().filter(move |key| key.scope == scope);
+        inside.map(|key| key.word)
     }
 
     /// A name as the program writes it, such as `a.T[2]`.

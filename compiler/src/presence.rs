@@ -2,11 +2,11 @@
 use rustc_hash::FxHashSet;
 use stochc_grammar::{Symbol, Symbols};
 
-use crate::Site;
-use crate::finding::{Code, Finding, MOST_FINDINGS, tell};
+use crate::finding::{Code, Finding, Fix, MOST_FINDINGS, entry, named, removal, tell};
 use crate::plan::{Deed, EventId, Plan};
-use crate::suggest::suggest;
+use crate::suggest::nearest;
 use crate::table::RoleId;
+use crate::{Site, Sources};
 
 /// Who holds the names, and what becomes of them in each phase.
 #[derive(Clone, Debug)]
@@ -48,6 +48,7 @@ enum Holder {
 /// Checks every name; events that make no sense are marked so in the plan.
 pub fn check(
     plan: &mut Plan,
+    sources: &Sources,
     symbols: &Symbols,
     doubtful: &FxHashSet<Symbol>,
     findings: &mut Vec<Finding>,
@@ -59,6 +60,7 @@ pub fn check(
             contexts: vec![Context::default(); plan.events.len()],
             subjects: vec![None; plan.afters.len()],
         },
+        sources,
         symbols,
         doubtful,
         findings,
@@ -74,6 +76,7 @@ struct Checker<'a> {
     /// Seeds that have been spoken of.
     used: Vec<bool>,
     presence: Presence,
+    sources: &'a Sources,
     symbols: &'a Symbols,
     doubtful: &'a FxHashSet<Symbol>,
     findings: &'a mut Vec<Finding>,
@@ -109,16 +112,46 @@ impl Checker<'_> {
                 self.leave(event);
             }
         }
+        self.keep_needed_afters();
         for (seed, used) in self.plan.seeds.iter().zip(&self.used) {
             let key = self.plan.roles.key(seed.role);
+            if self.findings.len() > MOST_FINDINGS {
+                break;
+            }
             if !used && !self.doubtful.contains(&key.word) {
                 let name = self.plan.roles.name(seed.role, self.symbols);
-                tell(
-                    self.findings,
+                let mut finding =
                     Finding::new(Code::UnusedSeed, format!("the seed `{name}` is never used"))
                         .label(seed.site, "captures nothing")
-                        .help("leave it out: the plate is there without it"),
-                );
+                        .help("leave it out: the plate is there without it");
+                // A statement in a loop stands for several seeds, of which others may be used.
+                let alone = named(self.sources, seed.site, &name);
+                if let Some(statement) = seed.statement.filter(|_| alone.is_some()) {
+                    let site = removal(self.sources, statement);
+                    finding.fix = Some(Fix::remove(site, format!("remove the seed `{name}`")));
+                }
+                tell(self.findings, finding);
+            }
+        }
+    }
+
+    /// An `after` in a loop over phases may wait for nothing in one of them and be needed in
+    /// another.
+    fn keep_needed_afters(&mut self) {
+        let mut redundant: Vec<&mut Finding> = (self.findings.iter_mut())
+            .filter(|finding| finding.code == Code::RedundantAfter && finding.fix.is_some())
+            .collect();
+        if redundant.is_empty() {
+            return;
+        }
+        let place = |site: Site| (site.file, site.span.start);
+        let needed: FxHashSet<_> = (self.plan.afters.iter().zip(&self.presence.subjects))
+            .filter(|(_, subject)| subject.is_some())
+            .map(|(after, _)| place(after.site))
+            .collect();
+        for finding in &mut redundant {
+            if needed.contains(&place(finding.labels[0].site)) {
+                finding.fix = None;
             }
         }
     }
@@ -258,12 +291,19 @@ impl Checker<'_> {
                 finding =
                     finding.help(format!("to wait until it has gone: `after release {name}`"));
             }
+            // The text must speak of this block alone: in a loop or a pattern, others may be meant.
+            if named(self.sources, after.site, &name) == Some(after.site) {
+                let drop = |site| Fix::remove(site, format!("drop `{name}` from the `after`"));
+                let doubt = state.released.is_some();
+                let fix = entry(self.sources, after.site).map(drop);
+                finding.fix = fix.map(|fix| fix.unsafe_if(doubt));
+            }
             finding
         } else {
             let title = format!("`{name}` is not captured in this phase");
             let finding = Finding::new(Code::AbsentBlock, title)
                 .label(after.site, "would be waited for in vain");
-            self.unknown(after.role, state, finding)
+            self.unknown(after.role, after.site, state, finding)
         };
         tell(self.findings, finding);
     }
@@ -351,6 +391,7 @@ impl Checker<'_> {
         let title = format!("`{name}` is not part of the structure in this phase");
         let finding = self.unknown(
             role,
+            site,
             state,
             Finding::new(code, title).label(site, consequence),
         );
@@ -358,7 +399,7 @@ impl Checker<'_> {
     }
 
     /// A finding on a name that nobody holds: unknown, or known at another time only.
-    fn unknown(&self, role: RoleId, state: State, mut finding: Finding) -> Finding {
+    fn unknown(&self, role: RoleId, site: Site, state: State, mut finding: Finding) -> Finding {
         if let Some(release) = state.last_release {
             return finding
                 .label(self.plan.event(release).site, "released here")
@@ -384,8 +425,15 @@ impl Checker<'_> {
             .chain(captured)
             .take(2_000)
             .map(|role| self.plan.roles.name(role, self.symbols));
-        let help = suggest(&name, known)
-            .unwrap_or_else(|| "seat it on the plate, or capture it first".to_owned());
-        finding.help(help)
+        let written = named(self.sources, site, &name);
+        finding = finding.suggest(site, nearest(&name, known), || {
+            "seat it on the plate, or capture it first".to_owned()
+        });
+        // Where the name is worked out, the text is another.
+        finding.fix = finding.fix.zip(written).map(|(mut fix, site)| {
+            fix.edits.iter_mut().for_each(|edit| edit.site = site);
+            fix
+        });
+        finding
     }
 }

@@ -7,13 +7,14 @@ use crate::expand::{Declarations, Limits, duplicate, expand};
 use crate::finding::{Code, Finding, tell};
 use crate::graph::{self, DependencyGraph};
 use crate::layout::Layout;
+use crate::levels::{Allowed, FileLevels, Levels};
 use crate::load::{Loaded, Module, Reader, load};
 use crate::order::{self, Order};
 use crate::plan::Plan;
 use crate::scene::Scene;
 use crate::scenes::Scenes;
 use crate::table::Tables;
-use crate::{FileId, Site, Sources, inventory, layout, lower, presence, shape};
+use crate::{FileId, Site, Sources, inventory, layout, lower, presence, reach, shape};
 
 /// Everything that is known of a file after looking at all of it.
 #[derive(Debug)]
@@ -22,6 +23,8 @@ pub struct Checked {
     pub sources: Sources,
     /// What is wrong or suspicious: by file and place, each once.
     pub findings: Vec<Finding>,
+    /// What is suspicious and allowed to be.
+    pub allowed: Vec<Allowed>,
     /// The tree of the file itself; empty if it cannot be read.
     pub tree: Tree,
     /// The files it imports, in the order of reading.
@@ -47,6 +50,9 @@ pub struct Program {
     pub order: Option<Order>,
     /// What every block knows; `None` unless everything is right.
     pub tables: Option<Tables>,
+    /// The tables of a program that is right but for circles and cells out of reach: to show how
+    /// it gets stuck, not to be run.
+    pub stuck: Option<Tables>,
 }
 
 impl Checked {
@@ -79,6 +85,8 @@ pub enum Stage {
     Graph,
     /// Cycles and chains.
     Order,
+    /// Ways in.
+    Reach,
     /// Shapes and inventory.
     Compare,
     /// Event tables.
@@ -87,36 +95,55 @@ pub enum Stage {
 
 /// Checks the file at `path` and everything it imports, and compiles its assemblies.
 pub fn check(path: &str, reader: &mut dyn Reader, limits: Limits) -> Checked {
-    check_observed(path, reader, limits, &mut |_| {})
+    check_with(path, reader, limits, &Levels::default())
 }
 
-/// [`check`], telling when each stage is complete, once for every assembly; the compiler itself
+/// [`check`], with levels for the warnings that the files say nothing of.
+pub fn check_with(path: &str, reader: &mut dyn Reader, limits: Limits, levels: &Levels) -> Checked {
+    check_observed(path, reader, limits, levels, &mut |_| {})
+}
+
+/// [`check_with`], telling when each stage is complete, once for every assembly; the compiler itself
 /// has no clock.
 pub fn check_observed(
     path: &str,
     reader: &mut dyn Reader,
     limits: Limits,
+    levels: &Levels,
     done: &mut dyn FnMut(Stage),
 ) -> Checked {
     let mut sources = Sources::default();
     let mut findings = Vec::new();
     let mut loaded = load(path, reader, &mut sources, &mut findings);
     let readable = !findings.iter().any(Finding::is_error);
+    let syntax = findings.len();
+    let file_levels = FileLevels::of(&loaded.modules, &sources, &loaded.symbols, &mut findings);
     done(Stage::Parse);
-    let programs = programs(&mut loaded, readable, limits, &mut findings, done);
+    let mut programs = programs(&mut loaded, &sources, readable, limits, &mut findings, done);
+    doubt_fixes(&mut findings, syntax);
     let tree = loaded
         .modules
         .pop()
         .map(|module| module.tree)
         .unwrap_or_default();
-    findings.sort_by_key(|finding| {
+    let place = |finding: &Finding| {
         let first = finding.labels.first().map(|label| label.site);
         first.map(|site| (site.file, site.span.start))
-    });
+    };
+    findings.sort_by_key(place);
     findings.dedup();
+    let (mut findings, allowed) = file_levels.judge(findings, levels, &sources);
+    findings.sort_by_key(place);
+    // A denied warning has come too late to keep a program from being lowered.
+    if findings.iter().any(Finding::is_denied) {
+        programs
+            .iter_mut()
+            .for_each(|program| program.tables = None);
+    }
     Checked {
         sources,
         findings,
+        allowed,
         tree,
         imports: loaded.modules,
         symbols: loaded.symbols,
@@ -124,8 +151,24 @@ pub fn check_observed(
     }
 }
 
+/// Keeps changes from being safe that another finding puts in doubt; the first `syntax` findings
+/// are those of reading the text.
+fn doubt_fixes(findings: &mut [Finding], syntax: usize) {
+    let wrong = |findings: &[Finding]| findings.iter().any(Finding::is_error);
+    // What has been read in part may be meant otherwise as a whole, and a seed without use may be
+    // the one whose name is misspelt elsewhere.
+    let (unreadable, wrong) = (wrong(&findings[..syntax]), wrong(findings));
+    for finding in &mut findings[syntax..] {
+        let doubtful = unreadable || (wrong && !finding.is_error());
+        if let Some(fix) = finding.fix.as_mut().filter(|_| doubtful) {
+            fix.safe = false;
+        }
+    }
+}
+
 fn programs(
     loaded: &mut Loaded,
+    sources: &Sources,
     readable: bool,
     limits: Limits,
     findings: &mut Vec<Finding>,
@@ -161,6 +204,7 @@ fn programs(
             declarations: &declarations,
             file: own.file,
             assembly,
+            sources,
             limits,
             readable,
         };
@@ -222,6 +266,7 @@ struct Input<'a> {
     declarations: &'a Declarations<'a>,
     file: FileId,
     assembly: &'a Assembly,
+    sources: &'a Sources,
     limits: Limits,
     /// All files could be read: what is missing is not missing for that reason.
     readable: bool,
@@ -241,6 +286,7 @@ impl<'a> Input<'a> {
             self.declarations,
             self.file,
             self.assembly,
+            self.sources,
             symbols,
             self.limits,
             &mut errors,
@@ -249,14 +295,13 @@ impl<'a> Input<'a> {
         let incomplete = errors.iter().any(Finding::is_error);
         // What follows from a program that was not written out to its end would only confuse.
         let cut_short = errors.iter().any(|finding| {
-            use crate::finding::Code;
             matches!(
                 finding.code,
                 Code::ExpansionLimit | Code::RecursivePattern | Code::TooDeep | Code::TooManyErrors
             )
         });
         let mut names = Vec::new();
-        let presence = presence::check(&mut plan, symbols, doubtful, &mut names);
+        let presence = presence::check(&mut plan, self.sources, symbols, doubtful, &mut names);
         if !cut_short {
             errors.append(&mut names);
         }
@@ -279,7 +324,25 @@ impl<'a> Input<'a> {
             errors.retain(|finding| finding.code != Code::MissingPlate);
         }
         let wrong = |findings: &[Finding]| findings.iter().any(Finding::is_error);
-        if !wrong(&errors) && !wrong(&later) {
+        let is_sound = !wrong(&errors) && !wrong(&later);
+        // Of a program with gaps it would say what is not so.
+        let is_whole = is_sound && self.readable && plan.events.iter().all(|event| event.sound);
+        if let (Some(order), true) = (&order, is_whole) {
+            let subject = reach::Subject {
+                plan: &plan,
+                presence: &presence,
+                layout: &layout,
+                graph: &graph,
+                order,
+                assembly: self.assembly,
+                file: self.file,
+                sources: self.sources,
+                symbols,
+            };
+            reach::check(subject, &mut later);
+        }
+        done(Stage::Reach);
+        if is_sound {
             shape::check(&plan, &layout, &shapes, symbols, &mut later);
             if let Some(scene) = &scene {
                 inventory::check(&plan, &layout, scene, &mut later);
@@ -289,11 +352,20 @@ impl<'a> Input<'a> {
         if self.readable && !cut_short {
             errors.append(&mut later);
         }
-        let right = self.readable && !wrong(&errors) && !wrong(findings) && order.is_some();
-        let tables = scene
+        let mistakes = || {
+            errors
+                .iter()
+                .chain(findings.iter())
+                .filter(|finding| finding.is_error())
+        };
+        let is_right = mistakes().next().is_none();
+        let is_stuck =
+            mistakes().all(|finding| matches!(finding.code, Code::Cycle | Code::SealedCavity));
+        let mut tables = scene
             .as_ref()
-            .filter(|_| right)
+            .filter(|_| self.readable && is_stuck)
             .map(|scene| lower::lower(&plan, &presence, &layout, &graph, scene, symbols));
+        let stuck = if is_right { None } else { tables.take() };
         done(Stage::Lower);
         findings.append(&mut errors);
         Program {
@@ -303,6 +375,7 @@ impl<'a> Input<'a> {
             graph,
             order,
             tables,
+            stuck,
         }
     }
 }

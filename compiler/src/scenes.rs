@@ -6,7 +6,7 @@ use stochc_grammar::{Symbol, Symbols};
 use crate::finding::{Code, Finding, tell};
 use crate::load::Module;
 use crate::scene::{BUILT_IN, DEFAULT, Scene, built_in, read};
-use crate::suggest::suggest;
+use crate::suggest::nearest;
 use crate::{FileId, Site};
 
 /// Every scene that a program may name.
@@ -86,6 +86,13 @@ impl Scenes {
             }
             line.push((file, tree));
             next = tree.base.map(|base| base.symbol);
+            // A scene may take the place of the built-in one it is derived from.
+            if next == Some(at)
+                && let Some(scene) = built_in(symbols.word(at))
+            {
+                base = Some(scene);
+                break;
+            }
         }
         for (file, tree) in line.into_iter().rev() {
             let scene = if tree.base.is_some() && base.is_none() {
@@ -148,16 +155,14 @@ impl Scenes {
         known.extend(BUILT_IN.iter().map(|(name, _)| *name));
         known.sort_unstable();
         known.dedup();
-        let help =
-            suggest(word, &known).unwrap_or_else(|| format!("known are {}", known.join(", ")));
+        let site = Site {
+            file,
+            span: name.span,
+        };
         Finding::new(Code::UnknownScene, format!("no scene is called `{word}`"))
-            .label(
-                Site {
-                    file,
-                    span: name.span,
-                },
-                "not known",
-            )
-            .help(help)
+            .label(site, "not known")
+            .suggest(site, nearest(word, &known), || {
+                format!("known are {}", known.join(", "))
+            })
     }
 }

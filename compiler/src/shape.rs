@@ -6,7 +6,7 @@ use stochc_grammar::{Symbol, Symbols};
 use crate::finding::{Code, Finding, MOST_FINDINGS, tell};
 use crate::layout::Layout;
 use crate::plan::Plan;
-use crate::suggest::suggest;
+use crate::suggest::nearest;
 use crate::{Cell, FileId, Site};
 
 /// Cells of a shape, at most.
@@ -32,14 +32,13 @@ pub fn check(
             let word = symbols.word(name);
             let Some(&(file, shape)) = shapes.get(&name) else {
                 let known = shapes.keys().map(|&known| symbols.word(known));
-                let help = suggest(word, known)
-                    .unwrap_or_else(|| format!("declare it: `shape {word} {{ layer 1 {{ # }} }}`"));
-                tell(
-                    findings,
+                let finding =
                     Finding::new(Code::UnknownName, format!("no shape is called `{word}`"))
                         .label(site, "not known here")
-                        .help(help),
-                );
+                        .suggest(site, nearest(word, known), || {
+                            format!("declare it: `shape {word} {{ layer 1 {{ # }} }}`")
+                        });
+                tell(findings, finding);
                 continue;
             };
             let claimed = known.entry(name).or_insert_with(|| {

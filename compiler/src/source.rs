@@ -80,6 +80,14 @@ impl Sources {
         text.get(site.span.start as usize..site.span.end as usize)
             .unwrap_or_default()
     }
+
+    /// The white space in front of the line in which a site begins.
+    pub(crate) fn indent(&self, site: Site) -> &str {
+        let file = self.file(site.file);
+        let (start, end) = file.line_range(file.line_of(site.span.start));
+        let line = file.text.get(start..end).unwrap_or_default();
+        &line[..line.len() - line.trim_start().len()]
+    }
 }
 
 impl SourceFile {

@@ -1,54 +1,117 @@
 //! The nearest known word to an unknown one.
+use crate::Site;
+use crate::finding::Fix;
 
 /// Words that are compared at most, so that a large program with many errors stays quick.
 const MOST: usize = 5_000;
 
-/// ``did you mean `tower`?``, if a known word is near enough.
-pub fn suggest<S: AsRef<str>>(unknown: &str, known: impl IntoIterator<Item = S>) -> Option<String> {
+/// A known word that an unknown one is probably meant to be.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Suggestion {
+    /// The known word.
+    pub word: String,
+    /// Whether it is hardly any other: a slip of one letter or two, and no other word is as near.
+    pub clear: bool,
+}
+
+impl Suggestion {
+    /// ``did you mean `tower`?``
+    pub fn help(&self) -> String {
+        format!("did you mean `{}`?", self.word)
+    }
+
+    /// Puts the word in the place of the unknown one; safe if it is clear.
+    pub fn fix(&self, site: Site) -> Fix {
+        let title = format!("write `{}`", self.word);
+        Fix::replace(site, &self.word, title).unsafe_if(!self.clear)
+    }
+}
+
+/// The known word that is nearest, if one is near enough.
+pub fn nearest<S: AsRef<str>>(
+    unknown: &str,
+    known: impl IntoIterator<Item = S>,
+) -> Option<Suggestion> {
     if unknown.len() > 64 {
         return None;
     }
     let mut best: Option<(usize, S)> = None;
+    // The distance of the nearest word but one.
+    let mut second = usize::MAX;
+    let mut count = 0;
     for word in known.into_iter().take(MOST) {
+        count += 1;
         let near = word.as_ref().len().abs_diff(unknown.len()) <= 3;
         if !near || word.as_ref() == unknown {
             continue;
         }
         let distance = strsim::damerau_levenshtein(unknown, word.as_ref());
-        let nearer = match &best {
-            None => true,
-            Some((least, chosen)) => (distance, word.as_ref()) < (*least, chosen.as_ref()),
-        };
-        if nearer {
-            best = Some((distance, word));
+        match &best {
+            Some((_, chosen)) if chosen.as_ref() == word.as_ref() => {}
+            Some((least, chosen)) if (distance, word.as_ref()) >= (*least, chosen.as_ref()) => {
+                second = second.min(distance);
+            }
+            _ => {
+                second = best.map_or(second, |(least, _)| second.min(least));
+                best = Some((distance, word));
+            }
         }
     }
     let (distance, word) = best?;
+    let word = word.as_ref();
     let letters = |word: &str| word.chars().count();
-    let longest = letters(unknown).max(letters(word.as_ref()));
+    let longest = letters(unknown).max(letters(word));
     // Two names of one letter have nothing in common.
-    let near = distance <= longest.div_ceil(3) && distance < longest
-        || unknown.eq_ignore_ascii_case(word.as_ref());
-    near.then(|| format!("did you mean `{}`?", word.as_ref()))
+    let near =
+        distance <= longest.div_ceil(3) && distance < longest || unknown.eq_ignore_ascii_case(word);
+    near.then(|| Suggestion {
+        clear: count < MOST && is_slip(unknown, word, distance, second),
+        word: word.to_owned(),
+    })
+}
+
+/// Whether a word is another one with a slip, where the next word is `second` letters away.
+fn is_slip(unknown: &str, word: &str, distance: usize, second: usize) -> bool {
+    // `T[2]` and `T[3]` are two names, not one with a slip.
+    let digits = |word: &str| -> String { word.chars().filter(char::is_ascii_digit).collect() };
+    if digits(unknown) != digits(word) {
+        return false;
+    }
+    let letters = word.chars().count();
+    match distance {
+        1 => letters >= 4 && second > 1,
+        2 => letters >= 8 && second > 3,
+        _ => false,
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::suggest;
+    use super::nearest;
 
     #[test]
     fn near_words_are_suggested_and_far_ones_not() {
+        let help = |unknown, known: &[&str]| nearest(unknown, known).map(|meant| meant.help());
         let known = ["tower", "bridge", "T[2]"];
-        assert_eq!(
-            suggest("towr", known).as_deref(),
-            Some("did you mean `tower`?")
-        );
-        assert_eq!(
-            suggest("T[3]", known).as_deref(),
-            Some("did you mean `T[2]`?")
-        );
-        assert_eq!(suggest("platform", known), None);
-        assert_eq!(suggest("M", ["X"]), None);
-        assert_eq!(suggest("m", ["M"]).as_deref(), Some("did you mean `M`?"));
+        let meant = |word: &str| Some(format!("did you mean `{word}`?"));
+        assert_eq!(help("towr", &known), meant("tower"));
+        assert_eq!(help("T[3]", &known), meant("T[2]"));
+        assert_eq!(help("platform", &known), None);
+        assert_eq!(help("M", &["X"]), None);
+        assert_eq!(help("m", &["M"]), meant("M"));
+    }
+
+    #[test]
+    fn only_a_slip_of_a_letter_is_clear() {
+        let clear = |unknown, known: &[&str]| nearest(unknown, known).map(|meant| meant.clear);
+        assert_eq!(clear("phaze", &["phase", "shape"]), Some(true));
+        assert_eq!(clear("relese", &["release", "scene"]), Some(true));
+        assert_eq!(clear("towr", &["tower", "tower"]), Some(true));
+        assert_eq!(clear("towr", &["tower", "town"]), Some(false));
+        assert_eq!(clear("T[3]", &["T[2]"]), Some(false));
+        assert_eq!(clear("leg1", &["legs1", "leg2"]), Some(false));
+        assert_eq!(clear("tip", &["top"]), Some(false));
+        assert_eq!(clear("m", &["M"]), Some(false));
+        assert_eq!(clear("redundatn-atfer", &["redundant-after"]), Some(true));
     }
 }

@@ -52,6 +52,8 @@ pub enum SyntaxErrorKind {
     TooManyTerms,
     /// A single statement longer than [`crate::MAX_STATEMENT`] bytes.
     StatementTooLong,
+    /// An `allow` or `deny` that does not say why; the span is its code.
+    MissingReason,
     /// Nothing for this comment to belong to.
     DanglingDoc,
     /// More than [`crate::MAX_ERRORS`] errors; the rest of the file was not read.

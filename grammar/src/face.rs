@@ -30,6 +30,9 @@ impl Face {
         Face::Down,
     ];
 
+    /// The four that do not look up or down.
+    pub const SIDES: [Face; 4] = [Face::East, Face::West, Face::North, Face::South];
+
     /// The outward unit normal, in cells.
     pub const fn normal(self) -> [i32; 3] {
         match self {

@@ -84,6 +84,10 @@ impl Writer<'_> {
                 "let",
                 json!({ "name": self.word(let_.name.symbol), "value": self.expr(&let_.value) }),
             ),
+            ItemKind::Level(level) => (
+                level.verdict.word(),
+                json!({ "code": self.word(level.code.symbol), "reason": level.reason }),
+            ),
             ItemKind::Yields(name) => ("yields", json!({ "shape": self.word(name.symbol) })),
             ItemKind::Phase(phase) => (
                 "phase",

@@ -84,6 +84,10 @@ impl Printer<'_> {
                 put!(self, "let {} = ", self.word(let_.name.symbol));
                 self.expr(&let_.value, 0);
             }
+            ItemKind::Level(level) => {
+                let code = self.word(level.code.symbol);
+                put!(self, "{} {code} \"{}\"", level.verdict.word(), level.reason);
+            }
             ItemKind::Yields(name) => {
                 put!(self, "yields {}", self.word(name.symbol));
             }

@@ -42,6 +42,8 @@ pub enum ItemKind {
     Let(Box<Let>),
     /// `yields tower`
     Yields(Name),
+    /// `allow unused-seed "kept for the next phase"`
+    Level(Box<Level>),
     /// `phase corners { ... }`
     Phase(Box<Phase>),
     /// `seed plate 3 x 3 { ... }`
@@ -190,6 +192,26 @@ pub struct Let {
     pub name: Name,
     /// The number.
     pub value: Expr,
+}
+
+/// Sets the level of a finding in the block around it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Level {
+    /// What becomes of it.
+    pub verdict: Verdict,
+    /// The kind of the finding, with its hyphens.
+    pub code: Name,
+    /// Why, as written between the quotation marks; empty where it is missing, which is an error.
+    pub reason: String,
+}
+
+/// What becomes of a finding.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// It is not told.
+    Allow,
+    /// It is an error.
+    Deny,
 }
 
 /// A stage of the construction.
@@ -355,6 +377,16 @@ pub enum Operator {
     Remainder,
 }
 
+impl Verdict {
+    /// Its word in the language.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Verdict::Allow => "allow",
+            Verdict::Deny => "deny",
+        }
+    }
+}
+
 impl Operator {
     /// Its sign.
     pub const fn sign(self) -> &'static str {
@@ -402,8 +434,8 @@ impl Item {
     }
 
     /// What messages call it.
-    pub const fn noun(&self) -> &'static str {
-        match self.kind {
+    pub fn noun(&self) -> &'static str {
+        match &self.kind {
             ItemKind::Chain(_) => "a capture",
             ItemKind::Release(_) => "a release",
             ItemKind::Instance(_) => "an instance of a pattern",
@@ -411,6 +443,10 @@ impl Item {
             ItemKind::For(_) => "a loop",
             ItemKind::Let(_) => "a `let`",
             ItemKind::Yields(_) => "a `yields`",
+            ItemKind::Level(level) => match level.verdict {
+                Verdict::Allow => "an `allow`",
+                Verdict::Deny => "a `deny`",
+            },
             ItemKind::Phase(_) => "a phase",
             ItemKind::Seed(_) => "a seed plate",
             ItemKind::Pattern(_) => "a pattern",

@@ -93,7 +93,7 @@ fn scrawl(canonical: &str, dice: &mut Dice<'_>) -> String {
             continue;
         }
         let inside = within.last().copied().unwrap_or(Within::Statements);
-        let is_string = code.starts_with("import");
+        let is_string = code.contains('"');
         let is_row = inside == Within::Shape && code.starts_with(['#', '.']);
         if is_row || is_string {
             out.push_str(&if is_row && dice.pick(&["a", "b"]) == "a" {

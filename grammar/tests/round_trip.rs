@@ -1,6 +1,6 @@
 //! Printing a tree and parsing it again gives the same tree.
 use proptest::prelude::*;
-use stochc_grammar::{Symbols, accepts, parse, print};
+use stochc_grammar::{Symbols, SyntaxErrorKind, accepts, parse, print};
 
 mod trees;
 
@@ -64,4 +64,35 @@ fn a_scene_s_word_behind_a_value_is_no_unit() {
     assert_eq!(parsed.errors, []);
     let printed = print(&parsed.tree, &symbols);
     assert_eq!(parse(&printed, &mut symbols).tree, parsed.tree, "{printed}");
+}
+
+#[test]
+fn allow_and_deny_are_names_as_well() {
+    let text = "pattern allow(deny) { deny.up -> allow.up -> deny2 }
+        assembly a {
+            allow unused-seed \"kept\"
+            seed plate 2 x 1 { allow at (0, 0)  deny at (1, 0) }
+            phase allow {
+                allow.up -> B
+                allow (B) as deny
+                deny empty-phase \"ranges are computed\"
+                release allow
+            }
+        }";
+    let mut symbols = Symbols::new();
+    let parsed = parse(text, &mut symbols);
+    assert_eq!(parsed.errors, []);
+    assert!(accepts(text));
+    let printed = print(&parsed.tree, &symbols);
+    assert_eq!(printed.matches("allow unused-seed \"kept\"\n").count(), 1);
+    assert_eq!(parse(&printed, &mut symbols).tree, parsed.tree, "{printed}");
+}
+
+#[test]
+fn a_level_needs_a_reason() {
+    for text in ["allow unused-seed", "deny a-b \"\"", "allow x \" \""] {
+        let parsed = parse(text, &mut Symbols::new());
+        let kinds: Vec<_> = parsed.errors.into_iter().map(|error| error.kind).collect();
+        assert_eq!(kinds, [SyntaxErrorKind::MissingReason], "{text}");
+    }
 }

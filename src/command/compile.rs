@@ -8,6 +8,7 @@ use stochc_compiler::emit::{
 use stochc_compiler::{Checked, Program, Symbols};
 
 use super::check::verdict;
+use super::levels::LevelOptions;
 use super::terminal::{has_colour, message_width, print, warn};
 use crate::cli::Exit;
 use crate::findings;
@@ -24,6 +25,8 @@ pub struct Options {
     /// Its form; `dot` is for the graph only, `svg` for the structure only
     #[arg(long, value_name = "FORM", default_value = "text")]
     format: Form,
+    #[command(flatten)]
+    levels: LevelOptions,
 }
 
 /// A stage of the compilation.
@@ -67,7 +70,7 @@ pub fn run(options: &Options) -> Exit {
         ));
         return Exit::Usage;
     }
-    let checked = crate::check(&options.file);
+    let checked = crate::check_with(&options.file, &options.levels.levels);
     warn(&findings::show(
         &checked,
         findings::Format::Graphical,

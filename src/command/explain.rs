@@ -36,8 +36,12 @@ pub fn run(options: &Options) -> Exit {
             Exit::Success
         }
         None => {
+            let meant = Code::nearest(name).map_or_else(
+                || "`stochc explain` lists them all".to_owned(),
+                |meant| format!("did you mean `{meant}`?"),
+            );
             warn(&format!(
-                "error: no finding has the code `{name}`; `stochc explain` lists them all\n"
+                "error: no finding has the code `{name}`; {meant}\n"
             ));
             Exit::Usage
         }

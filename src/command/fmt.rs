@@ -137,7 +137,7 @@ fn refused(file: &str, text: &str, refusal: Refusal) -> Exit {
     let id = sources.add(file, text);
     let renderer = Renderer::new(has_colour(), message_width());
     for error in &errors {
-        let finding = Finding::from_syntax(id, error);
+        let finding = Finding::from_syntax(id, error, text);
         warn(&format!("{}\n", renderer.render(&finding, &sources)));
     }
     Exit::WrongProgram

@@ -4,6 +4,7 @@ pub mod compile;
 pub mod completions;
 pub mod explain;
 pub mod fmt;
+pub mod levels;
 pub mod lsp;
 pub mod man;
 pub mod results;

@@ -14,8 +14,9 @@ use std::path::{Path, PathBuf};
 
 use super::journal::{self, Finished, Journal, JournalError};
 use super::manifest::Manifest;
+use super::parquet;
 use super::refusal::FolderError;
-use super::{atomic, parquet};
+use crate::files::atomic;
 
 const MANIFEST: &str = "manifest.json";
 const JOURNAL: &str = "journal.jsonl";

@@ -39,7 +39,6 @@
 //! # Ok(())
 //! # }
 //! ```
-mod atomic;
 mod board;
 mod clock;
 mod comparison;

@@ -43,7 +43,7 @@ pub fn diagnostic(finding: &Finding, analysis: &Analysis, documents: &Documents)
         .collect();
     Diagnostic {
         range: first.map_or_else(Range::default, |label| analysis.range(label.site)),
-        severity: Some(match finding.code.severity() {
+        severity: Some(match finding.severity {
             Severity::Error => DiagnosticSeverity::Error,
             Severity::Warning => DiagnosticSeverity::Warning,
         }),

@@ -5,6 +5,7 @@ tests/fixtures/tower.sa: assembly tower in hemisphere: 2 phases, 3 captures, 0 r
   phase foot  longest serial chain 1: M.up -> A
   phase top   longest serial chain 2: A.up -> B, B.up -> C
   the program's longest serial chain is 2 (phase top); one phase after the other, 3
+  likely bottleneck: M.up -> A, 39 % of the time; `--cost` ranks the others
 ";
 
 #[test]
@@ -110,6 +111,35 @@ tests/fixtures/wrong.sa:4:24: warning[unused-seed]: the seed `M` is never used
 tests/fixtures/wrong.sa:5:18: error[unknown-name]: no block is called `Q`
 ";
     assert_eq!(said.out, lines);
+}
+
+#[test]
+fn sarif_of_all_files_is_one_run() {
+    let said = stochc("check --format sarif tests/fixtures/wrong.sa tests/fixtures/careless.sa");
+    assert_eq!((said.status, said.err.as_str()), (1, ""));
+    let log = said.json();
+    let runs = log["runs"].as_array().unwrap();
+    assert_eq!(runs.len(), 1);
+    let results = runs[0]["results"].as_array().unwrap();
+    let told: Vec<_> = (results.iter())
+        .map(|result| {
+            let place = &result["locations"][0]["physicalLocation"];
+            (
+                place["artifactLocation"]["uri"].as_str().unwrap(),
+                place["region"]["startLine"].as_u64().unwrap(),
+                result["ruleId"].as_str().unwrap(),
+                result["level"].as_str().unwrap(),
+            )
+        })
+        .collect();
+    assert_eq!(
+        told,
+        [
+            ("tests/fixtures/wrong.sa", 4, "unused-seed", "warning"),
+            ("tests/fixtures/wrong.sa", 5, "unknown-name", "error"),
+            ("tests/fixtures/careless.sa", 4, "unused-seed", "warning"),
+        ]
+    );
 }
 
 #[test]

@@ -6,9 +6,11 @@
 mod check;
 mod compile;
 mod explain;
+mod fix;
 mod fmt;
 #[cfg(unix)]
 mod interrupted;
+mod levels;
 mod manifest;
 mod manual;
 mod physical;

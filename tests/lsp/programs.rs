@@ -274,3 +274,32 @@ fn imports_lead_to_their_files_and_texts_of_the_editor_come_first() {
     );
     assert_eq!(client.diagnostics(&uri("main.sa")), found);
 }
+
+#[test]
+fn a_slip_is_mended_by_a_change() {
+    let text = "// \u{1f9f1}\nassembly a in hemispher {\n    seed plate 1 x 1 { M at (0, 0) }\n    phase p { M.up -> A }\n}\n";
+    let mut client = Client::new(&["utf-16"]);
+    client.open(URI, text);
+    let found = client.diagnostics(URI);
+    assert_eq!(found[0]["code"], "unknown-scene");
+    let params = |range: &Value| {
+        json!({
+            "textDocument": { "uri": URI },
+            "range": range,
+            "context": { "diagnostics": found },
+        })
+    };
+    let answer = client.ask("textDocument/codeAction", params(&found[0]["range"]));
+    let actions = answer["result"].as_array().unwrap();
+    assert_eq!(actions.len(), 1, "{answer}");
+    assert_eq!(actions[0]["kind"], "quickfix");
+    assert_eq!(actions[0]["diagnostics"][0], found[0]);
+    let mended = edited(text, &actions[0]["edit"]["changes"][URI]);
+    assert_eq!(mended, text.replace("hemispher ", "hemisphere "));
+    let elsewhere = place(URI, text, "phase", 0)["position"].clone();
+    let answer = client.ask(
+        "textDocument/codeAction",
+        params(&json!({ "start": elsewhere, "end": elsewhere })),
+    );
+    assert_eq!(answer["result"], json!([]));
+}

@@ -4,7 +4,7 @@ use stochc_grammar::tree::{Expr, ExprKind, Operator};
 use super::Expander;
 use super::scope::Value;
 use crate::finding::{Code, Finding};
-use crate::suggest::suggest;
+use crate::suggest::nearest;
 
 impl Expander<'_, '_> {
     /// The value of an expression; what it cannot work out it tells of.
@@ -21,17 +21,18 @@ impl Expander<'_, '_> {
                             .label(self.site(expr.span), "a number is needed here")
                             .help("this parameter stands for a block or a face");
                     self.findings.push(self.in_instance(finding));
+                    self.scope.forget(*word);
                     None
                 }
                 None => {
                     let name = self.symbols.word(*word);
                     let known = self.scope.words().map(|word| self.symbols.word(word));
-                    let help = suggest(name, known)
-                        .unwrap_or_else(|| format!("define it: `let {name} = 3`"));
                     let finding =
                         Finding::new(Code::UnknownName, format!("no number is called `{name}`"))
                             .label(self.site(expr.span), "not known here")
-                            .help(help);
+                            .suggest(self.site(expr.span), nearest(name, known), || {
+                                format!("define it: `let {name} = 3`")
+                            });
                     self.findings.push(finding);
                     None
                 }

@@ -10,10 +10,10 @@ use rustc_hash::FxHashMap;
 use stochc_grammar::tree::{Assembly, Item, ItemKind, Pattern, Phase, Shape};
 use stochc_grammar::{Span, Symbol, Symbols};
 
-use crate::finding::{Code, Finding, MOST_FINDINGS, tell};
+use crate::finding::{Code, Finding, Fix, LONG, MOST_FINDINGS, removal, tell};
 use crate::plan::{Plan, PlanPhase, Roles, Timeout};
 use crate::table::Plate;
-use crate::{FileId, Site};
+use crate::{FileId, Site, Sources};
 pub use probe::Probe;
 use scope::{Scope, Value};
 
@@ -53,6 +53,7 @@ pub fn expand<'a>(
     declarations: &Declarations<'a>,
     file: FileId,
     assembly: &'a Assembly,
+    sources: &Sources,
     symbols: &mut Symbols,
     limits: Limits,
     findings: &mut Vec<Finding>,
@@ -60,8 +61,8 @@ pub fn expand<'a>(
     let mut nowhere = Probe::default();
     expand_probed(
         declarations,
-        file,
-        assembly,
+        (file, assembly),
+        sources,
         symbols,
         limits,
         findings,
@@ -72,8 +73,8 @@ pub fn expand<'a>(
 /// [`expand`], noting which blocks are meant at a place of the text.
 pub fn expand_probed<'a>(
     declarations: &Declarations<'a>,
-    file: FileId,
-    assembly: &'a Assembly,
+    (file, assembly): (FileId, &'a Assembly),
+    sources: &Sources,
     symbols: &mut Symbols,
     limits: Limits,
     findings: &mut Vec<Finding>,
@@ -106,6 +107,7 @@ pub fn expand_probed<'a>(
         plate: None,
         phase_sites: FxHashMap::default(),
         in_phase: false,
+        sources,
         symbols,
         findings,
         probe,
@@ -138,6 +140,7 @@ struct Expander<'a, 'f> {
     plate: Option<Site>,
     phase_sites: FxHashMap<String, Site>,
     in_phase: bool,
+    sources: &'f Sources,
     symbols: &'f mut Symbols,
     findings: &'f mut Vec<Finding>,
     probe: &'f mut Probe,
@@ -269,8 +272,8 @@ impl<'a> Expander<'a, '_> {
             ItemKind::For(block) => self.repeat(block),
             ItemKind::Let(_) => self.declaration(item),
             ItemKind::Seed(seed) => self.seed_plate(seed, item.span),
-            ItemKind::Seat(seat) => self.seat(seat),
-            ItemKind::Phase(phase) => self.phase(phase),
+            ItemKind::Seat(seat) => self.seat(seat, item),
+            ItemKind::Phase(phase) => self.phase(phase, item),
             ItemKind::Yields(name) => {
                 let site = self.site(name.span);
                 if let Some(phase) = self.plan.phases.last_mut() {
@@ -282,7 +285,8 @@ impl<'a> Expander<'a, '_> {
             | ItemKind::Shape(_)
             | ItemKind::Scene(_)
             | ItemKind::Assembly(_)
-            | ItemKind::Import(_) => {}
+            | ItemKind::Import(_)
+            | ItemKind::Level(_) => {}
         }
     }
 
@@ -306,7 +310,7 @@ impl<'a> Expander<'a, '_> {
         }
     }
 
-    fn phase(&mut self, phase: &'a Phase) {
+    fn phase(&mut self, phase: &'a Phase, item: &'a Item) {
         // A phase inside a phase has been told of; what it says is said by the outer one.
         if self.in_phase {
             return self.items(&phase.body);
@@ -345,16 +349,30 @@ impl<'a> Expander<'a, '_> {
         self.items(&phase.body);
         self.in_phase = false;
         let end = self.plan.events.len() as u32;
-        if let Some(phase) = self.plan.phases.last_mut() {
-            phase.events.end = end;
-            if start == end && phase.claims.is_empty() {
-                self.findings.push(
+        if let Some(planned) = self.plan.phases.last_mut() {
+            planned.events.end = end;
+            if start == end && planned.claims.is_empty() {
+                let mut finding =
                     Finding::new(Code::EmptyPhase, "a phase without captures or releases")
                         .label(site, "ends as soon as it begins")
-                        .help("remove it, or check the ranges of its loops"),
-                );
+                        .help("remove it, or check the ranges of its loops");
+                if phase.body.is_empty() && item.docs.0.is_none() {
+                    finding.fix = self.without(item);
+                }
+                self.findings.push(finding);
             }
         }
+    }
+
+    /// The removal of a block, if not even a comment stands in it.
+    fn without(&self, block: &Item) -> Option<Fix> {
+        let site = self.site(block.span);
+        if block.span.len() > LONG {
+            return None;
+        }
+        let (_, body) = self.sources.text(site).split_once('{')?;
+        let title = format!("remove {}", block.noun().replacen("a ", "the ", 1));
+        (body.trim() == "}").then(|| Fix::remove(removal(self.sources, site), title))
     }
 
     /// Adds the place where the pattern at hand is grown, if there is one.

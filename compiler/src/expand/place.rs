@@ -7,7 +7,7 @@ use super::Expander;
 use super::scope::Value;
 use crate::finding::{Code, Finding};
 use crate::plan::Key;
-use crate::suggest::suggest;
+use crate::suggest::{Suggestion, nearest};
 use crate::table::RoleId;
 
 /// A place, worked out.
@@ -112,7 +112,7 @@ impl Expander<'_, '_> {
         let word = self.symbols.word(segment.name.symbol);
         let faces = Face::ALL.map(Face::word);
         let wanted = self.symbols.word(next.name.symbol);
-        let meant = suggest(wanted, faces);
+        let meant = face_meant(wanted).or_else(|| nearest(wanted, faces));
         let is_block = self.plan.roles.get(&key).is_some();
         let finding = if !ranged && next.index.is_none() && (is_block || meant.is_some()) {
             Finding::new(
@@ -120,9 +120,9 @@ impl Expander<'_, '_> {
                 format!("`{wanted}` is no face of `{word}`"),
             )
             .label(self.site(next.name.span), "not known here")
-            .help(meant.unwrap_or_else(|| {
+            .suggest(self.site(next.name.span), meant, || {
                 "the faces are up, down, north, south, east and west".to_owned()
-            }))
+            })
         } else if ranged {
             Finding::new(Code::RangeMisused, "a range of instances")
                 .label(self.site(segment.name.span), "one instance is needed here")
@@ -133,10 +133,22 @@ impl Expander<'_, '_> {
                 format!("no instance of a pattern is called `{word}`"),
             )
             .label(self.site(segment.name.span), "not known here")
-            .help(format!(
-                "name the instance where it grows: `tower(A, 2) as {word}`; \
-                 what a pattern builds is known behind that statement"
-            ))
+            .suggest(
+                self.site(segment.name.span),
+                nearest(
+                    word,
+                    self.plan
+                        .roles
+                        .instances(scope)
+                        .map(|known| self.symbols.word(known)),
+                ),
+                || {
+                    format!(
+                        "name the instance where it grows: `tower(A, 2) as {word}`; \
+                         what a pattern builds is known behind that statement"
+                    )
+                },
+            )
         };
         self.findings.push(self.in_instance(finding));
         None
@@ -235,5 +247,24 @@ impl Expander<'_, '_> {
             .label(self.site(segment.name.span), "stands for something else")
             .help("blocks, numbers and parameters need different names");
         self.findings.push(self.in_instance(finding));
+        self.scope.forget(segment.name.symbol);
     }
+}
+
+/// The face that another word for a side is probably meant to be.
+fn face_meant(word: &str) -> Option<Suggestion> {
+    let (face, clear) = match word {
+        "top" | "above" | "upper" => (Face::Up, true),
+        "bottom" | "below" | "lower" => (Face::Down, true),
+        // East is to the right only for a reader of a map.
+        "right" => (Face::East, false),
+        "left" => (Face::West, false),
+        "back" | "behind" => (Face::North, false),
+        "front" => (Face::South, false),
+        _ => return None,
+    };
+    Some(Suggestion {
+        word: face.word().to_owned(),
+        clear,
+    })
 }

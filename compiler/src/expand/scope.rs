@@ -97,6 +97,18 @@ impl Scope {
         old
     }
 
+    /// Makes a parameter or counter stand for nothing that is known, once it has been told of.
+    pub fn forget(&mut self, word: Symbol) {
+        let floor = self.floor;
+        let last = self
+            .words
+            .get_mut(&word)
+            .and_then(|bindings| bindings.last_mut());
+        if let Some(binding) = last.filter(|binding| binding.level >= floor && floor > 0) {
+            binding.value = Value::Unknown;
+        }
+    }
+
     /// What a word stands for.
     pub fn get(&self, word: Symbol) -> Option<Value> {
         /// The levels of the file and of the assembly.

@@ -1,6 +1,6 @@
 //! The seed plate.
 use stochc_grammar::Span;
-use stochc_grammar::tree::{Expr, Seat};
+use stochc_grammar::tree::{Expr, Item, Seat};
 
 use super::{Expander, duplicate};
 use crate::finding::{Code, Finding};
@@ -63,7 +63,7 @@ impl<'a> Expander<'a, '_> {
     }
 
     /// One seed.
-    pub fn seat(&mut self, seat: &'a Seat) {
+    pub fn seat(&mut self, seat: &'a Seat, item: &Item) {
         let site = self.site(seat.place.span);
         let key = self.single_key(&seat.place);
         let (x, y) = (self.evaluate(&seat.at.0), self.evaluate(&seat.at.1));
@@ -105,7 +105,13 @@ impl<'a> Expander<'a, '_> {
         }
         // Unless a statement that does not belong in a plate came first; that has been told of.
         if role.0 as usize == self.plan.seeds.len() {
-            self.plan.seeds.push(Seed { role, cell, site });
+            let statement = item.docs.0.is_none().then(|| self.site(item.span));
+            self.plan.seeds.push(Seed {
+                role,
+                cell,
+                site,
+                statement,
+            });
         }
     }
 }

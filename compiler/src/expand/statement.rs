@@ -7,9 +7,9 @@ use stochc_grammar::{Face, Span};
 use super::Expander;
 use super::scope::Value;
 use crate::Site;
-use crate::finding::{Code, Finding};
+use crate::finding::{Code, Finding, Fix};
 use crate::plan::{After, Deed, Event, EventId, Key};
-use crate::suggest::suggest;
+use crate::suggest::nearest;
 use crate::table::RoleId;
 
 impl<'a> Expander<'a, '_> {
@@ -42,11 +42,12 @@ impl<'a> Expander<'a, '_> {
                         continue;
                     };
                     if !blocks.ranged {
-                        self.findings.push(
+                        let mut finding =
                             Finding::new(Code::RangeMisused, "`->>` needs a range of blocks")
                                 .label(self.site(link.place.span), "a single block")
-                                .help("write a range such as `T[1..12]`, or `->` for one block"),
-                        );
+                                .help("write a range such as `T[1..12]`, or `->` for one block");
+                        finding.fix = self.single_arrow(parent_place, &link.place);
+                        self.findings.push(finding);
                     }
                     let used = self.face(parent, face, parent_place);
                     for key in blocks.keys {
@@ -66,18 +67,31 @@ impl<'a> Expander<'a, '_> {
         }
         if let (Some(_), Some(last)) = (face, chain.links.last()) {
             let span = last.place.face.map_or(last.place.span, |(_, span)| span);
-            self.findings.push(
-                Finding::new(
-                    Code::FaceMisused,
-                    "a face at the end of a chain captures nothing",
-                )
-                .label(self.site(span), "nothing follows")
-                .help("leave the face out, or write what it captures: `-> X`"),
-            );
+            let mut finding = Finding::new(
+                Code::FaceMisused,
+                "a face at the end of a chain captures nothing",
+            )
+            .label(self.site(span), "nothing follows")
+            .help("leave the face out, or write what it captures: `-> X`");
+            if last.place.face.is_some() {
+                let dotted = self.site(Span::new(span.start - 1, span.end));
+                // Something may have been forgotten behind it.
+                finding.fix = Some(Fix::remove(dotted, "leave the face out").unsafe_if(true));
+            }
+            self.findings.push(finding);
         }
         if (first.0 as usize) < self.plan.events.len() {
             self.after(first, &chain.after);
         }
+    }
+
+    /// The arrow between two places for one block, if nothing else stands there.
+    fn single_arrow(&self, parent: &Place, child: &Place) -> Option<Fix> {
+        let between = self.site(Span::new(parent.span.end, child.span.start));
+        let text = self.sources.text(between);
+        let start = between.span.start + text.find("->>")? as u32;
+        let arrow = self.site(Span::new(start, start + "->>".len() as u32));
+        (text.trim() == "->>").then(|| Fix::replace(arrow, "->", "write `->`"))
     }
 
     /// The face that captures next.
@@ -90,7 +104,15 @@ impl<'a> Expander<'a, '_> {
                     .label(self.site(place.span), "through which of its faces?")
                     .help(format!(
                         "write `{name}.up`, or another of up, down, north, south, east, west"
-                    )),
+                    ))
+                    .fix(
+                        Fix::replace(
+                            self.site(Span::new(place.span.end, place.span.end)),
+                            ".up",
+                            "add `.up`",
+                        )
+                        .unsafe_if(true),
+                    ),
             );
         }
         face
@@ -177,13 +199,15 @@ impl<'a> Expander<'a, '_> {
         let Some(&(file, pattern)) = self.patterns.get(&name) else {
             let word = self.symbols.word(name);
             let known = self.patterns.keys().map(|&known| self.symbols.word(known));
-            let help = suggest(word, known)
-                .unwrap_or_else(|| format!("declare it: `pattern {word}(base) {{ ... }}`"));
-            self.findings.push(
-                Finding::new(Code::UnknownName, format!("no pattern is called `{word}`"))
-                    .label(site, "not known here")
-                    .help(help),
-            );
+            let finding = Finding::new(Code::UnknownName, format!("no pattern is called `{word}`"))
+                .label(site, "not known here")
+                .suggest(site, nearest(word, known), || match word {
+                    "allow" | "deny" => format!(
+                        "a level is set without parentheses: `{word} unused-seed \"reason\"`"
+                    ),
+                    _ => format!("declare it: `pattern {word}(base) {{ ... }}`"),
+                });
+            self.findings.push(finding);
             return;
         };
         if let Some(depth) = self.instances.iter().position(|&(outer, _)| outer == name) {

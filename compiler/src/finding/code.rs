@@ -29,7 +29,7 @@ macro_rules! codes {
                 match self { $(Code::$variant => $name,)* }
             }
 
-            /// How bad it is.
+            /// How bad it is, unless the file or the command line says otherwise.
             pub const fn severity(self) -> Severity {
                 match self { $(Code::$variant => Severity::$severity,)* }
             }
@@ -56,6 +56,7 @@ codes! {
     Error NumberTooLarge "number-too-large"
     Error TooDeep "too-deep"
     Error StatementTooLong "statement-too-long"
+    Error MissingReason "missing-reason"
     Error DanglingDoc "dangling-doc"
     Error TooManyErrors "too-many-errors"
 
@@ -90,6 +91,9 @@ codes! {
     Error BelowPlate "below-plate"
     Error OccupiedCell "occupied-cell"
     Error Adrift "adrift"
+    Error SealedCavity "sealed-cavity"
+    Warning TightApproach "tight-approach"
+    Warning ReachUndecided "reach-undecided"
     Error ShapeMismatch "shape-mismatch"
     Error ShapeMalformed "shape-malformed"
 
@@ -102,9 +106,20 @@ codes! {
     Error DuplicateTerm "duplicate-term"
     Error WrongDimension "wrong-dimension"
     Error WrongValue "wrong-value"
+
+    Error UnknownCode "unknown-code"
+    Error FixedLevel "fixed-level"
+    Warning UnusedAllow "unused-allow"
 }
 
 impl Code {
+    /// The name most like one that no code has, if one is near enough.
+    pub fn nearest(name: &str) -> Option<&'static str> {
+        let known = Code::ALL.iter().map(|code| code.name());
+        crate::suggest::nearest(name, known)
+            .and_then(|meant| Code::from_name(&meant.word).map(Code::name))
+    }
+
     /// The code with a name.
     pub fn from_name(name: &str) -> Option<Code> {
         Code::ALL.iter().copied().find(|code| code.name() == name)

@@ -68,16 +68,16 @@ impl<'a> Picture<'a> {
         };
         Picture {
             code: Some(finding.code.name()),
-            severity: finding.code.severity(),
+            severity: finding.severity,
             title: visible(&finding.title),
-            help: finding.help.as_deref().map(visible),
+            help: advice(finding).as_deref().map(visible),
             excerpt: home.map(|file| Excerpt(sources.file(file))),
             labels: home.map(part).unwrap_or_default(),
             related: elsewhere
                 .into_iter()
                 .map(|file| Picture {
                     code: None,
-                    severity: finding.code.severity(),
+                    severity: finding.severity,
                     title: format!("in {}", sources.file(file).name),
                     help: None,
                     excerpt: Some(Excerpt(sources.file(file))),
@@ -87,6 +87,35 @@ impl<'a> Picture<'a> {
                 .collect(),
         }
     }
+}
+
+/// The help, and the change that would mend it if the help does not say so.
+fn advice(finding: &Finding) -> Option<String> {
+    let help = finding.help.as_deref();
+    let Some(fix) = &finding.fix else {
+        return help.map(str::to_owned);
+    };
+    let new = match &fix.edits[..] {
+        [edit] if !edit.text.contains('\n') => edit.text.trim(),
+        _ => "",
+    };
+    let says = |text: &str| !text.is_empty() && text.contains(new) && !new.is_empty();
+    // What may be taken away has been spoken of.
+    let told = !fix.safe && new.is_empty() && help.is_some();
+    if told || help.is_some_and(says) {
+        return help.map(str::to_owned);
+    }
+    let mut line = match fix.safe {
+        true => format!("`stochc check --fix` can {}", fix.title),
+        false => format!("perhaps {}", fix.title),
+    };
+    if !new.is_empty() && !says(&fix.title) {
+        line.push_str(&format!(": `{new}`"));
+    }
+    Some(match help {
+        Some(help) => format!("{help}\n{line}"),
+        None => line,
+    })
 }
 
 fn labeled(label: &Label) -> LabeledSpan {
@@ -115,7 +144,7 @@ pub fn visible(text: &str) -> String {
 }
 
 /// Whether a character acts on a terminal, or is not seen there.
-pub(crate) fn is_hostile(c: char) -> bool {
+pub fn is_hostile(c: char) -> bool {
     c.is_control()
         || matches!(c, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}')
 }

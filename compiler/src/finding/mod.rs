@@ -1,19 +1,26 @@
 //! What the compiler has to say about a program.
 mod code;
+mod fix;
 mod graphical;
+mod mended;
+mod slips;
 mod syntax;
 
 pub use code::{Code, Severity};
-pub(crate) use graphical::is_hostile;
-pub use graphical::{Renderer, visible};
+pub(crate) use fix::{LONG, entry, named, removal};
+pub use graphical::{Renderer, is_hostile, visible};
+pub use mended::mended;
 
 use crate::Site;
+use crate::suggest::Suggestion;
 
 /// One message, with the places it speaks of.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Finding {
     /// Its kind; what `stochc explain` takes.
     pub code: Code,
+    /// How bad it is: as its kind is, unless the file or the command line denies a warning.
+    pub severity: Severity,
     /// The message, in one line.
     pub title: String,
     /// The places, the one to look at first at the front; empty only if there is no text to show.
@@ -76,6 +83,7 @@ impl Finding {
     pub fn new(code: Code, title: impl Into<String>) -> Finding {
         Finding {
             code,
+            severity: code.severity(),
             title: title.into(),
             labels: Vec::new(),
             help: None,
@@ -107,8 +115,28 @@ impl Finding {
         self
     }
 
+    /// Says which known word the one at `site` is probably meant to be, or else what to do.
+    #[must_use]
+    pub(crate) fn suggest(
+        mut self,
+        site: Site,
+        meant: Option<Suggestion>,
+        otherwise: impl FnOnce() -> String,
+    ) -> Finding {
+        let Some(meant) = meant else {
+            return self.help(otherwise());
+        };
+        self.fix = Some(meant.fix(site));
+        self.help(meant.help())
+    }
+
+    /// Whether it is a warning that counts as an error.
+    pub(crate) fn is_denied(&self) -> bool {
+        self.is_error() && self.code.severity() == Severity::Warning
+    }
+
     /// Whether the program is wrong, not merely suspicious.
     pub fn is_error(&self) -> bool {
-        self.code.severity() == Severity::Error
+        self.severity == Severity::Error
     }
 }

@@ -3,23 +3,35 @@ use stochc_grammar::{
     MAX_DEPTH, MAX_ERRORS, MAX_STATEMENT, MAX_TERMS, SyntaxError, SyntaxErrorKind as K,
 };
 
-use super::{Code, Finding};
-use crate::suggest::suggest;
-use crate::{FileId, Site};
+use super::slips::Slip;
+use super::{Code, Edit, Finding, Fix};
+use crate::{FileId, Site, Span};
 
 impl Finding {
-    /// A finding for a place where a text is not a program.
-    pub fn from_syntax(file: FileId, error: &SyntaxError) -> Finding {
+    /// A finding for a place where a text is not a program; `text` is all of it.
+    pub fn from_syntax(file: FileId, error: &SyntaxError, text: &str) -> Finding {
         let site = Site {
             file,
             span: error.span,
         };
+        let mut finding = Finding::of_kind(site, error, text);
+        finding.fix = finding.fix.take().or_else(|| fix(site, error, text));
+        finding
+    }
+
+    fn of_kind(site: Site, error: &SyntaxError, text: &str) -> Finding {
         match &error.kind {
             K::Unexpected {
                 found,
                 expected,
                 behind,
-            } => unexpected(site, found, expected, behind),
+            } => unexpected(&Slip {
+                site,
+                found,
+                expected,
+                behind,
+                text,
+            }),
             K::Unclosed => Finding::new(Code::UnclosedBrace, "a block is not closed")
                 .label(site, "opened here")
                 .help("write `}` where the block ends"),
@@ -74,6 +86,9 @@ impl Finding {
             )
             .label(site, "begins here")
             .help("break it up: a chain may go on in the next statement with its last block"),
+            K::MissingReason => Finding::new(Code::MissingReason, "no reason is given")
+                .label(site, "why?")
+                .help("say in quotation marks why: `allow unused-seed \"it marks the corner\"`"),
             K::DanglingDoc => Finding::new(Code::DanglingDoc, "a `///` comment with nothing below")
                 .label(site, "belongs to nothing")
                 .help("use `//` for a free comment"),
@@ -89,16 +104,28 @@ impl Finding {
     }
 }
 
-fn unexpected(site: Site, found: &str, expected: &[&str], behind: &str) -> Finding {
+fn unexpected(slip: &Slip<'_>) -> Finding {
+    let &Slip {
+        site,
+        found,
+        expected,
+        ..
+    } = slip;
     if found.starts_with('\u{feff}') {
+        let start = site.span.start;
+        let mark = Site {
+            span: Span::new(start, start + '\u{feff}'.len_utf8() as u32),
+            ..site
+        };
         return Finding::new(Code::Syntax, "a byte-order mark")
             .label(site, "an invisible sign of three bytes")
-            .help("save the file as UTF-8 without a byte-order mark");
+            .help("save the file as UTF-8 without a byte-order mark")
+            .fix(Fix::remove(mark, "remove the mark"));
     }
     let list = alternatives(expected);
     let shown = match found {
         "" => "the end of the file".to_owned(),
-        word => format!("`{}`", visible(word)),
+        word => format!("`{}`", spelt(word)),
     };
     let title = match list.as_str() {
         "" => format!("did not expect {shown}"),
@@ -109,44 +136,56 @@ fn unexpected(site: Site, found: &str, expected: &[&str], behind: &str) -> Findi
     } else {
         "here"
     };
-    let finding = Finding::new(Code::Syntax, title).label(site, label);
-    match advice(found, expected, behind) {
-        Some(help) => finding.help(help),
-        None => finding,
-    }
+    let mut finding = Finding::new(Code::Syntax, title).label(site, label);
+    (finding.help, finding.fix) = slip.advice();
+    finding
 }
 
-/// What to do about the most frequent slips.
-fn advice(found: &str, expected: &[&str], behind: &str) -> Option<String> {
-    /// Words that begin something.
-    const FIRST: [&str; 12] = [
-        "assembly", "for", "import", "layer", "let", "pattern", "phase", "release", "scene",
-        "seed", "shape", "yields",
-    ];
-    let is_expected = |sign: &str| expected.contains(&sign);
-    if is_expected("`->`") && !behind.is_empty() && !FIRST.contains(&behind) {
-        return Some(suggest(behind, FIRST).unwrap_or_else(|| {
-            let behind = visible(behind);
-            format!("`{behind}` alone is no statement: is a comma or a brace missing before it?")
-        }));
-    }
-    let help = match found {
-        ";" => "remove it: nothing stands between two statements",
-        "/" => "a comment runs from `//` to the end of its line",
-        "#" if !is_expected("a row of `#` and `.`") => {
-            "a comment runs from `//` to the end of its line"
-        }
-        "\"" | "'" => "a file name stands between two `\"`, in one line",
-        "=" | "-" | "\u{2192}" | "\u{2013}" | "\u{2014}" if is_expected("`->`") => {
-            "an arrow is written `->`, and `->>` for a row of blocks"
-        }
-        _ => return None,
+/// How errors of syntax other than a wrong word are mended.
+fn fix(site: Site, error: &SyntaxError, text: &str) -> Option<Fix> {
+    let (start, end) = (site.span.start as usize, site.span.end as usize);
+    let part = |start: usize, end: usize| Site {
+        span: Span::new(start as u32, end as u32),
+        ..site
     };
-    Some(help.to_owned())
+    Some(match &error.kind {
+        K::DanglingDoc => {
+            let mut fix = Fix {
+                title: "make it a free comment with `//`".to_owned(),
+                edits: Vec::new(),
+                safe: true,
+            };
+            // The lines right below are part of it.
+            let mut at = start;
+            for line in text.get(start..)?.split_inclusive('\n') {
+                let doc = line.trim_start();
+                if !doc.starts_with("///") || doc.starts_with("////") {
+                    break;
+                }
+                let slashes = at + line.len() - doc.len();
+                fix.edits.push(Edit {
+                    site: part(slashes, slashes + 3),
+                    text: "//".to_owned(),
+                });
+                at += line.len();
+            }
+            fix
+        }
+        K::FaceMisused { hint } if hint.starts_with("a block is meant") => {
+            let dot = text.get(..start)?.strip_suffix('.')?.len();
+            Fix::remove(part(dot, end), "leave the face out")
+        }
+        K::ReservedWord { word } => {
+            let name = format!("{word}_1");
+            Fix::replace(site, &name, format!("call it `{name}`")).unsafe_if(true)
+        }
+        K::Unopened => Fix::remove(site, "remove it").unsafe_if(true),
+        _ => return None,
+    })
 }
 
 /// Spells out what would not be seen, such as a character without width.
-fn visible(word: &str) -> String {
+pub(super) fn spelt(word: &str) -> String {
     let mut text = String::new();
     for c in word.chars() {
         match c {

@@ -275,8 +275,9 @@ impl Resolver {
                     self.pattern(pattern, Within::OwnPattern(number));
                 }
             }
-            // Numbers in a shape have no names; the others do not belong here.
-            ItemKind::Shape(_)
+            // Codes of findings are no names of the program, and numbers in a shape have none; the others do not belong here.
+            ItemKind::Level(_)
+            | ItemKind::Shape(_)
             | ItemKind::Assembly(_)
             | ItemKind::Scene(_)
             | ItemKind::Import(_) => {}

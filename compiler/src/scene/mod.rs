@@ -4,10 +4,12 @@
 //! runtime must not compute it, not even with a zero.
 mod builtin;
 mod read;
+mod spelling;
 mod units;
 
 pub use builtin::{BUILT_IN, DEFAULT, built_in};
 pub(crate) use read::read;
+pub(crate) use spelling::unit_meant;
 
 use serde::{Deserialize, Serialize};
 

@@ -2,13 +2,14 @@
 use stochc_grammar::tree::{Name, Quantity, Term};
 use stochc_grammar::{Span, Symbols};
 
+use super::unit_meant;
 use super::units::{Dimension, to_si};
 use super::{
     Agitation, Anchor, Arrangement, Block, Bond, Contact, Drag, Enclosure, Free, Measure, Messages,
     Reach, Scene,
 };
-use crate::finding::{Code, Finding, tell};
-use crate::suggest::suggest;
+use crate::finding::{Code, Finding, Fix, tell};
+use crate::suggest::nearest;
 use crate::{FileId, Site};
 
 /// The clauses that a scene may have.
@@ -100,7 +101,7 @@ pub fn read(
         findings,
     };
     let mut seen: Vec<Name> = Vec::new();
-    while let Some(clause) = reader.head(&CLAUSES, "clause of a scene") {
+    while let Some(clause) = reader.head(&CLAUSES, "clause of a scene", &seen) {
         reader.once(&mut seen, clause);
         reader.clause(clause, &mut draft);
     }
@@ -250,8 +251,11 @@ impl<'a> Reader<'a, '_> {
             "pull" => pull = r.reach(),
             "align" => align = r.reach(),
             _ => {
-                let Some(word) = r.head(&["centres", "gap"], "measure of the anchoring distance")
-                else {
+                let Some(word) = r.head(
+                    &["centres", "gap"],
+                    "measure of the anchoring distance",
+                    &[],
+                ) else {
                     return;
                 };
                 let measure = match r.word_of(word) {
@@ -324,7 +328,7 @@ impl<'a> Reader<'a, '_> {
             findings: &mut *self.findings,
         };
         let mut seen: Vec<Name> = Vec::new();
-        while let Some(field) = inner.head(known, "field") {
+        while let Some(field) = inner.head(known, "field", &seen) {
             inner.once(&mut seen, field);
             let word = inner.word_of(field);
             read(&mut inner, word);
@@ -342,7 +346,7 @@ impl<'a> Reader<'a, '_> {
     }
 
     /// The next word, which has to be one of `known`; skips what is none, and tells of it once.
-    fn head(&mut self, known: &[&str], noun: &str) -> Option<Name> {
+    fn head(&mut self, known: &[&str], noun: &str, said: &[Name]) -> Option<Name> {
         let mut told = false;
         loop {
             let term = self.terms.next()?;
@@ -353,10 +357,17 @@ impl<'a> Reader<'a, '_> {
                     return Some(*name);
                 }
                 if !told {
-                    let help = suggest(word, known)
-                        .unwrap_or_else(|| format!("known are {}", known.join(", ")));
+                    let site = self.site(name.span);
                     let title = format!("`{word}` is no {noun}");
-                    self.tell(Code::UnknownTerm, title, name.span, "not known here", help);
+                    let mut meant = nearest(word, known);
+                    if let Some(meant) = &mut meant {
+                        // Nothing is said twice.
+                        meant.clear &= !said.iter().any(|name| self.word_of(*name) == meant.word);
+                    }
+                    let finding = Finding::new(Code::UnknownTerm, title)
+                        .label(site, "not known here")
+                        .suggest(site, meant, || format!("known are {}", known.join(", ")));
+                    tell(self.findings, finding);
                 }
             } else if !told {
                 let span = span(term);
@@ -373,17 +384,27 @@ impl<'a> Reader<'a, '_> {
         if self.next_is(word) {
             return;
         }
+        let help = format!("`{word}` is the only kind there is");
         let (found, span) = match self.terms.peek() {
             Some(Term::Word(name)) => {
-                let found = (format!("`{}`", self.word_of(*name)), name.span);
+                let found = self.word_of(*name);
                 self.terms.next();
-                found
+                let site = self.site(name.span);
+                let fix = nearest(found, [word]).map_or_else(
+                    || Fix::replace(site, word, format!("write `{word}`")).unsafe_if(true),
+                    |meant| meant.fix(site),
+                );
+                let title = format!("expected `{word}`, found `{found}`");
+                let finding = Finding::new(Code::UnknownTerm, title)
+                    .label(site, "here")
+                    .help(help)
+                    .fix(fix);
+                return tell(self.findings, finding);
             }
-            Some(term) => ("something else".to_owned(), span(term)),
-            None => ("nothing".to_owned(), self.place),
+            Some(term) => ("something else", span(term)),
+            None => ("nothing", self.place),
         };
         let title = format!("expected `{word}`, found {found}");
-        let help = format!("`{word}` is the only kind there is");
         self.tell(Code::UnknownTerm, title, span, "here", help);
     }
 
@@ -426,16 +447,16 @@ impl<'a> Reader<'a, '_> {
             && !WORDS.contains(&self.word_of(name))
         {
             self.terms.next();
-            let label = format!("`{}` is no unit", self.word_of(name));
-            let help = "units are those of the SI, with prefixes such as `m` and `k`, and min, h, \
-                        L, rev, deg and ticks";
-            self.tell(
-                Code::WrongDimension,
-                title,
-                name.span,
-                &label,
-                help.to_owned(),
-            );
+            let word = self.word_of(name);
+            let site = self.site(name.span);
+            let finding = Finding::new(Code::WrongDimension, title)
+                .label(site, format!("`{word}` is no unit"))
+                .suggest(site, unit_meant(word), || {
+                    "units are those of the SI, with prefixes such as `m` and `k`, and min, h, \
+                     L, rev, deg and ticks"
+                        .to_owned()
+                });
+            tell(self.findings, finding);
             return None;
         }
         let label = match found {

@@ -7,8 +7,9 @@ use super::frame::{Content, Mode};
 use super::{Parser, Rule, span_of};
 use crate::error::SyntaxErrorKind;
 use crate::tree::{
-    Argument, Arrow, Assembly, Chain, Expr, For, Import, Instance, Item, ItemKind, Let, Link, Name,
-    Pattern, Phase, Place, Release, Scene, Seat, Seed, Segment, Shape, Subject,
+    Argument, Arrow, Assembly, Chain, Expr, For, Import, Instance, Item, ItemKind, Let, Level,
+    Link, Name, Pattern, Phase, Place, Release, Scene, Seat, Seed, Segment, Shape, Subject,
+    Verdict,
 };
 use crate::{Face, Span};
 
@@ -29,6 +30,7 @@ impl Parser<'_, '_> {
             Rule::release => ItemKind::Release(self.release(pair, base)),
             Rule::instance => ItemKind::Instance(Box::new(self.instance(pair, base))),
             Rule::seat => ItemKind::Seat(Box::new(self.seat(pair, base))),
+            Rule::level => ItemKind::Level(Box::new(self.level(pair, base))),
             Rule::yields => ItemKind::Yields(self.first_name(pair, base)),
             Rule::let_ => ItemKind::Let(Box::new(self.let_(pair, base))),
             Rule::import => ItemKind::Import(Box::new(import(pair, base))),
@@ -86,7 +88,7 @@ impl Parser<'_, '_> {
             (K::Yields(_), outer) => (matches!(outer, Some(K::Phase(_))), "a phase"),
             (K::Seat(_), outer) => (matches!(outer, Some(K::Seed(_))), "`seed plate`"),
             (K::For(_), outer) => (outer.is_some(), "an assembly"),
-            (K::Let(_), _) => (true, ""),
+            (K::Let(_) | K::Level(_), _) => (true, ""),
             (K::Phase(_) | K::Seed(_), outer) => {
                 (matches!(outer, Some(K::Assembly(_))), "an assembly")
             }
@@ -331,6 +333,32 @@ impl Parser<'_, '_> {
             span: Span::default(),
         });
         Seat { place, at: two(at) }
+    }
+
+    fn level(&mut self, pair: Pair<'_, Rule>, base: usize) -> Level {
+        let mut level = Level {
+            verdict: Verdict::Allow,
+            code: Name {
+                symbol: self.symbols.intern(""),
+                span: span_of(&pair, base),
+            },
+            reason: String::new(),
+        };
+        for part in pair.into_inner() {
+            match part.as_rule() {
+                Rule::code => level.code = self.word(&part, base),
+                Rule::string => part
+                    .as_str()
+                    .trim_matches('"')
+                    .clone_into(&mut level.reason),
+                _ if part.as_str() == Verdict::Deny.word() => level.verdict = Verdict::Deny,
+                _ => {}
+            }
+        }
+        if level.reason.trim().is_empty() {
+            self.error(SyntaxErrorKind::MissingReason, level.code.span);
+        }
+        level
     }
 
     fn let_(&mut self, pair: Pair<'_, Rule>, base: usize) -> Let {

@@ -13,6 +13,7 @@ pub fn word(rule: Rule) -> Option<&'static str> {
         Rule::range => "a range such as `1..4`",
         Rule::quantity | Rule::number | Rule::span_of_values => "a value with its unit",
         Rule::string => "a file name in quotation marks",
+        Rule::code => "the code of a finding",
         Rule::row => "a row of `#` and `.`",
         Rule::argument => "an argument",
         Rule::subject => "a block to wait for",

@@ -3,15 +3,19 @@ use proptest::prelude::*;
 use proptest::sample::select;
 use stochc_grammar::tree::{
     Argument, Arrow, Assembly, Chain, Docs, Entry, Expr, ExprKind, For, Import, Instance, Item,
-    ItemKind, Layer, Let, Link, Name, Operator, Pattern, Phase, Place, Quantity, Release, Row,
-    Scene, Seat, Seed, Segment, Shape, Subject, Term, Tree, UnitFactor,
+    ItemKind, Layer, Let, Level, Link, Name, Operator, Pattern, Phase, Place, Quantity, Release,
+    Row, Scene, Seat, Seed, Segment, Shape, Subject, Term, Tree, UnitFactor, Verdict,
 };
 use stochc_grammar::{Face, Span, Symbols};
 
 /// Names that look like words of the language, units or signs, and are none.
-const NAMES: [&str; 12] = [
-    "E", "T", "tower", "_", "_b2", "x", "m", "s", "after_", "iffor", "upward", "a9",
+const NAMES: [&str; 14] = [
+    "E", "T", "tower", "_", "_b2", "x", "m", "s", "after_", "iffor", "upward", "a9", "allow",
+    "deny",
 ];
+
+/// Codes of findings, some of which are names or words of the language.
+const CODES: [&str; 6] = ["unused-seed", "a-b2-c_d", "tower", "at", "up", "shape-9"];
 
 /// Words of a scene may be words of the language, and units where no value stands before them.
 const WORDS: [&str; 10] = [
@@ -21,7 +25,7 @@ const WORDS: [&str; 10] = [
 /// The words of all random trees, so that a strategy need not carry them along.
 pub fn symbols() -> Symbols {
     let mut symbols = Symbols::new();
-    for word in NAMES.into_iter().chain(WORDS) {
+    for word in NAMES.into_iter().chain(WORDS).chain(CODES) {
         symbols.intern(word);
     }
     symbols
@@ -221,6 +225,18 @@ fn let_() -> BoxedStrategy<Item> {
     item((name(), expr()).prop_map(|(name, value)| ItemKind::Let(Box::new(Let { name, value }))))
 }
 
+fn level() -> BoxedStrategy<Item> {
+    let verdict = select(vec![Verdict::Allow, Verdict::Deny]);
+    let level = (verdict, select(&CODES[..]), "[ -!#-~µ/]{0,12}[!-~&&[^\"]]");
+    item(level.prop_map(|(verdict, code, reason)| {
+        ItemKind::Level(Box::new(Level {
+            verdict,
+            code: named(code),
+            reason,
+        }))
+    }))
+}
+
 /// A loop over some items, in themselves or not.
 fn repeated(inner: BoxedStrategy<Item>) -> BoxedStrategy<Item> {
     inner
@@ -263,6 +279,7 @@ fn growth() -> BoxedStrategy<Item> {
             1 => item(release),
             2 => item(instance),
             1 => let_(),
+            1 => level(),
         ]
         .boxed(),
     )
@@ -303,7 +320,7 @@ fn assembly() -> BoxedStrategy<Item> {
     let seat = item(
         (block(), range()).prop_map(|(place, at)| ItemKind::Seat(Box::new(Seat { place, at }))),
     );
-    let seats = prop::collection::vec(repeated(prop_oneof![seat, let_()].boxed()), 0..4);
+    let seats = prop::collection::vec(repeated(prop_oneof![seat, let_(), level()].boxed()), 0..4);
     let seed = item(
         (range(), seats).prop_map(|(size, body)| ItemKind::Seed(Box::new(Seed { size, body }))),
     );
@@ -324,6 +341,7 @@ fn assembly() -> BoxedStrategy<Item> {
         1 => let_(),
         1 => pattern(),
         1 => shape(),
+        1 => level(),
     ];
     let body = prop::collection::vec(part, 0..4);
     item(
@@ -351,6 +369,7 @@ pub fn tree() -> impl Strategy<Value = Tree> {
         1 => shape(),
         2 => scene,
         1 => let_(),
+        1 => level(),
         1 => import,
     ];
     prop::collection::vec(top, 0..4).prop_map(|items| Tree { items })

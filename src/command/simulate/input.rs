@@ -1,7 +1,7 @@
 //! Files or a manifest to programs that are ready to run.
 use std::collections::HashMap;
 
-use stochc_compiler::{Checked, Limits};
+use stochc_compiler::{Checked, Levels, Limits};
 use stochc_runtime::{Model, Settings};
 
 use super::super::check::verdict;
@@ -18,7 +18,7 @@ const SOLVER_ITERATIONS: &str = "solver_iterations";
 /// The manifest of what is asked for, and its programs.
 pub fn prepare(options: &Options) -> Result<(Manifest, Vec<Ready>), Exit> {
     match &options.manifest {
-        Some(path) => from_manifest(path),
+        Some(path) => from_manifest(path, &options.levels.levels),
         None => from_files(options),
     }
 }
@@ -28,7 +28,7 @@ fn from_files(options: &Options) -> Result<(Manifest, Vec<Ready>), Exit> {
     let mut ready = Vec::new();
     let mut wrong = None;
     for file in &options.files {
-        let checked = crate::check(file);
+        let checked = crate::check_with(file, &options.levels.levels);
         match accept(file, checked) {
             Ok(programs) => {
                 for (entry, program) in programs {
@@ -81,7 +81,7 @@ fn accept(file: &str, checked: Checked) -> Result<Vec<(Program, Ready)>, Exit> {
 }
 
 /// Compiles the sources that a manifest holds, and nothing else.
-fn from_manifest(path: &std::path::Path) -> Result<(Manifest, Vec<Ready>), Exit> {
+fn from_manifest(path: &std::path::Path, levels: &Levels) -> Result<(Manifest, Vec<Ready>), Exit> {
     let shown = path.display();
     let bytes =
         std::fs::read(path).map_err(|error| usage(&format!("cannot read `{shown}`: {error}")))?;
@@ -102,7 +102,7 @@ fn from_manifest(path: &std::path::Path) -> Result<(Manifest, Vec<Ready>), Exit>
             .sources
             .first()
             .map_or("", |source| source.path.as_str());
-        let checked = stochc_compiler::check(root, &mut reader, Limits::default());
+        let checked = stochc_compiler::check_with(root, &mut reader, Limits::default(), levels);
         let found = accept(root, checked)?
             .into_iter()
             .find(|(_, program)| program.tables.assembly == entry.assembly);

@@ -2,6 +2,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
+use super::super::levels::LevelOptions;
 use super::super::results::Form;
 
 /// What `simulate` is given.
@@ -52,6 +53,9 @@ pub struct Options {
     /// No progress
     #[arg(long, short)]
     pub quiet: bool,
+    /// What becomes of warnings
+    #[command(flatten)]
+    pub levels: LevelOptions,
 }
 
 /// A model of the physics.

@@ -1,0 +1,136 @@
+//! Changes of the text that mend findings.
+use super::{Edit, Fix};
+use crate::{Site, Sources, Span};
+
+impl Fix {
+    /// Puts `text` in the place of what stands at `site`; safe unless said otherwise.
+    pub(crate) fn replace(site: Site, text: impl Into<String>, title: impl Into<String>) -> Fix {
+        let text = text.into();
+        Fix {
+            title: title.into(),
+            edits: vec![Edit { site, text }],
+            safe: true,
+        }
+    }
+
+    /// Takes away what stands at `site`; safe unless said otherwise.
+    pub(crate) fn remove(site: Site, title: impl Into<String>) -> Fix {
+        Fix::replace(site, "", title)
+    }
+
+    /// Only to be shown.
+    #[must_use]
+    pub(crate) fn unsafe_if(mut self, doubt: bool) -> Fix {
+        self.safe &= !doubt;
+        self
+    }
+}
+
+/// A statement with the blanks that go with it; with its line, if it stands there alone.
+pub(crate) fn removal(sources: &Sources, statement: Site) -> Site {
+    let text = &sources.file(statement.file).text;
+    let is_blank = |c: char| matches!(c, ' ' | '\t' | '\r');
+    let (start, end) = (statement.span.start as usize, statement.span.end as usize);
+    let (before, behind) = (&text[..start], &text[end..]);
+    let blanks_before = start - before.trim_end_matches(is_blank).len();
+    let rest = behind.trim_start_matches(is_blank);
+    let blanks_behind = behind.len() - rest.len();
+    let begins_line = before[..start - blanks_before].ends_with('\n') || start == blanks_before;
+    let (start, end) = match rest.chars().next() {
+        Some('\n') if begins_line => (start - blanks_before, end + blanks_behind + 1),
+        None if begins_line => (start - blanks_before, end + blanks_behind),
+        Some('\n' | '}' | '/') | None if !begins_line => (start - blanks_before, end),
+        _ => (start, end + blanks_behind),
+    };
+    Site {
+        file: statement.file,
+        span: Span::new(start as u32, end as u32),
+    }
+}
+
+/// The place of a name at the beginning of `site`, if it is written there as it is told.
+pub(crate) fn named(sources: &Sources, site: Site, name: &str) -> Option<Site> {
+    let rest = sources.text(site).strip_prefix(name)?;
+    let goes_on = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '[');
+    let span = Span::new(site.span.start, site.span.start + name.len() as u32);
+    (!rest.starts_with(goes_on)).then_some(Site { span, ..site })
+}
+
+/// Bytes of a line or block that are looked through, so that many findings in a long one stay quick.
+pub(crate) const LONG: usize = 1 << 12;
+
+/// One entry of the list behind an `after`, with its comma; with the `after`, if it is the only
+/// one. `None` where comments stand between.
+pub(crate) fn entry(sources: &Sources, entry: Site) -> Option<Site> {
+    let text = &sources.file(entry.file).text;
+    let (start, end) = (entry.span.start as usize, entry.span.end as usize);
+    let site = |start: usize, end: usize| Site {
+        span: Span::new(start as u32, end as u32),
+        ..entry
+    };
+    let before = text[..start].trim_end();
+    let line = before
+        .bytes()
+        .rev()
+        .take(LONG)
+        .take_while(|&byte| byte != b'\n');
+    let length = line.count();
+    if length == LONG || before.get(before.len() - length..)?.contains("//") {
+        return None;
+    }
+    if let Some(rest) = before.strip_suffix(',') {
+        return Some(site(rest.len(), end));
+    }
+    let after = before.strip_suffix("after")?.len();
+    let behind = text[end..].trim_start();
+    Some(match behind.strip_prefix(',') {
+        Some(rest) => site(
+            start,
+            text.len() - rest.trim_start_matches([' ', '\t']).len(),
+        ),
+        None => removal(sources, site(after, end)),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The text without its `X`.
+    fn without(text: &str) -> String {
+        let mut sources = Sources::default();
+        let file = sources.add("a.sa", text);
+        let at = text.find('X').unwrap_or(0) as u32;
+        let site = Site {
+            file,
+            span: Span::new(at, at + 1),
+        };
+        let span = removal(&sources, site).span;
+        format!(
+            "{}{}",
+            &text[..span.start as usize],
+            &text[span.end as usize..]
+        )
+    }
+
+    #[test]
+    fn blanks_go_with_a_statement() {
+        for (before, after) in [
+            ("a\n  X\n  b", "a\n  b"),
+            ("a\n  X\r\nb", "a\nb"),
+            ("{ X }", "{ }"),
+            ("{ a  X }", "{ a }"),
+            ("{ X  a }", "{ a }"),
+            ("a X b", "a b"),
+            ("  X  b", "  b"),
+            ("a  X\nb", "a\nb"),
+            ("a X // c", "a // c"),
+            ("  X // c", "  // c"),
+            ("X", ""),
+            ("a\nX", "a\n"),
+            ("{X}", "{}"),
+        ] {
+            assert_eq!(without(before), after, "{before:?}");
+        }
+    }
+}

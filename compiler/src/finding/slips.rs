@@ -1,0 +1,211 @@
+//! The most frequent slips of syntax: what to do about them, and how they are mended.
+use super::{Edit, Fix};
+use crate::scene::unit_meant;
+use crate::suggest::{Suggestion, nearest};
+use crate::{Site, Span};
+
+/// A place where something else had to stand.
+pub struct Slip<'a> {
+    /// What stands there.
+    pub site: Site,
+    /// The text of it, shortened.
+    pub found: &'a str,
+    /// What could have stood there.
+    pub expected: &'a [&'static str],
+    /// The first word of the statement, if it is all that stands before it.
+    pub behind: &'a str,
+    /// The whole file.
+    pub text: &'a str,
+}
+
+/// Words that begin something, and one that goes on with it.
+const FIRST: [&str; 15] = [
+    "after", "allow", "assembly", "deny", "for", "import", "layer", "let", "pattern", "phase",
+    "release", "scene", "seed", "shape", "yields",
+];
+
+impl Slip<'_> {
+    /// What to do, and how.
+    pub fn advice(&self) -> (Option<String>, Option<Fix>) {
+        if let Some((word, meant)) = self.misspelt() {
+            return (Some(meant.help()), Some(meant.fix(word)));
+        }
+        let fix = self.fix();
+        let behind = self.behind;
+        if self.expects("`->`") && !behind.is_empty() && !FIRST.contains(&behind) && fix.is_none() {
+            let behind = super::syntax::spelt(behind);
+            let help = format!(
+                "`{behind}` alone is no statement: is a comma or a brace missing before it?"
+            );
+            return (Some(help), None);
+        }
+        let help = match self.found {
+            ";" => "remove it: nothing stands between two statements",
+            "/" => "a comment runs from `//` to the end of its line",
+            "#" if !self.is_row() => "a comment runs from `//` to the end of its line",
+            "///" => "a comment that belongs to nothing begins with `//`",
+            "\"" | "'" => "a file name stands between two `\"`, in one line",
+            "=" | "-" | ">" | "\u{2192}" | "\u{2013}" | "\u{2014}" if self.expects("`->`") => {
+                "an arrow is written `->`, and `->>` for a row of blocks"
+            }
+            "." | "=" if self.before().ends_with("..") => "a range is written `1..4`",
+            "in" if self.loop_in_parentheses().is_some() => {
+                "a loop is written `for i in 1..4 { ... }`"
+            }
+            _ => return (None, fix),
+        };
+        (Some(help.to_owned()), fix)
+    }
+
+    /// A misspelt word of the language, or a unit.
+    fn misspelt(&self) -> Option<(Site, Suggestion)> {
+        let is_word = |text: &str| text.starts_with(|c: char| c.is_ascii_alphabetic());
+        if is_word(self.found) {
+            let before = self.before().trim_end_matches([' ', '\t']);
+            if self.expects("`{`") && before.ends_with(|c: char| c.is_ascii_digit()) {
+                return unit_meant(self.found).map(|meant| (self.site, meant));
+            }
+            let words = self.expected.iter().map(|word| word.trim_matches('`'));
+            let words = words.filter(|word| word.starts_with(|c: char| c.is_ascii_lowercase()));
+            // Of what is no word of the language, such as `a block`, none is a word either.
+            let meant = nearest(self.found, words.filter(|word| !word.contains(' ')));
+            if let Some(meant) = meant.filter(|_| self.found.len() > 2) {
+                return Some((self.site, meant));
+            }
+        }
+        let word = self.word_behind()?;
+        if !self.expects("`->`") || FIRST.contains(&self.behind) {
+            return None;
+        }
+        nearest(self.behind, FIRST).map(|meant| (word, meant))
+    }
+
+    /// The place of the first word of the statement.
+    fn word_behind(&self) -> Option<Site> {
+        let before = self.before().trim_end();
+        let start = before.strip_suffix(self.behind)?.len();
+        (!self.behind.is_empty()).then(|| self.span(start, before.len()))
+    }
+
+    fn fix(&self) -> Option<Fix> {
+        let at = self.site.span.start as usize;
+        let rest = &self.text[at..];
+        let here = |length: usize| self.span(at, at + length);
+        Some(match self.found {
+            ";" => {
+                let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
+                let joins = self.before().ends_with(is_word) && rest[1..].starts_with(is_word);
+                Fix::replace(here(1), if joins { " " } else { "" }, "remove the `;`")
+            }
+            "#" if self.begins_statement() && !self.is_row() => {
+                let length = rest.len() - rest.trim_start_matches('#').len();
+                // Three slashes would be another kind of comment.
+                let slashes = if rest[length..].starts_with('/') {
+                    "// "
+                } else {
+                    "//"
+                };
+                Fix::replace(here(length), slashes, "begin the comment with `//`")
+            }
+            "/" if rest.starts_with("/*") => {
+                let line = rest.split('\n').next().unwrap_or(rest);
+                let end = 2 + line.get(2..)?.find("*/")?;
+                if !line[end + 2..].trim().is_empty() {
+                    return None;
+                }
+                let site = self.span(at + end, at + end + 2);
+                let mut fix = Fix::replace(here(2), "//", "begin the comment with `//`");
+                fix.edits.push(Edit {
+                    site,
+                    text: String::new(),
+                });
+                fix
+            }
+            "/" if self.begins_statement() => {
+                Fix::replace(here(1), "//", "begin the comment with `//`")
+            }
+            "///" => Fix::replace(here(3), "//", "make it a free comment with `//`"),
+            "." | "=" if self.before().ends_with("..") => {
+                Fix::remove(here(1), "write the range with two dots")
+            }
+            "=" | "-" | ">" | "\u{2192}" | "\u{2013}" | "\u{2014}" if self.expects("`->`") => {
+                self.arrow(rest)?
+            }
+            "in" => {
+                let open = self.loop_in_parentheses()?;
+                let head = rest.split(['\n', '{']).next().unwrap_or(rest);
+                let end = head.rfind(')')?;
+                let mut fix = Fix::remove(self.span(open, open + 1), "remove the parentheses");
+                fix.edits.push(Edit {
+                    site: self.span(at + end, at + end + 1),
+                    text: String::new(),
+                });
+                fix
+            }
+            _ if self.expects("a file name in quotation marks") => {
+                let name = rest.split([' ', '\t', '\r', '\n', ';']).next()?;
+                let plain = name.trim_matches('\'');
+                if !plain.ends_with(".sa") || plain.contains(['"', '\'']) {
+                    return None;
+                }
+                let title = "put the file name in quotation marks";
+                Fix::replace(here(name.len()), format!("\"{plain}\""), title)
+            }
+            _ => return None,
+        })
+    }
+
+    /// The parenthesis of `for (i in`, where this is the `in`.
+    fn loop_in_parentheses(&self) -> Option<usize> {
+        let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
+        let open = self
+            .before()
+            .trim_end()
+            .trim_end_matches(is_word)
+            .trim_end();
+        let before = open.strip_suffix('(')?;
+        let head = before.trim_end().strip_suffix("for")?;
+        (!head.ends_with(is_word)).then_some(before.len())
+    }
+
+    /// Signs that stand for an arrow in other languages.
+    fn arrow(&self, rest: &str) -> Option<Fix> {
+        let is_part = |c: char| matches!(c, '=' | '-' | '>' | '\u{2192}' | '\u{2013}' | '\u{2014}');
+        let length = rest.find(|c| !is_part(c)).unwrap_or(rest.len());
+        let arrow = match &rest[..length] {
+            "=>" | "-->" | ">" | "\u{2192}" | "\u{2013}>" | "\u{2014}>" => "->",
+            "=>>" | "-->>" | ">>" | "\u{2192}>" | "\u{2013}>>" | "\u{2014}>>" => "->>",
+            _ => return None,
+        };
+        let at = self.site.span.start as usize;
+        let site = self.span(at, at + length);
+        Some(Fix::replace(site, arrow, format!("write `{arrow}`")))
+    }
+
+    fn expects(&self, word: &str) -> bool {
+        self.expected.contains(&word)
+    }
+
+    /// Whether a row of a shape stands here, though perhaps not in one.
+    fn is_row(&self) -> bool {
+        let rest = &self.text[self.site.span.start as usize..];
+        let line = rest.split(['\n', '}']).next().unwrap_or(rest).trim();
+        line.chars().all(|c| matches!(c, '#' | '.' | ' ' | '\t'))
+    }
+
+    /// Whether a whole statement could have begun here.
+    fn begins_statement(&self) -> bool {
+        self.expects("`}`") || self.expects("`assembly`")
+    }
+
+    fn before(&self) -> &str {
+        &self.text[..self.site.span.start as usize]
+    }
+
+    fn span(&self, start: usize, end: usize) -> Site {
+        Site {
+            file: self.site.file,
+            span: Span::new(start as u32, end as u32),
+        }
+    }
+}

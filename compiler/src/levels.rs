@@ -1,0 +1,332 @@
+//! Which warnings are told, and which are errors: as the files say, else as the command line says.
+use rustc_hash::FxHashMap;
+use stochc_grammar::tree::{Item, ItemKind, Level as Statement, Verdict};
+use stochc_grammar::{Span, Symbols};
+
+use crate::finding::{Code, Finding, Fix, Severity, removal, tell};
+use crate::load::Module;
+use crate::suggest::nearest;
+use crate::{FileId, Site, Sources};
+
+/// What becomes of a warning.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Level {
+    /// It is not told.
+    Allow,
+    /// It is told.
+    Warn,
+    /// It is an error.
+    Deny,
+}
+
+/// The levels of the warnings where the files say nothing; every one is told by default.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Levels {
+    said: Vec<(Option<Code>, Level)>,
+}
+
+impl Levels {
+    /// Sets the level of a warning, or of all of them; what is said later counts. The level of an
+    /// error is fixed, and saying otherwise has no effect.
+    pub fn set(&mut self, code: Option<Code>, level: Level) {
+        self.said.push((code, level));
+    }
+
+    /// The level of a warning.
+    pub fn of(&self, code: Code) -> Level {
+        let speaks = |(of, _): &&(Option<Code>, Level)| of.is_none_or(|of| of == code);
+        let last = self.said.iter().rev().find(speaks);
+        last.map_or(Level::Warn, |(_, level)| *level)
+    }
+}
+
+/// A warning that is not told.
+#[derive(Clone, Debug)]
+pub struct Allowed {
+    /// It.
+    pub finding: Finding,
+    /// Why, in the words of the file; `None`: the command line allows it.
+    pub reason: Option<String>,
+}
+
+/// The statements of the files that set levels.
+#[derive(Debug, Default)]
+pub struct FileLevels {
+    statements: Vec<Set>,
+    /// The blocks of each file that hold such statements, by their first byte.
+    scopes: FxHashMap<FileId, Vec<Scope>>,
+}
+
+/// A statement that sets a level.
+#[derive(Debug)]
+struct Set {
+    verdict: Verdict,
+    code: Code,
+    reason: String,
+    /// Of the code.
+    site: Site,
+    /// Of the whole statement.
+    whole: Site,
+    /// Whether it would be told of, if it set nothing.
+    judged: bool,
+    /// Whether comments belong to it.
+    documented: bool,
+    used: bool,
+}
+
+/// A block that holds such statements.
+#[derive(Debug)]
+struct Scope {
+    span: Span,
+    /// The nearest one around it.
+    outer: Option<usize>,
+    /// The last statement on each code.
+    set: FxHashMap<Code, usize>,
+}
+
+/// Where a walk through a file is.
+#[derive(Clone, Copy)]
+struct Place {
+    file: FileId,
+    outer: Option<usize>,
+    judged: bool,
+}
+
+impl FileLevels {
+    /// Collects the statements of all files; those that make no sense are told of.
+    pub fn of(
+        modules: &[Module],
+        sources: &Sources,
+        symbols: &Symbols,
+        findings: &mut Vec<Finding>,
+    ) -> FileLevels {
+        let mut levels = FileLevels::default();
+        let own = modules.last().map(|module| module.file);
+        for module in modules {
+            let items = &module.tree.items;
+            let has_program = |item: &Item| matches!(item.kind, ItemKind::Assembly(_));
+            let place = Place {
+                file: module.file,
+                outer: None,
+                // Patterns of a file may warn only where another file grows them.
+                judged: own == Some(module.file) && items.iter().any(has_program),
+            };
+            let whole = Span::new(0, sources.file(module.file).text.len() as u32);
+            levels.block(items, whole, place, sources, symbols, findings);
+        }
+        levels
+    }
+
+    /// One block; blocks are as deep as the parser lets them be.
+    fn block(
+        &mut self,
+        items: &[Item],
+        span: Span,
+        mut place: Place,
+        sources: &Sources,
+        symbols: &Symbols,
+        findings: &mut Vec<Finding>,
+    ) {
+        let mut set = FxHashMap::default();
+        for item in items {
+            let ItemKind::Level(statement) = &item.kind else {
+                continue;
+            };
+            let site = |span| Site {
+                file: place.file,
+                span,
+            };
+            match code(statement, site(item.span), sources, symbols) {
+                Ok(code) => {
+                    set.insert(code, self.statements.len());
+                    self.statements.push(Set {
+                        verdict: statement.verdict,
+                        code,
+                        reason: statement.reason.clone(),
+                        site: site(statement.code.span),
+                        whole: site(item.span),
+                        judged: place.judged,
+                        documented: item.docs.0.is_some(),
+                        used: false,
+                    });
+                }
+                Err(finding) => tell(findings, *finding),
+            }
+        }
+        if !set.is_empty() {
+            let scopes = self.scopes.entry(place.file).or_default();
+            let outer = place.outer.replace(scopes.len());
+            scopes.push(Scope { span, outer, set });
+        }
+        for item in items {
+            let mut inner = place;
+            let body = match &item.kind {
+                ItemKind::Assembly(block) => &block.body,
+                ItemKind::Phase(block) => &block.body,
+                ItemKind::Seed(block) => &block.body,
+                ItemKind::For(block) => &block.body,
+                ItemKind::Pattern(block) => {
+                    // Nobody may grow it.
+                    inner.judged = false;
+                    &block.body
+                }
+                _ => continue,
+            };
+            self.block(body, item.span, inner, sources, symbols, findings);
+        }
+    }
+
+    /// Sorts the findings of a check into those that are told and those that are allowed.
+    pub fn judge(
+        mut self,
+        findings: Vec<Finding>,
+        levels: &Levels,
+        sources: &Sources,
+    ) -> (Vec<Finding>, Vec<Allowed>) {
+        let (mut told, mut allowed) = (Vec::new(), Vec::new());
+        // What keeps a program from being compiled also keeps warnings from being found.
+        let complete = !findings.iter().any(Finding::is_error);
+        for finding in findings {
+            self.decide(finding, levels, &mut told, &mut allowed);
+        }
+        if complete {
+            // An allowed `unused-allow` is put to use by the other ones.
+            for about_itself in [false, true] {
+                let unused = |set: &&Set| {
+                    set.judged
+                        && !set.used
+                        && set.verdict == Verdict::Allow
+                        && (set.code == Code::UnusedAllow) == about_itself
+                };
+                let findings: Vec<Finding> = (self.statements.iter().filter(unused))
+                    .map(|set| set.unused(sources))
+                    .collect();
+                for finding in findings {
+                    self.decide(finding, levels, &mut told, &mut allowed);
+                }
+            }
+        }
+        (told, allowed)
+    }
+
+    fn decide(
+        &mut self,
+        mut finding: Finding,
+        levels: &Levels,
+        told: &mut Vec<Finding>,
+        allowed: &mut Vec<Allowed>,
+    ) {
+        if finding.code.severity() == Severity::Error {
+            return told.push(finding);
+        }
+        let site = finding.labels.first().map(|label| label.site);
+        let set = site.and_then(|site| self.find(finding.code, site));
+        let level = match set {
+            // No statement speaks of itself.
+            Some(set) if Some(self.statements[set].site) != site => {
+                let set = &mut self.statements[set];
+                set.used = true;
+                if set.verdict == Verdict::Allow {
+                    let reason = Some(set.reason.clone());
+                    return allowed.push(Allowed { finding, reason });
+                }
+                let text = format!("denied here: {}", set.reason);
+                finding = finding.label(set.site, text);
+                Level::Deny
+            }
+            _ => levels.of(finding.code),
+        };
+        match level {
+            Level::Allow => allowed.push(Allowed {
+                finding,
+                reason: None,
+            }),
+            Level::Warn => told.push(finding),
+            Level::Deny => {
+                finding.severity = Severity::Error;
+                told.push(finding);
+            }
+        }
+    }
+
+    /// The statement of the innermost block around a place that speaks of a code.
+    fn find(&self, code: Code, site: Site) -> Option<usize> {
+        let scopes = self.scopes.get(&site.file)?;
+        let at = site.span.start;
+        // The last block that begins before the place holds it, or lies in one that does.
+        let mut next = scopes
+            .partition_point(|scope| scope.span.start <= at)
+            .checked_sub(1);
+        while let Some(scope) = next.map(|number| &scopes[number]) {
+            if let Some(&set) = scope.set.get(&code).filter(|_| at <= scope.span.end) {
+                return Some(set);
+            }
+            next = scope.outer;
+        }
+        None
+    }
+}
+
+impl Set {
+    fn unused(&self, sources: &Sources) -> Finding {
+        let title = format!("there is no `{}` here to allow", self.code);
+        let mut finding = Finding::new(Code::UnusedAllow, title)
+            .label(self.site, "allows nothing")
+            .help("remove it, or look whether it stands in the right block");
+        // The comments of a removed statement would belong to nothing.
+        if !self.documented {
+            finding.fix = Some(Fix::remove(
+                removal(sources, self.whole),
+                "remove the `allow`",
+            ));
+        }
+        finding
+    }
+}
+
+/// The warning that a statement speaks of.
+fn code(
+    statement: &Statement,
+    whole: Site,
+    sources: &Sources,
+    symbols: &Symbols,
+) -> Result<Code, Box<Finding>> {
+    let word = symbols.word(statement.code.symbol);
+    let verdict = statement.verdict.word();
+    let site = Site {
+        file: whole.file,
+        span: statement.code.span,
+    };
+    let Some(code) = Code::from_name(word) else {
+        let title = format!("no finding has the code `{word}`");
+        let meant = nearest(word, Code::ALL.iter().map(|code| code.name()));
+        return Err(Box::new(
+            Finding::new(Code::UnknownCode, title)
+                .label(site, "not known")
+                .suggest(site, meant, || {
+                    "`stochc explain` lists all codes".to_owned()
+                }),
+        ));
+    };
+    if code.severity() == Severity::Warning {
+        return Ok(code);
+    }
+    let (title, help) = match statement.verdict {
+        Verdict::Allow => (
+            format!("`{word}` makes a program wrong and cannot be allowed"),
+            format!("mend what `{word}` is about; only warnings can be allowed"),
+        ),
+        Verdict::Deny => (
+            format!("`{word}` is an error already"),
+            "remove the `deny`; only warnings need one".to_owned(),
+        ),
+    };
+    let mut finding = Finding::new(Code::FixedLevel, title)
+        .label(site, "an error")
+        .help(help);
+    if statement.verdict == Verdict::Deny {
+        let title = format!("remove the `{verdict}`");
+        finding.fix = Some(Fix::remove(removal(sources, whole), title));
+    }
+    Err(Box::new(finding))
+}

@@ -1,0 +1,147 @@
+//! Which events of a phase follow from which.
+//!
+//! The descendants of an event are asked for once per event, so they are not stored but looked up:
+//! a spanning forest gives nearly all of them as one interval of a preorder, and the few edges that
+//! are not implied by the forest add further intervals.
+use petgraph::Direction::Incoming;
+use petgraph::graph::NodeIndex;
+use petgraph::visit::EdgeRef;
+
+use crate::graph::DependencyGraph;
+use crate::plan::EventId;
+
+/// The order among the events of one phase.
+pub struct Descent {
+    /// The number of the phase's first event.
+    first: u32,
+    /// For every event of the phase, its place in the preorder.
+    place: Vec<u32>,
+    /// For every event of the phase, itself and those below it in the forest.
+    size: Vec<u32>,
+    /// Edges that the forest does not imply: the place of the source, and the target.
+    cross: Vec<(u32, EventId)>,
+}
+
+/// An event and all that can only happen after it.
+pub struct Descendants<'a> {
+    descent: &'a Descent,
+    /// Intervals of the preorder, sorted and disjoint.
+    intervals: Vec<(u32, u32)>,
+}
+
+impl Descent {
+    /// `events` are those of one phase, numbered without gaps from `first`, each behind all it
+    /// waits for.
+    pub fn new(graph: &DependencyGraph, first: u32, events: &[EventId]) -> Descent {
+        let count = events.len();
+        let local = |id: EventId| (id.0 - first) as usize;
+        let mut rank = vec![0u32; count];
+        for (i, &id) in events.iter().enumerate() {
+            rank[local(id)] = i as u32;
+        }
+        // The parent in the forest is what comes last of all that an event waits for.
+        let node = |id: EventId| NodeIndex::new(id.0 as usize);
+        let before = |id: EventId| {
+            (graph.edges_directed(node(id), Incoming)).map(|edge| graph[edge.source()])
+        };
+        let parent = |id: EventId| before(id).max_by_key(|&first| rank[local(first)]);
+        let parents: Vec<Option<EventId>> = events.iter().map(|&id| parent(id)).collect();
+        let mut size = vec![1u32; count];
+        for (&id, parent) in events.iter().zip(&parents).rev() {
+            if let Some(parent) = parent {
+                size[local(*parent)] += size[local(id)];
+            }
+        }
+        let mut place = vec![0u32; count];
+        // Where the next child of an event goes.
+        let mut next = vec![0u32; count];
+        let mut next_root = 0;
+        for (&id, parent) in events.iter().zip(&parents) {
+            let slot = match parent {
+                Some(parent) => &mut next[local(*parent)],
+                None => &mut next_root,
+            };
+            place[local(id)] = *slot;
+            *slot += size[local(id)];
+            next[local(id)] = place[local(id)] + 1;
+        }
+        let mut cross = Vec::new();
+        for (&id, parent) in events.iter().zip(&parents) {
+            let Some(parent) = parent else { continue };
+            for other in before(id) {
+                let from = place[local(other)];
+                let below = from..from + size[local(other)];
+                if !below.contains(&place[local(*parent)]) {
+                    cross.push((from, id));
+                }
+            }
+        }
+        cross.sort_unstable();
+        Descent {
+            first,
+            place,
+            size,
+            cross,
+        }
+    }
+
+    /// Whether an event belongs to the phase.
+    pub fn has(&self, id: EventId) -> bool {
+        id.0 >= self.first && ((id.0 - self.first) as usize) < self.place.len()
+    }
+
+    fn interval(&self, id: EventId) -> (u32, u32) {
+        let i = (id.0 - self.first) as usize;
+        (self.place[i], self.place[i] + self.size[i])
+    }
+
+    /// An event and all that can only happen after it; `steps` counts the work.
+    pub fn of(&self, id: EventId, steps: &mut u64) -> Descendants<'_> {
+        let mut intervals = vec![self.interval(id)];
+        if !self.cross.is_empty() {
+            self.add_cross(&mut intervals, steps);
+        }
+        Descendants {
+            descent: self,
+            intervals,
+        }
+    }
+
+    fn add_cross(&self, intervals: &mut Vec<(u32, u32)>, steps: &mut u64) {
+        let mut open = intervals.clone();
+        while let Some((from, to)) = open.pop() {
+            let start = self.cross.partition_point(|&(source, _)| source < from);
+            for &(source, target) in &self.cross[start..] {
+                if source >= to {
+                    break;
+                }
+                *steps += 1;
+                let (from, to) = self.interval(target);
+                let at = intervals.partition_point(|&(begin, _)| begin <= from);
+                let known = at > 0 && intervals[at - 1].1 >= to;
+                if known {
+                    continue;
+                }
+                // Intervals of a forest are nested or disjoint.
+                let inner = (intervals[at..].iter())
+                    .take_while(|&&(_, end)| end <= to)
+                    .count();
+                *steps += inner as u64;
+                intervals.splice(at..at + inner, [(from, to)]);
+                open.push((from, to));
+            }
+        }
+    }
+}
+
+impl Descendants<'_> {
+    /// Whether an event of any phase is one of them.
+    pub fn contains(&self, id: EventId) -> bool {
+        if !self.descent.has(id) {
+            return false;
+        }
+        let place = self.descent.interval(id).0;
+        let at = self.intervals.partition_point(|&(from, _)| from <= place);
+        at > 0 && place < self.intervals[at - 1].1
+    }
+}

@@ -1,0 +1,181 @@
+//! Whether a free block can still come to every cell, whatever order chance brings.
+//!
+//! **Cells decide.** A cube that drifts needs, wherever it is, room for its inside. Two empty cells that
+//! share only an edge or a corner leave a passage without width, so a block comes to a cell if
+//! and only if a chain of empty cells, face to face, leads there from outside. (A hard cube has no clearance
+//! in such a chain where it is one cell wide; that is what `tight.rs` warns of.)
+//!
+//! **One order decides for all.** Say that nothing is released in a phase. Then what stands only grows,
+//! and ways only close. Take a capture `e`. In the worst order everything that does not wait for `e` has
+//! happened already. If its cell has a way out then, it has one in every order. If it has none, let the
+//! others go first: either they all happen, and `e` is stuck for ever, or one of them gets stuck on the way;
+//! the phase does not end in either case. So the phase ends in every order if and only if every capture has a
+//! way out in its own worst case: for phases without releases the verdict is exact. "What does not wait
+//! for `e`" is everything but its descendants in the dependency graph.
+//!
+//! **Releases** open ways, but only if they happen. A capture that is not stuck in a state where some
+//! release is still to come may be waiting for a block that itself waits for that release. So releases are
+//! counted on only when nothing can keep them from happening: all captures that they wait for
+//! have been shown to have a way out, counting on earlier releases alone. Suppose that the phase comes to a stand
+//! although every capture was shown to be safe. Of the captures that are stuck, take the one that was shown
+//! first. Every release counted on for it waits only for captures shown before, none of which is stuck, so
+//! it has happened; hence no more stands than was assumed, and the capture has a way out: a
+//! contradiction. The verdict is therefore sound. It is not exact: captures that could only be stuck
+//! together are told of even if chance can never bring them there, and a block that is released
+//! into the closed cell, and stays, is not counted on.
+//!
+//! **It is fast** because a capture has a way out if a neighbour that waits for it has one, and else
+//! mostly if it or a neighbouring cell sees the sky. Only the rest is searched for, along the walls
+//! (`way.rs`). The work is bounded; what was not decided within the bound is told.
+mod cure;
+mod descent;
+mod edit;
+mod picture;
+mod sealed;
+mod standing;
+mod tell;
+mod tight;
+mod trail;
+mod way;
+
+use stochc_grammar::Symbols;
+use stochc_grammar::tree::Assembly;
+
+use crate::finding::Finding;
+use crate::graph::DependencyGraph;
+use crate::layout::Layout;
+use crate::order::Order;
+use crate::plan::{Deed, EventId, Plan};
+use crate::presence::Presence;
+use crate::{Cell, FileId, Sources};
+use descent::Descent;
+use standing::Standing;
+use trail::Trail;
+
+/// Searched cells before the proof is given up: a fixed number, and more for every event.
+const STEPS: u64 = 2_000_000;
+const STEPS_PER_EVENT: u64 = 10;
+
+/// A program in which nothing else is wrong.
+#[derive(Clone, Copy)]
+pub struct Subject<'a> {
+    /// Written out.
+    pub plan: &'a Plan,
+    /// Who is anchored when.
+    pub presence: &'a Presence,
+    /// Where every block sits.
+    pub layout: &'a Layout,
+    /// What waits for what.
+    pub graph: &'a DependencyGraph,
+    /// An order of it.
+    pub order: &'a Order,
+    /// Its text, as a tree.
+    pub assembly: &'a Assembly,
+    /// The file of that.
+    pub file: FileId,
+    /// Its texts.
+    pub sources: &'a Sources,
+    /// Its words.
+    pub symbols: &'a Symbols,
+}
+
+/// Tells of captures that no free block may be able to come to, or only through a narrow gap.
+pub fn check(subject: Subject, findings: &mut Vec<Finding>) {
+    let plan = subject.plan;
+    let count = plan.events.len();
+    let effort = |steps| Effort {
+        steps: 0,
+        budget: steps + STEPS_PER_EVENT * count as u64,
+    };
+    let mut survey = Survey {
+        subject,
+        standing: Standing::with_capacity(count + plan.seeds.len()),
+        is_safe: vec![false; count],
+        trails: Default::default(),
+        proof: effort(STEPS),
+        warning: effort(STEPS / 10),
+    };
+    let events = events_by_phase(plan, subject.order);
+    for (number, events) in events.iter().enumerate() {
+        let first = plan.phases[number].events.start;
+        let descent = Descent::new(subject.graph, first, events);
+        survey.phase(number, events, &descent, findings);
+    }
+}
+
+/// The events of each phase, each behind all it waits for.
+fn events_by_phase(plan: &Plan, order: &Order) -> Vec<Vec<EventId>> {
+    let mut phase_of = vec![0u32; plan.events.len()];
+    for (number, phase) in plan.phases.iter().enumerate() {
+        for id in phase.events.clone() {
+            phase_of[id as usize] = number as u32;
+        }
+    }
+    let mut events = vec![Vec::new(); plan.phases.len()];
+    for &id in &order.events {
+        events[phase_of[id.0 as usize] as usize].push(id);
+    }
+    events
+}
+
+struct Survey<'a> {
+    subject: Subject<'a>,
+    /// What stands in the worst case of the phase at hand.
+    standing: Standing,
+    /// Captures that have a way out in every order.
+    is_safe: Vec<bool>,
+    /// Known ways out, of a cube of one cell and of one of two.
+    trails: [Trail; 2],
+    /// Work done and work allowed, for the proof and for the warning.
+    proof: Effort,
+    warning: Effort,
+}
+
+/// Places searched, and how many may be.
+struct Effort {
+    steps: u64,
+    budget: u64,
+}
+
+impl Survey<'_> {
+    fn phase(
+        &mut self,
+        number: usize,
+        events: &[EventId],
+        descent: &Descent,
+        findings: &mut Vec<Finding>,
+    ) {
+        for &id in events {
+            if let (Some(cell), true) = (self.cell(id), self.is_capture(id)) {
+                self.standing.fill(cell, id);
+            }
+        }
+        self.trails.iter_mut().for_each(Trail::begin_phase);
+        let stuck = self.stuck(events, descent);
+        self.tell_sealed(events, descent, &stuck, findings);
+        if stuck.is_empty() {
+            self.tell_tight(number, events, descent, findings);
+        }
+        for &id in events {
+            if !self.is_capture(id) {
+                self.depart(id);
+            }
+        }
+    }
+
+    /// The block of a release has gone for sure.
+    fn depart(&mut self, release: EventId) {
+        let on = self.subject.layout.parents[release.0 as usize];
+        if let (Some(cell), Some(on)) = (self.cell(release), on) {
+            self.standing.empty(cell, on.capture);
+        }
+    }
+
+    fn cell(&self, id: EventId) -> Option<Cell> {
+        self.subject.layout.cells[id.0 as usize]
+    }
+
+    fn is_capture(&self, id: EventId) -> bool {
+        matches!(self.subject.plan.event(id).deed, Deed::Capture { .. })
+    }
+}

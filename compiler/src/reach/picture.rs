@@ -1,0 +1,44 @@
+//! One layer of the structure as text.
+use super::Cell;
+use super::way::offset;
+
+/// Cells shown to each side of the one in question.
+const REACH: i32 = 4;
+
+/// The layer around a cell, north at the top: `@` the cell, `#` full, `.` empty.
+pub fn layer(cell: Cell, is_full: impl Fn(Cell) -> bool) -> String {
+    let is_full = |dx, dy| offset(cell, dx, dy, 0).is_none_or(&is_full);
+    let range = || -REACH..=REACH;
+    // As far as there is something to see.
+    let full: Vec<(i32, i32)> = range()
+        .flat_map(|dy| range().map(move |dx| (dx, dy)))
+        .filter(|&(dx, dy)| is_full(dx, dy))
+        .collect();
+    let bound = |axis: fn(&(i32, i32)) -> i32| {
+        let values = || full.iter().map(axis);
+        let low = values().min().unwrap_or(0).min(0);
+        (low, values().max().unwrap_or(0).max(0))
+    };
+    let ((west, east), (south, north)) = (bound(|at| at.0), bound(|at| at.1));
+    let mut text = format!(
+        "layer {}, north at the top: `@` the cell, `#` a block that can be there by then\n",
+        cell.z
+    );
+    for dy in (south..=north).rev() {
+        for dx in west..=east {
+            text.push_str(match (dx, dy) {
+                (0, 0) => "@ ",
+                _ if is_full(dx, dy) => "# ",
+                _ => ". ",
+            });
+        }
+        text.truncate(text.trim_end().len());
+        text.push_str(&format!("   (y = {})\n", cell.y.saturating_add(dy)));
+    }
+    text.push_str(&format!(
+        "from x = {} to {}",
+        cell.x.saturating_add(west),
+        cell.x.saturating_add(east)
+    ));
+    text
+}

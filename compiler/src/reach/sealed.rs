@@ -1,0 +1,137 @@
+//! The worst case of every capture.
+use petgraph::Direction::{Incoming, Outgoing};
+use petgraph::graph::NodeIndex;
+use petgraph::visit::EdgeRef;
+use stochc_grammar::Face;
+
+use super::descent::Descent;
+use super::way::{Search, Way};
+use super::{Cell, EventId, Survey};
+
+/// A capture that may wait for ever.
+pub struct Stuck {
+    /// Which.
+    pub capture: EventId,
+    /// The empty cells along the walls of its pocket; `None`: it was not decided.
+    pub pocket: Option<Vec<Cell>>,
+}
+
+/// Captures whose pockets are remembered; more than anybody would read of.
+const MOST_STUCK: usize = 100;
+
+impl Survey<'_> {
+    /// The captures of a phase without a way out in their worst case, in source order.
+    pub fn stuck(&mut self, events: &[EventId], descent: &Descent) -> Vec<Stuck> {
+        let mut open: Vec<EventId> = (events.iter().copied())
+            .filter(|&id| self.is_capture(id))
+            .collect();
+        let mut gone = vec![false; events.len()];
+        let has_releases = open.len() < events.len();
+        loop {
+            if has_releases {
+                self.depart_surely(events, &mut gone);
+            }
+            let before = open.len();
+            let mut stuck = Vec::new();
+            // Those that wait for others first: they may show that the others are safe.
+            open.reverse();
+            open.retain(|&id| {
+                let is_safe =
+                    self.is_clearly_safe(id) || self.is_safe_after_search(id, descent, &mut stuck);
+                self.is_safe[id.0 as usize] = is_safe;
+                !is_safe
+            });
+            open.reverse();
+            if open.is_empty() || !has_releases || open.len() == before {
+                stuck.sort_by_key(|stuck| stuck.capture);
+                return stuck;
+            }
+        }
+    }
+
+    /// Lets those blocks go whose release waits for safe captures alone.
+    fn depart_surely(&mut self, events: &[EventId], gone: &mut [bool]) {
+        let first = events.iter().map(|id| id.0).min().unwrap_or(0);
+        let local = |id: EventId| (id.0 - first) as usize;
+        let mut is_sure = vec![false; events.len()];
+        for &id in events {
+            let graph = self.subject.graph;
+            let node = NodeIndex::new(id.0 as usize);
+            let sure = (graph.edges_directed(node, Incoming))
+                .all(|edge| is_sure[local(graph[edge.source()])]);
+            let is_capture = self.is_capture(id);
+            is_sure[local(id)] = sure && (!is_capture || self.is_safe[id.0 as usize]);
+            if is_sure[local(id)] && !is_capture && !std::mem::replace(&mut gone[local(id)], true) {
+                self.depart(id);
+            }
+        }
+    }
+
+    /// What can be said without a search.
+    fn is_clearly_safe(&mut self, id: EventId) -> bool {
+        let Some(cell) = self.cell(id) else {
+            return true;
+        };
+        let standing = &self.standing;
+        let sees_sky = |cell: Cell| standing.is_clear(cell.x, cell.y, cell.z);
+        if standing.top(cell) == Some(cell.z)
+            || Face::SIDES
+                .into_iter()
+                .any(|face| cell.across(face).is_some_and(sees_sky))
+        {
+            return true;
+        }
+        // A block that waits for this one, comes to a cell beside it, and has a way out.
+        let graph = self.subject.graph;
+        let mut next = graph.edges_directed(NodeIndex::new(id.0 as usize), Outgoing);
+        next.any(|edge| {
+            let next = graph[edge.target()];
+            self.is_safe[next.0 as usize]
+                && (self.cell(next))
+                    .is_some_and(|next| touch(cell, next) && !standing.is_held_over(next))
+        })
+    }
+
+    fn is_safe_after_search(
+        &mut self,
+        id: EventId,
+        descent: &Descent,
+        stuck: &mut Vec<Stuck>,
+    ) -> bool {
+        let Some(cell) = self.cell(id) else {
+            return true;
+        };
+        self.standing.sort();
+        let following = descent.of(id, &mut self.proof.steps);
+        let search = Search {
+            standing: &self.standing,
+            has: &|other| !following.contains(other),
+            size: 1,
+        };
+        let is_safe = &self.is_safe;
+        let is_out = |next: EventId| is_safe[next.0 as usize] && following.contains(next);
+        let pocket = match search.run(
+            [cell],
+            &is_out,
+            &mut self.trails[0],
+            &mut self.proof.steps,
+            self.proof.budget,
+        ) {
+            Way::Out => return true,
+            Way::Sealed(pocket) => Some(pocket),
+            Way::Unknown => None,
+        };
+        if stuck.len() < MOST_STUCK {
+            stuck.push(Stuck {
+                capture: id,
+                pocket,
+            });
+        }
+        false
+    }
+}
+
+/// Whether two cells share a face.
+pub fn touch(a: Cell, b: Cell) -> bool {
+    Face::ALL.iter().any(|&face| a.across(face) == Some(b))
+}

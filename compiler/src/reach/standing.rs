@@ -1,0 +1,120 @@
+//! The cells that are full, as a phase can leave them.
+use std::collections::BTreeSet;
+
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use crate::Cell;
+use crate::plan::EventId;
+
+/// Whether a capture has happened.
+pub type Has<'a> = &'a dyn Fn(EventId) -> bool;
+
+/// The structure, with the captures of the phase at hand.
+#[derive(Default)]
+pub struct Standing {
+    /// The capture that fills a cell.
+    cells: FxHashMap<Cell, EventId>,
+    /// Cells that a capture of the phase fills, and that the block before may not have left.
+    held_over: FxHashSet<Cell>,
+    /// The highest full cell over each (x, y).
+    tops: FxHashMap<(i32, i32), i32>,
+    /// The full cells by (x, y, z), once they are needed in this order.
+    sorted: Option<BTreeSet<(i32, i32, i32)>>,
+    /// Blocks passed by in looking for ceilings.
+    passed: std::cell::Cell<u64>,
+}
+
+impl Standing {
+    /// Room for so many blocks.
+    pub fn with_capacity(count: usize) -> Standing {
+        Standing {
+            cells: FxHashMap::with_capacity_and_hasher(count, Default::default()),
+            ..Standing::default()
+        }
+    }
+
+    /// A capture fills a cell, from which the block before may not have gone.
+    pub fn fill(&mut self, cell: Cell, by: EventId) {
+        if self.cells.insert(cell, by).is_some() {
+            self.held_over.insert(cell);
+        }
+        let top = self.tops.entry((cell.x, cell.y)).or_insert(cell.z);
+        *top = cell.z.max(*top);
+        if let Some(sorted) = &mut self.sorted {
+            sorted.insert((cell.x, cell.y, cell.z));
+        }
+    }
+
+    /// The block that `capture` anchored in a cell has gone for sure.
+    pub fn empty(&mut self, cell: Cell, capture: EventId) {
+        if self.cells.get(&cell) != Some(&capture) {
+            self.held_over.remove(&cell);
+            return;
+        }
+        self.cells.remove(&cell);
+        self.sort();
+        let Some(sorted) = &mut self.sorted else {
+            return;
+        };
+        let Cell { x, y, z } = cell;
+        sorted.remove(&(x, y, z));
+        match sorted
+            .range((x, y, i32::MIN)..=(x, y, i32::MAX))
+            .next_back()
+        {
+            Some(&(_, _, top)) => self.tops.insert((x, y), top),
+            None => self.tops.remove(&(x, y)),
+        };
+    }
+
+    /// What fills a cell.
+    pub fn at(&self, cell: Cell) -> Option<EventId> {
+        self.cells.get(&cell).copied()
+    }
+
+    /// Whether all cells of a column from `z` on are empty.
+    pub fn is_clear(&self, x: i32, y: i32, z: i32) -> bool {
+        self.tops.get(&(x, y)).is_none_or(|&top| top < z)
+    }
+
+    /// The height of a column's highest full cell.
+    pub fn top(&self, cell: Cell) -> Option<i32> {
+        self.tops.get(&(cell.x, cell.y)).copied()
+    }
+
+    /// Makes [`Standing::is_blocked`] and [`Standing::ceiling`] possible.
+    pub fn sort(&mut self) {
+        let cells = &self.cells;
+        self.sorted
+            .get_or_insert_with(|| cells.keys().map(|cell| (cell.x, cell.y, cell.z)).collect());
+    }
+
+    /// Whether a cell is full: the ground, a block whose capture has happened as `has` says, or one
+    /// that may not have gone.
+    pub fn is_blocked(&self, cell: Cell, has: Has) -> bool {
+        cell.z < 1 || (self.cells.get(&cell)).is_some_and(|&by| has(by) || self.is_held_over(cell))
+    }
+
+    /// Whether the block before may still be in a cell that a capture of the phase fills.
+    pub fn is_held_over(&self, cell: Cell) -> bool {
+        !self.held_over.is_empty() && self.held_over.contains(&cell)
+    }
+
+    /// The height of the lowest blocked cell of a column from `z` on; needs [`Standing::sort`].
+    pub fn ceiling(&self, x: i32, y: i32, z: i32, has: Has) -> Option<i32> {
+        if self.is_clear(x, y, z) {
+            return None;
+        }
+        let sorted = self.sorted.as_ref()?;
+        (sorted.range((x, y, z)..=(x, y, i32::MAX)))
+            .map(|&(x, y, z)| Cell::new(x, y, z))
+            .inspect(|_| self.passed.set(self.passed.get() + 1))
+            .find(|&cell| self.is_blocked(cell, has))
+            .map(|cell| cell.z)
+    }
+
+    /// Blocks passed by in [`Standing::ceiling`] since the last call.
+    pub fn take_passed(&self) -> u64 {
+        self.passed.take()
+    }
+}

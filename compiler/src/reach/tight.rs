@@ -1,0 +1,189 @@
+//! Ways in that leave a hard cube no clearance.
+use std::collections::VecDeque;
+
+use rustc_hash::{FxHashMap, FxHashSet};
+use stochc_grammar::Face;
+
+use super::descent::Descent;
+use super::way::{Search, Way, offset};
+use super::{Cell, EventId, Survey};
+use crate::plan::Deed;
+
+/// A capture whose block has to come through a gap one cell wide.
+pub struct Tight {
+    /// Which.
+    pub capture: EventId,
+    /// Sides of its cell, the one it docks on apart, that are open: 1 to 5.
+    pub open: u32,
+    /// Cells of the best way in that are one cell wide; `None`: too far to count.
+    pub length: Option<u32>,
+}
+
+/// All tight captures of a phase.
+pub struct TightPhase {
+    /// How many there are.
+    pub count: usize,
+    /// The tightest, the worst at the front.
+    pub worst: Vec<Tight>,
+}
+
+/// Captures of a phase that are described.
+const MOST_SHOWN: usize = 5;
+
+/// Cells looked at to measure one gap.
+const FARTHEST: usize = 20_000;
+
+impl Survey<'_> {
+    /// The captures of a phase that come in through a gap, in their worst case.
+    pub fn tight(&mut self, events: &[EventId], descent: &Descent) -> TightPhase {
+        let first = events.iter().map(|id| id.0).min().unwrap_or(0);
+        // Whether nothing but what waits for it can stand above the cell of an event.
+        let mut is_clear_above = vec![false; events.len()];
+        let mut found: Vec<(u32, EventId)> = Vec::new();
+        for &id in events.iter().rev() {
+            let (Some(cell), true) = (self.cell(id), self.is_capture(id)) else {
+                continue;
+            };
+            let i = (id.0 - first) as usize;
+            is_clear_above[i] |= self.standing.top(cell) == Some(cell.z);
+            if is_clear_above[i]
+                && let Some(below) = self.captor_below(id, first)
+                && !self.standing.is_held_over(cell)
+            {
+                is_clear_above[below] = true;
+            }
+            if is_clear_above[i] && self.has_open_corner(cell) {
+                continue;
+            }
+            if let Some(open) = self.tightness(id, cell, descent) {
+                found.push((open, id));
+            }
+        }
+        let count = found.len();
+        found.sort_unstable();
+        found.truncate(MOST_SHOWN);
+        let worst = (found.into_iter())
+            .map(|(open, capture)| Tight {
+                capture,
+                open,
+                length: self.gap_length(capture, descent),
+            })
+            .collect();
+        TightPhase { count, worst }
+    }
+
+    /// The capture of the same phase, by its place in it, whose block holds this one on top.
+    fn captor_below(&self, id: EventId, first: u32) -> Option<usize> {
+        let Deed::Capture { face: Face::Up, .. } = self.subject.plan.event(id).deed else {
+            return None;
+        };
+        let anchored_by = self.subject.presence.contexts[id.0 as usize].anchored_by?;
+        Some((anchored_by.0 - first) as usize)
+    }
+
+    /// Whether the columns of one side, the next side and the corner between are clear.
+    fn has_open_corner(&self, cell: Cell) -> bool {
+        let is_clear = |dx: i32, dy: i32| {
+            offset(cell, dx, dy, 0)
+                .is_none_or(|cell| self.standing.is_clear(cell.x, cell.y, cell.z))
+        };
+        let corners = [(1, 1), (1, -1), (-1, 1), (-1, -1)];
+        (corners.into_iter()).any(|(dx, dy)| is_clear(dx, 0) && is_clear(0, dy) && is_clear(dx, dy))
+    }
+
+    /// The open sides of a cell that a cube of two cannot bring a block to; `None`: it can.
+    fn tightness(&mut self, id: EventId, cell: Cell, descent: &Descent) -> Option<u32> {
+        self.standing.sort();
+        let following = descent.of(id, &mut self.warning.steps);
+        let has = |other: EventId| !following.contains(other);
+        let search = Search {
+            standing: &self.standing,
+            has: &has,
+            size: 2,
+        };
+        let boxes: Vec<Cell> = boxes(cell).filter(|&low| !search.is_blocked(low)).collect();
+        if !boxes.is_empty() {
+            match search.run(
+                boxes,
+                &|_| false,
+                &mut self.trails[1],
+                &mut self.warning.steps,
+                self.warning.budget,
+            ) {
+                Way::Out | Way::Unknown => return None,
+                Way::Sealed(_) => {}
+            }
+        }
+        let is_open = |face: &Face| {
+            (cell.across(*face)).is_some_and(|next| !self.standing.is_blocked(next, &has))
+        };
+        Some(Face::ALL.iter().filter(|face| is_open(face)).count() as u32)
+    }
+
+    /// How many narrow cells the best way in has.
+    fn gap_length(&mut self, id: EventId, descent: &Descent) -> Option<u32> {
+        let start = self.cell(id)?;
+        let following = descent.of(id, &mut self.warning.steps);
+        let has = |other: EventId| !following.contains(other);
+        let wide = Search {
+            standing: &self.standing,
+            has: &has,
+            size: 2,
+        };
+        // Shortest way by narrow cells: wide ones cost nothing and go to the front.
+        let mut best: FxHashMap<Cell, u32> = FxHashMap::from_iter([(start, 1)]);
+        let mut queue = VecDeque::from([start]);
+        let mut closed: FxHashSet<Cell> = FxHashSet::default();
+        while let Some(at) = queue.pop_front() {
+            let length = best[&at];
+            let free = boxes(at).find(|&low| !wide.is_blocked(low));
+            if let Some(low) = free
+                && !closed.contains(&low)
+            {
+                match wide.run(
+                    [low],
+                    &|_| false,
+                    &mut self.trails[1],
+                    &mut self.warning.steps,
+                    self.warning.budget,
+                ) {
+                    Way::Out => return Some(length),
+                    Way::Sealed(pocket) => closed.extend(pocket),
+                    Way::Unknown => return None,
+                }
+            }
+            if best.len() > FARTHEST || self.warning.steps > self.warning.budget {
+                return None;
+            }
+            for face in Face::ALL {
+                let Some(next) = at.across(face) else {
+                    continue;
+                };
+                if self.standing.is_blocked(next, &has) {
+                    continue;
+                }
+                let is_wide = boxes(next).any(|low| !wide.is_blocked(low));
+                let length = length + u32::from(!is_wide);
+                if best.get(&next).is_some_and(|&known| known <= length) {
+                    continue;
+                }
+                best.insert(next, length);
+                if is_wide {
+                    queue.push_front(next);
+                } else {
+                    queue.push_back(next);
+                }
+            }
+        }
+        // Nothing wider anywhere: the sky is only seen through narrow cells.
+        None
+    }
+}
+
+/// The cubes of two that contain a cell, by their low corners, above the ground.
+fn boxes(cell: Cell) -> impl Iterator<Item = Cell> {
+    (0..8).filter_map(move |i| {
+        let low = offset(cell, -(i & 1), -(i >> 1 & 1), -(i >> 2 & 1))?;
+        (low.z >= 1).then_some(low)
+    })
+}

@@ -1,0 +1,79 @@
+//! Units as people write them.
+use crate::suggest::{Suggestion, nearest};
+
+/// What a unit may be made of, for suggestions.
+const BASES: [&str; 19] = [
+    "m", "g", "s", "min", "h", "Hz", "N", "Pa", "J", "W", "L", "K", "A", "T", "V", "rev", "rad",
+    "deg", "ticks",
+];
+
+/// Prefixes in use, the most frequent first.
+const PREFIXES: [&str; 7] = ["m", "k", "c", "u", "n", "M", "G"];
+
+/// Names of units and the symbols for them.
+const NAMES: [(&str, &[&str]); 13] = [
+    ("s", &["sec", "secs", "second", "seconds"]),
+    ("ms", &["msec", "msecs", "millisecond", "milliseconds"]),
+    ("min", &["mins", "minute", "minutes"]),
+    ("h", &["hr", "hrs", "hour", "hours"]),
+    ("m", &["meter", "meters", "metre", "metres"]),
+    (
+        "mm",
+        &["millimeter", "millimeters", "millimetre", "millimetres"],
+    ),
+    (
+        "cm",
+        &["centimeter", "centimeters", "centimetre", "centimetres"],
+    ),
+    ("g", &["gram", "grams"]),
+    ("kg", &["kilogram", "kilograms", "kilo", "kilos"]),
+    ("N", &["newton", "newtons"]),
+    ("Pa", &["pascal", "pascals"]),
+    ("L", &["liter", "liters", "litre", "litres"]),
+    ("deg", &["degree", "degrees"]),
+];
+
+/// The unit that a word is probably meant to be.
+pub fn unit_meant(word: &str) -> Option<Suggestion> {
+    let named = NAMES
+        .iter()
+        .find(|(_, names)| names.iter().any(|name| name.eq_ignore_ascii_case(word)));
+    if let Some((unit, _)) = named {
+        return Some(Suggestion {
+            word: (*unit).to_owned(),
+            clear: true,
+        });
+    }
+    let plain = BASES.iter().map(|base| (*base).to_owned());
+    let prefixed = PREFIXES.iter().flat_map(|prefix| {
+        let bases = BASES.iter().filter(|base| base.len() <= 2);
+        bases.map(move |base| format!("{prefix}{base}"))
+    });
+    let units: Vec<String> = plain.chain(prefixed).collect();
+    // `KG` and `khz` are meant to be `kg` and `kHz`; `MS` could be two units.
+    let mut same = units.iter().filter(|unit| unit.eq_ignore_ascii_case(word));
+    match (same.next(), same.next()) {
+        (Some(only), None) => Some(Suggestion {
+            word: only.clone(),
+            clear: true,
+        }),
+        _ => nearest(word, units),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::unit_meant;
+
+    #[test]
+    fn units_are_suggested() {
+        let meant = |word| unit_meant(word).map(|meant| (meant.word, meant.clear));
+        let clear = |word: &str| Some((word.to_owned(), true));
+        assert_eq!(meant("seconds"), clear("s"));
+        assert_eq!(meant("KG"), clear("kg"));
+        assert_eq!(meant("khz"), clear("kHz"));
+        assert_eq!(meant("tics"), clear("ticks"));
+        assert_eq!(meant("mss"), Some(("ms".to_owned(), false)));
+        assert_eq!(meant("furlong"), None);
+    }
+}

@@ -1,0 +1,41 @@
+//! Any bytes are checked to the end, with findings that can be shown; a program without an error has
+//! tables.
+#![no_main]
+use libfuzzer_sys::fuzz_target;
+use stochc_compiler::cost::estimate;
+use stochc_compiler::finding::Renderer;
+use stochc_compiler::{Limits, check};
+
+/// Small enough that every execution is quick.
+const LIMITS: Limits = Limits {
+    events: 500,
+    steps: 5_000,
+};
+
+fuzz_target!(|bytes: &[u8]| {
+    let mut reader = |path: &str| match path {
+        "fuzz.sa" => Ok(bytes.to_vec()),
+        _ => Err("there is only one file".to_owned()),
+    };
+    let checked = check("fuzz.sa", &mut reader, LIMITS);
+    let renderer = Renderer::new(false, 100);
+    for finding in &checked.findings {
+        for label in &finding.labels {
+            let text = &checked.sources.file(label.site.file).text;
+            let span = label.site.span;
+            assert!(text.get(span.start as usize..span.end as usize).is_some());
+        }
+    }
+    for finding in checked.findings.iter().take(5) {
+        let shown = renderer.render(finding, &checked.sources);
+        assert!(!shown.contains(|c: char| c.is_control() && c != '\n'));
+    }
+    for program in &checked.programs {
+        if program.plan.events.len() <= 40 {
+            let _ = estimate(program);
+        }
+        if !checked.has_errors() {
+            assert!(program.tables.is_some());
+        }
+    }
+});

@@ -1,0 +1,17 @@
+//! Any text parses to its end; what has no error is what the grammar accepts as a whole, and
+//! survives being printed and read again.
+#![no_main]
+use libfuzzer_sys::fuzz_target;
+use stochc_grammar::{Symbols, accepts, parse, print};
+
+fuzz_target!(|text: &str| {
+    let mut symbols = Symbols::default();
+    let parsed = parse(text, &mut symbols);
+    assert_eq!(parsed.errors.is_empty(), accepts(text), "two verdicts");
+    if parsed.errors.is_empty() {
+        let printed = print(&parsed.tree, &symbols);
+        let again = parse(&printed, &mut symbols);
+        assert!(again.errors.is_empty(), "{printed}\n{:?}", again.errors);
+        assert_eq!(again.tree, parsed.tree, "{printed}");
+    }
+});

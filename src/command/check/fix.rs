@@ -1,0 +1,60 @@
+//! `stochc check --fix`.
+use std::io::IsTerminal as _;
+
+use stochc_compiler::finding::is_hostile;
+
+use super::super::terminal::{print, warn};
+use super::{Options, count, verdict, worse};
+use crate::cli::Exit;
+use crate::findings::Format;
+use crate::mend::{Mended, mend};
+
+/// Shows what is changed in a file, and changes it; some exit status if that is all there is to do.
+pub fn run(file: &str, options: &Options, exit: &mut Exit) -> Option<Exit> {
+    // A file that cannot be read is told of by the check.
+    let mended = mend(file, &options.levels.levels).ok()?;
+    let alone = options.format == Format::Graphical;
+    let diff = mended.diff();
+    // A machine reads nothing but the findings.
+    if alone {
+        print(&shown(diff));
+    } else {
+        warn(&diff);
+    }
+    let changes = count(mended.changes, "change");
+    if options.dry_run {
+        warn(&format!("{file}: {changes} to make\n"));
+        return alone.then(|| verdict(&mended.before));
+    }
+    if mended.changes == 0 {
+        return None;
+    }
+    match write(&mended) {
+        Ok(()) => warn(&format!("{file}: {changes} made\n")),
+        Err(reason) => {
+            warn(&format!("error: `{file}` is left as it is: {reason}\n"));
+            *exit = worse(*exit, Exit::Usage);
+        }
+    }
+    None
+}
+
+fn write(mended: &Mended) -> Result<(), String> {
+    match mended.write() {
+        Ok(true) => Ok(()),
+        Ok(false) => Err("it has changed while it was checked; try again".to_owned()),
+        Err(error) => Err(error.to_string()),
+    }
+}
+
+/// A diff without what acts on a terminal, if it goes to one.
+fn shown(diff: String) -> String {
+    if !std::io::stdout().is_terminal() {
+        return diff;
+    }
+    let harmless = |c: char| match is_hostile(c) && !matches!(c, '\n' | '\t') {
+        true => '\u{fffd}',
+        false => c,
+    };
+    diff.chars().map(harmless).collect()
+}

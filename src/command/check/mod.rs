@@ -1,0 +1,161 @@
+//! `stochc check`.
+mod cost;
+mod fix;
+
+use clap::Args;
+use stochc_compiler::emit::chain_text;
+use stochc_compiler::order::Order;
+use stochc_compiler::{Checked, Program};
+
+use self::cost::costs;
+use super::levels::LevelOptions;
+use super::terminal::{has_colour, message_width, print, warn};
+use crate::cli::Exit;
+use crate::findings::{Format, Log, json_document, show, values};
+
+/// What `check` is given.
+#[derive(Debug, Args)]
+pub struct Options {
+    /// Programs to check
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<String>,
+    /// How to show findings; all but `graphical` write them to the standard output
+    #[arg(long, value_name = "FORM", default_value = "graphical")]
+    format: Format,
+    /// Show what will take the time, capture by capture: the first N, or 10
+    #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "10")]
+    cost: Option<usize>,
+    /// Apply the changes that are safe, shown as a diff first, until none is left
+    #[arg(long)]
+    fix: bool,
+    /// Show what `--fix` would change, and write nothing
+    #[arg(long, requires = "fix")]
+    dry_run: bool,
+    #[command(flatten)]
+    levels: LevelOptions,
+}
+
+/// Checks each file, and says of the right ones what is known before anything moves.
+pub fn run(options: &Options) -> Exit {
+    let mut exit = Exit::Success;
+    let mut document = Vec::new();
+    let mut log = Log::new(std::env::current_dir().ok().as_deref());
+    for file in &options.files {
+        if options.fix
+            && let Some(ended) = fix::run(file, options, &mut exit)
+        {
+            exit = worse(exit, ended);
+            continue;
+        }
+        let checked = crate::check_with(file, &options.levels.levels);
+        let shown = || show(&checked, options.format, has_colour(), message_width());
+        match options.format {
+            // A machine reads the findings, a person the summary.
+            Format::Short => print(&shown()),
+            Format::Json => document.extend(values(&checked)),
+            Format::Sarif => log.add(file, &checked),
+            Format::Graphical => {
+                warn(&shown());
+                if !checked.has_errors() {
+                    print(&summary(file, &checked, options.cost));
+                }
+            }
+        }
+        exit = worse(exit, verdict(&checked));
+    }
+    match options.format {
+        Format::Json => print(&json_document(document)),
+        Format::Sarif => print(&log.document()),
+        Format::Graphical | Format::Short => {}
+    }
+    exit
+}
+
+/// What the findings of a file mean for the exit status.
+pub fn verdict(checked: &Checked) -> Exit {
+    if !checked.has_errors() {
+        Exit::Success
+    } else if checked.sources.files().is_empty() {
+        Exit::Usage
+    } else {
+        Exit::WrongProgram
+    }
+}
+
+fn worse(a: Exit, b: Exit) -> Exit {
+    if b.status() > a.status() { b } else { a }
+}
+
+fn summary(file: &str, checked: &Checked, cost: Option<usize>) -> String {
+    if checked.programs.is_empty() {
+        let verdict = judgement(checked);
+        return format!("{file}: {verdict}; it declares no assembly\n");
+    }
+    let mut out = String::new();
+    for program in &checked.programs {
+        out.push_str(&format!("{file}: {}", describe(program, checked)));
+        out.push_str(&costs(program, &checked.symbols, cost));
+    }
+    out
+}
+
+/// What can be said of a file without errors.
+fn judgement(checked: &Checked) -> String {
+    let verdict = match checked.findings.len() {
+        0 => "all is well".to_owned(),
+        warnings => count(warnings, "warning"),
+    };
+    match checked.allowed.len() {
+        0 => verdict,
+        allowed => format!("{verdict}, {} allowed", count(allowed, "warning")),
+    }
+}
+
+fn describe(program: &Program, checked: &Checked) -> String {
+    let plan = &program.plan;
+    let scene = program.scene.as_ref().map_or("?", |scene| &scene.name);
+    let Some(order) = &program.order else {
+        return format!("{}\n", plan.name);
+    };
+    let (captures, releases) = plan.counts();
+    let mut out = format!(
+        "assembly {} in {scene}: {}, {}, {}; {}\n",
+        plan.name,
+        count(plan.phases.len(), "phase"),
+        count(captures, "capture"),
+        count(releases, "release"),
+        judgement(checked),
+    );
+    let width = plan
+        .phases
+        .iter()
+        .map(|phase| phase.name.len())
+        .max()
+        .unwrap_or(0);
+    for (phase, chain) in plan.phases.iter().zip(&order.chains) {
+        out.push_str(&format!(
+            "  phase {:width$}  longest serial chain {}: {}\n",
+            phase.name,
+            Order::length(plan, chain),
+            chain_text(plan, chain, &checked.symbols),
+        ));
+    }
+    let all: usize = order
+        .chains
+        .iter()
+        .map(|chain| Order::length(plan, chain))
+        .sum();
+    if let Some((number, chain)) = order.longest(plan) {
+        out.push_str(&format!(
+            "  the program's longest serial chain is {} (phase {}); one phase after the other, {all}\n",
+            Order::length(plan, chain),
+            plan.phases[number].name,
+        ));
+    }
+    out
+}
+
+fn count(n: usize, noun: &str) -> String {
+    let plural = if n == 1 { "" } else { "s" };
+    format!("{n} {noun}{plural}")
+}

@@ -1,0 +1,123 @@
+//! `--allow`, `--warn` and `--deny`, in the order in which they are given.
+use std::ffi::OsStr;
+
+use clap::builder::{PossibleValue, TypedValueParser};
+use clap::error::ErrorKind;
+use clap::{Arg, ArgAction, ArgMatches, Args, Command, Error, FromArgMatches};
+use stochc_compiler::finding::{Code, Severity};
+use stochc_compiler::{Level, Levels};
+
+/// What the command line says of warnings; the last word on a code counts.
+#[derive(Clone, Debug, Default)]
+pub struct LevelOptions {
+    /// The levels where a file says nothing.
+    pub levels: Levels,
+}
+
+/// The options, with their levels and their help.
+const OPTIONS: [(&str, Level, &str); 3] = [
+    (
+        "allow",
+        Level::Allow,
+        "Do not tell of this warning; `warnings` are all of them",
+    ),
+    ("warn", Level::Warn, "Tell of this warning, as by default"),
+    (
+        "deny",
+        Level::Deny,
+        "Make this warning an error; what a file says itself counts more",
+    ),
+];
+
+/// The word for every warning.
+const ALL: &str = "warnings";
+
+impl Args for LevelOptions {
+    fn augment_args(command: Command) -> Command {
+        command.args(OPTIONS.map(|(name, _, help)| {
+            Arg::new(name)
+                .long(name)
+                .value_name("CODE")
+                .help(help)
+                .action(ArgAction::Append)
+                .value_delimiter(',')
+                .hide_possible_values(name != "allow")
+                .value_parser(Warnings)
+        }))
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        LevelOptions::augment_args(command)
+    }
+}
+
+impl FromArgMatches for LevelOptions {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<LevelOptions, Error> {
+        let mut said = Vec::new();
+        for (name, level, _) in OPTIONS {
+            let codes = matches.get_many::<Warning>(name).into_iter().flatten();
+            let places = matches.indices_of(name).into_iter().flatten();
+            said.extend(places.zip(codes).map(|(place, code)| (place, *code, level)));
+        }
+        said.sort_by_key(|(place, ..)| *place);
+        let mut levels = Levels::default();
+        for (_, Warning(code), level) in said {
+            levels.set(code, level);
+        }
+        Ok(LevelOptions { levels })
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), Error> {
+        *self = LevelOptions::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+/// A warning, or every one.
+#[derive(Clone, Copy, Debug)]
+struct Warning(Option<Code>);
+
+/// Reads the code of a warning.
+#[derive(Clone)]
+struct Warnings;
+
+impl TypedValueParser for Warnings {
+    type Value = Warning;
+
+    fn parse_ref(
+        &self,
+        command: &Command,
+        argument: Option<&Arg>,
+        value: &OsStr,
+    ) -> Result<Warning, Error> {
+        let value = value.to_string_lossy();
+        if value == ALL {
+            return Ok(Warning(None));
+        }
+        let known = Code::from_name(&value);
+        if let Some(code) = known.filter(|code| code.severity() == Severity::Warning) {
+            return Ok(Warning(Some(code)));
+        }
+        let reason = match known {
+            Some(code) => format!("`{code}` is always an error; only warnings have a level"),
+            None => {
+                let meant = Code::nearest(&value).map_or_else(
+                    || "`stochc explain` lists all codes".to_owned(),
+                    |meant| format!("did you mean `{meant}`?"),
+                );
+                format!("no finding has the code `{value}`; {meant}")
+            }
+        };
+        let option =
+            argument.map_or_else(String::new, |argument| format!("--{}: ", argument.get_id()));
+        let error = Error::raw(ErrorKind::InvalidValue, format!("{option}{reason}\n"));
+        Err(error.with_cmd(command))
+    }
+
+    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
+        let codes = Code::ALL.iter();
+        let warnings = codes.filter(|code| code.severity() == Severity::Warning);
+        let names = std::iter::once(ALL).chain(warnings.map(|code| code.name()));
+        Some(Box::new(names.map(PossibleValue::new)))
+    }
+}

@@ -1,0 +1,48 @@
+//! Findings in every form: drawn, one to a line, as JSON, and as SARIF.
+mod graphical;
+mod json;
+mod sarif;
+mod short;
+
+use clap::ValueEnum;
+use stochc_compiler::{Checked, Site, Sources};
+
+pub use json::values;
+pub use sarif::Log;
+
+/// How findings are shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// Over the text they speak of.
+    Graphical,
+    /// `file:line:column: severity[code]: message`, one to a line.
+    Short,
+    /// One JSON document.
+    Json,
+    /// One SARIF 2.1.0 document, for code review.
+    Sarif,
+}
+
+/// The findings of a file in a form, ready to print; empty if there is nothing to say in words.
+pub fn show(checked: &Checked, format: Format, colour: bool, width: usize) -> String {
+    match format {
+        Format::Graphical => graphical::show(checked, colour, width),
+        Format::Short => short::show(checked),
+        Format::Json => json::document(values(checked).collect()),
+        Format::Sarif => {
+            let mut log = Log::new(None);
+            log.add("", checked);
+            log.document()
+        }
+    }
+}
+
+/// The findings of several files as one JSON document.
+pub fn json_document(findings: Vec<serde_json::Value>) -> String {
+    json::document(findings)
+}
+
+/// Line and column of a byte of a file, both from 1; the column counts characters.
+fn position(sources: &Sources, site: Site, at: u32) -> (usize, usize) {
+    sources.file(site.file).position(at)
+}

@@ -1,0 +1,259 @@
+//! Findings as SARIF 2.1.0, which code review systems show beside the changed lines.
+//!
+//! The OASIS Standard: <https://docs.oasis-open.org/sarif/sarif/v2.1.0/sarif-v2.1.0.html>. The numbers
+//! of sections below are its.
+use std::path::Path;
+
+use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
+use serde_json::{Map, Value, json};
+use stochc_compiler::finding::{Code, Finding, Fix, Label, Severity};
+use stochc_compiler::{Allowed, Checked, Site, Sources};
+
+use super::position;
+
+/// The schema that the document follows.
+const SCHEMA: &str =
+    "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json";
+
+/// The findings of one or more files, as one run of the tool.
+#[derive(Debug)]
+pub struct Log {
+    /// The folder that addresses are relative to, with `/` between its parts and at its end.
+    folder: Option<String>,
+    results: Vec<Value>,
+    /// Whether every file could be read.
+    complete: bool,
+}
+
+impl Log {
+    /// An empty one; files below `folder`, an absolute path, get addresses relative to it.
+    pub fn new(folder: Option<&Path>) -> Log {
+        let folder = folder.and_then(Path::to_str).map(|folder| {
+            let folder = slashes(folder);
+            format!("{}/", folder.trim_end_matches('/'))
+        });
+        Log {
+            folder,
+            results: Vec::new(),
+            complete: true,
+        }
+    }
+
+    /// Adds what has been found in the file at `path` and those it imports.
+    pub fn add(&mut self, path: &str, checked: &Checked) {
+        self.complete &= !checked.sources.files().is_empty();
+        for finding in &checked.findings {
+            let result = self.result(path, finding, &checked.sources);
+            self.results.push(Value::Object(result));
+        }
+        for Allowed { finding, reason } in &checked.allowed {
+            let mut result = self.result(path, finding, &checked.sources);
+            // 3.35: a result that is not told of, and why.
+            let suppression = match reason {
+                Some(reason) => json!({ "kind": "inSource", "justification": reason }),
+                None => json!({ "kind": "external" }),
+            };
+            result.insert("suppressions".into(), json!([suppression]));
+            self.results.push(Value::Object(result));
+        }
+    }
+
+    /// The whole document.
+    pub fn document(self) -> String {
+        let version = env!("CARGO_PKG_VERSION");
+        let rules: Value = Code::ALL.iter().map(|&code| rule(code)).collect();
+        let document = json!({
+            "$schema": SCHEMA,
+            "version": "2.1.0",
+            "runs": [{
+                "tool": { "driver": {
+                    "name": "stochc",
+                    "version": version,
+                    "semanticVersion": version,
+                    "rules": rules,
+                }},
+                "invocations": [{ "executionSuccessful": self.complete }],
+                "columnKind": "unicodeCodePoints",
+                "results": self.results,
+            }],
+        });
+        format!("{document:#}\n")
+    }
+
+    /// 3.27
+    fn result(&self, path: &str, finding: &Finding, sources: &Sources) -> Map<String, Value> {
+        let mut text = finding.title.clone();
+        if let Some(help) = &finding.help {
+            text.push_str("\nhelp: ");
+            text.push_str(help);
+        }
+        let mut labels = finding.labels.iter();
+        let place = match labels.next() {
+            Some(label) => self.location(label, sources),
+            // A file that cannot be read has no lines.
+            None => json!({ "physicalLocation": { "artifactLocation": self.artifact(path) } }),
+        };
+        let mut result = Map::new();
+        let mut put = |key: &str, value: Value| result.insert(key.into(), value);
+        put("ruleId", finding.code.name().into());
+        let number = Code::ALL.iter().position(|&code| code == finding.code);
+        put("ruleIndex", number.into());
+        put("level", level(finding.severity).into());
+        put("message", json!({ "text": text }));
+        put("locations", json!([place]));
+        let others: Vec<Value> = (labels.enumerate())
+            .map(|(number, label)| {
+                let mut place = self.location(label, sources);
+                place["id"] = (number + 1).into();
+                place
+            })
+            .collect();
+        if !others.is_empty() {
+            put("relatedLocations", others.into());
+        }
+        if let Some(fix) = &finding.fix {
+            put("fixes", json!([self.fix(fix, sources)]));
+        }
+        result
+    }
+
+    /// 3.28
+    fn location(&self, label: &Label, sources: &Sources) -> Value {
+        let name = &sources.file(label.site.file).name;
+        json!({
+            "physicalLocation": {
+                "artifactLocation": self.artifact(name),
+                "region": region(sources, label.site),
+            },
+            "message": { "text": label.text },
+        })
+    }
+
+    /// 3.55; a change of several files is one `artifactChange` for each.
+    fn fix(&self, fix: &Fix, sources: &Sources) -> Value {
+        let mut files: Vec<_> = fix.edits.iter().map(|edit| edit.site.file).collect();
+        files.sort_unstable();
+        files.dedup();
+        let changes: Value = (files.into_iter())
+            .map(|file| {
+                let edits = fix.edits.iter().filter(|edit| edit.site.file == file);
+                let replacements: Value = edits
+                    .map(|edit| {
+                        json!({
+                            "deletedRegion": region(sources, edit.site),
+                            "insertedContent": { "text": edit.text },
+                        })
+                    })
+                    .collect();
+                json!({
+                    "artifactLocation": self.artifact(&sources.file(file).name),
+                    "replacements": replacements,
+                })
+            })
+            .collect();
+        json!({ "description": { "text": fix.title }, "artifactChanges": changes })
+    }
+
+    /// 3.4
+    fn artifact(&self, name: &str) -> Value {
+        json!({ "uri": address(name, self.folder.as_deref()) })
+    }
+}
+
+/// 3.30; the columns are in the unit that the run declares.
+fn region(sources: &Sources, site: Site) -> Value {
+    let (start_line, start_column) = position(sources, site, site.span.start);
+    let (end_line, end_column) = position(sources, site, site.span.end);
+    json!({
+        "startLine": start_line,
+        "startColumn": start_column,
+        "endLine": end_line,
+        "endColumn": end_column,
+    })
+}
+
+/// 3.49; all of it is in the page of the code.
+fn rule(code: Code) -> Value {
+    let page = code.page();
+    let (title, text) = page.split_once('\n').unwrap_or((page, ""));
+    let short = title.split_once(": ").map_or(title, |(_, meaning)| meaning);
+    let first = text.trim_start().split("\n\n").next().unwrap_or_default();
+    let full = first.replace('\n', " ");
+    json!({
+        "id": code.name(),
+        "shortDescription": { "text": short },
+        "fullDescription": { "text": full.trim_end() },
+        "help": { "text": page, "markdown": page },
+        "defaultConfiguration": { "level": level(code.severity()) },
+    })
+}
+
+fn level(severity: Severity) -> &'static str {
+    match severity {
+        Severity::Error => "error",
+        Severity::Warning => "warning",
+    }
+}
+
+/// The address of a file: relative to `folder` if it is below it or its name is relative already.
+fn address(name: &str, folder: Option<&str>) -> String {
+    /// What stands in a path as it is (RFC 3986, 3.3); a colon could be taken for a scheme's.
+    const ESCAPED: &AsciiSet = &NON_ALPHANUMERIC
+        .remove(b'-')
+        .remove(b'.')
+        .remove(b'_')
+        .remove(b'~')
+        .remove(b'/');
+    let name = slashes(name);
+    let path = folder
+        .and_then(|folder| name.strip_prefix(folder))
+        .unwrap_or(&name);
+    let mut parts: Vec<&str> = Vec::new();
+    for part in path.split('/') {
+        match part {
+            "." => {}
+            ".." if parts.last().is_some_and(|last| !matches!(*last, ".." | "")) => {
+                parts.pop();
+            }
+            part => parts.push(part),
+        }
+    }
+    let path = parts.join("/");
+    let encoded = utf8_percent_encode(&path, ESCAPED);
+    match path.starts_with('/') {
+        true => format!("file://{encoded}"),
+        false if Path::new(&path).is_absolute() => format!("file:///{encoded}"),
+        false => encoded.to_string(),
+    }
+}
+
+/// A path with `/` between its parts.
+fn slashes(path: &str) -> String {
+    match std::path::MAIN_SEPARATOR {
+        '/' => path.to_owned(),
+        other => path.replace(other, "/"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::address;
+
+    #[test]
+    fn addresses_are_relative_and_escaped() {
+        let folder = Some("/home/a b/");
+        for (name, uri) in [
+            ("a.sa", "a.sa"),
+            ("./x/../y/a.sa", "y/a.sa"),
+            ("../a.sa", "../a.sa"),
+            ("two towers#1?.sa", "two%20towers%231%3F.sa"),
+            ("100%.sa", "100%25.sa"),
+            ("türme/塔.sa", "t%C3%BCrme/%E5%A1%94.sa"),
+            ("c:a.sa", "c%3Aa.sa"),
+            ("/home/a b/c.sa", "c.sa"),
+            ("/home/a bc/d.sa", "file:///home/a%20bc/d.sa"),
+        ] {
+            assert_eq!(address(name, folder), uri, "{name}");
+        }
+    }
+}

@@ -1,0 +1,133 @@
+//! Programs with the changes that `check --fix` makes.
+use std::io;
+use std::path::{Path, PathBuf};
+
+use similar::TextDiff;
+use stochc_compiler::finding::mended;
+use stochc_compiler::{Checked, FileId, Levels, Limits, check_with};
+
+use crate::files::{atomic, read};
+
+/// Rounds of checking and changing, at most: each change may make room for another.
+const MOST_ROUNDS: usize = 50;
+
+/// A file, and what it is with all safe changes.
+#[derive(Debug)]
+pub struct Mended {
+    path: String,
+    /// As read, to the byte.
+    original: Vec<u8>,
+    new: Vec<u8>,
+    /// How many changes that took.
+    pub changes: usize,
+    /// What was found before the first of them.
+    pub before: Checked,
+}
+
+/// The mark of the byte order, which the compiler passes over.
+const MARK: &[u8] = "\u{feff}".as_bytes();
+
+/// Works out all safe changes of a file; those of files that it imports are left to them.
+///
+/// # Errors
+/// In the system's words, if the file cannot be read.
+pub fn mend(path: &str, levels: &Levels) -> Result<Mended, String> {
+    let is_file = std::fs::metadata(path).map(|metadata| metadata.is_file());
+    if !is_file.map_err(|error| error.to_string())? {
+        return Err("it is no ordinary file".into());
+    }
+    let original = read(path)?;
+    let mut new = original.clone();
+    let mut changes = 0;
+    let mut first = None;
+    for _ in 0..=MOST_ROUNDS {
+        let mut reader = |asked: &str| match asked == path {
+            true => Ok(new.clone()),
+            false => read(asked),
+        };
+        let checked = check_with(path, &mut reader, Limits::default(), levels);
+        let fixes = (checked.findings.iter())
+            .filter_map(|finding| finding.fix.as_ref())
+            .filter(|fix| fix.safe);
+        let own = checked.sources.files().first();
+        let text = own.map_or("", |file| &file.text);
+        let (text, count) = mended(text, FileId(0), fixes);
+        first.get_or_insert(checked);
+        if count == 0 {
+            break;
+        }
+        changes += count;
+        let mark = if new.starts_with(MARK) { MARK } else { b"" };
+        new = [mark, text.as_bytes()].concat();
+    }
+    Ok(Mended {
+        path: path.to_owned(),
+        original,
+        new,
+        changes,
+        // There is at least one round.
+        before: first.ok_or("nothing was checked")?,
+    })
+}
+
+impl Mended {
+    /// The changes as a unified diff; empty if there is none.
+    pub fn diff(&self) -> String {
+        if self.changes == 0 {
+            return String::new();
+        }
+        let old = String::from_utf8_lossy(&self.original);
+        let new = String::from_utf8_lossy(&self.new);
+        TextDiff::from_lines(&*old, &*new)
+            .unified_diff()
+            .header(&self.path, &self.path)
+            .to_string()
+    }
+
+    /// Puts the new text in the place of the old, unless the file has changed since it was read:
+    /// then it is left as it is, and `false` is returned.
+    ///
+    /// # Errors
+    /// Those of the file system; a file that may not be written is one. The old text is untouched
+    /// then.
+    pub fn write(&self) -> io::Result<bool> {
+        // What a link points to is replaced, not the link.
+        let path: PathBuf = std::fs::canonicalize(Path::new(&self.path))?;
+        if path.metadata()?.permissions().readonly() {
+            return Err(io::ErrorKind::PermissionDenied.into());
+        }
+        atomic::replace_if(&path, &self.new, || {
+            Ok(std::fs::read(&path)? == self.original)
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(
+        clippy::disallowed_methods,
+        reason = "the test changes the file behind the back of the code"
+    )]
+    use super::*;
+
+    #[test]
+    fn a_file_that_has_changed_meanwhile_is_left_alone() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.sa");
+        let text = "assembly a { seed plate 1 x 1 { M at (0, 0) } phaze p { M.up -> A } }";
+        std::fs::write(&path, text).unwrap();
+        let mended = mend(path.to_str().unwrap(), &Levels::default()).unwrap();
+        assert_eq!(mended.changes, 1);
+        std::fs::write(&path, "// mine\n").unwrap();
+        assert!(!mended.write().unwrap());
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "// mine\n");
+        std::fs::write(&path, text).unwrap();
+        assert!(mended.write().unwrap());
+        assert_eq!(
+            std::fs::read_to_string(&path).unwrap(),
+            text.replace("phaze", "phase")
+        );
+        let left: Vec<_> = folder.path().read_dir().unwrap().collect();
+        assert_eq!(left.len(), 1);
+    }
+}

@@ -1,0 +1,138 @@
+//! `stochc check --fix`, as a user meets it.
+use std::fs;
+
+use crate::stochc::{path, stochc, stochc_with};
+
+const WRONG: &str = "\
+// kept
+assembly a {
+    seed plate 2 x 1 { M at (0, 0)  N at (1, 0) }
+    phaze p { M.up => A }
+}
+";
+
+const DIFF: &str = "\
+@@ -1,5 +1,5 @@
+ // kept
+ assembly a {
+-    seed plate 2 x 1 { M at (0, 0)  N at (1, 0) }
+-    phaze p { M.up => A }
++    seed plate 2 x 1 { M at (0, 0) }
++    phase p { M.up -> A }
+ }
+";
+
+const RIGHT: &str = "\
+// kept
+assembly a {
+    seed plate 2 x 1 { M at (0, 0) }
+    phase p { M.up -> A }
+}
+";
+
+/// A folder with one file.
+fn file(text: &[u8]) -> (tempfile::TempDir, String) {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(folder.path(), "a.sa");
+    fs::write(&file, text).unwrap();
+    (folder, file)
+}
+
+#[test]
+fn changes_are_shown_and_made_and_the_rest_is_told() {
+    let (_folder, file) = file(WRONG.as_bytes());
+    let said = stochc_with("check --fix", &[&file]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    assert!(said.out.contains(DIFF), "{}", said.out);
+    assert!(
+        said.out.contains("1 capture, 0 releases; all is well"),
+        "{}",
+        said.out
+    );
+    assert!(said.err.contains("3 changes made"), "{}", said.err);
+    assert_eq!(fs::read_to_string(&file).unwrap(), RIGHT);
+    let said = stochc_with("check --fix", &[&file]);
+    assert_eq!((said.status, said.err.as_str()), (0, ""));
+    assert!(!said.out.contains("@@"), "{}", said.out);
+}
+
+#[test]
+fn a_dry_run_writes_nothing() {
+    let (_folder, file) = file(WRONG.as_bytes());
+    let said = stochc_with("check --fix --dry-run", &[&file]);
+    assert_eq!(said.status, 1);
+    assert!(said.out.ends_with(DIFF), "{}", said.out);
+    assert!(said.err.ends_with("3 changes to make\n"), "{}", said.err);
+    assert_eq!(fs::read_to_string(&file).unwrap(), WRONG);
+    assert_eq!(stochc_with("check --dry-run", &[&file]).status, 2);
+}
+
+#[test]
+fn the_mark_and_the_ends_of_lines_stay() {
+    let windows = format!("\u{feff}{}", WRONG.replace('\n', "\r\n"));
+    let (_folder, file) = file(windows.as_bytes());
+    assert_eq!(stochc_with("check --fix", &[&file]).status, 0);
+    let right = format!("\u{feff}{}", RIGHT.replace('\n', "\r\n"));
+    assert_eq!(fs::read_to_string(&file).unwrap(), right);
+}
+
+#[test]
+fn documents_are_not_mixed_with_the_diff() {
+    for format in ["json", "sarif"] {
+        let (_folder, file) = file(WRONG.as_bytes());
+        let said = stochc_with(&format!("check --fix --format {format}"), &[&file]);
+        assert_eq!(said.status, 0);
+        said.json();
+        assert!(said.err.contains(DIFF), "{}", said.err);
+    }
+}
+
+#[test]
+fn imported_files_are_left_to_themselves() {
+    let (folder, file) = file(b"import \"b.sa\"\n");
+    let imported = path(folder.path(), "b.sa");
+    fs::write(&imported, "let n = 1;\n").unwrap();
+    let said = stochc_with("check --fix", &[&file]);
+    assert_eq!((said.status, said.out.as_str()), (1, ""));
+    assert_eq!(fs::read_to_string(&imported).unwrap(), "let n = 1;\n");
+    assert_eq!(stochc_with("check --fix", &[&imported]).status, 0);
+    assert_eq!(fs::read_to_string(&imported).unwrap(), "let n = 1\n");
+}
+
+#[test]
+fn what_cannot_be_read_or_is_no_file_is_told_of_as_ever() {
+    for file in ["tests/fixtures/none.sa", "tests/fixtures", "/dev/null"] {
+        let plain = stochc(&format!("check {file}"));
+        let fixed = stochc(&format!("check --fix {file}"));
+        assert_eq!(
+            (fixed.status, fixed.out, fixed.err),
+            (plain.status, plain.out, plain.err)
+        );
+    }
+}
+
+#[test]
+#[cfg(unix)]
+fn links_permissions_and_protected_files() {
+    use std::os::unix::fs::{PermissionsExt as _, symlink};
+    let (folder, file) = file(WRONG.as_bytes());
+    let link = path(folder.path(), "link.sa");
+    symlink("a.sa", &link).unwrap();
+    fs::set_permissions(&file, fs::Permissions::from_mode(0o400)).unwrap();
+    let said = stochc_with("check --fix", &[&link]);
+    assert_eq!(said.status, 2);
+    assert!(
+        said.err.contains("is left as it is: permission denied"),
+        "{}",
+        said.err
+    );
+    assert_eq!(fs::read_to_string(&file).unwrap(), WRONG);
+    fs::set_permissions(&file, fs::Permissions::from_mode(0o640)).unwrap();
+    assert_eq!(stochc_with("check --fix", &[&link]).status, 0);
+    assert_eq!(fs::read_to_string(&file).unwrap(), RIGHT);
+    assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+    assert_eq!(
+        fs::metadata(&file).unwrap().permissions().mode() & 0o777,
+        0o640
+    );
+}

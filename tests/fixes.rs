@@ -1,0 +1,365 @@
+//! Changes that mend findings: each does what it says and nothing else.
+#![allow(
+    clippy::disallowed_methods,
+    reason = "the tests read programs from the disk"
+)]
+use proptest::prelude::*;
+use stochc::compiler::finding::{Code, Finding, Fix, mended};
+use stochc::compiler::{Checked, FileId, Limits, check};
+
+fn checked(text: &str) -> Checked {
+    let mut reader = |asked: &str| match asked {
+        "a.sa" => Ok(text.as_bytes().to_vec()),
+        "towers.sa" => Ok(Vec::new()),
+        _ => Err("no such file".to_owned()),
+    };
+    check("a.sa", &mut reader, Limits::default())
+}
+
+/// The text with all safe changes, round by round.
+fn fixed(text: &str) -> String {
+    let mut text = text.to_owned();
+    for _ in 0..50 {
+        let checked = checked(&text);
+        let fixes = checked
+            .findings
+            .iter()
+            .filter_map(|finding| finding.fix.as_ref());
+        let (new, count) = mended(&text, FileId(0), fixes.filter(|fix| fix.safe));
+        if count == 0 {
+            return text;
+        }
+        assert_ne!(new, text, "a change that changes nothing");
+        text = new;
+    }
+    panic!("changes without end: {text}");
+}
+
+/// What is told, without its place.
+fn told(findings: &[Finding]) -> Vec<(Code, String)> {
+    let mut told: Vec<_> = (findings.iter())
+        .map(|finding| (finding.code, finding.title.clone()))
+        .collect();
+    told.sort();
+    told
+}
+
+/// What the comments of a text say, one after the other.
+fn comments(text: &str) -> Vec<&str> {
+    let comment = |line: &'_ str| line.find("//").map(|at| at..line.len());
+    text.lines()
+        .filter_map(|line| comment(line).map(|range| line[range].trim_start_matches('/').trim()))
+        .collect()
+}
+
+const PLATE: &str = "assembly a {\n    seed plate 2 x 1 { M at (0, 0)  N at (1, 0) }\n";
+
+/// A program with its phases.
+fn program(phases: &str) -> String {
+    format!("{PLATE}    phase base {{ M.up -> A }}\n    {phases}\n}}\n")
+}
+
+#[test]
+fn slips_in_a_phase_are_mended() {
+    for (wrong, right) in [
+        ("phaze p { N.up -> B }", "phase p { N.up -> B }"),
+        (
+            "phase p { relese A }  phase q { N.up -> B }",
+            "phase p { release A }  phase q { N.up -> B }",
+        ),
+        (
+            "phase p timeot 5 ticks { N.up -> B }",
+            "phase p timeout 5 ticks { N.up -> B }",
+        ),
+        (
+            "phase p timeout 5 seconds { N.up -> B }",
+            "phase p timeout 5 s { N.up -> B }",
+        ),
+        (
+            "phase p timeout 5 tics { N.up -> B }",
+            "phase p timeout 5 ticks { N.up -> B }",
+        ),
+        ("phase p { N.up -> B; }", "phase p { N.up -> B }"),
+        (
+            "phase p { N.up -> B;B.up -> C }",
+            "phase p { N.up -> B B.up -> C }",
+        ),
+        ("phase p { N.up => B }", "phase p { N.up -> B }"),
+        ("phase p { N.up → B –> C }", "phase p { N.up -> B –> C }"),
+        ("phase p { N.up > B }", "phase p { N.up -> B }"),
+        (
+            "phase p { N.up =>> B[1..2] }",
+            "phase p { N.up ->> B[1..2] }",
+        ),
+        ("phase p { N.up ->> B }", "phase p { N.up -> B }"),
+        (
+            "phase p { N.up ->> B[1...2] }",
+            "phase p { N.up ->> B[1..2] }",
+        ),
+        (
+            "phase p { N.up ->> B[1..=2] }",
+            "phase p { N.up ->> B[1..2] }",
+        ),
+        ("phase p { N.top -> B }", "phase p { N.up -> B }"),
+        (
+            "phase p { N.up -> B.noth -> C }",
+            "phase p { N.up -> B.north -> C }",
+        ),
+        (
+            "phase p { for (i in 1..2) { N.up -> B[i] } }",
+            "phase p { for i in 1..2 { N.up -> B[i] } }",
+        ),
+        (
+            "# note\n    phase p { N.up -> B }",
+            "// note\n    phase p { N.up -> B }",
+        ),
+        (
+            "/* note */\n    phase p { N.up -> B }",
+            "// note \n    phase p { N.up -> B }",
+        ),
+        (
+            "/ note\n    phase p { N.up -> B }",
+            "// note\n    phase p { N.up -> B }",
+        ),
+        (
+            "phase p { N.up -> B\n    /// one\n    /// two\n    }",
+            "phase p { N.up -> B\n    // one\n    // two\n    }",
+        ),
+        ("phase p { N.up -> B after A }", "phase p { N.up -> B }"),
+        (
+            "phase p { N.up -> B.up -> C\n        B.east -> D after A, B }",
+            "phase p { N.up -> B.up -> C\n        B.east -> D after B }",
+        ),
+        (
+            "phase p { N.up -> B.up -> C\n        B.east -> D after B, A }",
+            "phase p { N.up -> B.up -> C\n        B.east -> D after B }",
+        ),
+        (
+            "phase p { N.up -> D\n        after A // not needed\n    }",
+            "phase p { N.up -> D\n        // not needed\n    }",
+        ),
+        (
+            "phase p { N.up -> B }\n    phase q { }",
+            "phase p { N.up -> B }",
+        ),
+        (
+            "phase p { N.up -> B  release A.up }",
+            "phase p { N.up -> B  release A }",
+        ),
+        (
+            "deny empty-phaze \"x\"\n    phase p { N.up -> B }",
+            "deny empty-phase \"x\"\n    phase p { N.up -> B }",
+        ),
+        (
+            "deny cycle \"x\"\n    phase p { N.up -> B }",
+            "phase p { N.up -> B }",
+        ),
+        (
+            "allow empty-phase \"x\"\n    phase p { N.up -> B }",
+            "phase p { N.up -> B }",
+        ),
+        (
+            "let heigth = 2  phase p { N.up ->> B[1..height] }",
+            "let heigth = 2  phase p { N.up ->> B[1..heigth] }",
+        ),
+        (
+            "phase p { N.up -> tower }  phase q { towre.up -> B }",
+            "phase p { N.up -> tower }  phase q { tower.up -> B }",
+        ),
+        (
+            "pattern grow(b) { b.up -> T }  phase p { grwo(N) }",
+            "pattern grow(b) { b.up -> T }  phase p { grow(N) }",
+        ),
+        (
+            "pattern grow(b) { b.up -> T }  phase p { grow(N) as left }  phase q { lfet.T.up -> B }",
+            "pattern grow(b) { b.up -> T }  phase p { grow(N) as left }  phase q { left.T.up -> B }",
+        ),
+        (
+            "shape flat { layer 1 { ## } }  phase p { N.up -> B  yields falt }",
+            "shape flat { layer 1 { ## } }  phase p { N.up -> B  yields flat }",
+        ),
+    ] {
+        assert_eq!(fixed(&program(wrong)), program(right), "{wrong}");
+    }
+}
+
+#[test]
+fn slips_outside_of_phases_are_mended() {
+    for (wrong, right) in [
+        (
+            "asembly a { seed plate 1 x 1 { } }",
+            "assembly a { seed plate 1 x 1 { } }",
+        ),
+        ("sceen s from hemisphere { }", "scene s from hemisphere { }"),
+        ("scene s from hemispere { }", "scene s from hemisphere { }"),
+        ("scene s form hemisphere { }", "scene s from hemisphere { }"),
+        (
+            "scene s from hemisphere { tick 5 msec }",
+            "scene s from hemisphere { tick 5 ms }",
+        ),
+        (
+            "scene s from hemisphere { tik 5 ms }",
+            "scene s from hemisphere { tick 5 ms }",
+        ),
+        (
+            "scene s from hemisphere { contact { restitutoin 0  friction 0 } }",
+            "scene s from hemisphere { contact { restitution 0  friction 0 } }",
+        ),
+        (
+            "scene s from hemisphere { free 30 unifrom }",
+            "scene s from hemisphere { free 30 uniform }",
+        ),
+        ("import \"a.sa\"\nlet n = 1\n", "let n = 1\n"),
+        ("let n = 1\nimport a.sa", "let n = 1\n"),
+        ("let n = 1;\n", "let n = 1\n"),
+        (
+            "scene s from hemisphere {\n  /// doc\n  tick 5 ms\n}",
+            "scene s from hemisphere {\n  // doc\n  tick 5 ms\n}",
+        ),
+        (
+            "assembly a {\n    seed plate 2 x 1 {\n        M at (0, 0)\n        N at (1, 0)   // spare\n    }\n    phase p { M.up -> A }\n}",
+            "assembly a {\n    seed plate 2 x 1 {\n        M at (0, 0)\n        // spare\n    }\n    phase p { M.up -> A }\n}",
+        ),
+        (
+            "assembly a { seed plat 1 x 1 { } }",
+            "assembly a { seed plate 1 x 1 { } }",
+        ),
+    ] {
+        assert_eq!(fixed(wrong), right, "{wrong}");
+    }
+}
+
+#[test]
+fn what_is_not_certain_is_left_alone() {
+    for text in [
+        // Another block may be meant.
+        program("phase p { N.up -> top }  phase q { tip.up -> B }"),
+        program("phase p { N.up -> T[1] }  phase q { T[2].up -> B }"),
+        program("phase p { N.up -> towar.up -> tower }  phase q { towr.up -> B }"),
+        program("phase p { N.left -> B }"),
+        // Something may have been forgotten.
+        program("phase p { N.up -> B.up }"),
+        program("phase p { N -> B }"),
+        program("phase p { N.up -> B  } }"),
+        program("phase p { N.up -> B }  phase q { /* later */ }").replace("/* later */", "// later\n"),
+        program("phase p { N.up -> B }  phase q { for i in 2..1 { } }"),
+        // A doc would belong to something else.
+        program("phase p { N.up -> B }  /// later\n    phase q { }"),
+        // The same text is needed in another round, or names several blocks.
+        program("for i in 1..2 { phase p[i] { N.up -> B[i] after X  release X } }"),
+        program("for i in 1..2 { phase p[i] { M.up -> Z[i] N.up -> B[i] after Z[1] } }"),
+        "assembly a { seed plate 3 x 1 { for i in 0..2 { M[i] at (i, 0) } } phase p { M[0].up -> A } }".to_owned(),
+    ] {
+        assert_eq!(fixed(&text), text);
+        assert!(!checked(&text).findings.is_empty(), "{text}");
+    }
+}
+
+#[test]
+fn every_fixture_and_page_is_only_bettered() {
+    let mut programs: Vec<String> = Vec::new();
+    for &code in Code::ALL {
+        let wrong = code.page().split_once("Wrong:\n\n```sa\n");
+        programs.extend(
+            wrong
+                .and_then(|(_, rest)| rest.split("```").next())
+                .map(str::to_owned),
+        );
+    }
+    for entry in std::fs::read_dir("tests/findings").unwrap() {
+        programs.push(std::fs::read_to_string(entry.unwrap().path()).unwrap());
+    }
+    let mut fixes = 0;
+    for text in &programs {
+        let before = checked(text);
+        for finding in &before.findings {
+            if let Some(fix) = &finding.fix {
+                one_change(text, &before, finding, fix);
+                fixes += 1;
+            }
+        }
+    }
+    assert!(fixes > 15, "{fixes}");
+}
+
+/// A change takes its finding away and, if it is safe, brings no error and keeps all comments.
+fn one_change(text: &str, before: &Checked, finding: &Finding, fix: &Fix) {
+    let (new, count) = mended(text, FileId(0), [fix]);
+    assert_eq!(count, 1, "{fix:?}");
+    let after = checked(&new);
+    let (old, left) = (told(&before.findings), told(&after.findings));
+    let this = (finding.code, finding.title.clone());
+    let times = |told: &[(Code, String)]| told.iter().filter(|one| **one == this).count();
+    assert!(times(&left) < times(&old), "{this:?} in\n{new}");
+    if !fix.safe {
+        return;
+    }
+    // A text with several errors of syntax is read only in part, and more of it with one less.
+    let partly_read = finding.code == Code::Syntax && before.findings.len() > 1;
+    for finding in &after.findings {
+        let known = old.contains(&(finding.code, finding.title.clone()));
+        assert!(
+            !finding.is_error() || known || partly_read,
+            "{finding:?} in\n{new}"
+        );
+    }
+    let slips = |told: &[(Code, String)]| told.iter().filter(|one| one.0 == Code::Syntax).count();
+    assert!(slips(&left) <= slips(&old), "{new}");
+    let kept = comments(&new);
+    for comment in comments(text) {
+        assert!(kept.contains(&comment), "{comment} in\n{new}");
+    }
+}
+
+/// A letter of a word is lost, doubled, or swapped with the next.
+fn misspelt(text: &str, at: usize, how: u8) -> Option<String> {
+    let letter = |at: usize| text.as_bytes().get(at).is_some_and(u8::is_ascii_alphabetic);
+    if !letter(at) || !letter(at + 1) {
+        return None;
+    }
+    let (head, tail) = text.split_at(at);
+    let (one, two) = (&tail[..1], &tail[1..2]);
+    Some(match how % 3 {
+        0 => format!("{head}{}", &tail[1..]),
+        1 => format!("{head}{one}{tail}"),
+        _ => format!("{head}{two}{one}{}", &tail[2..]),
+    })
+}
+
+const EXAMPLES: [&str; 4] = [
+    include_str!("../examples/five_tower.sa"),
+    include_str!("../examples/five_tower_reconfigured.sa"),
+    include_str!("../examples/closed_platform.sa"),
+    include_str!("../examples/line.sa"),
+];
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 600, ..ProptestConfig::default() })]
+
+    #[test]
+    fn a_slip_is_mended_or_left_alone(
+        example in 0usize..4,
+        at in any::<prop::sample::Index>(),
+        how in any::<u8>(),
+    ) {
+        let right = EXAMPLES[example];
+        let wrong = misspelt(right, at.index(right.len()), how).unwrap_or(right.to_owned());
+        let new = fixed(&wrong);
+        let errors = |text: &str| checked(text).findings.iter().filter(|f| f.is_error()).count();
+        prop_assert!(new == wrong || errors(&new) == 0, "{}\nto\n{}", wrong, new);
+        prop_assert_eq!(comments(&new), comments(&wrong));
+    }
+
+    #[test]
+    fn several_slips_end_and_keep_the_comments(
+        example in 0usize..4,
+        slips in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 2..9),
+    ) {
+        let mut text = EXAMPLES[example].to_owned();
+        for (at, how) in slips {
+            text = misspelt(&text, at.index(text.len()), how).unwrap_or(text);
+        }
+        let new = fixed(&text);
+        prop_assert_eq!(comments(&new), comments(&text));
+    }
+}

@@ -1,0 +1,193 @@
+//! docs/diagnostics.md: every finding, with a program that has it and the message as it is drawn.
+#![allow(
+    clippy::disallowed_methods,
+    reason = "the test compares a page of the documentation with what it should be, or writes it"
+)]
+use std::fmt::Write as _;
+
+use stochc::compiler::finding::{Code, Finding, Renderer, Severity};
+use stochc::compiler::{Checked, FileId, Limits, Sources, Span, check};
+use stochc_grammar::{SyntaxError, SyntaxErrorKind};
+
+const PAGE: &str = "docs/diagnostics.md";
+
+/// The variable that lets the test write the page instead of comparing it.
+const SWITCH: &str = "STOCHC_WRITE_DOCS";
+
+const HEAD: &str = "\
+# Every finding
+
+What `stochc` has to say about programs: each finding with a program that has it and the message that is
+shown. `stochc explain CODE` says more about each, and shows how it is done right. Errors keep a program
+from being run; warnings can be [allowed or denied](language.md#warnings).
+
+Where a message says that `stochc check --fix` can do something, it can: it shows the change first. What
+comes after *perhaps* is for you to decide.
+
+*This page is written by a test, from the pages of `explain` and from what the compiler answers.*
+";
+
+/// A program that has a finding.
+struct Sample {
+    /// Its files, the first of which is checked.
+    files: Vec<(&'static str, Vec<u8>)>,
+    /// What is shown of it, if that is not all of it.
+    shown: Option<&'static str>,
+}
+
+impl Sample {
+    fn of(text: impl Into<Vec<u8>>) -> Sample {
+        Sample {
+            files: vec![("tower.sa", text.into())],
+            shown: None,
+        }
+    }
+
+    fn shown(mut self, text: &'static str) -> Sample {
+        self.shown = Some(text);
+        self
+    }
+
+    fn check(&self) -> Checked {
+        let mut reader = |path: &str| {
+            let file = self.files.iter().find(|(name, _)| *name == path);
+            file.map(|(_, text)| text.clone())
+                .ok_or("No such file or directory (os error 2)".to_owned())
+        };
+        check(self.files[0].0, &mut reader, Limits::default())
+    }
+
+    fn text(&self) -> String {
+        if let Some(shown) = self.shown {
+            return shown.to_owned();
+        }
+        let parts = self.files.iter().map(|(name, text)| {
+            let text = String::from_utf8(text.clone()).unwrap();
+            match self.files.len() {
+                1 => text,
+                _ => format!("// {name}\n{text}"),
+            }
+        });
+        parts.collect::<Vec<_>>().join("\n")
+    }
+}
+
+/// The program that shows a code; `None`: no program can.
+fn sample(code: Code) -> Option<Sample> {
+    if let Some((_, rest)) = code.page().split_once("\nWrong:\n\n```sa\n") {
+        return Some(Sample::of(rest.split("```").next().unwrap_or_default()));
+    }
+    Some(match code {
+        Code::FileTooLarge => return None,
+        Code::NotUtf8 => Sample::of(b"let width = 3 // caf\xe9\n").shown(
+            "let width = 3 // caf\u{fffd}     the last byte is E9: the text is in Latin-1\n",
+        ),
+        Code::TooDeep => {
+            let depth = 101;
+            Sample::of(format!(
+                "let n = {}1{}\n",
+                "(".repeat(depth),
+                ")".repeat(depth)
+            ))
+        }
+        Code::StatementTooLong => {
+            let mut text = "assembly tower {\n    seed plate 1 x 1 { M at (0, 0) }\n    phase grow {\n        M".to_owned();
+            let mut number = 0;
+            while text.len() < 9 << 20 {
+                number += 1;
+                write!(text, ".up -> T{number}").unwrap();
+            }
+            text.push_str("\n    }\n}\n");
+            Sample::of(text).shown(
+                "assembly tower {\n    seed plate 1 x 1 { M at (0, 0) }\n    phase grow {\n        \
+                 M.up -> T1.up -> T2.up -> T3     and so on, for nine million bytes\n    }\n}\n",
+            )
+        }
+        Code::TooManyErrors => {
+            Sample::of("?\n".repeat(101)).shown("?\n?\n?     and so on, 101 lines\n")
+        }
+        Code::ImportMissing => Sample::of("import \"towers.sa\"\n"),
+        Code::ImportCycle => Sample {
+            files: vec![
+                ("plates.sa", b"import \"towers.sa\"\n".to_vec()),
+                ("towers.sa", b"import \"plates.sa\"\n".to_vec()),
+            ],
+            shown: None,
+        },
+        other => panic!("`{other}` has no wrong program on its page, and none here"),
+    })
+}
+
+/// The messages on a code, as drawn.
+fn messages(code: Code, findings: &[Finding], sources: &Sources) -> String {
+    let renderer = Renderer::new(false, 80);
+    let ours = findings.iter().filter(|finding| finding.code == code);
+    let drawn: Vec<String> = ours
+        .map(|finding| renderer.render(finding, sources))
+        .collect();
+    let lines = drawn.iter().flat_map(|text| text.trim_end().lines());
+    lines.map(|line| format!("{}\n", line.trim_end())).collect()
+}
+
+fn gallery() -> String {
+    let mut page = HEAD.to_owned();
+    for severity in [Severity::Error, Severity::Warning] {
+        let codes = || Code::ALL.iter().filter(|code| code.severity() == severity);
+        let links: Vec<String> = codes().map(|code| format!("[{code}](#{code})")).collect();
+        let title = match severity {
+            Severity::Error => "Errors",
+            Severity::Warning => "Warnings",
+        };
+        write!(page, "\n## {title}\n\n{}\n", links.join(" · ")).unwrap();
+        for &code in codes() {
+            page.push_str(&entry(code));
+        }
+    }
+    page
+}
+
+fn entry(code: Code) -> String {
+    let title = code.page().lines().next().unwrap_or_default();
+    let (_, meaning) = title.split_once(": ").unwrap();
+    let mut text = format!("\n### {code}\n\n*{meaning}*\n");
+    let messages = match sample(code) {
+        Some(sample) => {
+            write!(text, "\n```sa\n{}```\n", sample.text()).unwrap();
+            let checked = sample.check();
+            messages(code, &checked.findings, &checked.sources)
+        }
+        None => {
+            let error = SyntaxError {
+                kind: SyntaxErrorKind::FileTooLarge,
+                span: Span::default(),
+            };
+            let finding = Finding::from_syntax(FileId(0), &error, "");
+            messages(code, &[finding], &Sources::default())
+        }
+    };
+    assert!(
+        !messages.is_empty(),
+        "the program of `{code}` does not have it"
+    );
+    write!(text, "\n```text\n{messages}```\n").unwrap();
+    text
+}
+
+#[test]
+fn every_finding_is_in_the_gallery_as_it_is_told() {
+    let page = gallery();
+    for &code in Code::ALL {
+        assert!(page.contains(&format!("\n### {code}\n")), "{code}");
+    }
+    if std::env::var_os(SWITCH).is_some() {
+        std::fs::write(PAGE, &page).unwrap();
+    }
+    let known = std::fs::read_to_string(PAGE).unwrap_or_default();
+    for (number, (new, old)) in page.lines().zip(known.lines()).enumerate() {
+        assert_eq!(new, old, "{PAGE}:{}; {SWITCH}=1 writes it anew", number + 1);
+    }
+    assert!(
+        page == known,
+        "{PAGE} has another end; {SWITCH}=1 writes it anew"
+    );
+}

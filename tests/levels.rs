@@ -1,0 +1,172 @@
+//! Where an `allow` or `deny` of a file reaches.
+use std::collections::BTreeMap;
+
+use stochc::compiler::finding::{Code, Severity};
+use stochc::compiler::{Checked, Level, Levels, Limits, check_with};
+
+fn files(files: &[(&str, &str)], levels: &Levels) -> Checked {
+    let files: BTreeMap<&str, &str> = files.iter().copied().collect();
+    let mut reader = |path: &str| {
+        let text = files.get(path).ok_or("no such file")?;
+        Ok(text.as_bytes().to_vec())
+    };
+    check_with("a.sa", &mut reader, Limits::default(), levels)
+}
+
+/// The codes of what is told, in capitals if it is an error.
+fn told(text: &str) -> Vec<String> {
+    let checked = files(&[("a.sa", text)], &Levels::default());
+    let name = |finding: &stochc::compiler::finding::Finding| match finding.severity {
+        Severity::Error => finding.code.name().to_uppercase(),
+        Severity::Warning => finding.code.name().to_owned(),
+    };
+    checked.findings.iter().map(name).collect()
+}
+
+/// A program with an unused seed and an empty phase, and statements in five places.
+fn program([file, assembly, plate, phase, other]: [&str; 5]) -> String {
+    format!(
+        "{file}
+        assembly a {{
+            {assembly}
+            seed plate 2 x 1 {{ M at (0, 0)  N at (1, 0) {plate} }}
+            phase p {{ {phase} }}
+            phase q {{ M.up -> A  {other} }}
+        }}"
+    )
+}
+
+#[test]
+fn a_statement_reaches_over_the_block_around_it() {
+    let seed = "allow unused-seed \"a mark\"";
+    let phase = "allow empty-phase \"waits for the next version\"";
+    let no = "";
+    assert_eq!(told(&program([no; 5])), ["unused-seed", "empty-phase"]);
+    for place in 0..3 {
+        let mut places = [no; 5];
+        places[place] = seed;
+        assert_eq!(told(&program(places)), ["empty-phase"], "{place}");
+    }
+    for place in [0, 1, 3] {
+        let mut places = [no; 5];
+        places[place] = phase;
+        assert_eq!(told(&program(places)), ["unused-seed"], "{place}");
+    }
+    // Elsewhere it finds nothing to allow.
+    let elsewhere = [no, no, phase, no, seed];
+    assert_eq!(
+        told(&program(elsewhere)),
+        ["unused-seed", "unused-allow", "empty-phase", "unused-allow"]
+    );
+}
+
+#[test]
+fn the_innermost_statement_counts() {
+    let deny = "deny empty-phase \"each phase builds\"";
+    let allow = "allow empty-phase \"this one does not\"";
+    let seed = "allow unused-seed \"a mark\"";
+    let both = format!("{seed} {deny}");
+    assert_eq!(told(&program([&both, "", "", "", ""])), ["EMPTY-PHASE"]);
+    assert_eq!(told(&program([&both, "", "", allow, ""])), [""; 0]);
+    assert_eq!(
+        told(&program([seed, allow, "", deny, ""])),
+        ["unused-allow", "EMPTY-PHASE"]
+    );
+    // In one block the last one does.
+    let twice = format!("{seed} {allow} {deny}");
+    assert_eq!(
+        told(&program([&twice, "", "", "", ""])),
+        ["unused-allow", "EMPTY-PHASE"]
+    );
+}
+
+#[test]
+fn an_outdated_allow_can_be_allowed_itself() {
+    let text = |statement: &str| {
+        format!(
+            "{statement}
+            assembly a {{
+                allow redundant-after \"generated\"
+                seed plate 1 x 1 {{ M at (0, 0) }}
+                phase p {{ M.up -> A }}
+            }}"
+        )
+    };
+    assert_eq!(told(&text("")), ["unused-allow"]);
+    assert_eq!(told(&text("allow unused-allow \"generated\"")), [""; 0]);
+    let other = "assembly a { allow unused-allow \"x\" seed plate 1 x 1 { M at (0, 0) } \
+                 phase p { M.up -> A } }";
+    assert_eq!(told(other), ["unused-allow"]);
+}
+
+#[test]
+fn an_allow_in_doubt_is_not_held_against_its_author() {
+    let allow = "allow redundant-after \"x\"";
+    // The pattern may be grown by another file, and the error may hide the warning.
+    let pattern = format!(
+        "pattern t(b) {{ {allow} b.up -> T }}
+        assembly a {{ seed plate 1 x 1 {{ M at (0, 0) }} phase p {{ M.up -> A }} }}"
+    );
+    assert_eq!(told(&pattern), [""; 0]);
+    assert_eq!(
+        told(&format!("{allow} pattern t(b) {{ b.up -> T }}")),
+        [""; 0]
+    );
+    let wrong = format!(
+        "assembly a {{ {allow} seed plate 1 x 1 {{ M at (0, 0) }} phase p {{ M.up -> A  X.up -> B }} }}"
+    );
+    assert_eq!(told(&wrong), ["UNKNOWN-NAME"]);
+}
+
+#[test]
+fn a_file_speaks_for_itself_only() {
+    let tower = "pattern tower(base, other) { other.up -> T after base }";
+    let own = |statement: &str| {
+        format!(
+            "import \"b.sa\" {statement}
+            assembly a {{ seed plate 2 x 1 {{ M at (0, 0)  N at (1, 0) }}
+            phase p {{ M.up -> A }} phase q {{ tower(A, N) }} }}"
+        )
+    };
+    let allow = "allow redundant-after \"in general it is not\"\n";
+    let codes = |own: &str, tower: &str| -> Vec<Code> {
+        let checked = files(&[("a.sa", own), ("b.sa", tower)], &Levels::default());
+        checked
+            .findings
+            .iter()
+            .map(|finding| finding.code)
+            .collect()
+    };
+    assert_eq!(codes(&own(""), tower), [Code::RedundantAfter]);
+    assert_eq!(codes(&own(""), &format!("{allow}{tower}")), []);
+    assert_eq!(
+        codes(&own(allow), tower),
+        [Code::UnusedAllow, Code::RedundantAfter]
+    );
+}
+
+#[test]
+fn what_is_allowed_is_kept_with_its_reason() {
+    let text = program(["allow unused-seed \"a mark\"", "", "", "", ""]);
+    let mut levels = Levels::default();
+    levels.set(Some(Code::EmptyPhase), Level::Allow);
+    let checked = files(&[("a.sa", &text)], &levels);
+    assert!(checked.findings.is_empty());
+    let allowed: Vec<_> = (checked.allowed.iter())
+        .map(|allowed| (allowed.finding.code, allowed.reason.as_deref()))
+        .collect();
+    assert_eq!(
+        allowed,
+        [(Code::UnusedSeed, Some("a mark")), (Code::EmptyPhase, None)]
+    );
+}
+
+#[test]
+fn a_denied_program_has_no_tables() {
+    let text = program(["deny warnings_ \"x\"", "", "", "", ""]);
+    assert_eq!(told(&text)[0], "UNKNOWN-CODE");
+    let text = program(["deny unused-seed \"x\"", "", "", "", ""]);
+    let checked = files(&[("a.sa", &text)], &Levels::default());
+    assert!(checked.has_errors());
+    assert!(checked.programs[0].tables.is_none());
+}
