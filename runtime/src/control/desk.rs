@@ -91,7 +91,7 @@ impl<W: World> Medium for Beside<'_, W> {
         });
     }
 
-    fn released(&mut self, role: RoleId, body: Body, _orphans: usize) {
+    fn released(&mut self, _by: RoleId, role: RoleId, body: Body, _orphans: usize) {
         if let Body::Free(id) = body {
             let tick = self.desk.tick;
             (self.desk.released).insert(id, Origin::Released { role, tick });

@@ -29,8 +29,8 @@ pub(crate) trait Medium {
     /// A block has been captured.
     fn captured(&mut self, _capture: &Capture, _docking: &Docking) {}
 
-    /// A block has been let go; `orphans` blocks still hung on it.
-    fn released(&mut self, _role: RoleId, _body: Body, _orphans: usize) {}
+    /// The block with the role `by` has let another one go, on which `orphans` others still hung.
+    fn released(&mut self, _by: RoleId, _role: RoleId, _body: Body, _orphans: usize) {}
 
     /// A report has come to the plate.
     fn reported(&mut self, _by: Reporter) {}

@@ -215,18 +215,19 @@ impl<'t> Structure<'t> {
         let Some(block) = self.blocks.get_mut(&body) else {
             return;
         };
+        let by = block.role;
         block.close(own);
         let gone = block.children.remove(&child);
         block.see(Condition::Released(child));
         medium.switch_off(Site { body, face: own });
         let Some((gone, _)) = gone else { return };
-        for message in self.forget(gone, medium) {
+        for message in self.forget(by, gone, medium) {
             self.forward(body, message, medium);
         }
     }
 
     /// A block, and all that hangs on it, has drifted away; with what it leaves behind.
-    fn forget(&mut self, id: u32, medium: &mut impl Medium) -> Vec<Message> {
+    fn forget(&mut self, by: RoleId, id: u32, medium: &mut impl Medium) -> Vec<Message> {
         let body = Body::Free(id);
         let Some(block) = self.blocks.remove(&body) else {
             return Vec::new();
@@ -235,11 +236,11 @@ impl<'t> Structure<'t> {
         if *holder == Some(body) {
             *holder = None;
         }
-        medium.released(block.role, body, block.children.len());
+        medium.released(by, block.role, body, block.children.len());
         let mut left = block.legacy();
         left.extend(medium.recall(body));
         for (child, _) in block.children.into_values() {
-            left.extend(self.forget(child, medium));
+            left.extend(self.forget(block.role, child, medium));
         }
         left
     }
