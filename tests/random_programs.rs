@@ -3,6 +3,7 @@
 mod random;
 
 use std::collections::BTreeMap;
+use std::ops::ControlFlow;
 
 use proptest::prelude::*;
 use random::declare;
@@ -10,14 +11,20 @@ use stochc::compiler::Cell;
 use stochc::compiler::scene::Messages;
 use stochc::compiler::table::Tables;
 use stochc::runtime::control::Controller;
+use stochc::runtime::drive;
 use stochc::runtime::world::World as _;
 use stochc::runtime::world::shuffle::ShuffleWorld;
 
 /// Runs tables in the world without physics; what stands in the end.
-fn execute(tables: &Tables, hop: u32, seed: u64) -> Result<BTreeMap<String, Cell>, String> {
+fn execute(
+    tables: &Tables,
+    hop: u32,
+    loss: Option<f64>,
+    seed: u64,
+) -> Result<BTreeMap<String, Cell>, String> {
     let mut world = ShuffleWorld::new(300, seed, 0);
-    let messages = Messages { hop };
-    let mut control = Controller::new(tables, Some(&messages));
+    let messages = Messages { hop, loss };
+    let mut control = Controller::new(tables, Some(&messages), seed, 0);
     control.start(&mut world);
     let mut dockings = Vec::new();
     for _ in 0..5_000 {
@@ -45,13 +52,32 @@ proptest! {
         choices in prop::collection::vec(any::<u32>(), 0..160),
         faces in 1u8..=5,
         hop in 0u32..=2,
+        loss in prop::option::of(0.0..0.5),
         seeds in prop::array::uniform4(any::<u64>()),
     ) {
         let declared = declare(choices, faces);
         let tables = declared.tables();
         for seed in seeds {
-            let built = execute(&tables, hop, seed);
+            let built = execute(&tables, hop, loss, seed);
             prop_assert_eq!(built.as_ref(), Ok(&declared.structure), "{}", declared.text);
         }
+    }
+
+    #[test]
+    fn what_may_be_lost_and_is_not_costs_nothing(
+        choices in prop::collection::vec(any::<u32>(), 0..160),
+        faces in 1u8..=5,
+        hop in 0u32..=4,
+        seed: u64,
+    ) {
+        let tables = declare(choices, faces).tables();
+        let record = |loss| {
+            let mut world = ShuffleWorld::new(300, seed, 0);
+            let messages = Some(Messages { hop, loss });
+            let mut go = |_, _| ControlFlow::Continue(());
+            let limit = Some(5_000);
+            drive(&tables, messages.as_ref(), &mut world, limit, (seed, 0), &mut go)
+        };
+        prop_assert_eq!(record(None), record(Some(0.0)));
     }
 }

@@ -28,6 +28,8 @@ pub(crate) struct Block {
     fired: Vec<bool>,
     /// What it has seen in this phase, sorted.
     seen: Vec<Condition>,
+    /// It neither acts nor passes anything on, and what it knew is lost.
+    pub is_dead: bool,
 }
 
 /// A face that is on.
@@ -52,6 +54,7 @@ impl Block {
             trigger: Trigger::Start,
             fired: Vec::new(),
             seen: Vec::new(),
+            is_dead: false,
         }
     }
 
@@ -82,6 +85,9 @@ impl Block {
 
     /// What it has heard and what waits at it, as messages to whoever has the role next.
     pub fn legacy(&self) -> Vec<Message> {
+        if self.is_dead {
+            return Vec::new();
+        }
         let heard = self.seen.iter().filter_map(|&condition| match condition {
             Condition::Heard(news) => Some(Message::tell(self.role, news)),
             _ => None,
@@ -128,6 +134,9 @@ impl Block {
 
     /// The next rule that is ready, by its place in the duty; it counts as fired from now on.
     pub fn next_action(&mut self, tables: &Tables, phase: PhaseId) -> Option<(u32, Action)> {
+        if self.is_dead {
+            return None;
+        }
         let duty = tables.duty(self.role, phase, self.trigger)?;
         self.fired.resize(duty.rules().len(), false);
         let seen = &self.seen;

@@ -1,10 +1,9 @@
 //! The books of a run: the clock, the post, and the record of what happened when.
 use std::collections::BTreeMap;
 
-use stochc_compiler::scene::Messages;
 use stochc_compiler::table::RoleId;
 
-use super::medium::{Capture, Medium};
+use super::medium::{Capture, Medium, Recalled};
 use super::message::Message;
 use super::post::Post;
 use crate::record::{BondRecord, Origin};
@@ -23,10 +22,10 @@ pub(super) struct Desk {
 }
 
 impl Desk {
-    pub fn new(messages: Option<&Messages>) -> Desk {
+    pub fn new(post: Post) -> Desk {
         Desk {
             tick: 0,
-            post: Post::new(messages.map_or(0, |messages| u64::from(messages.hop))),
+            post,
             since: BTreeMap::new(),
             released: BTreeMap::new(),
             bonds: Vec::new(),
@@ -56,11 +55,11 @@ impl<W: World> Medium for Beside<'_, W> {
         self.world.switch_off(site);
     }
 
-    fn send(&mut self, _from: Body, to: Body, message: Message) {
-        self.desk.post.send(self.desk.tick, to, message);
+    fn send(&mut self, from: Body, to: Body, message: Message) {
+        self.desk.post.send(self.desk.tick, from, to, message);
     }
 
-    fn recall(&mut self, gone: Body) -> Vec<Message> {
+    fn recall(&mut self, gone: Body) -> Recalled {
         self.desk.post.recall(gone)
     }
 

@@ -20,8 +20,8 @@ pub(crate) trait Medium {
     /// [`Structure::receive`](super::structure::Structure::receive).
     fn send(&mut self, from: Body, to: Body, message: Message);
 
-    /// Takes back all that is under way to a block that is being let go.
-    fn recall(&mut self, gone: Body) -> Vec<Message>;
+    /// Takes back all that is under way between a block that is being let go and its neighbours.
+    fn recall(&mut self, gone: Body) -> Recalled;
 
     /// Throws away all that is under way.
     fn hush(&mut self);
@@ -34,6 +34,13 @@ pub(crate) trait Medium {
 
     /// A report has come to the plate.
     fn reported(&mut self, _by: Reporter) {}
+}
+
+/// What was under way to a block that is being let go, and from it.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Recalled {
+    pub to: Vec<Message>,
+    pub from: Vec<Message>,
 }
 
 /// A capture, as the two blocks see it.

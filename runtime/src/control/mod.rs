@@ -13,6 +13,7 @@
 //! very next step on. That a phase begins is told to all blocks at once and is not counted.
 mod block;
 mod desk;
+pub(crate) mod link;
 pub(crate) mod medium;
 pub(crate) mod message;
 mod post;
@@ -27,6 +28,7 @@ use crate::orientation::Orientation;
 use crate::record::BondRecord;
 use crate::world::{Body, Docking, World};
 use desk::Desk;
+use post::Post;
 use structure::Structure;
 
 /// Runs event tables in a world.
@@ -42,12 +44,18 @@ pub struct Controller<'t> {
 impl<'t> Controller<'t> {
     /// A structure of seeds only, before the first phase.
     ///
-    /// `messages` is what the scene says that they cost; `None`: nothing.
-    pub fn new(tables: &'t Tables, messages: Option<&Messages>) -> Controller<'t> {
+    /// `messages` is what the scene says of them; `None`: they cost nothing, and none is lost.
+    /// `seed` and `run` are the key of all chance in a run.
+    pub fn new(
+        tables: &'t Tables,
+        messages: Option<&Messages>,
+        seed: u64,
+        run: u64,
+    ) -> Controller<'t> {
         Controller {
             tables,
             structure: Structure::new(tables),
-            desk: Desk::new(messages),
+            desk: Desk::new(Post::new(messages, seed, run)),
             phase_began: 0,
             phase_ticks: Vec::new(),
         }
@@ -129,6 +137,11 @@ impl<'t> Controller<'t> {
     /// Everything that is kept, once the run has ended.
     pub(crate) fn into_parts(self) -> (Vec<u64>, u64, Vec<BondRecord>) {
         (self.phase_ticks, self.desk.post.hops, self.desk.bonds)
+    }
+
+    /// A block dies where it is anchored: from now on it neither acts nor passes anything on.
+    pub fn kill(&mut self, body: Body) {
+        self.structure.kill(body);
     }
 
     /// The cell that a role's block is meant to sit in, for tools and tests.

@@ -15,7 +15,7 @@ impl Structure<'_> {
     /// Moves a message on from a block, or hands it over there.
     pub(super) fn forward(&mut self, at: Body, message: Message, medium: &mut impl Medium) {
         // Nobody is there any more to pass it on.
-        let Some(block) = self.blocks.get(&at) else {
+        let Some(block) = self.blocks.get(&at).filter(|block| !block.is_dead) else {
             return;
         };
         let goal = match message.target {

@@ -96,13 +96,14 @@ impl<'t> Structure<'t> {
     pub fn dock(&mut self, docking: &Docking, medium: &mut impl Medium) {
         let Site { body, face } = docking.site;
         let child = Body::Free(docking.child);
-        // In the same tick an earlier docking may have had the parent let go, or the face switched
-        // off; then the world has let the child go too.
-        let Some(parent) = self.blocks.get_mut(&body) else {
+        // In the same tick an earlier docking may have had the parent let go; then the world has
+        // let the child go too. A dead one feels nothing.
+        let Some(parent) = (self.blocks.get_mut(&body)).filter(|parent| !parent.is_dead) else {
             return;
         };
+        // A block on a face that is off, or has just been switched off, is shaken off.
         let Some(open) = parent.close(face) else {
-            return;
+            return medium.switch_off(docking.site);
         };
         let orientation =
             Orientation::docked(parent.orientation, face, docking.child_face, docking.turn);
@@ -126,6 +127,13 @@ impl<'t> Structure<'t> {
         }
         self.fire(body, medium);
         self.fire(child, medium);
+    }
+
+    /// A block dies where it is.
+    pub fn kill(&mut self, body: Body) {
+        if let Some(block) = self.blocks.get_mut(&body) {
+            block.is_dead = true;
+        }
     }
 
     /// A message has made a hop to the block `at`.
@@ -203,8 +211,11 @@ impl<'t> Structure<'t> {
         self.forward(body, Message { target, payload }, medium);
     }
 
-    /// Switches the face off that holds a child. What the child has heard, what waits at it and
-    /// what is on its way to it stays with its parent, for those who take the roles next.
+    /// Switches the face off that holds a child.
+    ///
+    /// Before it does, the two settle what is between them: what is under way to either of them,
+    /// what waits at the child and what it has heard stays with the parent, for those who take the
+    /// roles next.
     fn let_go(
         &mut self,
         body: Body,
@@ -238,7 +249,10 @@ impl<'t> Structure<'t> {
         }
         medium.released(by, block.role, body, block.children.len());
         let mut left = block.legacy();
-        left.extend(medium.recall(body));
+        let recalled = medium.recall(body);
+        left.extend(recalled.to);
+        // The dead cannot send again what may have been lost.
+        left.extend(recalled.from.into_iter().filter(|_| !block.is_dead));
         for (child, _) in block.children.into_values() {
             left.extend(self.forget(block.role, child, medium));
         }

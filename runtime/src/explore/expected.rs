@@ -2,7 +2,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use stochc_compiler::Cell;
-use stochc_compiler::table::{Action, PhaseId, RoleId, Tables};
+use stochc_compiler::table::{Action, Condition, News, PhaseId, RoleId, Tables};
 
 use crate::control::message::Reporter;
 
@@ -20,8 +20,12 @@ pub(super) struct Stage {
     pub captures: BTreeSet<RoleId>,
     /// The roles that end in it.
     pub releases: BTreeSet<RoleId>,
+    /// What each event waits for.
+    pub needs: BTreeMap<News, BTreeSet<News>>,
     /// The reports that come to the plate, each once.
     pub reports: BTreeSet<Reporter>,
+    /// The cells that are filled in it.
+    pub cells: BTreeSet<Cell>,
     /// Who sits where at its end, seeds included.
     pub structure: BTreeMap<RoleId, Cell>,
 }
@@ -37,12 +41,24 @@ impl Expected {
         for duty in tables.duties() {
             let stage = &mut phases[duty.phase.0 as usize];
             for (place, rule) in duty.rules().enumerate() {
+                let needs = rule.when.iter().filter_map(|condition| event(*condition));
                 match rule.then {
                     Action::Magnetize { child, cell, .. } => {
+                        stage
+                            .needs
+                            .entry(News::Anchored(child))
+                            .or_default()
+                            .extend(needs);
                         stage.captures.insert(child);
+                        stage.cells.insert(cell);
                         cells.insert((duty.phase, child), cell);
                     }
                     Action::SwitchOff { child, .. } => {
+                        stage
+                            .needs
+                            .entry(News::Released(child))
+                            .or_default()
+                            .extend(needs);
                         stage.releases.insert(child);
                     }
                     Action::Report => {
@@ -52,7 +68,11 @@ impl Expected {
                             rule: place as u32,
                         });
                     }
-                    Action::AskRelease | Action::Tell { .. } => {}
+                    Action::AskRelease => {
+                        let event = News::Released(duty.role);
+                        stage.needs.entry(event).or_default().extend(needs);
+                    }
+                    Action::Tell { .. } => {}
                 }
             }
         }
@@ -80,5 +100,15 @@ impl Expected {
     pub fn widest(&self) -> usize {
         let events = |stage: &Stage| stage.captures.len() + stage.releases.len();
         self.phases.iter().map(events).max().unwrap_or(0)
+    }
+}
+
+/// The event that a condition stands for.
+fn event(condition: Condition) -> Option<News> {
+    match condition {
+        Condition::Docked(role) => Some(News::Anchored(role)),
+        Condition::Released(role) => Some(News::Released(role)),
+        Condition::Heard(news) => Some(news),
+        Condition::Asked(_) => None,
     }
 }

@@ -3,11 +3,13 @@
 //! Everything that only ever delays an event is left out: a cell that is full, the time that a
 //! message takes, a name that is not free yet. What is left is monotone, so that one pass over the
 //! rules until nothing new comes true finds every event that any order of events could bring.
+use std::collections::BTreeSet;
+
 use stochc_compiler::Cell;
 use stochc_compiler::table::{Action, Condition, Duty, News, PhaseId, RoleId, Tables, Trigger};
 
 use super::roles::Roles;
-use super::state::State;
+use super::state::{Setting, State};
 use super::step::Step;
 use crate::control::message::{Message, Payload, Target};
 
@@ -74,10 +76,14 @@ pub(super) struct Future {
     pub reports: u32,
     /// Cells that may be filled.
     pub cells: Vec<Cell>,
+    /// Captures and releases that may happen.
+    pub events: BTreeSet<News>,
     /// Blocks that may be let go, and those that may let go of them.
     pub released: Roles,
     /// Blocks that may do something, or whose being there may matter.
     pub touched: Roles,
+    /// Rules that were looked at, for bounding the work.
+    pub looked_at: u64,
 }
 
 /// The rules of one duty that have not fired yet.
@@ -96,19 +102,20 @@ struct Forecast<'a, 't> {
     asked: Roles,
     docked: Roles,
     gone: Roles,
-    heard: Vec<(RoleId, News)>,
+    heard: BTreeSet<(RoleId, News)>,
     future: Future,
 }
 
 impl Future {
     /// What may happen in the phase that is running if none of `without` does.
     pub fn of<'t>(
-        tables: &'t Tables,
+        setting: &Setting<'t>,
         captors: &Captors,
         state: &State<'t>,
         without: &[Step],
     ) -> Option<Future> {
         let phase = state.structure.phase()?;
+        let tables = setting.tables;
         let none = || Roles::none(tables.roles.len());
         let mut forecast = Forecast {
             tables,
@@ -120,16 +127,24 @@ impl Future {
             asked: none(),
             docked: none(),
             gone: none(),
-            heard: Vec::new(),
+            heard: BTreeSet::new(),
             future: Future {
                 reports: state.structure.reports(),
                 cells: Vec::new(),
+                events: BTreeSet::new(),
                 released: none(),
                 touched: none(),
+                looked_at: 0,
             },
         };
         forecast.begin(without);
         while forecast.round() {}
+        for &role in &setting.doom.dead {
+            if !without.contains(&Step::Die(role)) {
+                forecast.future.released.insert(role);
+                forecast.future.touched.insert(role);
+            }
+        }
         Some(forecast.future)
     }
 }
@@ -167,9 +182,8 @@ impl<'t> Forecast<'_, 't> {
             }
         }
         for flight in &state.under_way {
-            if !without.contains(&Step::Arrive(*flight))
-                && let Some(at) = state.role(flight.to)
-            {
+            let is_without = without.iter().any(|step| step.flight() == Some(*flight));
+            if !is_without && let Some(at) = state.role(flight.to) {
                 self.arrive(at, &flight.message);
             }
         }
@@ -178,8 +192,11 @@ impl<'t> Forecast<'_, 't> {
     /// Fires whatever may fire; whether anything did.
     fn round(&mut self) -> bool {
         let mut changed = false;
-        for i in 0..self.agendas.len() {
+        let mut i = 0;
+        // Those that are added on the way get their turn as well.
+        while i < self.agendas.len() {
             let duty = self.agendas[i].duty;
+            self.future.looked_at += duty.rules().len() as u64;
             for (place, rule) in duty.rules().enumerate() {
                 let ready = self.agendas[i].open[place]
                     && rule.when.iter().all(|c| self.may_see(duty.role, *c));
@@ -189,6 +206,7 @@ impl<'t> Forecast<'_, 't> {
                     changed = true;
                 }
             }
+            i += 1;
         }
         changed
     }
@@ -203,11 +221,7 @@ impl<'t> Forecast<'_, 't> {
     }
 
     fn hear(&mut self, role: RoleId, news: News) -> bool {
-        let new = !self.heard.contains(&(role, news));
-        if new {
-            self.heard.push((role, news));
-        }
-        new
+        self.heard.insert((role, news))
     }
 
     fn fire(&mut self, role: RoleId, action: Action) {
@@ -219,6 +233,7 @@ impl<'t> Forecast<'_, 't> {
             }
             Action::SwitchOff { child, .. } => {
                 self.gone.insert(child);
+                self.future.events.insert(News::Released(child));
                 for role in [role, child] {
                     self.future.released.insert(role);
                     self.future.touched.insert(role);
@@ -235,6 +250,7 @@ impl<'t> Forecast<'_, 't> {
     fn capture(&mut self, parent: RoleId, child: RoleId, cell: Cell) {
         self.docked.insert(child);
         self.future.cells.push(cell);
+        self.future.events.insert(News::Anchored(child));
         self.future.touched.insert(parent);
         self.future.touched.insert(child);
         if self.anchored.insert(child)

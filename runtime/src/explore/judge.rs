@@ -2,11 +2,12 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use stochc_compiler::Cell;
-use stochc_compiler::table::RoleId;
+use stochc_compiler::table::{PhaseId, RoleId};
 
+use super::bench::Effects;
 use super::expected::{Expected, Stage};
-use super::report::Property;
-use super::state::{Effects, State};
+use super::report::{Property, Verdict, Violation};
+use super::state::{Setting, State};
 use super::step::Step;
 use super::story::Story;
 use crate::control::message::Reporter;
@@ -49,6 +50,22 @@ impl Judge<'_> {
         }
         let (phase, waits) = (self.story.phase(state), self.story.waits(state));
         Some((Property::NoHang, format!("{phase} never ends: {waits}")))
+    }
+
+    /// The verdict on something wrong, with the steps that led there.
+    pub fn violated(
+        &self,
+        setting: &Setting<'_>,
+        (property, what): Wrong,
+        phase: Option<PhaseId>,
+        steps: &[Step],
+    ) -> Verdict {
+        Verdict::Violated(Box::new(Violation {
+            property,
+            phase: phase.unwrap_or(PhaseId(0)),
+            what,
+            trace: self.story.trace(setting, steps),
+        }))
     }
 
     fn early_end(&self, state: &State<'_>, stage: &Stage) -> Option<Wrong> {

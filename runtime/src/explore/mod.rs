@@ -13,13 +13,16 @@
 //! A state is hashed by what it means: the blocks by their roles, what they know as sorted sets,
 //! messages under way as a bag. `reduce` leaves out orders that make no difference, and says why
 //! that is sound.
+mod bench;
 mod expected;
+mod faults;
 mod fingerprint;
 mod future;
 mod judge;
 mod reduce;
 mod report;
 mod roles;
+mod sample;
 mod search;
 mod state;
 mod step;
@@ -31,6 +34,7 @@ use stochc_compiler::Cell;
 use stochc_compiler::table::Tables;
 
 pub use expected::Expected;
+pub use faults::Faults;
 pub use report::{Bound, Property, Report, Verdict, Violation};
 
 /// Whether a free block can come to a cell while others are occupied (those of the plate, at
@@ -41,12 +45,14 @@ pub use report::{Bound, Property, Report, Verdict, Violation};
 pub type Reach<'a> = dyn Fn(&BTreeSet<Cell>, Cell) -> bool + 'a;
 
 /// How far an exploration goes.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Bounds {
     /// States visited, at most; default 1,000,000.
     pub states: u64,
     /// Bytes that the visited states and the way to the present one may take, about; default 1 GB.
     pub memory: usize,
+    /// Steps and rules looked at and blocks copied, at most, about; default 2 * 10^9, minutes.
+    pub work: u64,
 }
 
 impl Default for Bounds {
@@ -54,6 +60,7 @@ impl Default for Bounds {
         Bounds {
             states: 1_000_000,
             memory: 1_000_000_000,
+            work: 2_000_000_000,
         }
     }
 }
@@ -66,7 +73,9 @@ pub struct Exploration<'a> {
     /// What they are meant to do; [`Expected::of`] the tables, unless these are in doubt.
     pub expected: &'a Expected,
     /// How far to go.
-    pub bounds: &'a Bounds,
+    pub bounds: Bounds,
+    /// What may go wrong.
+    pub faults: Faults,
     /// Which cells a free block can come to; `None`: every empty one.
     pub reach: Option<&'a Reach<'a>>,
     /// Whether to leave out orders that make no difference; the verdict is the same.
@@ -77,20 +86,49 @@ pub struct Exploration<'a> {
 
 impl<'a> Exploration<'a> {
     /// Every order, with nothing in the way.
-    pub fn new(tables: &'a Tables, expected: &'a Expected, bounds: &'a Bounds) -> Exploration<'a> {
+    pub fn new(
+        tables: &'a Tables,
+        expected: &'a Expected,
+        bounds: Bounds,
+        faults: Faults,
+    ) -> Exploration<'a> {
         Exploration {
             tables,
             expected,
             bounds,
+            faults,
             reach: None,
             reduce: true,
             hangs_allowed: false,
         }
     }
 
-    /// Explores.
+    /// Explores; the bounds hold for all together.
     pub fn run(&self) -> Report {
-        search::Search::new(self).run()
+        let mut report = Report::empty(Verdict::Holds);
+        for doom in self.faults.dooms(self.tables, self.expected) {
+            let left = Bounds {
+                states: self.bounds.states - report.states.min(self.bounds.states),
+                work: self.bounds.work - report.work.min(self.bounds.work),
+                ..self.bounds
+            };
+            let exploration = Exploration {
+                bounds: left,
+                ..*self
+            };
+            search::Search::new(&exploration, &doom).run(&mut report);
+            report.choices += 1;
+            if report.verdict != Verdict::Holds {
+                break;
+            }
+        }
+        report
+    }
+
+    /// Tries `schedules` orders drawn by chance (keyed by `seed`) instead of all; each choice of
+    /// those whom faults strike is drawn as well.
+    pub fn sample(&self, seed: u64, schedules: u64) -> Report {
+        sample::sample(self, seed, schedules)
     }
 
     fn judge(&self) -> judge::Judge<'a> {
@@ -104,7 +142,7 @@ impl<'a> Exploration<'a> {
 }
 
 /// Explores tables in every order of events.
-pub fn explore(tables: &Tables, bounds: &Bounds) -> Report {
+pub fn explore(tables: &Tables, bounds: &Bounds, faults: &Faults) -> Report {
     let expected = Expected::of(tables);
-    Exploration::new(tables, &expected, bounds).run()
+    Exploration::new(tables, &expected, *bounds, *faults).run()
 }

@@ -16,7 +16,7 @@
 //! when its conditions are in the set, once, and what it sends or switches on adds to a bag that
 //! has no order. Two steps that only add commute, even at the same block: a message that comes
 //! before the capture it waits for lies there and goes on with it, after it, it goes on at once.
-//! Four things do not only add, and they are the dependences:
+//! What does not only add, and these are the dependences:
 //!
 //! 1. *The end of a phase* clears everything. It depends on all steps. T is no good if the plate
 //!    may get all its reports without T.
@@ -25,32 +25,50 @@
 //!    that can be reached when all cells are full that may ever be is no concern.)
 //! 3. *Letting go* takes away a block, its name and the ways through it. It depends on whatever
 //!    may touch the two blocks: capture there, or send a message on a way that may lead through.
-//! 4. Two rules that give *the same name* in one phase: the way to a name is then not known in
+//! 4. *What should wait.* Whether an event comes too early is seen only in its order with the
+//!    other one. (In right tables the later one cannot happen without the earlier.)
+//! 5. *A fault* at a block depends, like letting go, on whatever may touch the block; the fates of
+//!    one message depend on each other. While a stray is still to come, and where blocks are
+//!    mistaken about how they sit, all steps are tried.
+//! 6. Two rules that give *the same name* in one phase: the way to a name is then not known in
 //!    advance. The compiler makes no such tables; where they occur, all steps are tried.
+//! 7. *Sending again* changes nothing but the message's own fate, nor does what becomes of one
+//!    that its receiver has had: letting go hands over the same, the end of the phase clears the
+//!    same. With it in front, any order of events goes on through the same states; so it is tried
+//!    first, alone, although the end of the phase may take it away.
 //!
-//! What can happen without T is bounded by [`Future`]. All four are checked against that bound.
+//! What can happen without T is bounded by [`Future`], and all are checked against that bound.
 use std::collections::BTreeSet;
+use std::rc::Rc;
 
 use stochc_compiler::Cell;
-use stochc_compiler::table::Tables;
+use stochc_compiler::table::{News, PhaseId};
 
 use super::Reach;
+use super::bench::Effects;
 use super::future::{Captors, Future};
 use super::roles::Roles;
-use super::state::{Effects, State};
+use super::state::{Setting, State};
 use super::step::Step;
+
+/// Steps around which a persistent set is looked for, at most.
+const CANDIDATES: usize = 64;
 
 /// Chooses steps.
 pub(super) struct Reducer<'t> {
-    tables: &'t Tables,
+    setting: Setting<'t>,
+    /// Rules looked at and blocks copied, for bounding the work.
+    pub work: u64,
     /// By phase.
-    captors: Vec<Captors>,
+    captors: Vec<Rc<Captors>>,
 }
 
 /// What a step has to do with.
 struct Footprint {
     /// The cell it fills.
     cell: Option<Cell>,
+    /// The captures and releases it brings.
+    events: Vec<News>,
     /// The blocks it lets go, and those that let go.
     released: Roles,
     /// All blocks that it may touch.
@@ -58,60 +76,73 @@ struct Footprint {
 }
 
 impl<'t> Reducer<'t> {
-    pub fn new(tables: &'t Tables) -> Reducer<'t> {
-        use stochc_compiler::table::PhaseId;
-        let phases = 0..tables.phases.len() as u32;
-        let captors = phases.map(|phase| Captors::of(tables, PhaseId(phase)));
+    pub fn new(setting: Setting<'t>) -> Reducer<'t> {
+        let phases = 0..setting.tables.phases.len() as u32;
+        let captors = phases.map(|phase| Rc::new(Captors::of(setting.tables, PhaseId(phase))));
         Reducer {
-            tables,
             captors: captors.collect(),
+            setting,
+            work: 0,
         }
     }
 
     /// A persistent set of `steps`, all that are possible in `state`.
-    pub fn choose(
-        &self,
-        state: &State<'t>,
-        steps: Vec<Step>,
-        reach: Option<&Reach<'_>>,
-    ) -> Vec<Step> {
+    pub fn choose(&mut self, state: &State<'t>, steps: Vec<Step>) -> Vec<Step> {
         let Some(phase) = state.structure.phase() else {
             return steps;
         };
-        let captors = &self.captors[phase.0 as usize];
-        if steps.len() < 2 || captors.is_ambiguous() || steps.contains(&Step::EndPhase) {
+        // To send again, and what comes of a message that its receiver has had, is nobody else's
+        // affair (dependence 7).
+        let again = |step: &&Step| step.flight().is_some_and(|f| f.is_waiting || f.is_taken);
+        if let Some(first) = steps.iter().find(again) {
+            let fates = steps.iter().filter(|step| is_same_matter(first, step));
+            return fates.copied().collect();
+        }
+        let captors = Rc::clone(&self.captors[phase.0 as usize]);
+        let doom = self.setting.doom;
+        let strays_to_come = doom.strays.iter().any(|cell| !state.strayed.contains(cell));
+        if steps.len() < 2
+            || captors.is_ambiguous()
+            || !doom.mistaken.is_empty()
+            || strays_to_come
+            || steps.contains(&Step::EndPhase)
+        {
             return steps;
         }
         let mut best: Option<Vec<Step>> = None;
-        for &step in &steps {
-            let Some(set) = self.close(state, captors, &steps, step, reach) else {
+        for &step in steps.iter().take(CANDIDATES) {
+            let set = self.close(state, &captors, &steps, step);
+            let is_better = |set: &Vec<Step>| best.as_ref().is_none_or(|b| set.len() < b.len());
+            let Some(set) = set.filter(is_better) else {
                 continue;
             };
-            if set.len() == 1 {
+            if set.iter().all(|other| is_same_matter(&step, other)) {
                 return set;
             }
-            if best.as_ref().is_none_or(|best| set.len() < best.len()) {
-                best = Some(set);
-            }
+            best = Some(set);
         }
         best.unwrap_or(steps)
     }
 
     /// The smallest persistent set around a step that can be found by adding steps that depend on
-    /// it; `None`: none.
+    /// it; `None`: none but all.
     fn close(
-        &self,
+        &mut self,
         state: &State<'t>,
         captors: &Captors,
         steps: &[Step],
         first: Step,
-        reach: Option<&Reach<'_>>,
     ) -> Option<Vec<Step>> {
-        let mut set = vec![first];
-        let mut prints = vec![self.footprint(state, captors, first)];
+        let mut set: Vec<Step> = Vec::new();
+        let mut prints: Vec<Footprint> = Vec::new();
+        for &step in steps.iter().filter(|step| is_same_matter(&first, step)) {
+            set.push(step);
+            prints.push(self.footprint(state, captors, step));
+        }
         loop {
-            let future = Future::of(self.tables, captors, state, &set)?;
-            if !self.conflict(state, &prints, &future, reach) {
+            let future = Future::of(&self.setting, captors, state, &set)?;
+            self.work += future.looked_at;
+            if !self.conflict(state, &prints, &future) {
                 return Some(set);
             }
             let before = set.len();
@@ -120,7 +151,8 @@ impl<'t> Reducer<'t> {
                     continue;
                 }
                 let print = self.footprint(state, captors, step);
-                if prints.iter().any(|other| depend(&print, other)) {
+                let depends = |other: &Footprint| depend(&print, other);
+                if prints.iter().any(depends) || set.iter().any(|s| is_same_matter(s, &step)) {
                     prints.push(print);
                     set.push(step);
                 }
@@ -131,24 +163,32 @@ impl<'t> Reducer<'t> {
         }
     }
 
-    fn footprint(&self, state: &State<'t>, captors: &Captors, step: Step) -> Footprint {
-        let none = || Roles::none(self.tables.roles.len());
+    fn footprint(&mut self, state: &State<'t>, captors: &Captors, step: Step) -> Footprint {
+        let none = || Roles::none(self.setting.tables.roles.len());
         let (mut released, mut touched) = (none(), none());
+        self.work += state.structure.blocks().len() as u64;
         let mut after = state.clone();
-        let effects: Effects = after.make(self.tables, step);
+        let effects: Effects = after.make(&self.setting, step);
         let mut cell = None;
-        match step {
-            Step::Arrive(flight) => {
-                if let Some(at) = state.role(flight.to) {
-                    captors.add_way(state, at, &flight.message, &mut touched);
-                }
+        if let Some(flight) = step.flight() {
+            for at in [flight.from, flight.to]
+                .into_iter()
+                .filter_map(|at| state.role(at))
+            {
+                captors.add_way(state, at, &flight.message, &mut touched);
             }
+        }
+        match step {
             Step::Capture(site) => {
                 cell = state.lattice.target(site);
                 touched.extend_with(effects.captured.iter().copied());
                 touched.extend_with(state.role(site.body));
             }
-            Step::EndPhase => {}
+            Step::Die(role) => {
+                released.insert(role);
+                touched.insert(role);
+            }
+            _ => {}
         }
         for (from, message) in &effects.sent {
             if let Some(at) = after.role(*from).or_else(|| state.role(*from)) {
@@ -165,30 +205,53 @@ impl<'t> Reducer<'t> {
             released.insert(role);
             touched.insert(role);
         }
+        let captures = effects.captured.iter().map(|&role| News::Anchored(role));
+        let releases = effects
+            .released
+            .iter()
+            .map(|&(_, role)| News::Released(role));
         Footprint {
             cell,
+            events: captures.chain(releases).collect(),
             released,
             touched,
         }
     }
 
     /// Whether something of the future depends on one of the steps.
-    fn conflict(
-        &self,
-        state: &State<'t>,
-        prints: &[Footprint],
-        future: &Future,
-        reach: Option<&Reach<'_>>,
-    ) -> bool {
+    fn conflict(&self, state: &State<'t>, prints: &[Footprint], future: &Future) -> bool {
+        let phases = &self.setting.tables.phases;
         let phase = state.structure.phase();
-        let needed = phase.map_or(0, |phase| self.tables.phases[phase.0 as usize].reports);
+        let needed = phase.map_or(0, |phase| phases[phase.0 as usize].reports);
         future.reports >= needed
             || prints.iter().any(|print| {
                 print.cell.is_some_and(|cell| future.cells.contains(&cell))
+                    || self.is_ordered(state, print, future)
                     || print.released.meets(&future.touched)
                     || print.touched.meets(&future.released)
             })
-            || reach.is_some_and(|reach| closes(state, prints, future, reach))
+            || self
+                .setting
+                .reach
+                .is_some_and(|reach| closes(state, prints, future, reach))
+    }
+}
+
+impl Reducer<'_> {
+    /// Whether an event of the future should wait for one of the step, or the other way round.
+    fn is_ordered(&self, state: &State<'_>, print: &Footprint, future: &Future) -> bool {
+        let Some(stage) = state.stage(self.setting.expected) else {
+            return false;
+        };
+        let waits = |event: &News, needed: &News| {
+            let needs = stage.needs.get(event);
+            needs.is_some_and(|needs| needs.contains(needed))
+        };
+        let mut pairs = print
+            .events
+            .iter()
+            .flat_map(|a| future.events.iter().map(move |b| (a, b)));
+        pairs.any(|(a, b)| waits(a, b) || waits(b, a))
     }
 }
 
@@ -207,6 +270,11 @@ fn closes(state: &State<'_>, prints: &[Footprint], future: &Future, reach: &Reac
     let closed_by_future = !future.cells.is_empty() && own.iter().any(&mut unsafe_cell);
     let later: BTreeSet<&Cell> = future.cells.iter().collect();
     closed_by_future || (!own.is_empty() && later.into_iter().any(unsafe_cell))
+}
+
+/// Whether two steps are the same, or different fates of the same message.
+fn is_same_matter(a: &Step, b: &Step) -> bool {
+    a == b || (a.flight().is_some() && a.flight() == b.flight())
 }
 
 /// Whether two steps depend on each other.

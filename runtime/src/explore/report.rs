@@ -8,11 +8,15 @@ pub struct Report {
     pub states: u64,
     /// Steps made from one state to another.
     pub transitions: u64,
+    /// Choices of those whom faults strike, each of which was explored for itself; 1 without faults.
+    pub choices: u64,
     /// Schedules followed from beginning to end, of an exploration by chance; 0: all of them.
     pub schedules: u64,
     /// Maximal orders of events, up to those that do not matter, that end before the program does.
     /// More than 0 only where [`Exploration::hangs_allowed`](super::Exploration) says so.
     pub hangs: u64,
+    /// Steps and rules looked at, and blocks copied.
+    pub work: u64,
     /// What it means.
     pub verdict: Verdict,
 }
@@ -37,6 +41,8 @@ pub enum Bound {
     States,
     /// [`Bounds::memory`](super::Bounds).
     Memory,
+    /// [`Bounds::work`](super::Bounds).
+    Work,
 }
 
 /// A property that does not hold, and how that comes about.
@@ -55,6 +61,8 @@ pub struct Violation {
 /// What has to hold in every order of events.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Property {
+    /// Nothing happens before what it has to wait for.
+    Order,
     /// No phase ends before all its captures and releases have happened.
     NoEarlyEnd,
     /// Every maximal order of events ends the program.
@@ -75,6 +83,7 @@ impl Property {
     /// The property in a few words: `no phase ends early`.
     pub fn words(self) -> &'static str {
         match self {
+            Property::Order => "nothing happens before what it waits for",
             Property::NoEarlyEnd => "no phase ends early",
             Property::NoHang => "no phase hangs",
             Property::Structure => "each phase ends with the declared structure",
@@ -87,6 +96,19 @@ impl Property {
 }
 
 impl Report {
+    /// Nothing explored yet.
+    pub(super) fn empty(verdict: Verdict) -> Report {
+        Report {
+            states: 0,
+            transitions: 0,
+            choices: 0,
+            schedules: 0,
+            hangs: 0,
+            work: 0,
+            verdict,
+        }
+    }
+
     /// The violation that was found, if any.
     pub fn violation(&self) -> Option<&Violation> {
         match &self.verdict {

@@ -1,16 +1,14 @@
 //! Depth first through all states.
 use std::collections::HashSet;
 
-use stochc_compiler::table::PhaseId;
-
 use super::Exploration;
+use super::faults::Doom;
 use super::fingerprint::fingerprint;
 use super::judge::{Judge, Wrong};
 use super::reduce::Reducer;
-use super::report::{Bound, Report, Verdict, Violation};
-use super::state::State;
+use super::report::{Bound, Report, Verdict};
+use super::state::{Setting, State};
 use super::step::Step;
-use super::story::Story;
 
 /// Bytes of the set of visited states per entry, with the room that it keeps free.
 const ENTRY: usize = 40;
@@ -25,45 +23,46 @@ struct Visit<'t> {
 
 /// Everything about one search.
 pub(super) struct Search<'s, 't> {
-    pub exploration: &'s Exploration<'t>,
-    judge: Judge<'s>,
+    exploration: &'s Exploration<'t>,
+    setting: Setting<'t>,
+    judge: Judge<'t>,
     reducer: Option<Reducer<'t>>,
     visited: HashSet<u128>,
     way: Vec<Visit<'t>>,
     weight: usize,
+    work: u64,
     transitions: u64,
     hangs: u64,
 }
 
 impl<'s, 't> Search<'s, 't> {
-    pub fn new(exploration: &'s Exploration<'t>) -> Search<'s, 't> {
+    pub fn new(exploration: &'s Exploration<'t>, doom: &'t Doom) -> Search<'s, 't> {
+        let setting = Setting::new(exploration, doom);
         Search {
             exploration,
+            setting,
             judge: exploration.judge(),
-            reducer: exploration.reduce.then(|| Reducer::new(exploration.tables)),
+            reducer: exploration.reduce.then(|| Reducer::new(setting)),
             visited: HashSet::new(),
             way: Vec::new(),
             weight: 0,
+            work: 0,
             transitions: 0,
             hangs: 0,
         }
     }
 
-    /// Goes through all states.
-    pub fn run(mut self) -> Report {
-        let verdict = self.verdict();
-        Report {
-            states: self.visited.len() as u64,
-            transitions: self.transitions,
-            schedules: 0,
-            hangs: self.hangs,
-            verdict,
-        }
+    /// Goes through all states, and adds what it finds to a report.
+    pub fn run(mut self, report: &mut Report) {
+        report.verdict = self.verdict();
+        report.states += self.visited.len() as u64;
+        report.transitions += self.transitions;
+        report.hangs += self.hangs;
+        report.work += self.work;
     }
 
     fn verdict(&mut self) -> Verdict {
-        let exploration = self.exploration;
-        let (first, effects) = State::first(exploration.tables);
+        let (first, effects) = State::first(&self.setting);
         if let Some(wrong) = self.judge.effects(&effects) {
             return self.violated(wrong);
         }
@@ -78,7 +77,7 @@ impl<'s, 't> Search<'s, 't> {
             };
             visit.tried = Some(step);
             let mut state = visit.state.clone();
-            let effects = state.make(exploration.tables, step);
+            let effects = state.make(&self.setting, step);
             self.transitions += 1;
             if let Some(wrong) = self.judge.step(&visit.state, step, &effects) {
                 return self.violated(wrong);
@@ -103,10 +102,14 @@ impl<'s, 't> Search<'s, 't> {
         if self.weight + self.visited.len() * ENTRY > bounds.memory {
             return Some(Verdict::Unfinished(Bound::Memory));
         }
-        let reach = self.exploration.reach;
-        let mut todo = state.steps(reach);
-        if let Some(reducer) = &self.reducer {
-            todo = reducer.choose(&state, todo, reach);
+        if self.work > bounds.work {
+            return Some(Verdict::Unfinished(Bound::Work));
+        }
+        let mut todo = state.steps(&self.setting);
+        self.work += todo.len() as u64 + state.structure.blocks().len() as u64;
+        if let Some(reducer) = &mut self.reducer {
+            todo = reducer.choose(&state, todo);
+            self.work += std::mem::take(&mut reducer.work);
         }
         let stuck = if todo.is_empty() {
             self.judge.hang(&state)
@@ -129,29 +132,9 @@ impl<'s, 't> Search<'s, 't> {
         None
     }
 
-    fn violated(&self, (property, what): Wrong) -> Verdict {
+    fn violated(&self, wrong: Wrong) -> Verdict {
         let steps: Vec<Step> = self.way.iter().filter_map(|visit| visit.tried).collect();
         let phase = (self.way.last()).and_then(|visit| visit.state.structure.phase());
-        Verdict::Violated(Box::new(Violation {
-            property,
-            phase: phase.unwrap_or(PhaseId(0)),
-            what,
-            trace: trace(self.exploration, &steps),
-        }))
+        self.judge.violated(&self.setting, wrong, phase, &steps)
     }
-}
-
-/// Steps from the beginning, in words.
-pub(super) fn trace(exploration: &Exploration<'_>, steps: &[Step]) -> Vec<String> {
-    let story = Story {
-        tables: exploration.tables,
-    };
-    let (mut state, _) = State::first(exploration.tables);
-    let mut lines = Vec::new();
-    for &step in steps {
-        let before = state.clone();
-        let effects = state.make(exploration.tables, step);
-        lines.push(story.tell(&before, step, &effects));
-    }
-    lines
 }

@@ -1,15 +1,18 @@
 //! A state of a program: the structure, its cells, and all that is under way.
 use std::collections::BTreeSet;
 
-use stochc_compiler::table::{RoleId, Tables};
-use stochc_compiler::{Cell, Face};
+use stochc_compiler::Cell;
+use stochc_compiler::Face;
+use stochc_compiler::table::{News, RoleId, Tables};
 
-use super::Reach;
+use super::bench::{Bench, Effects, Fault};
 use super::expected::{Expected, Stage};
+use super::faults::{Doom, Faults};
 use super::report::Property;
-use super::step::{Flight, Step};
-use crate::control::medium::{Capture, Medium};
-use crate::control::message::{Message, Reporter};
+use super::step::{Flight, Mute, Step};
+use super::{Exploration, Reach};
+use crate::control::link::Links;
+use crate::control::message::Reporter;
 use crate::control::structure::Structure;
 use crate::world::lattice::Lattice;
 use crate::world::{Body, Docking, Site};
@@ -21,8 +24,12 @@ pub(super) struct State<'t> {
     pub lattice: Lattice,
     /// The hops that messages are making, sorted.
     pub under_way: Vec<Flight>,
+    /// Numbers of transfers, where they may be lost; what they mean is written in the flights.
+    pub links: Mute<Links>,
     /// What has happened in this phase, for judging its end.
     pub done: Done,
+    /// The cells where strays have been.
+    pub strayed: BTreeSet<Cell>,
 }
 
 /// What has happened in a phase.
@@ -34,44 +41,50 @@ pub(super) struct Done {
     pub reports: Vec<Reporter>,
 }
 
-/// What a step has done besides changing the state.
-#[derive(Debug, Default)]
-pub(super) struct Effects {
-    /// What went wrong.
-    pub faults: Vec<(Property, Fault)>,
-    /// Blocks that were let go: who held it, and who went.
-    pub released: Vec<(RoleId, RoleId)>,
-    /// Faces that were switched off.
-    pub closed: Vec<Site>,
-    /// Messages that made their first hop, or a further one, from a block.
-    pub sent: Vec<(Body, Message)>,
-    /// Reports that came to the plate.
-    pub reports: u32,
-    /// Blocks that were captured.
-    pub captured: Vec<RoleId>,
+impl Done {
+    /// Whether an event has happened in this phase.
+    pub fn has(&self, event: News) -> bool {
+        match event {
+            News::Anchored(role) => self.captures.contains(&role),
+            News::Released(role) => self.releases.contains(&role),
+        }
+    }
 }
 
-/// What went wrong, before it is put into words.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Fault {
-    /// A block was let go that holds others.
-    Adrift(RoleId),
-    /// A name was given that a block already has.
-    SecondHolder(RoleId),
-    /// A block has too many faces on.
-    TooManyFaces(RoleId),
+/// What does not change while a program is explored.
+#[derive(Clone, Copy)]
+pub(super) struct Setting<'a> {
+    pub tables: &'a Tables,
+    pub expected: &'a Expected,
+    pub faults: Faults,
+    pub reach: Option<&'a Reach<'a>>,
+    pub doom: &'a Doom,
+}
+
+impl<'a> Setting<'a> {
+    pub fn new(exploration: &Exploration<'a>, doom: &'a Doom) -> Setting<'a> {
+        Setting {
+            tables: exploration.tables,
+            expected: exploration.expected,
+            faults: exploration.faults,
+            reach: exploration.reach,
+            doom,
+        }
+    }
 }
 
 impl<'t> State<'t> {
     /// The beginning of the first phase.
-    pub fn first(tables: &'t Tables) -> (State<'t>, Effects) {
+    pub fn first(setting: &Setting<'t>) -> (State<'t>, Effects) {
         let mut state = State {
-            structure: Structure::new(tables),
+            structure: Structure::new(setting.tables),
             lattice: Lattice::default(),
             under_way: Vec::new(),
+            links: Mute(Links::default()),
             done: Done::default(),
+            strayed: BTreeSet::new(),
         };
-        let effects = state.with_bench(tables, |structure, bench| structure.start(bench));
+        let effects = state.at_bench(setting, |structure, bench| structure.start(bench));
         (state, effects)
     }
 
@@ -80,23 +93,73 @@ impl<'t> State<'t> {
         self.structure.phase().is_none()
     }
 
-    /// What can happen next: arrivals, then captures, then the end of the phase.
-    pub fn steps(&self, reach: Option<&Reach<'_>>) -> Vec<Step> {
-        let mut steps: Vec<Step> = self.under_way.iter().copied().map(Step::Arrive).collect();
-        steps.dedup();
-        let occupied = reach.map(|_| self.occupied());
-        let can_come = |cell| match (reach, &occupied) {
-            (Some(reach), Some(occupied)) => reach(occupied, cell),
-            _ => true,
-        };
-        steps.extend((self.lattice.active().iter().copied()).filter_map(|site| {
-            let cell = self.lattice.target(site)?;
-            can_come(cell).then_some(Step::Capture(site))
-        }));
+    /// What can happen next: first what messages do, then captures, the end of the phase last.
+    pub fn steps(&self, setting: &Setting<'t>) -> Vec<Step> {
+        let mut steps = Vec::new();
+        if self.is_complete() {
+            return steps;
+        }
+        for (i, &flight) in self.under_way.iter().enumerate() {
+            if i > 0 && self.under_way[i - 1] == flight {
+                continue;
+            }
+            if flight.is_waiting {
+                steps.push(Step::SendAgain(flight));
+                continue;
+            }
+            steps.push(Step::Arrive(flight));
+            if flight.lost < setting.faults.lost {
+                steps.push(Step::Lose(flight));
+                steps.push(Step::LoseAnswer(flight));
+            }
+        }
+        self.add_captures(setting, &mut steps);
+        for &role in &setting.doom.dead {
+            let holder = self.structure.holder(role);
+            let block = holder.and_then(|body| self.structure.blocks().get(&body));
+            if block.is_some_and(|block| !block.is_dead) {
+                steps.push(Step::Die(role));
+            }
+        }
         if self.structure.is_phase_reported() {
             steps.push(Step::EndPhase);
         }
         steps
+    }
+
+    fn add_captures(&self, setting: &Setting<'t>, steps: &mut Vec<Step>) {
+        let occupied = setting.reach.map(|_| self.occupied());
+        let can_come = |cell| match (setting.reach, &occupied) {
+            (Some(reach), Some(occupied)) => reach(occupied, cell),
+            _ => true,
+        };
+        for &site in self.lattice.active() {
+            let Some(_) = self.lattice.target(site).filter(|cell| can_come(*cell)) else {
+                continue;
+            };
+            let child = self.opened(site);
+            if child.is_some_and(|child| setting.doom.mistaken.contains(&child)) {
+                steps.extend((1..24).map(|how| Step::CaptureMistaken(site, how)));
+            } else {
+                steps.push(Step::Capture(site));
+            }
+        }
+        for &cell in &setting.doom.strays {
+            if self.strayed.contains(&cell) || self.lattice.cells().contains_key(&cell) {
+                continue;
+            }
+            for &body in self.structure.blocks().keys() {
+                for face in Face::ALL {
+                    let site = Site { body, face };
+                    if self.lattice.target(site) == Some(cell)
+                        && !self.lattice.active().contains(&site)
+                        && can_come(cell)
+                    {
+                        steps.push(Step::Stray(site));
+                    }
+                }
+            }
+        }
     }
 
     /// The cells above the plate that hold a block.
@@ -105,67 +168,156 @@ impl<'t> State<'t> {
     }
 
     /// Makes a step that [`State::steps`] offers.
-    pub fn make(&mut self, tables: &'t Tables, step: Step) -> Effects {
+    pub fn make(&mut self, setting: &Setting<'t>, step: Step) -> Effects {
         match step {
-            Step::Arrive(flight) => {
-                if let Ok(i) = self.under_way.binary_search(&flight) {
-                    self.under_way.remove(i);
+            Step::Arrive(flight) => self.arrive(setting, flight, true),
+            Step::LoseAnswer(flight) => self.arrive(setting, flight, false),
+            Step::Lose(flight) => {
+                self.remove(&flight);
+                if setting.faults.sent_again {
+                    self.insert(Flight {
+                        lost: flight.lost + 1,
+                        is_waiting: true,
+                        ..flight
+                    });
                 }
-                self.with_bench(tables, |structure, bench| {
-                    structure.receive(flight.to, flight.message, bench);
-                })
+                Effects::default()
             }
-            Step::Capture(site) => {
-                let docking = self.docking(site);
-                let role = RoleId(docking.child);
-                let held = tables.roles.len() > docking.child as usize
-                    && self.structure.holder(role).is_some();
+            Step::SendAgain(flight) => {
+                self.remove(&flight);
+                self.insert(Flight {
+                    is_waiting: false,
+                    ..flight
+                });
+                Effects::default()
+            }
+            Step::Capture(site) => self.capture(setting, site, 0),
+            Step::CaptureMistaken(site, how) => self.capture(setting, site, how),
+            Step::Stray(site) => {
+                self.strayed.extend(self.lattice.target(site));
+                let cell = self.lattice.target(site);
+                let place = setting.doom.strays.iter().position(|at| Some(*at) == cell);
+                let number = setting.first_stray() + place.unwrap_or(0) as u32;
+                let docking = docking(site, number, 0);
                 self.lattice.dock(&docking);
-                let mut effects =
-                    self.with_bench(tables, |structure, bench| structure.dock(&docking, bench));
-                if held {
-                    let fault = Fault::SecondHolder(role);
-                    effects.faults.push((Property::OneHolder, fault));
+                self.at_bench(setting, |structure, bench| structure.dock(&docking, bench))
+            }
+            Step::Die(role) => {
+                if let Some(body) = self.structure.holder(role) {
+                    self.structure.kill(body);
                 }
-                effects
+                Effects::default()
             }
             Step::EndPhase => {
                 self.done = Done::default();
-                self.with_bench(tables, |structure, bench| structure.next_phase(bench))
+                let phase = self.structure.phase();
+                let next = phase.map(|phase| phase.0 as usize + 1);
+                self.at_bench_in(setting, next, |structure, bench| {
+                    structure.next_phase(bench)
+                })
             }
         }
     }
 
-    /// The docking of a block on a face. It gets the number of its role, so that equal structures
-    /// are equal states, and always the same turn: tables speak of the structure's faces.
-    fn docking(&self, site: Site) -> Docking {
-        let block = self.structure.blocks().get(&site.body);
-        let open = block.and_then(|block| block.open().iter().find(|open| open.own == site.face));
-        Docking {
-            site,
-            child: open.map_or(u32::MAX, |open| open.child.0),
-            child_face: Face::East,
-            turn: 1,
-            entries: 1,
-            entered: 0,
+    fn arrive(&mut self, setting: &Setting<'t>, flight: Flight, is_answered: bool) -> Effects {
+        self.remove(&flight);
+        let Flight { from, to, .. } = flight;
+        let number = flight.number.0;
+        let with_losses = setting.faults.lost > 0;
+        let is_dead = |body| {
+            let block = self.structure.blocks().get(body);
+            block.is_some_and(|block| block.is_dead)
+        };
+        // Nobody takes it or answers; to send it again for ever changes nothing.
+        if with_losses && is_dead(&to) {
+            return Effects::default();
+        }
+        let is_new = !with_losses || self.links.0.take(from, to, number);
+        if is_answered && with_losses {
+            self.links.0.acknowledge(from, to, number);
+        } else if !is_answered && setting.faults.sent_again && !is_dead(&from) {
+            self.insert(Flight {
+                lost: flight.lost + 1,
+                is_taken: true,
+                is_waiting: true,
+                ..flight
+            });
+        }
+        if !is_new {
+            return Effects::default();
+        }
+        self.at_bench(setting, |structure, bench| {
+            structure.receive(to, flight.message, bench);
+        })
+    }
+
+    fn remove(&mut self, flight: &Flight) {
+        if let Ok(i) = self.under_way.binary_search(flight) {
+            self.under_way.remove(i);
         }
     }
 
-    fn with_bench(
+    fn insert(&mut self, flight: Flight) {
+        let i = self.under_way.partition_point(|other| *other <= flight);
+        self.under_way.insert(i, flight);
+    }
+
+    /// A block docks on a face that is on. It gets the number of its role, so that equal
+    /// structures are equal states.
+    fn capture(&mut self, setting: &Setting<'t>, site: Site, how: u8) -> Effects {
+        let child = self.opened(site);
+        let truth = docking(site, child.map_or(u32::MAX, |child| child.0), 0);
+        let belief = docking(site, truth.child, how);
+        let held = child.is_some_and(|child| self.structure.holder(child).is_some());
+        self.lattice.dock(&truth);
+        let mut effects = self.at_bench(setting, |structure, bench| structure.dock(&belief, bench));
+        if let Some(child) = child.filter(|_| held) {
+            let fault = Fault::SecondHolder(child);
+            effects.faults.push((Property::OneHolder, fault));
+        }
+        effects
+    }
+
+    /// The role that a face that is on will give.
+    fn opened(&self, site: Site) -> Option<RoleId> {
+        let block = self.structure.blocks().get(&site.body)?;
+        let open = block.open().iter().find(|open| open.own == site.face)?;
+        Some(open.child)
+    }
+
+    fn at_bench(
         &mut self,
-        tables: &Tables,
+        setting: &Setting<'t>,
+        act: impl FnOnce(&mut Structure<'t>, &mut Bench<'_>),
+    ) -> Effects {
+        let phase = self.structure.phase();
+        let number = phase.map(|phase| phase.0 as usize);
+        self.at_bench_in(setting, number, act)
+    }
+
+    /// The same in another phase: that of the events which the act brings.
+    fn at_bench_in(
+        &mut self,
+        setting: &Setting<'t>,
+        phase: Option<usize>,
         act: impl FnOnce(&mut Structure<'t>, &mut Bench<'_>),
     ) -> Effects {
         let mut effects = Effects::default();
         let mut bench = Bench {
+            stage: phase.and_then(|phase| setting.expected.phases.get(phase)),
+            faults: setting.faults,
+            first_stray: setting.first_stray(),
             lattice: &mut self.lattice,
             under_way: &mut self.under_way,
+            links: &mut self.links.0,
             done: &mut self.done,
             effects: &mut effects,
         };
         act(&mut self.structure, &mut bench);
-        for (&_, block) in self.structure.blocks() {
-            if block.open().len() > usize::from(tables.faces.max(1)) {
+        for site in &effects.opened {
+            let block = self.structure.blocks().get(&site.body);
+            let spare = usize::from(setting.tables.faces.max(1));
+            if let Some(block) = block.filter(|block| block.open().len() > spare) {
                 let fault = Fault::TooManyFaces(block.role);
                 effects.faults.push((Property::Faces, fault));
             }
@@ -191,56 +343,22 @@ impl<'t> State<'t> {
     }
 }
 
-/// Carries out what the structure decides, and writes down what is of interest.
-struct Bench<'a> {
-    lattice: &'a mut Lattice,
-    under_way: &'a mut Vec<Flight>,
-    done: &'a mut Done,
-    effects: &'a mut Effects,
+impl Setting<'_> {
+    /// From this number on, blocks have no role.
+    fn first_stray(&self) -> u32 {
+        self.tables.roles.len() as u32
+    }
 }
 
-impl Medium for Bench<'_> {
-    fn magnetize(&mut self, site: Site) {
-        self.lattice.magnetize(site);
-    }
-
-    fn switch_off(&mut self, site: Site) {
-        self.lattice.switch_off(site);
-        self.effects.closed.push(site);
-    }
-
-    fn send(&mut self, from: Body, to: Body, message: Message) {
-        let flight = Flight { from, to, message };
-        let i = self.under_way.partition_point(|other| *other <= flight);
-        self.under_way.insert(i, flight);
-        self.effects.sent.push((from, message));
-    }
-
-    fn recall(&mut self, gone: Body) -> Vec<Message> {
-        let recalled = self.under_way.extract_if(.., |flight| flight.to == gone);
-        recalled.map(|flight| flight.message).collect()
-    }
-
-    fn hush(&mut self) {
-        self.under_way.clear();
-    }
-
-    fn captured(&mut self, capture: &Capture, _docking: &Docking) {
-        self.done.captures.insert(capture.child);
-        self.effects.captured.push(capture.child);
-    }
-
-    fn released(&mut self, by: RoleId, role: RoleId, _body: Body, orphans: usize) {
-        self.done.releases.insert(role);
-        self.effects.released.push((by, role));
-        if orphans > 0 {
-            (self.effects.faults).push((Property::NoneAdrift, Fault::Adrift(role)));
-        }
-    }
-
-    fn reported(&mut self, by: Reporter) {
-        let i = self.done.reports.partition_point(|other| *other <= by);
-        self.done.reports.insert(i, by);
-        self.effects.reports += 1;
+/// The docking of a block on a face; `how` is one of the 24 ways in which it may sit.
+fn docking(site: Site, child: u32, how: u8) -> Docking {
+    let how = (how + 5) % 24;
+    Docking {
+        site,
+        child,
+        child_face: Face::ALL[usize::from(how / 4)],
+        turn: how % 4,
+        entries: 1,
+        entered: 0,
     }
 }

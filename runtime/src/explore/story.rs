@@ -1,7 +1,8 @@
 //! Steps in the program's own words.
 use stochc_compiler::table::{News, RoleId, Tables};
 
-use super::state::{Effects, Fault, State};
+use super::bench::{Effects, Fault};
+use super::state::{Setting, State};
 use super::step::{Flight, Step};
 use crate::control::message::{Message, Payload, Target};
 use crate::world::{Body, Site};
@@ -13,6 +14,18 @@ pub(super) struct Story<'t> {
 }
 
 impl Story<'_> {
+    /// Steps from the beginning, one line each.
+    pub fn trace(&self, setting: &Setting<'_>, steps: &[Step]) -> Vec<String> {
+        let (mut state, _) = State::first(setting);
+        let mut lines = Vec::new();
+        for &step in steps {
+            let before = state.clone();
+            let effects = state.make(setting, step);
+            lines.push(self.tell(&before, step, &effects));
+        }
+        lines
+    }
+
     fn name(&self, role: RoleId) -> &str {
         self.tables.name(role)
     }
@@ -41,12 +54,50 @@ impl Story<'_> {
                 None => "a face that is off captures a block".to_owned(),
             },
             Step::Arrive(flight) => self.arrival(before, flight, effects),
+            Step::CaptureMistaken(site, _) => match self.face(before, site) {
+                Some((parent, face, child)) => format!(
+                    "{}.{face} captures {}, which is mistaken about how it sits",
+                    self.name(parent),
+                    self.name(child)
+                ),
+                None => "a face that is off captures a block".to_owned(),
+            },
+            Step::Lose(flight) => {
+                let (what, from, to) = self.hop(before, flight);
+                format!("{what} is lost between {from} and {to}")
+            }
+            Step::LoseAnswer(flight) => {
+                let (_, from, to) = self.hop(before, flight);
+                let arrival = self.arrival(before, flight, effects);
+                format!("{arrival}, and the acknowledgement of {to} to {from} is lost")
+            }
+            Step::SendAgain(flight) => {
+                let (what, from, to) = self.hop(before, flight);
+                format!("{from} sends {what} to {to} again")
+            }
+            Step::Stray(site) => {
+                let face = before.lattice.place(site.body).map(|p| p.orientation);
+                let face = face.map_or("", |seat| seat.to_structure(site.face).word());
+                let at = self.body(before, site.body);
+                format!("a block docks on {at}.{face}, which is off")
+            }
+            Step::Die(role) => format!("{} dies", self.name(role)),
             Step::EndPhase => format!("the plate ends {}", self.phase(before)),
         };
         for &(by, role) in &effects.released {
             line.push_str(&format!(", {} lets {} go", self.name(by), self.name(role)));
         }
         line
+    }
+
+    /// What is on its way, from whom and to whom.
+    fn hop(&self, state: &State<'_>, flight: Flight) -> (String, String, String) {
+        let what = self.message(&flight.message);
+        (
+            what,
+            self.body(state, flight.from),
+            self.body(state, flight.to),
+        )
     }
 
     fn arrival(&self, before: &State<'_>, flight: Flight, effects: &Effects) -> String {
@@ -63,15 +114,19 @@ impl Story<'_> {
         {
             return format!("{what} passes {at}");
         }
+        let block = before.structure.blocks().get(&flight.to);
+        if block.is_some_and(|block| block.is_dead) {
+            return format!("{what} ends at {at}, which is dead");
+        }
+        if flight.is_taken {
+            return format!("{at} drops {what}, which it has had before");
+        }
         format!("{what} reaches {at}")
     }
 
     /// A message in words: `the report of C`.
     pub fn message(&self, message: &Message) -> String {
-        let news = |news| match news {
-            News::Anchored(role) => format!("{} is anchored", self.name(role)),
-            News::Released(role) => format!("{} is released", self.name(role)),
-        };
+        let news = |news| self.news(news);
         match (message.payload, message.target) {
             (Payload::Report(by), _) => format!("the report of {}", self.name(by.role)),
             (Payload::Ask(role), _) => format!("the request of {} to be let go", self.name(role)),
@@ -79,6 +134,13 @@ impl Story<'_> {
                 format!("the news for {} that {}", self.name(to), news(what))
             }
             (Payload::Tell(what), _) => format!("the news that {}", news(what)),
+        }
+    }
+
+    fn news(&self, news: News) -> String {
+        match news {
+            News::Anchored(role) => format!("{} is anchored", self.name(role)),
+            News::Released(role) => format!("{} is released", self.name(role)),
         }
     }
 
@@ -104,6 +166,9 @@ impl Story<'_> {
                     "{} is captured while another block has its name",
                     self.name(role)
                 )
+            }
+            Fault::TooEarly(event, missing) => {
+                format!("{} before {}", self.news(event), self.news(missing))
             }
             Fault::TooManyFaces(role) => {
                 format!(

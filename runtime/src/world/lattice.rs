@@ -48,6 +48,11 @@ impl Lattice {
         }
     }
 
+    /// The block that a face holds.
+    pub fn held(&self, site: Site) -> Option<u32> {
+        self.holds.get(&site).copied()
+    }
+
     /// Whether a block that was free once is anchored.
     pub fn is_anchored(&self, id: u32) -> bool {
         self.placed.contains_key(&id)
