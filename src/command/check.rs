@@ -5,6 +5,7 @@ use stochc_compiler::emit::chain_text;
 use stochc_compiler::order::Order;
 use stochc_compiler::{Checked, Program};
 
+use super::exhaustive;
 use super::terminal::{has_colour, message_width, print, warn};
 use crate::cli::Exit;
 use crate::findings::{Format, show, values};
@@ -18,6 +19,16 @@ pub struct Options {
     /// How to show findings; `short` and `json` write them to the standard output
     #[arg(long, value_name = "FORM", default_value = "graphical")]
     format: Format,
+    /// Run the event tables of right programs in every order of messages and captures, through
+    /// at most so many states [default: 1000000]; what is too much is tried in random orders
+    #[arg(
+        long,
+        value_name = "STATES",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "1000000"
+    )]
+    exhaustive: Option<u64>,
 }
 
 /// Checks each file, and says of the right ones what is known before anything moves.
@@ -39,6 +50,14 @@ pub fn run(options: &Options) -> Exit {
             }
         }
         exit = worse(exit, verdict(&checked));
+        if let Some(states) = options.exhaustive.filter(|_| !checked.has_errors()) {
+            let (told, found) = exhaustive::explore(file, &checked, states);
+            match options.format {
+                Format::Graphical => print(&told),
+                Format::Short | Format::Json => warn(&told),
+            }
+            exit = worse(exit, found);
+        }
     }
     if options.format == Format::Json {
         print(&format!("{:#}\n", Value::Array(document)));

@@ -1,6 +1,7 @@
 //! One module for each subcommand.
 pub mod check;
 pub mod compile;
+mod exhaustive;
 pub mod explain;
 pub mod results;
 pub mod simulate;

@@ -42,6 +42,45 @@ fn all_orders_of_the_five_towers_are_tried() {
     assert!(reduced.states < 30, "{}", reduced.states);
 }
 
+/// What docs/protocol.md shows.
+#[test]
+fn states_and_transitions_with_and_without_the_reduction() {
+    let mut programs = Vec::new();
+    for path in [
+        "examples/line.sa",
+        "examples/five_tower.sa",
+        "examples/five_tower_reconfigured.sa",
+        "tests/fixtures/handed_over.sa",
+    ] {
+        programs.extend(tables_of(path));
+    }
+    programs.push(tables(BUSY));
+    let mut table = String::from(
+        "| assembly | states, transitions of all orders | of those that matter |\n|---|---|---|\n",
+    );
+    for tables in &programs {
+        let full = explore_as(tables, |all| {
+            all.reduce = false;
+            all.bounds.states = 20_000;
+        });
+        let reduced = explore(tables);
+        assert_eq!(reduced.verdict, Verdict::Holds);
+        let counts = match full.verdict {
+            Verdict::Holds => format!("{}, {}", full.states, full.transitions),
+            _ => format!("more than {}", full.states - 1),
+        };
+        table.push_str(&format!(
+            "| `{}` | {counts} | {}, {} |\n",
+            tables.assembly, reduced.states, reduced.transitions
+        ));
+    }
+    let text = include_str!("../../docs/protocol.md");
+    assert!(
+        text.contains(&table),
+        "docs/protocol.md should hold\n{table}"
+    );
+}
+
 #[test]
 fn twenty_captures_at_once_are_no_matter() {
     let text = "scene s from hemisphere { free 300 uniform }

@@ -3,7 +3,7 @@
 //! Everything that only ever delays an event is left out: a cell that is full, the time that a
 //! message takes, a name that is not free yet. What is left is monotone, so that one pass over the
 //! rules until nothing new comes true finds every event that any order of events could bring.
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use stochc_compiler::Cell;
 use stochc_compiler::table::{Action, Condition, Duty, News, PhaseId, RoleId, Tables, Trigger};
@@ -14,29 +14,30 @@ use super::step::Step;
 use crate::control::message::{Message, Payload, Target};
 
 /// Who may capture whom in a phase, whatever else happens.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Captors {
-    /// For each role, the roles that have a rule to capture it.
-    of: Vec<Vec<RoleId>>,
+    /// For each role that is captured, the roles that have a rule to do so.
+    of: BTreeMap<RoleId, Vec<RoleId>>,
 }
 
 impl Captors {
-    /// The captors of a phase.
-    pub fn of(tables: &Tables, phase: PhaseId) -> Captors {
-        let mut of: Vec<Vec<RoleId>> = vec![Vec::new(); tables.roles.len()];
-        for duty in tables.duties().filter(|duty| duty.phase == phase) {
+    /// The captors of each phase.
+    pub fn by_phase(tables: &Tables) -> Vec<Captors> {
+        let mut all = vec![Captors::default(); tables.phases.len()];
+        for duty in tables.duties() {
             for rule in duty.rules() {
                 if let Action::Magnetize { child, .. } = rule.then {
-                    of[child.0 as usize].push(duty.role);
+                    let of = &mut all[duty.phase.0 as usize].of;
+                    of.entry(child).or_default().push(duty.role);
                 }
             }
         }
-        Captors { of }
+        all
     }
 
     /// Whether some role may be given by two rules.
     pub fn is_ambiguous(&self) -> bool {
-        self.of.iter().any(|captors| captors.len() > 1)
+        self.of.values().any(|captors| captors.len() > 1)
     }
 
     /// Adds a role and all those on which it hangs, or may come to hang.
@@ -46,7 +47,7 @@ impl Captors {
             if !to.insert(role) {
                 continue;
             }
-            open.extend(&self.of[role.0 as usize]);
+            open.extend(self.of.get(&role).into_iter().flatten());
             let holder = state.structure.holder(role);
             let block = holder.and_then(|body| state.structure.blocks().get(&body));
             let parent = block.and_then(|block| block.parent);
@@ -134,7 +135,7 @@ impl Future {
                 events: BTreeSet::new(),
                 released: none(),
                 touched: none(),
-                looked_at: 0,
+                looked_at: state.structure.blocks().len() as u64,
             },
         };
         forecast.begin(without);

@@ -42,7 +42,7 @@ use std::collections::BTreeSet;
 use std::rc::Rc;
 
 use stochc_compiler::Cell;
-use stochc_compiler::table::{News, PhaseId};
+use stochc_compiler::table::News;
 
 use super::Reach;
 use super::bench::Effects;
@@ -77,10 +77,9 @@ struct Footprint {
 
 impl<'t> Reducer<'t> {
     pub fn new(setting: Setting<'t>) -> Reducer<'t> {
-        let phases = 0..setting.tables.phases.len() as u32;
-        let captors = phases.map(|phase| Rc::new(Captors::of(setting.tables, PhaseId(phase))));
+        let captors = Captors::by_phase(setting.tables);
         Reducer {
-            captors: captors.collect(),
+            captors: captors.into_iter().map(Rc::new).collect(),
             setting,
             work: 0,
         }
