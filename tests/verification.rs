@@ -8,9 +8,7 @@ use std::path::PathBuf;
 use stochc::compiler::finding::{Code, Finding};
 use stochc::compiler::table::Tables;
 use stochc::compiler::{Cell, Checked, Face, Limits, check};
-use stochc::runtime::explore::{
-    Bounds, Expected, Exploration, Faults, Property, Report, Verdict,
-};
+use stochc::runtime::explore::{Bounds, Expected, Exploration, Faults, Property, Report, Verdict};
 
 const PAGE: &str = "docs/verification.md";
 
@@ -45,7 +43,12 @@ fn cases() -> Vec<Case> {
 
 fn case(path: PathBuf) -> Case {
     let text = std::fs::read_to_string(&path).unwrap();
-    let idea = text.lines().next().unwrap().trim_start_matches("// ").to_owned();
+    let idea = text
+        .lines()
+        .next()
+        .unwrap()
+        .trim_start_matches("// ")
+        .to_owned();
     let name = path.file_name().unwrap().to_str().unwrap().to_owned();
     let mut reader = |_: &str| Ok(text.clone().into_bytes());
     let checked = check(&name, &mut reader, Limits::default());
@@ -58,7 +61,9 @@ fn case(path: PathBuf) -> Case {
 
 impl Case {
     fn errors(&self) -> Vec<&Finding> {
-        (self.checked.findings.iter()).filter(|finding| finding.is_error()).collect()
+        (self.checked.findings.iter())
+            .filter(|finding| finding.is_error())
+            .collect()
     }
 
     fn tables(&self) -> &Tables {
@@ -83,7 +88,11 @@ fn is_open(full: &BTreeSet<Cell>, target: Cell) -> bool {
         let values = || full.iter().chain([&target]).map(axis);
         (values().min().unwrap() - 1, values().max().unwrap() + 1)
     };
-    let (x, y, z) = (bound(|cell| cell.x), bound(|cell| cell.y), bound(|cell| cell.z));
+    let (x, y, z) = (
+        bound(|cell| cell.x),
+        bound(|cell| cell.y),
+        bound(|cell| cell.z),
+    );
     let mut found = BTreeSet::from([target]);
     let mut open = vec![target];
     while let Some(cell) = open.pop() {
@@ -126,8 +135,10 @@ fn proof_and_execution_agree_on_every_program() {
                 format!("can wait for ever: {}", violation.what)
             }
         };
-        let mut titles: Vec<String> =
-            errors.iter().map(|error| format!("**{}**: {}", error.code, error.title)).collect();
+        let mut titles: Vec<String> = errors
+            .iter()
+            .map(|error| format!("**{}**: {}", error.code, error.title))
+            .collect();
         if titles.is_empty() {
             titles.push("right".to_owned());
         }
@@ -162,15 +173,18 @@ fn proof_and_execution_agree_on_every_program() {
 #[test]
 fn execution_without_walls_does_not_see_what_the_check_sees() {
     let sealed: Vec<Case> = (cases().into_iter())
-        .filter(|case| case.errors().iter().all(|error| error.code == Code::SealedCavity))
+        .filter(|case| {
+            case.errors()
+                .iter()
+                .all(|error| error.code == Code::SealedCavity)
+        })
         .filter(|case| !case.errors().is_empty())
         .collect();
     assert!(sealed.len() >= 8);
     for case in sealed {
         let tables = case.tables();
         let expected = Expected::of(tables);
-        let exploration =
-            Exploration::new(tables, &expected, Bounds::default(), Faults::default());
+        let exploration = Exploration::new(tables, &expected, Bounds::default(), Faults::default());
         // Only the protocol: it does its part, and cannot know that no block will come.
         assert!(exploration.run().holds(), "{}", case.name);
     }
