@@ -156,7 +156,7 @@ fn proof_and_execution_agree_on_every_program() {
             report.transitions,
         );
     }
-    assert!(right >= 20 && wrong >= 15, "{right} right, {wrong} wrong");
+    assert!(right >= 20 && wrong >= 12, "{right} right, {wrong} wrong");
     let _ = writeln!(
         page,
         "\n{} programs: {right} are right and end in every order, {wrong} are wrong and can wait for ever.",
