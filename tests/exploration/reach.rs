@@ -1,10 +1,13 @@
 //! Cells to which a block can or cannot come.
 use std::collections::BTreeSet;
 
+use proptest::prelude::*;
+use proptest::test_runner::{Config, TestRunner};
 use stochc::compiler::{Cell, Face};
 use stochc::runtime::explore::{Property, Verdict};
 
 use crate::programs::{explore, explore_as, tables};
+use crate::random::declare;
 
 /// Three towers in a row; the middle one is two blocks high only if its foot is there in time.
 const WELL: &str = "
@@ -85,4 +88,43 @@ fn an_order_that_keeps_the_way_open_holds() {
             .all(|report| report.verdict == Verdict::Holds)
     );
     assert!(explored[0].states * 10 < explored[1].states, "{explored:?}");
+}
+
+/// Blocks that shy away from corners: a cell beside two blocks is closed.
+fn can_fit(occupied: &BTreeSet<Cell>, cell: Cell) -> bool {
+    let beside = |face: &Face| (cell.across(*face)).is_some_and(|next| occupied.contains(&next));
+    Face::ALL.iter().filter(|face| beside(face)).count() < 2
+}
+
+/// Where ways close, fewer orders find the same hangs.
+#[test]
+fn fewer_orders_find_the_same_closed_cells() {
+    let [hangs, full_states, reduced_states] = [(); 3].map(|()| std::cell::Cell::new(0));
+    let mut runner = TestRunner::new(Config::with_cases(200));
+    let choices = prop::collection::vec(any::<u32>(), 0..40);
+    let done = runner.run(&(choices, 1u8..=3), |(choices, faces)| {
+        let tables = declare(choices, faces).tables();
+        let [full, reduced] = [false, true].map(|reduce| {
+            explore_as(&tables, |all| {
+                all.reduce = reduce;
+                all.hangs_allowed = true;
+                all.bounds.states = 20_000;
+                all.reach = Some(&can_fit);
+            })
+        });
+        if !matches!(full.verdict, Verdict::Unfinished(_)) {
+            prop_assert_eq!(&full.verdict, &reduced.verdict);
+            prop_assert_eq!(full.hangs, reduced.hangs);
+            hangs.set(hangs.get() + full.hangs);
+            full_states.set(full_states.get() + full.states);
+            reduced_states.set(reduced_states.get() + reduced.states);
+        }
+        Ok(())
+    });
+    done.unwrap();
+    let [hangs, full, reduced] =
+        [hangs, full_states, reduced_states].map(std::cell::Cell::into_inner);
+    println!("{hangs} hangs, {full} states in full, {reduced} reduced");
+    assert!(hangs > 5, "{hangs}");
+    assert!(reduced * 2 < full, "{reduced} of {full}");
 }

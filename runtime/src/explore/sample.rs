@@ -45,16 +45,14 @@ fn follow(
         return Some(judge.violated(&setting, wrong, state.structure.phase(), &made));
     }
     loop {
-        let steps = state.steps(&setting);
-        report.work += steps.len() as u64;
-        if steps.is_empty() {
-            break;
-        }
+        let mut step_draws = draws.step(made.len() as u64 + 1);
+        let words = [0, 1].map(|block| step_draws.block(block)).concat();
+        let (step, looked_at) = draw(&state, &setting, &words);
+        report.work += looked_at;
+        let Some(step) = step else { break };
         if report.work > exploration.bounds.work {
             return Some(Verdict::Unfinished(Bound::Work));
         }
-        let [word, ..] = draws.step(made.len() as u64 + 1).block(0);
-        let step = steps[below(word, steps.len() as u32) as usize];
         // Only the end of a phase is judged by the state before it.
         let before = (step == Step::EndPhase).then(|| state.clone());
         let phase = state.structure.phase();
@@ -75,4 +73,30 @@ fn follow(
         return None;
     }
     Some(judge.violated(&setting, wrong, state.structure.phase(), &made))
+}
+
+/// One of the possible steps, each as likely as another, and how many were looked at.
+fn draw(state: &State<'_>, setting: &Setting<'_>, words: &[u32]) -> (Option<Step>, u64) {
+    let (flights, faces) = (state.under_way.len(), state.lattice.active().len());
+    let all = (flights + faces) as u32;
+    let is_plain = setting.faults.is_none() && setting.reach.is_none();
+    // Most that is under way or on is possible: to draw until one is takes less than to list all.
+    if is_plain && all > 0 && !state.structure.is_phase_reported() {
+        for &word in words {
+            let i = below(word, all) as usize;
+            if let Some(&flight) = state.under_way.get(i) {
+                return (Some(Step::Arrive(flight)), 1);
+            }
+            let site = state.lattice.active().iter().nth(i - flights);
+            if let Some(&site) = site.filter(|site| state.lattice.target(**site).is_some()) {
+                // Going to the i-th face is quick, but not for nothing.
+                return (Some(Step::Capture(site)), 1 + i as u64 / 16);
+            }
+        }
+    }
+    let steps = state.steps(setting);
+    let step = words
+        .first()
+        .and_then(|&word| steps.get(below(word, steps.len() as u32) as usize));
+    (step.copied(), steps.len() as u64)
 }
