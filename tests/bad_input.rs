@@ -101,6 +101,7 @@ const TOKENS: [&str; 75] = [
 const SMALL: Limits = Limits {
     events: 20_000,
     steps: 100_000,
+    search: 100_000,
 };
 
 fn run(bytes: &[u8], limits: Limits) -> Checked {

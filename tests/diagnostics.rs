@@ -141,6 +141,7 @@ fn a_program_that_grows_too_large() {
     let limits = Limits {
         events: 100,
         steps: 10_000,
+        ..Limits::default()
     };
     let program = |statements: &str| {
         let mut reader = |_: &str| {

@@ -33,6 +33,8 @@ struct Sample {
     files: Vec<(&'static str, Vec<u8>)>,
     /// What is shown of it, if that is not all of it.
     shown: Option<&'static str>,
+    /// Those that it is checked with.
+    limits: Limits,
 }
 
 impl Sample {
@@ -40,6 +42,7 @@ impl Sample {
         Sample {
             files: vec![("tower.sa", text.into())],
             shown: None,
+            limits: Limits::default(),
         }
     }
 
@@ -54,7 +57,7 @@ impl Sample {
             file.map(|(_, text)| text.clone())
                 .ok_or("No such file or directory (os error 2)".to_owned())
         };
-        check(self.files[0].0, &mut reader, Limits::default())
+        check(self.files[0].0, &mut reader, self.limits)
     }
 
     fn text(&self) -> String {
@@ -71,6 +74,27 @@ impl Sample {
         parts.collect::<Vec<_>>().join("\n")
     }
 }
+
+/// A hall for which the default limits are too small would fill the page.
+const TUNNEL: &str = "\
+// shown for a search of no cells at all: two million are allowed
+assembly tunnel {
+    seed plate 3 x 3 {
+        for y in 0..2 {
+            W[y] at (0, y)
+            E[y] at (2, y)
+        }
+        M at (1, 1)
+    }
+    phase shell {
+        for y in 0..2 {
+            W[y].up -> A[y].up -> B[y].east -> R[y]
+            E[y].up -> F[y]
+        }
+    }
+    phase core { M.up -> CORE }
+}
+";
 
 /// The program that shows a code; `None`: no program can.
 fn sample(code: Code) -> Option<Sample> {
@@ -106,6 +130,11 @@ fn sample(code: Code) -> Option<Sample> {
         Code::TooManyErrors => {
             Sample::of("?\n".repeat(101)).shown("?\n?\n?     and so on, 101 lines\n")
         }
+        Code::ReachUndecided => {
+            let mut sample = Sample::of(TUNNEL);
+            sample.limits.search = 0;
+            sample
+        }
         Code::ImportMissing => Sample::of("import \"towers.sa\"\n"),
         Code::ImportCycle => Sample {
             files: vec![
@@ -113,6 +142,7 @@ fn sample(code: Code) -> Option<Sample> {
                 ("towers.sa", b"import \"plates.sa\"\n".to_vec()),
             ],
             shown: None,
+            limits: Limits::default(),
         },
         other => panic!("`{other}` has no wrong program on its page, and none here"),
     })

@@ -1,193 +1,30 @@
 //! Random programs that are right by construction compile, and their tables, run without physics in
 //! random order, always build the structure that the program declares.
-use std::collections::{BTreeMap, BTreeSet};
-use std::fmt::Write as _;
+mod random;
+
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
 
 use proptest::prelude::*;
-use stochc::compiler::finding::Code;
+use random::declare;
+use stochc::compiler::Cell;
 use stochc::compiler::scene::Messages;
 use stochc::compiler::table::Tables;
-use stochc::compiler::{Cell, Face};
 use stochc::runtime::control::Controller;
+use stochc::runtime::drive;
 use stochc::runtime::world::World as _;
 use stochc::runtime::world::shuffle::ShuffleWorld;
 
-/// A program, and what it builds.
-#[derive(Clone, Debug)]
-struct Declared {
-    text: String,
-    structure: BTreeMap<String, Cell>,
-}
-
-#[derive(Clone)]
-struct Block {
-    cell: Cell,
-    parent: Option<String>,
-    face: Face,
-}
-
-/// Turns a list of numbers into a program: each number is one choice.
-struct Generator {
-    choices: std::vec::IntoIter<u32>,
-    blocks: BTreeMap<String, Block>,
-    names: u32,
-    spare: Vec<String>,
-    text: String,
-}
-
-impl Generator {
-    fn choose(&mut self, most: usize) -> usize {
-        self.choices
-            .next()
-            .map_or(0, |choice| choice as usize % most.max(1))
-    }
-
-    fn new_name(&mut self) -> String {
-        if !self.spare.is_empty() && self.choose(2) == 0 {
-            let i = self.choose(self.spare.len());
-            return self.spare.swap_remove(i);
-        }
-        self.names += 1;
-        match self.choose(2) {
-            0 => format!("N{}", self.names),
-            _ => format!("T[{}, {}]", self.names, self.names + 1),
-        }
-    }
-
-    fn phase(&mut self, number: usize) {
-        let _ = writeln!(self.text, "    phase p{number} {{");
-        let start = self.blocks.clone();
-        // Events so far, as `after` can name them; only earlier ones, so that no circle arises.
-        let mut events: Vec<String> = Vec::new();
-        let mut captured: BTreeSet<String> = BTreeSet::new();
-        let mut released: BTreeSet<String> = BTreeSet::new();
-        let mut busy: BTreeSet<String> = BTreeSet::new();
-        let mut taken: BTreeSet<Cell> = start.values().map(|block| block.cell).collect();
-        for _ in 0..=self.choose(8) {
-            let after = self.after(&events);
-            if self.choose(4) == 0 {
-                // Of the blocks that were there, one that nothing hangs on, or whose children go too.
-                let leaves: Vec<String> = (start.iter())
-                    .filter(|(name, block)| block.parent.is_some() && !released.contains(*name))
-                    .filter(|(name, _)| !busy.contains(*name))
-                    .filter(|(name, _)| {
-                        self.blocks
-                            .values()
-                            .all(|block| block.parent.as_ref() != Some(name))
-                    })
-                    .map(|(name, _)| name.clone())
-                    .collect();
-                if !leaves.is_empty() {
-                    let name = leaves[self.choose(leaves.len())].clone();
-                    let _ = writeln!(self.text, "        release {name}{after}");
-                    self.blocks.remove(&name);
-                    events.push(format!("release {name}"));
-                    released.insert(name);
-                    continue;
-                }
-            }
-            let parents: Vec<String> = self
-                .blocks
-                .keys()
-                .filter(|name| !released.contains(*name))
-                .cloned()
-                .collect();
-            let parent = parents[self.choose(parents.len())].clone();
-            let block = self.blocks[&parent].clone();
-            let faces: Vec<Face> = Face::ALL
-                .into_iter()
-                .filter(|&face| match &block.parent {
-                    None => face == Face::Up,
-                    Some(_) => face != block.face.opposite(),
-                })
-                .filter(|&face| {
-                    let cell = block.cell.across(face).unwrap();
-                    // A cell that is emptied in this phase may be filled in this phase.
-                    let emptied = released.iter().any(|name| start[name].cell == cell);
-                    let filled = self.blocks.values().any(|block| block.cell == cell);
-                    cell.z >= 1 && !filled && (!taken.contains(&cell) || emptied)
-                })
-                .collect();
-            if faces.is_empty() {
-                continue;
-            }
-            let face = faces[self.choose(faces.len())];
-            let cell = block.cell.across(face).unwrap();
-            let name = self.new_name();
-            let _ = writeln!(self.text, "        {parent}.{face} -> {name}{after}");
-            taken.insert(cell);
-            busy.insert(parent.clone());
-            captured.insert(name.clone());
-            events.push(name.clone());
-            self.blocks.insert(
-                name,
-                Block {
-                    cell,
-                    parent: Some(parent),
-                    face,
-                },
-            );
-        }
-        self.spare.extend(released);
-        self.text.push_str("    }\n");
-    }
-
-    fn after(&mut self, events: &[String]) -> String {
-        if events.is_empty() || self.choose(3) > 0 {
-            return String::new();
-        }
-        let mut list: Vec<String> = (0..=self.choose(2))
-            .map(|_| events[self.choose(events.len())].clone())
-            .collect();
-        list.dedup();
-        format!(" after {}", list.join(", "))
-    }
-}
-
-fn declare(choices: Vec<u32>, faces: u8) -> Declared {
-    let mut generator = Generator {
-        choices: choices.into_iter(),
-        blocks: BTreeMap::new(),
-        names: 0,
-        spare: Vec::new(),
-        text: format!(
-            "scene many from hemisphere {{ block cube {{ side 20cm mass 1kg faces {faces} }} }}\n\
-             assembly random in many {{\n    seed plate 3 x 3 {{\n"
-        ),
-    };
-    for (name, x, y) in [("A", 0, 0), ("B", 2, 0), ("C", 1, 1)] {
-        let _ = writeln!(generator.text, "        {name} at ({x}, {y})");
-        let cell = Cell::new(x, y, 0);
-        generator.blocks.insert(
-            name.into(),
-            Block {
-                cell,
-                parent: None,
-                face: Face::Up,
-            },
-        );
-    }
-    generator.text.push_str("    }\n");
-    for number in 0..=generator.choose(4) {
-        generator.phase(number);
-    }
-    generator.text.push_str("}\n");
-    let structure = generator
-        .blocks
-        .into_iter()
-        .map(|(name, block)| (name, block.cell))
-        .collect();
-    Declared {
-        text: generator.text,
-        structure,
-    }
-}
-
 /// Runs tables in the world without physics; what stands in the end.
-fn execute(tables: &Tables, hop: u32, seed: u64) -> Result<BTreeMap<String, Cell>, String> {
+fn execute(
+    tables: &Tables,
+    hop: u32,
+    loss: Option<f64>,
+    seed: u64,
+) -> Result<BTreeMap<String, Cell>, String> {
     let mut world = ShuffleWorld::new(300, seed, 0);
-    let messages = Messages { hop };
-    let mut control = Controller::new(tables, Some(&messages));
+    let messages = Messages { hop, loss };
+    let mut control = Controller::new(tables, Some(&messages), seed, 0);
     control.start(&mut world);
     let mut dockings = Vec::new();
     for _ in 0..5_000 {
@@ -215,19 +52,32 @@ proptest! {
         choices in prop::collection::vec(any::<u32>(), 0..160),
         faces in 1u8..=5,
         hop in 0u32..=2,
+        loss in prop::option::of(0.0..0.5),
         seeds in prop::array::uniform4(any::<u64>()),
     ) {
         let declared = declare(choices, faces);
-        let mut reader = |_: &str| Ok(declared.text.clone().into_bytes());
-        let checked = stochc::compiler::check("random.sa", &mut reader, Default::default());
-        // What chance can wall in is an error, and has no tables.
-        prop_assume!(checked.findings.iter().all(|finding| finding.code != Code::SealedCavity));
-        let errors: Vec<_> = checked.findings.iter().filter(|finding| finding.is_error()).collect();
-        prop_assert!(errors.is_empty(), "{}\n{errors:#?}", declared.text);
-        let tables = checked.programs[0].tables.as_ref().unwrap();
+        let tables = declared.tables();
         for seed in seeds {
-            let built = execute(tables, hop, seed);
+            let built = execute(&tables, hop, loss, seed);
             prop_assert_eq!(built.as_ref(), Ok(&declared.structure), "{}", declared.text);
         }
+    }
+
+    #[test]
+    fn what_may_be_lost_and_is_not_costs_nothing(
+        choices in prop::collection::vec(any::<u32>(), 0..160),
+        faces in 1u8..=5,
+        hop in 0u32..=4,
+        seed: u64,
+    ) {
+        let tables = declare(choices, faces).tables();
+        let record = |loss| {
+            let mut world = ShuffleWorld::new(300, seed, 0);
+            let messages = Some(Messages { hop, loss });
+            let mut go = |_, _| ControlFlow::Continue(());
+            let limit = Some(5_000);
+            drive(&tables, messages.as_ref(), &mut world, limit, (seed, 0), &mut go)
+        };
+        prop_assert_eq!(record(None), record(Some(0.0)));
     }
 }

@@ -339,7 +339,7 @@ impl<'a> Input<'a> {
                 sources: self.sources,
                 symbols,
             };
-            reach::check(subject, &mut later);
+            reach::check(subject, self.limits.search, &mut later);
         }
         done(Stage::Reach);
         if is_sound {

@@ -10,6 +10,7 @@ use stochc_compiler::{Limits, check};
 const LIMITS: Limits = Limits {
     events: 500,
     steps: 5_000,
+    search: 2_000,
 };
 
 fuzz_target!(|bytes: &[u8]| {

@@ -17,6 +17,11 @@ pub enum Stream {
     Kick = 0,
     /// The world without physics: which face captures which block, and how it is turned.
     Shuffle = 1,
+    /// Messages: whether a transfer, and whether its acknowledgement, is lost; its step is the
+    /// number of the transfer in the run.
+    Loss = 2,
+    /// Exploration by chance: which of the possible steps is made.
+    Schedule = 3,
 }
 
 /// The draws of one stream of one run.

@@ -5,6 +5,7 @@
 //! the tables and a [`World`](world::World) moves the blocks; neither knows the other's business.
 pub mod control;
 pub mod draw;
+pub mod explore;
 pub mod orientation;
 pub mod record;
 mod run;

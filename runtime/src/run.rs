@@ -73,11 +73,11 @@ pub fn run(
     match settings.model {
         Model::Rapier => {
             let mut world = RapierWorld::new(scene, &tables.plate, settings, seed, run)?;
-            drive(tables, messages, &mut world, limit, run, watch)
+            drive(tables, messages, &mut world, limit, (seed, run), watch)
         }
         Model::Shuffle => {
             let mut world = ShuffleWorld::new(scene.free.count, seed, run);
-            drive(tables, messages, &mut world, limit, run, watch)
+            drive(tables, messages, &mut world, limit, (seed, run), watch)
         }
     }
 }
@@ -87,7 +87,8 @@ pub fn run(
 /// A world that passes everything on to another one can look into it at every tick: that is how
 /// to record what moves where.
 ///
-/// `max_ticks` as in [`Settings::max_ticks`]; `run` is only the number to put in the record.
+/// `max_ticks` as in [`Settings::max_ticks`]. `(seed, run)` is the key of the
+/// chance by which messages are lost; `run` is also the number to put in the record.
 ///
 /// # Errors
 /// [`RunError::Cancelled`] when `watch` says so.
@@ -96,10 +97,10 @@ pub fn drive(
     messages: Option<&Messages>,
     world: &mut impl World,
     max_ticks: Option<u64>,
-    run: u64,
+    (seed, run): (u64, u64),
     watch: &mut (impl Watch + ?Sized),
 ) -> Result<RunRecord, RunError> {
-    let mut controller = Controller::new(tables, messages);
+    let mut controller = Controller::new(tables, messages, seed, run);
     let mut dockings = Vec::new();
     controller.start(world);
     let outcome = loop {

@@ -22,13 +22,13 @@ fn go(_: u64, _: PhaseId) -> ControlFlow<()> {
 /// The record of a run without physics, and the world that it leaves.
 fn shuffle(tables: &Tables, hop: Option<u32>, run: u64) -> (RunRecord, ShuffleWorld) {
     let mut world = ShuffleWorld::new(30, 5, run);
-    let messages = hop.map(|hop| Messages { hop });
+    let messages = hop.map(|hop| Messages { hop, loss: None });
     let record = drive(
         tables,
         messages.as_ref(),
         &mut world,
         Some(1000),
-        run,
+        (5, run),
         &mut go,
     );
     (record.expect("nobody cancels"), world)
@@ -72,7 +72,7 @@ proptest! {
     fn a_block_knows_how_it_sits(run: u64) {
         let (tables, roles) = chain(&SNAKE);
         let mut world = ShuffleWorld::new(9, 1, run);
-        let mut controller = Controller::new(&tables, None);
+        let mut controller = Controller::new(&tables, None, 1, run);
         let mut dockings = Vec::new();
         controller.start(&mut world);
         while controller.phase().is_some() {
@@ -152,9 +152,16 @@ fn release(hop: Option<u32>) -> (RunRecord, ShuffleWorld, [RoleId; 4]) {
     draft.start(a, again, vec![at_once(magnetize(Face::Up, d, cell(1)))]);
     draft.anchored(d, again, vec![at_once(Action::Report)]);
     let mut world = ShuffleWorld::new(2, 5, 3);
-    let messages = hop.map(|hop| Messages { hop });
+    let messages = hop.map(|hop| Messages { hop, loss: None });
     let tables = draft.tables();
-    let record = drive(&tables, messages.as_ref(), &mut world, Some(99), 3, &mut go);
+    let record = drive(
+        &tables,
+        messages.as_ref(),
+        &mut world,
+        Some(99),
+        (5, 3),
+        &mut go,
+    );
     (record.expect("nobody cancels"), world, [a, b, c, d])
 }
 
@@ -334,7 +341,8 @@ fn no_block_docks_into_an_occupied_cell() {
 fn a_run_ends_at_its_limit_or_when_it_is_cancelled() {
     let (tables, _) = chain(&SNAKE);
     let mut world = ShuffleWorld::new(3, 0, 0);
-    let record = drive(&tables, None, &mut world, Some(40), 0, &mut go).expect("nobody cancels");
+    let record =
+        drive(&tables, None, &mut world, Some(40), (0, 0), &mut go).expect("nobody cancels");
     let phase = PhaseId(0);
     assert_eq!(record.outcome, Outcome::TimedOut { phase });
     assert_eq!((record.ticks, record.blocks_used), (40, 3));
@@ -346,8 +354,82 @@ fn a_run_ends_at_its_limit_or_when_it_is_cancelled() {
             ControlFlow::Break(())
         }
     };
-    let cancelled = drive(&tables, None, &mut world, None, 0, &mut stop);
+    let cancelled = drive(&tables, None, &mut world, None, (0, 0), &mut stop);
     assert_eq!(cancelled, Err(RunError::Cancelled));
     assert_eq!(world.tick(), 3);
     assert!(world.orientation(Body::Seed(Cell::new(0, 0, 0))).is_some());
+}
+
+/// A chain, built where transfers are lost.
+fn lossy(hop: u32, loss: f64, run: u64) -> RunRecord {
+    let (tables, _) = chain(&SNAKE);
+    let mut world = ShuffleWorld::new(30, 5, run);
+    let loss = Some(loss);
+    let messages = Messages { hop, loss };
+    let record = drive(
+        &tables,
+        Some(&messages),
+        &mut world,
+        Some(5000),
+        (5, run),
+        &mut go,
+    );
+    record.expect("nobody cancels")
+}
+
+#[test]
+fn lost_messages_are_sent_again_and_cost_hops_and_time() {
+    let (mut hops, mut ticks) = (0, 0);
+    let (runs, hop, loss) = (400, 3, 0.3);
+    for run in 0..runs {
+        let record = lossy(hop, loss, run);
+        assert_eq!(record.outcome, Outcome::Completed);
+        assert_eq!(record.bonds.len(), SNAKE.len());
+        hops += record.hops;
+        ticks += record.ticks - SNAKE.len() as u64;
+    }
+    let sent = (runs * SNAKE.len() as u64) as f64;
+    // A transfer is made until it comes through, 1 / 0.7 times, and then until its acknowledgement
+    // does as well, 1 / 0.7^2 times in all, unless the phase ends before.
+    let hops = hops as f64 / sent;
+    assert!(
+        (1.0 / 0.7..1.0 / 0.49).contains(&hops),
+        "{hops} hops per hop"
+    );
+    // It moves on when it has come through itself, after 1 / 0.7 - 1 more tries, each 2 hop + 1
+    // ticks after the one before.
+    let expected = sent * (3.0 + 7.0 * (1.0 / 0.7 - 1.0));
+    let deviation = (expected - ticks as f64).abs() / expected;
+    assert!(deviation < 0.05, "{ticks} ticks, {expected} expected");
+}
+
+#[test]
+fn a_message_that_always_gets_lost_ends_nothing() {
+    let record = lossy(0, 1.0, 0);
+    assert_eq!(record.outcome, Outcome::TimedOut { phase: PhaseId(0) });
+    assert_eq!(record.bonds.len(), SNAKE.len());
+}
+
+#[test]
+fn a_dead_block_keeps_the_phase_from_ending() {
+    let (tables, roles) = chain(&SNAKE);
+    for (struck, (role, _)) in roles.iter().enumerate().take(SNAKE.len()).skip(1) {
+        let mut world = ShuffleWorld::new(9, 1, 0);
+        let mut controller = Controller::new(&tables, None, 1, 0);
+        let mut dockings = Vec::new();
+        controller.start(&mut world);
+        for _ in 0..100 {
+            dockings.clear();
+            world.step(&mut dockings).expect("no physics, no fault");
+            controller.advance(&dockings, &mut world);
+            let holder = controller.structure().find(|held| held.0 == *role);
+            if let Some((_, body, _)) = holder {
+                controller.kill(body);
+            }
+        }
+        // It has switched its own face on before it died, and does not feel who docks there.
+        assert_eq!(controller.phase(), Some(PhaseId(0)));
+        assert_eq!(controller.structure().count(), struck + 1);
+        assert_eq!(world.cells().len(), struck + 1);
+    }
 }

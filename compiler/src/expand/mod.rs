@@ -24,6 +24,8 @@ pub struct Limits {
     pub events: usize,
     /// Statements that are looked at, loops with nothing in them included.
     pub steps: usize,
+    /// Cells that are searched for ways in, besides 10 for every capture and release.
+    pub search: u64,
 }
 
 impl Default for Limits {
@@ -31,6 +33,7 @@ impl Default for Limits {
         Limits {
             events: 10_000_000,
             steps: 100_000_000,
+            search: 2_000_000,
         }
     }
 }

@@ -52,8 +52,7 @@ use descent::Descent;
 use standing::Standing;
 use trail::Trail;
 
-/// Searched cells before the proof is given up: a fixed number, and more for every event.
-const STEPS: u64 = 2_000_000;
+/// Cells that may be searched for every event, besides those that the limits say.
 const STEPS_PER_EVENT: u64 = 10;
 
 /// A program in which nothing else is wrong.
@@ -80,20 +79,22 @@ pub struct Subject<'a> {
 }
 
 /// Tells of captures that no free block may be able to come to, or only through a narrow gap.
-pub fn check(subject: Subject, findings: &mut Vec<Finding>) {
+///
+/// `search`: cells that may be searched, besides some for every event; 0: none at all.
+pub fn check(subject: Subject, search: u64, findings: &mut Vec<Finding>) {
     let plan = subject.plan;
     let count = plan.events.len();
-    let effort = |steps| Effort {
+    let effort = |share| Effort {
         steps: 0,
-        budget: steps + STEPS_PER_EVENT * count as u64,
+        budget: search / share + STEPS_PER_EVENT * count as u64 * u64::from(search > 0),
     };
     let mut survey = Survey {
         subject,
         standing: Standing::with_capacity(count + plan.seeds.len()),
         is_safe: vec![false; count],
         trails: Default::default(),
-        proof: effort(STEPS),
-        warning: effort(STEPS / 10),
+        proof: effort(1),
+        warning: effort(10),
     };
     let events = events_by_phase(plan, subject.order);
     for (number, events) in events.iter().enumerate() {

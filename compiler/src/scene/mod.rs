@@ -155,8 +155,11 @@ pub enum Measure {
 }
 
 /// What a message costs.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Messages {
     /// Ticks that a message takes from a block to its parent or child.
     pub hop: u32,
+    /// Probability that a hop is lost, and that its acknowledgement is; absent: none ever is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub loss: Option<f64>,
 }

@@ -26,7 +26,7 @@ const CLAUSES: [&str; 9] = [
 ];
 
 /// The words inside of clauses.
-const WORDS: [&str; 22] = [
+const WORDS: [&str; 23] = [
     "cube",
     "side",
     "mass",
@@ -49,6 +49,7 @@ const WORDS: [&str; 22] = [
     "within",
     "tilt",
     "hop",
+    "loss",
 ];
 
 /// A scene under construction: what has been said so far.
@@ -233,11 +234,13 @@ impl<'a> Reader<'a, '_> {
             }
             "bond" => draft.bond = self.bond(clause),
             "messages" => {
-                let mut hop = None;
-                self.fields(clause, &["hop"], &["hop"], |r, _| {
-                    hop = r.whole(Dimension::TICKS, 0, 1_000_000);
+                let (mut hop, mut loss) = (None, None);
+                self.fields(clause, &["hop", "loss"], &["hop"], |r, field| match field {
+                    "hop" => hop = r.whole(Dimension::TICKS, 0, 1_000_000),
+                    _ => loss = r.between(Dimension::NUMBER, 0.0, 1.0),
                 });
-                draft.messages = hop.map(|hop| Messages { hop: hop as u32 });
+                let hop = hop.map(|hop| hop as u32);
+                draft.messages = hop.map(|hop| Messages { hop, loss });
             }
             _ => {}
         }

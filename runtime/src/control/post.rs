@@ -1,200 +1,166 @@
-//! Messages between blocks, hop by hop along parents and children.
+//! Messages under way, by the clock.
 //!
-//! A block sends to its parent, or to the child on whose branch the receiver is; the plate is one
-//! body, so that crossing it is no hop. News for a role that nobody holds yet waits at the block
-//! that will capture it: every block has the program, and knows which one that is. A block that is
-//! let go leaves what it has heard to the next one in its role.
+//! A transfer needs `hop` ticks. Where the scene says that transfers are lost, both ends of a
+//! contact keep [`Links`]: a sender that has no acknowledgement when the longest way there and
+//! back is over, 2 `hop` + 1 ticks after it has sent, sends again. When nothing is lost, nothing is sent
+//! again, and every message arrives as if there were no losses. The acknowledgement is a part of
+//! the transfer, not a message of its own.
 use std::collections::BTreeMap;
 
-use stochc_compiler::table::{Action, Condition, News, PhaseId, RoleId, Tables};
+use stochc_compiler::scene::Messages;
 
-use super::Controller;
-use crate::world::{Body, World};
+use super::link::Links;
+use super::medium::Recalled;
+use super::message::Message;
+use crate::draw::{Draws, Stream, unit};
+use crate::world::Body;
 
 /// The messages that are under way.
 #[derive(Debug)]
 pub(super) struct Post {
     /// Ticks per hop.
     hop: u64,
-    /// By tick of arrival, then by order of sending.
-    under_way: BTreeMap<(u64, u64), (Body, Message)>,
+    /// By tick, then by order of sending.
+    under_way: BTreeMap<(u64, u64), Transfer>,
     sent: u64,
-    /// Hops so far.
+    /// Hops so far, those of messages that were sent again included.
     pub hops: u64,
+    /// `None`: nothing is lost.
+    loss: Option<Loss>,
 }
 
-/// A message, wherever it is.
-#[derive(Clone, Debug)]
-pub(super) struct Message {
-    target: Target,
-    payload: Payload,
-}
-
+/// A message between two blocks.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Target {
-    /// Any block of the plate.
-    Plate,
-    /// One block.
-    Block(Body),
-    /// Whoever holds the role.
-    Role(RoleId),
+struct Transfer {
+    from: Body,
+    to: Body,
+    message: Message,
+    /// Its number on the contact; 0 where nothing is lost.
+    number: u32,
+    /// It is not the message that comes now, but the time for the sender to send it again.
+    is_reminder: bool,
 }
 
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Payload {
-    /// A branch of the phase is done.
-    Report,
-    /// The child with this role asks to be let go.
-    Ask(RoleId),
-    /// Something happened elsewhere.
-    Tell(News),
-}
-
-impl Message {
-    /// News for whoever holds a role, or will.
-    pub fn tell(to: RoleId, news: News) -> Message {
-        Message {
-            target: Target::Role(to),
-            payload: Payload::Tell(news),
-        }
-    }
+/// Chance on contacts.
+#[derive(Debug)]
+struct Loss {
+    /// Of each transfer, and of each acknowledgement.
+    probability: f64,
+    draws: Draws,
+    links: Links,
 }
 
 impl Post {
-    pub fn new(hop: u64) -> Post {
+    /// `messages`: what the scene says of them; `seed` and `run`: the key of its chance.
+    pub fn new(messages: Option<&Messages>, seed: u64, run: u64) -> Post {
+        let loss = messages.and_then(|messages| messages.loss);
         Post {
-            hop,
+            hop: messages.map_or(0, |messages| u64::from(messages.hop)),
             under_way: BTreeMap::new(),
             sent: 0,
             hops: 0,
+            loss: loss.map(|probability| Loss {
+                probability,
+                draws: Draws::new(seed, run, Stream::Loss),
+                links: Links::default(),
+            }),
         }
     }
 
     pub fn clear(&mut self) {
         self.under_way.clear();
+        if let Some(loss) = &mut self.loss {
+            loss.links.clear();
+        }
     }
 
     /// Takes the next message that has arrived by `tick`, with where it is.
     pub fn due(&mut self, tick: u64) -> Option<(Body, Message)> {
-        let first = self.under_way.first_entry()?;
-        (first.key().0 <= tick).then(|| first.remove())
+        loop {
+            let first = self.under_way.first_entry()?;
+            let (due, order) = *first.key();
+            if due > tick {
+                return None;
+            }
+            let transfer = first.remove();
+            let Transfer { from, to, .. } = transfer;
+            let Some(loss) = &mut self.loss else {
+                return Some((to, transfer.message));
+            };
+            if transfer.is_reminder {
+                if loss.links.keeps(from, to, transfer.number) {
+                    let is_reminder = false;
+                    self.depart(
+                        tick,
+                        Transfer {
+                            is_reminder,
+                            ..transfer
+                        },
+                    );
+                }
+                continue;
+            }
+            let [there, back, ..] = loss.draws.step(order).block(0);
+            let is_lost = |word| unit(word) < loss.probability;
+            let (lost, unheard) = (is_lost(there), is_lost(back));
+            let is_new = !lost && loss.links.take(from, to, transfer.number);
+            if lost || unheard {
+                let key = (due + self.hop + 1, order);
+                let is_reminder = true;
+                self.under_way.insert(
+                    key,
+                    Transfer {
+                        is_reminder,
+                        ..transfer
+                    },
+                );
+            } else {
+                loss.links.acknowledge(from, to, transfer.number);
+            }
+            if is_new {
+                return Some((to, transfer.message));
+            }
+        }
     }
 
-    fn hop(&mut self, tick: u64, to: Body, message: Message) {
+    pub fn send(&mut self, tick: u64, from: Body, to: Body, message: Message) {
+        let loss = self.loss.as_mut();
+        let number = loss.map_or(0, |loss| loss.links.send(from, to, message));
+        let transfer = Transfer {
+            from,
+            to,
+            message,
+            number,
+            is_reminder: false,
+        };
+        self.depart(tick, transfer);
+    }
+
+    fn depart(&mut self, tick: u64, transfer: Transfer) {
         let key = (tick + self.hop, self.sent);
         self.sent += 1;
         self.hops += 1;
-        self.under_way.insert(key, (to, message));
-    }
-}
-
-impl Controller<'_> {
-    pub(super) fn send(
-        &mut self,
-        from: Body,
-        target: Target,
-        payload: Payload,
-        world: &mut impl World,
-    ) {
-        self.forward(from, Message { target, payload }, world);
+        self.under_way.insert(key, transfer);
     }
 
-    pub(super) fn deliver(&mut self, (at, message): (Body, Message), world: &mut impl World) {
-        self.forward(at, message, world);
-    }
-
-    /// Moves a message on from a block, or hands it over there.
-    pub(super) fn forward(&mut self, at: Body, message: Message, world: &mut impl World) {
-        // A block that has drifted away takes the messages it carried with it.
-        let Some(block) = self.blocks.get(&at) else {
-            return;
-        };
-        let goal = match message.target {
-            Target::Plate => match block.parent {
-                None => at,
-                Some(parent) => return self.post.hop(self.tick, parent, message),
-            },
-            Target::Block(body) => body,
-            Target::Role(role) => match self.post_box(role) {
-                Some(body) => body,
-                None => return,
-            },
-        };
-        if goal == at {
-            return self.hand_over(at, message, world);
+    /// Takes out what is under way to a block or from it.
+    pub fn recall(&mut self, gone: Body) -> Recalled {
+        let touches = |transfer: &mut Transfer| transfer.from == gone || transfer.to == gone;
+        let transfers = self
+            .under_way
+            .extract_if(.., |_, transfer| touches(transfer));
+        let transfers: Vec<Transfer> = transfers.map(|(_, transfer)| transfer).collect();
+        if let Some(loss) = &mut self.loss {
+            return loss.links.close(gone);
         }
-        let Some(branch) = self.branch(at, goal) else {
-            return;
-        };
-        match (branch, block.parent) {
-            (Branch::Below(child), _) => self.post.hop(self.tick, child, message),
-            (Branch::Elsewhere(_), Some(parent)) => self.post.hop(self.tick, parent, message),
-            (Branch::Elsewhere(root), None) => self.forward(root, message, world),
-        }
-    }
-
-    fn hand_over(&mut self, at: Body, message: Message, world: &mut impl World) {
-        let Some(block) = self.blocks.get_mut(&at) else {
-            return;
-        };
-        match (message.payload, message.target) {
-            (Payload::Report, _) => self.reports += 1,
-            (Payload::Tell(_), Target::Role(role)) if role != block.role => {
-                block.waiting.push(message);
-            }
-            (Payload::Tell(news), _) => {
-                block.see(Condition::Heard(news));
-                self.fire(at, world);
-            }
-            (Payload::Ask(child), _) => {
-                block.see(Condition::Asked(child));
-                self.fire(at, world);
+        let mut recalled = Recalled::default();
+        for transfer in transfers {
+            if transfer.to == gone {
+                recalled.to.push(transfer.message);
+            } else {
+                recalled.from.push(transfer.message);
             }
         }
+        recalled
     }
-
-    /// The block that holds a role, or the anchored one that is nearest to capturing it.
-    fn post_box(&self, mut role: RoleId) -> Option<Body> {
-        // No chain of captures is longer than the list of roles.
-        for _ in 0..=self.holders.len() {
-            if let Some(body) = self.holders[role.0 as usize] {
-                return Some(body);
-            }
-            role = captor(self.tables, PhaseId(self.phase), role)?;
-        }
-        None
-    }
-
-    /// Where `goal` is, seen from `at`; `None`: it is not part of the structure.
-    fn branch(&self, at: Body, goal: Body) -> Option<Branch> {
-        let mut here = goal;
-        loop {
-            match self.blocks.get(&here)?.parent {
-                None => return Some(Branch::Elsewhere(here)),
-                Some(parent) if parent == at => return Some(Branch::Below(here)),
-                Some(parent) => here = parent,
-            }
-        }
-    }
-}
-
-/// Where a block is, seen from another one.
-enum Branch {
-    /// On the branch of this child.
-    Below(Body),
-    /// Not below; on the tree of this seed.
-    Elsewhere(Body),
-}
-
-/// The role that captures `child` in `phase`.
-fn captor(tables: &Tables, phase: PhaseId, child: RoleId) -> Option<RoleId> {
-    tables
-        .duties()
-        .filter(|duty| duty.phase == phase)
-        .find(|duty| {
-            duty.rules().any(
-                |rule| matches!(rule.then, Action::Magnetize { child: given, .. } if given == child),
-            )
-        })
-        .map(|duty| duty.role)
 }

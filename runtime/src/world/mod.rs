@@ -1,4 +1,5 @@
 //! Where free blocks move, and what the control of a structure can do to them.
+pub(crate) mod lattice;
 pub mod rapier;
 pub mod shuffle;
 

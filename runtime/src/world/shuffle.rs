@@ -2,10 +2,11 @@
 //!
 //! It has the structure's geometry and no other: good for testing a protocol under many orders of
 //! events, useless for times.
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use stochc_compiler::{Cell, Face};
 
+use super::lattice::Lattice;
 use super::{Body, Docking, Fault, Site, World};
 use crate::draw::{Draws, Stream, below};
 use crate::orientation::Orientation;
@@ -15,20 +16,9 @@ use crate::orientation::Orientation;
 pub struct ShuffleWorld {
     tick: u64,
     draws: Draws,
-    /// The free blocks, by number; `None`: not anchored.
-    placed: Vec<Option<Placed>>,
-    /// Which block sits in a cell above the plate.
-    cells: BTreeMap<Cell, u32>,
-    /// The faces that are on and hold nothing, with the tick since when.
-    active: BTreeMap<Site, u64>,
-    /// The faces that hold a block.
-    holds: BTreeMap<Site, u32>,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Placed {
-    cell: Cell,
-    orientation: Orientation,
+    /// Blocks that were free at the beginning.
+    count: u32,
+    lattice: Lattice,
 }
 
 impl ShuffleWorld {
@@ -37,52 +27,19 @@ impl ShuffleWorld {
         ShuffleWorld {
             tick: 0,
             draws: Draws::new(seed, run, Stream::Shuffle),
-            placed: vec![None; count as usize],
-            cells: BTreeMap::new(),
-            active: BTreeMap::new(),
-            holds: BTreeMap::new(),
+            count,
+            lattice: Lattice::default(),
         }
     }
 
     /// The occupied cells above the plate, each with the number of its block.
     pub fn cells(&self) -> &BTreeMap<Cell, u32> {
-        &self.cells
+        self.lattice.cells()
     }
 
     /// How an anchored block sits.
     pub fn orientation(&self, body: Body) -> Option<Orientation> {
-        Some(self.place(body)?.orientation)
-    }
-
-    fn place(&self, body: Body) -> Option<Placed> {
-        match body {
-            Body::Seed(cell) => Some(Placed {
-                cell,
-                orientation: Orientation::IDENTITY,
-            }),
-            Body::Free(id) => self.placed[id as usize],
-        }
-    }
-
-    /// Where a block captured by `site` would sit; `None`: there is no room.
-    fn target(&self, site: Site) -> Option<Cell> {
-        let parent = self.place(site.body)?;
-        let cell = parent
-            .cell
-            .across(parent.orientation.to_structure(site.face))?;
-        (cell.z >= 1 && !self.cells.contains_key(&cell)).then_some(cell)
-    }
-
-    fn release(&mut self, id: u32) {
-        if let Some(placed) = self.placed[id as usize].take() {
-            self.cells.remove(&placed.cell);
-        }
-        for face in Face::ALL {
-            self.switch_off(Site {
-                body: Body::Free(id),
-                face,
-            });
-        }
+        Some(self.lattice.place(body)?.orientation)
     }
 }
 
@@ -92,53 +49,36 @@ impl World for ShuffleWorld {
     }
 
     fn magnetize(&mut self, site: Site) {
-        if self.place(site.body).is_some() && !self.holds.contains_key(&site) {
-            self.active.entry(site).or_insert(self.tick);
-        }
+        self.lattice.magnetize(site);
     }
 
     fn switch_off(&mut self, site: Site) {
-        self.active.remove(&site);
-        if let Some(id) = self.holds.remove(&site) {
-            self.release(id);
-        }
+        self.lattice.switch_off(site);
     }
 
     fn step(&mut self, dockings: &mut Vec<Docking>) -> Result<(), Fault> {
-        let open: Vec<(Site, Cell)> = self
-            .active
-            .keys()
-            .filter_map(|&site| Some((site, self.target(site)?)))
+        let open: Vec<Site> = (self.lattice.active().iter().copied())
+            .filter(|&site| self.lattice.target(site).is_some())
             .collect();
-        let free: BTreeSet<u32> = (0..self.placed.len() as u32)
-            .filter(|&id| self.placed[id as usize].is_none())
+        let free: Vec<u32> = (0..self.count)
+            .filter(|&id| !self.lattice.is_anchored(id))
             .collect();
         let [which, who, how, _] = self.draws.step(self.tick).block(0);
         self.tick += 1;
         if open.is_empty() || free.is_empty() {
             return Ok(());
         }
-        let (site, cell) = open[below(which, open.len() as u32) as usize];
-        let nth = below(who, free.len() as u32) as usize;
-        let child = *free.iter().nth(nth).expect("one of the free blocks");
         let pose = below(how, 24) as u8;
-        let (child_face, turn) = (Face::ALL[usize::from(pose / 4)], pose % 4);
-        let parent = self.place(site.body).expect("an open site is anchored");
-        self.placed[child as usize] = Some(Placed {
-            cell,
-            orientation: Orientation::docked(parent.orientation, site.face, child_face, turn),
-        });
-        self.cells.insert(cell, child);
-        self.active.remove(&site);
-        self.holds.insert(site, child);
-        dockings.push(Docking {
-            site,
-            child,
-            child_face,
-            turn,
+        let docking = Docking {
+            site: open[below(which, open.len() as u32) as usize],
+            child: free[below(who, free.len() as u32) as usize],
+            child_face: Face::ALL[usize::from(pose / 4)],
+            turn: pose % 4,
             entries: 1,
             entered: self.tick,
-        });
+        };
+        self.lattice.dock(&docking);
+        dockings.push(docking);
         Ok(())
     }
 }

@@ -1,5 +1,6 @@
 //! `stochc check`.
 mod cost;
+mod exhaustive;
 mod fix;
 
 use clap::Args;
@@ -33,6 +34,16 @@ pub struct Options {
     dry_run: bool,
     #[command(flatten)]
     levels: LevelOptions,
+    /// Run the event tables of right programs in every order of messages and captures, through
+    /// at most so many states [default: 1000000]; what is too much is tried in random orders
+    #[arg(
+        long,
+        value_name = "STATES",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "1000000"
+    )]
+    exhaustive: Option<u64>,
 }
 
 /// Checks each file, and says of the right ones what is known before anything moves.
@@ -62,6 +73,14 @@ pub fn run(options: &Options) -> Exit {
             }
         }
         exit = worse(exit, verdict(&checked));
+        if let Some(states) = options.exhaustive.filter(|_| !checked.has_errors()) {
+            let (told, found) = exhaustive::explore(file, &checked, states);
+            match options.format {
+                Format::Graphical => print(&told),
+                Format::Short | Format::Json | Format::Sarif => warn(&told),
+            }
+            exit = worse(exit, found);
+        }
     }
     match options.format {
         Format::Json => print(&json_document(document)),

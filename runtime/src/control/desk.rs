@@ -1,0 +1,99 @@
+//! The books of a run: the clock, the post, and the record of what happened when.
+use std::collections::BTreeMap;
+
+use stochc_compiler::table::RoleId;
+
+use super::medium::{Capture, Medium, Recalled};
+use super::message::Message;
+use super::post::Post;
+use crate::record::{BondRecord, Origin};
+use crate::world::{Body, Docking, Site, World};
+
+/// What a run keeps besides the structure and the world.
+#[derive(Debug)]
+pub(super) struct Desk {
+    pub tick: u64,
+    pub post: Post,
+    /// Since when the faces are on that hold nothing.
+    since: BTreeMap<Site, u64>,
+    /// Where released blocks come from.
+    released: BTreeMap<u32, Origin>,
+    pub bonds: Vec<BondRecord>,
+}
+
+impl Desk {
+    pub fn new(post: Post) -> Desk {
+        Desk {
+            tick: 0,
+            post,
+            since: BTreeMap::new(),
+            released: BTreeMap::new(),
+            bonds: Vec::new(),
+        }
+    }
+
+    /// The desk with a world at hand.
+    pub fn beside<'a, W: World>(&'a mut self, world: &'a mut W) -> Beside<'a, W> {
+        Beside { desk: self, world }
+    }
+}
+
+/// Carries the structure's wishes to the world, and writes down what happens.
+pub(super) struct Beside<'a, W> {
+    desk: &'a mut Desk,
+    world: &'a mut W,
+}
+
+impl<W: World> Medium for Beside<'_, W> {
+    fn magnetize(&mut self, site: Site) {
+        self.desk.since.insert(site, self.desk.tick);
+        self.world.magnetize(site);
+    }
+
+    fn switch_off(&mut self, site: Site) {
+        self.desk.since.remove(&site);
+        self.world.switch_off(site);
+    }
+
+    fn send(&mut self, from: Body, to: Body, message: Message) {
+        self.desk.post.send(self.desk.tick, from, to, message);
+    }
+
+    fn recall(&mut self, gone: Body) -> Recalled {
+        self.desk.post.recall(gone)
+    }
+
+    fn hush(&mut self) {
+        self.desk.post.clear();
+    }
+
+    fn captured(&mut self, capture: &Capture, docking: &Docking) {
+        let Desk {
+            tick,
+            since,
+            released,
+            bonds,
+            ..
+        } = self.desk;
+        bonds.push(BondRecord {
+            phase: capture.phase,
+            parent: capture.parent,
+            face: capture.face,
+            child: capture.child,
+            cell: capture.cell,
+            magnetized: since.remove(&docking.site).unwrap_or(*tick),
+            docked: *tick,
+            entries: docking.entries,
+            docking: *tick - docking.entered,
+            body: docking.child,
+            origin: (released.get(&docking.child).cloned()).unwrap_or(Origin::Free),
+        });
+    }
+
+    fn released(&mut self, _by: RoleId, role: RoleId, body: Body, _orphans: usize) {
+        if let Body::Free(id) = body {
+            let tick = self.desk.tick;
+            (self.desk.released).insert(id, Origin::Released { role, tick });
+        }
+    }
+}

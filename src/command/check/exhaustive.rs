@@ -1,0 +1,106 @@
+//! `stochc check --exhaustive`: event tables in every order of events.
+use std::fmt::Write as _;
+
+use stochc_compiler::Checked;
+use stochc_compiler::table::Tables;
+use stochc_runtime::explore::{Bound, Bounds, Expected, Exploration, Faults, Report, Verdict};
+
+use super::super::terminal::warn;
+use crate::cli::Exit;
+
+/// Orders that are drawn by chance where there are too many.
+const SCHEDULES: u64 = 1_000;
+
+/// Steps looked at for them, at most: about a minute.
+const SAMPLED: u64 = 200_000_000;
+
+/// The key of that chance: the same orders each time.
+const SEED: u64 = 0;
+
+/// Explores the assemblies of a file without errors, each through at most so many states; what is to be said of them, and whether one
+/// of them goes wrong. How it does is said on standard error.
+pub fn explore(file: &str, checked: &Checked, states: u64) -> (String, Exit) {
+    let (mut told, mut exit) = (String::new(), Exit::Success);
+    for program in &checked.programs {
+        let Some(tables) = &program.tables else {
+            continue;
+        };
+        let expected = Expected::of(tables);
+        let bounds = Bounds {
+            states,
+            ..Bounds::default()
+        };
+        let mut exploration = Exploration::new(tables, &expected, bounds, Faults::default());
+        let mut reports = vec![exploration.run()];
+        if let Verdict::Unfinished(_) = reports[0].verdict {
+            exploration.bounds.work = SAMPLED;
+            reports.push(exploration.sample(SEED, SCHEDULES));
+        }
+        let _ = write!(told, "{file}: assembly {}: ", tables.assembly);
+        told.push_str(&describe(&reports, &bounds));
+        if let Some(wrong) = reports
+            .iter()
+            .find_map(|report| go_wrong(file, tables, report))
+        {
+            warn(&wrong);
+            exit = Exit::WrongProgram;
+        }
+    }
+    (told, exit)
+}
+
+fn describe(reports: &[Report], bounds: &Bounds) -> String {
+    let mut out = String::new();
+    for report in reports {
+        let visited = format!(
+            "{} states, {} transitions",
+            report.states, report.transitions
+        );
+        // Writing to a string cannot fail.
+        let _ = match &report.verdict {
+            Verdict::Holds => writeln!(out, "holds in every order of events; {visited}"),
+            Verdict::Violated(violation) if report.schedules > 0 => writeln!(
+                out,
+                "goes wrong in order {} of those drawn by chance: {}",
+                report.schedules + 1,
+                violation.what
+            ),
+            Verdict::Violated(violation) => {
+                writeln!(out, "goes wrong: {}; {visited}", violation.what)
+            }
+            Verdict::Sampled => writeln!(
+                out,
+                "  instead, nothing is wrong in {} orders drawn by chance; {} transitions",
+                report.schedules, report.transitions
+            ),
+            Verdict::Unfinished(bound) if out.is_empty() => {
+                let reached = match bound {
+                    Bound::States => format!("{} states", bounds.states),
+                    Bound::Memory => format!("{} MB", bounds.memory / 1_000_000),
+                    Bound::Work => "the bound of work".to_owned(),
+                };
+                writeln!(
+                    out,
+                    "too many orders to explore them all: given up after {reached}, without having \
+                     found anything wrong"
+                )
+            }
+            Verdict::Unfinished(_) => writeln!(out, "  and too long to follow one to its end"),
+        };
+    }
+    out
+}
+
+/// How a program goes wrong, as a message.
+fn go_wrong(file: &str, tables: &Tables, report: &Report) -> Option<String> {
+    let violation = report.violation()?;
+    let mut out = format!(
+        "error: the event tables of `{}` in {file} go wrong in some order of events\n{violation}",
+        tables.assembly
+    );
+    out.push_str(
+        "help: the program is right and its tables are not, which is a mistake of the compiler; \
+         please report it with the program\n",
+    );
+    Some(out)
+}

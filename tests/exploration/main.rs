@@ -1,0 +1,8 @@
+//! Event tables in every order of events.
+mod faults;
+mod mutants;
+mod orders;
+mod programs;
+#[path = "../random/mod.rs"]
+mod random;
+mod reach;
