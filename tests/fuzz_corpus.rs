@@ -1,4 +1,5 @@
-//! The inputs that fuzzing has kept are answered like any other.
+//! The inputs that fuzzing has kept are answered like any other.#![allow(clippy::disallowed_methods, reason = "tests read and write files")]
+
 use std::path::PathBuf;
 
 use stochc::compiler::{Limits, check};
