@@ -1,4 +1,5 @@
-//! The inputs that fuzzing has kept are answered like any other.#![allow(clippy::disallowed_methods, reason = "tests read and write files")]
+//! The inputs that fuzzing has kept are answered like any other.
+#![allow(clippy::disallowed_methods, reason = "tests read and write files")]
 
 use std::path::PathBuf;
 

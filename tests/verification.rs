@@ -1,6 +1,7 @@
 //! What the check proves of small programs, against their tables executed in every order.
 //!
-//! The page of the results is written anew with `STOCHC_WRITE_DOCS=1 cargo test --test verification`.#![allow(clippy::disallowed_methods, reason = "tests read and write files")]
+//! The page of the results is written anew with `STOCHC_WRITE_DOCS=1 cargo test --test verification`.
+#![allow(clippy::disallowed_methods, reason = "tests read and write files")]
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
