@@ -1,4 +1,4 @@
-//! Any text parses to its end; what has no error is what the grammar accepts as a whole, and
+//! Any text parses to its end; what has no error is accepted by the grammar as a whole, and
 //! survives being printed and read again.
 #![no_main]
 use libfuzzer_sys::fuzz_target;
@@ -7,8 +7,9 @@ use stochc_grammar::{Symbols, accepts, parse, print};
 fuzz_target!(|text: &str| {
     let mut symbols = Symbols::default();
     let parsed = parse(text, &mut symbols);
-    assert_eq!(parsed.errors.is_empty(), accepts(text), "two verdicts");
+    // Some mistakes, such as documentation of nothing, are none of the grammar's.
     if parsed.errors.is_empty() {
+        assert!(accepts(text), "two verdicts");
         let printed = print(&parsed.tree, &symbols);
         let again = parse(&printed, &mut symbols);
         assert!(again.errors.is_empty(), "{printed}\n{:?}", again.errors);

@@ -2,8 +2,8 @@
 //!
 //! Nothing here knows of speeds, fields or densities. The assumption is that a face waits for its block the
 //! longer, the less of the space around its cell is open: the mean wait is the inverse of the exposure
-//! ([`exposure`]), in waits of a cell that is open to all sides. With that, the dependency graph says
-//! which waits add up and which run side by side ([`schedule`]). Good for ranking the captures of one
+//! (`exposure.rs`), in waits of a cell that is open to all sides. With that, the dependency graph says
+//! which waits add up and which run side by side (`schedule.rs`). Good for ranking the captures of one
 //! program; for times there is the simulator.
 mod exposure;
 mod schedule;
