@@ -1,15 +1,27 @@
-//! Any text parses to its end; what has no error is accepted by the grammar as a whole, and
-//! survives being printed and read again.
+//! Any text parses to its end; the grammar as a whole comes to the same verdict, and what
+//! is right survives being printed and read again.
 #![no_main]
 use libfuzzer_sys::fuzz_target;
-use stochc_grammar::{Symbols, accepts, parse, print};
+use stochc_grammar::{SyntaxErrorKind, Symbols, accepts, parse, print};
 
 fuzz_target!(|text: &str| {
     let mut symbols = Symbols::default();
     let parsed = parse(text, &mut symbols);
-    // Some mistakes, such as documentation of nothing, are none of the grammar's.
+    // Where statements may stand, and which names are taken, is not the grammar's to say; and past
+    // the first hundred errors nobody looks.
+    let is_wrong = parsed.errors.iter().any(|error| {
+        !matches!(
+            error.kind,
+            SyntaxErrorKind::Misplaced { .. }
+                | SyntaxErrorKind::ReservedWord { .. }
+                | SyntaxErrorKind::FaceMisused { .. }
+                | SyntaxErrorKind::DanglingDoc
+        )
+    });
+    if parsed.errors.len() < 100 {
+        assert_eq!(!is_wrong, accepts(text), "two verdicts: {:?}", parsed.errors);
+    }
     if parsed.errors.is_empty() {
-        assert!(accepts(text), "two verdicts");
         let printed = print(&parsed.tree, &symbols);
         let again = parse(&printed, &mut symbols);
         assert!(again.errors.is_empty(), "{printed}\n{:?}", again.errors);

@@ -262,3 +262,15 @@ fn a_range_of_values_goes_on_behind_a_window() {
         assert_eq!(parsed.errors, [], "{length}");
     }
 }
+
+/// Which clause a block belongs to is not the grammar's to say; the compiler tells of it.
+#[test]
+fn a_block_of_a_scene_without_a_word_is_read() {
+    for text in [
+        "scene c { { speed 0 } }",
+        "scene c { contact { a 0 } { b 0 } 1 { } }",
+    ] {
+        assert_eq!(read(text).errors, [], "{text}");
+        assert!(accepts(text), "{text}");
+    }
+}
