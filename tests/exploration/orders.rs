@@ -187,36 +187,27 @@ fn fewer_orders_find_the_same() {
         states: 20_000,
         ..Bounds::default()
     };
-    let dead = Faults {
-        dead: 1,
-        ..Faults::default()
-    };
-    let done = runner.run(
-        &(choices, 1u8..=3, any::<bool>()),
-        |(choices, faces, dies)| {
-            let tables = declare(choices, faces).tables();
-            let faults = if dies { dead } else { Faults::default() };
-            let with = |reduce| {
-                explore_as(&tables, |all| {
-                    all.faults = faults;
-                    all.bounds = bounds;
-                    all.hangs_allowed = true;
-                    all.reduce = reduce;
-                })
-            };
-            let (full, reduced) = (with(false), with(true));
-            if matches!(full.verdict, Verdict::Unfinished(_)) {
-                return Ok(());
-            }
-            prop_assert_eq!(&full.verdict, &reduced.verdict);
-            prop_assert_eq!(full.hangs, reduced.hangs);
-            prop_assert!(reduced.states <= full.states);
-            compared.set(compared.get() + 1);
-            full_states.set(full_states.get() + full.states);
-            reduced_states.set(reduced_states.get() + reduced.states);
-            Ok(())
-        },
-    );
+    let done = runner.run(&(choices, 1u8..=3), |(choices, faces)| {
+        let tables = declare(choices, faces).tables();
+        let with = |reduce| {
+            explore_as(&tables, |all| {
+                all.bounds = bounds;
+                all.hangs_allowed = true;
+                all.reduce = reduce;
+            })
+        };
+        let (full, reduced) = (with(false), with(true));
+        if matches!(full.verdict, Verdict::Unfinished(_)) {
+            return Ok(());
+        }
+        prop_assert_eq!(&full.verdict, &reduced.verdict);
+        prop_assert_eq!(full.hangs, reduced.hangs);
+        prop_assert!(reduced.states <= full.states);
+        compared.set(compared.get() + 1);
+        full_states.set(full_states.get() + full.states);
+        reduced_states.set(reduced_states.get() + reduced.states);
+        Ok(())
+    });
     done.unwrap();
     let [full_states, reduced_states, compared] =
         [full_states, reduced_states, compared].map(Cell::into_inner);
