@@ -5,9 +5,9 @@ use std::fmt::Write as _;
 use petgraph::Direction::Incoming;
 use petgraph::graph::NodeIndex;
 use proptest::prelude::*;
-use stochc_compiler::finding::{Code, Finding};
+use stochc_compiler::finding::{Code, Finding, mended};
 use stochc_compiler::plan::{Deed, EventId};
-use stochc_compiler::{Cell, Checked, Face, Program, check};
+use stochc_compiler::{Cell, Checked, Face, FileId, Program, check};
 
 /// Cells of the box in which random programs build.
 #[derive(Clone, Copy)]
@@ -312,17 +312,8 @@ fn finding_event(program: &Program, finding: &Finding) -> u32 {
 }
 
 /// The text after a fix.
-fn mended(text: &str, finding: &Finding) -> Option<String> {
-    let mut edits = finding.fix.as_ref()?.edits.clone();
-    edits.sort_by_key(|edit| std::cmp::Reverse(edit.site.span.start));
-    let mut text = text.to_owned();
-    for edit in edits {
-        text.replace_range(
-            edit.site.span.start as usize..edit.site.span.end as usize,
-            &edit.text,
-        );
-    }
-    Some(text)
+fn after_fix(text: &str, finding: &Finding) -> Option<String> {
+    Some(mended(text, FileId(0), [finding.fix.as_ref()?]).0)
 }
 
 fn others(checked: &Checked) -> Vec<&Finding> {
@@ -397,7 +388,7 @@ proptest! {
         for _ in 0..20 {
             let now = checked(&text);
             prop_assert!(others(&now).is_empty(), "{text}\n{:#?}", others(&now));
-            let Some(better) = sealed(&now).into_iter().find_map(|finding| mended(&text, finding))
+            let Some(better) = sealed(&now).into_iter().find_map(|finding| after_fix(&text, finding))
             else {
                 break;
             };

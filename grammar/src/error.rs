@@ -61,3 +61,17 @@ pub enum SyntaxErrorKind {
     /// A file of 4 GiB or more.
     FileTooLarge,
 }
+
+impl SyntaxErrorKind {
+    /// Whether the grammar itself refuses the text. Where statements may stand, and which names
+    /// are taken, is not the grammar's to say.
+    pub fn is_of_grammar(&self) -> bool {
+        !matches!(
+            self,
+            SyntaxErrorKind::Misplaced { .. }
+                | SyntaxErrorKind::ReservedWord { .. }
+                | SyntaxErrorKind::FaceMisused { .. }
+                | SyntaxErrorKind::DanglingDoc
+        )
+    }
+}

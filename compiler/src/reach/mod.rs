@@ -138,6 +138,13 @@ struct Effort {
     budget: u64,
 }
 
+impl Effort {
+    /// Whether no more is allowed.
+    fn is_spent(&self) -> bool {
+        self.steps > self.budget
+    }
+}
+
 impl Survey<'_> {
     fn phase(
         &mut self,

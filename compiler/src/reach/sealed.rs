@@ -110,13 +110,7 @@ impl Survey<'_> {
         };
         let is_safe = &self.is_safe;
         let is_out = |next: EventId| is_safe[next.0 as usize] && following.contains(next);
-        let pocket = match search.run(
-            [cell],
-            &is_out,
-            &mut self.trails[0],
-            &mut self.proof.steps,
-            self.proof.budget,
-        ) {
+        let pocket = match search.run([cell], &is_out, &mut self.trails[0], &mut self.proof) {
             Way::Out => return true,
             Way::Sealed(pocket) => Some(pocket),
             Way::Unknown => None,

@@ -151,13 +151,7 @@ impl Survey<'_> {
             size: 1,
         };
         let start = self.cell(id);
-        let way = search.run(
-            start,
-            &|_| false,
-            &mut self.trails[0],
-            &mut self.proof.steps,
-            self.proof.budget,
-        );
+        let way = search.run(start, &|_| false, &mut self.trails[0], &mut self.proof);
         matches!(way, Way::Sealed(_))
     }
 

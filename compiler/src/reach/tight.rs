@@ -103,13 +103,7 @@ impl Survey<'_> {
         };
         let boxes: Vec<Cell> = boxes(cell).filter(|&low| !search.is_blocked(low)).collect();
         if !boxes.is_empty() {
-            match search.run(
-                boxes,
-                &|_| false,
-                &mut self.trails[1],
-                &mut self.warning.steps,
-                self.warning.budget,
-            ) {
+            match search.run(boxes, &|_| false, &mut self.trails[1], &mut self.warning) {
                 Way::Out | Way::Unknown => return None,
                 Way::Sealed(_) => {}
             }
@@ -140,19 +134,13 @@ impl Survey<'_> {
             if let Some(low) = free
                 && !closed.contains(&low)
             {
-                match wide.run(
-                    [low],
-                    &|_| false,
-                    &mut self.trails[1],
-                    &mut self.warning.steps,
-                    self.warning.budget,
-                ) {
+                match wide.run([low], &|_| false, &mut self.trails[1], &mut self.warning) {
                     Way::Out => return Some(length),
                     Way::Sealed(pocket) => closed.extend(pocket),
                     Way::Unknown => return None,
                 }
             }
-            if best.len() > FARTHEST || self.warning.steps > self.warning.budget {
+            if best.len() > FARTHEST || self.warning.is_spent() {
                 return None;
             }
             for face in Face::ALL {

@@ -12,6 +12,7 @@ use std::collections::hash_map::Entry;
 use rustc_hash::FxHashMap;
 use stochc_grammar::Face;
 
+use super::Effort;
 use super::standing::{Has, Standing};
 use super::trail::Trail;
 use crate::Cell;
@@ -102,8 +103,7 @@ impl Search<'_> {
         starts: impl IntoIterator<Item = Cell>,
         is_out: &dyn Fn(EventId) -> bool,
         trail: &mut Trail,
-        steps: &mut u64,
-        budget: u64,
+        effort: &mut Effort,
     ) -> Way {
         // Where each place was reached from.
         let mut found: FxHashMap<Cell, Cell> = FxHashMap::default();
@@ -116,14 +116,14 @@ impl Search<'_> {
         }
         while let Some(at) = queue.pop_front() {
             order.push(at);
-            *steps += 1 + self.standing.take_passed();
-            if *steps > budget {
+            effort.steps += 1 + self.standing.take_passed();
+            if effort.is_spent() {
                 return Way::Unknown;
             }
             if self.size == 1 && self.standing.at(at).is_some_and(is_out) {
                 return Way::Out;
             }
-            if trail.leads_out(at, self, steps) {
+            if trail.leads_out(at, self, &mut effort.steps) {
                 trail.keep(at, &found, self);
                 return Way::Out;
             }
