@@ -11,8 +11,8 @@ use rand_chacha::ChaCha8Rng;
 use stochc_compiler::scene::{Bond, Enclosure, Scene, built_in};
 use stochc_compiler::table::Plate;
 use stochc_runtime::Settings;
-use stochc_runtime::world::World as _;
 use stochc_runtime::world::rapier::RapierWorld;
+use stochc_runtime::world::{Arena as _, World as _};
 
 /// Directions and orientations that are tried for an area.
 const SAMPLES: usize = 400_000;

@@ -70,6 +70,13 @@ impl Step<'_> {
         self.next = block.wrapping_add(1);
         std::array::from_fn(|_| self.keystream.next_u32())
     }
+
+    /// The words of blocks 0 to `blocks`, one after the other, in bytes of rising significance.
+    pub fn fill(self, blocks: usize, words: &mut Vec<u8>) {
+        words.resize(blocks * WORDS as usize * size_of::<u32>(), 0);
+        self.keystream.set_word_pos(0);
+        self.keystream.fill_bytes(words);
+    }
 }
 
 /// A number in the open interval (0, 1), evenly spread: `word` is the midpoint of one of 2^32 bins.

@@ -8,9 +8,10 @@ use stochc_compiler::table::{PhaseId, Tables};
 use crate::control::Controller;
 use crate::record::{Outcome, RunRecord};
 use crate::settings::{Model, Settings};
-use crate::world::World;
-use crate::world::rapier::{RapierWorld, SceneError};
+use crate::world::rapier::RapierWorld;
+use crate::world::rigid::RigidWorld;
 use crate::world::shuffle::ShuffleWorld;
+use crate::world::{Arena, SceneError, World};
 
 /// Looks on while a run goes, and may end it.
 ///
@@ -73,6 +74,10 @@ pub fn run(
     match settings.model {
         Model::Rapier => {
             let mut world = RapierWorld::new(scene, &tables.plate, settings, seed, run)?;
+            drive(tables, messages, &mut world, limit, (seed, run), watch)
+        }
+        Model::Rigid => {
+            let mut world = RigidWorld::new(scene, &tables.plate, settings, seed, run)?;
             drive(tables, messages, &mut world, limit, (seed, run), watch)
         }
         Model::Shuffle => {

@@ -6,17 +6,21 @@ use serde::{Deserialize, Serialize};
 pub struct Settings {
     /// What moves the blocks.
     pub model: Model,
-    /// Steps of the engine per tick, at least 1; default 1, with which `hemisphere` is calibrated.
+    /// Steps of the model per tick, at least 1; default 1.
     ///
-    /// More resolve contacts and docking better and cost proportionally more. They are not a
-    /// refinement of the same numbers: with stiffer contacts, blocks wedge more often.
+    /// More resolve contacts and docking better and cost proportionally more.
     pub substeps: u32,
-    /// `num_solver_iterations` of Rapier: internal steps of the contact solver per substep, at
-    /// least 1; default 4, the engine's own.
+    /// How hard contacts are worked on in a substep; `None`: [`Settings::iterations`] of the model.
     ///
-    /// Fewer are cheaper and leave deeper overlaps, more are stiffer. The number changes results
-    /// by tens of percent, so it is a part of what a scene was calibrated with.
-    pub solver_iterations: u32,
+    /// For `rapier` that is its `num_solver_iterations`, internal steps that also make contacts
+    /// stiffer; for `rigid` the most rounds over contacts that still change.
+    pub solver_iterations: Option<u32>,
+    /// Digits of the physics; `rapier` has single precision only.
+    #[serde(default, skip_serializing_if = "Precision::is_single")]
+    pub precision: Precision,
+    /// What `rigid` leaves out, though the scene has it; `None`: nothing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reduction: Option<Reduction>,
     /// Ticks after which a run is given up; `None`, the default: never.
     pub max_ticks: Option<u64>,
 }
@@ -27,8 +31,99 @@ pub struct Settings {
 pub enum Model {
     /// Full rigid bodies by the engine Rapier, in single precision: the reference.
     Rapier,
+    /// Full rigid bodies by a kernel of our own for dilute suspensions.
+    Rigid,
     /// No physics: one random capture a tick. It tests protocols; its times mean nothing.
     Shuffle,
+}
+
+/// Digits of the physics.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Precision {
+    /// 24 bits.
+    #[default]
+    Single,
+    /// 53 bits.
+    Double,
+}
+
+/// A term that a scene has and a cheaper model leaves out, to see what it is worth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Reduction {
+    /// Blocks never turn.
+    NoRotation,
+    /// Blocks touch as balls whose diameter is the side of a block.
+    Spheres,
+    /// Contacts do not hold sideways.
+    NoFriction,
+    /// Free blocks pass through each other, though not through structure and ground.
+    NoBlockContact,
+}
+
+impl Model {
+    /// All of them, the truest first.
+    pub const ALL: [Model; 3] = [Model::Rapier, Model::Rigid, Model::Shuffle];
+
+    /// Its name on the command line and in a manifest.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Model::Rapier => "rapier",
+            Model::Rigid => "rigid",
+            Model::Shuffle => "shuffle",
+        }
+    }
+}
+
+impl Reduction {
+    /// Its name on the command line and in a manifest.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Reduction::NoRotation => "no-rotation",
+            Reduction::Spheres => "spheres",
+            Reduction::NoFriction => "no-friction",
+            Reduction::NoBlockContact => "no-block-contact",
+        }
+    }
+
+    /// All of them.
+    pub const ALL: [Reduction; 4] = [
+        Reduction::NoRotation,
+        Reduction::Spheres,
+        Reduction::NoFriction,
+        Reduction::NoBlockContact,
+    ];
+}
+
+impl Precision {
+    /// Both of them.
+    pub const ALL: [Precision; 2] = [Precision::Single, Precision::Double];
+
+    /// Its name on the command line and in a manifest.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Precision::Single => "single",
+            Precision::Double => "double",
+        }
+    }
+
+    /// Whether it is what is not written down.
+    #[expect(clippy::trivially_copy_pass_by_ref, reason = "called by serde")]
+    fn is_single(&self) -> bool {
+        *self == Precision::Single
+    }
+}
+
+impl Settings {
+    /// How hard contacts are worked on: 4 for `rapier`, its own default, and 10 for `rigid`.
+    pub fn iterations(&self) -> u32 {
+        let usual = match self.model {
+            Model::Rapier => 4,
+            Model::Rigid | Model::Shuffle => 10,
+        };
+        self.solver_iterations.unwrap_or(usual).max(1)
+    }
 }
 
 impl Default for Settings {
@@ -36,7 +131,9 @@ impl Default for Settings {
         Settings {
             model: Model::Rapier,
             substeps: 1,
-            solver_iterations: 4,
+            solver_iterations: None,
+            precision: Precision::Single,
+            reduction: None,
             max_ticks: None,
         }
     }

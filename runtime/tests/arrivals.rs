@@ -5,8 +5,12 @@ use nalgebra::Vector3;
 use scenes::{Dice, attract, empty, hemisphere, pass, world};
 use stochc_compiler::{Cell, Face};
 use stochc_runtime::Settings;
-use stochc_runtime::world::rapier::BodyState;
-use stochc_runtime::world::{Body, Site, World};
+use stochc_runtime::world::{Arena, Body, BodyState, Site};
+
+in_every_world!(
+    entries_into_the_reach_of_a_face_are_a_quarter_of_density_speed_and_area,
+    arrivals_at_the_shell_are_a_quarter_of_density_speed_and_area,
+);
 
 const SPEED: f64 = 0.1;
 
@@ -42,23 +46,23 @@ fn effective_area(reach: f64) -> f64 {
     6.0 * 4.0 * std::f64::consts::PI * reach * reach * bare as f64 / samples as f64
 }
 
-#[test]
-fn entries_into_the_reach_of_a_face_are_a_quarter_of_density_speed_and_area() {
+fn entries_into_the_reach_of_a_face_are_a_quarter_of_density_speed_and_area<W: Arena>() {
     let (count, radius, ticks) = (8000, 12.5, 90);
     let mut scene = empty();
     // A magnet without force that never anchors.
     scene.bond = attract(0.0, 0.0);
-    let mut world = world(&scene, &Settings::default(), &gas(count, radius));
+    let mut world: W = world(&scene, &Settings::default(), &gas(count, radius));
     let face = Face::Up;
     for site in 0..9 {
         let body = Body::Seed(Cell::new(site % 3, site / 3, 0));
         world.magnetize(Site { body, face });
     }
     pass(&mut world, 1);
-    let entries = |world: &stochc_runtime::world::rapier::RapierWorld| {
+    let entries = |world: &W| {
         world
             .active()
-            .map(|(_, entries)| f64::from(entries))
+            .iter()
+            .map(|&(_, entries)| f64::from(entries))
             .sum::<f64>()
     };
     let before = entries(&world);
@@ -74,12 +78,11 @@ fn entries_into_the_reach_of_a_face_are_a_quarter_of_density_speed_and_area() {
     );
 }
 
-#[test]
-fn arrivals_at_the_shell_are_a_quarter_of_density_speed_and_area() {
+fn arrivals_at_the_shell_are_a_quarter_of_density_speed_and_area<W: Arena>() {
     let (count, radius, ticks) = (4000, 20.0, 100);
     let mut scene = empty();
     scene.enclosure = hemisphere(radius, 0.04);
-    let mut world = world(&scene, &Settings::default(), &gas(count, radius));
+    let mut world: W = world(&scene, &Settings::default(), &gas(count, radius));
     let mut outside = vec![false; count];
     let mut found = 0.0;
     for _ in 0..ticks {

@@ -6,10 +6,20 @@ use scenes::{Dice, attract, contact, empty, hemisphere, kicks, pass, world};
 use stochc_compiler::scene::Drag;
 use stochc_compiler::{Cell, Face};
 use stochc_runtime::Settings;
-use stochc_runtime::world::rapier::{BodyState, RapierWorld};
-use stochc_runtime::world::{Body, Site, World};
+use stochc_runtime::world::{Arena, Body, BodyState, Site};
 
-fn states(world: &RapierWorld) -> Vec<BodyState> {
+in_every_world!(
+    free_flight_is_exact,
+    kicks_make_a_random_walk_of_the_velocity,
+    drag_makes_the_velocity_stationary_and_normal,
+    elastic_collisions_keep_momentum_and_energy,
+    the_shell_is_a_spring,
+    an_absent_term_is_not_there,
+    a_magnet_pulls_the_nearest_face_with_constant_force_within_its_reach,
+    the_corners_turn_a_close_block_to_the_nearest_quarter_turn,
+);
+
+fn states(world: &impl Arena) -> Vec<BodyState> {
     (0..world.count()).map(|id| world.state(id)).collect()
 }
 
@@ -21,8 +31,7 @@ fn at(x: f64, y: f64, z: f64) -> Vector3<f64> {
     Vector3::new(x, y, z)
 }
 
-#[test]
-fn free_flight_is_exact() {
+fn free_flight_is_exact<W: Arena>() {
     let start = BodyState {
         velocity: at(0.25, -0.125, 0.0625),
         spin: at(0.0, 0.0, 0.0078125),
@@ -33,7 +42,7 @@ fn free_flight_is_exact() {
             substeps,
             ..Settings::default()
         };
-        let mut world = world(&empty(), &settings, &[start]);
+        let mut world: W = world(&empty(), &settings, &[start]);
         pass(&mut world, 256);
         let end = world.state(0);
         // Powers of two: not even rounding is allowed.
@@ -43,8 +52,7 @@ fn free_flight_is_exact() {
     }
 }
 
-#[test]
-fn kicks_make_a_random_walk_of_the_velocity() {
+fn kicks_make_a_random_walk_of_the_velocity<W: Arena>() {
     let (rms, ticks, blocks) = (0.01, 60, 4000);
     let mut scene = empty();
     scene.agitation = kicks(rms);
@@ -53,7 +61,7 @@ fn kicks_make_a_random_walk_of_the_velocity() {
             substeps,
             ..Settings::default()
         };
-        let mut world = world(
+        let mut world: W = world(
             &scene,
             &settings,
             &vec![BodyState::at_rest(Vector3::zeros()); blocks],
@@ -83,14 +91,13 @@ fn kicks_make_a_random_walk_of_the_velocity() {
     }
 }
 
-#[test]
-fn drag_makes_the_velocity_stationary_and_normal() {
+fn drag_makes_the_velocity_stationary_and_normal<W: Arena>() {
     let (rms, rate, blocks) = (0.01, 0.04, 3000);
     let mut scene = empty();
     scene.agitation = kicks(rms);
     scene.drag = Some(Drag { rate });
     let settings = Settings::default();
-    let mut world = world(
+    let mut world: W = world(
         &scene,
         &settings,
         &vec![BodyState::at_rest(Vector3::zeros()); blocks],
@@ -115,8 +122,7 @@ fn drag_makes_the_velocity_stationary_and_normal() {
     assert!(gap.fold(0.0, f64::max) < 1.95 / n.sqrt());
 }
 
-#[test]
-fn elastic_collisions_keep_momentum_and_energy() {
+fn elastic_collisions_keep_momentum_and_energy<W: Arena>() {
     let mut scene = empty();
     scene.contact = contact(1.0, 0.0);
     let settings = Settings {
@@ -134,7 +140,7 @@ fn elastic_collisions_keep_momentum_and_energy() {
             spin: 0.05 * dice.direction(),
         };
         let start = [block(-1.5, 0.1), block(1.5, -0.1)];
-        let mut world = world(&scene, &settings, &start);
+        let mut world: W = world(&scene, &settings, &start);
         pass(&mut world, 60);
         let end = states(&world);
         let sum = |f: &dyn Fn(&BodyState) -> Vector3<f64>, of: &[BodyState]| f(&of[0]) + f(&of[1]);
@@ -157,8 +163,7 @@ fn elastic_collisions_keep_momentum_and_energy() {
     assert!(changes[changes.len() - 1] < 0.1);
 }
 
-#[test]
-fn the_shell_is_a_spring() {
+fn the_shell_is_a_spring<W: Arena>() {
     let (radius, wall) = (10.0, 0.01);
     let mut scene = empty();
     scene.enclosure = hemisphere(radius, wall);
@@ -172,7 +177,7 @@ fn the_shell_is_a_spring() {
             substeps,
             ..Settings::default()
         };
-        let mut world = world(&scene, &settings, &[start]);
+        let mut world: W = world(&scene, &settings, &[start]);
         let (mut outside, mut deepest) = (0.0, 0.0f64);
         for _ in 0..60 {
             pass(&mut world, 1);
@@ -192,8 +197,7 @@ fn the_shell_is_a_spring() {
     }
 }
 
-#[test]
-fn an_absent_term_is_not_there() {
+fn an_absent_term_is_not_there<W: Arena>() {
     let mut scene = empty();
     // Without contact blocks pass through each other, and through the plate.
     let towards = |z: f64, speed: f64| BodyState {
@@ -201,7 +205,7 @@ fn an_absent_term_is_not_there() {
         ..BodyState::at_rest(at(0.0, 0.0, z))
     };
     let blocks = [towards(4.0, -0.25), towards(-4.0, 0.25)];
-    let mut through = world(&scene, &Settings::default(), &blocks);
+    let mut through: W = world(&scene, &Settings::default(), &blocks);
     pass(&mut through, 64);
     assert_eq!(through.state(0).position, at(0.0, 0.0, -12.0));
     assert_eq!(through.state(1).position, at(0.0, 0.0, 12.0));
@@ -209,16 +213,16 @@ fn an_absent_term_is_not_there() {
     scene.contact = contact(0.0, 0.2);
     scene.enclosure = hemisphere(25.0, 0.01);
     scene.bond = attract(0.03, 0.005);
-    let mut held = world(&scene, &Settings::default(), &blocks[..1]);
+    let mut held: W = world(&scene, &Settings::default(), &blocks[..1]);
     pass(&mut held, 64);
     assert!(held.state(0).position.z > 0.4);
 }
 
 /// One tick of the magnet in the middle of the plate on a block at rest.
-fn magnetized(block: BodyState) -> BodyState {
+fn magnetized<W: Arena>(block: BodyState) -> BodyState {
     let mut scene = empty();
     scene.bond = attract(PULL, 0.0);
-    let mut world = world(&scene, &Settings::default(), &[block]);
+    let mut world: W = world(&scene, &Settings::default(), &[block]);
     let (body, face) = (Body::Seed(Cell::new(1, 1, 0)), Face::Up);
     world.magnetize(Site { body, face });
     pass(&mut world, 1);
@@ -227,30 +231,28 @@ fn magnetized(block: BodyState) -> BodyState {
 
 const PULL: f64 = 0.01;
 
-#[test]
-fn a_magnet_pulls_the_nearest_face_with_constant_force_within_its_reach() {
+fn a_magnet_pulls_the_nearest_face_with_constant_force_within_its_reach<W: Arena>() {
     for height in [0.55, 0.8, 0.99] {
-        let pulled = magnetized(BodyState::at_rest(at(0.0, 0.0, 0.5 + height)));
+        let pulled = magnetized::<W>(BodyState::at_rest(at(0.0, 0.0, 0.5 + height)));
         assert!((pulled.velocity - at(0.0, 0.0, -PULL)).norm() < 1e-6);
         assert!(pulled.spin.norm() < 1e-6);
     }
     // The lower face of this one is at (0.3, 0, 0.7), half a side below the centre.
-    let pulled = magnetized(BodyState::at_rest(at(0.3, 0.0, 1.2)));
+    let pulled = magnetized::<W>(BodyState::at_rest(at(0.3, 0.0, 1.2)));
     let force = PULL * at(-0.3, 0.0, -0.7).normalize();
     assert!((pulled.velocity - force).norm() < 1e-6);
     let torque = at(0.0, 0.0, -0.5).cross(&force);
     assert!((pulled.spin - 6.0 * torque).norm() < 1e-6);
     for out_of_reach in [at(0.0, 0.0, 1.51), at(0.8, 0.0, 1.2)] {
         let left = BodyState::at_rest(out_of_reach);
-        assert_eq!(magnetized(left).velocity, left.velocity);
+        assert_eq!(magnetized::<W>(left).velocity, left.velocity);
     }
 }
 
-#[test]
-fn the_corners_turn_a_close_block_to_the_nearest_quarter_turn() {
+fn the_corners_turn_a_close_block_to_the_nearest_quarter_turn<W: Arena>() {
     for (degrees, sign) in [(10, -1.0), (40, -1.0), (50, 1.0), (80, 1.0), (95, -1.0)] {
         let yaw = f64::from(degrees).to_radians();
-        let turned = magnetized(BodyState {
+        let turned = magnetized::<W>(BodyState {
             orientation: UnitQuaternion::from_axis_angle(&Vector3::z_axis(), yaw),
             ..BodyState::at_rest(at(0.0, 0.0, 0.9))
         });
@@ -261,7 +263,7 @@ fn the_corners_turn_a_close_block_to_the_nearest_quarter_turn() {
         assert!((1.1..=1.2).contains(&speed), "{speed}");
     }
     // Not beyond the second reach.
-    let far = magnetized(BodyState {
+    let far = magnetized::<W>(BodyState {
         orientation: UnitQuaternion::from_axis_angle(&Vector3::z_axis(), 0.3),
         ..BodyState::at_rest(at(0.0, 0.0, 1.1))
     });

@@ -10,8 +10,8 @@ use stochc_compiler::scene::{Agitation, Bond, Scene};
 use stochc_compiler::table::{Action, Condition, PhaseId, Tables};
 use stochc_compiler::{Cell, Face};
 use stochc_runtime::record::{Origin, Outcome, RunRecord};
-use stochc_runtime::world::rapier::{BodyState, RapierWorld, SceneError};
-use stochc_runtime::world::{Body, Site, World};
+use stochc_runtime::world::rapier::RapierWorld;
+use stochc_runtime::world::{Arena, Body, BodyState, SceneError, Site, World};
 use stochc_runtime::{RunError, Settings, run};
 use tables::{Draft, at_once, chain, magnetize};
 
@@ -101,7 +101,7 @@ fn a_captured_block_sits_on_the_lattice_and_a_released_one_starts_from_rest() {
         spin: Vector3::new(0.0, 0.0, 0.01),
         ..BodyState::at_rest(Vector3::new(1.02, 1.0, 0.6))
     };
-    let mut world = world(&scene, &Settings::default(), &[start]);
+    let mut world: RapierWorld = world(&scene, &Settings::default(), &[start]);
     let (body, face) = (Body::Seed(Cell::new(2, 2, 0)), Face::Up);
     world.magnetize(Site { body, face });
     let mut dockings = Vec::new();
@@ -131,7 +131,7 @@ fn of_two_blocks_the_closer_one_docks_and_no_block_docks_twice() {
     scene.bond = attract(0.0, 0.6);
     let above = |x: f64, z: f64| BodyState::at_rest(Vector3::new(x, 0.0, z));
     let blocks = [above(-0.9, 0.75), above(-0.9, 0.7), above(0.45, 0.6)];
-    let mut world = world(&scene, &Settings::default(), &blocks);
+    let mut world: RapierWorld = world(&scene, &Settings::default(), &blocks);
     let site = |x| Site {
         body: Body::Seed(Cell::new(x, 1, 0)),
         face: Face::Up,
@@ -179,7 +179,7 @@ fn not_a_number_is_found_at_once_at_the_block_that_has_it() {
         |state| state.velocity.y = 1e6,
     ];
     for spoil in spoils {
-        let mut world = world(&scene, &Settings::default(), &blocks);
+        let mut world: RapierWorld = world(&scene, &Settings::default(), &blocks);
         pass(&mut world, 3);
         let mut state = world.state(1);
         spoil(&mut state);

@@ -1,9 +1,26 @@
 //! Where free blocks move, and what the control of a structure can do to them.
+mod error;
 pub(crate) mod lattice;
+mod magnet;
+mod plate;
 pub mod rapier;
+mod real;
+pub mod rigid;
 pub mod shuffle;
+mod start;
+mod state;
+mod terms;
 
+pub use error::SceneError;
+pub use state::BodyState;
+
+use nalgebra::Vector3;
+use stochc_compiler::scene::Scene;
+use stochc_compiler::table::Plate;
 use stochc_compiler::{Cell, Face};
+
+use crate::orientation::Orientation;
+use crate::settings::Settings;
 
 /// A block, as a world knows it: without role, and without a part in the structure's frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -74,4 +91,56 @@ pub trait World {
     /// # Errors
     /// When a block's state makes no sense any more; the world is of no use afterwards.
     fn step(&mut self, dockings: &mut Vec<Docking>) -> Result<(), Fault>;
+}
+
+/// A world of rigid blocks in space, which can be set up by hand and looked into.
+///
+/// Everything is in block units: the side of a block is 1, its mass 1, the tick 1. The origin is the
+/// centre of the plate's upper side; z is up.
+pub trait Arena: World + Sized {
+    /// The scene at tick 0, with the chance of run `run` of the ensemble with this `seed`.
+    ///
+    /// # Errors
+    /// When the scene cannot be set up.
+    fn new(
+        scene: &Scene,
+        plate: &Plate,
+        settings: &Settings,
+        seed: u64,
+        run: u64,
+    ) -> Result<Self, SceneError> {
+        let blocks = start::blocks(scene)?;
+        Self::with_blocks(scene, plate, settings, seed, run, &blocks)
+    }
+
+    /// The scene with free blocks of one's own choice instead of its own.
+    ///
+    /// # Errors
+    /// When the scene cannot be set up.
+    fn with_blocks(
+        scene: &Scene,
+        plate: &Plate,
+        settings: &Settings,
+        seed: u64,
+        run: u64,
+        blocks: &[BodyState],
+    ) -> Result<Self, SceneError>;
+
+    /// How many blocks there are, free and anchored; their numbers are from 0.
+    fn count(&self) -> u32;
+
+    /// Where a block is and how it moves.
+    fn state(&self, id: u32) -> BodyState;
+
+    /// Puts a free block somewhere else, or in another motion.
+    fn set_state(&mut self, id: u32, state: &BodyState);
+
+    /// How a block sits in the structure; `None`: it is free.
+    fn anchored(&self, id: u32) -> Option<Orientation>;
+
+    /// The faces that are on and hold nothing, each with the entries into its reach so far.
+    fn active(&self) -> Vec<(Site, u32)>;
+
+    /// The centre of the block that sits in a cell \[side\].
+    fn centre(&self, cell: Cell) -> Vector3<f64>;
 }

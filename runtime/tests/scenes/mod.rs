@@ -2,13 +2,13 @@
 #![allow(dead_code, reason = "each test file sets other scenes")]
 use nalgebra::{UnitQuaternion, Vector3};
 use stochc_compiler::scene::{
-    Agitation, Anchor, Arrangement, Block, Bond, Contact, Enclosure, Free, Measure, Reach, Scene,
+    Agitation, Anchor, Arrangement, Block, Bond, Contact, ContactLaw, Enclosure, Free, Measure,
+    Reach, Scene,
 };
 use stochc_compiler::table::Plate;
 use stochc_runtime::Settings;
 use stochc_runtime::draw::{Draws, Stream, direction, unit};
-use stochc_runtime::world::World;
-use stochc_runtime::world::rapier::{BodyState, RapierWorld};
+use stochc_runtime::world::{Arena, BodyState, World};
 
 /// Blocks that do nothing but fly.
 pub fn empty() -> Scene {
@@ -40,7 +40,7 @@ pub fn kicks(rms: f64) -> Option<Agitation> {
 
 pub fn contact(restitution: f64, friction: f64) -> Option<Contact> {
     Some(Contact {
-        restitution,
+        law: ContactLaw::Rigid { restitution },
         friction,
     })
 }
@@ -99,12 +99,25 @@ pub fn paper() -> Scene {
 
 pub const PLATE: Plate = Plate { width: 3, depth: 3 };
 
-pub fn world(scene: &Scene, settings: &Settings, blocks: &[BodyState]) -> RapierWorld {
-    RapierWorld::with_blocks(scene, &PLATE, settings, 1, 0, blocks).expect("a sound scene")
+pub fn world<W: Arena>(scene: &Scene, settings: &Settings, blocks: &[BodyState]) -> W {
+    W::with_blocks(scene, &PLATE, settings, 1, 0, blocks).expect("a sound scene")
+}
+
+/// Makes a test of each world out of every function that is generic over worlds.
+#[macro_export]
+macro_rules! in_every_world {
+    ($($test:ident),* $(,)?) => {
+        mod rapier {
+            $(#[test] fn $test() { super::$test::<stochc_runtime::world::rapier::RapierWorld>(); })*
+        }
+        mod rigid {
+            $(#[test] fn $test() { super::$test::<stochc_runtime::world::rigid::RigidWorld>(); })*
+        }
+    };
 }
 
 /// Lets ticks pass in which nothing docks.
-pub fn pass(world: &mut RapierWorld, ticks: u64) {
+pub fn pass(world: &mut impl World, ticks: u64) {
     let mut dockings = Vec::new();
     for _ in 0..ticks {
         world.step(&mut dockings).expect("sound physics");

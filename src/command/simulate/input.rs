@@ -2,11 +2,10 @@
 use std::collections::HashMap;
 
 use stochc_compiler::{Checked, Levels, Limits};
-use stochc_runtime::{Model, Settings};
+use stochc_runtime::{Model, Precision, Reduction, Settings};
 
 use super::super::check::verdict;
 use super::super::terminal::{has_colour, message_width, warn};
-use super::options::ModelName;
 use super::{Options, Ready, usage};
 use crate::cli::Exit;
 use crate::ensemble::{Manifest, Program, Source};
@@ -14,6 +13,10 @@ use crate::findings::{Format, show};
 
 /// The setting of a manifest that holds the solver's iterations.
 const SOLVER_ITERATIONS: &str = "solver_iterations";
+/// The one that holds the digits, where they are not the usual ones.
+const PRECISION: &str = "precision";
+/// The one that holds what is left out.
+const REDUCTION: &str = "reduction";
 
 /// The manifest of what is asked for, and its programs.
 pub fn prepare(options: &Options) -> Result<(Manifest, Vec<Ready>), Exit> {
@@ -42,13 +45,25 @@ fn from_files(options: &Options) -> Result<(Manifest, Vec<Ready>), Exit> {
     if let Some(exit) = wrong {
         return Err(exit);
     }
-    let mut manifest = Manifest::new(options.model.name(), options.seed, options.runs, entries);
-    manifest.substeps = options.substeps;
-    manifest.max_ticks = Some(options.max_ticks);
-    let iterations = options.solver_iterations.to_string();
-    manifest
-        .settings
-        .insert(SOLVER_ITERATIONS.into(), iterations);
+    let settings = Settings {
+        model: options.model.into(),
+        substeps: options.substeps,
+        solver_iterations: options.solver_iterations,
+        precision: options.precision.into(),
+        reduction: options.reduce.map(Into::into),
+        max_ticks: Some(options.max_ticks),
+    };
+    let mut manifest = Manifest::new(settings.model.name(), options.seed, options.runs, entries);
+    manifest.substeps = settings.substeps;
+    manifest.max_ticks = settings.max_ticks;
+    let mut set = |name: &str, value: &str| manifest.settings.insert(name.into(), value.into());
+    set(SOLVER_ITERATIONS, &settings.iterations().to_string());
+    if settings.precision != Precision::default() {
+        set(PRECISION, settings.precision.name());
+    }
+    if let Some(reduction) = settings.reduction {
+        set(REDUCTION, reduction.name());
+    }
     Ok((manifest, ready))
 }
 
@@ -122,16 +137,30 @@ fn from_manifest(path: &std::path::Path, levels: &Levels) -> Result<(Manifest, V
 
 /// The settings of the runtime that a manifest asks for.
 pub fn settings(manifest: &Manifest) -> Result<Settings, String> {
-    let model = match manifest.model.as_str() {
-        name if name == ModelName::Rapier.name() => Model::Rapier,
-        name if name == ModelName::Shuffle.name() => Model::Shuffle,
-        other => return Err(format!("this version has no model `{other}`")),
+    let model = (Model::ALL.into_iter())
+        .find(|model| model.name() == manifest.model)
+        .ok_or_else(|| format!("this version has no model `{}`", manifest.model))?;
+    let set = |name: &str| manifest.settings.get(name);
+    let solver_iterations = match set(SOLVER_ITERATIONS) {
+        None => None,
+        Some(text) => Some(
+            (text.parse().ok().filter(|&n: &u32| n > 0))
+                .ok_or_else(|| format!("`{SOLVER_ITERATIONS}` is `{text}`, not a number from 1"))?,
+        ),
     };
-    let default = Settings::default();
-    let solver_iterations = match manifest.settings.get(SOLVER_ITERATIONS) {
-        None => default.solver_iterations,
-        Some(text) => (text.parse().ok().filter(|&n| n > 0))
-            .ok_or_else(|| format!("`{SOLVER_ITERATIONS}` is `{text}`, not a number from 1"))?,
+    let precision = match set(PRECISION) {
+        None => Precision::default(),
+        Some(text) => (Precision::ALL.into_iter())
+            .find(|precision| precision.name() == text)
+            .ok_or_else(|| format!("this version has no precision `{text}`"))?,
+    };
+    let reduction = match set(REDUCTION) {
+        None => None,
+        Some(text) => Some(
+            (Reduction::ALL.into_iter())
+                .find(|reduction| reduction.name() == text)
+                .ok_or_else(|| format!("this version has no reduced model `{text}`"))?,
+        ),
     };
     if manifest.substeps == 0 {
         return Err("`substeps` is 0; at least 1 is needed".into());
@@ -140,6 +169,8 @@ pub fn settings(manifest: &Manifest) -> Result<Settings, String> {
         model,
         substeps: manifest.substeps,
         solver_iterations,
+        precision,
+        reduction,
         max_ticks: manifest.max_ticks,
     })
 }

@@ -1,6 +1,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use stochc_runtime::{Model, Precision, Reduction};
 
 use super::super::levels::LevelOptions;
 use super::super::results::Form;
@@ -12,7 +13,7 @@ pub struct Options {
     #[arg(value_name = "FILE", required_unless_present = "manifest")]
     pub files: Vec<String>,
     /// Rerun what a manifest says, sources and settings included
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["files", "runs", "seed", "model", "substeps", "solver_iterations", "max_ticks"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["files", "runs", "seed", "model", "substeps", "solver_iterations", "precision", "reduce", "max_ticks"])]
     pub manifest: Option<PathBuf>,
     /// Runs of each program
     #[arg(long, default_value_t = 50, value_parser = clap::value_parser!(u64).range(1..=10_000_000))]
@@ -23,12 +24,19 @@ pub struct Options {
     /// What moves the blocks
     #[arg(long, default_value = "rapier")]
     pub model: ModelName,
-    /// Steps of the engine within a tick: more are more accurate and slower
+    /// Steps of the model within a tick: more are more accurate and slower
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub substeps: u32,
-    /// Internal steps of the engine's contact solver
-    #[arg(long, default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=1000))]
-    pub solver_iterations: u32,
+    /// Work on contacts in a substep: internal steps of Rapier's solver (4 if left out), or the most
+    /// rounds of `rigid` (10)
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub solver_iterations: Option<u32>,
+    /// Digits of the physics; `double` with `--model rigid` only
+    #[arg(long, default_value = "single")]
+    pub precision: PrecisionName,
+    /// Leave out something that the scene has, to see what it is worth; with `--model rigid` only
+    #[arg(long, value_name = "HOW")]
+    pub reduce: Option<ReductionName>,
     /// Ticks after which a run is given up, and its time censored
     #[arg(long, default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(1..))]
     pub max_ticks: u64,
@@ -63,16 +71,60 @@ pub struct Options {
 pub enum ModelName {
     /// Full rigid bodies, by the engine Rapier
     Rapier,
+    /// Full rigid bodies, by a kernel made for many blocks that fly far
+    Rigid,
     /// No physics: one random capture a tick, for looking at tables at work
     Shuffle,
 }
 
-impl ModelName {
-    /// Its name in a manifest.
-    pub const fn name(self) -> &'static str {
-        match self {
-            ModelName::Rapier => "rapier",
-            ModelName::Shuffle => "shuffle",
+/// Digits of the physics.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum PrecisionName {
+    /// 24 bits
+    Single,
+    /// 53 bits
+    Double,
+}
+
+/// What is left out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ReductionName {
+    /// Blocks never turn
+    NoRotation,
+    /// Blocks touch as balls
+    Spheres,
+    /// Contacts do not hold sideways
+    NoFriction,
+    /// Free blocks pass through each other
+    NoBlockContact,
+}
+
+impl From<PrecisionName> for Precision {
+    fn from(name: PrecisionName) -> Precision {
+        match name {
+            PrecisionName::Single => Precision::Single,
+            PrecisionName::Double => Precision::Double,
+        }
+    }
+}
+
+impl From<ReductionName> for Reduction {
+    fn from(name: ReductionName) -> Reduction {
+        match name {
+            ReductionName::NoRotation => Reduction::NoRotation,
+            ReductionName::Spheres => Reduction::Spheres,
+            ReductionName::NoFriction => Reduction::NoFriction,
+            ReductionName::NoBlockContact => Reduction::NoBlockContact,
+        }
+    }
+}
+
+impl From<ModelName> for Model {
+    fn from(name: ModelName) -> Model {
+        match name {
+            ModelName::Rapier => Model::Rapier,
+            ModelName::Rigid => Model::Rigid,
+            ModelName::Shuffle => Model::Shuffle,
         }
     }
 }

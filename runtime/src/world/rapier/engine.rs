@@ -6,13 +6,15 @@ use rapier3d::dynamics::{
 use rapier3d::geometry::ColliderBuilder;
 use rapier3d::glamx::{Pose3, Vec3};
 use rapier3d::pipeline::PhysicsWorld;
+use stochc_compiler::scene::ContactLaw;
 use stochc_compiler::table::Plate;
 
 use super::convert::{quat, vec3};
-use super::magnet::INVERSE_INERTIA;
-use super::terms::{Contact, Hemisphere, Terms};
-use super::{BodyState, INSIDE};
 use crate::settings::Settings;
+use crate::world::magnet::INVERSE_INERTIA;
+use crate::world::real::cast;
+use crate::world::terms::{Contact, Hemisphere, Terms};
+use crate::world::{BodyState, SceneError};
 
 /// Thickness of the ground \[side\]: so much that nothing is ever pushed out below it.
 const GROUND: f32 = 20.0;
@@ -38,7 +40,7 @@ fn parameters(settings: &Settings) -> IntegrationParameters {
         normalized_contact_recycle_distance: 0.25,
         // Too fast is a fault, not something to hide.
         normalized_max_linear_velocity: f32::MAX,
-        num_solver_iterations: settings.solver_iterations.max(1) as usize,
+        num_solver_iterations: settings.iterations() as usize,
         max_ccd_substeps: 0,
         ..IntegrationParameters::default()
     }
@@ -50,52 +52,74 @@ pub(super) fn engine(
     plate: &Plate,
     settings: &Settings,
     blocks: &[BodyState],
-) -> (Box<PhysicsWorld>, Vec<RigidBodyHandle>) {
+) -> Result<(Box<PhysicsWorld>, Vec<RigidBodyHandle>), SceneError> {
+    let contact = terms.contact.as_ref().map(surface).transpose()?;
     let mut engine = Box::new(PhysicsWorld {
         gravity: Vec3::ZERO,
         integration_parameters: parameters(settings),
         ..PhysicsWorld::default()
     });
-    if let Some(contact) = terms.contact {
+    if let Some(contact) = contact {
         let ground = ground(terms.hemisphere, plate);
         engine.insert(
             RigidBodyBuilder::fixed().translation(Vec3::new(0.0, 0.0, -ground.z)),
-            surface(
-                ColliderBuilder::cuboid(ground.x, ground.y, ground.z),
-                contact,
-            ),
+            contact.of(ColliderBuilder::cuboid(ground.x, ground.y, ground.z)),
         );
     }
     let handles = blocks.iter().map(|state| {
         let block = RigidBodyBuilder::dynamic()
             .pose(pose(state))
-            .linvel(vec3(state.velocity))
-            .angvel(vec3(state.spin))
+            .linvel(vec3(cast(state.velocity)))
+            .angvel(vec3(cast(state.spin)))
             .can_sleep(false)
             // A cube's inertia is the same about all axes.
             .gyroscopic_forces_enabled(false)
             .allow_fast_rotation(true);
-        match terms.contact {
+        match contact {
             Some(contact) => {
-                let half = INSIDE;
-                let cube = ColliderBuilder::cuboid(half, half, half).density(1.0);
-                engine.insert(block, surface(cube, contact)).0
+                let cube = ColliderBuilder::cuboid(0.5, 0.5, 0.5).density(1.0);
+                engine.insert(block, contact.of(cube)).0
             }
             None => {
-                let inertia = Vec3::splat(1.0 / INVERSE_INERTIA);
+                let inertia = Vec3::splat(1.0 / INVERSE_INERTIA as f32);
                 let mass = MassProperties::new(Vec3::ZERO, 1.0, inertia);
                 engine.bodies.insert(block.additional_mass_properties(mass))
             }
         }
     });
     let handles = handles.collect();
-    (engine, handles)
+    Ok((engine, handles))
 }
 
-fn surface(collider: ColliderBuilder, contact: Contact) -> ColliderBuilder {
-    collider
-        .friction(contact.friction)
-        .restitution(contact.restitution)
+/// How the engine's bodies touch.
+#[derive(Clone, Copy, Debug)]
+struct Surface {
+    restitution: f32,
+    friction: f32,
+}
+
+/// # Errors
+/// The engine's contacts give way as its solver makes them, not by a stated law.
+fn surface(contact: &Contact) -> Result<Surface, SceneError> {
+    match contact.law {
+        ContactLaw::Rigid { restitution } => Ok(Surface {
+            restitution: restitution as f32,
+            friction: contact.friction as f32,
+        }),
+        ContactLaw::Compliant { .. } => Err(SceneError::NotInModel {
+            what: "contact with a `stiffness`",
+            model: "rapier",
+            instead: "rigid",
+        }),
+    }
+}
+
+impl Surface {
+    fn of(self, collider: ColliderBuilder) -> ColliderBuilder {
+        collider
+            .friction(self.friction)
+            .restitution(self.restitution)
+    }
 }
 
 /// Half the size of the ground, whose upper side is z = 0 and level with the plate.
@@ -105,7 +129,7 @@ fn surface(collider: ColliderBuilder, contact: Contact) -> ColliderBuilder {
 fn ground(hemisphere: Option<Hemisphere>, plate: &Plate) -> Vector3<f32> {
     match hemisphere {
         Some(Hemisphere { radius, .. }) => {
-            let half = 2.0 * radius + 10.0;
+            let half = 2.0 * radius as f32 + 10.0;
             Vector3::new(half, half, GROUND / 2.0)
         }
         None => Vector3::new(plate.width as f32 / 2.0, plate.depth as f32 / 2.0, 0.5),
@@ -114,5 +138,5 @@ fn ground(hemisphere: Option<Hemisphere>, plate: &Plate) -> Vector3<f32> {
 
 /// The pose of a block.
 pub(super) fn pose(state: &BodyState) -> Pose3 {
-    Pose3::from_parts(vec3(state.position), quat(state.orientation))
+    Pose3::from_parts(vec3(cast(state.position)), quat(state.orientation.cast()))
 }

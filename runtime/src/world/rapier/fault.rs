@@ -1,4 +1,5 @@
 //! Reads what the engine has made of the blocks, and says at once when that makes no sense.
+use super::convert::{unit_quaternion, vector};
 use super::{Block, RapierWorld};
 use crate::world::Fault;
 
@@ -18,15 +19,15 @@ impl RapierWorld {
             let what = "its position or speed is not a number".to_owned();
             return Err(Fault { body, what });
         }
-        for (id, (block, &handle)) in self.blocks.iter_mut().zip(&self.handles).enumerate() {
+        for (id, (block, &handle)) in self.blocks.0.iter_mut().zip(&self.handles).enumerate() {
             if block.anchored.is_some() {
                 continue;
             }
             let body = &self.engine.bodies[handle];
-            block.position = body.translation();
-            block.rotation = *body.rotation();
-            block.velocity = body.linvel();
-            block.spin = body.angvel();
+            block.position = vector(body.translation());
+            block.rotation = unit_quaternion(*body.rotation());
+            block.velocity = vector(body.linvel());
+            block.spin = vector(body.angvel());
             if let Some(what) = block.absurdity() {
                 let body = id as u32;
                 return Err(Fault { body, what });
@@ -39,16 +40,16 @@ impl RapierWorld {
 impl Block {
     /// What is wrong with it, if something is.
     fn absurdity(&self) -> Option<String> {
-        let speed = self.velocity.length();
-        let spin = self.spin.length();
-        let far = self.position.length();
+        let speed = self.velocity.norm();
+        let spin = self.spin.norm();
+        let far = self.position.norm();
         // What is not a number is not below anything.
         let sound = |value: f32, most: f32| value < most;
         if !sound(speed, MOST_SPEED) {
             Some(format!("its speed is {speed} sides per tick"))
         } else if !sound(spin, MOST_SPEED) {
             Some(format!("its spin is {spin} radians per tick"))
-        } else if !sound(far, FARTHEST) || !self.rotation.is_finite() {
+        } else if !sound(far, FARTHEST) || !self.rotation.coords.iter().all(|x| x.is_finite()) {
             Some(format!("it is {far} sides from the plate"))
         } else {
             None

@@ -10,39 +10,28 @@
 //! A substep first changes velocities (magnets, shell, kicks, drag, in this order), then lets the
 //! engine solve contacts and move the blocks, then looks who docked. As positions move with the
 //! velocities just changed, this is the symplectic Euler method.
-mod capture;
 mod convert;
 mod engine;
-mod error;
 mod fault;
-mod magnet;
 mod push;
-mod start;
-mod state;
-mod terms;
 
-use std::collections::BTreeMap;
-
-use nalgebra::Vector3;
-use rapier3d::dynamics::RigidBodyHandle;
-use rapier3d::glamx::{Quat, Vec3};
+use nalgebra::{UnitQuaternion, Vector3};
+use rapier3d::dynamics::{RigidBodyHandle, RigidBodyType};
+use rapier3d::glamx::{Pose3, Vec3};
 use rapier3d::pipeline::PhysicsWorld;
 use stochc_compiler::scene::Scene;
 use stochc_compiler::table::Plate;
 use stochc_compiler::{Cell, Face};
 
-use super::{Body, Docking, Fault, Site, World};
+use super::magnet::{Cloud, Faces, Held};
+use super::plate::Seats;
+use super::real::cast;
+use super::terms::Terms;
+use super::{Arena, Body, BodyState, Docking, Fault, SceneError, Site, World};
 use crate::draw::{Draws, Stream};
 use crate::orientation::Orientation;
-use crate::settings::Settings;
-use capture::{Active, Sighting};
-use convert::{unit_quaternion, vec3, vector};
-pub use error::SceneError;
-pub use state::BodyState;
-use terms::Terms;
-
-/// From the centre of a block to its faces \[side\].
-const INSIDE: f32 = 0.5;
+use crate::settings::{Precision, Settings};
+use convert::{quat, vec3};
 
 /// A world of rigid cubes.
 pub struct RapierWorld {
@@ -52,52 +41,64 @@ pub struct RapierWorld {
     kicks: Draws,
     engine: Box<PhysicsWorld>,
     handles: Vec<RigidBodyHandle>,
-    /// A copy of what the engine knows, by number: it is read once a substep.
-    blocks: Vec<Block>,
-    /// Where the block of the plate at (0, 0, 0) is.
-    corner: Vec3,
-    /// The faces that are on and hold nothing, by site.
-    active: Vec<Active>,
-    /// The faces that hold a block.
-    holds: BTreeMap<Site, u32>,
-    /// Who is in reach of what; made anew by every survey.
-    sightings: Vec<Sighting>,
+    blocks: Blocks,
+    seats: Seats,
+    faces: Option<Faces<f32>>,
 }
+
+/// A copy of what the engine knows, by number: it is read once a substep.
+struct Blocks(Vec<Block>);
 
 #[derive(Clone, Copy, Debug)]
 struct Block {
-    position: Vec3,
-    rotation: Quat,
-    velocity: Vec3,
-    spin: Vec3,
+    position: Vector3<f32>,
+    rotation: UnitQuaternion<f32>,
+    velocity: Vector3<f32>,
+    spin: Vector3<f32>,
     /// How it sits in the structure; `None`: it is free.
     anchored: Option<Orientation>,
 }
 
 impl RapierWorld {
-    /// The scene at tick 0, with the chance of run `run` of the ensemble with this `seed`.
-    ///
-    /// # Errors
-    /// When the scene cannot be set up.
-    pub fn new(
-        scene: &Scene,
-        plate: &Plate,
-        settings: &Settings,
-        seed: u64,
-        run: u64,
-    ) -> Result<RapierWorld, SceneError> {
-        let terms = Terms::new(scene)?;
-        let blocks = start::uniform(&terms, scene.free.arrangement, scene.free.count)?;
-        Ok(RapierWorld::build(
-            terms, plate, settings, seed, run, &blocks,
-        ))
+    /// Where an anchored block is, and how it sits.
+    fn place(&self, body: Body) -> Option<(Vector3<f32>, Orientation)> {
+        match body {
+            Body::Seed(cell) => Some((cast(self.seats.centre(cell)), Orientation::IDENTITY)),
+            Body::Free(id) => {
+                let block = &self.blocks.0[id as usize];
+                Some((block.position, block.anchored?))
+            }
+        }
     }
 
-    /// The scene with free blocks of one's own choice instead of its own.
-    ///
-    /// # Errors
-    /// When the scene cannot be set up.
-    pub fn with_blocks(
+    /// Fixes a block on the lattice.
+    fn hold(&mut self, held: Held<f32>) {
+        let rotation = held.orientation.quaternion().cast();
+        let block = &mut self.blocks.0[held.body as usize];
+        *block = Block {
+            position: held.seat,
+            rotation,
+            velocity: Vector3::zeros(),
+            spin: Vector3::zeros(),
+            anchored: Some(held.orientation),
+        };
+        let body = &mut self.engine.bodies[self.handles[held.body as usize]];
+        body.set_body_type(RigidBodyType::Fixed, false);
+        body.set_position(Pose3::from_parts(vec3(held.seat), quat(rotation)), false);
+    }
+
+    /// Sets a block free, at rest.
+    fn release(&mut self, id: u32) {
+        self.blocks.0[id as usize].anchored = None;
+        let body = &mut self.engine.bodies[self.handles[id as usize]];
+        body.set_body_type(RigidBodyType::Dynamic, false);
+        body.set_linvel(Vec3::ZERO, false);
+        body.set_angvel(Vec3::ZERO, false);
+    }
+}
+
+impl Arena for RapierWorld {
+    fn with_blocks(
         scene: &Scene,
         plate: &Plate,
         settings: &Settings,
@@ -105,107 +106,94 @@ impl RapierWorld {
         run: u64,
         blocks: &[BodyState],
     ) -> Result<RapierWorld, SceneError> {
+        let cannot = |what| SceneError::NotInModel {
+            what,
+            model: "rapier",
+            instead: "rigid",
+        };
+        if settings.precision == Precision::Double {
+            return Err(cannot("double precision"));
+        }
+        if settings.reduction.is_some() {
+            return Err(cannot("term that can be left out"));
+        }
         let terms = Terms::new(scene)?;
-        Ok(RapierWorld::build(
-            terms, plate, settings, seed, run, blocks,
-        ))
-    }
-
-    fn build(
-        terms: Terms,
-        plate: &Plate,
-        settings: &Settings,
-        seed: u64,
-        run: u64,
-        blocks: &[BodyState],
-    ) -> RapierWorld {
-        let (engine, handles) = engine::engine(&terms, plate, settings, blocks);
-        let half = |blocks: u32| -(blocks as f32 - 1.0) / 2.0;
-        RapierWorld {
+        let (engine, handles) = engine::engine(&terms, plate, settings, blocks)?;
+        Ok(RapierWorld {
             tick: 0,
             substeps: settings.substeps.max(1),
+            faces: terms.bond.map(Faces::new),
             terms,
             kicks: Draws::new(seed, run, Stream::Kick),
             engine,
             handles,
-            blocks: blocks.iter().map(Block::free).collect(),
-            corner: Vec3::new(half(plate.width), half(plate.depth), -0.5),
-            active: Vec::new(),
-            holds: BTreeMap::new(),
-            sightings: Vec::new(),
-        }
+            blocks: Blocks(blocks.iter().map(Block::free).collect()),
+            seats: Seats::new(plate),
+        })
     }
 
-    /// How many blocks there are, free and anchored; their numbers are from 0.
-    pub fn count(&self) -> u32 {
-        self.blocks.len() as u32
+    fn count(&self) -> u32 {
+        self.blocks.0.len() as u32
     }
 
-    /// Where a block is and how it moves.
-    pub fn state(&self, id: u32) -> BodyState {
-        let block = &self.blocks[id as usize];
+    fn state(&self, id: u32) -> BodyState {
+        let block = &self.blocks.0[id as usize];
         BodyState {
-            position: vector(block.position),
-            orientation: unit_quaternion(block.rotation),
-            velocity: vector(block.velocity),
-            spin: vector(block.spin),
+            position: cast(block.position),
+            orientation: convert::double(block.rotation),
+            velocity: cast(block.velocity),
+            spin: cast(block.spin),
         }
     }
 
-    /// Puts a free block somewhere else, or in another motion.
-    pub fn set_state(&mut self, id: u32, state: &BodyState) {
-        let block = &mut self.blocks[id as usize];
+    fn set_state(&mut self, id: u32, state: &BodyState) {
+        let block = &mut self.blocks.0[id as usize];
         if block.anchored.is_some() {
             return;
         }
         *block = Block::free(state);
+        if let Some(faces) = &mut self.faces {
+            faces.disturb();
+        }
         let body = &mut self.engine.bodies[self.handles[id as usize]];
         body.set_position(engine::pose(state), false);
-        body.set_linvel(vec3(state.velocity), false);
-        body.set_angvel(vec3(state.spin), false);
+        body.set_linvel(vec3(cast(state.velocity)), false);
+        body.set_angvel(vec3(cast(state.spin)), false);
     }
 
-    /// How a block sits in the structure; `None`: it is free.
-    pub fn anchored(&self, id: u32) -> Option<Orientation> {
-        self.blocks[id as usize].anchored
+    fn anchored(&self, id: u32) -> Option<Orientation> {
+        self.blocks.0[id as usize].anchored
     }
 
-    /// The faces that are on and hold nothing, each with the entries into its reach so far.
-    pub fn active(&self) -> impl Iterator<Item = (Site, u32)> + '_ {
-        self.active
-            .iter()
-            .map(|active| (active.site, active.entries))
+    fn active(&self) -> Vec<(Site, u32)> {
+        self.faces.iter().flat_map(Faces::active).collect()
     }
 
-    /// The centre of the block that sits in a cell \[side\].
-    pub fn centre(&self, cell: Cell) -> Vector3<f64> {
-        vector(self.corner + convert::normal(cell.into()))
-    }
-
-    /// Where an anchored block is, and how it sits.
-    fn place(&self, body: Body) -> Option<(Vec3, Orientation)> {
-        match body {
-            Body::Seed(cell) => Some((
-                self.corner + convert::normal(cell.into()),
-                Orientation::IDENTITY,
-            )),
-            Body::Free(id) => {
-                let block = &self.blocks[id as usize];
-                Some((block.position, block.anchored?))
-            }
-        }
+    fn centre(&self, cell: Cell) -> Vector3<f64> {
+        self.seats.centre(cell)
     }
 }
 
 impl Block {
     fn free(state: &BodyState) -> Block {
         Block {
-            position: vec3(state.position),
-            rotation: convert::quat(state.orientation),
-            velocity: vec3(state.velocity),
-            spin: vec3(state.spin),
+            position: cast(state.position),
+            rotation: state.orientation.cast(),
+            velocity: cast(state.velocity),
+            spin: cast(state.spin),
             anchored: None,
         }
+    }
+}
+
+impl Cloud<f32> for Blocks {
+    fn position(&self, id: u32) -> Option<Vector3<f32>> {
+        let block = &self.0[id as usize];
+        block.anchored.is_none().then_some(block.position)
+    }
+
+    fn rotation(&mut self, id: u32) -> UnitQuaternion<f32> {
+        self.0[id as usize].rotation
     }
 }
 
@@ -215,22 +203,21 @@ impl World for RapierWorld {
     }
 
     fn magnetize(&mut self, site: Site) {
-        let (Some(_), Some((centre, orientation))) = (self.terms.bond, self.place(site.body))
-        else {
+        let (Some((centre, orientation)), count) = (self.place(site.body), self.count()) else {
             return;
         };
-        if self.holds.contains_key(&site) {
-            return;
-        }
-        if let Err(i) = self.active.binary_search_by_key(&site, |on| on.site) {
-            let active = Active::new(site, centre, orientation);
-            self.active.insert(i, active);
+        if let Some(faces) = &mut self.faces
+            && let Some(new) = faces.magnetize(site, centre, orientation)
+        {
+            faces.set_nearby(new, 0..count);
         }
     }
 
     fn switch_off(&mut self, site: Site) {
-        self.active.retain(|active| active.site != site);
-        if let Some(id) = self.holds.remove(&site) {
+        let Some(faces) = &mut self.faces else {
+            return;
+        };
+        if let Some(id) = faces.switch_off(site) {
             self.release(id);
             for face in Face::ALL {
                 let body = Body::Free(id);
@@ -241,12 +228,22 @@ impl World for RapierWorld {
 
     fn step(&mut self, dockings: &mut Vec<Docking>) -> Result<(), Fault> {
         for substep in 0..self.substeps {
-            self.survey(self.tick);
+            if let Some(faces) = &mut self.faces {
+                faces.survey(self.tick, &mut self.blocks);
+            }
             self.push(substep == 0);
             self.engine.step();
             self.read()?;
-            self.survey(self.tick + 1);
-            self.capture(dockings);
+            if let Some(faces) = &mut self.faces {
+                let mut held = Vec::new();
+                faces.capture(self.tick, &mut self.blocks, |block, docking| {
+                    held.push(block);
+                    dockings.push(docking);
+                });
+                for block in held {
+                    self.hold(block);
+                }
+            }
         }
         self.tick += 1;
         Ok(())

@@ -1,7 +1,8 @@
 //! Everything that changes velocities, other than contacts.
-use rapier3d::glamx::Vec3;
+use nalgebra::Vector3;
 
 use super::RapierWorld;
+use super::convert::{vec3, vector};
 use crate::draw::{direction, unit};
 
 impl RapierWorld {
@@ -15,21 +16,22 @@ impl RapierWorld {
             .map(|rate| libm::exp(-rate / f64::from(self.substeps)) as f32);
         let kicks = self.terms.kicks.filter(|_| kick);
         let mut draws = kicks.map(|kicks| (kicks.speed, self.kicks.step(self.tick)));
-        for (id, block) in self.blocks.iter_mut().enumerate() {
+        for (id, block) in self.blocks.0.iter_mut().enumerate() {
             if block.anchored.is_some() {
                 continue;
             }
             if let Some(shell) = self.terms.hemisphere {
-                let distance = block.position.length();
-                if distance > shell.radius {
-                    let depth = distance - shell.radius;
-                    block.velocity -= block.position * (shell.stiffness * depth / distance * dt);
+                let distance = block.position.norm();
+                let depth = distance - shell.radius as f32;
+                if depth > 0.0 {
+                    let stiffness = shell.stiffness as f32;
+                    block.velocity -= block.position * (stiffness * depth / distance * dt);
                 }
             }
             if let Some(((low, high), step)) = &mut draws {
                 let [speed, height, azimuth, _] = step.block(id as u32);
                 let speed = (*low + (*high - *low) * unit(speed)) as f32;
-                block.velocity += speed * Vec3::from(direction(height, azimuth));
+                block.velocity += speed * Vector3::from(direction(height, azimuth));
             }
             if let Some(factor) = drag {
                 block.velocity *= factor;
@@ -37,24 +39,24 @@ impl RapierWorld {
             // Only what has changed, because the engine looks at everything that was touched.
             let handle = self.handles[id];
             let known = &self.engine.bodies[handle];
-            let (linear, angular) = (known.linvel(), known.angvel());
+            let (linear, angular) = (vector(known.linvel()), vector(known.angvel()));
             if linear != block.velocity || angular != block.spin {
                 let body = &mut self.engine.bodies[handle];
-                body.set_linvel(block.velocity, false);
-                body.set_angvel(block.spin, false);
+                body.set_linvel(vec3(block.velocity), false);
+                body.set_angvel(vec3(block.spin), false);
             }
         }
     }
 
     /// The magnets' part, on every block in reach.
     fn pull(&mut self, dt: f32) {
-        let Some(magnet) = &self.terms.bond else {
+        let Some(faces) = &self.faces else {
             return;
         };
-        for sighting in &self.sightings {
-            let block = &mut self.blocks[sighting.body as usize];
-            let target = &self.active[sighting.active].target;
-            let push = target.push(&sighting.near, block.position, block.rotation, magnet);
+        let mut pushes = Vec::new();
+        faces.pull(&mut self.blocks, |id, push| pushes.push((id, push)));
+        for (id, push) in pushes {
+            let block = &mut self.blocks.0[id as usize];
             block.velocity += push.linear * dt;
             block.spin += push.angular * dt;
         }

@@ -1,13 +1,13 @@
 //! The scene in block units: side 1, mass 1, and the tick as the unit of time.
 //!
 //! Single precision and contact settings then mean the same for a block of 10 um and of 20 cm.
-use stochc_compiler::scene::{Agitation, Bond, Enclosure, Measure, Reach, Scene};
+use stochc_compiler::scene::{Agitation, Bond, ContactLaw, Enclosure, Measure, Reach, Scene};
 
 use super::SceneError;
 
 /// The terms in force; `None` is a term that does not exist.
 #[derive(Clone, Debug)]
-pub(super) struct Terms {
+pub(crate) struct Terms {
     pub hemisphere: Option<Hemisphere>,
     pub kicks: Option<Kicks>,
     /// Rate of the linear drag \[1 / tick\].
@@ -17,44 +17,45 @@ pub(super) struct Terms {
 }
 
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Hemisphere {
+pub(crate) struct Hemisphere {
     /// \[side\]
-    pub radius: f32,
+    pub radius: f64,
     /// Acceleration per depth \[1 / tick^2\].
-    pub stiffness: f32,
+    pub stiffness: f64,
 }
 
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Kicks {
+pub(crate) struct Kicks {
     /// Least and most change of speed \[side / tick\].
     pub speed: (f64, f64),
 }
 
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Contact {
-    pub restitution: f32,
-    pub friction: f32,
+#[derive(Clone, Debug)]
+pub(crate) struct Contact {
+    /// In block units: stiffness \[1 / tick^2\] and damping \[1 / tick\] for a mass of 1.
+    pub law: ContactLaw,
+    pub friction: f64,
 }
 
 /// How a magnetized face captures.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Magnet {
+pub(crate) struct Magnet {
     pub pull: Pull,
     pub align: Option<Pull>,
     pub measure: Measure,
     /// Anchoring distance \[side\].
-    pub within: f32,
+    pub within: f64,
     /// Cosine of the greatest tilt at which a block is anchored.
-    pub cos_tilt: f32,
+    pub cos_tilt: f64,
 }
 
 /// A force of constant magnitude.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Pull {
+pub(crate) struct Pull {
     /// Acceleration \[side / tick^2\].
-    pub force: f32,
+    pub force: f64,
     /// Reach \[side\].
-    pub within: f32,
+    pub within: f64,
 }
 
 impl Terms {
@@ -62,11 +63,11 @@ impl Terms {
         let side = positive("the side of a block", scene.block.side)?;
         let mass = positive("the mass of a block", scene.block.mass)?;
         let tick = positive("the tick", scene.tick)?;
-        let length = |what, value: f64| Ok::<f32, SceneError>(number(what, value / side)? as f32);
+        let length = |what, value: f64| number(what, value / side);
         let speed = |what, value: f64| number(what, value * tick / side);
         let reach = |what, reach: &Reach| {
             Ok::<Pull, SceneError>(Pull {
-                force: number(what, reach.force * tick * tick / (mass * side))? as f32,
+                force: number(what, reach.force * tick * tick / (mass * side))?,
                 within: length(what, reach.within)?,
             })
         };
@@ -74,7 +75,7 @@ impl Terms {
             hemisphere: match &scene.enclosure {
                 Some(Enclosure::Hemisphere { radius, wall }) => Some(Hemisphere {
                     radius: length("the radius of the enclosure", *radius)?,
-                    stiffness: number("the wall", wall * tick * tick / mass)? as f32,
+                    stiffness: number("the wall", wall * tick * tick / mass)?,
                 }),
                 None => None,
             },
@@ -90,8 +91,16 @@ impl Terms {
             },
             contact: match &scene.contact {
                 Some(contact) => Some(Contact {
-                    restitution: number("the restitution", contact.restitution)? as f32,
-                    friction: number("the friction", contact.friction)? as f32,
+                    law: match contact.law {
+                        ContactLaw::Rigid { restitution } => ContactLaw::Rigid {
+                            restitution: number("the restitution", restitution)?,
+                        },
+                        ContactLaw::Compliant { stiffness, damping } => ContactLaw::Compliant {
+                            stiffness: number("the stiffness", stiffness * tick * tick / mass)?,
+                            damping: number("the damping", damping * tick / mass)?,
+                        },
+                    },
+                    friction: number("the friction", contact.friction)?,
                 }),
                 None => None,
             },
@@ -108,7 +117,7 @@ impl Terms {
                     },
                     measure: anchor.measure,
                     within: length("the anchoring distance", anchor.within)?,
-                    cos_tilt: libm::cos(number("the anchoring tilt", anchor.tilt)?) as f32,
+                    cos_tilt: libm::cos(number("the anchoring tilt", anchor.tilt)?),
                 }),
                 None => None,
             },

@@ -1,6 +1,6 @@
 //! Where the free blocks are at tick 0.
 use nalgebra::Vector3;
-use stochc_compiler::scene::Arrangement;
+use stochc_compiler::scene::{Arrangement, Scene};
 
 use super::terms::Terms;
 use super::{BodyState, SceneError};
@@ -11,8 +11,14 @@ const MARGIN: f64 = 1.0;
 /// Least spacing of the lattice \[side\]: below it, blocks would touch.
 const LEAST_SPACING: f64 = 1.1;
 
+/// The free blocks of a scene at tick 0.
+pub(super) fn blocks(scene: &Scene) -> Result<Vec<BodyState>, SceneError> {
+    let terms = Terms::new(scene)?;
+    uniform(&terms, scene.free.arrangement, scene.free.count)
+}
+
 /// `count` blocks at rest, their axes along the structure's.
-pub(super) fn uniform(
+fn uniform(
     terms: &Terms,
     arrangement: Arrangement,
     count: u32,
@@ -24,7 +30,7 @@ pub(super) fn uniform(
     let Some(hemisphere) = terms.hemisphere else {
         return Err(SceneError::NoEnclosure { count });
     };
-    let radius = f64::from(hemisphere.radius) - MARGIN;
+    let radius = hemisphere.radius - MARGIN;
     let most = lattice(radius, LEAST_SPACING).len();
     if most < count as usize {
         return Err(SceneError::DoesNotFit {

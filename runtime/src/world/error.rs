@@ -22,6 +22,15 @@ pub enum SceneError {
         /// Its value; where it makes sense, in block units.
         value: f64,
     },
+    /// The model cannot compute something that the scene or the settings ask for.
+    NotInModel {
+        /// What, as a noun without its article.
+        what: &'static str,
+        /// The model, by its name on the command line.
+        model: &'static str,
+        /// A model that can.
+        instead: &'static str,
+    },
 }
 
 impl std::fmt::Display for SceneError {
@@ -41,6 +50,14 @@ impl std::fmt::Display for SceneError {
                     "{what} is {value:e} in block units, which makes no sense"
                 )
             }
+            SceneError::NotInModel {
+                what,
+                model,
+                instead,
+            } => write!(
+                f,
+                "the model `{model}` has no {what}; `--model {instead}` has it"
+            ),
         }
     }
 }

@@ -1,0 +1,46 @@
+//! Single or double precision.
+use nalgebra::{RealField, Vector3};
+
+/// A floating point number that a world can compute with.
+pub(crate) trait Real: RealField + Copy {
+    /// The nearest number to `value`.
+    fn of(value: f64) -> Self;
+    /// Exact in double precision, within 2^-24 of it in single precision.
+    fn of_int(value: i32) -> Self;
+    /// As a double.
+    fn double(self) -> f64;
+}
+
+impl Real for f32 {
+    fn of(value: f64) -> f32 {
+        value as f32
+    }
+    fn of_int(value: i32) -> f32 {
+        value as f32
+    }
+    fn double(self) -> f64 {
+        f64::from(self)
+    }
+}
+
+impl Real for f64 {
+    fn of(value: f64) -> f64 {
+        value
+    }
+    fn of_int(value: i32) -> f64 {
+        f64::from(value)
+    }
+    fn double(self) -> f64 {
+        self
+    }
+}
+
+/// The direction of a lattice normal.
+pub(crate) fn normal<R: Real>([x, y, z]: [i32; 3]) -> Vector3<R> {
+    Vector3::new(R::of_int(x), R::of_int(y), R::of_int(z))
+}
+
+/// Every component in another precision.
+pub(crate) fn cast<A: Real, B: Real>(v: Vector3<A>) -> Vector3<B> {
+    v.map(|x| B::of(x.double()))
+}

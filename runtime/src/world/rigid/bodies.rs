@@ -1,0 +1,178 @@
+//! Where every block is and how it moves, in arrays.
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+
+use crate::orientation::Orientation;
+use crate::world::magnet::Cloud;
+use crate::world::real::{Real, cast};
+use crate::world::state::BodyState;
+
+/// The blocks by number.
+///
+/// Positions and velocities are one array per component, because every step reads all of them.
+/// Orientations are brought up to date only when somebody looks: between two changes of its spin
+/// a cube turns at a constant rate, whatever its motion, as its inertia is the same about all axes.
+#[derive(Clone, Debug)]
+pub(super) struct Bodies<R: Real> {
+    pub position: [Vec<R>; 3],
+    pub velocity: [Vec<R>; 3],
+    /// 1 if the block is free, 0 if it is anchored.
+    pub mobility: Vec<R>,
+    /// As of `turned`, by the number of the substep.
+    rotation: Vec<UnitQuaternion<R>>,
+    turned: Vec<u64>,
+    pub spin: Vec<Vector3<R>>,
+    /// How a block sits in the structure; `None`: it is free.
+    pub anchored: Vec<Option<Orientation>>,
+    /// Substeps that have passed.
+    pub now: u64,
+    /// Length of a substep \[tick\].
+    pub dt: R,
+}
+
+impl<R: Real> Bodies<R> {
+    pub fn new(blocks: &[BodyState], dt: R) -> Bodies<R> {
+        let mut bodies = Bodies {
+            position: [const { Vec::new() }; 3],
+            velocity: [const { Vec::new() }; 3],
+            mobility: vec![R::one(); blocks.len()],
+            rotation: vec![UnitQuaternion::identity(); blocks.len()],
+            turned: vec![0; blocks.len()],
+            spin: vec![Vector3::zeros(); blocks.len()],
+            anchored: vec![None; blocks.len()],
+            now: 0,
+            dt,
+        };
+        for axis in 0..3 {
+            bodies.position[axis] = vec![R::zero(); blocks.len()];
+            bodies.velocity[axis] = vec![R::zero(); blocks.len()];
+        }
+        for (i, block) in blocks.iter().enumerate() {
+            bodies.set_state(i, block);
+        }
+        bodies
+    }
+
+    pub fn count(&self) -> usize {
+        self.mobility.len()
+    }
+
+    pub fn is_free(&self, i: usize) -> bool {
+        self.anchored[i].is_none()
+    }
+
+    pub fn centre(&self, i: usize) -> Vector3<R> {
+        gather(&self.position, i)
+    }
+
+    pub fn velocity(&self, i: usize) -> Vector3<R> {
+        gather(&self.velocity, i)
+    }
+
+    pub fn set_centre(&mut self, i: usize, centre: Vector3<R>) {
+        scatter(&mut self.position, i, centre);
+    }
+
+    pub fn set_velocity(&mut self, i: usize, velocity: Vector3<R>) {
+        scatter(&mut self.velocity, i, velocity);
+    }
+
+    /// How a block is turned now.
+    pub fn rotation_now(&mut self, i: usize) -> UnitQuaternion<R> {
+        let late = self.now - self.turned[i];
+        if late > 0 {
+            self.turned[i] = self.now;
+            let angle = self.spin[i] * (self.dt * R::of(late as f64));
+            self.rotation[i] = turn(angle, self.rotation[i]);
+        }
+        self.rotation[i]
+    }
+
+    /// Turns a block at once, about its centre.
+    pub fn turn_now(&mut self, i: usize, angle: Vector3<R>) {
+        self.rotation[i] = turn(angle, self.rotation_now(i));
+    }
+
+    pub fn state(&self, i: usize) -> BodyState {
+        let late = R::of((self.now - self.turned[i]) as f64);
+        let rotation = turn(self.spin[i] * (self.dt * late), self.rotation[i]);
+        BodyState {
+            position: cast(self.centre(i)),
+            orientation: UnitQuaternion::from_quaternion(rotation.coords.map(Real::double).into()),
+            velocity: cast(self.velocity(i)),
+            spin: cast(self.spin[i]),
+        }
+    }
+
+    pub fn set_state(&mut self, i: usize, state: &BodyState) {
+        self.set_centre(i, cast(state.position));
+        self.set_velocity(i, cast(state.velocity));
+        self.spin[i] = cast(state.spin);
+        self.set_rotation(i, state.orientation);
+    }
+
+    /// Fixes a block.
+    pub fn anchor(&mut self, i: usize, centre: Vector3<R>, orientation: Orientation) {
+        self.set_centre(i, centre);
+        self.set_velocity(i, Vector3::zeros());
+        self.spin[i] = Vector3::zeros();
+        self.set_rotation(i, orientation.quaternion());
+        self.anchored[i] = Some(orientation);
+        self.mobility[i] = R::zero();
+    }
+
+    /// Lets a block go, at rest.
+    pub fn release(&mut self, i: usize) {
+        self.anchored[i] = None;
+        self.mobility[i] = R::one();
+    }
+
+    fn set_rotation(&mut self, i: usize, rotation: UnitQuaternion<f64>) {
+        let rotation = rotation.coords.map(R::of);
+        self.rotation[i] = UnitQuaternion::from_quaternion(rotation.into());
+        self.turned[i] = self.now;
+    }
+}
+
+impl<R: Real> Cloud<R> for Bodies<R> {
+    fn position(&self, id: u32) -> Option<Vector3<R>> {
+        let i = id as usize;
+        self.is_free(i).then(|| self.centre(i))
+    }
+
+    fn rotation(&mut self, id: u32) -> UnitQuaternion<R> {
+        self.rotation_now(id as usize)
+    }
+}
+
+fn gather<R: Real>(arrays: &[Vec<R>; 3], i: usize) -> Vector3<R> {
+    Vector3::new(arrays[0][i], arrays[1][i], arrays[2][i])
+}
+
+fn scatter<R: Real>(arrays: &mut [Vec<R>; 3], i: usize, value: Vector3<R>) {
+    for (axis, array) in arrays.iter_mut().enumerate() {
+        array[i] = value[axis];
+    }
+}
+
+/// `rotation`, turned by a rotation vector: exact for a constant spin.
+fn turn<R: Real>(angle: Vector3<R>, rotation: UnitQuaternion<R>) -> UnitQuaternion<R> {
+    let square = angle.norm_squared().double() / 4.0;
+    if square == 0.0 {
+        return rotation;
+    }
+    // Half the angle: cosine, and sine over the angle itself.
+    let (cos, over) = if square < 0.04 {
+        // Both series are cut where the next term is below 1e-10.
+        let s = square;
+        let cos = 1.0 - s / 2.0 * (1.0 - s / 12.0 * (1.0 - s / 30.0 * (1.0 - s / 56.0)));
+        let sinc = 1.0 - s / 6.0 * (1.0 - s / 20.0 * (1.0 - s / 42.0 * (1.0 - s / 72.0)));
+        (cos, sinc / 2.0)
+    } else {
+        let half = square.sqrt();
+        let (sin, cos) = libm::sincos(half);
+        (cos, sin / half / 2.0)
+    };
+    let by = Quaternion::from_parts(R::of(cos), angle * R::of(over));
+    let turned = by * rotation.into_inner();
+    UnitQuaternion::new_unchecked(turned / turned.norm())
+}

@@ -1,0 +1,275 @@
+//! The terms of a scene put together, one substep after the other.
+use nalgebra::Vector3;
+use stochc_compiler::table::Plate;
+use stochc_compiler::{Cell, Face};
+
+use super::bodies::Bodies;
+use super::detect::Shape;
+use super::fault;
+use super::flight::Flight;
+use super::neighbours::Neighbours;
+use super::solver::Solver;
+use crate::draw::{Draws, Stream};
+use crate::orientation::Orientation;
+use crate::settings::{Reduction, Settings};
+use crate::world::magnet::Faces;
+use crate::world::plate::Seats;
+use crate::world::real::{Real, cast};
+use crate::world::terms::{Contact, Kicks, Terms};
+use crate::world::{Body, BodyState, Docking, Fault, Site};
+
+/// A world in one precision.
+pub(super) struct Kernel<R: Real> {
+    tick: u64,
+    substeps: u32,
+    pub(super) bodies: Bodies<R>,
+    flight: Flight<R>,
+    kicks: Option<(Kicks, Draws)>,
+    /// The words of one tick, kept to be used again.
+    words: Vec<u8>,
+    pub(super) contacts: Option<Contacts<R>>,
+    faces: Option<Faces<R>>,
+    /// `None` where nobody asks who is near whom.
+    pub(super) neighbours: Option<Neighbours<R>>,
+    /// The list of neighbours has to be made anew.
+    stale: bool,
+    seats: Seats,
+    turns: bool,
+}
+
+/// Who can touch what.
+pub(super) struct Contacts<R: Real> {
+    pub shape: Shape<R>,
+    pub solver: Solver<R>,
+    /// Free blocks touch each other, and not only what does not move.
+    pub mutual: bool,
+    /// Kept to be used again.
+    pub close: Vec<(u32, u32)>,
+}
+
+impl<R: Real> Kernel<R> {
+    pub fn new(
+        terms: Terms,
+        plate: &Plate,
+        settings: &Settings,
+        seed: u64,
+        run: u64,
+        blocks: &[BodyState],
+    ) -> Kernel<R> {
+        let substeps = settings.substeps.max(1);
+        let dt = 1.0 / f64::from(substeps);
+        let without = |reduction| settings.reduction == Some(reduction);
+        let turns = !without(Reduction::NoRotation);
+        let contacts = terms.contact.map(|contact| {
+            let contact = Contact {
+                friction: if without(Reduction::NoFriction) {
+                    0.0
+                } else {
+                    contact.friction
+                },
+                ..contact
+            };
+            Contacts {
+                shape: Shape::new(
+                    terms.hemisphere.is_some(),
+                    plate,
+                    without(Reduction::Spheres),
+                ),
+                solver: Solver::new(&contact, blocks.len(), settings.iterations(), turns),
+                mutual: !without(Reduction::NoBlockContact),
+                close: Vec::new(),
+            }
+        });
+        let faces = terms.bond.map(Faces::new);
+        let neighbours =
+            (contacts.is_some() || faces.is_some()).then(|| Neighbours::new(blocks.len()));
+        Kernel {
+            tick: 0,
+            substeps,
+            bodies: Bodies::new(blocks, R::of(dt)),
+            flight: Flight::new(terms.hemisphere, terms.drag, dt),
+            kicks: terms
+                .kicks
+                .map(|kicks| (kicks, Draws::new(seed, run, Stream::Kick))),
+            words: Vec::new(),
+            contacts,
+            faces,
+            neighbours,
+            stale: true,
+            seats: Seats::new(plate),
+            turns,
+        }
+    }
+
+    pub fn count(&self) -> usize {
+        self.bodies.count()
+    }
+
+    pub fn tick(&self) -> u64 {
+        self.tick
+    }
+
+    pub fn state(&self, id: u32) -> BodyState {
+        self.bodies.state(id as usize)
+    }
+
+    pub fn set_state(&mut self, id: u32, state: &BodyState) {
+        if self.bodies.is_free(id as usize) {
+            self.bodies.set_state(id as usize, state);
+            self.disturb();
+        }
+    }
+
+    pub fn anchored(&self, id: u32) -> Option<Orientation> {
+        self.bodies.anchored[id as usize]
+    }
+
+    pub fn active(&self) -> Vec<(Site, u32)> {
+        self.faces.iter().flat_map(Faces::active).collect()
+    }
+
+    pub fn centre(&self, cell: Cell) -> Vector3<f64> {
+        self.seats.centre(cell)
+    }
+
+    pub fn magnetize(&mut self, site: Site) {
+        let (centre, orientation) = match site.body {
+            Body::Seed(cell) => (cast(self.seats.centre(cell)), Orientation::IDENTITY),
+            Body::Free(id) => {
+                let i = id as usize;
+                let Some(orientation) = self.bodies.anchored[i] else {
+                    return;
+                };
+                (self.bodies.centre(i), orientation)
+            }
+        };
+        if let (Some(faces), Some(neighbours)) = (&mut self.faces, &self.neighbours)
+            && let Some(new) = faces.magnetize(site, centre, orientation)
+        {
+            let around = neighbours.around(faces.centre(new).into(), faces.horizon());
+            faces.set_nearby(new, around);
+        }
+    }
+
+    pub fn switch_off(&mut self, site: Site) {
+        let Some(faces) = &mut self.faces else {
+            return;
+        };
+        if let Some(id) = faces.switch_off(site) {
+            self.bodies.release(id as usize);
+            self.disturb();
+            for face in Face::ALL {
+                let body = Body::Free(id);
+                self.switch_off(Site { body, face });
+            }
+        }
+    }
+
+    pub fn step(&mut self, dockings: &mut Vec<Docking>) -> Result<(), Fault> {
+        for substep in 0..self.substeps {
+            self.refresh();
+            if let Some(faces) = &mut self.faces {
+                faces.survey(self.tick, &mut self.bodies);
+            }
+            self.detect();
+            self.pull()?;
+            let kicks = self.kicks.as_mut().filter(|_| substep == 0);
+            let kicks = kicks.map(|(kicks, draws)| (&*kicks, draws.step(self.tick)));
+            let landing = self.flight.fly(
+                &mut self.bodies,
+                self.neighbours.as_ref(),
+                kicks,
+                &mut self.words,
+            );
+            if landing.absurd
+                && let Some(fault) = fault::find(&self.bodies)
+            {
+                return Err(fault);
+            }
+            self.stale |= landing.stale;
+            self.collide()?;
+            self.bodies.now += 1;
+            self.refresh();
+            self.capture(dockings);
+        }
+        self.tick += 1;
+        Ok(())
+    }
+
+    /// Something other than a step has moved, freed or fixed a block.
+    fn disturb(&mut self) {
+        self.stale = true;
+        if let Some(faces) = &mut self.faces {
+            faces.disturb();
+        }
+    }
+
+    /// Looks for neighbours again, if it is time.
+    fn refresh(&mut self) {
+        let (true, Some(neighbours)) = (self.stale, &mut self.neighbours) else {
+            return;
+        };
+        self.stale = false;
+        neighbours.renew(&self.bodies);
+        if let Some(faces) = &mut self.faces {
+            for active in 0..faces.count() {
+                let around = neighbours.around(faces.centre(active).into(), faces.horizon());
+                faces.set_nearby(active, around);
+            }
+        }
+    }
+
+    /// The magnets' part.
+    fn pull(&mut self) -> Result<(), Fault> {
+        let Some(faces) = &self.faces else {
+            return Ok(());
+        };
+        let mut pushes = Vec::new();
+        faces.pull(&mut self.bodies, |id, push| pushes.push((id, push)));
+        for (id, push) in pushes {
+            let i = id as usize;
+            let velocity = self.bodies.velocity(i) + push.linear * self.bodies.dt;
+            self.bodies.set_velocity(i, velocity);
+            if self.turns {
+                // What it is turned by now, it was turned to before its spin changes.
+                self.bodies.rotation_now(i);
+                let change = push.angular * self.bodies.dt;
+                self.bodies.spin[i] += change;
+            }
+            fault::check(&self.bodies, i)?;
+        }
+        Ok(())
+    }
+
+    /// Corrects the motion of the blocks that touch something.
+    fn collide(&mut self) -> Result<(), Fault> {
+        let (Some(contacts), Some(neighbours)) = (&mut self.contacts, &self.neighbours) else {
+            return Ok(());
+        };
+        let (mut stale, mut sound) = (false, Ok(()));
+        contacts.solver.solve(&mut self.bodies, |bodies, i| {
+            stale |= neighbours.has_left(i, bodies.centre(i));
+            if sound.is_ok() {
+                sound = fault::check(bodies, i);
+            }
+        });
+        self.stale |= stale;
+        sound
+    }
+
+    fn capture(&mut self, dockings: &mut Vec<Docking>) {
+        let Some(faces) = &mut self.faces else {
+            return;
+        };
+        let mut held = Vec::new();
+        faces.capture(self.tick, &mut self.bodies, |block, docking| {
+            held.push(block);
+            dockings.push(docking);
+        });
+        for block in held {
+            self.bodies
+                .anchor(block.body as usize, block.seat, block.orientation);
+            self.disturb();
+        }
+    }
+}

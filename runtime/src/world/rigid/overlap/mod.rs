@@ -1,0 +1,48 @@
+//! Where two convex bodies overlap: along which direction least, and at which points.
+mod boxes;
+mod clip;
+mod ground;
+
+use nalgebra::Vector3;
+use smallvec::SmallVec;
+
+use crate::world::real::Real;
+
+pub(super) use boxes::{Cuboid, boxes};
+pub(super) use ground::{ball_on_ground, cube_on_ground};
+
+/// The points at which one body touches another.
+#[derive(Clone, Debug)]
+pub(super) struct Patch<R: Real> {
+    /// The direction in which the first body leaves the second one soonest.
+    pub normal: Vector3<R>,
+    pub points: SmallVec<[Point<R>; 8]>,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Point<R: Real> {
+    /// In the middle of the overlap.
+    pub place: Vector3<R>,
+    /// How far the bodies overlap there \[side\], more than 0.
+    pub depth: R,
+}
+
+/// Two balls as large as a cube's faces let them be.
+pub(super) fn balls<R: Real>(a: Vector3<R>, b: Vector3<R>) -> Option<Patch<R>> {
+    let offset = a - b;
+    let distance = offset.norm();
+    let depth = R::one() - distance;
+    if !(depth > R::zero()) {
+        return None;
+    }
+    let normal = if distance > R::zero() {
+        offset / distance
+    } else {
+        Vector3::z()
+    };
+    let place = b + offset * R::of(0.5);
+    Some(Patch {
+        normal,
+        points: smallvec::smallvec![Point { place, depth }],
+    })
+}
