@@ -104,6 +104,7 @@ codes! {
     Error UnknownTerm "unknown-term"
     Error MissingTerm "missing-term"
     Error DuplicateTerm "duplicate-term"
+    Error ConflictingTerms "conflicting-terms"
     Error WrongDimension "wrong-dimension"
     Error WrongValue "wrong-value"
 

@@ -103,10 +103,30 @@ pub struct Drag {
 /// Collisions of blocks with each other, the structure and the ground.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Contact {
-    /// 0: inelastic, 1: elastic.
-    pub restitution: f64,
+    /// What keeps them apart.
+    #[serde(flatten)]
+    pub law: ContactLaw,
     /// Coulomb's coefficient.
     pub friction: f64,
+}
+
+/// What keeps two blocks apart, or one and the ground.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum ContactLaw {
+    /// They never overlap, but for what the time step lets through.
+    Rigid {
+        /// 0: inelastic, 1: elastic.
+        restitution: f64,
+    },
+    /// A pair that overlaps by a depth d repels with `stiffness d + damping d'`, and never
+    /// attracts; the points of the patch share this in proportion to their depths.
+    Compliant {
+        /// Force per depth \[N/m\], more than 0.
+        stiffness: f64,
+        /// Force per speed at which the depth grows \[N s/m\], at least 0.
+        damping: f64,
+    },
 }
 
 /// How a magnetized face captures a free block.
@@ -162,4 +182,32 @@ pub struct Messages {
     /// Probability that a hop is lost, and that its acknowledgement is; absent: none ever is.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub loss: Option<f64>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_contact_in_json_names_the_fields_of_its_kind() {
+        for (json, law) in [
+            (
+                r#"{"restitution":0.0,"friction":0.2}"#,
+                ContactLaw::Rigid { restitution: 0.0 },
+            ),
+            (
+                r#"{"stiffness":25.0,"damping":5.0,"friction":0.2}"#,
+                ContactLaw::Compliant {
+                    stiffness: 25.0,
+                    damping: 5.0,
+                },
+            ),
+        ] {
+            let contact = Contact { law, friction: 0.2 };
+            assert_eq!(serde_json::to_string(&contact).unwrap(), json);
+            assert_eq!(serde_json::from_str::<Contact>(json).unwrap(), contact);
+        }
+        let neither = serde_json::from_str::<Contact>(r#"{"friction":0.2}"#);
+        assert!(neither.is_err(), "{neither:?}");
+    }
 }

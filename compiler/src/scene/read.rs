@@ -1,4 +1,6 @@
 //! A scene's words and values to the terms of the model.
+mod contact;
+
 use stochc_grammar::tree::{Name, Quantity, Term};
 use stochc_grammar::{Span, Symbols};
 
@@ -26,7 +28,7 @@ const CLAUSES: [&str; 9] = [
 ];
 
 /// The words inside of clauses.
-const WORDS: [&str; 23] = [
+const WORDS: [&str; 25] = [
     "cube",
     "side",
     "mass",
@@ -39,6 +41,8 @@ const WORDS: [&str; 23] = [
     "speed",
     "rate",
     "restitution",
+    "stiffness",
+    "damping",
     "friction",
     "attract",
     "pull",
@@ -219,19 +223,7 @@ impl<'a> Reader<'a, '_> {
                 });
                 draft.drag = rate.map(|rate| Drag { rate });
             }
-            "contact" => {
-                let (mut restitution, mut friction) = (None, None);
-                let all = ["restitution", "friction"];
-                self.fields(clause, &all, &all, |r, field| match field {
-                    "restitution" => restitution = r.between(Dimension::NUMBER, 0.0, 1.0),
-                    _ => friction = r.between(Dimension::NUMBER, 0.0, f64::MAX),
-                });
-                draft.contact =
-                    (restitution.zip(friction)).map(|(restitution, friction)| Contact {
-                        restitution,
-                        friction,
-                    });
-            }
+            "contact" => draft.contact = self.contact(clause),
             "bond" => draft.bond = self.bond(clause),
             "messages" => {
                 let (mut hop, mut loss) = (None, None);
@@ -315,12 +307,7 @@ impl<'a> Reader<'a, '_> {
         mut read: impl FnMut(&mut Reader<'a, '_>, &'a str),
     ) {
         let Some(Term::Block(terms, span)) = self.terms.peek() else {
-            let word = self.word_of(clause);
-            let finding = Finding::new(Code::MissingTerm, format!("`{word}` without its braces"))
-                .label(self.site(clause.span), "what of it?")
-                .help(format!("write `{word} ... {{ {} }}`", known.join(" ... ")));
-            tell(self.findings, finding);
-            return;
+            return self.without_braces(clause, known);
         };
         self.terms.next();
         let mut inner = Reader {
@@ -338,14 +325,27 @@ impl<'a> Reader<'a, '_> {
         }
         for &field in needed {
             if !seen.iter().any(|name| self.word_of(*name) == field) {
-                let word = self.word_of(clause);
-                let finding =
-                    Finding::new(Code::MissingTerm, format!("`{word}` without `{field}`"))
-                        .label(self.site(clause.span), format!("needs `{field}`"));
+                let finding = self.without(clause, field);
                 tell(self.findings, finding);
             }
         }
         self.place = *span;
+    }
+
+    /// Tells that a clause has no braces, and what might stand between them.
+    fn without_braces(&mut self, clause: Name, fields: &[&str]) {
+        let word = self.word_of(clause);
+        let finding = Finding::new(Code::MissingTerm, format!("`{word}` without its braces"))
+            .label(self.site(clause.span), "what of it?")
+            .help(format!("write `{word} ... {{ {} }}`", fields.join(" ... ")));
+        tell(self.findings, finding);
+    }
+
+    /// That a clause has none of a field that it needs.
+    fn without(&self, clause: Name, field: &str) -> Finding {
+        let word = self.word_of(clause);
+        Finding::new(Code::MissingTerm, format!("`{word}` without `{field}`"))
+            .label(self.site(clause.span), format!("needs `{field}`"))
     }
 
     /// The next word, which has to be one of `known`; skips what is none, and tells of it once.

@@ -54,6 +54,12 @@ impl Dimension {
         second: -2,
         ..NONE
     };
+    /// \[N s/m\]
+    pub const DAMPING: Dimension = Dimension {
+        kilogram: 1,
+        second: -1,
+        ..NONE
+    };
     /// \[1/s\]
     pub const RATE: Dimension = Dimension { second: -1, ..NONE };
     /// Ticks of the scene's clock.
@@ -69,6 +75,7 @@ impl Dimension {
             Dimension::SPEED => "a speed, such as `0.4 m/s`",
             Dimension::FORCE => "a force, such as `15 N`",
             Dimension::STIFFNESS => "a stiffness, such as `25 N/m`",
+            Dimension::DAMPING => "a damping, such as `5 N s/m`",
             Dimension::RATE => "a rate, such as `0.5 s^-1`",
             Dimension::TICKS => "a number of ticks, such as `3 ticks`",
             _ => "a value of another kind",
@@ -251,6 +258,12 @@ mod tests {
                 ..NONE
             }
         );
+        for damping in [
+            si(5.0, &[("N", 1), ("s", 1), ("m", -1)]),
+            si(5.0, &[("kg", 1), ("s", -1)]),
+        ] {
+            assert_eq!(damping, (5.0, Dimension::DAMPING));
+        }
         let (viscosity, _) = si(100.0, &[("mPa", 1), ("s", 1)]);
         assert!((viscosity - 0.1).abs() < 1e-15);
         assert!((si(180.0, &[("deg", 1)]).0 - std::f64::consts::PI).abs() < 1e-15);

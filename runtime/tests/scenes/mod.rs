@@ -2,7 +2,8 @@
 #![allow(dead_code, reason = "each test file sets other scenes")]
 use nalgebra::{UnitQuaternion, Vector3};
 use stochc_compiler::scene::{
-    Agitation, Anchor, Arrangement, Block, Bond, Contact, Enclosure, Free, Measure, Reach, Scene,
+    Agitation, Anchor, Arrangement, Block, Bond, Contact, ContactLaw, Enclosure, Free, Measure,
+    Reach, Scene,
 };
 use stochc_compiler::table::Plate;
 use stochc_runtime::Settings;
@@ -40,7 +41,14 @@ pub fn kicks(rms: f64) -> Option<Agitation> {
 
 pub fn contact(restitution: f64, friction: f64) -> Option<Contact> {
     Some(Contact {
-        restitution,
+        law: ContactLaw::Rigid { restitution },
+        friction,
+    })
+}
+
+pub fn compliant(stiffness: f64, damping: f64, friction: f64) -> Option<Contact> {
+    Some(Contact {
+        law: ContactLaw::Compliant { stiffness, damping },
         friction,
     })
 }

@@ -22,6 +22,15 @@ pub enum SceneError {
         /// Its value; where it makes sense, in block units.
         value: f64,
     },
+    /// The scene has a term that the model cannot compute.
+    NotInModel {
+        /// The term, as a noun without its article.
+        term: &'static str,
+        /// The model, by its name on the command line.
+        model: &'static str,
+        /// A model that has the term.
+        instead: &'static str,
+    },
 }
 
 impl std::fmt::Display for SceneError {
@@ -41,6 +50,14 @@ impl std::fmt::Display for SceneError {
                     "{what} is {value:e} in block units, which makes no sense"
                 )
             }
+            SceneError::NotInModel {
+                term,
+                model,
+                instead,
+            } => write!(
+                f,
+                "the model `{model}` has no {term}; `--model {instead}` has it"
+            ),
         }
     }
 }

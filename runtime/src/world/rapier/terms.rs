@@ -1,7 +1,7 @@
 //! The scene in block units: side 1, mass 1, and the tick as the unit of time.
 //!
 //! Single precision and contact settings then mean the same for a block of 10 um and of 20 cm.
-use stochc_compiler::scene::{Agitation, Bond, Enclosure, Measure, Reach, Scene};
+use stochc_compiler::scene::{Agitation, Bond, ContactLaw, Enclosure, Measure, Reach, Scene};
 
 use super::SceneError;
 
@@ -90,7 +90,18 @@ impl Terms {
             },
             contact: match &scene.contact {
                 Some(contact) => Some(Contact {
-                    restitution: number("the restitution", contact.restitution)? as f32,
+                    restitution: match contact.law {
+                        ContactLaw::Rigid { restitution } => {
+                            number("the restitution", restitution)? as f32
+                        }
+                        ContactLaw::Compliant { .. } => {
+                            return Err(SceneError::NotInModel {
+                                term: "contact with a `stiffness`",
+                                model: "rapier",
+                                instead: "rigid",
+                            });
+                        }
+                    },
                     friction: number("the friction", contact.friction)? as f32,
                 }),
                 None => None,

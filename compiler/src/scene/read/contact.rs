@@ -1,0 +1,234 @@
+//! The clause `contact`, which is of one of two kinds.
+use stochc_grammar::Span;
+use stochc_grammar::tree::{Name, Term};
+
+use super::super::units::Dimension;
+use super::super::{Contact, ContactLaw};
+use super::Reader;
+use crate::finding::{Code, Finding, tell};
+
+/// A field that has been said: where, and its value unless that is wrong.
+type Said = Option<(Span, Option<f64>)>;
+
+impl Reader<'_, '_> {
+    /// `{ restitution 0  friction 0.2 }`, or `{ stiffness 25 N/m  damping 5 N s/m  friction 0.2 }`
+    pub(super) fn contact(&mut self, clause: Name) -> Option<Contact> {
+        if !matches!(self.terms.peek(), Some(Term::Block(..))) {
+            self.without_braces(clause, &["restitution", "friction"]);
+            return None;
+        }
+        let (mut restitution, mut stiffness, mut damping, mut friction): (Said, Said, Said, Said) =
+            (None, None, None, None);
+        let all = ["restitution", "stiffness", "damping", "friction"];
+        self.fields(clause, &all, &[], |r, field| {
+            let place = r.place;
+            let (said, dimension, least, most) = match field {
+                "restitution" => (&mut restitution, Dimension::NUMBER, 0.0, 1.0),
+                "stiffness" => (
+                    &mut stiffness,
+                    Dimension::STIFFNESS,
+                    f64::MIN_POSITIVE,
+                    f64::MAX,
+                ),
+                "damping" => (&mut damping, Dimension::DAMPING, 0.0, f64::MAX),
+                _ => (&mut friction, Dimension::NUMBER, 0.0, f64::MAX),
+            };
+            *said = Some((place, r.between(dimension, least, most)));
+        });
+        let law = self.law(clause, restitution, stiffness, damping);
+        if friction.is_none() {
+            let finding = self.without(clause, "friction");
+            tell(self.findings, finding);
+        }
+        Some(Contact {
+            law: law?,
+            friction: friction?.1?,
+        })
+    }
+
+    /// The one of the two kinds that the fields say.
+    fn law(
+        &mut self,
+        clause: Name,
+        restitution: Said,
+        stiffness: Said,
+        damping: Said,
+    ) -> Option<ContactLaw> {
+        match (restitution, stiffness, damping) {
+            (Some((rigid, _)), Some((compliant, _)), _)
+            | (Some((rigid, _)), None, Some((compliant, _))) => {
+                let finding = Finding::new(
+                    Code::ConflictingTerms,
+                    "a contact that is rigid and gives way",
+                )
+                .label(self.site(compliant), "a contact that gives way")
+                .label(self.site(rigid), "a rigid one")
+                .help(
+                    "remove `restitution`, or `stiffness` and `damping`; how much a contact that \
+                     gives way throws back follows from its `damping`",
+                );
+                tell(self.findings, finding);
+                None
+            }
+            (Some((_, value)), None, None) => {
+                value.map(|restitution| ContactLaw::Rigid { restitution })
+            }
+            (None, Some((_, value)), damping) => {
+                let damping = damping.map_or(Some(0.0), |(_, value)| value);
+                (value.zip(damping))
+                    .map(|(stiffness, damping)| ContactLaw::Compliant { stiffness, damping })
+            }
+            (None, None, Some(_)) => {
+                let finding = self.without(clause, "stiffness");
+                tell(
+                    self.findings,
+                    finding.help("add how strongly it repels, such as `stiffness 25 N/m`"),
+                );
+                None
+            }
+            (None, None, None) => {
+                let finding = self.without(clause, "restitution");
+                tell(
+                    self.findings,
+                    finding.help("add it, or `stiffness` for a contact that gives way"),
+                );
+                None
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use stochc_grammar::tree::ItemKind;
+    use stochc_grammar::{Symbols, parse, print};
+
+    use super::*;
+    use crate::Sources;
+    use crate::scene::{Scene, built_in, read};
+
+    /// A scene from `hemisphere` with this clause instead, and what is found in it.
+    fn scene(clause: &str) -> (Option<Scene>, Vec<Finding>) {
+        let text = format!("scene s from hemisphere {{ {clause} }}");
+        let mut symbols = Symbols::new();
+        let parsed = parse(&text, &mut symbols);
+        assert_eq!(parsed.errors, [], "{clause}");
+        let printed = print(&parsed.tree, &symbols);
+        assert_eq!(parse(&printed, &mut symbols).tree, parsed.tree, "{printed}");
+        let ItemKind::Scene(tree) = &parsed.tree.items[0].kind else {
+            panic!("{clause} is no scene");
+        };
+        let mut findings = Vec::new();
+        let file = Sources::default().add("s.sa", text.as_str());
+        let scene = read(tree, built_in("hemisphere"), file, &symbols, &mut findings);
+        (scene, findings)
+    }
+
+    fn contact(fields: &str) -> Option<Contact> {
+        let (scene, findings) = scene(&format!("contact {{ {fields} }}"));
+        assert_eq!(findings, [], "{fields}");
+        scene?.contact
+    }
+
+    fn told(clause: &str) -> Vec<(Code, String)> {
+        let (scene, findings) = scene(clause);
+        assert_eq!(scene, None, "{clause}");
+        let told = findings.into_iter();
+        told.map(|finding| (finding.code, finding.title)).collect()
+    }
+
+    #[test]
+    fn a_contact_is_rigid_or_gives_way() {
+        let compliant = |stiffness, damping| {
+            Some(Contact {
+                law: ContactLaw::Compliant { stiffness, damping },
+                friction: 0.2,
+            })
+        };
+        assert_eq!(
+            contact("restitution 0.5  friction 0.2"),
+            Some(Contact {
+                law: ContactLaw::Rigid { restitution: 0.5 },
+                friction: 0.2
+            })
+        );
+        assert_eq!(
+            contact("stiffness 25 N/m  damping 5 N s/m  friction 0.2"),
+            compliant(25.0, 5.0)
+        );
+        assert_eq!(
+            contact("friction 0.2  damping 5000 g/s  stiffness 25 kg/s^2"),
+            compliant(25.0, 5.0)
+        );
+        assert_eq!(
+            contact("stiffness 25 N*m^-1  friction 0.2"),
+            compliant(25.0, 0.0)
+        );
+        assert_eq!(
+            contact("stiffness 25 N/m  damping 0 kg/s  friction 0.2"),
+            compliant(25.0, 0.0)
+        );
+    }
+
+    #[test]
+    fn a_contact_is_not_both() {
+        for fields in [
+            "restitution 0  stiffness 25 N/m  damping 5 kg/s  friction 0.2",
+            "stiffness 25 N/m  restitution 0  friction 0.2",
+            "damping 5 kg/s  restitution 0  friction 0.2",
+        ] {
+            let (scene, findings) = scene(&format!("contact {{ {fields} }}"));
+            assert_eq!(scene, None, "{fields}");
+            assert_eq!(findings.len(), 1, "{findings:?}");
+            assert_eq!(findings[0].code, Code::ConflictingTerms);
+            assert!(findings[0].help.is_some());
+        }
+    }
+
+    #[test]
+    fn what_is_wrong_with_a_contact_is_told_of() {
+        let missing = |what: &str| vec![(Code::MissingTerm, format!("`contact` without {what}"))];
+        assert_eq!(told("contact"), missing("its braces"));
+        assert_eq!(
+            told("contact { friction 0.2 }"),
+            missing("`restitution`"),
+            "the older kind is the one asked for"
+        );
+        assert_eq!(
+            told("contact { damping 5 kg/s  friction 0.2 }"),
+            missing("`stiffness`")
+        );
+        assert_eq!(told("contact { stiffness 25 N/m }"), missing("`friction`"));
+        let both = [missing("`restitution`"), missing("`friction`")].concat();
+        assert_eq!(told("contact { }"), both);
+
+        let range = || (Code::WrongValue, "a value out of its range".to_owned());
+        assert_eq!(
+            told("contact { stiffness 0 N/m  damping -1 kg/s  friction 0.2 }"),
+            [range(), range()]
+        );
+        let dimension = |example: &str| (Code::WrongDimension, format!("expected {example}"));
+        assert_eq!(
+            told("contact { stiffness 25 N  damping 5 N/m  friction 0.2 }"),
+            [
+                dimension("a stiffness, such as `25 N/m`"),
+                dimension("a damping, such as `5 N s/m`")
+            ]
+        );
+        assert_eq!(
+            told("contact { stiffness 25 N/m  damping  friction 0.2 }"),
+            [(
+                Code::MissingTerm,
+                "expected a damping, such as `5 N s/m`".to_owned()
+            )]
+        );
+        assert_eq!(
+            told("contact { stifness 25 N/m  stiffness 25 N/m  friction 0.2 }"),
+            [(Code::UnknownTerm, "`stifness` is no field".to_owned())]
+        );
+        assert_eq!(
+            told("contact { stiffness 25 N/m  stiffness 5 N/m  friction 0.2 }"),
+            [(Code::DuplicateTerm, "`stiffness` is said twice".to_owned())]
+        );
+    }
+}
