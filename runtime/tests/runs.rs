@@ -5,7 +5,7 @@ mod tables;
 use std::ops::ControlFlow;
 
 use nalgebra::Vector3;
-use scenes::{attract, contact, empty, hemisphere, kicks, paper, pass, world};
+use scenes::{attract, compliant, contact, empty, hemisphere, kicks, paper, pass, world};
 use stochc_compiler::scene::{Agitation, Bond, Scene};
 use stochc_compiler::table::{Action, Condition, PhaseId, Tables};
 use stochc_compiler::{Cell, Face};
@@ -212,6 +212,12 @@ fn a_scene_that_cannot_be_set_up_is_an_error_before_the_run() {
     scene.block.mass = 0.0;
     let message = error(&scene).to_string();
     assert!(message.starts_with("the mass of a block is 0"), "{message}");
+    let mut scene = paper();
+    scene.contact = compliant(25.0, 5.0, 0.2);
+    assert_eq!(
+        error(&scene).to_string(),
+        "the model `rapier` has no contact with a `stiffness`; `--model rigid` has it"
+    );
 }
 
 #[test]

@@ -93,6 +93,15 @@ fn a_scene_that_does_not_fit_is_not_run() {
 }
 
 #[test]
+fn a_scene_with_a_term_that_the_model_lacks_is_not_run() {
+    let said = stochc("simulate --model rapier tests/fixtures/soft.sa --runs 1");
+    assert_eq!((said.status, said.out.as_str()), (1, ""));
+    let reason =
+        "soft: the model `rapier` has no contact with a `stiffness`; `--model rigid` has it";
+    assert!(said.err.contains(reason), "{}", said.err);
+}
+
+#[test]
 fn a_finished_folder_is_shown_again() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "deep/er/out");

@@ -45,6 +45,13 @@ pub fn contact(restitution: f64, friction: f64) -> Option<Contact> {
     })
 }
 
+pub fn compliant(stiffness: f64, damping: f64, friction: f64) -> Option<Contact> {
+    Some(Contact {
+        law: ContactLaw::Compliant { stiffness, damping },
+        friction,
+    })
+}
+
 pub fn hemisphere(radius: f64, wall: f64) -> Option<Enclosure> {
     Some(Enclosure::Hemisphere { radius, wall })
 }

@@ -119,7 +119,7 @@ mod tests {
             panic!("{clause} is no scene");
         };
         let mut findings = Vec::new();
-        let file = Sources::default().add("s.sa", &text);
+        let file = Sources::default().add("s.sa", text.as_str());
         let scene = read(tree, built_in("hemisphere"), file, &symbols, &mut findings);
         (scene, findings)
     }
