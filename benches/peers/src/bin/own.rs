@@ -1,0 +1,91 @@
+//! The project's own worlds through their public interface, and Rapier as they set it up.
+use std::error::Error;
+
+use stochc_compiler::scene::{Drag, Enclosure, Scene, built_in};
+use stochc_compiler::table::Plate;
+use stochc_peers::drive::{Gas, State, arguments, serve};
+use stochc_peers::rapier::Rapier;
+use stochc_peers::scene::{DRAG, radius};
+use stochc_runtime::Settings;
+use stochc_runtime::world::rapier::{BodyState, RapierWorld};
+use stochc_runtime::world::{Docking, World};
+
+const PLATE: Plate = Plate { width: 3, depth: 3 };
+const SEED: u64 = 1;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let (engine, blocks, kick) = arguments()?;
+    let scene = scene(blocks, kick)?;
+    let settings = Settings::default();
+    let mut gas: Box<dyn Gas> = match engine.as_str() {
+        "as-the-project" => Box::new(Rapier::as_the_project(blocks, kick)),
+        "rapier-world" => {
+            let world = RapierWorld::new(&scene, &PLATE, &settings, SEED, 0)?;
+            Own::of(world, RapierWorld::state, blocks)
+        }
+        _ => return Err("unknown engine".into()),
+    };
+    serve(&mut *gas, "stochc")
+}
+
+/// `hemisphere` with more blocks at the same density, with drag, and without magnets.
+fn scene(blocks: u32, kick: f64) -> Result<Scene, Box<dyn Error>> {
+    let mut scene = built_in("hemisphere").ok_or("no scene `hemisphere`")?;
+    let side = scene.block.side;
+    scene.free.count = blocks;
+    if let Some(Enclosure::Hemisphere { radius: own, .. }) = &mut scene.enclosure {
+        *own = side * radius(blocks);
+    }
+    let speed = (0.0, kick * side / scene.tick);
+    scene.agitation = Some(stochc_compiler::scene::Agitation::Kicks { speed });
+    scene.drag = Some(Drag {
+        rate: DRAG / scene.tick,
+    });
+    scene.bond = None;
+    Ok(scene)
+}
+
+struct Own<W> {
+    world: W,
+    state: fn(&W, u32) -> BodyState,
+    blocks: u32,
+    dockings: Vec<Docking>,
+}
+
+impl<W: World + 'static> Own<W> {
+    fn of(world: W, state: fn(&W, u32) -> BodyState, blocks: u32) -> Box<dyn Gas> {
+        Box::new(Own {
+            world,
+            state,
+            blocks,
+            dockings: Vec::new(),
+        })
+    }
+}
+
+impl<W: World> Gas for Own<W> {
+    fn tick(&mut self) -> Result<(), Box<dyn Error>> {
+        let step = self.world.step(&mut self.dockings);
+        step.map_err(|fault| format!("block {}: {}", fault.body, fault.what).into())
+    }
+
+    fn states(&self) -> Vec<State> {
+        let states = (0..self.blocks).map(|id| {
+            let state = (self.state)(&self.world, id);
+            State {
+                position: state.position.into(),
+                velocity: state.velocity.into(),
+                rotation: state.orientation.coords.into(),
+            }
+        });
+        states.collect()
+    }
+
+    fn contacts(&self) -> Option<usize> {
+        None
+    }
+
+    fn kicks(&self) -> Option<f64> {
+        None
+    }
+}

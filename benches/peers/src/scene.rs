@@ -1,0 +1,126 @@
+//! The scene that all engines get; `c/scene.h` is the same in C.
+//!
+//! Everything is in block units: side 1, mass 1, tick 1.
+use rapier3d::glamx::Vec3;
+
+/// Acceleration of the wall per depth \[1 / tick^2\]: 25 N/m on 1 kg at 20 ms a tick.
+pub const WALL: f32 = 0.01;
+/// Rate of the linear drag \[1 / tick\]: 0.5/s at 20 ms a tick.
+pub const DRAG: f64 = 0.01;
+/// Restitution is 0.
+pub const FRICTION: f32 = 0.2;
+
+const SEED: u64 = 1;
+/// Least distance of a centre from the ground and from the wall at the start \[side\].
+const MARGIN: f64 = 1.0;
+/// Least spacing of the lattice \[side\].
+const LEAST_SPACING: f64 = 1.1;
+
+/// Radius of the half ball \[side\]: that of `hemisphere` for 300 blocks, at the same density.
+pub fn radius(blocks: u32) -> f64 {
+    25.0 * (f64::from(blocks) / 300.0).cbrt()
+}
+
+/// What changes velocities once a tick, other than contacts.
+pub struct Push {
+    blocks: u32,
+    /// Greatest change of speed \[side / tick\].
+    kick: f64,
+    radius: f32,
+    keep: f32,
+}
+
+impl Push {
+    pub fn new(blocks: u32, kick: f64) -> Push {
+        Push {
+            blocks,
+            kick,
+            radius: radius(blocks) as f32,
+            keep: (-DRAG).exp() as f32,
+        }
+    }
+
+    /// The velocity of a block \[side / tick\] after wall, kick and drag.
+    pub fn apply(&self, tick: u64, block: u32, position: Vec3, mut velocity: Vec3) -> Vec3 {
+        let distance = position.length();
+        if distance > self.radius {
+            velocity -= position * (WALL * (distance - self.radius) / distance);
+        }
+        (velocity + self.kick(tick, block)) * self.keep
+    }
+
+    /// Speed uniform up to the greatest, direction isotropic.
+    fn kick(&self, tick: u64, block: u32) -> Vec3 {
+        let place = 2 * (tick * u64::from(self.blocks) + u64::from(block));
+        let (a, b) = (draw(place), draw(place + 1));
+        let speed = (self.kick * unit(a >> 32)) as f32;
+        let z = 2.0 * unit(a & 0xffff_ffff) - 1.0;
+        let across = (1.0 - z * z).sqrt() as f32;
+        let (sin, cos) = ((std::f64::consts::TAU * unit(b >> 32)) as f32).sin_cos();
+        speed * Vec3::new(across * cos, across * sin, z as f32)
+    }
+
+    /// A sum that differs if drivers do not draw the same kicks.
+    pub fn digest(&self) -> f64 {
+        let unit = Push::new(self.blocks, 1.0);
+        let kicks = (0..self.blocks).map(|block| unit.kick(7, block));
+        digest(kicks.map(|kick| kick.to_array().map(f64::from)))
+    }
+}
+
+/// A sum that differs if drivers do not have the same vectors in the same order.
+pub fn digest(vectors: impl Iterator<Item = [f64; 3]>) -> f64 {
+    let parts = vectors.enumerate().map(|(i, [x, y, z])| {
+        let weight = 1.0 + (i % 7) as f64;
+        weight * (x + 2.0 * y + 3.0 * z)
+    });
+    parts.sum()
+}
+
+/// Word number `place` of the sequence SplitMix64.
+fn draw(place: u64) -> u64 {
+    let mut z = SEED.wrapping_add(place.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
+/// 32 bits as a number in (0, 1).
+fn unit(bits: u64) -> f64 {
+    (bits as f64 + 0.5) / 4_294_967_296.0
+}
+
+/// Where the blocks are at first, at rest: the widest cubic lattice with room for all, as in
+/// `hemisphere`.
+pub fn start(blocks: u32) -> Vec<[f64; 3]> {
+    let count = blocks as usize;
+    let radius = radius(blocks) - MARGIN;
+    let (mut fits, mut fails) = (LEAST_SPACING, 2.0 * radius + 2.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (fits + fails);
+        if lattice(radius, middle).len() >= count {
+            fits = middle;
+        } else {
+            fails = middle;
+        }
+    }
+    let sites = lattice(radius, fits);
+    (0..count).map(|i| sites[i * sites.len() / count]).collect()
+}
+
+fn lattice(radius: f64, spacing: f64) -> Vec<[f64; 3]> {
+    let reach = (radius / spacing) as i64 + 1;
+    let at = |i: i64| (i as f64 + 0.5) * spacing;
+    let mut sites = Vec::new();
+    for k in 0..=reach {
+        for j in -reach..reach {
+            for i in -reach..reach {
+                let [x, y, z] = [at(i), at(j), at(k)];
+                if z >= MARGIN && (x * x + y * y + z * z).sqrt() <= radius {
+                    sites.push([x, y, z]);
+                }
+            }
+        }
+    }
+    sites
+}
