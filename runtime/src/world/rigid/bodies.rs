@@ -6,6 +6,9 @@ use crate::world::magnet::Cloud;
 use crate::world::real::{Real, cast};
 use crate::world::state::BodyState;
 
+/// Blocks that are computed side by side.
+pub(super) const LANES: usize = 8;
+
 /// The blocks by number.
 ///
 /// Positions and velocities are one array per component, because every step reads all of them.
@@ -16,6 +19,9 @@ pub(super) struct Bodies<R: Real> {
     pub position: [Vec<R>; 3],
     pub velocity: [Vec<R>; 3],
     /// 1 if the block is free, 0 if it is anchored.
+    ///
+    /// These seven arrays are longer than there are blocks, by blocks that are anchored for ever, to
+    /// make full groups of [`LANES`].
     pub mobility: Vec<R>,
     /// As of `turned`, by the number of the substep.
     rotation: Vec<UnitQuaternion<R>>,
@@ -31,10 +37,13 @@ pub(super) struct Bodies<R: Real> {
 
 impl<R: Real> Bodies<R> {
     pub fn new(blocks: &[BodyState], dt: R) -> Bodies<R> {
+        let zeros = vec![R::zero(); blocks.len().next_multiple_of(LANES)];
+        let mut mobility = zeros.clone();
+        mobility[..blocks.len()].fill(R::one());
         let mut bodies = Bodies {
-            position: [const { Vec::new() }; 3],
-            velocity: [const { Vec::new() }; 3],
-            mobility: vec![R::one(); blocks.len()],
+            position: std::array::from_fn(|_| zeros.clone()),
+            velocity: std::array::from_fn(|_| zeros.clone()),
+            mobility,
             rotation: vec![UnitQuaternion::identity(); blocks.len()],
             turned: vec![0; blocks.len()],
             spin: vec![Vector3::zeros(); blocks.len()],
@@ -42,10 +51,6 @@ impl<R: Real> Bodies<R> {
             now: 0,
             dt,
         };
-        for axis in 0..3 {
-            bodies.position[axis] = vec![R::zero(); blocks.len()];
-            bodies.velocity[axis] = vec![R::zero(); blocks.len()];
-        }
         for (i, block) in blocks.iter().enumerate() {
             bodies.set_state(i, block);
         }
@@ -53,7 +58,7 @@ impl<R: Real> Bodies<R> {
     }
 
     pub fn count(&self) -> usize {
-        self.mobility.len()
+        self.anchored.len()
     }
 
     pub fn is_free(&self, i: usize) -> bool {
@@ -156,23 +161,28 @@ fn scatter<R: Real>(arrays: &mut [Vec<R>; 3], i: usize, value: Vector3<R>) {
 
 /// `rotation`, turned by a rotation vector: exact for a constant spin.
 fn turn<R: Real>(angle: Vector3<R>, rotation: UnitQuaternion<R>) -> UnitQuaternion<R> {
-    let square = angle.norm_squared().double() / 4.0;
-    if square == 0.0 {
+    let s = angle.norm_squared() * R::of(0.25);
+    if s == R::zero() {
         return rotation;
     }
     // Half the angle: cosine, and sine over the angle itself.
-    let (cos, over) = if square < 0.04 {
+    let (cos, over) = if s < R::of(0.04) {
         // Both series are cut where the next term is below 1e-10.
-        let s = square;
-        let cos = 1.0 - s / 2.0 * (1.0 - s / 12.0 * (1.0 - s / 30.0 * (1.0 - s / 56.0)));
-        let sinc = 1.0 - s / 6.0 * (1.0 - s / 20.0 * (1.0 - s / 42.0 * (1.0 - s / 72.0)));
-        (cos, sinc / 2.0)
+        let nest = |s: R, by: [f64; 4]| {
+            let term = |sum, &by| R::one() - s * R::of(1.0 / by) * sum;
+            by.iter().rev().fold(R::one(), term)
+        };
+        let cos = nest(s, [2.0, 12.0, 30.0, 56.0]);
+        let sinc = nest(s, [6.0, 20.0, 42.0, 72.0]);
+        (cos, sinc * R::of(0.5))
     } else {
-        let half = square.sqrt();
+        let half = s.double().sqrt();
         let (sin, cos) = libm::sincos(half);
-        (cos, sin / half / 2.0)
+        (R::of(cos), R::of(sin / half / 2.0))
     };
-    let by = Quaternion::from_parts(R::of(cos), angle * R::of(over));
+    let by = Quaternion::from_parts(cos, angle * over);
     let turned = by * rotation.into_inner();
-    UnitQuaternion::new_unchecked(turned / turned.norm())
+    // It is so close to one that one step of Newton's for the root will do.
+    let factor = (R::of(3.0) - turned.norm_squared()) * R::of(0.5);
+    UnitQuaternion::new_unchecked(turned * factor)
 }

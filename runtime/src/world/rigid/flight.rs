@@ -1,13 +1,9 @@
 //! What all blocks do in every substep, wherever the others are: shell, kicks, drag, and moving on.
-use super::bodies::Bodies;
+use super::bodies::{Bodies, LANES};
 use super::fault::{FARTHEST, MOST_SPEED};
-use super::neighbours::Neighbours;
 use crate::draw::{Step, WORDS};
 use crate::world::real::Real;
 use crate::world::terms::{Hemisphere, Kicks};
-
-/// Blocks that are computed side by side.
-const LANES: usize = 8;
 
 /// One component of [`LANES`] blocks.
 type Lanes<R> = [R; LANES];
@@ -27,15 +23,6 @@ pub(super) struct Shell<R> {
     pull: R,
 }
 
-/// What a flight has come to.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Landing {
-    /// Some block's motion makes no sense any more.
-    pub absurd: bool,
-    /// Some block has moved so far that the list of neighbours is not to be trusted.
-    pub stale: bool,
-}
-
 impl<R: Real> Flight<R> {
     pub fn new(shell: Option<Hemisphere>, drag: Option<f64>, dt: f64) -> Flight<R> {
         Flight {
@@ -47,52 +34,49 @@ impl<R: Real> Flight<R> {
         }
     }
 
-    /// Changes all velocities, then moves all blocks.
+    /// Changes all velocities, then moves all blocks; whether all motions still make sense.
     ///
     /// `kicks` are those of this substep, if it is one that has kicks.
     pub fn fly(
         &self,
         bodies: &mut Bodies<R>,
-        neighbours: Option<&Neighbours<R>>,
         kicks: Option<(&Kicks, Step<'_>)>,
         draws: &mut Vec<u8>,
-    ) -> Landing {
+    ) -> bool {
         let kicks = kicks.map(|(kicks, step)| {
             step.fill(bodies.count().next_multiple_of(LANES), draws);
             Kick::new(kicks)
         });
         if kicks.is_some() {
-            self.shell_or_not::<true>(bodies, neighbours, draws, kicks)
+            self.shell_or_not::<true>(bodies, draws, kicks)
         } else {
-            self.shell_or_not::<false>(bodies, neighbours, draws, kicks)
+            self.shell_or_not::<false>(bodies, draws, kicks)
         }
     }
 
     fn shell_or_not<const KICKS: bool>(
         &self,
         bodies: &mut Bodies<R>,
-        neighbours: Option<&Neighbours<R>>,
         draws: &[u8],
         kicks: Option<Kick<R>>,
-    ) -> Landing {
+    ) -> bool {
         if self.shell.is_some() {
-            self.drag_or_not::<KICKS, true>(bodies, neighbours, draws, kicks)
+            self.drag_or_not::<KICKS, true>(bodies, draws, kicks)
         } else {
-            self.drag_or_not::<KICKS, false>(bodies, neighbours, draws, kicks)
+            self.drag_or_not::<KICKS, false>(bodies, draws, kicks)
         }
     }
 
     fn drag_or_not<const KICKS: bool, const SHELL: bool>(
         &self,
         bodies: &mut Bodies<R>,
-        neighbours: Option<&Neighbours<R>>,
         draws: &[u8],
         kicks: Option<Kick<R>>,
-    ) -> Landing {
+    ) -> bool {
         if self.drag.is_some() {
-            self.pass::<KICKS, SHELL, true>(bodies, neighbours, draws, kicks)
+            self.pass::<KICKS, SHELL, true>(bodies, draws, kicks)
         } else {
-            self.pass::<KICKS, SHELL, false>(bodies, neighbours, draws, kicks)
+            self.pass::<KICKS, SHELL, false>(bodies, draws, kicks)
         }
     }
 
@@ -100,10 +84,9 @@ impl<R: Real> Flight<R> {
     fn pass<const KICKS: bool, const SHELL: bool, const DRAG: bool>(
         &self,
         bodies: &mut Bodies<R>,
-        neighbours: Option<&Neighbours<R>>,
         draws: &[u8],
         kicks: Option<Kick<R>>,
-    ) -> Landing {
+    ) -> bool {
         let dt = bodies.dt;
         let kick = kicks.unwrap_or(Kick::NONE());
         let shell = self.shell.unwrap_or(Shell {
@@ -114,22 +97,28 @@ impl<R: Real> Flight<R> {
         let most_speed = R::of(MOST_SPEED * MOST_SPEED);
         let farthest = R::of(FARTHEST * FARTHEST);
         let mut absurd = 0u32;
-        let [px, py, pz] = &mut bodies.position;
-        let [vx, vy, vz] = &mut bodies.velocity;
-        let words = WORDS as usize * 4 * LANES;
-        let lanes = |n: usize| n.div_ceil(LANES);
-        for group in 0..lanes(bodies.mobility.len()) {
-            let from = group * LANES;
-            let to = (from + LANES).min(bodies.mobility.len());
-            let mut x = [load(px, from, to), load(py, from, to), load(pz, from, to)];
-            let mut v = [load(vx, from, to), load(vy, from, to), load(vz, from, to)];
-            let mobility = load(&bodies.mobility, from, to);
+        let [px, py, pz] = bodies
+            .position
+            .each_mut()
+            .map(|x| x.as_chunks_mut::<LANES>().0);
+        let [vx, vy, vz] = bodies
+            .velocity
+            .each_mut()
+            .map(|v| v.as_chunks_mut::<LANES>().0);
+        let mobility = bodies.mobility.as_chunks::<LANES>().0;
+        let (words, _) = draws.as_chunks::<4>();
+        let (words, _) = words.as_chunks::<{ WORDS as usize * LANES }>();
+        let groups = mobility.len();
+        let (px, py, pz) = (&mut px[..groups], &mut py[..groups], &mut pz[..groups]);
+        let (vx, vy, vz) = (&mut vx[..groups], &mut vy[..groups], &mut vz[..groups]);
+        for group in 0..groups {
+            let mut x = [px[group], py[group], pz[group]];
+            let mut v = [vx[group], vy[group], vz[group]];
             if SHELL {
-                shell.push(&x, &mut v, &mobility);
+                shell.push(&x, &mut v, &mobility[group]);
             }
             if KICKS {
-                let drawn = &draws[group * words..][..words];
-                kick.push(drawn, &mut v, &mobility);
+                kick.push(&words[group], &mut v, &mobility[group]);
             }
             for axis in 0..3 {
                 for lane in 0..LANES {
@@ -146,37 +135,10 @@ impl<R: Real> Flight<R> {
                 // What is not a number is not below anything.
                 absurd |= u32::from(!(speed < most_speed)) | u32::from(!(far < farthest));
             }
-            store(px, from, to, &x[0]);
-            store(py, from, to, &x[1]);
-            store(pz, from, to, &x[2]);
-            store(vx, from, to, &v[0]);
-            store(vy, from, to, &v[1]);
-            store(vz, from, to, &v[2]);
+            [px[group], py[group], pz[group]] = x;
+            [vx[group], vy[group], vz[group]] = v;
         }
-        Landing {
-            absurd: absurd != 0,
-            stale: neighbours.is_some_and(|list| list.is_stale(&bodies.position)),
-        }
-    }
-}
-
-#[inline(always)]
-fn load<R: Real>(from: &[R], start: usize, end: usize) -> Lanes<R> {
-    match from[start..end].first_chunk::<LANES>() {
-        Some(full) => *full,
-        None => {
-            let mut lanes = [R::zero(); LANES];
-            lanes[..end - start].copy_from_slice(&from[start..end]);
-            lanes
-        }
-    }
-}
-
-#[inline(always)]
-fn store<R: Real>(to: &mut [R], start: usize, end: usize, lanes: &Lanes<R>) {
-    match to[start..end].first_chunk_mut::<LANES>() {
-        Some(full) => *full = *lanes,
-        None => to[start..end].copy_from_slice(&lanes[..end - start]),
+        absurd == 0
     }
 }
 
@@ -230,15 +192,18 @@ impl<R: Real> Kick<R> {
 
     /// The same words as `draw::direction` and `draw::unit` read, computed for many blocks at once.
     #[inline(always)]
-    fn push(&self, drawn: &[u8], v: &mut [Lanes<R>; 3], mobility: &Lanes<R>) {
+    fn push(
+        &self,
+        drawn: &[[u8; 4]; WORDS as usize * LANES],
+        v: &mut [Lanes<R>; 3],
+        mobility: &Lanes<R>,
+    ) {
         // Midpoints of 2^24 bins: what single precision can tell apart.
         let bin = R::of(1.0 / 16_777_216.0);
         let half = R::of(0.5);
         let two = R::of(2.0);
         let word = |lane: usize, word: usize| {
-            let at = (lane * WORDS as usize + word) * 4;
-            let bytes = [drawn[at], drawn[at + 1], drawn[at + 2], drawn[at + 3]];
-            (u32::from_le_bytes(bytes) >> 8) as i32
+            (u32::from_le_bytes(drawn[lane * WORDS as usize + word]) >> 8) as i32
         };
         let mut kicked = [[R::zero(); LANES]; 3];
         for lane in 0..LANES {

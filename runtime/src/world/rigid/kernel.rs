@@ -7,7 +7,7 @@ use super::bodies::Bodies;
 use super::detect::Shape;
 use super::fault;
 use super::flight::Flight;
-use super::neighbours::Neighbours;
+use super::grid::Grid;
 use super::solver::Solver;
 use crate::draw::{Draws, Stream};
 use crate::orientation::Orientation;
@@ -30,9 +30,11 @@ pub(super) struct Kernel<R: Real> {
     pub(super) contacts: Option<Contacts<R>>,
     faces: Option<Faces<R>>,
     /// `None` where nobody asks who is near whom.
-    pub(super) neighbours: Option<Neighbours<R>>,
-    /// The list of neighbours has to be made anew.
+    pub(super) grid: Option<Grid<R>>,
+    /// The grid does not say where the blocks are now.
     stale: bool,
+    /// The blocks near a face, kept to be used again.
+    nearby: Vec<u32>,
     seats: Seats,
     turns: bool,
 }
@@ -81,8 +83,14 @@ impl<R: Real> Kernel<R> {
             }
         });
         let faces = terms.bond.map(Faces::new);
-        let neighbours =
-            (contacts.is_some() || faces.is_some()).then(|| Neighbours::new(blocks.len()));
+        let grid = (contacts.is_some() || faces.is_some()).then(|| {
+            let farthest = blocks.iter().map(|b| b.position.amax()).fold(0.0, f64::max);
+            let (span, floor) = match terms.hemisphere {
+                Some(shell) => (shell.radius, 0.0),
+                None => (farthest, -farthest),
+            };
+            Grid::new(blocks.len(), span + 2.0, floor)
+        });
         Kernel {
             tick: 0,
             substeps,
@@ -94,8 +102,9 @@ impl<R: Real> Kernel<R> {
             words: Vec::new(),
             contacts,
             faces,
-            neighbours,
+            grid,
             stale: true,
+            nearby: Vec::new(),
             seats: Seats::new(plate),
             turns,
         }
@@ -143,11 +152,10 @@ impl<R: Real> Kernel<R> {
                 (self.bodies.centre(i), orientation)
             }
         };
-        if let (Some(faces), Some(neighbours)) = (&mut self.faces, &self.neighbours)
-            && let Some(new) = faces.magnetize(site, centre, orientation)
+        if let Some(faces) = &mut self.faces
+            && faces.magnetize(site, centre, orientation).is_some()
         {
-            let around = neighbours.around(faces.centre(new).into(), faces.horizon());
-            faces.set_nearby(new, around);
+            self.stale = true;
         }
     }
 
@@ -175,20 +183,13 @@ impl<R: Real> Kernel<R> {
             self.pull()?;
             let kicks = self.kicks.as_mut().filter(|_| substep == 0);
             let kicks = kicks.map(|(kicks, draws)| (&*kicks, draws.step(self.tick)));
-            let landing = self.flight.fly(
-                &mut self.bodies,
-                self.neighbours.as_ref(),
-                kicks,
-                &mut self.words,
-            );
-            if landing.absurd
-                && let Some(fault) = fault::find(&self.bodies)
-            {
+            let sound = self.flight.fly(&mut self.bodies, kicks, &mut self.words);
+            if !sound && let Some(fault) = fault::find(&self.bodies) {
                 return Err(fault);
             }
-            self.stale |= landing.stale;
             self.collide()?;
             self.bodies.now += 1;
+            self.stale = true;
             self.refresh();
             self.capture(dockings);
         }
@@ -204,17 +205,18 @@ impl<R: Real> Kernel<R> {
         }
     }
 
-    /// Looks for neighbours again, if it is time.
+    /// Looks again who is where, if something has moved.
     fn refresh(&mut self) {
-        let (true, Some(neighbours)) = (self.stale, &mut self.neighbours) else {
+        let (true, Some(grid)) = (self.stale, &mut self.grid) else {
             return;
         };
         self.stale = false;
-        neighbours.renew(&self.bodies);
+        grid.sort(&self.bodies);
         if let Some(faces) = &mut self.faces {
             for active in 0..faces.count() {
-                let around = neighbours.around(faces.centre(active).into(), faces.horizon());
-                faces.set_nearby(active, around);
+                let centre = faces.centre(active).into();
+                grid.around(centre, faces.horizon(), &mut self.nearby);
+                faces.set_nearby(active, self.nearby.iter().copied());
             }
         }
     }
@@ -243,17 +245,15 @@ impl<R: Real> Kernel<R> {
 
     /// Corrects the motion of the blocks that touch something.
     fn collide(&mut self) -> Result<(), Fault> {
-        let (Some(contacts), Some(neighbours)) = (&mut self.contacts, &self.neighbours) else {
+        let Some(contacts) = &mut self.contacts else {
             return Ok(());
         };
-        let (mut stale, mut sound) = (false, Ok(()));
+        let mut sound = Ok(());
         contacts.solver.solve(&mut self.bodies, |bodies, i| {
-            stale |= neighbours.has_left(i, bodies.centre(i));
             if sound.is_ok() {
                 sound = fault::check(bodies, i);
             }
         });
-        self.stale |= stale;
         sound
     }
 

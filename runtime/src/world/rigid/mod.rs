@@ -13,8 +13,8 @@ mod bodies;
 mod detect;
 mod fault;
 mod flight;
+mod grid;
 mod kernel;
-mod neighbours;
 mod overlap;
 mod solver;
 

@@ -60,7 +60,7 @@ pub(super) struct Solver<R: Real> {
 const NOBODY: u32 = u32::MAX;
 
 /// A block that touches something.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 struct Moving<R: Real> {
     id: u32,
     inverse_mass: R,
@@ -80,8 +80,6 @@ struct Touch<R: Real> {
     a: usize,
     /// `None` is the ground, or something else that never moves.
     b: Option<usize>,
-    normal: Vector3<R>,
-    tangents: [Vector3<R>; 2],
     points: SmallVec<[Spot<R>; 8]>,
     /// When it was visited last, in visits; whether it was content then.
     visited: u32,
@@ -93,17 +91,28 @@ struct Touch<R: Real> {
 struct Spot<R: Real> {
     /// From the centres of the two bodies.
     arms: [Vector3<R>; 2],
+    /// How far the bodies overlap here.
+    depth: R,
     /// Velocity along the normal that is asked for, or what a spring asks for.
     target: R,
     /// Of a compliant contact: how much an impulse softens the velocity.
     softness: R,
     /// Motion per tick that undoes the overlap.
     recovery: R,
-    along: R,
-    across: [R; 2],
-    impulse: R,
-    friction: [R; 2],
+    along: Row<R>,
+    across: [Row<R>; 2],
     shift: R,
+}
+
+/// A direction at a point, in which the bodies can push each other.
+#[derive(Clone, Copy, Debug)]
+struct Row<R: Real> {
+    direction: Vector3<R>,
+    /// Torque of a unit impulse about the centres of the two bodies.
+    torques: [Vector3<R>; 2],
+    /// Impulse that changes the velocity here by one.
+    mass: R,
+    impulse: R,
 }
 
 impl<R: Real> Solver<R> {
@@ -143,11 +152,6 @@ impl<R: Real> Solver<R> {
         self.contacts.clear();
     }
 
-    /// How many contacts there are.
-    pub fn count(&self) -> usize {
-        self.contacts.len()
-    }
-
     /// Adds the contact of block `a` with block `b`, or with something that never moves.
     pub fn add(&mut self, bodies: &Bodies<R>, a: u32, b: Option<u32>, patch: &Patch<R>) {
         let centre = |id: u32| bodies.centre(id as usize);
@@ -162,22 +166,28 @@ impl<R: Real> Solver<R> {
         };
         let one = normal.cross(&across).normalize();
         let tangents = [one, normal.cross(&one)];
-        let points = patch.points.iter().map(|point| Spot {
-            arms: [arm_of(Some(a), point.place), arm_of(b, point.place)],
-            target: point.depth,
-            softness: R::zero(),
-            recovery: R::zero(),
-            along: R::zero(),
-            across: [R::zero(); 2],
-            impulse: R::zero(),
-            friction: [R::zero(); 2],
-            shift: R::zero(),
+        let points = patch.points.iter().map(|point| {
+            let arms = [arm_of(Some(a), point.place), arm_of(b, point.place)];
+            let row = |direction: Vector3<R>| Row {
+                direction,
+                torques: arms.map(|arm| arm.cross(&direction)),
+                mass: R::zero(),
+                impulse: R::zero(),
+            };
+            Spot {
+                arms,
+                depth: point.depth,
+                target: R::zero(),
+                softness: R::zero(),
+                recovery: R::zero(),
+                along: row(normal),
+                across: tangents.map(row),
+                shift: R::zero(),
+            }
         });
         self.contacts.push(Touch {
             a: first,
             b: second,
-            normal,
-            tangents,
             points: points.collect(),
             visited: 0,
             content: false,
@@ -279,38 +289,28 @@ impl<R: Real> Solver<R> {
 impl<R: Real> Touch<R> {
     /// Works out what each point asks for; the fastest approach.
     fn prepare(&mut self, bodies: &[Moving<R>], law: &Law<R>, dt: R) -> R {
-        let (a, b) = (&bodies[self.a], self.b.map(|b| &bodies[b]));
-        let yielding = |direction: &Vector3<R>, arms: &[Vector3<R>; 2]| {
-            let of = |body: &Moving<R>, arm: &Vector3<R>| {
-                body.inverse_mass + body.inverse_inertia * arm.cross(direction).norm_squared()
-            };
-            of(a, &arms[0]) + b.map_or(R::zero(), |b| of(b, &arms[1]))
-        };
-        let velocity = |arms: &[Vector3<R>; 2]| {
-            let own = a.velocity + a.spin.cross(&arms[0]);
-            b.map_or(own, |b| own - b.velocity - b.spin.cross(&arms[1]))
-        };
+        let (a, b) = self.bodies(bodies);
         let mut fastest = R::zero();
         let (deepest, sum) = self
             .points
             .iter()
             .fold((R::zero(), R::zero()), |(most, sum), p| {
-                (most.max(p.target), sum + p.target)
+                (most.max(p.depth), sum + p.depth)
             });
         for point in &mut self.points {
-            let depth = point.target;
-            let relative = velocity(&point.arms);
-            fastest = fastest.max(relative.norm());
-            let yields = yielding(&self.normal, &point.arms);
+            let velocity =
+                |body: &Moving<R>, arm: &Vector3<R>| body.velocity + body.spin.cross(arm);
+            let relative = velocity(&a, &point.arms[0]) - velocity(&b, &point.arms[1]);
+            fastest = fastest.max(relative.norm_squared());
             match law.kind {
                 Kind::Rigid { restitution } => {
-                    let approach = relative.dot(&self.normal);
+                    let approach = relative.dot(&point.along.direction);
                     point.target = if approach < R::zero() {
                         -restitution * approach
                     } else {
                         R::zero()
                     };
-                    let excess = (depth - R::of(SLOP)).max(R::zero());
+                    let excess = (point.depth - R::of(SLOP)).max(R::zero());
                     point.recovery = (excess * R::of(RECOVERY) / dt).min(R::of(FASTEST));
                 }
                 Kind::Compliant { stiffness, damping } => {
@@ -319,99 +319,123 @@ impl<R: Real> Touch<R> {
                     let (stiffness, damping) = (stiffness * share, damping * share);
                     let firmness = dt * (damping + dt * stiffness);
                     point.softness = R::one() / firmness;
-                    point.target = depth * stiffness * dt / firmness;
+                    point.target = point.depth * stiffness * dt / firmness;
                 }
             }
-            point.along = R::one() / (yields + point.softness);
-            for (across, tangent) in point.across.iter_mut().zip(&self.tangents) {
-                *across = R::one() / yielding(tangent, &point.arms);
+            point.along.weigh(&a, &b, point.softness);
+            if law.friction > R::zero() {
+                for across in &mut point.across {
+                    across.weigh(&a, &b, R::zero());
+                }
             }
         }
-        fastest
+        fastest.sqrt()
+    }
+
+    /// Copies of the two bodies; something that never moves stands for the ground.
+    #[inline(always)]
+    fn bodies(&self, bodies: &[Moving<R>]) -> (Moving<R>, Moving<R>) {
+        let ground = Moving {
+            id: NOBODY,
+            inverse_mass: R::zero(),
+            inverse_inertia: R::zero(),
+            velocity: Vector3::zeros(),
+            spin: Vector3::zeros(),
+            shift: Vector3::zeros(),
+            tilt: Vector3::zeros(),
+            changed: 0,
+        };
+        (bodies[self.a], self.b.map_or(ground, |b| bodies[b]))
+    }
+
+    /// Takes over what has become of the copies.
+    #[inline(always)]
+    fn settle(&self, bodies: &mut [Moving<R>], a: Moving<R>, b: Moving<R>) {
+        bodies[self.a] = a;
+        if let Some(index) = self.b {
+            bodies[index] = b;
+        }
     }
 
     /// One round of impulses; the greatest change of velocity at a point.
     fn push(&mut self, bodies: &mut [Moving<R>], friction: R) -> R {
         let mut greatest = R::zero();
-        for i in 0..self.points.len() {
-            let mut point = self.points[i];
+        let (mut a, mut b) = self.bodies(bodies);
+        for point in &mut self.points {
             if friction > R::zero() {
-                let relative = self.velocity(bodies, &point.arms);
-                let old = point.friction;
-                for k in 0..2 {
-                    point.friction[k] -= relative.dot(&self.tangents[k]) * point.across[k];
-                }
                 // Coulomb's cone, of the impulse that presses now.
-                let most = friction * point.impulse;
-                let [one, two] = point.friction;
-                let size = (one * one + two * two).sqrt();
-                if size > most {
-                    let by = most / size;
-                    point.friction = point.friction.map(|part| part * by);
+                let most = friction * point.along.impulse;
+                let mut wanted = [R::zero(); 2];
+                for (wanted, row) in wanted.iter_mut().zip(&point.across) {
+                    *wanted = row.impulse - row.velocity(&a, &b) * row.mass;
                 }
-                let change = [point.friction[0] - old[0], point.friction[1] - old[1]];
-                let impulse = self.tangents[0] * change[0] + self.tangents[1] * change[1];
-                self.apply(bodies, &point.arms, impulse);
-                for k in 0..2 {
-                    greatest = greatest.max((change[k] / point.across[k]).abs());
+                let [one, two] = wanted;
+                let square = one * one + two * two;
+                if square > most * most {
+                    let by = most / square.sqrt();
+                    wanted = [one * by, two * by];
+                }
+                for (wanted, row) in wanted.into_iter().zip(&mut point.across) {
+                    greatest = greatest.max(row.apply(wanted, &mut a, &mut b));
                 }
             }
-            let relative = self.velocity(bodies, &point.arms).dot(&self.normal);
-            let wanted = point.target - relative - point.softness * point.impulse;
-            let impulse = (point.impulse + wanted * point.along).max(R::zero());
-            let change = impulse - point.impulse;
-            point.impulse = impulse;
-            let normal = self.normal;
-            self.apply(bodies, &point.arms, normal * change);
-            greatest = greatest.max((change / point.along).abs());
-            self.points[i] = point;
+            let row = &mut point.along;
+            let missing = point.target - row.velocity(&a, &b) - point.softness * row.impulse;
+            let impulse = (row.impulse + missing * row.mass).max(R::zero());
+            greatest = greatest.max(row.apply(impulse, &mut a, &mut b));
         }
+        self.settle(bodies, a, b);
         greatest
     }
 
     /// One round of undoing overlaps; the greatest change of speed at a point.
     fn part(&mut self, bodies: &mut [Moving<R>]) -> R {
         let mut greatest = R::zero();
-        for i in 0..self.points.len() {
-            let mut point = self.points[i];
-            let own = |body: &Moving<R>, arm: &Vector3<R>| body.shift + body.tilt.cross(arm);
-            let mut relative = own(&bodies[self.a], &point.arms[0]);
-            if let Some(b) = self.b {
-                relative -= own(&bodies[b], &point.arms[1]);
-            }
-            let wanted = point.recovery - relative.dot(&self.normal);
-            let shift = (point.shift + wanted * point.along).max(R::zero());
+        let (mut a, mut b) = self.bodies(bodies);
+        for point in &mut self.points {
+            let row = &point.along;
+            let relative = row.direction.dot(&(a.shift - b.shift)) + row.torques[0].dot(&a.tilt)
+                - row.torques[1].dot(&b.tilt);
+            let shift = (point.shift + (point.recovery - relative) * row.mass).max(R::zero());
             let change = shift - point.shift;
             point.shift = shift;
-            self.points[i] = point;
-            let push = |body: &mut Moving<R>, arm: &Vector3<R>, impulse: Vector3<R>| {
-                body.shift += impulse * body.inverse_mass;
-                body.tilt += arm.cross(&impulse) * body.inverse_inertia;
-            };
-            push(&mut bodies[self.a], &point.arms[0], self.normal * change);
-            if let Some(b) = self.b {
-                push(&mut bodies[b], &point.arms[1], -self.normal * change);
-            }
-            greatest = greatest.max((change / point.along).abs());
+            a.shift += row.direction * (change * a.inverse_mass);
+            a.tilt += row.torques[0] * (change * a.inverse_inertia);
+            b.shift -= row.direction * (change * b.inverse_mass);
+            b.tilt -= row.torques[1] * (change * b.inverse_inertia);
+            greatest = greatest.max((change / row.mass).abs());
         }
+        self.settle(bodies, a, b);
         greatest
+    }
+}
+
+impl<R: Real> Row<R> {
+    /// Works out the mass; `softness` is what an impulse softens the velocity by.
+    fn weigh(&mut self, a: &Moving<R>, b: &Moving<R>, softness: R) {
+        let yields = |body: &Moving<R>, torque: &Vector3<R>| {
+            body.inverse_mass + body.inverse_inertia * torque.norm_squared()
+        };
+        let yielding = yields(a, &self.torques[0]) + yields(b, &self.torques[1]);
+        self.mass = R::one() / (yielding + softness);
     }
 
     /// Of `a` as seen from `b`.
-    fn velocity(&self, bodies: &[Moving<R>], arms: &[Vector3<R>; 2]) -> Vector3<R> {
-        let of = |body: &Moving<R>, arm: &Vector3<R>| body.velocity + body.spin.cross(arm);
-        let own = of(&bodies[self.a], &arms[0]);
-        self.b.map_or(own, |b| own - of(&bodies[b], &arms[1]))
+    #[inline(always)]
+    fn velocity(&self, a: &Moving<R>, b: &Moving<R>) -> R {
+        self.direction.dot(&(a.velocity - b.velocity)) + self.torques[0].dot(&a.spin)
+            - self.torques[1].dot(&b.spin)
     }
 
-    fn apply(&self, bodies: &mut [Moving<R>], arms: &[Vector3<R>; 2], impulse: Vector3<R>) {
-        let push = |body: &mut Moving<R>, arm: &Vector3<R>, impulse: Vector3<R>| {
-            body.velocity += impulse * body.inverse_mass;
-            body.spin += arm.cross(&impulse) * body.inverse_inertia;
-        };
-        push(&mut bodies[self.a], &arms[0], impulse);
-        if let Some(b) = self.b {
-            push(&mut bodies[b], &arms[1], -impulse);
-        }
+    /// Makes the impulse what is given; how much that has changed the velocity here.
+    #[inline(always)]
+    fn apply(&mut self, impulse: R, a: &mut Moving<R>, b: &mut Moving<R>) -> R {
+        let change = impulse - self.impulse;
+        self.impulse = impulse;
+        a.velocity += self.direction * (change * a.inverse_mass);
+        a.spin += self.torques[0] * (change * a.inverse_inertia);
+        b.velocity -= self.direction * (change * b.inverse_mass);
+        b.spin -= self.torques[1] * (change * b.inverse_inertia);
+        (change / self.mass).abs()
     }
 }
