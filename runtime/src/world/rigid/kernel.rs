@@ -8,10 +8,11 @@ use super::detect::Shape;
 use super::fault;
 use super::flight::Flight;
 use super::grid::Grid;
+use super::lanes::Lane;
 use super::solver::Solver;
 use crate::draw::{Draws, Stream};
 use crate::orientation::Orientation;
-use crate::settings::{Reduction, Settings};
+use crate::settings::{ROUNDS, Reduction, Settings};
 use crate::world::magnet::Faces;
 use crate::world::plate::Seats;
 use crate::world::real::{Real, cast};
@@ -19,7 +20,7 @@ use crate::world::terms::{Contact, Kicks, Terms};
 use crate::world::{Body, BodyState, Docking, Fault, Site};
 
 /// A world in one precision.
-pub(super) struct Kernel<R: Real> {
+pub(super) struct Kernel<R: Lane> {
     tick: u64,
     substeps: u32,
     pub(super) bodies: Bodies<R>,
@@ -49,7 +50,7 @@ pub(super) struct Contacts<R: Real> {
     pub close: Vec<(u32, u32)>,
 }
 
-impl<R: Real> Kernel<R> {
+impl<R: Lane> Kernel<R> {
     pub fn new(
         terms: Terms,
         plate: &Plate,
@@ -61,6 +62,7 @@ impl<R: Real> Kernel<R> {
         let substeps = settings.substeps.max(1);
         let dt = 1.0 / f64::from(substeps);
         let without = |reduction| settings.reduction == Some(reduction);
+        let rounds = settings.solver_iterations.unwrap_or(ROUNDS);
         let turns = !without(Reduction::NoRotation);
         let contacts = terms.contact.map(|contact| {
             let contact = Contact {
@@ -77,7 +79,7 @@ impl<R: Real> Kernel<R> {
                     plate,
                     without(Reduction::Spheres),
                 ),
-                solver: Solver::new(&contact, blocks.len(), settings.iterations(), turns),
+                solver: Solver::new(&contact, blocks.len(), rounds, turns),
                 mutual: !without(Reduction::NoBlockContact),
                 close: Vec::new(),
             }

@@ -15,6 +15,7 @@ mod fault;
 mod flight;
 mod grid;
 mod kernel;
+mod lanes;
 mod overlap;
 mod solver;
 
