@@ -87,6 +87,11 @@ impl<R: Real> Bodies<R> {
         scatter(&mut self.velocity, i, velocity);
     }
 
+    /// How a block was turned when somebody looked last.
+    pub fn rotation(&self, i: usize) -> &UnitQuaternion<R> {
+        &self.rotation[i]
+    }
+
     /// How a block is turned now.
     pub fn rotation_now(&mut self, i: usize) -> UnitQuaternion<R> {
         let late = self.now - self.turned[i];

@@ -32,6 +32,8 @@ pub(super) struct Kernel<R: Lane> {
     faces: Option<Faces<R>>,
     /// `None` where nobody asks who is near whom.
     pub(super) grid: Option<Grid<R>>,
+    /// Somebody has set a block in motion by hand.
+    doubtful: bool,
     /// The grid does not say where the blocks are now.
     stale: bool,
     /// The blocks near a face, kept to be used again.
@@ -105,6 +107,7 @@ impl<R: Lane> Kernel<R> {
             contacts,
             faces,
             grid,
+            doubtful: true,
             stale: true,
             nearby: Vec::new(),
             seats: Seats::new(plate),
@@ -127,6 +130,7 @@ impl<R: Lane> Kernel<R> {
     pub fn set_state(&mut self, id: u32, state: &BodyState) {
         if self.bodies.is_free(id as usize) {
             self.bodies.set_state(id as usize, state);
+            self.doubtful = true;
             self.disturb();
         }
     }
@@ -176,6 +180,11 @@ impl<R: Lane> Kernel<R> {
     }
 
     pub fn step(&mut self, dockings: &mut Vec<Docking>) -> Result<(), Fault> {
+        if std::mem::take(&mut self.doubtful)
+            && let Some(fault) = fault::find(&self.bodies)
+        {
+            return Err(fault);
+        }
         for substep in 0..self.substeps {
             self.refresh();
             if let Some(faces) = &mut self.faces {
