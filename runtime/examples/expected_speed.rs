@@ -6,8 +6,8 @@ use stochc_compiler::scene::groups::{BlockUnits, Gas, speed};
 use stochc_compiler::scene::{Agitation, Contact, ContactLaw, Drag, Scene, built_in};
 use stochc_compiler::table::Plate;
 use stochc_runtime::Settings;
-use stochc_runtime::world::World as _;
 use stochc_runtime::world::rapier::RapierWorld;
+use stochc_runtime::world::{Arena as _, World as _};
 
 /// Ticks that the blocks need to forget that they began at rest.
 const WARM_UP: usize = 3_000;

@@ -1,8 +1,8 @@
 //! What all blocks do in every substep, wherever the others are: shell, kicks, drag, and moving on.
 use super::bodies::Bodies;
-use super::fault::{FARTHEST, MOST_SPEED};
 use super::lanes::{LANES, Lane, Wide};
 use crate::draw::{Step, WORDS};
+use crate::world::limits::Limits;
 use crate::world::terms::{Hemisphere, Kicks};
 
 /// Groups of blocks after which speeds and distances are looked at.
@@ -14,6 +14,7 @@ pub(super) struct Flight<R: Lane> {
     pub shell: Option<Shell<R>>,
     /// Factor on the velocity in each substep.
     pub drag: Option<R>,
+    limits: Limits,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -24,13 +25,14 @@ pub(super) struct Shell<R> {
 }
 
 impl<R: Lane> Flight<R> {
-    pub fn new(shell: Option<Hemisphere>, drag: Option<f64>, dt: f64) -> Flight<R> {
+    pub fn new(shell: Option<Hemisphere>, drag: Option<f64>, limits: Limits, dt: f64) -> Flight<R> {
         Flight {
             shell: shell.map(|shell| Shell {
                 radius: R::of(shell.radius),
                 pull: R::of(shell.stiffness * dt),
             }),
             drag: drag.map(|rate| R::of(libm::exp(-rate * dt))),
+            limits,
         }
     }
 
@@ -96,8 +98,8 @@ impl<R: Lane> Flight<R> {
         let drag = self.drag.unwrap_or(R::one());
         // Below one as long as no speed and no distance is beyond its bound, and all are numbers.
         let (speeds, ways) = (
-            R::of(1.0 / (MOST_SPEED * MOST_SPEED)),
-            R::of(1.0 / (FARTHEST * FARTHEST)),
+            R::of(1.0 / (self.limits.speed * self.limits.speed)),
+            R::of(1.0 / (self.limits.far * self.limits.far)),
         );
         let mut sound = true;
         let [px, py, pz] = bodies

@@ -13,6 +13,7 @@ use super::solver::Solver;
 use crate::draw::{Draws, Stream};
 use crate::orientation::Orientation;
 use crate::settings::{ROUNDS, Reduction, Settings};
+use crate::world::limits::Limits;
 use crate::world::magnet::Faces;
 use crate::world::plate::Seats;
 use crate::world::real::{Real, cast};
@@ -40,6 +41,7 @@ pub(super) struct Kernel<R: Lane> {
     nearby: Vec<u32>,
     seats: Seats,
     turns: bool,
+    limits: Limits,
 }
 
 /// Who can touch what.
@@ -66,6 +68,7 @@ impl<R: Lane> Kernel<R> {
         let without = |reduction| settings.reduction == Some(reduction);
         let rounds = settings.solver_iterations.unwrap_or(ROUNDS);
         let turns = !without(Reduction::NoRotation);
+        let limits = Limits::new(substeps, terms.contact.is_some());
         let contacts = terms.contact.map(|contact| {
             let contact = Contact {
                 friction: if without(Reduction::NoFriction) {
@@ -99,7 +102,7 @@ impl<R: Lane> Kernel<R> {
             tick: 0,
             substeps,
             bodies: Bodies::new(blocks, R::of(dt)),
-            flight: Flight::new(terms.hemisphere, terms.drag, dt),
+            flight: Flight::new(terms.hemisphere, terms.drag, limits, dt),
             kicks: terms
                 .kicks
                 .map(|kicks| (kicks, Draws::new(seed, run, Stream::Kick))),
@@ -112,6 +115,7 @@ impl<R: Lane> Kernel<R> {
             nearby: Vec::new(),
             seats: Seats::new(plate),
             turns,
+            limits,
         }
     }
 
@@ -181,7 +185,7 @@ impl<R: Lane> Kernel<R> {
 
     pub fn step(&mut self, dockings: &mut Vec<Docking>) -> Result<(), Fault> {
         if std::mem::take(&mut self.doubtful)
-            && let Some(fault) = fault::find(&self.bodies)
+            && let Some(fault) = fault::find(&self.bodies, &self.limits)
         {
             return Err(fault);
         }
@@ -195,7 +199,7 @@ impl<R: Lane> Kernel<R> {
             let kicks = self.kicks.as_mut().filter(|_| substep == 0);
             let kicks = kicks.map(|(kicks, draws)| (&*kicks, draws.step(self.tick)));
             let sound = self.flight.fly(&mut self.bodies, kicks, &mut self.words);
-            if !sound && let Some(fault) = fault::find(&self.bodies) {
+            if !sound && let Some(fault) = fault::find(&self.bodies, &self.limits) {
                 return Err(fault);
             }
             self.collide()?;
@@ -249,7 +253,7 @@ impl<R: Lane> Kernel<R> {
                 let change = push.angular * self.bodies.dt;
                 self.bodies.spin[i] += change;
             }
-            fault::check(&self.bodies, i)?;
+            fault::check(&self.bodies, &self.limits, i)?;
         }
         Ok(())
     }
@@ -259,10 +263,10 @@ impl<R: Lane> Kernel<R> {
         let Some(contacts) = &mut self.contacts else {
             return Ok(());
         };
-        let mut sound = Ok(());
+        let (mut sound, limits) = (Ok(()), &self.limits);
         contacts.solver.solve(&mut self.bodies, |bodies, i| {
             if sound.is_ok() {
-                sound = fault::check(bodies, i);
+                sound = fault::check(bodies, limits, i);
             }
         });
         sound
