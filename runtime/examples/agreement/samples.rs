@@ -47,7 +47,7 @@ impl Sample {
             completed: record.outcome == Outcome::Completed,
             ticks: record.ticks as f64,
             first_wait: waits.clone().next().unwrap_or(f64::NAN),
-            last_wait: waits.clone().last().unwrap_or(f64::NAN),
+            last_wait: waits.clone().next_back().unwrap_or(f64::NAN),
             entries: sum(&|i| f64::from(record.bonds[i].entries)) / count,
             docking: sum(&|i| record.bonds[i].docking as f64) / count,
         }
