@@ -118,6 +118,7 @@ impl Arena for RapierWorld {
             return Err(cannot("term that can be left out"));
         }
         let terms = Terms::new(scene)?;
+        terms.check(settings)?;
         let (engine, handles) = engine::engine(&terms, plate, settings, blocks)?;
         Ok(RapierWorld {
             tick: 0,

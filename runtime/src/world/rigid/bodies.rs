@@ -1,13 +1,14 @@
 //! Where every block is and how it moves, in arrays.
-use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use nalgebra::{Quaternion, Rotation3, UnitQuaternion, Vector3};
 
+use super::lanes::LANES;
 use crate::orientation::Orientation;
 use crate::world::magnet::Cloud;
 use crate::world::real::{Real, cast};
 use crate::world::state::BodyState;
 
-/// Blocks that are computed side by side.
-pub(super) const LANES: usize = 8;
+/// No substep.
+const NEVER: u64 = u64::MAX;
 
 /// The blocks by number.
 ///
@@ -26,6 +27,9 @@ pub(super) struct Bodies<R: Real> {
     /// As of `turned`, by the number of the substep.
     rotation: Vec<UnitQuaternion<R>>,
     turned: Vec<u64>,
+    /// The same as matrices, as of `shown`.
+    axes: Vec<Rotation3<R>>,
+    shown: Vec<u64>,
     pub spin: Vec<Vector3<R>>,
     /// How a block sits in the structure; `None`: it is free.
     pub anchored: Vec<Option<Orientation>>,
@@ -46,6 +50,8 @@ impl<R: Real> Bodies<R> {
             mobility,
             rotation: vec![UnitQuaternion::identity(); blocks.len()],
             turned: vec![0; blocks.len()],
+            axes: vec![Rotation3::identity(); blocks.len()],
+            shown: vec![NEVER; blocks.len()],
             spin: vec![Vector3::zeros(); blocks.len()],
             anchored: vec![None; blocks.len()],
             now: 0,
@@ -81,6 +87,11 @@ impl<R: Real> Bodies<R> {
         scatter(&mut self.velocity, i, velocity);
     }
 
+    /// How a block was turned when somebody looked last.
+    pub fn rotation(&self, i: usize) -> &UnitQuaternion<R> {
+        &self.rotation[i]
+    }
+
     /// How a block is turned now.
     pub fn rotation_now(&mut self, i: usize) -> UnitQuaternion<R> {
         let late = self.now - self.turned[i];
@@ -92,9 +103,19 @@ impl<R: Real> Bodies<R> {
         self.rotation[i]
     }
 
+    /// The same as a matrix: own directions to the world's.
+    pub fn axes_now(&mut self, i: usize) -> &Rotation3<R> {
+        if self.shown[i] != self.now {
+            self.shown[i] = self.now;
+            self.axes[i] = self.rotation_now(i).to_rotation_matrix();
+        }
+        &self.axes[i]
+    }
+
     /// Turns a block at once, about its centre.
     pub fn turn_now(&mut self, i: usize, angle: Vector3<R>) {
         self.rotation[i] = turn(angle, self.rotation_now(i));
+        self.shown[i] = NEVER;
     }
 
     pub fn state(&self, i: usize) -> BodyState {
@@ -135,6 +156,7 @@ impl<R: Real> Bodies<R> {
         let rotation = rotation.coords.map(R::of);
         self.rotation[i] = UnitQuaternion::from_quaternion(rotation.into());
         self.turned[i] = self.now;
+        self.shown[i] = NEVER;
     }
 }
 

@@ -5,6 +5,7 @@ use stochc_compiler::table::Plate;
 use super::bodies::Bodies;
 use super::grid::TOUCH;
 use super::kernel::Kernel;
+use super::lanes::Lane;
 use super::overlap::{Cuboid, Patch, ball_on_ground, balls, boxes, cube_on_ground};
 use crate::world::real::Real;
 
@@ -40,8 +41,8 @@ impl<R: Real> Shape<R> {
     }
 
     fn cube(bodies: &mut Bodies<R>, i: usize) -> Cuboid<R> {
-        let rotation = bodies.rotation_now(i);
-        Cuboid::cube(bodies.centre(i), rotation.to_rotation_matrix())
+        let axes = *bodies.axes_now(i);
+        Cuboid::cube(bodies.centre(i), axes)
     }
 
     /// How block `i` and the ground overlap.
@@ -67,7 +68,7 @@ impl<R: Real> Shape<R> {
     }
 }
 
-impl<R: Real> Kernel<R> {
+impl<R: Lane> Kernel<R> {
     /// Finds all contacts, in an order that depends on nothing but the blocks' numbers.
     pub(super) fn detect(&mut self) {
         let (Some(contacts), Some(grid)) = (&mut self.contacts, &self.grid) else {

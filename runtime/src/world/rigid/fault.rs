@@ -39,6 +39,8 @@ fn absurdity<R: Real>(bodies: &Bodies<R>, i: usize) -> Option<String> {
         Some(format!("its spin is {spin} radians per tick"))
     } else if !sound(far, FARTHEST) {
         Some(format!("it is {far} sides from the plate"))
+    } else if !bodies.rotation(i).coords.norm().is_finite() {
+        Some("its orientation is not a number".to_owned())
     } else {
         None
     }

@@ -35,8 +35,9 @@ pub(super) struct Grid<R: Real> {
     stride: usize,
     /// Whether a cell holds a block, row by row; each layer has an empty row more at either end.
     bits: Vec<u64>,
-    /// The last block that hashed here.
+    /// The last block that hashed here; there are 2^(32 - `shift`).
     head: Vec<u32>,
+    shift: u32,
     /// The one before.
     next: Vec<u32>,
     /// The cell of each block.
@@ -55,6 +56,7 @@ impl<R: Real> Grid<R> {
             edge *= 1.1;
         }
         let size = [wide(edge), wide(edge), high(edge)].map(|cells| cells as u32);
+        let heads = (2 * count).next_power_of_two().max(64);
         let stride = (size[0] as usize + 2).div_ceil(64);
         let rows = (size[1] as usize + 2) * (size[2] as usize + 2);
         Grid {
@@ -63,7 +65,8 @@ impl<R: Real> Grid<R> {
             size,
             stride,
             bits: vec![0; rows * stride],
-            head: vec![NONE; (2 * count).next_power_of_two().max(64)],
+            head: vec![NONE; heads],
+            shift: u32::BITS - heads.trailing_zeros(),
             next: vec![NONE; count],
             cell: vec![[0; 3]; count],
         }
@@ -112,9 +115,9 @@ impl<R: Real> Grid<R> {
 
     #[inline(always)]
     fn slot(&self, [x, y, z]: [u32; 3]) -> usize {
-        let mixed =
-            x.wrapping_mul(0x9E37_79B1) ^ y.wrapping_mul(0x85EB_CA77) ^ z.wrapping_mul(0xC2B2_AE3D);
-        (mixed ^ mixed >> 15) as usize & (self.head.len() - 1)
+        let cell = (z * self.size[1] + y) * self.size[0] + x;
+        // Fibonacci hashing: the upper bits are the mixed ones.
+        (cell.wrapping_mul(0x9E37_79B9) >> self.shift) as usize
     }
 
     /// Whether each of three neighbouring cells of a row is occupied, as bits; the middle one is `x`.
@@ -145,13 +148,11 @@ impl<R: Real> Grid<R> {
             let [x, y, z] = self.cell[i];
             let row = self.row(y, z);
             // Half of the 26 cells around: the next one, the row behind, the layer above.
-            let windows = [
-                self.three(row, x) >> 2,
-                self.three(row + self.stride, x),
-                self.three(row + layer - self.stride, x),
-                self.three(row + layer, x),
-                self.three(row + layer + self.stride, x),
-            ];
+            let next = self.three(row, x) >> 2;
+            let behind = self.three(row + self.stride, x);
+            let left = self.three(row + layer - self.stride, x);
+            let above = self.three(row + layer, x);
+            let right = self.three(row + layer + self.stride, x);
             let here = i as u32;
             if self.next[i] != NONE {
                 // Those that came earlier into the same cell.
@@ -163,32 +164,35 @@ impl<R: Real> Grid<R> {
                     other = self.next[other as usize];
                 }
             }
-            let [next, behind, left, above, right] = windows;
             if next | behind | left | above | right == 0 {
                 continue;
             }
             if next != 0 {
                 self.meet_all(bodies, here, [x + 1, y, z], pairs);
             }
-            let rows = [
-                (behind, y + 1, z),
-                (left, y.wrapping_sub(1), z + 1),
-                (above, y, z + 1),
-                (right, y + 1, z + 1),
-            ];
-            for (window, y, z) in rows {
-                for step in 0..3 {
-                    if window >> step & 1 == 1 {
-                        self.meet_all(bodies, here, [x + step - 1, y, z], pairs);
-                    }
+            let mut row = |mut window: u64, y: u32, z: u32| {
+                while window != 0 {
+                    let step = window.trailing_zeros();
+                    window &= window - 1;
+                    self.meet_all(bodies, here, [x + step - 1, y, z], pairs);
                 }
-            }
+            };
+            row(behind, y + 1, z);
+            row(left, y.wrapping_sub(1), z + 1);
+            row(above, y, z + 1);
+            row(right, y + 1, z + 1);
         }
     }
 
+    /// Keeps the pairs of block `i` with the blocks of a cell.
+    #[inline(always)]
     fn meet_all(&self, bodies: &Bodies<R>, i: u32, cell: [u32; 3], pairs: &mut Vec<(u32, u32)>) {
-        for j in self.blocks_of(cell) {
-            meet(bodies, i, j, pairs);
+        let mut other = self.head[self.slot(cell)];
+        while other != NONE {
+            if self.cell[other as usize] == cell {
+                meet(bodies, i, other, pairs);
+            }
+            other = self.next[other as usize];
         }
     }
 

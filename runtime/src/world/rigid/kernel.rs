@@ -8,10 +8,11 @@ use super::detect::Shape;
 use super::fault;
 use super::flight::Flight;
 use super::grid::Grid;
+use super::lanes::Lane;
 use super::solver::Solver;
 use crate::draw::{Draws, Stream};
 use crate::orientation::Orientation;
-use crate::settings::{Reduction, Settings};
+use crate::settings::{ROUNDS, Reduction, Settings};
 use crate::world::magnet::Faces;
 use crate::world::plate::Seats;
 use crate::world::real::{Real, cast};
@@ -19,7 +20,7 @@ use crate::world::terms::{Contact, Kicks, Terms};
 use crate::world::{Body, BodyState, Docking, Fault, Site};
 
 /// A world in one precision.
-pub(super) struct Kernel<R: Real> {
+pub(super) struct Kernel<R: Lane> {
     tick: u64,
     substeps: u32,
     pub(super) bodies: Bodies<R>,
@@ -31,6 +32,8 @@ pub(super) struct Kernel<R: Real> {
     faces: Option<Faces<R>>,
     /// `None` where nobody asks who is near whom.
     pub(super) grid: Option<Grid<R>>,
+    /// Somebody has set a block in motion by hand.
+    doubtful: bool,
     /// The grid does not say where the blocks are now.
     stale: bool,
     /// The blocks near a face, kept to be used again.
@@ -49,7 +52,7 @@ pub(super) struct Contacts<R: Real> {
     pub close: Vec<(u32, u32)>,
 }
 
-impl<R: Real> Kernel<R> {
+impl<R: Lane> Kernel<R> {
     pub fn new(
         terms: Terms,
         plate: &Plate,
@@ -61,6 +64,7 @@ impl<R: Real> Kernel<R> {
         let substeps = settings.substeps.max(1);
         let dt = 1.0 / f64::from(substeps);
         let without = |reduction| settings.reduction == Some(reduction);
+        let rounds = settings.solver_iterations.unwrap_or(ROUNDS);
         let turns = !without(Reduction::NoRotation);
         let contacts = terms.contact.map(|contact| {
             let contact = Contact {
@@ -77,7 +81,7 @@ impl<R: Real> Kernel<R> {
                     plate,
                     without(Reduction::Spheres),
                 ),
-                solver: Solver::new(&contact, blocks.len(), settings.iterations(), turns),
+                solver: Solver::new(&contact, blocks.len(), rounds, turns),
                 mutual: !without(Reduction::NoBlockContact),
                 close: Vec::new(),
             }
@@ -103,6 +107,7 @@ impl<R: Real> Kernel<R> {
             contacts,
             faces,
             grid,
+            doubtful: true,
             stale: true,
             nearby: Vec::new(),
             seats: Seats::new(plate),
@@ -125,6 +130,7 @@ impl<R: Real> Kernel<R> {
     pub fn set_state(&mut self, id: u32, state: &BodyState) {
         if self.bodies.is_free(id as usize) {
             self.bodies.set_state(id as usize, state);
+            self.doubtful = true;
             self.disturb();
         }
     }
@@ -174,6 +180,11 @@ impl<R: Real> Kernel<R> {
     }
 
     pub fn step(&mut self, dockings: &mut Vec<Docking>) -> Result<(), Fault> {
+        if std::mem::take(&mut self.doubtful)
+            && let Some(fault) = fault::find(&self.bodies)
+        {
+            return Err(fault);
+        }
         for substep in 0..self.substeps {
             self.refresh();
             if let Some(faces) = &mut self.faces {
