@@ -19,7 +19,6 @@ fn the_cone_of_the_reference_is_the_same_in_all_directions() {
 }
 
 #[test]
-#[ignore = "fails: the kernel weighs the two tangents of a point differently"]
 fn the_cone_of_the_kernel_is_the_same_in_all_directions() {
     the_cone_is_the_same_in_all_directions::<Single>();
     the_cone_is_the_same_in_all_directions::<Double>();
@@ -27,7 +26,6 @@ fn the_cone_of_the_kernel_is_the_same_in_all_directions() {
 
 /// The reference is not asked: it is off by as much.
 #[test]
-#[ignore = "fails: the kernel weighs the two tangents of a point differently"]
 fn friction_of_the_kernel_opposes_the_sliding() {
     friction_at_a_corner_opposes_the_sliding::<Single>();
     friction_at_a_corner_opposes_the_sliding::<Double>();
