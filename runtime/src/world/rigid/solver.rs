@@ -7,6 +7,7 @@
 use std::ops::Range;
 
 use nalgebra::Vector3;
+use petgraph::unionfind::UnionFind;
 use stochc_compiler::scene::ContactLaw;
 
 use super::bodies::Bodies;
@@ -263,7 +264,10 @@ impl<R: Real> Solver<R> {
         let mut motions = std::mem::take(&mut self.motions);
         self.repeat(|contact, spots| contact.push(spots, &mut motions, friction) > tolerance);
         self.motions = motions;
-        if let Kind::Rigid { .. } = self.law.kind {
+        if let Kind::Rigid { restitution } = self.law.kind {
+            if restitution > R::zero() {
+                self.keep_energy(bodies);
+            }
             let tolerance = R::of(FASTEST * PRECISION);
             let mut shifts = std::mem::take(&mut self.shifts);
             self.repeat(|contact, spots| contact.part(spots, &mut shifts) > tolerance);
@@ -279,6 +283,46 @@ impl<R: Real> Solver<R> {
             bodies.turn_now(i, shift.spin * dt);
             bodies.spin[i] = motion.spin;
             moved(bodies, i);
+        }
+    }
+
+    /// Takes back what rounds cut short have given too much: blocks that hang together by contacts
+    /// must not be livelier than before. All their impulses are made smaller alike, which keeps
+    /// momentum.
+    fn keep_energy(&mut self, bodies: &Bodies<R>) {
+        let mut groups = UnionFind::<usize>::new(self.motions.len());
+        for contact in &self.contacts {
+            if contact.a != GROUND && contact.b != GROUND {
+                groups.union(contact.a, contact.b);
+            }
+        }
+        let inertia = if self.inverse_inertia > R::zero() {
+            R::one() / self.inverse_inertia
+        } else {
+            R::zero()
+        };
+        let before = |place: usize| {
+            let i = self.blocks[place] as usize;
+            (bodies.velocity(i), bodies.spin[i])
+        };
+        // Twice the energy is E0 + 2 s work + s^2 square, with s the part of the impulses.
+        let mut sums = vec![(R::zero(), R::zero()); self.motions.len()];
+        for (place, motion) in self.motions.iter().enumerate().skip(1) {
+            let (velocity, spin) = before(place);
+            let (faster, livelier) = (motion.velocity - velocity, motion.spin - spin);
+            let (work, square) = &mut sums[groups.find(place)];
+            *work += velocity.dot(&faster) + spin.dot(&livelier) * inertia;
+            *square += faster.norm_squared() + livelier.norm_squared() * inertia;
+        }
+        for place in 1..self.motions.len() {
+            let (work, square) = sums[groups.find(place)];
+            if work + work + square > R::zero() {
+                let part = (-(work + work) / square).max(R::zero());
+                let (velocity, spin) = before(place);
+                let motion = &mut self.motions[place];
+                motion.velocity = velocity + (motion.velocity - velocity) * part;
+                motion.spin = spin + (motion.spin - spin) * part;
+            }
         }
     }
 

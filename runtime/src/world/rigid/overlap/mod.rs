@@ -32,7 +32,7 @@ pub(super) fn balls<R: Real>(a: Vector3<R>, b: Vector3<R>) -> Option<Patch<R>> {
     let offset = a - b;
     let distance = offset.norm();
     let depth = R::one() - distance;
-    if !(depth > R::zero()) {
+    if depth <= R::zero() {
         return None;
     }
     let normal = if distance > R::zero() {
