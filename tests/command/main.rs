@@ -19,3 +19,4 @@ mod results;
 mod simulate;
 mod stochc;
 mod streams;
+mod trade;
