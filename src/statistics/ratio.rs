@@ -24,14 +24,14 @@ struct Mean {
 ///
 /// The interval follows from the logarithm of the ratio to first order (the delta method), with the
 /// degrees of freedom of Welch and Satterthwaite. Where anything is censored, both means are
-/// restricted to the last time that both samples reach.
+/// restricted to the last time up to which both are known, and the ratio is that of the parts.
 pub fn relative(first: &[Observation], second: &[Observation]) -> Option<Relative> {
     let exact = first.iter().chain(second).all(|o| o.completed);
     let (a, b) = if exact {
         (Mean::of(first)?, Mean::of(second)?)
     } else {
         let (a, b) = (KaplanMeier::of(first)?, KaplanMeier::of(second)?);
-        let horizon = a.last().min(b.last());
+        let horizon = reach(&a).min(reach(&b));
         (Mean::up_to(&a, horizon), Mean::up_to(&b, horizon))
     };
     let ratio = a.mean / b.mean;
@@ -56,6 +56,14 @@ pub fn relative(first: &[Observation], second: &[Observation]) -> Option<Relativ
         value: ratio - 1.0,
         half_width,
     })
+}
+
+/// How far a curve is known: without an end, if the last run completed.
+fn reach(curve: &KaplanMeier) -> f64 {
+    match curve.incomplete(curve.last()) {
+        0.0 => f64::INFINITY,
+        _ => curve.last(),
+    }
 }
 
 impl Mean {
@@ -119,12 +127,23 @@ mod tests {
         assert_eq!(relative(&completed(&[2.0]), &completed(&[0.0])), None);
     }
 
-    /// Both up to 6, the last time that both reach: (2 + 6) / 2 against (2 + 4) / 2.
+    /// (2 + 9) / 2 against (4 + 6) / 2: the second is known for ever, since both completed.
     #[test]
-    fn censored_means_are_taken_to_one_horizon() {
+    fn a_censored_mean_is_taken_as_far_as_it_is_known() {
         let first = [Observation::completed(2.0), Observation::censored(9.0)];
         let second = completed(&[4.0, 6.0]);
         let found = relative(&first, &second).unwrap();
-        assert!((found.value - (4.0 / 5.0 - 1.0)).abs() < 1e-12);
+        assert!((found.value - 0.1).abs() < 1e-12);
+        let back = relative(&second, &first).unwrap();
+        assert!((back.value - (1.0 / 1.1 - 1.0)).abs() < 1e-12);
+    }
+
+    /// Both up to 5: (2 + 5) / 2 against (4 + 5) / 2.
+    #[test]
+    fn two_censored_means_are_taken_to_one_horizon() {
+        let first = [Observation::completed(2.0), Observation::censored(9.0)];
+        let second = [Observation::completed(4.0), Observation::censored(5.0)];
+        let found = relative(&first, &second).unwrap();
+        assert!((found.value - (3.5 / 4.5 - 1.0)).abs() < 1e-12);
     }
 }

@@ -11,7 +11,9 @@ const WIDTH: f64 = 920.0;
 const LEFT: f64 = 70.0;
 const RIGHT: f64 = 600.0;
 const TOP: f64 = 60.0;
-const BOTTOM: f64 = 430.0;
+const BOTTOM: f64 = 540.0;
+/// Biases below this are drawn to scale, larger ones by their logarithm.
+const SMALL: f64 = 0.02;
 /// Half the size of a mark.
 const MARK: f64 = 5.5;
 /// Height of a line of the list of settings.
@@ -21,12 +23,12 @@ const STYLE: &str = "\
 .paper{fill:#fcfcfa}.ink{fill:#222}.dim{fill:#666}.line{stroke:#666}.grid{stroke:#e2e2de}\
 .front{stroke:#222}.rigid{fill:#2a6fb0;stroke:#2a6fb0}.rapier{fill:#b07a12;stroke:#b07a12}\
 .reduced{fill:#2f8f5b;stroke:#2f8f5b}.reversed{fill:#d0202e;stroke:#d0202e}\
-.words{fill:#d0202e}.reference{fill:#222;stroke:#222}\
+.words{fill:#d0202e}.number{fill:#222;stroke:#fcfcfa;stroke-width:3;paint-order:stroke}.reference{fill:#222;stroke:#222}\
 @media (prefers-color-scheme:dark){\
 .paper{fill:#15171c}.ink{fill:#e8e8e4}.dim{fill:#a0a4ab}.line{stroke:#a0a4ab}.grid{stroke:#2c3038}\
 .front{stroke:#e8e8e4}.rigid{fill:#6db3f2;stroke:#6db3f2}.rapier{fill:#e0b04a;stroke:#e0b04a}\
 .reduced{fill:#6fd09a;stroke:#6fd09a}.reversed{fill:#ff6b76;stroke:#ff6b76}\
-.words{fill:#ff6b76}.reference{fill:#e8e8e4;stroke:#e8e8e4}}";
+.words{fill:#ff6b76}.number{fill:#e8e8e4;stroke:#15171c}.reference{fill:#e8e8e4;stroke:#e8e8e4}}";
 
 /// A rung that has a place in the picture.
 struct Point<'a> {
@@ -55,9 +57,10 @@ impl Axes {
         LEFT + (RIGHT - LEFT) * (cost.log10() - self.from) / (self.to - self.from)
     }
 
-    /// By the square root, so that small biases can be told apart beside large ones.
+    /// Small biases to scale and large ones by their logarithm, so that both can be told apart.
     fn y(&self, bias: f64) -> f64 {
-        let share = (bias.clamp(0.0, self.most) / self.most).sqrt();
+        let scale = |bias: f64| (bias / SMALL).asinh();
+        let share = scale(bias.clamp(0.0, self.most)) / scale(self.most);
         BOTTOM - (BOTTOM - TOP) * share
     }
 }
@@ -183,7 +186,7 @@ fn frame(out: &mut String, axes: &Axes) {
         }
     }
     let steps = [
-        0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0,
+        0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1e3, 2e3, 5e3, 1e4,
     ];
     let mut last = BOTTOM;
     line(out, "line", (LEFT, BOTTOM), (RIGHT, BOTTOM), "");
@@ -221,7 +224,7 @@ fn frame(out: &mut String, axes: &Axes) {
     );
     let (x, y) = (22.0, (TOP + BOTTOM) / 2.0);
     let turn = format!("text-anchor=\"middle\" transform=\"rotate(-90 {x} {y})\"");
-    let label = "|bias| of the mean time, % of the reference (square root)";
+    let label = "|bias| of the mean time, % of the reference (logarithmic above 2)";
     text(out, "ink", (x, y), &turn, label);
 }
 
@@ -358,7 +361,7 @@ fn numbers(out: &mut String, axes: &Axes, points: &[Point]) {
         let place = (x + dx, y + dy + 4.0);
         text(
             out,
-            "ink",
+            "number",
             place,
             "text-anchor=\"middle\" font-size=\"11\"",
             &label,

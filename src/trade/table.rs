@@ -83,12 +83,10 @@ impl Trade {
             .cost
             .zip(whole)
             .map(|(cost, whole)| share(cost / whole));
-        let mean = cell.mean.map(|mean| {
-            let bound = if cell.horizon.is_some() { "≥ " } else { "" };
-            match cell.half_width {
-                Some(half_width) => format!("{bound}{} ± {}", ticks(mean), ticks(half_width)),
-                None => format!("{bound}{}", ticks(mean)),
-            }
+        let bound = if cell.horizon.is_some() { "≥ " } else { "" };
+        let mean = cell.mean.map(|mean| match cell.half_width {
+            Some(half_width) => format!("{bound}{} ± {}", ticks(mean), ticks(half_width)),
+            None => format!("{bound}{}", ticks(mean)),
         });
         let blank = |text: Option<String>| match itself {
             true => String::new(),
@@ -99,7 +97,11 @@ impl Trade {
             or_none(ratio),
             cell.runs.to_string(),
             or_none(mean),
-            blank(cell.bias.as_ref().map(relative)),
+            blank(
+                cell.bias
+                    .as_ref()
+                    .map(|bias| format!("{bound}{}", relative(bias))),
+            ),
             blank(cell.distance.map(|distance| format!("{:.2}", distance.d))),
             blank(cell.distance.map(|distance| probability(distance.p))),
             cell.censored.to_string(),
@@ -213,8 +215,8 @@ impl Trade {
             let limits: Vec<String> = self.programs.iter().map(limit).collect();
             notes.push(format!(
                 "cens.: runs stopped by a timeout of the program or the limit of ticks ({}). Means \
-                 of such samples (≥) are restricted to the last time seen, biases to the last that \
-                 both samples reach, and D to times before the first censored one.",
+                 of such samples (≥) count up to the last time seen, their biases up to the last \
+                 that both samples tell of, and D times before the first censored one.",
                 limits.join(", ")
             ));
         }
