@@ -57,7 +57,7 @@ pub fn distance(first: &[Observation], second: &[Observation]) -> Option<Distanc
 /// The probability that the distance is at least `most` / (n m).
 fn above(most: u64, n: u64, m: u64) -> f64 {
     /// Up to here all orders are counted; beyond, the limit is as good.
-    const COUNTED: u64 = 1_000_000;
+    const COUNTED: u64 = 10_000_000;
     if n * m <= COUNTED {
         counted(most, n, m)
     } else {
@@ -160,15 +160,33 @@ mod tests {
         assert_eq!(limit(0.0), 1.0);
     }
 
-    /// The two ways have to meet where one gives over to the other.
+    /// `scipy.stats._stats_py._compute_outer_prob_inside_method(1000, 900, 100, most / 100)`.
     #[test]
-    fn counting_and_the_limit_meet() {
-        let (n, m) = (1000, 900);
-        for most in [30_000, 50_000, 70_000] {
-            let x = most as f64 / ((n * m) as f64 * (n + m) as f64).sqrt();
-            let (counted, limit) = (counted(most, n, m), limit(x));
-            assert!((counted / limit - 1.0).abs() < 0.06, "{counted} {limit}");
+    fn large_samples_agree_with_scipy() {
+        for (most, p) in [
+            (30000, 0.6534918895665078),
+            (50000, 0.10280013145160045),
+            (70000, 0.006083034383437147),
+        ] {
+            let counted = counted(most, 1000, 900);
+            assert!((counted / p - 1.0).abs() < 1e-9, "{most}: {counted}");
         }
+    }
+
+    /// The error of the limit goes as the inverse root of the size.
+    #[test]
+    fn counting_comes_to_the_limit() {
+        let gap = |n: u64| {
+            let m = n * 9 / 10;
+            let most = (1.4 * ((n * m) as f64 * (n + m) as f64).sqrt()) as u64;
+            let x = most as f64 / ((n * m) as f64 * (n + m) as f64).sqrt();
+            (counted(most, n, m) / limit(x) - 1.0).abs()
+        };
+        let gaps = [40, 400, 2000].map(gap);
+        assert!(
+            gaps[1] < 0.5 * gaps[0] && gaps[2] < 0.7 * gaps[1],
+            "{gaps:?}"
+        );
     }
 
     #[test]

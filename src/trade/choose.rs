@@ -93,6 +93,9 @@ pub fn choose(trade: &Trade, programs: &[usize], accuracy: f64) -> Result<Choice
 pub fn note(trade: &Trade, programs: &[usize], settings: &Settings) -> Option<String> {
     let rung = (trade.rungs.iter())
         .find(|rung| same(&rung.settings, settings) && rung.left_out.is_none())?;
+    if trade.reference_rung() == Some(rung) {
+        return Some("it is the reference of the trade".to_owned());
+    }
     let pairs: Vec<String> = (rung.reversals())
         .filter(|pair| programs.contains(&pair.first) && programs.contains(&pair.second))
         .map(|pair| {

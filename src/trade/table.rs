@@ -57,7 +57,7 @@ impl Trade {
             remark = rung
                 .left_out
                 .clone()
-                .unwrap_or("there was no time left".into());
+                .unwrap_or("there was no time for it".into());
         } else {
             cells.extend(self.figures(cell, itself, program));
         }
