@@ -61,9 +61,7 @@ fn recommended(trade: &Trade) -> Vec<&Rung> {
 
 fn clause(rung: &Rung) -> String {
     let bias = rung.worst.map_or_else(String::new, |worst| within(&worst));
-    let cost = rung
-        .cost_ratio
-        .map_or_else(String::new, |ratio| share(ratio));
+    let cost = rung.cost_ratio.map_or_else(String::new, share);
     let reduced = match rung.settings.reduction {
         Some(_) => ", though it leaves out what the scene has",
         None => "",

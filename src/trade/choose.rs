@@ -37,10 +37,8 @@ pub fn choose(trade: &Trade, programs: &[usize], accuracy: f64) -> Result<Choice
         ));
     }
     let doubling = reference.doublings.last().map(|last| {
-        let bounds = programs.iter().map(|&p| last.changes[p].as_ref()?.bound());
-        bounds.fold(Some(0.0), |most: Option<f64>, bound| {
-            Some(most?.max(bound?))
-        })
+        let mut bounds = programs.iter().map(|&p| last.changes[p].as_ref()?.bound());
+        bounds.try_fold(0.0, |most: f64, bound| Some(most.max(bound?)))
     });
     let doubling = doubling.flatten();
     let mut candidates: Vec<(f64, f64, usize)> = Vec::new();
@@ -139,11 +137,9 @@ fn bound(rung: &Rung, programs: &[usize]) -> Option<f64> {
     if wrong {
         return None;
     }
-    let bounds = programs.iter().map(|&p| {
+    let mut bounds = programs.iter().map(|&p| {
         let cell = &rung.programs[p];
         cell.bias.filter(|_| cell.failed == 0)?.bound()
     });
-    bounds.fold(Some(0.0), |most: Option<f64>, bound| {
-        Some(most?.max(bound?))
-    })
+    bounds.try_fold(0.0, |most: f64, bound| Some(most.max(bound?)))
 }

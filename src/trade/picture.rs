@@ -350,11 +350,11 @@ fn numbers(out: &mut String, axes: &Axes, points: &[Point]) {
         let candidates = around.iter().copied().chain(far);
         let covered = |&(dx, dy): &(f64, f64)| {
             let (cx, cy) = (x + dx, y + dy);
-            let outside = cy > BOTTOM - 4.0 || cy < TOP || cx > RIGHT || cx < LEFT + 4.0;
+            let inside = (LEFT + 4.0..=RIGHT).contains(&cx) && (TOP..=BOTTOM - 4.0).contains(&cy);
             let hits = taken.iter().filter(|(tx, ty, size)| {
                 (cx - tx).abs() < half + size && (cy - ty).abs() < 5.0 + size
             });
-            hits.count() + if outside { 2 } else { 0 }
+            hits.count() + if inside { 0 } else { 2 }
         };
         let (dx, dy) = candidates.min_by_key(covered).unwrap_or((dx, 0.0));
         taken.push((x + dx, y + dy, half));

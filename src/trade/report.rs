@@ -81,7 +81,8 @@ pub struct Rung {
     pub cost: Option<f64>,
     /// The same as a multiple of the reference's.
     pub cost_ratio: Option<f64>,
-    /// The bias that is largest, of all programs'; `None`: not every program has one.
+    /// Of all programs' biases the one that may be largest, its interval included; `None`: not every
+    /// program has one.
     pub worst: Option<Relative>,
     /// No other rung is both cheaper and less biased.
     pub front: bool,
@@ -330,10 +331,10 @@ fn rung(
         cost: costs.map(|costs| costs.iter().sum::<f64>() / costs.len() as f64),
         cost_ratio: None,
         worst: biases.and_then(|biases| {
-            let size = |bias: &Relative| bias.value.abs();
+            let bound = |bias: &Relative| bias.bound().unwrap_or(f64::INFINITY);
             biases
                 .into_iter()
-                .max_by(|a, b| size(a).total_cmp(&size(b)))
+                .max_by(|a, b| bound(a).total_cmp(&bound(b)))
         }),
         front: false,
         reversed: ranking.iter().any(|pair| pair.verdict == Verdict::Reversed),
@@ -434,6 +435,7 @@ mod tests {
         };
         let outcomes = [
             outcome(rigid(1), [1040, 2080], 1.0),
+            // As a share, the first program's interval is the wider one.
             outcome(rigid(2), [1000, 2001], 2.0),
             outcome(rigid(4), [1001, 2000], 4.0),
             outcome(rigid(8), [1000, 2000], 8.0),
@@ -475,6 +477,11 @@ mod tests {
         assert_eq!(trade.rungs[3].worst, None);
         let worst = trade.rungs[0].worst.unwrap();
         assert!((worst.value - 0.04).abs() < 1e-12, "{worst:?}");
+        let widest = trade.rungs[1].worst;
+        assert_eq!(
+            widest, trade.rungs[1].programs[0].bias,
+            "though it is off by less"
+        );
         assert_eq!(trade.rungs[0].cost_ratio, Some(1.0 / 8.0));
         assert_eq!(trade.rungs[0].programs[0].distance.unwrap().d, 1.0);
         let reversed: Vec<bool> = trade.rungs.iter().map(|rung| rung.reversed).collect();
