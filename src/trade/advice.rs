@@ -45,13 +45,10 @@ pub(super) fn advice(trade: &Trade) -> String {
 /// The cheapest rung that is known to be close, and the one that is known to be closest.
 fn recommended(trade: &Trade) -> Vec<&Rung> {
     let cheaper = |rung: &&Rung| rung.cost_ratio.is_some_and(|ratio| ratio < 1.0);
-    let close = |rung: &&Rung| {
-        let bound = rung.worst.and_then(|worst| worst.bound());
-        !rung.reversed && bound.is_some_and(|bound| bound <= CLOSE)
-    };
+    let close = |rung: &&Rung| !rung.reversed && rung.bound.is_some_and(|bound| bound <= CLOSE);
     let candidates = || trade.rungs.iter().filter(cheaper).filter(close);
     let cost = |rung: &&Rung| rung.cost.unwrap_or(f64::INFINITY);
-    let bound = |rung: &&Rung| rung.worst.and_then(|w| w.bound()).unwrap_or(f64::INFINITY);
+    let bound = |rung: &&Rung| rung.bound.unwrap_or(f64::INFINITY);
     let cheapest = candidates().min_by(|a, b| cost(a).total_cmp(&cost(b)));
     let closest = candidates().min_by(|a, b| bound(a).total_cmp(&bound(b)));
     let mut found: Vec<&Rung> = cheapest.into_iter().collect();

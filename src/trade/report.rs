@@ -81,9 +81,10 @@ pub struct Rung {
     pub cost: Option<f64>,
     /// The same as a multiple of the reference's.
     pub cost_ratio: Option<f64>,
-    /// Of all programs' biases the one that may be largest, its interval included; `None`: not every
-    /// program has one.
+    /// The bias that is largest, of all programs'; `None`: not every program has one.
     pub worst: Option<Relative>,
+    /// The largest bias of any program that its interval does not exclude.
+    pub bound: Option<f64>,
     /// No other rung is both cheaper and less biased.
     pub front: bool,
     /// It orders two programs the wrong way.
@@ -330,11 +331,15 @@ fn rung(
         },
         cost: costs.map(|costs| costs.iter().sum::<f64>() / costs.len() as f64),
         cost_ratio: None,
+        bound: biases.as_ref().and_then(|biases| {
+            let mut bounds = biases.iter().map(Relative::bound);
+            bounds.try_fold(0.0, |most: f64, bound| Some(most.max(bound?)))
+        }),
         worst: biases.and_then(|biases| {
-            let bound = |bias: &Relative| bias.bound().unwrap_or(f64::INFINITY);
+            let size = |bias: &Relative| bias.value.abs();
             biases
                 .into_iter()
-                .max_by(|a, b| bound(a).total_cmp(&bound(b)))
+                .max_by(|a, b| size(a).total_cmp(&size(b)))
         }),
         front: false,
         reversed: ranking.iter().any(|pair| pair.verdict == Verdict::Reversed),
@@ -477,11 +482,11 @@ mod tests {
         assert_eq!(trade.rungs[3].worst, None);
         let worst = trade.rungs[0].worst.unwrap();
         assert!((worst.value - 0.04).abs() < 1e-12, "{worst:?}");
-        let widest = trade.rungs[1].worst;
-        assert_eq!(
-            widest, trade.rungs[1].programs[0].bias,
-            "though it is off by less"
-        );
+        let close = &trade.rungs[1];
+        let [first, second] = [0, 1].map(|program| close.programs[program].bias);
+        assert_eq!(close.worst, second, "the first is not off at all");
+        // But it has the wider interval.
+        assert_eq!(close.bound, first.and_then(|bias| bias.bound()));
         assert_eq!(trade.rungs[0].cost_ratio, Some(1.0 / 8.0));
         assert_eq!(trade.rungs[0].programs[0].distance.unwrap().d, 1.0);
         let reversed: Vec<bool> = trade.rungs.iter().map(|rung| rung.reversed).collect();
