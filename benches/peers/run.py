@@ -156,10 +156,12 @@ def measure(engines, programs, kicks, blocks, rounds):
     """For each engine: rounds of `run`, pairs in deep overlap, and whatever is wrong."""
     drivers = []
     for (name, program, engine), kick in zip(engines, kicks):
-        say(f"{blocks} blocks, warming up: {name}")
+        say(f"{blocks} blocks, setting up: {name}")
         drivers.append(Driver(programs[program], engine, blocks, kick))
-        drivers[-1].run(WARM_UP)
     same_start(drivers)
+    for (name, *_), driver in zip(engines, drivers):
+        say(f"{blocks} blocks, warming up: {name}")
+        driver.run(WARM_UP)
     rows = [[] for _ in drivers]
     deep = [0] * len(drivers)
     lowest = [math.inf] * len(drivers)

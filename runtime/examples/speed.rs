@@ -15,7 +15,10 @@ fn main() {
         "double" => time::<RigidWorld>(count, ticks, Precision::Double),
         _ => time::<RigidWorld>(count, ticks, Precision::Single),
     };
-    println!("{} {count} blocks: {ns:.1} ns per block and tick, rms speed {rms:.4}", args[1]);
+    println!(
+        "{} {count} blocks: {ns:.1} ns per block and tick, rms speed {rms:.4}",
+        args[1]
+    );
 }
 
 #[expect(clippy::disallowed_methods, reason = "it measures time")]

@@ -25,6 +25,9 @@ pub struct Settings {
     pub max_ticks: Option<u64>,
 }
 
+/// Rounds over contacts that `rigid` makes at most, if nothing else is said.
+pub(crate) const ROUNDS: u32 = 10;
+
 /// What moves the blocks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -120,7 +123,7 @@ impl Settings {
     pub fn iterations(&self) -> u32 {
         let usual = match self.model {
             Model::Rapier => 4,
-            Model::Rigid | Model::Shuffle => 10,
+            Model::Rigid | Model::Shuffle => ROUNDS,
         };
         self.solver_iterations.unwrap_or(usual).max(1)
     }

@@ -12,6 +12,7 @@ in_every_world!(
     free_flight_is_exact,
     kicks_make_a_random_walk_of_the_velocity,
     drag_makes_the_velocity_stationary_and_normal,
+    drag_and_kicks_make_blocks_diffuse,
     elastic_collisions_keep_momentum_and_energy,
     the_shell_is_a_spring,
     an_absent_term_is_not_there,
@@ -120,6 +121,31 @@ fn drag_makes_the_velocity_stationary_and_normal<W: Arena>() {
             .max((normal - (i + 1) as f64 / n).abs())
     });
     assert!(gap.fold(0.0, f64::max) < 1.95 / n.sqrt());
+}
+
+fn drag_and_kicks_make_blocks_diffuse<W: Arena>() {
+    let (rms, rate, ticks, blocks) = (0.01, 0.1, 120, 3000);
+    let mut scene = empty();
+    scene.agitation = kicks(rms);
+    scene.drag = Some(Drag { rate });
+    let settings = Settings::default();
+    let start = vec![BodyState::at_rest(Vector3::zeros()); blocks];
+    let mut world: W = world(&scene, &settings, &start);
+    pass(&mut world, ticks);
+    // A kick k carries a block k (f + ... + f^m) far in the m ticks from its own on, with f = exp(-rate),
+    // so <x^2> = j^2 f^2 / (1 - f)^2 times the sum of (1 - f^m)^2.
+    let f = (-rate).exp();
+    let sum: f64 = (1..=ticks as i32).map(|m| (1.0 - f.powi(m)).powi(2)).sum();
+    let expected = (rms * f / (1.0 - f)).powi(2) * sum;
+    let found = mean(states(&world).iter().map(|b| b.position.norm_squared()));
+    // 9,000 components, their mean square known to 1.5 %; four of these are allowed.
+    assert!(
+        (found / expected - 1.0).abs() < 0.06,
+        "{found} instead of {expected}"
+    );
+    // Seen from afar, diffusion with D = j^2 / (6 rate^2) per tick, but for the start, within 1.5 / (rate n).
+    let diffusion = rms * rms / (rate * rate) * ticks as f64;
+    assert!((expected / diffusion - 1.0).abs() < 2.5 / (rate * ticks as f64));
 }
 
 fn elastic_collisions_keep_momentum_and_energy<W: Arena>() {

@@ -11,6 +11,7 @@ use stochc_compiler::table::{Action, Condition, PhaseId, Tables};
 use stochc_compiler::{Cell, Face};
 use stochc_runtime::record::{Origin, Outcome, RunRecord};
 use stochc_runtime::world::rapier::RapierWorld;
+use stochc_runtime::world::rigid::RigidWorld;
 use stochc_runtime::world::{Arena, Body, BodyState, SceneError, Site, World};
 use stochc_runtime::{RunError, Settings, run};
 use tables::{Draft, at_once, chain, magnetize};
@@ -166,6 +167,11 @@ fn physics_that_breaks_down_is_a_failed_run() {
 
 #[test]
 fn not_a_number_is_found_at_once_at_the_block_that_has_it() {
+    found_at_once::<RapierWorld>();
+    found_at_once::<RigidWorld>();
+}
+
+fn found_at_once<W: Arena>() {
     let mut scene = empty();
     scene.agitation = kicks(0.001);
     scene.contact = contact(0.0, 0.2);
@@ -179,7 +185,7 @@ fn not_a_number_is_found_at_once_at_the_block_that_has_it() {
         |state| state.velocity.y = 1e6,
     ];
     for spoil in spoils {
-        let mut world: RapierWorld = world(&scene, &Settings::default(), &blocks);
+        let mut world: W = world(&scene, &Settings::default(), &blocks);
         pass(&mut world, 3);
         let mut state = world.state(1);
         spoil(&mut state);

@@ -16,6 +16,7 @@ mod manual;
 mod physical;
 mod refused;
 mod results;
+mod scene;
 mod simulate;
 mod stochc;
 mod streams;

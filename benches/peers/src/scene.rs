@@ -94,7 +94,8 @@ fn unit(bits: u64) -> f64 {
 /// `hemisphere`.
 pub fn start(blocks: u32) -> Vec<[f64; 3]> {
     let count = blocks as usize;
-    let radius = radius(blocks) - MARGIN;
+    // In the precision of the project's worlds: the bisection ends elsewhere for another radius.
+    let radius = f64::from(radius(blocks) as f32) - MARGIN;
     let (mut fits, mut fails) = (LEAST_SPACING, 2.0 * radius + 2.0);
     for _ in 0..60 {
         let middle = 0.5 * (fits + fails);

@@ -3,6 +3,8 @@
 //! Each field of [`Scene`] is one term of the model. `None` is a term that does not exist: a
 //! runtime must not compute it, not even with a zero.
 mod builtin;
+pub mod describe;
+pub mod groups;
 mod read;
 mod spelling;
 mod units;

@@ -22,6 +22,13 @@ pub enum SceneError {
         /// Its value; where it makes sense, in block units.
         value: f64,
     },
+    /// A spring swings too fast for the step, and would throw blocks out instead of back.
+    TooStiff {
+        /// Which spring.
+        what: &'static str,
+        /// How many substeps resolve it.
+        substeps: u64,
+    },
     /// The model cannot compute something that the scene or the settings ask for.
     NotInModel {
         /// What, as a noun without its article.
@@ -50,6 +57,11 @@ impl std::fmt::Display for SceneError {
                     "{what} is {value:e} in block units, which makes no sense"
                 )
             }
+            SceneError::TooStiff { what, substeps } => write!(
+                f,
+                "{what} swings back within less than a step; take `--substeps {substeps}`, or a \
+                 tick that is shorter by as much"
+            ),
             SceneError::NotInModel {
                 what,
                 model,

@@ -1,6 +1,7 @@
 //! Where free blocks move, and what the control of a structure can do to them.
 mod error;
 pub(crate) mod lattice;
+mod limits;
 mod magnet;
 mod plate;
 pub mod rapier;

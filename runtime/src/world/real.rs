@@ -9,6 +9,9 @@ pub(crate) trait Real: RealField + Copy {
     fn of_int(value: i32) -> Self;
     /// As a double.
     fn double(self) -> f64;
+    /// The nearest whole number, for numbers from 0 to 2^22: one addition instead of a conversion
+    /// that has to think of everything.
+    fn round_small(self) -> u32;
 }
 
 impl Real for f32 {
@@ -21,6 +24,10 @@ impl Real for f32 {
     fn double(self) -> f64 {
         f64::from(self)
     }
+    #[inline(always)]
+    fn round_small(self) -> u32 {
+        (self + 8_388_608.0).to_bits() & 0x7F_FFFF
+    }
 }
 
 impl Real for f64 {
@@ -32,6 +39,10 @@ impl Real for f64 {
     }
     fn double(self) -> f64 {
         self
+    }
+    #[inline(always)]
+    fn round_small(self) -> u32 {
+        (self + 4_503_599_627_370_496.0).to_bits() as u32
     }
 }
 

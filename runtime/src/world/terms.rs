@@ -4,6 +4,7 @@
 use stochc_compiler::scene::{Agitation, Bond, ContactLaw, Enclosure, Measure, Reach, Scene};
 
 use super::SceneError;
+use crate::settings::Settings;
 
 /// The terms in force; `None` is a term that does not exist.
 #[derive(Clone, Debug)]
@@ -122,6 +123,25 @@ impl Terms {
                 None => None,
             },
         })
+    }
+}
+
+impl Terms {
+    /// Whether the steps are short enough.
+    ///
+    /// # Errors
+    /// If a spring would turn by more than one radian in a step: from two on it gains energy.
+    pub fn check(&self, settings: &Settings) -> Result<(), SceneError> {
+        let substeps = f64::from(settings.substeps.max(1));
+        let Some(shell) = self.hemisphere else {
+            return Ok(());
+        };
+        let radians = shell.stiffness.sqrt();
+        if radians > substeps {
+            let (what, substeps) = ("the wall", radians.ceil() as u64);
+            return Err(SceneError::TooStiff { what, substeps });
+        }
+        Ok(())
     }
 }
 

@@ -6,9 +6,11 @@ use stochc_compiler::scene::{
     Reach, Scene,
 };
 use stochc_compiler::table::Plate;
-use stochc_runtime::Settings;
 use stochc_runtime::draw::{Draws, Stream, direction, unit};
+use stochc_runtime::world::rapier::RapierWorld;
+use stochc_runtime::world::rigid::RigidWorld;
 use stochc_runtime::world::{Arena, BodyState, World};
+use stochc_runtime::{Model, Precision, Settings};
 
 /// Blocks that do nothing but fly.
 pub fn empty() -> Scene {
@@ -121,6 +123,104 @@ macro_rules! in_every_world {
             $(#[test] fn $test() { super::$test::<stochc_runtime::world::rigid::RigidWorld>(); })*
         }
     };
+}
+
+/// A world with the settings that a user of it gets.
+pub trait Kind {
+    type World: Arena;
+    /// Half the distance from 1 to the next number.
+    const ROUNDING: f64;
+    const REFERENCE: bool = false;
+    fn settings() -> Settings;
+
+    fn with_substeps(substeps: u32) -> Settings {
+        Settings {
+            substeps,
+            ..Self::settings()
+        }
+    }
+
+    fn world(scene: &Scene, blocks: &[BodyState]) -> Self::World {
+        world(scene, &Self::settings(), blocks)
+    }
+}
+
+/// The engine Rapier.
+pub struct Reference;
+/// The kernel in single precision.
+pub struct Single;
+/// The kernel in double precision.
+pub struct Double;
+
+const SINGLE: f64 = 1.0 / 16_777_216.0;
+
+impl Kind for Reference {
+    type World = RapierWorld;
+    const ROUNDING: f64 = SINGLE;
+    const REFERENCE: bool = true;
+    fn settings() -> Settings {
+        Settings::default()
+    }
+}
+
+impl Kind for Single {
+    type World = RigidWorld;
+    const ROUNDING: f64 = SINGLE;
+    fn settings() -> Settings {
+        Settings {
+            model: Model::Rigid,
+            ..Settings::default()
+        }
+    }
+}
+
+impl Kind for Double {
+    type World = RigidWorld;
+    const ROUNDING: f64 = SINGLE * SINGLE / 32.0;
+    fn settings() -> Settings {
+        Settings {
+            precision: Precision::Double,
+            ..Single::settings()
+        }
+    }
+}
+
+/// Makes a test of the reference and of the kernel in either precision out of every function that
+/// is generic over [`Kind`].
+#[macro_export]
+macro_rules! in_every_kind {
+    ($($test:ident),* $(,)?) => {
+        mod rapier {
+            $(#[test] fn $test() { super::$test::<super::scenes::Reference>(); })*
+        }
+        in_either_precision!($($test),*);
+    };
+}
+
+/// The same without the reference, for what it does not compute.
+#[macro_export]
+macro_rules! in_either_precision {
+    ($($test:ident),* $(,)?) => {
+        mod single {
+            $(#[test] fn $test() { super::$test::<super::scenes::Single>(); })*
+        }
+        mod double {
+            $(#[test] fn $test() { super::$test::<super::scenes::Double>(); })*
+        }
+    };
+}
+
+pub fn states(world: &impl Arena) -> Vec<BodyState> {
+    (0..world.count()).map(|id| world.state(id)).collect()
+}
+
+pub fn at(x: f64, y: f64, z: f64) -> Vector3<f64> {
+    Vector3::new(x, y, z)
+}
+
+/// Kinetic energy of a block.
+pub fn energy(block: &BodyState) -> f64 {
+    0.5 * block.velocity.norm_squared() + block.spin.norm_squared() / 12.0
 }
 
 /// Lets ticks pass in which nothing docks.

@@ -2,6 +2,7 @@
 mod cost;
 mod exhaustive;
 mod fix;
+mod scene;
 
 use clap::Args;
 use stochc_compiler::emit::chain_text;
@@ -9,6 +10,7 @@ use stochc_compiler::order::Order;
 use stochc_compiler::{Checked, Program};
 
 use self::cost::costs;
+use self::scene::scenes;
 use super::levels::LevelOptions;
 use super::terminal::{has_colour, message_width, print, warn};
 use crate::cli::Exit;
@@ -26,6 +28,11 @@ pub struct Options {
     /// Show what will take the time, capture by capture: the first N, or 10
     #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "10")]
     cost: Option<usize>,
+    /// Show the physics that is in force: the terms of the scenes of right programs, what is absent,
+    /// and whether one step a tick is short enough. Its warnings are no findings and change no exit
+    /// status. With `--format json` the document is `{ findings, scenes }`
+    #[arg(long)]
+    scene: bool,
     /// Apply the changes that are safe, shown as a diff first, until none is left
     #[arg(long)]
     fix: bool,
@@ -50,6 +57,7 @@ pub struct Options {
 pub fn run(options: &Options) -> Exit {
     let mut exit = Exit::Success;
     let mut document = Vec::new();
+    let mut physics = Vec::new();
     let mut log = Log::new(std::env::current_dir().ok().as_deref());
     for file in &options.files {
         if options.fix
@@ -73,6 +81,15 @@ pub fn run(options: &Options) -> Exit {
             }
         }
         exit = worse(exit, verdict(&checked));
+        if options.scene && !checked.has_errors() {
+            for scene in scenes(file, &checked) {
+                match options.format {
+                    Format::Graphical => print(&scene.text()),
+                    Format::Short | Format::Sarif => warn(&scene.text()),
+                    Format::Json => physics.push(scene.json()),
+                }
+            }
+        }
         if let Some(states) = options.exhaustive.filter(|_| !checked.has_errors()) {
             let (told, found) = exhaustive::explore(file, &checked, states);
             match options.format {
@@ -83,6 +100,10 @@ pub fn run(options: &Options) -> Exit {
         }
     }
     match options.format {
+        Format::Json if options.scene => {
+            let all = serde_json::json!({ "findings": document, "scenes": physics });
+            print(&format!("{all:#}\n"));
+        }
         Format::Json => print(&json_document(document)),
         Format::Sarif => print(&log.document()),
         Format::Graphical | Format::Short => {}

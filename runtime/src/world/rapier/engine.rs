@@ -122,6 +122,11 @@ impl Surface {
     }
 }
 
+/// How far from the plate a block surely has ground below it \[side\].
+pub(super) fn ground_reach(radius: f64) -> f64 {
+    2.0 * radius + 9.0
+}
+
 /// Half the size of the ground, whose upper side is z = 0 and level with the plate.
 ///
 /// A slab, because an endless plane would meet every block in every step. It reaches as far as
@@ -129,7 +134,7 @@ impl Surface {
 fn ground(hemisphere: Option<Hemisphere>, plate: &Plate) -> Vector3<f32> {
     match hemisphere {
         Some(Hemisphere { radius, .. }) => {
-            let half = 2.0 * radius as f32 + 10.0;
+            let half = ground_reach(radius) as f32 + 1.0;
             Vector3::new(half, half, GROUND / 2.0)
         }
         None => Vector3::new(plate.width as f32 / 2.0, plate.depth as f32 / 2.0, 0.5),

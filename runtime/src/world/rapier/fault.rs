@@ -2,12 +2,7 @@
 use super::convert::{unit_quaternion, vector};
 use super::{Block, RapierWorld};
 use crate::world::Fault;
-
-/// A faster block \[side / tick\] is a fault.
-const MOST_SPEED: f32 = 100.0;
-
-/// A block farther from the plate \[side\] is a fault: single precision resolves its place no more.
-const FARTHEST: f32 = 1e5;
+use crate::world::limits::Limits;
 
 impl RapierWorld {
     /// Reads what the engine has made of the blocks.
@@ -28,7 +23,7 @@ impl RapierWorld {
             block.rotation = unit_quaternion(*body.rotation());
             block.velocity = vector(body.linvel());
             block.spin = vector(body.angvel());
-            if let Some(what) = block.absurdity() {
+            if let Some(what) = block.absurdity(&self.limits) {
                 let body = id as u32;
                 return Err(Fault { body, what });
             }
@@ -39,20 +34,12 @@ impl RapierWorld {
 
 impl Block {
     /// What is wrong with it, if something is.
-    fn absurdity(&self) -> Option<String> {
-        let speed = self.velocity.norm();
-        let spin = self.spin.norm();
-        let far = self.position.norm();
-        // What is not a number is not below anything.
-        let sound = |value: f32, most: f32| value < most;
-        if !sound(speed, MOST_SPEED) {
-            Some(format!("its speed is {speed} sides per tick"))
-        } else if !sound(spin, MOST_SPEED) {
-            Some(format!("its spin is {spin} radians per tick"))
-        } else if !sound(far, FARTHEST) || !self.rotation.coords.iter().all(|x| x.is_finite()) {
-            Some(format!("it is {far} sides from the plate"))
-        } else {
-            None
-        }
+    fn absurdity(&self, limits: &Limits) -> Option<String> {
+        let [speed, spin, far] =
+            [self.velocity, self.spin, self.position].map(|v| f64::from(v.norm()));
+        limits.excess(speed, spin, far).or_else(|| {
+            let unsound = !self.rotation.coords.iter().all(|x| x.is_finite());
+            unsound.then(|| "its orientation is not a number".to_owned())
+        })
     }
 }

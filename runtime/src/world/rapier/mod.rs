@@ -23,6 +23,7 @@ use stochc_compiler::scene::Scene;
 use stochc_compiler::table::Plate;
 use stochc_compiler::{Cell, Face};
 
+use super::limits::Limits;
 use super::magnet::{Cloud, Faces, Held};
 use super::plate::Seats;
 use super::real::cast;
@@ -44,6 +45,7 @@ pub struct RapierWorld {
     blocks: Blocks,
     seats: Seats,
     faces: Option<Faces<f32>>,
+    limits: Limits,
 }
 
 /// A copy of what the engine knows, by number: it is read once a substep.
@@ -118,7 +120,13 @@ impl Arena for RapierWorld {
             return Err(cannot("term that can be left out"));
         }
         let terms = Terms::new(scene)?;
+        terms.check(settings)?;
         let (engine, handles) = engine::engine(&terms, plate, settings, blocks)?;
+        let limits = Limits::new(settings.substeps.max(1), terms.contact.is_some());
+        let limits = match (&terms.contact, terms.hemisphere) {
+            (Some(_), Some(shell)) => limits.within(engine::ground_reach(shell.radius)),
+            _ => limits,
+        };
         Ok(RapierWorld {
             tick: 0,
             substeps: settings.substeps.max(1),
@@ -129,6 +137,7 @@ impl Arena for RapierWorld {
             handles,
             blocks: Blocks(blocks.iter().map(Block::free).collect()),
             seats: Seats::new(plate),
+            limits,
         })
     }
 

@@ -1,10 +1,14 @@
 //! Where every block is and how it moves, in arrays.
-use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use nalgebra::{Quaternion, Rotation3, UnitQuaternion, Vector3};
 
+use super::lanes::LANES;
 use crate::orientation::Orientation;
 use crate::world::magnet::Cloud;
 use crate::world::real::{Real, cast};
 use crate::world::state::BodyState;
+
+/// No substep.
+const NEVER: u64 = u64::MAX;
 
 /// The blocks by number.
 ///
@@ -16,10 +20,16 @@ pub(super) struct Bodies<R: Real> {
     pub position: [Vec<R>; 3],
     pub velocity: [Vec<R>; 3],
     /// 1 if the block is free, 0 if it is anchored.
+    ///
+    /// These seven arrays are longer than there are blocks, by blocks that are anchored for ever, to
+    /// make full groups of [`LANES`].
     pub mobility: Vec<R>,
     /// As of `turned`, by the number of the substep.
     rotation: Vec<UnitQuaternion<R>>,
     turned: Vec<u64>,
+    /// The same as matrices, as of `shown`.
+    axes: Vec<Rotation3<R>>,
+    shown: Vec<u64>,
     pub spin: Vec<Vector3<R>>,
     /// How a block sits in the structure; `None`: it is free.
     pub anchored: Vec<Option<Orientation>>,
@@ -31,21 +41,22 @@ pub(super) struct Bodies<R: Real> {
 
 impl<R: Real> Bodies<R> {
     pub fn new(blocks: &[BodyState], dt: R) -> Bodies<R> {
+        let zeros = vec![R::zero(); blocks.len().next_multiple_of(LANES)];
+        let mut mobility = zeros.clone();
+        mobility[..blocks.len()].fill(R::one());
         let mut bodies = Bodies {
-            position: [const { Vec::new() }; 3],
-            velocity: [const { Vec::new() }; 3],
-            mobility: vec![R::one(); blocks.len()],
+            position: std::array::from_fn(|_| zeros.clone()),
+            velocity: std::array::from_fn(|_| zeros.clone()),
+            mobility,
             rotation: vec![UnitQuaternion::identity(); blocks.len()],
             turned: vec![0; blocks.len()],
+            axes: vec![Rotation3::identity(); blocks.len()],
+            shown: vec![NEVER; blocks.len()],
             spin: vec![Vector3::zeros(); blocks.len()],
             anchored: vec![None; blocks.len()],
             now: 0,
             dt,
         };
-        for axis in 0..3 {
-            bodies.position[axis] = vec![R::zero(); blocks.len()];
-            bodies.velocity[axis] = vec![R::zero(); blocks.len()];
-        }
         for (i, block) in blocks.iter().enumerate() {
             bodies.set_state(i, block);
         }
@@ -53,7 +64,7 @@ impl<R: Real> Bodies<R> {
     }
 
     pub fn count(&self) -> usize {
-        self.mobility.len()
+        self.anchored.len()
     }
 
     pub fn is_free(&self, i: usize) -> bool {
@@ -76,6 +87,11 @@ impl<R: Real> Bodies<R> {
         scatter(&mut self.velocity, i, velocity);
     }
 
+    /// How a block was turned when somebody looked last.
+    pub fn rotation(&self, i: usize) -> &UnitQuaternion<R> {
+        &self.rotation[i]
+    }
+
     /// How a block is turned now.
     pub fn rotation_now(&mut self, i: usize) -> UnitQuaternion<R> {
         let late = self.now - self.turned[i];
@@ -87,9 +103,19 @@ impl<R: Real> Bodies<R> {
         self.rotation[i]
     }
 
+    /// The same as a matrix: own directions to the world's.
+    pub fn axes_now(&mut self, i: usize) -> &Rotation3<R> {
+        if self.shown[i] != self.now {
+            self.shown[i] = self.now;
+            self.axes[i] = self.rotation_now(i).to_rotation_matrix();
+        }
+        &self.axes[i]
+    }
+
     /// Turns a block at once, about its centre.
     pub fn turn_now(&mut self, i: usize, angle: Vector3<R>) {
         self.rotation[i] = turn(angle, self.rotation_now(i));
+        self.shown[i] = NEVER;
     }
 
     pub fn state(&self, i: usize) -> BodyState {
@@ -130,6 +156,7 @@ impl<R: Real> Bodies<R> {
         let rotation = rotation.coords.map(R::of);
         self.rotation[i] = UnitQuaternion::from_quaternion(rotation.into());
         self.turned[i] = self.now;
+        self.shown[i] = NEVER;
     }
 }
 
@@ -156,23 +183,28 @@ fn scatter<R: Real>(arrays: &mut [Vec<R>; 3], i: usize, value: Vector3<R>) {
 
 /// `rotation`, turned by a rotation vector: exact for a constant spin.
 fn turn<R: Real>(angle: Vector3<R>, rotation: UnitQuaternion<R>) -> UnitQuaternion<R> {
-    let square = angle.norm_squared().double() / 4.0;
-    if square == 0.0 {
+    let s = angle.norm_squared() * R::of(0.25);
+    if s == R::zero() {
         return rotation;
     }
     // Half the angle: cosine, and sine over the angle itself.
-    let (cos, over) = if square < 0.04 {
+    let (cos, over) = if s < R::of(0.04) {
         // Both series are cut where the next term is below 1e-10.
-        let s = square;
-        let cos = 1.0 - s / 2.0 * (1.0 - s / 12.0 * (1.0 - s / 30.0 * (1.0 - s / 56.0)));
-        let sinc = 1.0 - s / 6.0 * (1.0 - s / 20.0 * (1.0 - s / 42.0 * (1.0 - s / 72.0)));
-        (cos, sinc / 2.0)
+        let nest = |s: R, by: [f64; 4]| {
+            let term = |sum, &by| R::one() - s * R::of(1.0 / by) * sum;
+            by.iter().rev().fold(R::one(), term)
+        };
+        let cos = nest(s, [2.0, 12.0, 30.0, 56.0]);
+        let sinc = nest(s, [6.0, 20.0, 42.0, 72.0]);
+        (cos, sinc * R::of(0.5))
     } else {
-        let half = square.sqrt();
+        let half = s.double().sqrt();
         let (sin, cos) = libm::sincos(half);
-        (cos, sin / half / 2.0)
+        (R::of(cos), R::of(sin / half / 2.0))
     };
-    let by = Quaternion::from_parts(R::of(cos), angle * R::of(over));
+    let by = Quaternion::from_parts(cos, angle * over);
     let turned = by * rotation.into_inner();
-    UnitQuaternion::new_unchecked(turned / turned.norm())
+    // It is so close to one that one step of Newton's for the root will do.
+    let factor = (R::of(3.0) - turned.norm_squared()) * R::of(0.5);
+    UnitQuaternion::new_unchecked(turned * factor)
 }

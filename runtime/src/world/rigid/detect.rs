@@ -3,8 +3,9 @@ use nalgebra::Vector3;
 use stochc_compiler::table::Plate;
 
 use super::bodies::Bodies;
+use super::grid::TOUCH;
 use super::kernel::Kernel;
-use super::neighbours::TOUCH;
+use super::lanes::Lane;
 use super::overlap::{Cuboid, Patch, ball_on_ground, balls, boxes, cube_on_ground};
 use crate::world::real::Real;
 
@@ -40,8 +41,8 @@ impl<R: Real> Shape<R> {
     }
 
     fn cube(bodies: &mut Bodies<R>, i: usize) -> Cuboid<R> {
-        let rotation = bodies.rotation_now(i);
-        Cuboid::cube(bodies.centre(i), rotation.to_rotation_matrix())
+        let axes = *bodies.axes_now(i);
+        Cuboid::cube(bodies.centre(i), axes)
     }
 
     /// How block `i` and the ground overlap.
@@ -67,10 +68,10 @@ impl<R: Real> Shape<R> {
     }
 }
 
-impl<R: Real> Kernel<R> {
+impl<R: Lane> Kernel<R> {
     /// Finds all contacts, in an order that depends on nothing but the blocks' numbers.
     pub(super) fn detect(&mut self) {
-        let (Some(contacts), Some(neighbours)) = (&mut self.contacts, &self.neighbours) else {
+        let (Some(contacts), Some(grid)) = (&mut self.contacts, &self.grid) else {
             return;
         };
         let bodies = &mut self.bodies;
@@ -84,16 +85,7 @@ impl<R: Real> Kernel<R> {
                 contacts.solver.add(bodies, i as u32, None, &patch);
             }
         }
-        contacts.close.clear();
-        let [x, y, z] = &bodies.position;
-        let touch = R::of(TOUCH * TOUCH);
-        for &(a, b) in neighbours.pairs() {
-            let (i, j) = (a as usize, b as usize);
-            let (dx, dy, dz) = (x[i] - x[j], y[i] - y[j], z[i] - z[j]);
-            if dx * dx + dy * dy + dz * dz < touch {
-                contacts.close.push((a.min(b), a.max(b)));
-            }
-        }
+        grid.close_pairs(bodies, &mut contacts.close);
         contacts.close.sort_unstable();
         for &(a, b) in &contacts.close {
             let (i, j) = (a as usize, b as usize);

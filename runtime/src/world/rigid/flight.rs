@@ -1,23 +1,20 @@
 //! What all blocks do in every substep, wherever the others are: shell, kicks, drag, and moving on.
 use super::bodies::Bodies;
-use super::fault::{FARTHEST, MOST_SPEED};
-use super::neighbours::Neighbours;
+use super::lanes::{LANES, Lane, Wide};
 use crate::draw::{Step, WORDS};
-use crate::world::real::Real;
+use crate::world::limits::Limits;
 use crate::world::terms::{Hemisphere, Kicks};
 
-/// Blocks that are computed side by side.
-const LANES: usize = 8;
-
-/// One component of [`LANES`] blocks.
-type Lanes<R> = [R; LANES];
+/// Groups of blocks after which speeds and distances are looked at.
+const CHECKED: usize = 64;
 
 /// The terms that act on all blocks.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Flight<R: Real> {
+pub(super) struct Flight<R: Lane> {
     pub shell: Option<Shell<R>>,
     /// Factor on the velocity in each substep.
     pub drag: Option<R>,
+    limits: Limits,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -27,72 +24,61 @@ pub(super) struct Shell<R> {
     pull: R,
 }
 
-/// What a flight has come to.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Landing {
-    /// Some block's motion makes no sense any more.
-    pub absurd: bool,
-    /// Some block has moved so far that the list of neighbours is not to be trusted.
-    pub stale: bool,
-}
-
-impl<R: Real> Flight<R> {
-    pub fn new(shell: Option<Hemisphere>, drag: Option<f64>, dt: f64) -> Flight<R> {
+impl<R: Lane> Flight<R> {
+    pub fn new(shell: Option<Hemisphere>, drag: Option<f64>, limits: Limits, dt: f64) -> Flight<R> {
         Flight {
             shell: shell.map(|shell| Shell {
                 radius: R::of(shell.radius),
                 pull: R::of(shell.stiffness * dt),
             }),
             drag: drag.map(|rate| R::of(libm::exp(-rate * dt))),
+            limits,
         }
     }
 
-    /// Changes all velocities, then moves all blocks.
+    /// Changes all velocities, then moves all blocks; whether all motions still make sense.
     ///
     /// `kicks` are those of this substep, if it is one that has kicks.
     pub fn fly(
         &self,
         bodies: &mut Bodies<R>,
-        neighbours: Option<&Neighbours<R>>,
         kicks: Option<(&Kicks, Step<'_>)>,
         draws: &mut Vec<u8>,
-    ) -> Landing {
+    ) -> bool {
         let kicks = kicks.map(|(kicks, step)| {
             step.fill(bodies.count().next_multiple_of(LANES), draws);
             Kick::new(kicks)
         });
         if kicks.is_some() {
-            self.shell_or_not::<true>(bodies, neighbours, draws, kicks)
+            self.shell_or_not::<true>(bodies, draws, kicks)
         } else {
-            self.shell_or_not::<false>(bodies, neighbours, draws, kicks)
+            self.shell_or_not::<false>(bodies, draws, kicks)
         }
     }
 
     fn shell_or_not<const KICKS: bool>(
         &self,
         bodies: &mut Bodies<R>,
-        neighbours: Option<&Neighbours<R>>,
         draws: &[u8],
         kicks: Option<Kick<R>>,
-    ) -> Landing {
+    ) -> bool {
         if self.shell.is_some() {
-            self.drag_or_not::<KICKS, true>(bodies, neighbours, draws, kicks)
+            self.drag_or_not::<KICKS, true>(bodies, draws, kicks)
         } else {
-            self.drag_or_not::<KICKS, false>(bodies, neighbours, draws, kicks)
+            self.drag_or_not::<KICKS, false>(bodies, draws, kicks)
         }
     }
 
     fn drag_or_not<const KICKS: bool, const SHELL: bool>(
         &self,
         bodies: &mut Bodies<R>,
-        neighbours: Option<&Neighbours<R>>,
         draws: &[u8],
         kicks: Option<Kick<R>>,
-    ) -> Landing {
+    ) -> bool {
         if self.drag.is_some() {
-            self.pass::<KICKS, SHELL, true>(bodies, neighbours, draws, kicks)
+            self.pass::<KICKS, SHELL, true>(bodies, draws, kicks)
         } else {
-            self.pass::<KICKS, SHELL, false>(bodies, neighbours, draws, kicks)
+            self.pass::<KICKS, SHELL, false>(bodies, draws, kicks)
         }
     }
 
@@ -100,10 +86,9 @@ impl<R: Real> Flight<R> {
     fn pass<const KICKS: bool, const SHELL: bool, const DRAG: bool>(
         &self,
         bodies: &mut Bodies<R>,
-        neighbours: Option<&Neighbours<R>>,
         draws: &[u8],
         kicks: Option<Kick<R>>,
-    ) -> Landing {
+    ) -> bool {
         let dt = bodies.dt;
         let kick = kicks.unwrap_or(Kick::NONE());
         let shell = self.shell.unwrap_or(Shell {
@@ -111,96 +96,80 @@ impl<R: Real> Flight<R> {
             pull: R::zero(),
         });
         let drag = self.drag.unwrap_or(R::one());
-        let most_speed = R::of(MOST_SPEED * MOST_SPEED);
-        let farthest = R::of(FARTHEST * FARTHEST);
-        let mut absurd = 0u32;
-        let [px, py, pz] = &mut bodies.position;
-        let [vx, vy, vz] = &mut bodies.velocity;
-        let words = WORDS as usize * 4 * LANES;
-        let lanes = |n: usize| n.div_ceil(LANES);
-        for group in 0..lanes(bodies.mobility.len()) {
-            let from = group * LANES;
-            let to = (from + LANES).min(bodies.mobility.len());
-            let mut x = [load(px, from, to), load(py, from, to), load(pz, from, to)];
-            let mut v = [load(vx, from, to), load(vy, from, to), load(vz, from, to)];
-            let mobility = load(&bodies.mobility, from, to);
-            if SHELL {
-                shell.push(&x, &mut v, &mobility);
-            }
-            if KICKS {
-                let drawn = &draws[group * words..][..words];
-                kick.push(drawn, &mut v, &mobility);
-            }
-            for axis in 0..3 {
-                for lane in 0..LANES {
-                    if DRAG {
-                        v[axis][lane] *= drag;
+        // Below one as long as no speed and no distance is beyond its bound, and all are numbers.
+        let (speeds, ways) = (
+            R::of(1.0 / (self.limits.speed * self.limits.speed)),
+            R::of(1.0 / (self.limits.far * self.limits.far)),
+        );
+        let mut sound = true;
+        let [px, py, pz] = bodies
+            .position
+            .each_mut()
+            .map(|x| x.as_chunks_mut::<LANES>().0);
+        let [vx, vy, vz] = bodies
+            .velocity
+            .each_mut()
+            .map(|v| v.as_chunks_mut::<LANES>().0);
+        let mobility = bodies.mobility.as_chunks::<LANES>().0;
+        let (words, _) = draws.as_chunks::<4>();
+        let (words, _) = words.as_chunks::<{ WORDS as usize * LANES }>();
+        let groups = mobility.len();
+        let (px, py, pz) = (&mut px[..groups], &mut py[..groups], &mut pz[..groups]);
+        let (vx, vy, vz) = (&mut vx[..groups], &mut vy[..groups], &mut vz[..groups]);
+        let (speeds, ways) = (R::Wide::splat(speeds), R::Wide::splat(ways));
+        let (dt, drag) = (R::Wide::splat(dt), R::Wide::splat(drag));
+        let load = R::Wide::load;
+        for from in (0..groups).step_by(CHECKED) {
+            let mut excess = R::Wide::splat(R::zero());
+            for group in from..(from + CHECKED).min(groups) {
+                let mut x = [load(&px[group]), load(&py[group]), load(&pz[group])];
+                let mut v = [load(&vx[group]), load(&vy[group]), load(&vz[group])];
+                let mobility = load(&mobility[group]);
+                if SHELL {
+                    let by = shell.factor(&x) * mobility;
+                    for axis in 0..3 {
+                        v[axis] -= x[axis] * by;
                     }
-                    x[axis][lane] += v[axis][lane] * dt;
                 }
+                if KICKS {
+                    let kick = kick.draw(&words[group]);
+                    for axis in 0..3 {
+                        v[axis] += kick[axis] * mobility;
+                    }
+                }
+                for axis in 0..3 {
+                    if DRAG {
+                        v[axis] *= drag;
+                    }
+                    x[axis] += v[axis] * dt;
+                }
+                excess += square::<R>(&v) * speeds + square::<R>(&x) * ways;
+                [px[group], py[group], pz[group]] = x.map(Wide::store);
+                [vx[group], vy[group], vz[group]] = v.map(Wide::store);
             }
-            for lane in 0..LANES {
-                let square = |a: R, b: R, c: R| a * a + b * b + c * c;
-                let speed = square(v[0][lane], v[1][lane], v[2][lane]);
-                let far = square(x[0][lane], x[1][lane], x[2][lane]);
-                // What is not a number is not below anything.
-                absurd |= u32::from(!(speed < most_speed)) | u32::from(!(far < farthest));
-            }
-            store(px, from, to, &x[0]);
-            store(py, from, to, &x[1]);
-            store(pz, from, to, &x[2]);
-            store(vx, from, to, &v[0]);
-            store(vy, from, to, &v[1]);
-            store(vz, from, to, &v[2]);
+            // What is not a number is not below anything.
+            sound &= excess.store().iter().all(|&excess| excess < R::one());
         }
-        Landing {
-            absurd: absurd != 0,
-            stale: neighbours.is_some_and(|list| list.is_stale(&bodies.position)),
-        }
+        sound
     }
 }
 
+/// Of a vector's length.
 #[inline(always)]
-fn load<R: Real>(from: &[R], start: usize, end: usize) -> Lanes<R> {
-    match from[start..end].first_chunk::<LANES>() {
-        Some(full) => *full,
-        None => {
-            let mut lanes = [R::zero(); LANES];
-            lanes[..end - start].copy_from_slice(&from[start..end]);
-            lanes
-        }
-    }
+fn square<R: Lane>([x, y, z]: &[R::Wide; 3]) -> R::Wide {
+    *x * *x + *y * *y + *z * *z
 }
 
-#[inline(always)]
-fn store<R: Real>(to: &mut [R], start: usize, end: usize, lanes: &Lanes<R>) {
-    match to[start..end].first_chunk_mut::<LANES>() {
-        Some(full) => *full = *lanes,
-        None => to[start..end].copy_from_slice(&lanes[..end - start]),
-    }
-}
-
-impl<R: Real> Shell<R> {
-    /// A spring on the centre of whoever is outside.
+impl<R: Lane> Shell<R> {
+    /// What the velocity changes by, per distance from the origin and inward.
     #[inline(always)]
-    fn push(&self, x: &[Lanes<R>; 3], v: &mut [Lanes<R>; 3], mobility: &Lanes<R>) {
-        for lane in 0..LANES {
-            let square =
-                x[0][lane] * x[0][lane] + x[1][lane] * x[1][lane] + x[2][lane] * x[2][lane];
-            let distance = square.sqrt();
-            let depth = distance - self.radius;
-            let outside = if depth > R::zero() { depth } else { R::zero() };
-            // Inside, the distance may be 0 and does not matter.
-            let by = if depth > R::zero() {
-                distance
-            } else {
-                R::one()
-            };
-            let factor = mobility[lane] * (self.pull * outside / by);
-            v[0][lane] -= x[0][lane] * factor;
-            v[1][lane] -= x[1][lane] * factor;
-            v[2][lane] -= x[2][lane] * factor;
-        }
+    fn factor(&self, x: &[R::Wide; 3]) -> R::Wide {
+        let distance = square::<R>(x).sqrt();
+        let zero = R::Wide::splat(R::zero());
+        let depth = (distance - R::Wide::splat(self.radius)).most(zero);
+        // In the middle the distance is 0, and so is the depth.
+        let tiny = R::Wide::splat(R::of(1e-30));
+        R::Wide::splat(self.pull) * depth / distance.most(tiny)
     }
 }
 
@@ -211,7 +180,7 @@ struct Kick<R> {
     span: R,
 }
 
-impl<R: Real> Kick<R> {
+impl<R: Lane> Kick<R> {
     fn new(kicks: &Kicks) -> Kick<R> {
         let (low, high) = kicks.speed;
         Kick {
@@ -228,62 +197,52 @@ impl<R: Real> Kick<R> {
         }
     }
 
-    /// The same words as `draw::direction` and `draw::unit` read, computed for many blocks at once.
+    /// From the same words as `draw::direction` and `draw::unit`, for many blocks at once.
     #[inline(always)]
-    fn push(&self, drawn: &[u8], v: &mut [Lanes<R>; 3], mobility: &Lanes<R>) {
-        // Midpoints of 2^24 bins: what single precision can tell apart.
-        let bin = R::of(1.0 / 16_777_216.0);
-        let half = R::of(0.5);
-        let two = R::of(2.0);
-        let word = |lane: usize, word: usize| {
-            let at = (lane * WORDS as usize + word) * 4;
-            let bytes = [drawn[at], drawn[at + 1], drawn[at + 2], drawn[at + 3]];
-            (u32::from_le_bytes(bytes) >> 8) as i32
-        };
-        let mut kicked = [[R::zero(); LANES]; 3];
-        for lane in 0..LANES {
-            for (k, row) in kicked.iter_mut().enumerate() {
-                row[lane] = (R::of_int(word(lane, k)) + half) * bin;
+    fn draw(&self, drawn: &[[u8; 4]; WORDS as usize * LANES]) -> [R::Wide; 3] {
+        let all = R::Wide::splat;
+        let unit = |word: usize| {
+            let mut bits = [R::zero(); LANES];
+            for (lane, bits) in bits.iter_mut().enumerate() {
+                let word = u32::from_le_bytes(drawn[lane * WORDS as usize + word]);
+                *bits = R::of_int((word >> 8) as i32);
             }
-        }
-        for lane in 0..LANES {
-            let speed = (self.low + self.span * kicked[0][lane]) * mobility[lane];
-            let z = two * kicked[1][lane] - R::one();
-            let across = (R::one() - z * z).sqrt() * speed;
-            let (sin, cos) = sincos_turns(kicked[2][lane]);
-            v[0][lane] += across * cos;
-            v[1][lane] += across * sin;
-            v[2][lane] += speed * z;
-        }
+            // Midpoints of 2^24 bins: what single precision can tell apart.
+            let bin = all(R::of(1.0 / 16_777_216.0));
+            (R::Wide::load(&bits) + all(R::of(0.5))) * bin
+        };
+        let speed = all(self.low) + all(self.span) * unit(0);
+        let z = all(R::of(2.0)) * unit(1) - all(R::one());
+        let across = (all(R::one()) - z * z).sqrt() * speed;
+        let (sin, cos) = sincos_turns::<R>(unit(2));
+        [across * cos, across * sin, speed * z]
     }
 }
 
-/// Sine and cosine of 2 pi `turns`, for `turns` in [0, 1], within 4e-9 but for rounding.
+/// Sine and cosine of 2 pi `turns`, for `turns` in [0, 1], within 4e-8 but for rounding.
 ///
 /// By polynomials instead of the library's functions, so that many are computed side by side.
 #[inline(always)]
-fn sincos_turns<R: Real>(turns: R) -> (R, R) {
-    // In half turns from the opposite direction: -1 .. 1.
-    let t = (turns - R::of(0.5)) * R::of(2.0);
-    let size = t.abs();
-    // A quarter turn off: sin(pi |t|) = cos(pi b), cos(pi |t|) = -sin(pi b).
-    let b = size - R::of(0.5);
-    let s = b * b;
-    let mut cos = R::of(COS[0]);
-    let mut sin = R::of(SIN[0]);
+fn sincos_turns<R: Lane>(turns: R::Wide) -> (R::Wide, R::Wide) {
+    let all = |value: f64| R::Wide::splat(R::of(value));
+    // Half of the angle, measured from the opposite direction: -1/2 .. 1/2 half turns.
+    let a = turns - all(0.5);
+    let s = a * a;
+    let mut cos = all(COS[0]);
+    let mut sin = all(SIN[0]);
     for k in 1..COS.len() {
-        cos = cos * s + R::of(COS[k]);
-        sin = sin * s + R::of(SIN[k]);
+        cos = cos * s + all(COS[k]);
+        sin = sin * s + all(SIN[k]);
     }
-    // Opposite to half a turn: both change sign.
-    let y = if t < R::zero() { -cos } else { cos };
-    (-y, sin * b)
+    let sin = sin * a;
+    // The whole angle, and the opposite of that.
+    (all(-2.0) * sin * cos, all(2.0) * sin * sin - all(1.0))
 }
 
-/// Taylor coefficients of cos(pi b) in b^2, highest first: within 1e-10 for |b| <= 1/2.
+/// Taylor coefficients of cos(pi a) in a^2, highest first: within 7e-9 for |a| <= 1/2.
 const COS: [f64; 7] = series(0);
 
-/// The same of sin(pi b) / b.
+/// The same of sin(pi a) / a.
 const SIN: [f64; 7] = series(1);
 
 const fn series(odd: u32) -> [f64; 7] {
@@ -308,10 +267,11 @@ mod tests {
     fn the_polynomials_are_sine_and_cosine() {
         for i in 0..=1000 {
             let turns = f64::from(i) / 1000.0;
-            let (sin, cos) = sincos_turns(turns);
+            let (sin, cos) = sincos_turns::<f64>(Wide::splat(turns));
+            let (sin, cos) = (sin.store()[3], cos.store()[3]);
             let exact = libm::sincos(std::f64::consts::TAU * turns);
-            assert!((sin - exact.0).abs() < 1e-8, "{turns}: {sin} {exact:?}");
-            assert!((cos - exact.1).abs() < 1e-8, "{turns}: {cos} {exact:?}");
+            assert!((sin - exact.0).abs() < 4e-8, "{turns}: {sin} {exact:?}");
+            assert!((cos - exact.1).abs() < 4e-8, "{turns}: {cos} {exact:?}");
         }
     }
 }

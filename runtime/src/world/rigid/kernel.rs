@@ -7,11 +7,13 @@ use super::bodies::Bodies;
 use super::detect::Shape;
 use super::fault;
 use super::flight::Flight;
-use super::neighbours::Neighbours;
+use super::grid::Grid;
+use super::lanes::Lane;
 use super::solver::Solver;
 use crate::draw::{Draws, Stream};
 use crate::orientation::Orientation;
-use crate::settings::{Reduction, Settings};
+use crate::settings::{ROUNDS, Reduction, Settings};
+use crate::world::limits::Limits;
 use crate::world::magnet::Faces;
 use crate::world::plate::Seats;
 use crate::world::real::{Real, cast};
@@ -19,7 +21,7 @@ use crate::world::terms::{Contact, Kicks, Terms};
 use crate::world::{Body, BodyState, Docking, Fault, Site};
 
 /// A world in one precision.
-pub(super) struct Kernel<R: Real> {
+pub(super) struct Kernel<R: Lane> {
     tick: u64,
     substeps: u32,
     pub(super) bodies: Bodies<R>,
@@ -30,11 +32,16 @@ pub(super) struct Kernel<R: Real> {
     pub(super) contacts: Option<Contacts<R>>,
     faces: Option<Faces<R>>,
     /// `None` where nobody asks who is near whom.
-    pub(super) neighbours: Option<Neighbours<R>>,
-    /// The list of neighbours has to be made anew.
+    pub(super) grid: Option<Grid<R>>,
+    /// Somebody has set a block in motion by hand.
+    doubtful: bool,
+    /// The grid does not say where the blocks are now.
     stale: bool,
+    /// The blocks near a face, kept to be used again.
+    nearby: Vec<u32>,
     seats: Seats,
     turns: bool,
+    limits: Limits,
 }
 
 /// Who can touch what.
@@ -47,7 +54,7 @@ pub(super) struct Contacts<R: Real> {
     pub close: Vec<(u32, u32)>,
 }
 
-impl<R: Real> Kernel<R> {
+impl<R: Lane> Kernel<R> {
     pub fn new(
         terms: Terms,
         plate: &Plate,
@@ -59,7 +66,9 @@ impl<R: Real> Kernel<R> {
         let substeps = settings.substeps.max(1);
         let dt = 1.0 / f64::from(substeps);
         let without = |reduction| settings.reduction == Some(reduction);
+        let rounds = settings.solver_iterations.unwrap_or(ROUNDS);
         let turns = !without(Reduction::NoRotation);
+        let limits = Limits::new(substeps, terms.contact.is_some());
         let contacts = terms.contact.map(|contact| {
             let contact = Contact {
                 friction: if without(Reduction::NoFriction) {
@@ -75,29 +84,38 @@ impl<R: Real> Kernel<R> {
                     plate,
                     without(Reduction::Spheres),
                 ),
-                solver: Solver::new(&contact, blocks.len(), settings.iterations(), turns),
+                solver: Solver::new(&contact, blocks.len(), rounds, turns),
                 mutual: !without(Reduction::NoBlockContact),
                 close: Vec::new(),
             }
         });
         let faces = terms.bond.map(Faces::new);
-        let neighbours =
-            (contacts.is_some() || faces.is_some()).then(|| Neighbours::new(blocks.len()));
+        let grid = (contacts.is_some() || faces.is_some()).then(|| {
+            let farthest = blocks.iter().map(|b| b.position.amax()).fold(0.0, f64::max);
+            let (span, floor) = match terms.hemisphere {
+                Some(shell) => (shell.radius, 0.0),
+                None => (farthest, -farthest),
+            };
+            Grid::new(blocks.len(), span + 2.0, floor)
+        });
         Kernel {
             tick: 0,
             substeps,
             bodies: Bodies::new(blocks, R::of(dt)),
-            flight: Flight::new(terms.hemisphere, terms.drag, dt),
+            flight: Flight::new(terms.hemisphere, terms.drag, limits, dt),
             kicks: terms
                 .kicks
                 .map(|kicks| (kicks, Draws::new(seed, run, Stream::Kick))),
             words: Vec::new(),
             contacts,
             faces,
-            neighbours,
+            grid,
+            doubtful: true,
             stale: true,
+            nearby: Vec::new(),
             seats: Seats::new(plate),
             turns,
+            limits,
         }
     }
 
@@ -116,6 +134,7 @@ impl<R: Real> Kernel<R> {
     pub fn set_state(&mut self, id: u32, state: &BodyState) {
         if self.bodies.is_free(id as usize) {
             self.bodies.set_state(id as usize, state);
+            self.doubtful = true;
             self.disturb();
         }
     }
@@ -143,11 +162,10 @@ impl<R: Real> Kernel<R> {
                 (self.bodies.centre(i), orientation)
             }
         };
-        if let (Some(faces), Some(neighbours)) = (&mut self.faces, &self.neighbours)
-            && let Some(new) = faces.magnetize(site, centre, orientation)
+        if let Some(faces) = &mut self.faces
+            && faces.magnetize(site, centre, orientation).is_some()
         {
-            let around = neighbours.around(faces.centre(new).into(), faces.horizon());
-            faces.set_nearby(new, around);
+            self.stale = true;
         }
     }
 
@@ -166,6 +184,11 @@ impl<R: Real> Kernel<R> {
     }
 
     pub fn step(&mut self, dockings: &mut Vec<Docking>) -> Result<(), Fault> {
+        if std::mem::take(&mut self.doubtful)
+            && let Some(fault) = fault::find(&self.bodies, &self.limits)
+        {
+            return Err(fault);
+        }
         for substep in 0..self.substeps {
             self.refresh();
             if let Some(faces) = &mut self.faces {
@@ -175,20 +198,13 @@ impl<R: Real> Kernel<R> {
             self.pull()?;
             let kicks = self.kicks.as_mut().filter(|_| substep == 0);
             let kicks = kicks.map(|(kicks, draws)| (&*kicks, draws.step(self.tick)));
-            let landing = self.flight.fly(
-                &mut self.bodies,
-                self.neighbours.as_ref(),
-                kicks,
-                &mut self.words,
-            );
-            if landing.absurd
-                && let Some(fault) = fault::find(&self.bodies)
-            {
+            let sound = self.flight.fly(&mut self.bodies, kicks, &mut self.words);
+            if !sound && let Some(fault) = fault::find(&self.bodies, &self.limits) {
                 return Err(fault);
             }
-            self.stale |= landing.stale;
             self.collide()?;
             self.bodies.now += 1;
+            self.stale = true;
             self.refresh();
             self.capture(dockings);
         }
@@ -204,17 +220,18 @@ impl<R: Real> Kernel<R> {
         }
     }
 
-    /// Looks for neighbours again, if it is time.
+    /// Looks again who is where, if something has moved.
     fn refresh(&mut self) {
-        let (true, Some(neighbours)) = (self.stale, &mut self.neighbours) else {
+        let (true, Some(grid)) = (self.stale, &mut self.grid) else {
             return;
         };
         self.stale = false;
-        neighbours.renew(&self.bodies);
+        grid.sort(&self.bodies);
         if let Some(faces) = &mut self.faces {
             for active in 0..faces.count() {
-                let around = neighbours.around(faces.centre(active).into(), faces.horizon());
-                faces.set_nearby(active, around);
+                let centre = faces.centre(active).into();
+                grid.around(centre, faces.horizon(), &mut self.nearby);
+                faces.set_nearby(active, self.nearby.iter().copied());
             }
         }
     }
@@ -236,24 +253,22 @@ impl<R: Real> Kernel<R> {
                 let change = push.angular * self.bodies.dt;
                 self.bodies.spin[i] += change;
             }
-            fault::check(&self.bodies, i)?;
+            fault::check(&self.bodies, &self.limits, i)?;
         }
         Ok(())
     }
 
     /// Corrects the motion of the blocks that touch something.
     fn collide(&mut self) -> Result<(), Fault> {
-        let (Some(contacts), Some(neighbours)) = (&mut self.contacts, &self.neighbours) else {
+        let Some(contacts) = &mut self.contacts else {
             return Ok(());
         };
-        let (mut stale, mut sound) = (false, Ok(()));
+        let (mut sound, limits) = (Ok(()), &self.limits);
         contacts.solver.solve(&mut self.bodies, |bodies, i| {
-            stale |= neighbours.has_left(i, bodies.centre(i));
             if sound.is_ok() {
-                sound = fault::check(bodies, i);
+                sound = fault::check(bodies, limits, i);
             }
         });
-        self.stale |= stale;
         sound
     }
 

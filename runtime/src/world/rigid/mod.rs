@@ -13,8 +13,9 @@ mod bodies;
 mod detect;
 mod fault;
 mod flight;
+mod grid;
 mod kernel;
-mod neighbours;
+mod lanes;
 mod overlap;
 mod solver;
 
@@ -57,6 +58,7 @@ impl Arena for RigidWorld {
         blocks: &[BodyState],
     ) -> Result<RigidWorld, SceneError> {
         let terms = Terms::new(scene)?;
+        terms.check(settings)?;
         Ok(RigidWorld(match settings.precision {
             Precision::Single => Inner::Single(Box::new(Kernel::new(
                 terms, plate, settings, seed, run, blocks,

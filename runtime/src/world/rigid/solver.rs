@@ -4,8 +4,9 @@
 //! for the overlap that the time step has let through, by a motion that leaves no velocity behind.
 //! A compliant one is a spring and a damper, taken implicitly. Contacts are visited again only as
 //! long as one of their two bodies has changed since.
+use std::ops::Range;
+
 use nalgebra::Vector3;
-use smallvec::SmallVec;
 use stochc_compiler::scene::ContactLaw;
 
 use super::bodies::Bodies;
@@ -51,38 +52,51 @@ pub(super) struct Solver<R: Real> {
     law: Law<R>,
     inverse_inertia: R,
     iterations: u32,
-    bodies: Vec<Moving<R>>,
-    contacts: Vec<Touch<R>>,
-    /// Index into `bodies` by number of a block, or [`NOBODY`].
+    /// The blocks that touch something, after [`GROUND`]; `shifts` and `changed` are theirs as well.
+    blocks: Vec<u32>,
+    motions: Vec<Motion<R>>,
+    /// What undoes overlaps: moves the blocks in this substep and is forgotten.
+    shifts: Vec<Motion<R>>,
+    /// When a body was changed last, counted in visits.
+    changed: Vec<u32>,
+    contacts: Vec<Touch>,
+    /// The points of all contacts.
+    spots: Vec<Spot<R>>,
+    /// Index into `motions` by number of a block, or [`NOBODY`].
     place: Vec<u32>,
 }
 
 const NOBODY: u32 = u32::MAX;
 
-/// A block that touches something.
-#[derive(Clone, Debug)]
-struct Moving<R: Real> {
-    id: u32,
-    inverse_mass: R,
-    inverse_inertia: R,
+/// The first body is the ground, or something else that never moves.
+const GROUND: usize = 0;
+
+/// How a body moves, and how much it minds being pushed.
+#[derive(Clone, Copy, Debug)]
+struct Motion<R: Real> {
     velocity: Vector3<R>,
+    inverse_mass: R,
     spin: Vector3<R>,
-    /// What undoes overlaps: moves the block in this substep and is forgotten.
-    shift: Vector3<R>,
-    tilt: Vector3<R>,
-    /// When it was changed last, counted in visits.
-    changed: u32,
+    inverse_inertia: R,
+}
+
+impl<R: Real> Motion<R> {
+    fn rest(inverse_mass: R, inverse_inertia: R) -> Motion<R> {
+        Motion {
+            velocity: Vector3::zeros(),
+            inverse_mass,
+            spin: Vector3::zeros(),
+            inverse_inertia,
+        }
+    }
 }
 
 /// Two bodies that touch, or one and the ground.
 #[derive(Clone, Debug)]
-struct Touch<R: Real> {
+struct Touch {
     a: usize,
-    /// `None` is the ground, or something else that never moves.
-    b: Option<usize>,
-    normal: Vector3<R>,
-    tangents: [Vector3<R>; 2],
-    points: SmallVec<[Spot<R>; 8]>,
+    b: usize,
+    points: Range<usize>,
     /// When it was visited last, in visits; whether it was content then.
     visited: u32,
     content: bool,
@@ -93,17 +107,28 @@ struct Touch<R: Real> {
 struct Spot<R: Real> {
     /// From the centres of the two bodies.
     arms: [Vector3<R>; 2],
+    /// How far the bodies overlap here.
+    depth: R,
     /// Velocity along the normal that is asked for, or what a spring asks for.
     target: R,
     /// Of a compliant contact: how much an impulse softens the velocity.
     softness: R,
     /// Motion per tick that undoes the overlap.
     recovery: R,
-    along: R,
-    across: [R; 2],
-    impulse: R,
-    friction: [R; 2],
+    along: Row<R>,
+    across: [Row<R>; 2],
     shift: R,
+}
+
+/// A direction at a point, in which the bodies can push each other.
+#[derive(Clone, Copy, Debug)]
+struct Row<R: Real> {
+    direction: Vector3<R>,
+    /// Torque of a unit impulse about the centres of the two bodies.
+    torques: [Vector3<R>; 2],
+    /// Impulse that changes the velocity here by one.
+    mass: R,
+    impulse: R,
 }
 
 impl<R: Real> Solver<R> {
@@ -128,24 +153,28 @@ impl<R: Real> Solver<R> {
                 R::zero()
             },
             iterations: iterations.max(1),
-            bodies: Vec::new(),
+            blocks: Vec::new(),
+            motions: Vec::new(),
+            shifts: Vec::new(),
+            changed: Vec::new(),
             contacts: Vec::new(),
+            spots: Vec::new(),
             place: vec![NOBODY; count],
         }
     }
 
     /// Forgets all contacts.
     pub fn clear(&mut self) {
-        for body in &self.bodies {
-            self.place[body.id as usize] = NOBODY;
+        for &id in self.blocks.iter().skip(1) {
+            self.place[id as usize] = NOBODY;
         }
-        self.bodies.clear();
+        let ground = Motion::rest(R::zero(), R::zero());
+        self.blocks.clear();
+        self.blocks.push(NOBODY);
+        self.motions.clear();
+        self.motions.push(ground);
         self.contacts.clear();
-    }
-
-    /// How many contacts there are.
-    pub fn count(&self) -> usize {
-        self.contacts.len()
+        self.spots.clear();
     }
 
     /// Adds the contact of block `a` with block `b`, or with something that never moves.
@@ -153,7 +182,10 @@ impl<R: Real> Solver<R> {
         let centre = |id: u32| bodies.centre(id as usize);
         let arm_of =
             |id: Option<u32>, place| id.map_or_else(Vector3::zeros, |id| place - centre(id));
-        let (first, second) = (self.moving(bodies, a), b.map(|b| self.moving(bodies, b)));
+        let (first, second) = (
+            self.moving(bodies, a),
+            b.map_or(GROUND, |b| self.moving(bodies, b)),
+        );
         let normal = patch.normal;
         let across = if normal.x.abs() < R::of(0.7) {
             Vector3::x()
@@ -162,43 +194,46 @@ impl<R: Real> Solver<R> {
         };
         let one = normal.cross(&across).normalize();
         let tangents = [one, normal.cross(&one)];
-        let points = patch.points.iter().map(|point| Spot {
-            arms: [arm_of(Some(a), point.place), arm_of(b, point.place)],
-            target: point.depth,
-            softness: R::zero(),
-            recovery: R::zero(),
-            along: R::zero(),
-            across: [R::zero(); 2],
-            impulse: R::zero(),
-            friction: [R::zero(); 2],
-            shift: R::zero(),
-        });
+        let from = self.spots.len();
+        self.spots.extend(patch.points.iter().map(|point| {
+            let arms = [arm_of(Some(a), point.place), arm_of(b, point.place)];
+            let row = |direction: Vector3<R>| Row {
+                direction,
+                torques: arms.map(|arm| arm.cross(&direction)),
+                mass: R::zero(),
+                impulse: R::zero(),
+            };
+            Spot {
+                arms,
+                depth: point.depth,
+                target: R::zero(),
+                softness: R::zero(),
+                recovery: R::zero(),
+                along: row(normal),
+                across: tangents.map(row),
+                shift: R::zero(),
+            }
+        }));
         self.contacts.push(Touch {
             a: first,
             b: second,
-            normal,
-            tangents,
-            points: points.collect(),
+            points: from..self.spots.len(),
             visited: 0,
             content: false,
         });
     }
 
+    /// The body of a block, which gets its place in the lists at its first contact.
     fn moving(&mut self, bodies: &Bodies<R>, id: u32) -> usize {
+        if !bodies.is_free(id as usize) {
+            return GROUND;
+        }
         let place = &mut self.place[id as usize];
         if *place == NOBODY {
-            *place = self.bodies.len() as u32;
-            let mobility = bodies.mobility[id as usize];
-            self.bodies.push(Moving {
-                id,
-                inverse_mass: mobility,
-                inverse_inertia: mobility * self.inverse_inertia,
-                velocity: Vector3::zeros(),
-                spin: Vector3::zeros(),
-                shift: Vector3::zeros(),
-                tilt: Vector3::zeros(),
-                changed: 0,
-            });
+            *place = self.motions.len() as u32;
+            self.blocks.push(id);
+            self.motions
+                .push(Motion::rest(R::one(), self.inverse_inertia));
         }
         *place as usize
     }
@@ -211,62 +246,69 @@ impl<R: Real> Solver<R> {
         if self.contacts.is_empty() {
             return;
         }
-        for body in &mut self.bodies {
-            body.velocity = bodies.velocity(body.id as usize);
-            body.spin = bodies.spin[body.id as usize];
+        self.shifts.clear();
+        self.shifts.extend_from_slice(&self.motions);
+        for (motion, &id) in self.motions.iter_mut().zip(&self.blocks).skip(1) {
+            motion.velocity = bodies.velocity(id as usize);
+            motion.spin = bodies.spin[id as usize];
         }
         let mut fastest = R::zero();
-        for contact in &mut self.contacts {
-            fastest = fastest.max(contact.prepare(&self.bodies, &self.law, bodies.dt));
+        for contact in &self.contacts {
+            let spots = &mut self.spots[contact.points.clone()];
+            let approach = contact.prepare(spots, &self.motions, &self.law, bodies.dt);
+            fastest = fastest.max(approach);
         }
         let tolerance = fastest * R::of(PRECISION);
         let friction = self.law.friction;
-        self.repeat(|contact, bodies| contact.push(bodies, friction) > tolerance);
+        let mut motions = std::mem::take(&mut self.motions);
+        self.repeat(|contact, spots| contact.push(spots, &mut motions, friction) > tolerance);
+        self.motions = motions;
         if let Kind::Rigid { .. } = self.law.kind {
             let tolerance = R::of(FASTEST * PRECISION);
-            self.repeat(|contact, bodies| contact.part(bodies) > tolerance);
+            let mut shifts = std::mem::take(&mut self.shifts);
+            self.repeat(|contact, spots| contact.part(spots, &mut shifts) > tolerance);
+            self.shifts = shifts;
         }
         let dt = bodies.dt;
-        for body in &self.bodies {
-            let i = body.id as usize;
-            if bodies.is_free(i) {
-                let change = body.velocity - bodies.velocity(i) + body.shift;
-                bodies.set_centre(i, bodies.centre(i) + change * dt);
-                bodies.set_velocity(i, body.velocity);
-                bodies.turn_now(i, body.tilt * dt);
-                bodies.spin[i] = body.spin;
-                moved(bodies, i);
-            }
+        for (place, &id) in self.blocks.iter().enumerate().skip(1) {
+            let i = id as usize;
+            let (motion, shift) = (&self.motions[place], &self.shifts[place]);
+            let change = motion.velocity - bodies.velocity(i) + shift.velocity;
+            bodies.set_centre(i, bodies.centre(i) + change * dt);
+            bodies.set_velocity(i, motion.velocity);
+            bodies.turn_now(i, shift.spin * dt);
+            bodies.spin[i] = motion.spin;
+            moved(bodies, i);
         }
     }
 
     /// Visits contacts until none changes anything, or for as many rounds as are allowed.
-    fn repeat(&mut self, visit: impl Fn(&mut Touch<R>, &mut [Moving<R>]) -> bool) {
+    fn repeat(&mut self, mut visit: impl FnMut(&Touch, &mut [Spot<R>]) -> bool) {
         let mut visits = 0;
         for contact in &mut self.contacts {
             (contact.visited, contact.content) = (0, false);
         }
-        for body in &mut self.bodies {
-            body.changed = 0;
-        }
+        self.changed.clear();
+        self.changed
+            .resize(self.motions.len().max(self.shifts.len()), 0);
         for _ in 0..self.iterations {
             let mut content = true;
             for contact in &mut self.contacts {
-                let changed = |body: usize| self.bodies[body].changed;
-                let last = changed(contact.a).max(contact.b.map_or(0, changed));
+                let last = self.changed[contact.a].max(self.changed[contact.b]);
                 if contact.content && last <= contact.visited {
                     continue;
                 }
                 visits += 1;
-                let has_changed = visit(contact, &mut self.bodies);
+                let spots = &mut self.spots[contact.points.clone()];
+                let has_changed = visit(contact, spots);
                 contact.content = !has_changed;
                 contact.visited = visits;
                 if has_changed {
                     content = false;
-                    self.bodies[contact.a].changed = visits;
-                    if let Some(b) = contact.b {
-                        self.bodies[b].changed = visits;
-                    }
+                    self.changed[contact.a] = visits;
+                    self.changed[contact.b] = visits;
+                    // Whatever happens, the ground has not changed.
+                    self.changed[GROUND] = 0;
                 }
             }
             if content {
@@ -276,142 +318,147 @@ impl<R: Real> Solver<R> {
     }
 }
 
-impl<R: Real> Touch<R> {
+impl Touch {
     /// Works out what each point asks for; the fastest approach.
-    fn prepare(&mut self, bodies: &[Moving<R>], law: &Law<R>, dt: R) -> R {
-        let (a, b) = (&bodies[self.a], self.b.map(|b| &bodies[b]));
-        let yielding = |direction: &Vector3<R>, arms: &[Vector3<R>; 2]| {
-            let of = |body: &Moving<R>, arm: &Vector3<R>| {
-                body.inverse_mass + body.inverse_inertia * arm.cross(direction).norm_squared()
-            };
-            of(a, &arms[0]) + b.map_or(R::zero(), |b| of(b, &arms[1]))
-        };
-        let velocity = |arms: &[Vector3<R>; 2]| {
-            let own = a.velocity + a.spin.cross(&arms[0]);
-            b.map_or(own, |b| own - b.velocity - b.spin.cross(&arms[1]))
-        };
+    fn prepare<R: Real>(
+        &self,
+        spots: &mut [Spot<R>],
+        motions: &[Motion<R>],
+        law: &Law<R>,
+        dt: R,
+    ) -> R {
+        let (a, b) = (motions[self.a], motions[self.b]);
         let mut fastest = R::zero();
-        let (deepest, sum) = self
-            .points
-            .iter()
-            .fold((R::zero(), R::zero()), |(most, sum), p| {
-                (most.max(p.target), sum + p.target)
-            });
-        for point in &mut self.points {
-            let depth = point.target;
-            let relative = velocity(&point.arms);
-            fastest = fastest.max(relative.norm());
-            let yields = yielding(&self.normal, &point.arms);
+        // Together the points of a compliant contact are as stiff as one at the deepest of them.
+        let share = match law.kind {
+            Kind::Rigid { .. } => R::one(),
+            Kind::Compliant { .. } => {
+                let depths = spots.iter().map(|p| p.depth);
+                let deepest = depths
+                    .clone()
+                    .fold(R::zero(), |most, depth| most.max(depth));
+                deepest / depths.fold(R::zero(), |sum, depth| sum + depth)
+            }
+        };
+        for point in spots {
+            let velocity =
+                |body: &Motion<R>, arm: &Vector3<R>| body.velocity + body.spin.cross(arm);
+            let relative = velocity(&a, &point.arms[0]) - velocity(&b, &point.arms[1]);
+            let approach = relative.dot(&point.along.direction);
+            fastest = fastest.max(approach.abs());
             match law.kind {
                 Kind::Rigid { restitution } => {
-                    let approach = relative.dot(&self.normal);
-                    point.target = if approach < R::zero() {
-                        -restitution * approach
-                    } else {
-                        R::zero()
-                    };
-                    let excess = (depth - R::of(SLOP)).max(R::zero());
+                    // Of a point that recedes as well: what a rocking patch is given must not
+                    // make it livelier than it was.
+                    point.target = -restitution * approach;
+                    let excess = (point.depth - R::of(SLOP)).max(R::zero());
                     point.recovery = (excess * R::of(RECOVERY) / dt).min(R::of(FASTEST));
                 }
                 Kind::Compliant { stiffness, damping } => {
-                    // Together the points are as stiff as one at the deepest of them.
-                    let share = deepest / sum;
                     let (stiffness, damping) = (stiffness * share, damping * share);
                     let firmness = dt * (damping + dt * stiffness);
                     point.softness = R::one() / firmness;
-                    point.target = depth * stiffness * dt / firmness;
+                    point.target = point.depth * stiffness * dt / firmness;
                 }
             }
-            point.along = R::one() / (yields + point.softness);
-            for (across, tangent) in point.across.iter_mut().zip(&self.tangents) {
-                *across = R::one() / yielding(tangent, &point.arms);
+            point.along.mass =
+                R::one() / (point.along.yields(&point.along, &a, &b) + point.softness);
+            if law.friction > R::zero() {
+                let [one, two] = &point.across;
+                let (k11, k22) = (one.yields(one, &a, &b), two.yields(two, &a, &b));
+                let k12 = one.yields(two, &a, &b);
+                let (mean, half) = ((k11 + k22) * R::of(0.5), (k11 - k22) * R::of(0.5));
+                // One mass for all sideways directions, the least there is: with one for each, a
+                // contact that slides would be held in another direction than it slides in.
+                let mass = R::one() / (mean + (half * half + k12 * k12).sqrt());
+                for across in &mut point.across {
+                    across.mass = mass;
+                }
             }
         }
         fastest
     }
 
     /// One round of impulses; the greatest change of velocity at a point.
-    fn push(&mut self, bodies: &mut [Moving<R>], friction: R) -> R {
+    fn push<R: Real>(&self, spots: &mut [Spot<R>], motions: &mut [Motion<R>], friction: R) -> R {
         let mut greatest = R::zero();
-        for i in 0..self.points.len() {
-            let mut point = self.points[i];
-            if friction > R::zero() {
-                let relative = self.velocity(bodies, &point.arms);
-                let old = point.friction;
-                for k in 0..2 {
-                    point.friction[k] -= relative.dot(&self.tangents[k]) * point.across[k];
+        let (mut a, mut b) = (motions[self.a], motions[self.b]);
+        for point in spots {
+            let row = &mut point.along;
+            let missing = point.target - row.velocity(&a, &b) - point.softness * row.impulse;
+            let impulse = (row.impulse + missing * row.mass).max(R::zero());
+            greatest = greatest.max(row.apply(impulse, &mut a, &mut b));
+            // Coulomb's cone, of the impulse that presses now.
+            let most = friction * point.along.impulse;
+            if most > R::zero() || point.across[0].impulse != R::zero() {
+                let mut wanted = [R::zero(); 2];
+                for (wanted, row) in wanted.iter_mut().zip(&point.across) {
+                    *wanted = row.impulse - row.velocity(&a, &b) * row.mass;
                 }
-                // Coulomb's cone, of the impulse that presses now.
-                let most = friction * point.impulse;
-                let [one, two] = point.friction;
-                let size = (one * one + two * two).sqrt();
-                if size > most {
-                    let by = most / size;
-                    point.friction = point.friction.map(|part| part * by);
+                let [one, two] = wanted;
+                let square = one * one + two * two;
+                if square > most * most {
+                    let by = most / square.sqrt();
+                    wanted = [one * by, two * by];
                 }
-                let change = [point.friction[0] - old[0], point.friction[1] - old[1]];
-                let impulse = self.tangents[0] * change[0] + self.tangents[1] * change[1];
-                self.apply(bodies, &point.arms, impulse);
-                for k in 0..2 {
-                    greatest = greatest.max((change[k] / point.across[k]).abs());
+                for (wanted, row) in wanted.into_iter().zip(&mut point.across) {
+                    greatest = greatest.max(row.apply(wanted, &mut a, &mut b));
                 }
             }
-            let relative = self.velocity(bodies, &point.arms).dot(&self.normal);
-            let wanted = point.target - relative - point.softness * point.impulse;
-            let impulse = (point.impulse + wanted * point.along).max(R::zero());
-            let change = impulse - point.impulse;
-            point.impulse = impulse;
-            let normal = self.normal;
-            self.apply(bodies, &point.arms, normal * change);
-            greatest = greatest.max((change / point.along).abs());
-            self.points[i] = point;
         }
+        (motions[self.b], motions[self.a]) = (b, a);
         greatest
     }
 
     /// One round of undoing overlaps; the greatest change of speed at a point.
-    fn part(&mut self, bodies: &mut [Moving<R>]) -> R {
+    fn part<R: Real>(&self, spots: &mut [Spot<R>], motions: &mut [Motion<R>]) -> R {
         let mut greatest = R::zero();
-        for i in 0..self.points.len() {
-            let mut point = self.points[i];
-            let own = |body: &Moving<R>, arm: &Vector3<R>| body.shift + body.tilt.cross(arm);
-            let mut relative = own(&bodies[self.a], &point.arms[0]);
-            if let Some(b) = self.b {
-                relative -= own(&bodies[b], &point.arms[1]);
-            }
-            let wanted = point.recovery - relative.dot(&self.normal);
-            let shift = (point.shift + wanted * point.along).max(R::zero());
+        let (mut a, mut b) = (motions[self.a], motions[self.b]);
+        for point in spots {
+            let row = &point.along;
+            let relative = row.velocity(&a, &b);
+            let shift = (point.shift + (point.recovery - relative) * row.mass).max(R::zero());
             let change = shift - point.shift;
             point.shift = shift;
-            self.points[i] = point;
-            let push = |body: &mut Moving<R>, arm: &Vector3<R>, impulse: Vector3<R>| {
-                body.shift += impulse * body.inverse_mass;
-                body.tilt += arm.cross(&impulse) * body.inverse_inertia;
-            };
-            push(&mut bodies[self.a], &point.arms[0], self.normal * change);
-            if let Some(b) = self.b {
-                push(&mut bodies[b], &point.arms[1], -self.normal * change);
-            }
-            greatest = greatest.max((change / point.along).abs());
+            row.push(change, &mut a, &mut b);
+            greatest = greatest.max((change / row.mass).abs());
         }
+        (motions[self.b], motions[self.a]) = (b, a);
         greatest
+    }
+}
+
+impl<R: Real> Row<R> {
+    /// How much the velocity in this direction changes by a unit impulse in the other.
+    fn yields(&self, other: &Row<R>, a: &Motion<R>, b: &Motion<R>) -> R {
+        let turned = |i: usize| self.torques[i].dot(&other.torques[i]);
+        (a.inverse_mass + b.inverse_mass) * self.direction.dot(&other.direction)
+            + a.inverse_inertia * turned(0)
+            + b.inverse_inertia * turned(1)
     }
 
     /// Of `a` as seen from `b`.
-    fn velocity(&self, bodies: &[Moving<R>], arms: &[Vector3<R>; 2]) -> Vector3<R> {
-        let of = |body: &Moving<R>, arm: &Vector3<R>| body.velocity + body.spin.cross(arm);
-        let own = of(&bodies[self.a], &arms[0]);
-        self.b.map_or(own, |b| own - of(&bodies[b], &arms[1]))
+    #[inline(always)]
+    fn velocity(&self, a: &Motion<R>, b: &Motion<R>) -> R {
+        self.direction.dot(&(a.velocity - b.velocity)) + self.torques[0].dot(&a.spin)
+            - self.torques[1].dot(&b.spin)
     }
 
-    fn apply(&self, bodies: &mut [Moving<R>], arms: &[Vector3<R>; 2], impulse: Vector3<R>) {
-        let push = |body: &mut Moving<R>, arm: &Vector3<R>, impulse: Vector3<R>| {
-            body.velocity += impulse * body.inverse_mass;
-            body.spin += arm.cross(&impulse) * body.inverse_inertia;
-        };
-        push(&mut bodies[self.a], &arms[0], impulse);
-        if let Some(b) = self.b {
-            push(&mut bodies[b], &arms[1], -impulse);
-        }
+    /// Makes the impulse what is given; how much that has changed the velocity here.
+    #[inline(always)]
+    fn apply(&mut self, impulse: R, a: &mut Motion<R>, b: &mut Motion<R>) -> R {
+        let change = impulse - self.impulse;
+        self.impulse = impulse;
+        self.push(change, a, b);
+        (change / self.mass).abs()
+    }
+
+    /// Pushes both bodies apart by an impulse.
+    #[inline(always)]
+    fn push(&self, impulse: R, a: &mut Motion<R>, b: &mut Motion<R>) {
+        a.velocity += self.direction * (impulse * a.inverse_mass);
+        a.spin += self.torques[0] * (impulse * a.inverse_inertia);
+        b.velocity -= self.direction * (impulse * b.inverse_mass);
+        b.spin -= self.torques[1] * (impulse * b.inverse_inertia);
     }
 }

@@ -1,0 +1,207 @@
+use proptest::prelude::*;
+use stochc_grammar::tree::ItemKind;
+use stochc_grammar::{Symbols, parse};
+
+use super::super::{Agitation, Block, Bond, Contact, ContactLaw, Enclosure};
+use super::super::{Anchor, Drag, Measure, Messages, Reach, built_in, read};
+use super::*;
+use crate::Sources;
+
+/// The scene that a text declares.
+fn scene(text: &str) -> Scene {
+    let mut symbols = Symbols::new();
+    let parsed = parse(text, &mut symbols);
+    assert_eq!(parsed.errors, [], "{text}");
+    let ItemKind::Scene(tree) = &parsed.tree.items[0].kind else {
+        panic!("{text}");
+    };
+    let (file, mut findings) = (Sources::default().add("s.sa", text), Vec::new());
+    let scene = read(tree, built_in("hemisphere"), file, &symbols, &mut findings);
+    assert_eq!(findings, [], "{text}");
+    scene.expect("nothing is wrong with it")
+}
+
+fn texts(scene: &Scene) -> Vec<String> {
+    terms(scene).into_iter().map(|term| term.text).collect()
+}
+
+#[test]
+fn clauses_are_written_in_units_in_which_they_are_short() {
+    let hemisphere = built_in("hemisphere").unwrap();
+    assert_eq!(
+        texts(&hemisphere),
+        [
+            "tick 20 ms",
+            "block cube { side 0.2 m  mass 1 kg  faces 1 }",
+            "free 300 uniform",
+            "enclosure hemisphere { radius 5 m  wall 25 N/m }",
+            "agitation kicks { speed 0 .. 0.44 m/s }",
+            "contact { restitution 0  friction 0.2 }",
+            "bond attract { pull 15 N within 0.2 m  align 0.75 N within 0.1 m  anchor centres 1 mm tilt 26 deg }",
+        ]
+    );
+    let clauses: Vec<&str> = absent(&hemisphere).iter().map(|it| it.clause).collect();
+    assert_eq!(clauses, ["drag", "messages"]);
+}
+
+#[test]
+fn what_is_absent_is_told_down_to_the_fields() {
+    let mut bare = built_in("hemisphere").unwrap();
+    let Some(Bond::Attract { align, .. }) = &mut bare.bond else {
+        panic!("the default scene captures");
+    };
+    *align = None;
+    bare.messages = Some(Messages { hop: 2, loss: None });
+    (bare.agitation, bare.contact) = (None, None);
+    let clauses =
+        |scene: &Scene| -> Vec<&str> { absent(scene).iter().map(|it| it.clause).collect() };
+    assert_eq!(
+        clauses(&bare),
+        [
+            "agitation",
+            "drag",
+            "contact",
+            "bond attract { align }",
+            "messages { loss }"
+        ]
+    );
+    bare.bond = None;
+    bare.messages = None;
+    assert_eq!(
+        clauses(&bare),
+        ["agitation", "drag", "contact", "bond", "messages"],
+        "nothing is said of the fields of a clause that is absent itself"
+    );
+}
+
+#[test]
+fn values_are_told_in_both_units() {
+    let text = "scene s from hemisphere {
+        drag { rate 0.5 s^-1 }
+        contact { stiffness 400 N/m  damping 8 N s/m  friction 0.3 }
+    }";
+    let terms = terms(&scene(text));
+    let told: Vec<_> = terms
+        .iter()
+        .flat_map(|term| &term.laws)
+        .flat_map(|law| &law.values)
+        .map(|value| (value.symbol, value.si, value.block))
+        .collect();
+    let inertia = 0.04 / 6.0;
+    // In block units a force of 15 N is 15 * 0.02^2 / (1 * 0.2), a speed 0.44 * 0.02 / 0.2.
+    let by_hand = [
+        ("τ", 0.02, 1.0),
+        ("a", 0.2, 1.0),
+        ("m", 1.0, 1.0),
+        ("I", inertia, 1.0 / 6.0),
+        ("", 1.0, 1.0),
+        ("N", 300.0, 300.0),
+        ("R", 5.0, 25.0),
+        ("k", 25.0, 0.01),
+        ("u", 0.0, 0.0),
+        ("w", 0.44, 0.044),
+        ("j", 0.254034, 0.0254034),
+        ("γ", 0.5, 0.01),
+        ("k", 400.0, 0.16),
+        ("c", 8.0, 0.16),
+        ("μ", 0.3, 0.3),
+        ("F", 15.0, 0.03),
+        ("r", 0.2, 1.0),
+        ("f", 0.75, 0.0015),
+        ("q", 0.1, 0.5),
+        ("d", 0.001, 0.005),
+        ("α", 0.453786, 0.453786),
+    ];
+    assert_eq!(told.len(), by_hand.len(), "{told:?}");
+    for (told, by_hand) in told.iter().zip(by_hand) {
+        let close = |a: f64, b: f64| (a - b).abs() <= 1e-5 * b.abs();
+        assert!(
+            told.0 == by_hand.0 && close(told.1, by_hand.1) && close(told.2, by_hand.2),
+            "{told:?} and not {by_hand:?}"
+        );
+    }
+}
+
+/// A positive value of any size.
+fn size() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        (1e-12f64.ln()..1e12f64.ln()).prop_map(f64::exp),
+        (1u32..2000, -6i32..4).prop_map(|(digits, power)| f64::from(digits) * 10f64.powi(power)),
+        Just(f64::MIN_POSITIVE),
+        Just(f64::MAX),
+    ]
+}
+
+fn bond() -> impl Strategy<Value = Bond> {
+    let reach = || (size(), size()).prop_map(|(force, within)| Reach { force, within });
+    let tilt = prop_oneof![
+        0.01..1.57,
+        Just(26f64.to_radians()),
+        Just(45f64.to_radians())
+    ];
+    let measure = prop_oneof![Just(Measure::Centres), Just(Measure::Gap)];
+    let anchor = (measure, size(), tilt).prop_map(|(measure, within, tilt)| Anchor {
+        measure,
+        within,
+        tilt,
+    });
+    (reach(), prop::option::of(reach()), anchor).prop_map(|(pull, align, anchor)| Bond::Attract {
+        pull,
+        align,
+        anchor,
+    })
+}
+
+fn contact() -> impl Strategy<Value = Contact> {
+    let law = prop_oneof![
+        (0.0..=1.0).prop_map(|restitution| ContactLaw::Rigid { restitution }),
+        (size(), prop_oneof![Just(0.0), size()])
+            .prop_map(|(stiffness, damping)| ContactLaw::Compliant { stiffness, damping }),
+    ];
+    (law, size()).prop_map(|(law, friction)| Contact { law, friction })
+}
+
+fn any_scene() -> impl Strategy<Value = Scene> {
+    let block =
+        (size(), size(), 1u8..=5).prop_map(|(side, mass, faces)| Block { side, mass, faces });
+    let enclosure =
+        (size(), size()).prop_map(|(radius, wall)| Enclosure::Hemisphere { radius, wall });
+    let kicks = (prop_oneof![Just(0.0), size()], size()).prop_map(|(a, b)| Agitation::Kicks {
+        speed: (a.min(b), a.max(b)),
+    });
+    let messages = (0u32..=1_000_000, prop::option::of(0.0..=1.0))
+        .prop_map(|(hop, loss)| Messages { hop, loss });
+    let drag = size().prop_map(|rate| Drag { rate });
+    (
+        size(),
+        block,
+        enclosure,
+        kicks,
+        drag,
+        contact(),
+        bond(),
+        messages,
+    )
+        .prop_map(
+            |(tick, block, enclosure, kicks, drag, contact, bond, messages)| Scene {
+                name: "s".to_owned(),
+                tick,
+                block,
+                enclosure: Some(enclosure),
+                agitation: Some(kicks),
+                drag: Some(drag),
+                contact: Some(contact),
+                bond: Some(bond),
+                messages: Some(messages),
+                ..built_in("hemisphere").expect("it is built in")
+            },
+        )
+}
+
+proptest! {
+    #[test]
+    fn what_is_written_reads_as_the_same_scene(declared in any_scene()) {
+        let text = format!("scene s {{\n{}\n}}\n", texts(&declared).join("\n"));
+        prop_assert_eq!(scene(&text), declared, "{}", text);
+    }
+}

@@ -1,0 +1,70 @@
+//! Values with their units.
+use serde::Serialize;
+
+use super::super::groups::BlockUnits;
+
+/// A value of a scene.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Value {
+    /// What equations call it; empty: it is in none.
+    pub symbol: &'static str,
+    /// What it is.
+    pub name: &'static str,
+    /// In SI units, or in ticks.
+    pub si: f64,
+    /// That unit; empty: a pure number.
+    pub unit: &'static str,
+    /// In block units: the side a, the mass m and the tick τ are 1.
+    pub block: f64,
+    /// The unit among those; empty: a pure number.
+    pub block_unit: &'static str,
+}
+
+/// What a value is one of.
+#[derive(Clone, Copy, Debug)]
+pub enum Kind {
+    Number,
+    Angle,
+    Time,
+    Ticks,
+    Length,
+    Mass,
+    Inertia,
+    Speed,
+    Force,
+    Stiffness,
+    Damping,
+    Rate,
+}
+
+/// Makes values of a scene.
+pub struct Values(pub BlockUnits);
+
+impl Values {
+    /// A value in SI units.
+    pub fn of(&self, kind: Kind, symbol: &'static str, name: &'static str, si: f64) -> Value {
+        let units = self.0;
+        let (unit, block, block_unit) = match kind {
+            Kind::Number => ("", si, ""),
+            Kind::Angle => ("rad", si, "rad"),
+            Kind::Time => ("s", units.time(si), "τ"),
+            Kind::Ticks => ("ticks", si, "τ"),
+            Kind::Length => ("m", units.length(si), "a"),
+            Kind::Mass => ("kg", units.mass(si), "m"),
+            Kind::Inertia => ("kg m²", units.inertia(si), "m a²"),
+            Kind::Speed => ("m/s", units.speed(si), "a/τ"),
+            Kind::Force => ("N", units.force(si), "m a/τ²"),
+            Kind::Stiffness => ("N/m", units.stiffness(si), "m/τ²"),
+            Kind::Damping => ("N s/m", units.damping(si), "m/τ"),
+            Kind::Rate => ("1/s", units.rate(si), "1/τ"),
+        };
+        Value {
+            symbol,
+            name,
+            si,
+            unit,
+            block,
+            block_unit,
+        }
+    }
+}

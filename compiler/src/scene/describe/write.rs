@@ -1,0 +1,135 @@
+//! Values as they are written in a scene.
+use stochc_grammar::tree::{Quantity, UnitFactor};
+
+use super::super::units::to_si;
+
+/// A unit: how it is written, and its factors.
+type Unit = (&'static str, &'static [(&'static str, i8)]);
+
+/// The units that values of one dimension are written in, the preferred first.
+pub struct Units {
+    /// Its SI unit, in which every value can be written.
+    si: Unit,
+    preferred: &'static [Unit],
+}
+
+pub const TIME: Units = Units {
+    si: ("s", &[("s", 1)]),
+    preferred: &[
+        ("s", &[("s", 1)]),
+        ("ms", &[("ms", 1)]),
+        ("us", &[("us", 1)]),
+    ],
+};
+
+pub const LENGTH: Units = Units {
+    si: ("m", &[("m", 1)]),
+    preferred: &[
+        ("m", &[("m", 1)]),
+        ("mm", &[("mm", 1)]),
+        ("um", &[("um", 1)]),
+        ("nm", &[("nm", 1)]),
+    ],
+};
+
+pub const MASS: Units = Units {
+    si: ("kg", &[("kg", 1)]),
+    preferred: &[
+        ("kg", &[("kg", 1)]),
+        ("g", &[("g", 1)]),
+        ("mg", &[("mg", 1)]),
+        ("ug", &[("ug", 1)]),
+    ],
+};
+
+pub const SPEED: Units = Units {
+    si: ("m/s", &[("m", 1), ("s", -1)]),
+    preferred: &[
+        ("m/s", &[("m", 1), ("s", -1)]),
+        ("mm/s", &[("mm", 1), ("s", -1)]),
+        ("um/s", &[("um", 1), ("s", -1)]),
+    ],
+};
+
+pub const FORCE: Units = Units {
+    si: ("N", &[("N", 1)]),
+    preferred: &[
+        ("N", &[("N", 1)]),
+        ("mN", &[("mN", 1)]),
+        ("uN", &[("uN", 1)]),
+        ("nN", &[("nN", 1)]),
+    ],
+};
+
+pub const STIFFNESS: Units = Units {
+    si: ("N/m", &[("N", 1), ("m", -1)]),
+    preferred: &[
+        ("N/m", &[("N", 1), ("m", -1)]),
+        ("mN/m", &[("mN", 1), ("m", -1)]),
+        ("uN/m", &[("uN", 1), ("m", -1)]),
+    ],
+};
+
+pub const DAMPING: Units = Units {
+    si: ("N s/m", &[("N", 1), ("s", 1), ("m", -1)]),
+    preferred: &[
+        ("N s/m", &[("N", 1), ("s", 1), ("m", -1)]),
+        ("mN s/m", &[("mN", 1), ("s", 1), ("m", -1)]),
+        ("uN s/m", &[("uN", 1), ("s", 1), ("m", -1)]),
+    ],
+};
+
+pub const RATE: Units = Units {
+    si: ("s^-1", &[("s", -1)]),
+    preferred: &[],
+};
+
+pub const ANGLE: Units = Units {
+    si: ("rad", &[("rad", 1)]),
+    preferred: &[("deg", &[("deg", 1)])],
+};
+
+pub const NUMBER: Units = Units {
+    si: ("", &[]),
+    preferred: &[],
+};
+
+/// More digits than this are no value that somebody has chosen in that unit.
+const CHOSEN: usize = 8;
+
+/// A value in SI units with a unit in which it is short; reads as the same value again.
+pub fn write(value: f64, units: &Units) -> String {
+    let short = units.preferred.iter().find_map(|&unit| {
+        let number = shortest(value, unit, CHOSEN)?;
+        // A zero is one of any unit, and of an angle nobody minds how many degrees it has.
+        let fits = value == 0.0 || unit.0 == "deg" || (0.1..1000.0).contains(&number.abs());
+        fits.then(|| text(number, unit.0))
+    });
+    short.unwrap_or_else(|| text(value, units.si.0))
+}
+
+fn text(number: f64, unit: &str) -> String {
+    let number = format!("{number:?}");
+    let number = number.strip_suffix(".0").unwrap_or(&number);
+    format!("{number} {unit}").trim_end().to_owned()
+}
+
+/// The number with the fewest digits, up to a limit, that is exactly `value` in a unit.
+fn shortest(value: f64, (_, factors): Unit, most: usize) -> Option<f64> {
+    let in_si = |value: f64| {
+        let unit = factors.iter().map(|&(symbol, power)| UnitFactor {
+            symbol: symbol.to_owned(),
+            power,
+        });
+        let (value, _) = to_si(&Quantity {
+            value,
+            unit: unit.collect(),
+            span: Default::default(),
+        });
+        value
+    };
+    let about = value / in_si(1.0);
+    (0..most)
+        .filter_map(|digits| format!("{about:.digits$e}").parse().ok())
+        .find(|&number| in_si(number) == value)
+}

@@ -1,0 +1,166 @@
+//! How fast free blocks are in the long run.
+use serde::Serialize;
+
+use super::super::{Agitation, Contact, ContactLaw, Scene};
+use super::{BlockUnits, Gas};
+
+/// The speed that a free block is expected to have in the long run, away from magnets.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Speed {
+    /// The root of the mean square \[m/s\]; `None`: it never stops growing.
+    pub rms: Option<f64>,
+    /// What it follows from.
+    pub from: SpeedFrom,
+}
+
+/// What an expected speed follows from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SpeedFrom {
+    /// Nothing kicks the blocks, and they begin at rest.
+    Rest,
+    /// Kicks and drag alone: exact.
+    Drag,
+    /// Kicks against what inelastic collisions, and drag if there is any, take away: an estimate.
+    Collisions,
+    /// Kicks, and nothing to take their energy away again.
+    Nothing,
+}
+
+/// The speed that the terms of a scene lead to.
+pub fn speed(scene: &Scene) -> Speed {
+    let units = BlockUnits::of(scene);
+    let kick = kick(scene);
+    let told = |rms: f64, from| Speed {
+        rms: Some(units.speed_si(rms)),
+        from,
+    };
+    if kick == 0.0 {
+        return told(0.0, SpeedFrom::Rest);
+    }
+    // Of the square of a speed, this part is left after a tick of drag.
+    let left = (scene.drag.as_ref()).map_or(1.0, |drag| (-2.0 * units.rate(drag.rate)).exp());
+    let loss = loss(scene);
+    if loss > 0.0 {
+        told(balance(kick, left, loss), SpeedFrom::Collisions)
+    } else if left < 1.0 {
+        told(kick * (left / (1.0 - left)).sqrt(), SpeedFrom::Drag)
+    } else {
+        Speed {
+            rms: None,
+            from: SpeedFrom::Nothing,
+        }
+    }
+}
+
+/// The rms change of speed in a tick \[side/tick\].
+pub(super) fn kick(scene: &Scene) -> f64 {
+    let Some(Agitation::Kicks { speed: (low, high) }) = scene.agitation else {
+        return 0.0;
+    };
+    let units = BlockUnits::of(scene);
+    rms_of_range(units.speed(low), units.speed(high))
+}
+
+/// The rms of what is uniform between two values.
+pub(in crate::scene) fn rms_of_range(low: f64, high: f64) -> f64 {
+    ((low * low + low * high + high * high) / 3.0).sqrt()
+}
+
+/// What collisions take from the square of a speed in a tick, over the speed's third power
+/// \[1/side\].
+///
+/// A meeting at the temperature T = m v^2 / 3 takes (1 - e^2) T on average, whatever the shapes: the
+/// approaching speed of what meets has the mean square 2 T / (effective mass). Two blocks share the
+/// loss, at the floor one bears it. Without friction.
+fn loss(scene: &Scene) -> f64 {
+    let (Some(gas), Some(contact)) = (Gas::of(scene), &scene.contact) else {
+        return 0.0;
+    };
+    let lost = |pair| 1.0 - restitution(scene, contact, pair).powi(2);
+    gas.meetings(1.0) * lost(true) / 3.0 + gas.landings(1.0) * lost(false) * 2.0 / 3.0
+}
+
+/// The speed after a head-on collision over that before, of two blocks or one and something fixed.
+pub(super) fn restitution(scene: &Scene, contact: &Contact, pair: bool) -> f64 {
+    match contact.law {
+        ContactLaw::Rigid { restitution } => restitution,
+        ContactLaw::Compliant { stiffness, damping } => {
+            let units = BlockUnits::of(scene);
+            let ratio = damping_ratio(units.stiffness(stiffness), units.damping(damping));
+            // Two blocks meet like one of half the mass and something fixed.
+            rebound(if pair { ratio * 2f64.sqrt() } else { ratio })
+        }
+    }
+}
+
+/// Of a block against something fixed, in block units.
+pub(super) fn damping_ratio(stiffness: f64, damping: f64) -> f64 {
+    damping / (2.0 * stiffness.sqrt())
+}
+
+/// The restitution of a spring with a damping ratio that is let go when it would begin to pull
+/// (Schwager and Pöschel 2007).
+fn rebound(ratio: f64) -> f64 {
+    let off = (1.0 - ratio * ratio).abs().sqrt();
+    let angle = if off < 1e-6 {
+        1.0
+    } else if ratio < 1.0 {
+        ratio.acos() / off
+    } else {
+        ratio.acosh() / off
+    };
+    (-2.0 * ratio * angle).exp()
+}
+
+/// The v at which v^2 = (v^2 + kick^2) left - loss v^3.
+fn balance(kick: f64, left: f64, loss: f64) -> f64 {
+    let gain = |v: f64| (v * v + kick * kick) * left - v * v - loss * v.powi(3);
+    // With neither drag nor loss of the other kind, v would be at most this.
+    let (mut low, mut high) = (0.0, (kick * kick / loss).cbrt());
+    for _ in 0..200 {
+        let middle = 0.5 * (low + high);
+        if gain(middle) > 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    0.5 * (low + high)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_spring_throws_back_what_its_damping_leaves() {
+        // Solved step by step, until the force would become an attraction.
+        let solved = |ratio: f64| {
+            let dt = 1e-5;
+            let (mut depth, mut speed) = (0.0, 1.0);
+            loop {
+                let force = depth + 2.0 * ratio * speed;
+                if force < 0.0 {
+                    return -speed;
+                }
+                speed -= force * dt;
+                depth += speed * dt;
+            }
+        };
+        assert_eq!(rebound(0.0), 1.0);
+        for ratio in [0.01, 0.2, 0.7, 0.999, 1.0, 1.001, 3.0] {
+            let (told, solved) = (rebound(ratio), solved(ratio));
+            assert!((told - solved).abs() < 1e-4, "{ratio}: {told}, {solved}");
+        }
+    }
+
+    #[test]
+    fn the_balance_holds() {
+        for (kick, left, loss) in [(0.1, 1.0, 0.03), (0.1, 0.9, 0.03), (1e-9, 0.999, 7.0)] {
+            let v = balance(kick, left, loss);
+            let after = (v * v + kick * kick) * left - loss * v.powi(3);
+            assert!((after / (v * v) - 1.0).abs() < 1e-9, "{kick} {left} {loss}");
+        }
+    }
+}

@@ -1,0 +1,206 @@
+//! The compliant contact against the damped oscillator that it is while two bodies overlap.
+//!
+//! With w = sqrt(k / m) and c = 2 m w sin(a), a block that lands flat at speed v sinks to
+//! (v / w) exp(-tan(a) (pi / 2 - a)). As the contact never pulls, it ends when k d + c d' = 0, before the
+//! block is out of the ground: after (pi - 2 a) / (w cos(a)), at exp(-tan(a) (pi - 2 a)) of the speed
+//! (Schwager and Poeschel 2007). Without that limit it would be pi / (w cos(a)) and exp(-tan(a) pi).
+mod scenes;
+
+use nalgebra::{UnitQuaternion, Vector3};
+use scenes::{Kind, at, compliant, empty, hemisphere, pass};
+use stochc_compiler::scene::Scene;
+use stochc_runtime::world::{Arena, BodyState};
+
+in_either_precision!(
+    a_bounce_converges_to_the_damped_oscillator_in_the_first_order,
+    substeps_are_short_ticks,
+    flat_edge_and_corner_are_as_stiff_as_the_deepest_point,
+    a_pair_is_as_stiff_as_one_block_on_the_ground,
+    a_contact_that_ends_does_not_pull,
+);
+
+fn ground(stiffness: f64, damping: f64) -> Scene {
+    let mut scene = empty();
+    scene.contact = compliant(stiffness, damping, 0.0);
+    scene.enclosure = hemisphere(100.0, 0.01);
+    scene
+}
+
+fn falling(turned: UnitQuaternion<f64>, reach: f64, depth: f64, speed: f64) -> BodyState {
+    BodyState {
+        orientation: turned,
+        velocity: at(0.0, 0.0, -speed),
+        ..BodyState::at_rest(at(0.0, 0.0, reach - depth))
+    }
+}
+
+/// What came of a landing: ticks with a force, speed after over speed before, greatest depth.
+#[derive(Clone, Copy, Debug)]
+struct Bounce {
+    time: f64,
+    back: f64,
+    depth: f64,
+}
+
+/// A flat landing that begins exactly at the ground, in the motion of `frequency` per tick.
+fn bounce<K: Kind>(frequency: f64, damped: f64) -> Bounce {
+    let speed = 0.1 * frequency;
+    let scene = ground(frequency * frequency, 2.0 * frequency * damped);
+    let mut world = K::world(
+        &scene,
+        &[falling(UnitQuaternion::identity(), 0.5, 0.0, speed)],
+    );
+    let (mut time, mut depth, mut before) = (0u32, 0.0f64, -speed);
+    loop {
+        pass(&mut world, 1);
+        let state = world.state(0);
+        depth = depth.max(0.5 - state.position.z);
+        if state.velocity.z != before || time == 0 {
+            time += 1;
+        } else if state.velocity.z > 0.0 {
+            break Bounce {
+                time: f64::from(time) * frequency,
+                back: before / speed,
+                depth: depth * frequency / speed,
+            };
+        }
+        before = state.velocity.z;
+    }
+}
+
+fn a_bounce_converges_to_the_damped_oscillator_in_the_first_order<K: Kind>() {
+    for damped in [0.0, 0.1, 0.3, 0.6] {
+        let a = f64::asin(damped);
+        let pi = std::f64::consts::PI;
+        let exact = Bounce {
+            time: (pi - 2.0 * a) / a.cos(),
+            back: (-a.tan() * (pi - 2.0 * a)).exp(),
+            depth: (-a.tan() * (pi / 2.0 - a)).exp(),
+        };
+        let [h2, h] = [0.02, 0.01];
+        let (coarse, fine) = (bounce::<K>(h2, damped), bounce::<K>(h, damped));
+        // It is felt a tick late, and ends within a tick.
+        assert!(
+            (fine.time - exact.time).abs() < 2.0 * h,
+            "{fine:?} {exact:?}"
+        );
+        for (coarse, fine, exact) in [
+            (coarse.back, fine.back, exact.back),
+            (coarse.depth, fine.depth, exact.depth),
+        ] {
+            // The implicit step damps as w dt / 2 more would, by exp(-pi w dt / 2) in a whole bounce.
+            assert!(
+                (fine - exact).abs() < 0.5 * pi * h,
+                "{fine} instead of {exact}"
+            );
+            // The error is of the first order: two steps tell what it is but for the second order, the
+            // square of the above over 2, and as much again for the end within a tick.
+            let second = (0.5 * pi * h2).powi(2);
+            let limit = 2.0 * fine - coarse;
+            assert!(
+                (limit - exact).abs() < second,
+                "{damped}: {limit} instead of {exact}"
+            );
+        }
+        // And it is no more than first order: half the step is half the error.
+        if damped == 0.0 {
+            let ratio = (coarse.back - exact.back) / (fine.back - exact.back);
+            assert!((1.9..2.1).contains(&ratio), "{ratio}");
+        }
+    }
+}
+
+/// To the bit, where the number of substeps is a power of two.
+fn substeps_are_short_ticks<K: Kind>() {
+    let (stiffness, damping) = (0.04, 0.02);
+    let at_once = [1u32, 2, 8].map(|substeps| {
+        let n = f64::from(substeps);
+        let scene = ground(stiffness * n * n, damping * n);
+        let start = falling(UnitQuaternion::identity(), 0.5, 0.0, 0.01 * n);
+        let mut world: K::World = scenes::world(&scene, &K::with_substeps(substeps), &[start]);
+        pass(&mut world, 32 / u64::from(substeps));
+        let end = world.state(0);
+        (end.position, end.velocity / n)
+    });
+    assert!(at_once[0].1.z > 0.0, "it is on its way up: {at_once:?}");
+    assert_eq!(at_once[0], at_once[1]);
+    assert_eq!(at_once[0], at_once[2]);
+}
+
+/// How far one step may be off: the kernel stops when a round changes less than 1e-4 of the fastest
+/// approach, and the points of a soft patch hardly feel each other, so that a round undoes nearly all.
+fn one_step<K: Kind>(speed: f64) -> f64 {
+    1e-4 * speed + 16.0 * K::ROUNDING * speed
+}
+
+fn flat_edge_and_corner_are_as_stiff_as_the_deepest_point<K: Kind>() {
+    let (stiffness, damping) = (0.04, 0.02);
+    let quarter = std::f64::consts::FRAC_PI_4;
+    let flat = UnitQuaternion::identity();
+    let edge = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), quarter);
+    let corner = UnitQuaternion::rotation_between(&at(1.0, 1.0, 1.0), &Vector3::z())
+        .expect("they are not opposite");
+    for (turned, points) in [(flat, 1.0f64), (edge, 2.0), (corner, 3.0)] {
+        let reach = 0.5 * points.sqrt();
+        for (depth, speed) in [(0.01, 0.003), (0.02, 0.0), (0.05, -0.002)] {
+            let start = falling(turned, reach, depth, speed);
+            let mut world = K::world(&ground(stiffness, damping), &[start]);
+            pass(&mut world, 1);
+            let state = world.state(0);
+            // One implicit step, upward positive: v' = v + k (d - v') - c v'.
+            let expected = (-speed + stiffness * depth) / (1.0 + stiffness + damping);
+            // The depth is a difference of places near 1.
+            let tolerance = one_step::<K>(0.003) + 4.0 * stiffness * K::ROUNDING;
+            let off = (state.velocity.z - expected).abs();
+            assert!(off < tolerance, "{points} {depth}: off by {off:e}");
+            assert!(state.spin.norm() < 6.0 * tolerance);
+        }
+    }
+}
+
+/// The forces are the same, but two masses yield.
+fn a_pair_is_as_stiff_as_one_block_on_the_ground<K: Kind>() {
+    let (stiffness, damping, depth, speed) = (0.04, 0.02, 0.01, 0.003);
+    let mut scene = empty();
+    scene.contact = compliant(stiffness, damping, 0.0);
+    let block = |side: f64| BodyState {
+        velocity: at(-side * speed, 0.0, 0.0),
+        ..BodyState::at_rest(at(side * 0.5 * (1.0 - depth), 0.0, 3.0))
+    };
+    let mut world = K::world(&scene, &[block(1.0), block(-1.0)]);
+    pass(&mut world, 1);
+    // u' = u + 2 (k (d - u') - c u') for the relative velocity u.
+    let parting = (-2.0 * speed + 2.0 * stiffness * depth) / (1.0 + 2.0 * (stiffness + damping));
+    let tolerance = one_step::<K>(0.006) + 8.0 * stiffness * K::ROUNDING;
+    for (id, side) in [(0, 1.0), (1, -1.0)] {
+        let off = (world.state(id).velocity - at(side * 0.5 * parting, 0.0, 0.0)).amax();
+        assert!(off < tolerance, "{off:e}");
+    }
+}
+
+fn a_contact_that_ends_does_not_pull<K: Kind>() {
+    // Leaving faster than k d / (c + k dt), it feels nothing.
+    let scene = ground(0.01, 0.5);
+    let mut world = K::world(
+        &scene,
+        &[falling(UnitQuaternion::identity(), 0.5, 0.25, -0.03125)],
+    );
+    pass(&mut world, 1);
+    assert_eq!(world.state(0).velocity, at(0.0, 0.0, 0.03125));
+    // In a whole bounce it is never slowed on its way out, however strong the damper.
+    for damped in [0.1, 0.5, 0.9, 1.5] {
+        let scene = ground(0.01, 0.2 * damped);
+        let mut world = K::world(
+            &scene,
+            &[falling(UnitQuaternion::identity(), 0.5, 0.0, 0.05)],
+        );
+        let mut before = world.state(0).velocity.z;
+        for _ in 0..200 {
+            pass(&mut world, 1);
+            let speed = world.state(0).velocity.z;
+            assert!(speed >= before, "{damped}: {before} and then {speed}");
+            before = speed;
+        }
+        assert!(before > 0.0);
+    }
+}

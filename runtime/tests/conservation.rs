@@ -1,0 +1,228 @@
+//! What a closed gas keeps: momentum, angular momentum, energy.
+//!
+//! The blocks are kept together by a mirror that the test holds: who has left a ball gets the
+//! radial part of the velocity turned round, which keeps its energy and, as the push is central,
+//! the angular momentum of all about the middle of the ball.
+mod scenes;
+
+use nalgebra::Vector3;
+use scenes::{Dice, Double, Kind, Single, compliant, contact, empty, energy, pass, states};
+use stochc_compiler::scene::{Contact, Scene};
+use stochc_runtime::world::{Arena, BodyState};
+use stochc_runtime::{Reduction, Settings};
+
+in_every_kind!(
+    colliding_blocks_keep_momentum_and_angular_momentum,
+    inelastic_and_rough_collisions_never_add_energy,
+);
+
+mod kernel {
+    use super::*;
+    in_either_precision!(
+        compliant_contacts_keep_angular_momentum_to_the_last_digits,
+        elastic_collisions_keep_energy_but_for_rocking_faces,
+        elastic_balls_keep_energy,
+    );
+}
+
+const MIDDLE: Vector3<f64> = Vector3::new(0.0, 0.0, 6.0);
+const RADIUS: f64 = 4.0;
+
+/// `count` blocks that move and turn anyhow, none touching another.
+fn gas(count: usize, seed: u64) -> Vec<BodyState> {
+    let mut dice = Dice::new(seed);
+    let mut blocks: Vec<BodyState> = Vec::new();
+    while blocks.len() < count {
+        let position = MIDDLE + RADIUS * dice.unit().cbrt() * dice.direction();
+        let apart = |b: &BodyState| (b.position - position).norm() > 1.9;
+        if blocks.iter().all(apart) {
+            blocks.push(BodyState {
+                position,
+                orientation: dice.rotation(),
+                velocity: 0.05 * dice.direction(),
+                spin: 0.05 * dice.direction(),
+            });
+        }
+    }
+    blocks
+}
+
+/// What changed in the worst tick, and in all of them.
+#[derive(Debug, Default)]
+struct Drift {
+    momentum: f64,
+    angular: f64,
+    /// Part of the energy that was there.
+    gain: f64,
+    ticks_with_gain: usize,
+    /// Energy at the end over that at the beginning.
+    left: f64,
+    /// Ticks in which some block changed its speed.
+    collisions: usize,
+}
+
+fn angular(block: &BodyState) -> Vector3<f64> {
+    (block.position - MIDDLE).cross(&block.velocity) + block.spin / 6.0
+}
+
+fn watch<K: Kind>(contact: Option<Contact>, count: usize, substeps: u32, ticks: u64) -> Drift {
+    watch_with::<K>(contact, count, &K::with_substeps(substeps), ticks)
+}
+
+fn watch_with<K: Kind>(
+    contact: Option<Contact>,
+    count: usize,
+    settings: &Settings,
+    ticks: u64,
+) -> Drift {
+    let scene = Scene { contact, ..empty() };
+    let start = gas(count, 7);
+    let mut world: K::World = scenes::world(&scene, settings, &start);
+    let total = |of: &dyn Fn(&BodyState) -> Vector3<f64>, all: &[BodyState]| {
+        all.iter().map(of).sum::<Vector3<f64>>()
+    };
+    let heat = |all: &[BodyState]| all.iter().map(energy).sum::<f64>();
+    let mut drift = Drift::default();
+    let first = heat(&start);
+    let mut before = start;
+    for _ in 0..ticks {
+        pass(&mut world, 1);
+        let mut after = states(&world);
+        let change = |of: &dyn Fn(&BodyState) -> Vector3<f64>| {
+            (total(of, &after) - total(of, &before)).norm()
+        };
+        drift.momentum = drift.momentum.max(change(&|b| b.velocity));
+        drift.angular = drift.angular.max(change(&angular));
+        let gain = (heat(&after) - heat(&before)) / first;
+        drift.gain = drift.gain.max(gain);
+        drift.ticks_with_gain += usize::from(gain > 1e-6);
+        drift.collisions += usize::from(
+            after
+                .iter()
+                .zip(&before)
+                .any(|(a, b)| a.velocity != b.velocity),
+        );
+        for (id, block) in after.iter_mut().enumerate() {
+            let out = block.position - MIDDLE;
+            let away = block.velocity.dot(&out.normalize());
+            if out.norm() > RADIUS && away > 0.0 {
+                block.velocity -= 2.0 * away * out.normalize();
+                world.set_state(id as u32, block);
+                *block = world.state(id as u32);
+            }
+        }
+        before = after;
+    }
+    drift.left = heat(&before) / first;
+    drift
+}
+
+/// Every block changes several times a tick in a crowd, and rounds numbers of 0.1 each time.
+fn rounding<K: Kind>() -> f64 {
+    12.0 * BLOCKS as f64 * 0.1 * K::ROUNDING
+}
+
+const BLOCKS: usize = 12;
+
+fn colliding_blocks_keep_momentum_and_angular_momentum<K: Kind>() {
+    for (e, friction) in [(1.0, 0.0), (0.5, 0.3)] {
+        for substeps in [1, 8] {
+            let drift = watch::<K>(contact(e, friction), BLOCKS, substeps, 600);
+            assert!(drift.collisions > 20, "{drift:?}");
+            assert!(drift.momentum < rounding::<K>(), "{drift:?}");
+            // Undoing an overlap moves blocks without giving them a velocity: a fifth of the depth, which
+            // is at most what two blocks at 0.15 gain on each other in a substep, times that speed.
+            // The reference feels a contact up to its margin of 0.1 apart, with impulses of 0.15.
+            let moved = 0.2 * 0.15 * 0.15 / f64::from(substeps);
+            let most = if K::REFERENCE { 0.1 * 0.15 } else { moved };
+            assert!(drift.angular < most, "{drift:?}");
+        }
+    }
+}
+
+/// A spring moves nobody but by its force.
+fn compliant_contacts_keep_angular_momentum_to_the_last_digits<K: Kind>() {
+    let drift = watch::<K>(compliant(0.2, 0.1, 0.3), BLOCKS, 4, 600);
+    assert!(drift.collisions > 20, "{drift:?}");
+    assert!(drift.momentum < rounding::<K>(), "{drift:?}");
+    // Places up to 8 sides from the origin are rounded to 8 units, times velocities of 0.1.
+    let places = 8.0 * BLOCKS as f64 * 0.1 * K::ROUNDING;
+    assert!(
+        drift.angular < RADIUS * rounding::<K>() + 4.0 * places,
+        "{drift:?}"
+    );
+}
+
+/// Not with e near 1: Newton's law of restitution may then add energy, to a patch of which one part
+/// approaches while another recedes, and together with friction (Kane and Levinson 1985).
+fn inelastic_and_rough_collisions_never_add_energy<K: Kind>() {
+    for (e, friction) in [(0.0, 0.0), (0.0, 0.3), (0.5, 0.0), (0.5, 0.3)] {
+        for substeps in [1, 4] {
+            let drift = watch::<K>(contact(e, friction), BLOCKS, substeps, 600);
+            assert!(drift.collisions > 20 && drift.left < 0.7, "{drift:?}");
+            // The reference pushes overlaps apart with a velocity, of which a little remains.
+            let most = if K::REFERENCE {
+                1e-5
+            } else {
+                16.0 * K::ROUNDING
+            };
+            assert!(drift.gain < most, "{e} {friction} {substeps}: {drift:?}");
+        }
+    }
+}
+
+/// A rocking patch that is hit with e = 1 gains 4 % of the energy of its pair at worst: with the closed form of
+/// a face whose one edge approaches at 1 while the other recedes at 0.2. A patch that ten rounds
+/// do not solve may gain as much. That is rare, but adds up: see `a_million_ticks_of_elastic_cubes`.
+fn elastic_collisions_keep_energy_but_for_rocking_faces<K: Kind>() {
+    for substeps in [1, 8] {
+        let drift = watch::<K>(contact(1.0, 0.0), BLOCKS, substeps, 1000);
+        assert!(drift.collisions > 40, "{drift:?}");
+        assert!(drift.gain < 0.04 * 2.0 / BLOCKS as f64 * 2.0, "{drift:?}");
+        assert!(drift.ticks_with_gain < drift.collisions / 10, "{drift:?}");
+    }
+}
+
+/// Balls touch at one point, so that nothing is left but rounding.
+fn elastic_balls_keep_energy_to_the_last_digits<K: Kind>(ticks: u64) {
+    let settings = Settings {
+        reduction: Some(Reduction::Spheres),
+        ..K::settings()
+    };
+    let drift = watch_with::<K>(contact(1.0, 0.0), BLOCKS, &settings, ticks);
+    assert!(drift.collisions as u64 > ticks / 50, "{drift:?}");
+    // Each collision rounds a dozen numbers, at random. A ball that touches two at once, in fewer than one
+    // collision of fifty, is solved within 1e-4 of its speed, and of its energy within twice that.
+    let collisions = drift.collisions as f64;
+    let rounded = 4.0 * K::ROUNDING * (12.0 * collisions).sqrt();
+    let unsolved = 2e-4 / BLOCKS as f64 * (collisions / 50.0).sqrt();
+    assert!((drift.left - 1.0).abs() < rounded + unsolved, "{drift:?}");
+}
+
+fn elastic_balls_keep_energy<K: Kind>() {
+    elastic_balls_keep_energy_to_the_last_digits::<K>(3000);
+}
+
+/// `cargo test --release -p stochc-runtime --test conservation -- --ignored`.
+#[test]
+#[ignore = "takes minutes without optimization"]
+fn a_million_ticks_of_elastic_balls() {
+    elastic_balls_keep_energy_to_the_last_digits::<Single>(1_000_000);
+    elastic_balls_keep_energy_to_the_last_digits::<Double>(1_000_000);
+}
+
+/// The same of cubes only tells what comes of it: add `--nocapture`. Ten rounds leave some patches
+/// unsolved, and at e = 1 the energy grows a hundred thousand times.
+#[test]
+#[ignore = "takes minutes without optimization"]
+fn a_million_ticks_of_elastic_cubes() {
+    let elastic = contact(1.0, 0.0);
+    println!(
+        "single {:?}",
+        watch::<Single>(elastic.clone(), BLOCKS, 1, 1_000_000)
+    );
+    println!(
+        "double {:?}",
+        watch::<Double>(elastic, BLOCKS, 1, 1_000_000)
+    );
+}

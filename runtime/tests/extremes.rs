@@ -1,0 +1,409 @@
+//! What becomes of scenes at the extremes, in either world of rigid blocks.
+//!
+//! The page of the results is written anew with
+//! `STOCHC_WRITE_DOCS=1 cargo test -p stochc-runtime --test extremes`.
+#![allow(clippy::disallowed_methods, reason = "tests read and write files")]
+mod scenes;
+
+use std::fmt::Write as _;
+
+use nalgebra::Vector3;
+use scenes::{PLATE, contact, hemisphere, paper};
+use stochc_compiler::scene::{Agitation, Bond, Contact, ContactLaw, Enclosure, Scene};
+use stochc_compiler::{Cell, Face};
+use stochc_runtime::Settings;
+use stochc_runtime::world::rapier::RapierWorld;
+use stochc_runtime::world::rigid::RigidWorld;
+use stochc_runtime::world::{Arena, Body, BodyState, Site, World};
+
+const PAGE: &str = "../docs/stability.md";
+
+const HEAD: &str = "\
+# Stability at the extremes
+
+Each row is the scene `hemisphere` with 60 blocks in a radius of 2.9 m (its density), one thing changed, 600 ticks, with a
+magnetized face in the middle of the plate; in the world of our own kernel (`--model rigid`) and in Rapier's (`--model rapier`), one
+step per tick. It can be *refused* before the first tick, with the reason; *fail* at a tick, at once and with the block, which ends
+that run and no other; or be *stable*: all numbers finite, no quaternion longer or shorter than 1 by more than 1e-5, no centre more
+than a side below the floor (or, where contacts give way, than their spring lets the fastest block) and none farther outside of the shell than its spring gives way to the fastest block. The number behind *stable* is the rms speed
+in sides per tick, which tells whether blocks still move as they should.
+
+`STOCHC_WRITE_DOCS=1 cargo test -p stochc-runtime --test extremes` writes this page; the test compares it, and
+fails where what happens is not what is said here.
+
+";
+
+/// What became of a scene.
+#[derive(Clone, Debug, PartialEq)]
+enum Fate {
+    Refused(String),
+    Failed {
+        tick: u64,
+        what: String,
+    },
+    Stable {
+        rms: f64,
+    },
+    /// It went on, and should not have.
+    Unsound(String),
+}
+
+impl std::fmt::Display for Fate {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Fate::Refused(why) => write!(f, "refused: {why}"),
+            Fate::Failed { tick, what } => write!(f, "failed in tick {tick}: {what}"),
+            Fate::Stable { rms } => write!(f, "stable, {rms:.3}"),
+            Fate::Unsound(what) => write!(f, "**unsound**: {what}"),
+        }
+    }
+}
+
+/// The paper's scene, smaller at the same density.
+fn base() -> Scene {
+    let mut scene = paper();
+    scene.free.count = 60;
+    scene.enclosure = hemisphere(2.9, 25.0);
+    scene
+}
+
+fn fate<W: Arena>(scene: &Scene, ticks: u64, setup: impl Fn(&mut W)) -> Fate {
+    let mut world = match W::new(scene, &PLATE, &Settings::default(), 1, 0) {
+        Ok(world) => world,
+        Err(error) => return Fate::Refused(error.to_string()),
+    };
+    setup(&mut world);
+    let Some(Enclosure::Hemisphere { radius, wall }) = scene.enclosure else {
+        panic!("a hemisphere");
+    };
+    let radius = radius / scene.block.side;
+    let swing = (wall * scene.tick * scene.tick / scene.block.mass).sqrt();
+    let mut dockings = Vec::new();
+    let (mut fastest, mut sum, mut samples) = (0.0f64, 0.0, 0.0);
+    for tick in 0..ticks {
+        if let Err(fault) = world.step(&mut dockings) {
+            let what = format!("block {}: {}", fault.body, fault.what);
+            return Fate::Failed { tick, what };
+        }
+        for id in (0..world.count()).filter(|&id| world.anchored(id).is_none()) {
+            let state = world.state(id);
+            let speed = state.velocity.norm();
+            fastest = fastest.max(speed);
+            if tick >= ticks / 2 {
+                sum += speed * speed;
+                samples += 1.0;
+            }
+            let lowest = state.position.z;
+            let out = state.position.norm() - radius - 1.0 - fastest * (1.0 + 1.0 / swing);
+            let unit = (state.orientation.coords.norm() - 1.0).abs();
+            let deepest = match scene.contact.as_ref().map(|contact| &contact.law) {
+                None => f64::INFINITY,
+                Some(ContactLaw::Rigid { .. }) => 1.0,
+                // As deep as a spring of that stiffness takes the fastest block.
+                Some(ContactLaw::Compliant { stiffness, .. }) => {
+                    let frequency = (stiffness / scene.block.mass).sqrt() * scene.tick;
+                    1.0 + fastest / frequency
+                }
+            };
+            let unsound = if !(speed + state.position.norm() + state.spin.norm()).is_finite() {
+                format!("block {id} is nowhere in tick {tick}")
+            } else if lowest < -deepest {
+                format!("block {id} is at z = {lowest:.2} in tick {tick}")
+            } else if out > 0.0 {
+                format!("block {id} is {out:.2} sides too far in tick {tick}")
+            } else if unit > 1e-5 {
+                format!("the quaternion of block {id} is off by {unit:e} in tick {tick}")
+            } else {
+                continue;
+            };
+            return Fate::Unsound(unsound);
+        }
+    }
+    let rms = if samples > 0.0 {
+        f64::sqrt(sum / samples)
+    } else {
+        0.0
+    };
+    Fate::Stable { rms }
+}
+
+/// The same speeds and forces in block units, at another scale.
+fn scaled(length: f64, mass: f64, time: f64) -> Scene {
+    let mut scene = base();
+    let (speed, force) = (length / time, mass * length / (time * time));
+    scene.tick *= time;
+    scene.block.side *= length;
+    scene.block.mass *= mass;
+    scene.enclosure = hemisphere(2.9 * length, 25.0 * force / length);
+    if let Some(Agitation::Kicks { speed: (_, high) }) = &mut scene.agitation {
+        *high *= speed;
+    }
+    if let Some(Bond::Attract {
+        pull,
+        align: Some(align),
+        anchor,
+    }) = &mut scene.bond
+    {
+        pull.force *= force;
+        pull.within *= length;
+        align.force *= force;
+        align.within *= length;
+        anchor.within *= length;
+    }
+    scene
+}
+
+fn with(change: impl FnOnce(&mut Scene)) -> Scene {
+    let mut scene = base();
+    change(&mut scene);
+    scene
+}
+
+fn tick(factor: f64) -> Scene {
+    with(|scene| scene.tick *= factor)
+}
+
+fn kicks(factor: f64) -> Scene {
+    with(|scene| {
+        if let Some(Agitation::Kicks { speed: (_, high) }) = &mut scene.agitation {
+            *high *= factor;
+        }
+    })
+}
+
+fn magnets(factor: f64) -> Scene {
+    with(|scene| {
+        if let Some(Bond::Attract {
+            pull,
+            align: Some(align),
+            ..
+        }) = &mut scene.bond
+        {
+            pull.force *= factor;
+            align.force *= factor;
+        }
+    })
+}
+
+fn rough(restitution: f64, friction: f64) -> Scene {
+    with(|scene| scene.contact = contact(restitution, friction))
+}
+
+fn soft(stiffness: f64, damping: f64) -> Scene {
+    with(|scene| {
+        scene.contact = Some(Contact {
+            law: ContactLaw::Compliant { stiffness, damping },
+            friction: 0.2,
+        });
+    })
+}
+
+/// `count` blocks that fill this part of the half ball.
+fn packed(count: u32, share: f64) -> Scene {
+    with(|scene| {
+        scene.free.count = count;
+        let volume = f64::from(count) / share;
+        let radius = (volume / (2.0 / 3.0 * std::f64::consts::PI)).cbrt();
+        scene.enclosure = hemisphere(radius * scene.block.side, 25.0);
+    })
+}
+
+/// All extremes that are a scene: what is changed, and the scene.
+fn cases() -> Vec<(&'static str, Scene, u64)> {
+    let t = 600;
+    vec![
+        ("nothing", base(), t),
+        ("tick x 0.01", tick(0.01), t),
+        ("tick x 0.1", tick(0.1), t),
+        ("tick x 10", tick(10.0), t),
+        ("tick x 100", tick(100.0), t),
+        ("kicks x 1000", kicks(1000.0), t),
+        ("mass 1e-15 kg, forces to match", scaled(1.0, 1e-15, 1.0), t),
+        ("mass 1e6 kg, forces to match", scaled(1.0, 1e6, 1.0), t),
+        (
+            "mass 1e-15 kg, the same forces",
+            with(|s| s.block.mass = 1e-15),
+            t,
+        ),
+        (
+            "mass 1e6 kg, the same forces",
+            with(|s| s.block.mass = 1e6),
+            t,
+        ),
+        (
+            "side 10 um, everything to match",
+            scaled(5e-5, 1e-13, 1e-3),
+            t,
+        ),
+        ("side 10 m, everything to match", scaled(50.0, 1e5, 7.0), t),
+        ("1 block", with(|s| s.free.count = 1), t),
+        ("2 blocks", with(|s| s.free.count = 2), t),
+        ("no block", with(|s| s.free.count = 0), t),
+        ("1000 blocks, 0.01 % of the volume", packed(1000, 1e-4), t),
+        ("1000 blocks, 10 % of the volume", packed(1000, 0.1), t),
+        ("1000 blocks, 40 % of the volume", packed(1000, 0.4), t),
+        ("1000 blocks, 80 % of the volume", packed(1000, 0.8), t),
+        (
+            "100,000 blocks, 1 % of the volume",
+            packed(100_000, 0.01),
+            3,
+        ),
+        ("magnets x 1000", magnets(1000.0), t),
+        ("magnets x 0", magnets(0.0), t),
+        ("restitution 1, friction 0", rough(1.0, 0.0), t),
+        ("restitution 1, friction 10", rough(1.0, 10.0), t),
+        ("restitution 0, friction 0", rough(0.0, 0.0), t),
+        ("restitution 0, friction 10", rough(0.0, 10.0), t),
+        ("contact of 1 N/m", soft(1.0, 0.0), t),
+        ("contact of 1e9 N/m, undamped", soft(1e9, 0.0), t),
+        ("contact of 1e9 N/m, damping 1e9 N s/m", soft(1e9, 1e9), t),
+        ("no contact", with(|s| s.contact = None), t),
+        (
+            "wall of 1e5 N/m",
+            with(|s| s.enclosure = hemisphere(2.9, 1e5)),
+            t,
+        ),
+        (
+            "wall of 0 N/m",
+            with(|s| s.enclosure = hemisphere(2.9, 0.0)),
+            t,
+        ),
+        (
+            "radius of 60 cm, 10 blocks",
+            with(|s| {
+                s.enclosure = hemisphere(0.6, 25.0);
+                s.free.count = 10;
+            }),
+            t,
+        ),
+        (
+            "kicks of 1e-40 m/s",
+            with(|s| {
+                s.agitation = Some(Agitation::Kicks {
+                    speed: (0.0, 1e-40),
+                })
+            }),
+            t,
+        ),
+    ]
+}
+
+fn middle() -> Site {
+    let (body, face) = (Body::Seed(Cell::new(1, 1, 0)), Face::Up);
+    Site { body, face }
+}
+
+#[test]
+fn every_extreme_has_the_outcome_that_the_page_states() {
+    let mut page = HEAD.to_owned();
+    page.push_str("| changed | `rigid` | `rapier` |\n|---|---|---|\n");
+    let mut unsound = Vec::new();
+    for (name, scene, ticks) in cases() {
+        let rigid = fate::<RigidWorld>(&scene, ticks, |world| world.magnetize(middle()));
+        let rapier = fate::<RapierWorld>(&scene, ticks, |world| world.magnetize(middle()));
+        writeln!(page, "| {name} | {rigid} | {rapier} |").unwrap();
+        if let Fate::Unsound(what) = &rigid {
+            unsound.push(format!("{name}: {what}"));
+        }
+    }
+    if std::env::var_os("STOCHC_WRITE_DOCS").is_some() {
+        std::fs::write(PAGE, &page).unwrap();
+    }
+    assert_eq!(unsound, Vec::<String>::new());
+    let written = std::fs::read_to_string(PAGE).unwrap();
+    assert_eq!(written, page, "write it anew with STOCHC_WRITE_DOCS=1");
+}
+
+/// Docks block after block on given faces, each of which is put right there.
+fn build<W: Arena>(world: &mut W, sites: &[(Site, Vector3<f64>)]) {
+    let mut dockings = Vec::new();
+    for (id, &(site, centre)) in sites.iter().enumerate() {
+        world.magnetize(site);
+        world.set_state(id as u32, &BodyState::at_rest(centre));
+        for _ in 0..50 {
+            world.step(&mut dockings).expect("sound physics");
+        }
+        assert_eq!(dockings.len(), id + 1, "block {id} docks");
+    }
+}
+
+fn quiet(count: u32) -> Scene {
+    with(|scene| {
+        scene.free.count = count;
+        scene.agitation = None;
+    })
+}
+
+fn a_block_released_under_another<W: Arena>() {
+    let mut world = W::new(&quiet(4), &PLATE, &Settings::default(), 1, 0).expect("it fits");
+    let up = |body| Site {
+        body,
+        face: Face::Up,
+    };
+    let seed = |x| Body::Seed(Cell::new(x, 1, 0));
+    // Two towers of one and two blocks; the second one's upper block holds a fourth, over the first.
+    let sites = [
+        (up(seed(0)), Vector3::new(-1.0, 0.0, 0.51)),
+        (up(seed(1)), Vector3::new(0.0, 0.0, 0.51)),
+        (up(Body::Free(1)), Vector3::new(0.0, 0.0, 1.51)),
+        (
+            Site {
+                body: Body::Free(2),
+                face: Face::West,
+            },
+            Vector3::new(-1.01, 0.0, 1.5),
+        ),
+    ];
+    build(&mut world, &sites);
+    world.switch_off(sites[0].0);
+    assert_eq!(world.anchored(0), None);
+    for _ in 0..200 {
+        world.step(&mut Vec::new()).expect("sound physics");
+    }
+    // It fits exactly: nothing throws it out.
+    let state = world.state(0);
+    assert!(state.velocity.norm() < 0.01, "{state:?}");
+    assert!(
+        (state.position - Vector3::new(-1.0, 0.0, 0.5)).norm() < 0.1,
+        "{state:?}"
+    );
+}
+
+fn two_magnets_fight_for_one_block<W: Arena>() {
+    let mut world = W::new(&quiet(3), &PLATE, &Settings::default(), 1, 0).expect("it fits");
+    let up = |x| Site {
+        body: Body::Seed(Cell::new(x, 1, 0)),
+        face: Face::Up,
+    };
+    let towers = [
+        (up(0), Vector3::new(-1.0, 0.0, 0.51)),
+        (up(2), Vector3::new(1.0, 0.0, 0.51)),
+    ];
+    build(&mut world, &towers);
+    // Between them, both faces look at it from the same distance.
+    world.set_state(2, &BodyState::at_rest(Vector3::new(0.0, 0.0, 1.2)));
+    world.magnetize(Site {
+        body: Body::Free(0),
+        face: Face::East,
+    });
+    world.magnetize(Site {
+        body: Body::Free(1),
+        face: Face::West,
+    });
+    let mut dockings = Vec::new();
+    for _ in 0..2000 {
+        world.step(&mut dockings).expect("sound physics");
+        let state = world.state(2);
+        assert!(
+            state.velocity.norm() < 1.0 && state.position.norm() < 3.0,
+            "{state:?}"
+        );
+    }
+    // One of them may win, never both.
+    assert!(dockings.len() <= 1);
+}
+
+in_every_world!(
+    a_block_released_under_another,
+    two_magnets_fight_for_one_block
+);

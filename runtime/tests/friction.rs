@@ -1,0 +1,182 @@
+//! Coulomb's friction of a cube that is pressed on the ground.
+//!
+//! The scene has no weight, so the test adds it: a change of velocity before every tick, which the
+//! contact has to take up within the tick.
+mod scenes;
+
+use nalgebra::{UnitQuaternion, Vector3};
+use scenes::{Dice, Double, Kind, Reference, Single, at, contact, empty, hemisphere, pass};
+use stochc_runtime::world::{Arena, BodyState};
+
+in_every_kind!(
+    a_pressed_cube_holds_below_the_cone_and_slides_above_it,
+    a_sliding_cube_comes_to_rest_where_it_should,
+);
+
+#[test]
+fn the_cone_of_the_reference_is_the_same_in_all_directions() {
+    the_cone_is_the_same_in_all_directions::<Reference>();
+}
+
+#[test]
+#[ignore = "fails: the kernel weighs the two tangents of a point differently"]
+fn the_cone_of_the_kernel_is_the_same_in_all_directions() {
+    the_cone_is_the_same_in_all_directions::<Single>();
+    the_cone_is_the_same_in_all_directions::<Double>();
+}
+
+/// The reference is not asked: it is off by as much.
+#[test]
+#[ignore = "fails: the kernel weighs the two tangents of a point differently"]
+fn friction_of_the_kernel_opposes_the_sliding() {
+    friction_at_a_corner_opposes_the_sliding::<Single>();
+    friction_at_a_corner_opposes_the_sliding::<Double>();
+}
+
+/// Of the press \[side / tick^2\].
+const WEIGHT: f64 = 0.01;
+const FRICTION: f64 = 0.3;
+
+/// Fastest sliding \[side / tick\].
+const SPEED: f64 = 0.15;
+
+/// Part of the weight by which the friction may be off.
+///
+/// The kernel ends its rounds when no point changes by 1e-4 of the fastest motion at any point, which
+/// here is the sliding; what further rounds would add is at most thrice the last change, as each of them
+/// undoes at least a quarter of what is left. The reference has a soft contact, on which the cube
+/// rocks: its weight is on the ground on average only, and one tick in a hundred remains.
+fn slack<K: Kind>() -> f64 {
+    if K::REFERENCE {
+        0.01
+    } else {
+        3.0 * 1e-4 * SPEED / WEIGHT
+    }
+}
+
+/// A cube flat on the ground, yawed, in contact and not deep enough to be parted from the ground.
+fn flat(yaw: f64, velocity: Vector3<f64>) -> BodyState {
+    BodyState {
+        orientation: UnitQuaternion::from_axis_angle(&Vector3::z_axis(), yaw),
+        velocity,
+        ..BodyState::at_rest(at(0.0, 0.0, 0.5 - 1.0 / 2048.0))
+    }
+}
+
+fn on_ground<K: Kind>(block: BodyState) -> K::World {
+    let mut scene = empty();
+    scene.contact = contact(0.0, FRICTION);
+    scene.enclosure = hemisphere(200.0, 0.01);
+    K::world(&scene, &[block])
+}
+
+/// Ticks under weight, and a pull along the ground.
+fn press<K: Kind>(world: &mut K::World, pull: Vector3<f64>, ticks: u64) -> BodyState {
+    for _ in 0..ticks {
+        let mut state = world.state(0);
+        state.velocity += pull - at(0.0, 0.0, WEIGHT);
+        world.set_state(0, &state);
+        pass(world, 1);
+    }
+    world.state(0)
+}
+
+fn along(angle: f64) -> Vector3<f64> {
+    at(angle.cos(), angle.sin(), 0.0)
+}
+
+fn a_pressed_cube_holds_below_the_cone_and_slides_above_it<K: Kind>() {
+    let ticks = 100;
+    for (pull, acceleration) in [(0.9, 0.0), (1.1, 0.1), (2.0, 1.0)] {
+        let mut world = on_ground::<K>(flat(0.3, Vector3::zeros()));
+        let pull = pull * FRICTION * WEIGHT * along(1.0);
+        let end = press::<K>(&mut world, pull, ticks);
+        let expected = acceleration * FRICTION * WEIGHT * ticks as f64 * along(1.0);
+        let off = (end.velocity - expected).norm() / (WEIGHT * ticks as f64);
+        assert!(off < slack::<K>(), "{off:e}");
+    }
+}
+
+fn the_cone_is_the_same_in_all_directions<K: Kind>() {
+    let ticks = 40;
+    for yaw in [0.0, 0.4] {
+        for direction in 0..16 {
+            let way = along(f64::from(direction) * std::f64::consts::TAU / 16.0);
+            let mut world = on_ground::<K>(flat(yaw, SPEED * way));
+            let end = press::<K>(&mut world, Vector3::zeros(), ticks);
+            let slowed = (SPEED * way - end.velocity) / (WEIGHT * ticks as f64);
+            let off = (slowed - FRICTION * way).norm();
+            assert!(off < slack::<K>(), "{yaw} {direction}: {slowed:?}");
+        }
+    }
+}
+
+fn a_sliding_cube_comes_to_rest_where_it_should<K: Kind>() {
+    let speed = SPEED;
+    let mut world = on_ground::<K>(flat(0.2, speed * along(2.0)));
+    let start = world.state(0).position;
+    let stops = speed / (FRICTION * WEIGHT);
+    let end = press::<K>(&mut world, Vector3::zeros(), stops as u64 + 20);
+    // On its soft contact the reference still rocks, at a tenth of what a tick of weight would add.
+    let rocking = if K::REFERENCE { 0.15 } else { slack::<K>() };
+    assert!(end.velocity.norm() < rocking * WEIGHT);
+    // Symplectic Euler: the sum of v0 - k mu g, half a tick at full speed less than v0^2 / (2 mu g).
+    let way = (end.position - start).norm();
+    let expected = speed * speed / (2.0 * FRICTION * WEIGHT) - 0.5 * speed;
+    assert!((way - expected).abs() < slack::<K>() / FRICTION * expected + 0.5 * FRICTION * WEIGHT);
+    let rest = press::<K>(&mut world, Vector3::zeros(), 50);
+    assert!((rest.position - end.position).norm() < 50.0 * rocking * WEIGHT);
+}
+
+/// One corner that slides all the time: what remains of the sliding is opposite to the friction, which is
+/// as great as the cone allows, wherever the centre is.
+fn friction_at_a_corner_opposes_the_sliding<K: Kind>() {
+    let mut dice = Dice::new(1);
+    let mut scene = empty();
+    scene.contact = contact(0.0, FRICTION);
+    scene.enclosure = hemisphere(200.0, 0.01);
+    let mut cases = 0;
+    while cases < 40 {
+        let orientation = dice.rotation();
+        let Some(arm) = only_corner(orientation) else {
+            continue;
+        };
+        cases += 1;
+        // Sliding at 0.2, pressing at 0.005.
+        let angle = std::f64::consts::TAU * dice.unit();
+        let start = BodyState {
+            orientation,
+            velocity: 0.2 * along(angle) - at(0.0, 0.0, 0.005),
+            ..BodyState::at_rest(at(0.0, 0.0, -arm.z - 1.0 / 2048.0))
+        };
+        let mut world = K::world(&scene, &[start]);
+        pass(&mut world, 1);
+        let end = world.state(0);
+        let impulse = end.velocity - start.velocity;
+        let sliding = (end.velocity + end.spin.cross(&(arm + at(0.0, 0.0, 1.0 / 4096.0)))).xy();
+        let (push, pressing) = (impulse.xy(), impulse.z);
+        assert!(pressing > 1e-4 && sliding.norm() > 0.1);
+        // The last change of a round is below 1e-4 of the sliding, and what is to come below thrice that;
+        // a part of the push, which is that much smaller than the sliding.
+        let slack = 3.0 * 1e-4 * 0.2 / pressing;
+        let size = push.norm() / (FRICTION * pressing);
+        assert!((size - 1.0).abs() < slack, "{size}");
+        let cosine = -push.dot(&sliding) / (push.norm() * sliding.norm());
+        let astray = cosine.min(1.0).acos();
+        assert!(
+            astray < slack,
+            "friction is {:.1} degrees off",
+            astray.to_degrees()
+        );
+    }
+}
+
+/// From the centre to the lowest corner, if no other is nearly as low.
+fn only_corner(turned: UnitQuaternion<f64>) -> Option<Vector3<f64>> {
+    let half = |bit: usize| if bit == 0 { -0.5 } else { 0.5 };
+    let mut corners: Vec<Vector3<f64>> = (0..8)
+        .map(|i| turned * at(half(i & 1), half(i & 2), half(i & 4)))
+        .collect();
+    corners.sort_by(|a, b| a.z.total_cmp(&b.z));
+    (corners[1].z - corners[0].z > 0.25).then_some(corners[0])
+}

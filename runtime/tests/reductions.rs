@@ -1,0 +1,224 @@
+//! What a reduction leaves out is left out, and nothing else is.
+mod scenes;
+
+use nalgebra::Vector3;
+use scenes::{Dice, Kind, at, attract, contact, empty, hemisphere, kicks, pass, states};
+use stochc_compiler::scene::Scene;
+use stochc_compiler::{Cell, Face};
+use stochc_runtime::world::{Arena, Body, BodyState, Site, World};
+use stochc_runtime::{Reduction, Settings};
+
+in_either_precision!(
+    without_rotation_nothing_turns_whatever_pushes_it,
+    without_rotation_a_corner_yields_no_more_than_a_face,
+    spheres_touch_at_one_side_whatever_their_orientation,
+    spheres_that_collide_off_centre_push_along_their_centres,
+    without_friction_what_slides_keeps_its_speed,
+    without_block_contact_free_blocks_pass_but_anchored_ones_and_the_ground_hold,
+);
+
+fn reduced<K: Kind>(reduction: Reduction) -> Settings {
+    Settings {
+        reduction: Some(reduction),
+        ..K::settings()
+    }
+}
+
+/// A crowd over a magnet, agitated.
+fn crowd() -> (Scene, Vec<BodyState>) {
+    let mut scene = empty();
+    scene.agitation = kicks(0.01);
+    scene.contact = contact(0.2, 0.4);
+    scene.enclosure = hemisphere(5.0, 0.05);
+    scene.bond = attract(0.02, 0.0);
+    let mut dice = Dice::new(3);
+    let mut blocks: Vec<BodyState> = Vec::new();
+    while blocks.len() < 24 {
+        let mut position = 5.0 * dice.unit().cbrt() * dice.direction();
+        position.z = position.z.abs() + 0.9;
+        if blocks.iter().all(|b| (b.position - position).norm() > 1.5) {
+            blocks.push(BodyState {
+                orientation: dice.rotation(),
+                velocity: 0.1 * dice.direction(),
+                ..BodyState::at_rest(position)
+            });
+        }
+    }
+    (scene, blocks)
+}
+
+fn middle_face() -> Site {
+    let (body, face) = (Body::Seed(Cell::new(1, 1, 0)), Face::Up);
+    Site { body, face }
+}
+
+fn without_rotation_nothing_turns_whatever_pushes_it<K: Kind>() {
+    let (scene, blocks) = crowd();
+    let end_of = |settings: &Settings| {
+        let mut world: K::World = scenes::world(&scene, settings, &blocks);
+        world.magnetize(middle_face());
+        pass(&mut world, 300);
+        states(&world)
+    };
+    let fixed = end_of(&reduced::<K>(Reduction::NoRotation));
+    for (end, start) in fixed.iter().zip(&blocks) {
+        assert_eq!(end.spin, Vector3::zeros());
+        assert!(end.orientation.angle_to(&start.orientation) < 8.0 * K::ROUNDING.max(1e-9));
+        assert_ne!(end.velocity, start.velocity);
+    }
+    // In the same scene in full, nearly every block has been turned.
+    let turned = end_of(&K::settings());
+    assert!(turned.iter().filter(|b| b.spin.norm() > 1e-3).count() > 12);
+}
+
+/// Without rotation a contact feels the mass alone, wherever it is: v' = -e v along the normal.
+fn without_rotation_a_corner_yields_no_more_than_a_face<K: Kind>() {
+    let mut scene = empty();
+    scene.contact = contact(0.5, 0.0);
+    scene.enclosure = hemisphere(50.0, 0.01);
+    let mut dice = Dice::new(4);
+    for _ in 0..20 {
+        let orientation = dice.rotation();
+        let rows = orientation.to_rotation_matrix().matrix().row(2).abs();
+        let block = BodyState {
+            orientation,
+            velocity: at(0.03, -0.02, -0.1),
+            ..BodyState::at_rest(at(0.0, 0.0, 0.5 * rows.sum() - 1e-4))
+        };
+        let mut world: K::World =
+            scenes::world(&scene, &reduced::<K>(Reduction::NoRotation), &[block]);
+        pass(&mut world, 1);
+        let off = (world.state(0).velocity - at(0.03, -0.02, 0.05)).amax();
+        assert!(off < 0.1 * 16.0 * K::ROUNDING, "{off:e}");
+    }
+}
+
+fn spheres_touch_at_one_side_whatever_their_orientation<K: Kind>() {
+    let mut scene = empty();
+    scene.contact = contact(1.0, 0.3);
+    let mut dice = Dice::new(5);
+    for _ in 0..20 {
+        let (way, speed) = (dice.direction(), 0.01);
+        let mut block = |sign: f64| BodyState {
+            orientation: dice.rotation(),
+            velocity: -sign * speed * way,
+            ..BodyState::at_rest(at(0.0, 0.0, 8.0) + sign * 0.75 * way)
+        };
+        let start = [block(1.0), block(-1.0)];
+        let mut world: K::World = scenes::world(&scene, &reduced::<K>(Reduction::Spheres), &start);
+        let mut least = 2.0f64;
+        for _ in 0..60 {
+            pass(&mut world, 1);
+            least = least.min((world.state(0).position - world.state(1).position).norm());
+        }
+        // They are found to overlap at the beginning of a tick, after at most one tick in which they
+        // do: then they are back where they were before it.
+        assert!(least < 1.0 && least > 1.0 - 2.0 * speed, "{least}");
+        for (id, start) in start.iter().enumerate() {
+            let end = world.state(id as u32);
+            // In 60 ticks each place has been rounded 60 times to 8 units; the line of centres is as
+            // far off, and what bounces back along it by twice as much. Friction turns that into
+            // spin with I = 1/6 and an arm of 1/2.
+            let off = speed * 2.0 * 60.0 * 8.0 * K::ROUNDING;
+            assert!((end.velocity + start.velocity).norm() < off);
+            assert!(end.spin.norm() < 3.0 * off);
+        }
+    }
+}
+
+/// Frictionless balls exchange what they approach each other with along the line of centres.
+fn spheres_that_collide_off_centre_push_along_their_centres<K: Kind>() {
+    let mut scene = empty();
+    let mut dice = Dice::new(6);
+    for e in [0.0, 0.5, 1.0] {
+        scene.contact = contact(e, 0.0);
+        let way = dice.direction();
+        let depth = 1e-4;
+        let mut block = |sign: f64| BodyState {
+            orientation: dice.rotation(),
+            velocity: -sign * 0.05 * way + 0.03 * dice.direction(),
+            ..BodyState::at_rest(at(0.0, 0.0, 4.0) + sign * 0.5 * (1.0 - depth) * way)
+        };
+        let start = [block(1.0), block(-1.0)];
+        let mut world: K::World = scenes::world(&scene, &reduced::<K>(Reduction::Spheres), &start);
+        pass(&mut world, 1);
+        let impulse = -(1.0 + e) * (start[0].velocity - start[1].velocity).dot(&way) / 2.0;
+        for ((id, sign), start) in [(0, 1.0), (1, -1.0)].into_iter().zip(&start) {
+            let end = world.state(id);
+            let off = (end.velocity - start.velocity - sign * impulse * way).amax();
+            // Places are rounded to 4 units, and the normal with them.
+            assert!(off < 0.1 * 20.0 * K::ROUNDING, "{off:e}");
+            assert!(end.spin.amax() < 6.0 * 0.1 * 20.0 * K::ROUNDING);
+        }
+    }
+}
+
+fn without_friction_what_slides_keeps_its_speed<K: Kind>() {
+    let mut scene = empty();
+    scene.contact = contact(0.0, 0.8);
+    scene.enclosure = hemisphere(50.0, 0.01);
+    let block = BodyState {
+        velocity: at(0.05, 0.02, -0.04),
+        spin: at(0.0, 0.0, 0.03),
+        ..BodyState::at_rest(at(0.0, 0.0, 0.4999))
+    };
+    let after = |settings: &Settings| {
+        let mut world: K::World = scenes::world(&scene, settings, &[block]);
+        pass(&mut world, 1);
+        world.state(0)
+    };
+    let slippery = after(&reduced::<K>(Reduction::NoFriction));
+    let off = slippery.velocity.xy() - block.velocity.xy();
+    assert!(off.norm() < 0.1 * 8.0 * K::ROUNDING, "{off:?}");
+    assert!((slippery.spin.z - block.spin.z).abs() < 0.1 * 8.0 * K::ROUNDING);
+    assert!(
+        slippery.velocity.z > -1e-4,
+        "the ground still holds: {:?}",
+        slippery.velocity
+    );
+    let rough = after(&K::settings());
+    assert!(rough.velocity.xy().norm() < 0.8 * block.velocity.xy().norm());
+}
+
+fn without_block_contact_free_blocks_pass_but_anchored_ones_and_the_ground_hold<K: Kind>() {
+    let mut scene = empty();
+    scene.contact = contact(1.0, 0.0);
+    scene.enclosure = hemisphere(50.0, 0.01);
+    scene.bond = attract(0.0, 0.1);
+    let settings = reduced::<K>(Reduction::NoBlockContact);
+    let flying = |x: f64, z: f64, vx: f64, vz: f64| BodyState {
+        velocity: at(vx, 0.0, vz),
+        ..BodyState::at_rest(at(x, 0.0, z))
+    };
+    // One that is anchored in the first tick; two that meet; one that falls on the anchored one, one that
+    // falls on the ground.
+    let blocks = [
+        flying(0.0, 0.52, 0.0, 0.0),
+        flying(-3.0, 5.0, 0.0625, 0.0),
+        flying(3.0, 5.0, -0.0625, 0.0),
+        flying(0.0, 3.0, 0.0, -0.0625),
+        flying(5.0, 3.0, 0.0, -0.0625),
+    ];
+    let mut world: K::World = scenes::world(&scene, &settings, &blocks);
+    world.magnetize(middle_face());
+    let mut dockings = Vec::new();
+    for _ in 0..96 {
+        world.step(&mut dockings).expect("sound physics");
+    }
+    assert_eq!(dockings.len(), 1);
+    assert!(world.anchored(0).is_some());
+    for (id, way) in [(1, 1.0), (2, -1.0)] {
+        let end = world.state(id);
+        // Powers of two: not a bit may differ.
+        assert_eq!(end.position, at(way * 3.0, 0.0, 5.0));
+        assert_eq!(end.velocity, at(way * 0.0625, 0.0, 0.0));
+    }
+    for id in [3, 4] {
+        let end = world.state(id);
+        assert!(
+            (end.velocity - at(0.0, 0.0, 0.0625)).norm() < 1e-3,
+            "{end:?}"
+        );
+    }
+    assert!(world.state(3).position.z > 1.49);
+}

@@ -1,0 +1,113 @@
+//! A cube that turns freely: its inertia is the same about all axes, so that its spin stays.
+mod scenes;
+
+use nalgebra::{UnitQuaternion, Vector3};
+use scenes::{Dice, Kind, at, attract, empty, pass};
+use stochc_compiler::{Cell, Face};
+use stochc_runtime::world::{Arena, Body, BodyState, Site, World};
+
+in_every_kind!(
+    no_axis_is_special,
+    a_cube_that_is_watched_turns_as_one_that_is_not,
+);
+
+fn spinning(orientation: UnitQuaternion<f64>, spin: Vector3<f64>) -> BodyState {
+    BodyState {
+        orientation,
+        spin,
+        ..BodyState::at_rest(at(0.1, 0.0, 0.9))
+    }
+}
+
+/// The angle between where a cube should be and where it is.
+fn astray(start: &BodyState, end: &BodyState, ticks: u64) -> f64 {
+    let turn = UnitQuaternion::from_scaled_axis(start.spin * ticks as f64);
+    (turn * start.orientation).angle_to(&end.orientation)
+}
+
+/// A body with three different moments of inertia flips over when it turns about nearly the middle
+/// one; here, nothing may happen about any axis.
+fn no_axis_is_special<K: Kind>() {
+    let ticks = 100_000;
+    let mut dice = Dice::new(1);
+    let axes = [
+        Vector3::x(),
+        Vector3::y(),
+        Vector3::z(),
+        at(1.0, 1.0, 0.0),
+        dice.direction(),
+    ];
+    let blocks: Vec<BodyState> = axes
+        .iter()
+        .map(|axis| {
+            let orientation = dice.rotation();
+            let spin = orientation * (0.05 * axis.normalize() + 0.0005 * dice.direction());
+            spinning(orientation, spin.map(|x| f64::from(x as f32)))
+        })
+        .collect();
+    let mut world = K::world(&empty(), &blocks);
+    pass(&mut world, ticks);
+    for (id, start) in blocks.iter().enumerate() {
+        let end = world.state(id as u32);
+        assert_eq!(end.spin, start.spin);
+        // The kernel turns a block when it is looked at: one rounding of the angle in each of the
+        // three components, and those of the start.
+        let roundings = if K::REFERENCE {
+            in_reference(ticks)
+        } else {
+            4.0 + 4.0 * 0.05 * ticks as f64
+        };
+        let off = astray(start, &end, ticks);
+        assert!(off < roundings * K::ROUNDING, "{off:e}");
+    }
+}
+
+/// Rapier cuts a tick into four steps, and rounds four components in each, at worst always to the
+/// same side.
+fn in_reference(ticks: u64) -> f64 {
+    16.0 * ticks as f64
+}
+
+const SPIN: f64 = 0.02;
+
+/// Near a magnet its orientation is asked for in every tick.
+fn watched<K: Kind>(ticks: u64) {
+    let mut scene = empty();
+    // Without force, and never anchoring.
+    scene.bond = attract(0.0, 0.0);
+    let mut dice = Dice::new(2);
+    let spin = (SPIN * dice.direction()).map(|x| f64::from(x as f32));
+    let start = spinning(dice.rotation(), spin);
+    let mut world = K::world(&scene, &[start]);
+    let (body, face) = (Body::Seed(Cell::new(1, 1, 0)), Face::Up);
+    world.magnetize(Site { body, face });
+    let mut dockings = Vec::new();
+    for _ in 0..ticks {
+        world.step(&mut dockings).expect("sound physics");
+    }
+    let end = world.state(0);
+    assert_eq!(end.spin, start.spin);
+    // Four components are rounded in every tick, half a dozen times, by one unit at most: thrice what a
+    // random walk makes of that. And the turn of one tick, always the same, is off by up to four of its
+    // own units, always to the same side.
+    let roundings = if K::REFERENCE {
+        in_reference(ticks)
+    } else {
+        3.0 * (24.0 * ticks as f64).sqrt() + 4.0 * SPIN * ticks as f64
+    };
+    let off = astray(&start, &end, ticks);
+    assert!(off < roundings * K::ROUNDING, "{off:e}");
+    assert_eq!(world.active()[0].1, 1, "it has never been out of reach");
+}
+
+fn a_cube_that_is_watched_turns_as_one_that_is_not<K: Kind>() {
+    watched::<K>(20_000);
+}
+
+/// The same for a million ticks: `cargo test --release -p stochc-runtime --test tumbling -- --ignored`.
+#[test]
+#[ignore = "takes a minute without optimization"]
+fn a_million_ticks_do_not_wear_an_orientation_out() {
+    watched::<scenes::Single>(1_000_000);
+    watched::<scenes::Double>(1_000_000);
+}
