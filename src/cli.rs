@@ -1,7 +1,9 @@
 //! The command line.
 use clap::{Parser, Subcommand};
 
-use crate::command::{check, compile, completions, explain, fmt, lsp, man, results, simulate};
+use crate::command::{
+    check, compile, completions, explain, fmt, lsp, man, results, simulate, trade,
+};
 
 /// Compiler, verifier and simulator for stochastic modular robots.
 #[derive(Debug, Parser)]
@@ -14,7 +16,7 @@ pub struct Cli {
 
 const EXIT_STATUS: &str = "\
 Exit status: 0 all is well, 1 the program is wrong, 2 the command line is wrong or a file cannot \
-be read or written, 3 a run was unsuccessful, 130 interrupted.";
+be read or written, 3 a run was unsuccessful, 4 no setting is known to be accurate enough, 130 interrupted.";
 
 /// The subcommands.
 #[derive(Debug, Subcommand)]
@@ -27,6 +29,8 @@ pub enum Command {
     Compile(compile::Options),
     /// Run programs many times in their physical world, and compare them
     Simulate(Box<simulate::Options>),
+    /// Measure what accuracy costs: programs at many settings, against a converged reference
+    Trade(trade::Options),
     /// Show the table of a folder that `simulate` has filled
     Results(results::Options),
     /// Explain a finding by its code
@@ -50,6 +54,8 @@ pub enum Exit {
     Usage,
     /// A run was unsuccessful.
     UnsuccessfulRun,
+    /// No setting that was measured is as accurate as was asked for.
+    NotAccurate,
     /// Stopped by the user.
     Interrupted,
 }
@@ -62,6 +68,7 @@ impl Exit {
             Exit::WrongProgram => 1,
             Exit::Usage => 2,
             Exit::UnsuccessfulRun => 3,
+            Exit::NotAccurate => 4,
             Exit::Interrupted => 130,
         }
     }
@@ -74,6 +81,7 @@ pub fn run(cli: Cli) -> Exit {
         Command::Fmt(options) => fmt::run(&options),
         Command::Compile(options) => compile::run(&options),
         Command::Simulate(options) => simulate::run(&options),
+        Command::Trade(options) => trade::run(&options),
         Command::Results(options) => results::run(&options),
         Command::Explain(options) => explain::run(&options),
         Command::Lsp(options) => lsp::run(&options),

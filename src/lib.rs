@@ -16,6 +16,7 @@ pub mod findings;
 pub mod lsp;
 pub mod mend;
 pub mod statistics;
+pub mod trade;
 mod wrong;
 
 pub use stochc_compiler as compiler;

@@ -10,3 +10,4 @@ pub mod man;
 pub mod results;
 pub mod simulate;
 mod terminal;
+pub mod trade;

@@ -30,6 +30,11 @@ pub fn has_colour() -> bool {
     std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty())
 }
 
+/// Whether the output shows colours.
+pub fn output_has_colour() -> bool {
+    std::io::stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty())
+}
+
 /// Columns of the output: those of the terminal, or [`WIDTH`] where it is none.
 pub fn output_width() -> usize {
     columns(&Term::stdout()).unwrap_or(WIDTH)

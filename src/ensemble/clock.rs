@@ -6,6 +6,6 @@ use std::time::Instant;
     clippy::disallowed_methods,
     reason = "the command tells how long it takes; no result depends on it"
 )]
-pub(super) fn now() -> Instant {
+pub(crate) fn now() -> Instant {
     Instant::now()
 }

@@ -31,7 +31,7 @@ fn mean(runs: u64, ticks: u64) -> Option<f64> {
 }
 
 /// A time as one says it: `40 s`, `3 min`, `2 h 10 min`.
-pub(super) fn words(time: Duration) -> String {
+pub(crate) fn words(time: Duration) -> String {
     let seconds = time.as_secs_f64().round() as u64;
     match seconds {
         0..=89 => format!("{seconds} s"),

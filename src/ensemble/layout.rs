@@ -110,7 +110,7 @@ fn broken(header: &str) -> Vec<String> {
 
 /// A sentence in lines of `width` characters, all but the first of them indented; it is not broken
 /// at `~`, which becomes a space.
-pub(super) fn paragraph(text: &str, width: usize) -> String {
+pub(crate) fn paragraph(text: &str, width: usize) -> String {
     let mut out = String::new();
     let mut used = 0;
     for word in text.split(' ') {

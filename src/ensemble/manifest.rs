@@ -133,12 +133,7 @@ impl Manifest {
             settings: &self.settings,
             programs: self.programs.iter().map(Program::identity).collect(),
         };
-        let json = serde_json::to_vec(&identity).expect("a manifest is plain data");
-        let mut hexadecimal = String::with_capacity(64);
-        for byte in Sha256::digest(&json) {
-            write!(hexadecimal, "{byte:02x}").expect("a string takes everything");
-        }
-        hexadecimal
+        sha256(&identity)
     }
 
     /// What keeps runs of `other` from going on in an ensemble of `self`, in words; empty: nothing.
@@ -236,6 +231,15 @@ impl Program {
         self.roles.get(role.0 as usize).map_or("?", |name| name)
     }
 
+    /// SHA-256, in hexadecimal, of its text, all that it imports, and its scene; paths, and what
+    /// tables call it, are no part of it.
+    pub fn hash(&self) -> String {
+        sha256(&ProgramIdentity {
+            name: "",
+            ..self.identity()
+        })
+    }
+
     fn identity(&self) -> ProgramIdentity<'_> {
         ProgramIdentity {
             name: &self.name,
@@ -265,4 +269,13 @@ impl Program {
         };
         Some(format!("{what} of `{}` has changed", self.name))
     }
+}
+
+fn sha256(data: &impl Serialize) -> String {
+    let json = serde_json::to_vec(data).expect("a manifest is plain data");
+    let mut hexadecimal = String::with_capacity(64);
+    for byte in Sha256::digest(&json) {
+        write!(hexadecimal, "{byte:02x}").expect("a string takes everything");
+    }
+    hexadecimal
 }

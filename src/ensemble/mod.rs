@@ -57,13 +57,17 @@ mod run;
 mod table;
 
 pub use board::Watch;
+pub(crate) use clock::now;
 pub use comparison::{Column, Comparison, Pair, PhaseTime, Time};
 pub use edges::{Edge, edges, edges_to_text};
+pub(crate) use estimate::words;
 pub use execute::Cancelled;
 pub use folder::{Folder, State};
 pub use interrupt::{INTERRUPTED, stop_on_interrupt};
 pub use journal::{Finished, JournalError};
+pub(crate) use layout::paragraph;
 pub use manifest::{FORMAT, Manifest, Program, Source};
 pub use progress::Display;
 pub use refusal::FolderError;
 pub use run::{Means, Place, Results, RunError, run};
+pub(crate) use table::ticks;

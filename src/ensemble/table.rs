@@ -128,7 +128,7 @@ fn figure(column: &Column, of: impl Fn(&Time) -> Option<f64>) -> String {
 }
 
 /// Whole ticks, except where they are few.
-pub(super) fn ticks(ticks: f64) -> String {
+pub(crate) fn ticks(ticks: f64) -> String {
     if ticks.abs() < 100.0 && ticks.fract() != 0.0 {
         format!("{ticks:.1}")
     } else {

@@ -6,10 +6,14 @@
 //! speak; where some are censored, [`KaplanMeier`] and the log-rank test do.
 mod difference;
 mod distribution;
+mod kolmogorov;
+mod ratio;
 mod summary;
 mod survival;
 
 pub use difference::{Difference, Test, compare};
+pub use kolmogorov::{Distance, distance};
+pub use ratio::{Relative, relative};
 pub use summary::{Summary, median};
 pub use survival::{KaplanMeier, RestrictedMean};
 

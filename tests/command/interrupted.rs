@@ -118,3 +118,31 @@ fn without_a_folder_nothing_is_kept() {
     let said = interrupt(child, "-INT");
     assert_eq!((said.status, said.out.as_str()), (130, ""));
 }
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_trade_tells_what_it_has_measured() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = path(folder.path(), "out");
+    let trade = [
+        "trade",
+        "tests/fixtures/dense.sa",
+        "--runs",
+        "10000000",
+        "--threads",
+        "1",
+        "--out",
+        &out,
+    ];
+    let mut child = start(&trade);
+    listens(&mut child);
+    std::thread::sleep(Duration::from_secs(2));
+    let said = interrupt(child, "-INT");
+    assert_eq!(said.status, 130, "{}", said.err);
+    assert!(said.out.contains("It was interrupted"), "{}", said.out);
+    let kept = fs::read_to_string(path(out.as_ref(), "trade.json")).unwrap();
+    let kept: serde_json::Value = serde_json::from_str(&kept).unwrap();
+    assert_eq!(kept["complete"], false);
+    let runs = kept["rungs"][0]["programs"][0]["runs"].as_u64().unwrap();
+    assert!(runs > 0, "{runs}");
+}

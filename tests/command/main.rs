@@ -20,3 +20,4 @@ mod scene;
 mod simulate;
 mod stochc;
 mod streams;
+mod trade;

@@ -26,12 +26,13 @@ pub fn prepare(options: &Options) -> Result<(Manifest, Vec<Ready>), Exit> {
     }
 }
 
-fn from_files(options: &Options) -> Result<(Manifest, Vec<Ready>), Exit> {
+/// The programs of files, if nothing is wrong in any of them.
+pub fn programs(files: &[String], levels: &Levels) -> Result<(Vec<Program>, Vec<Ready>), Exit> {
     let mut entries = Vec::new();
     let mut ready = Vec::new();
     let mut wrong = None;
-    for file in &options.files {
-        let checked = crate::check_with(file, &options.levels.levels);
+    for file in files {
+        let checked = crate::check_with(file, levels);
         match accept(file, checked) {
             Ok(programs) => {
                 for (entry, program) in programs {
@@ -42,9 +43,11 @@ fn from_files(options: &Options) -> Result<(Manifest, Vec<Ready>), Exit> {
             Err(exit) => wrong = Some(exit),
         }
     }
-    if let Some(exit) = wrong {
-        return Err(exit);
-    }
+    wrong.map_or(Ok((entries, ready)), Err)
+}
+
+fn from_files(options: &Options) -> Result<(Manifest, Vec<Ready>), Exit> {
+    let (entries, ready) = programs(&options.files, &options.levels.levels)?;
     let settings = Settings {
         model: options.model.into(),
         substeps: options.substeps,
@@ -54,8 +57,16 @@ fn from_files(options: &Options) -> Result<(Manifest, Vec<Ready>), Exit> {
         max_ticks: Some(options.max_ticks),
     };
     let mut manifest = Manifest::new(settings.model.name(), options.seed, options.runs, entries);
-    manifest.substeps = settings.substeps;
+    write_down(&settings, &mut manifest);
     manifest.max_ticks = settings.max_ticks;
+    Ok((manifest, ready))
+}
+
+/// Puts settings into a manifest, but for the limit of ticks; [`settings`] reads them back.
+pub fn write_down(settings: &Settings, manifest: &mut Manifest) {
+    settings.model.name().clone_into(&mut manifest.model);
+    manifest.substeps = settings.substeps;
+    manifest.settings.clear();
     let mut set = |name: &str, value: &str| manifest.settings.insert(name.into(), value.into());
     set(SOLVER_ITERATIONS, &settings.iterations().to_string());
     if settings.precision != Precision::default() {
@@ -64,7 +75,6 @@ fn from_files(options: &Options) -> Result<(Manifest, Vec<Ready>), Exit> {
     if let Some(reduction) = settings.reduction {
         set(REDUCTION, reduction.name());
     }
-    Ok((manifest, ready))
 }
 
 /// The programs of a file in which nothing is wrong.

@@ -1,14 +1,17 @@
 //! `stochc simulate`.
+mod accuracy;
 mod input;
 mod options;
 mod single;
 
 use std::num::NonZeroUsize;
+use std::sync::atomic::AtomicBool;
 
 use stochc_compiler::scene::Scene;
 use stochc_compiler::table::Tables;
 use stochc_runtime::{RunError, Settings, run as run_once};
 
+pub(super) use input::programs;
 pub use options::Options;
 
 use super::results::{Shown, show};
@@ -19,17 +22,32 @@ use crate::ensemble::{
 };
 
 /// A program that is ready to run.
-struct Ready {
-    tables: Tables,
-    scene: Scene,
+pub(super) struct Ready {
+    /// What its blocks know.
+    pub tables: Tables,
+    /// Where they are.
+    pub scene: Scene,
 }
 
 /// Runs programs many times, or one of their runs alone.
 pub fn run(options: &Options) -> Exit {
-    let (manifest, programs) = match input::prepare(options) {
+    let (mut manifest, programs) = match input::prepare(options) {
         Ok(prepared) => prepared,
         Err(exit) => return exit,
     };
+    let stop = match stop_on_interrupt() {
+        Ok(stop) => stop,
+        Err(error) => return usage(&format!("cannot listen for Ctrl-C: {error}")),
+    };
+    if let Some(accuracy) = options.accuracy
+        && let Err(exit) = accuracy::settle(options, accuracy, &mut manifest, &programs, stop)
+    {
+        return exit;
+    }
+    // Also about a setting that was found.
+    if let Err(exit) = accuracy::comment(options, &manifest) {
+        return exit;
+    }
     let settings = match input::settings(&manifest) {
         Ok(settings) => settings,
         Err(reason) => return usage(&reason),
@@ -41,8 +59,8 @@ pub fn run(options: &Options) -> Exit {
         }
     }
     match options.run {
-        Some(number) => single::run(options, &manifest, &programs, &settings, number),
-        None => ensemble(options, &manifest, &programs, &settings),
+        Some(number) => single::run(options, &manifest, &programs, &settings, number, stop),
+        None => ensemble(options, &manifest, &programs, &settings, stop),
     }
 }
 
@@ -60,11 +78,8 @@ fn ensemble(
     manifest: &Manifest,
     programs: &[Ready],
     settings: &Settings,
+    stop: &AtomicBool,
 ) -> Exit {
-    let stop = match stop_on_interrupt() {
-        Ok(stop) => stop,
-        Err(error) => return usage(&format!("cannot listen for Ctrl-C: {error}")),
-    };
     let place = match &options.out {
         None => Place::Memory(manifest),
         Some(out) => match Folder::open(out, manifest, options.resume) {

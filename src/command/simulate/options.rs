@@ -1,10 +1,13 @@
 use std::path::PathBuf;
+use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 use stochc_runtime::{Model, Precision, Reduction};
 
 use super::super::levels::LevelOptions;
 use super::super::results::Form;
+use super::super::trade::time;
+use super::accuracy::accuracy;
 
 /// What `simulate` is given.
 #[derive(Debug, Args)]
@@ -37,6 +40,15 @@ pub struct Options {
     /// Leave out something that the scene has, to see what it is worth; with `--model rigid` only
     #[arg(long, value_name = "HOW")]
     pub reduce: Option<ReductionName>,
+    /// Choose the cheapest setting that is known to be this close to a converged one, such as 5%
+    #[arg(long, value_name = "PERCENT", value_parser = accuracy, conflicts_with_all = ["manifest", "model", "substeps", "solver_iterations", "precision", "reduce"])]
+    pub accuracy: Option<f64>,
+    /// What `stochc trade --out` has measured, for `--accuracy` or to be told about a setting
+    #[arg(long, value_name = "DIR", conflicts_with = "manifest")]
+    pub trade: Option<PathBuf>,
+    /// Time for the measurement that `--accuracy` needs without `--trade`
+    #[arg(long, value_name = "TIME", value_parser = time, default_value = "2m", requires = "accuracy", conflicts_with = "trade")]
+    pub budget: Duration,
     /// Ticks after which a run is given up, and its time censored
     #[arg(long, default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(1..))]
     pub max_ticks: u64,

@@ -1,7 +1,7 @@
 //! One run alone, told event by event.
 use std::fmt::Write as _;
 use std::ops::ControlFlow;
-use std::sync::atomic::Ordering;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use stochc_runtime::record::{BondRecord, Origin, Outcome, RunRecord};
 use stochc_runtime::{Settings, run as run_once};
@@ -10,7 +10,7 @@ use super::super::results::Form;
 use super::super::terminal::print;
 use super::{Options, Ready, usage};
 use crate::cli::Exit;
-use crate::ensemble::{Manifest, Program, stop_on_interrupt};
+use crate::ensemble::{Manifest, Program};
 
 /// Does one run of each program.
 pub fn run(
@@ -19,11 +19,8 @@ pub fn run(
     programs: &[Ready],
     settings: &Settings,
     number: u64,
+    stop: &AtomicBool,
 ) -> Exit {
-    let stop = match stop_on_interrupt() {
-        Ok(stop) => stop,
-        Err(error) => return usage(&format!("cannot listen for Ctrl-C: {error}")),
-    };
     let mut watch = |_, _| match stop.load(Ordering::Relaxed) {
         true => ControlFlow::Break(()),
         false => ControlFlow::Continue(()),

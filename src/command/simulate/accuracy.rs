@@ -1,0 +1,119 @@
+//! Settings that a measurement finds, instead of the user.
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use super::super::terminal::warn;
+use super::super::trade::{self as command, threads};
+use super::{Options, Ready, usage};
+use crate::cli::Exit;
+use crate::ensemble::{Display, Manifest};
+use crate::trade::{Extent, FINEST, Setup, Trade, choose, known, note, percent};
+
+/// Puts the cheapest setting that is accurate enough into a manifest.
+///
+/// The accuracy comes from the trade that the user names, or from one that is measured now.
+pub(super) fn settle(
+    options: &Options,
+    accuracy: f64,
+    manifest: &mut Manifest,
+    ready: &[Ready],
+    stop: &AtomicBool,
+) -> Result<(), Exit> {
+    let trade = match &options.trade {
+        Some(path) => read(path)?,
+        None => measured(options, manifest, ready, stop)?,
+    };
+    let programs = known(&trade, manifest).map_err(|reason| usage(&reason))?;
+    match choose(&trade, &programs, accuracy) {
+        Ok(choice) => {
+            warn(&format!(
+                "--accuracy {}: {}\n",
+                percent(accuracy),
+                choice.why
+            ));
+            super::input::write_down(&choice.settings, manifest);
+            Ok(())
+        }
+        Err(reason) => {
+            warn(&format!("error: {reason}\n"));
+            Err(Exit::NotAccurate)
+        }
+    }
+}
+
+/// Says on standard error what is known about settings that the user has chosen.
+pub(super) fn comment(options: &Options, manifest: &Manifest) -> Result<(), Exit> {
+    let settings = super::input::settings(manifest).map_err(|reason| usage(&reason))?;
+    if let Some(reduction) = settings.reduction {
+        warn(&format!(
+            "note: `{}` is a reduced model: it leaves out something that the scene has\n",
+            reduction.name()
+        ));
+    }
+    // Where it has chosen the setting, it has said why.
+    let path = match (&options.trade, options.accuracy) {
+        (Some(path), None) => path,
+        _ => return Ok(()),
+    };
+    let trade = read(path)?;
+    let programs = known(&trade, manifest).map_err(|reason| usage(&reason))?;
+    match note(&trade, &programs, &settings) {
+        Some(note) => warn(&format!("note: {note}\n")),
+        None => warn("note: the trade has not measured this setting\n"),
+    }
+    Ok(())
+}
+
+fn measured(
+    options: &Options,
+    manifest: &Manifest,
+    ready: &[Ready],
+    stop: &AtomicBool,
+) -> Result<Trade, Exit> {
+    warn(&format!(
+        "--accuracy needs a measurement: {} s of it now; `stochc trade --out DIR` makes a better \
+         one, for `--trade DIR`\n",
+        options.budget.as_secs_f64()
+    ));
+    let setup = Setup {
+        extent: Extent::Budget(options.budget),
+        seed: manifest.seed,
+        threads: threads(options.threads),
+        finest: FINEST,
+        max_ticks: None,
+        display: Display::on_standard_error(options.quiet),
+        stop,
+    };
+    let trade = command::of(&manifest.programs, ready, &setup)?;
+    if stop.load(Ordering::Relaxed) {
+        return Err(Exit::Interrupted);
+    }
+    Ok(trade)
+}
+
+/// Reads a `trade.json`, or the one in a folder.
+fn read(path: &Path) -> Result<Trade, Exit> {
+    let file = match path.is_dir() {
+        true => path.join("trade.json"),
+        false => path.to_owned(),
+    };
+    let shown = file.display();
+    let bytes =
+        std::fs::read(&file).map_err(|error| usage(&format!("cannot read `{shown}`: {error}")))?;
+    let text = String::from_utf8_lossy(&bytes);
+    Trade::from_json(&text).map_err(|reason| usage(&format!("`{shown}`: {reason}")))
+}
+
+/// An accuracy: `5%` or `0.05`.
+pub(super) fn accuracy(text: &str) -> Result<f64, String> {
+    let wrong = || "give a percentage between 0 and 100, such as 5%".to_owned();
+    let (number, unit) = match text.strip_suffix('%') {
+        Some(number) => (number.trim_end(), 100.0),
+        None => (text, 1.0),
+    };
+    let number: f64 = number.parse().map_err(|_| wrong())?;
+    let accuracy = number / unit;
+    (accuracy > 0.0 && accuracy < 1.0)
+        .then_some(accuracy)
+        .ok_or_else(wrong)
+}

@@ -1,0 +1,178 @@
+//! `stochc trade`.
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use clap::{ArgGroup, Args};
+use stochc_runtime::world::SceneError;
+
+use super::levels::LevelOptions;
+use super::results::Form;
+use super::simulate::{self, Ready};
+use super::terminal::{output_has_colour, output_width, print, warn};
+use crate::cli::Exit;
+use crate::ensemble::{Display, Manifest, Program, stop_on_interrupt};
+use crate::files::atomic;
+use crate::trade::{Extent, FINEST, Setup, Subject, Trade, measure, svg};
+
+/// What `trade` is given.
+#[derive(Debug, Args)]
+#[command(group = ArgGroup::new("extent").args(["runs", "budget"]))]
+pub struct Options {
+    /// Programs to run; of several, it is also asked whether their order survives
+    #[arg(value_name = "FILE", required = true)]
+    files: Vec<String>,
+    /// Time for all of it, with its unit: 90s, 10m, 2h; 10m if left out
+    #[arg(long, value_name = "TIME", value_parser = time)]
+    budget: Option<Duration>,
+    /// Runs of each program at each setting, however long they take
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(2..=10_000_000))]
+    runs: Option<u64>,
+    /// The seed of all chance, the same at every setting
+    #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
+    seed: u64,
+    /// Ticks after which a run is given up, and its time censored; 20 times the mean of the first
+    /// runs if left out
+    #[arg(long, value_name = "TICKS", value_parser = clap::value_parser!(u64).range(1..))]
+    max_ticks: Option<u64>,
+    /// Most substeps that the reference is refined to
+    #[arg(long, value_name = "SUBSTEPS", default_value_t = FINEST, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    finest: u32,
+    /// Runs at the same time; all cores if left out
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// A folder for `trade.json` and `trade.svg`, which must be new or empty
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// The form of the table
+    #[arg(long, value_name = "FORM", default_value = "text")]
+    format: Form,
+    /// No progress
+    #[arg(long, short)]
+    quiet: bool,
+    /// What becomes of warnings
+    #[command(flatten)]
+    levels: LevelOptions,
+}
+
+/// Time for everything, where nobody says how long.
+const BUDGET: Duration = Duration::from_secs(600);
+
+/// Measures what accuracy costs.
+pub fn run(options: &Options) -> Exit {
+    let (programs, ready) = match simulate::programs(&options.files, &options.levels.levels) {
+        Ok(programs) => programs,
+        Err(exit) => return exit,
+    };
+    // Programs of the same name are told apart as in an ensemble.
+    let programs = Manifest::new("", options.seed, 0, programs).programs;
+    if let Some(out) = &options.out
+        && let Err(reason) = claim(out)
+    {
+        return refuse(&reason);
+    }
+    let stop = match stop_on_interrupt() {
+        Ok(stop) => stop,
+        Err(error) => return refuse(&format!("cannot listen for Ctrl-C: {error}")),
+    };
+    let extent = match (options.runs, options.budget) {
+        (Some(runs), _) => Extent::Runs(runs),
+        (None, budget) => Extent::Budget(budget.unwrap_or(BUDGET)),
+    };
+    let setup = Setup {
+        extent,
+        seed: options.seed,
+        threads: threads(options.threads),
+        finest: options.finest,
+        max_ticks: options.max_ticks,
+        display: Display::on_standard_error(options.quiet),
+        stop,
+    };
+    let trade = match of(&programs, &ready, &setup) {
+        Ok(trade) => trade,
+        Err(exit) => return exit,
+    };
+    match options.format {
+        Form::Text => print(&trade.to_text(output_width(), output_has_colour())),
+        Form::Json => print(&trade.to_json()),
+    }
+    if let Some(out) = &options.out
+        && let Err(error) = keep(out, &trade)
+    {
+        return refuse(&format!("cannot write to `{}`: {error}", out.display()));
+    }
+    if trade.complete {
+        Exit::Success
+    } else {
+        warn("stopped; this is what was measured until then\n");
+        Exit::Interrupted
+    }
+}
+
+/// Measures programs that are ready to run.
+pub(super) fn of(programs: &[Program], ready: &[Ready], setup: &Setup) -> Result<Trade, Exit> {
+    let subjects: Vec<Subject> = ready
+        .iter()
+        .map(|ready| Subject {
+            tables: &ready.tables,
+            scene: &ready.scene,
+        })
+        .collect();
+    measure(programs, &subjects, setup).map_err(|(program, error): (usize, SceneError)| {
+        warn(&format!("error: {}: {error}\n", programs[program].name));
+        Exit::WrongProgram
+    })
+}
+
+/// How many runs to do at the same time.
+pub(super) fn threads(asked: Option<u16>) -> usize {
+    let cores = || std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
+    asked.map_or_else(cores, usize::from)
+}
+
+/// A time with its unit.
+pub(super) fn time(text: &str) -> Result<Duration, String> {
+    let wrong = || "give a number and its unit: 90s, 10m, 2h".to_owned();
+    let digits = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
+    let unit = match &text[digits.len()..] {
+        "s" => 1.0,
+        "m" | "min" => 60.0,
+        "h" => 3600.0,
+        _ => return Err(wrong()),
+    };
+    let number: f64 = digits.trim_end().parse().map_err(|_| wrong())?;
+    let time = Duration::try_from_secs_f64(number * unit).map_err(|_| wrong())?;
+    if time.is_zero() {
+        return Err("no time is too little".to_owned());
+    }
+    Ok(time)
+}
+
+/// Makes a folder, or takes an empty one.
+fn claim(out: &Path) -> Result<(), String> {
+    let shown = out.display();
+    let io = |error: std::io::Error| format!("cannot use `{shown}`: {error}");
+    if out.exists() && !out.is_dir() {
+        return Err(format!(
+            "`{shown}` is a file; choose another name for the folder"
+        ));
+    }
+    std::fs::create_dir_all(out).map_err(io)?;
+    let mut entries = std::fs::read_dir(out).map_err(io)?;
+    match entries.next() {
+        None => Ok(()),
+        Some(_) => Err(format!(
+            "`{shown}` is not empty; choose an empty or a new folder"
+        )),
+    }
+}
+
+fn keep(out: &Path, trade: &Trade) -> std::io::Result<()> {
+    atomic::replace(&out.join("trade.json"), trade.to_json().as_bytes())?;
+    atomic::replace(&out.join("trade.svg"), svg(trade).as_bytes())
+}
+
+fn refuse(reason: &str) -> Exit {
+    warn(&format!("error: {reason}\n"));
+    Exit::Usage
+}

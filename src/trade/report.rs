@@ -1,0 +1,593 @@
+//! What came of it: what `trade.json` holds, and everything else is drawn from.
+use serde::{Deserialize, Serialize};
+use stochc_compiler::scene::Scene;
+use stochc_runtime::Settings;
+
+use super::advice::advice;
+use super::ladder::{flags, refines, short};
+use super::plan::Outcome;
+use super::ranking::{Ranked, Verdict, rank};
+use super::refine::{Doubling, converged};
+use super::sample::{End, Sample};
+use crate::ensemble::{self, Manifest, Time};
+use crate::statistics::{Distance, Observation, Relative, distance, relative};
+
+/// Version of the layout of `trade.json`; another one is not read.
+pub const FORMAT: u32 = 1;
+
+/// The trade of some programs; times in ticks, costs in seconds of processor time.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Trade {
+    /// [`FORMAT`].
+    pub format: u32,
+    /// Version of the `stochc` that measured.
+    pub stochc: String,
+    /// The seed of every draw, the same at every rung.
+    pub seed: u64,
+    /// Runs at the same time.
+    pub threads: usize,
+    /// Runs of each program at each rung, where they were asked for.
+    pub runs: Option<u64>,
+    /// Time for all of it \[s\], where that was asked for.
+    pub budget: Option<f64>,
+    /// Whether it came to its end; `false`: it was interrupted.
+    pub complete: bool,
+    /// What was run.
+    pub programs: Vec<Program>,
+    /// What everything is held against.
+    pub reference: Option<Reference>,
+    /// One for each setting that was tried or could not be.
+    pub rungs: Vec<Rung>,
+    /// What to do, in a sentence or two.
+    pub advice: String,
+}
+
+/// A program.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Program {
+    /// What tables call it.
+    pub name: String,
+    /// SHA-256 of its text, its imports and its scene, in hexadecimal.
+    pub hash: String,
+    /// Ticks after which its runs were given up.
+    pub max_ticks: u64,
+    /// The world it runs in.
+    pub scene: Scene,
+}
+
+/// The rung that the others are held against.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Reference {
+    /// Its index.
+    pub rung: usize,
+    /// Whether the last two doublings of the substeps changed no mean by more than its interval.
+    pub converged: bool,
+    /// All doublings that lead to it.
+    pub doublings: Vec<Doubling>,
+}
+
+/// A setting.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Rung {
+    /// As tables call it.
+    pub name: String,
+    /// As options of `simulate`.
+    pub options: String,
+    /// What was set.
+    pub settings: Settings,
+    /// Why nothing was measured.
+    pub left_out: Option<String>,
+    /// Of one run, the mean of the programs' medians \[s\]; `None`: not every program was run.
+    pub cost: Option<f64>,
+    /// The same as a multiple of the reference's.
+    pub cost_ratio: Option<f64>,
+    /// The bias that is largest, of all programs'; `None`: not every program has one.
+    pub worst: Option<Relative>,
+    /// The largest bias of any program that its interval does not exclude.
+    pub bound: Option<f64>,
+    /// No other rung is both cheaper and less biased.
+    pub front: bool,
+    /// It orders two programs the wrong way.
+    pub reversed: bool,
+    /// What it says to the order of each pair of programs.
+    pub ranking: Vec<Ranked>,
+    /// For each program.
+    pub programs: Vec<Cell>,
+}
+
+/// A program at a setting.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Cell {
+    /// Runs that have ended, the sum of the next three.
+    pub runs: usize,
+    /// Runs with the whole structure.
+    pub completed: usize,
+    /// Runs that were stopped before.
+    pub censored: usize,
+    /// Runs whose physics broke down.
+    pub failed: usize,
+    /// Mean time to completion \[ticks\]; where any are censored, of min(time, horizon).
+    pub mean: Option<f64>,
+    /// Half the width of its 95 % interval.
+    pub half_width: Option<f64>,
+    /// Where any are censored: up to here the mean counts.
+    pub horizon: Option<f64>,
+    /// The mean over the reference's, less one.
+    pub bias: Option<Relative>,
+    /// The whole distribution against the reference's.
+    pub distance: Option<Distance>,
+    /// Median processor time of a run \[s\].
+    pub cost: Option<f64>,
+    /// Processor time of a tick \[s\].
+    pub cost_of_tick: Option<f64>,
+}
+
+/// How it was measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Means {
+    /// The seed of every draw.
+    pub seed: u64,
+    /// Runs at the same time.
+    pub threads: usize,
+    /// Runs of each program at each rung, where they were asked for.
+    pub runs: Option<u64>,
+    /// Time for all of it \[s\], where that was asked for.
+    pub budget: Option<f64>,
+    /// Whether it came to its end.
+    pub complete: bool,
+}
+
+impl Trade {
+    /// Draws it up; `limits` are the ticks after which runs of each program were given up.
+    pub fn of(
+        programs: &[ensemble::Program],
+        outcomes: &[Outcome],
+        limits: &[u64],
+        means: Means,
+    ) -> Trade {
+        let times: Vec<Vec<Vec<Observation>>> = (outcomes.iter())
+            .map(|outcome| outcome.samples.iter().map(Sample::times).collect())
+            .collect();
+        let reference = reference(outcomes, &times);
+        let against = reference.as_ref().map(|r| r.rung);
+        let mut rungs: Vec<Rung> = (outcomes.iter().zip(&times).enumerate())
+            .map(|(i, (outcome, own))| {
+                rung(
+                    outcome,
+                    own,
+                    against.map(|r| &times[r][..]),
+                    against == Some(i),
+                )
+            })
+            .collect();
+        let whole = against.and_then(|r| rungs[r].cost);
+        for rung in &mut rungs {
+            rung.cost_ratio = rung.cost.zip(whole).map(|(cost, whole)| cost / whole);
+        }
+        draw_front(&mut rungs, against);
+        let described = programs
+            .iter()
+            .zip(limits)
+            .map(|(program, &max_ticks)| Program {
+                name: program.name.clone(),
+                hash: program.hash(),
+                max_ticks,
+                scene: program.scene.clone(),
+            });
+        let mut trade = Trade {
+            format: FORMAT,
+            stochc: env!("CARGO_PKG_VERSION").to_owned(),
+            seed: means.seed,
+            threads: means.threads,
+            runs: means.runs,
+            budget: means.budget,
+            complete: means.complete,
+            programs: described.collect(),
+            reference,
+            rungs,
+            advice: String::new(),
+        };
+        trade.advice = advice(&trade);
+        trade
+    }
+
+    /// The text of `trade.json`, which ends in a line break.
+    pub fn to_json(&self) -> String {
+        let mut json = serde_json::to_string_pretty(self).expect("a trade is plain data");
+        json.push('\n');
+        json
+    }
+
+    /// Reads the text of a `trade.json`.
+    ///
+    /// # Errors
+    /// In words, when it is none, or one of another [`FORMAT`] or version.
+    pub fn from_json(json: &str) -> Result<Trade, String> {
+        #[derive(Deserialize)]
+        struct Version {
+            format: u32,
+            stochc: String,
+            #[serde(rename = "rungs")]
+            _rungs: serde::de::IgnoredAny,
+        }
+        let version: Version =
+            serde_json::from_str(json).map_err(|_| "it is no trade that `stochc trade` wrote")?;
+        if version.format != FORMAT {
+            return Err(format!(
+                "its format is {}, and this is {FORMAT}",
+                version.format
+            ));
+        }
+        let here = env!("CARGO_PKG_VERSION");
+        if version.stochc != here {
+            return Err(format!(
+                "stochc {} has measured it, and this is {here}; measure again",
+                version.stochc
+            ));
+        }
+        let trade: Trade =
+            serde_json::from_str(json).map_err(|error| format!("it is damaged, {error}"))?;
+        let programs = trade.programs.len();
+        let pairs = programs * programs.saturating_sub(1) / 2;
+        let whole = |rung: &Rung| {
+            rung.programs.len() == programs
+                && (rung.ranking.is_empty() || rung.ranking.len() == pairs)
+                && rung
+                    .ranking
+                    .iter()
+                    .all(|pair| pair.first.max(pair.second) < programs)
+        };
+        let refers = trade.reference.as_ref().is_none_or(|reference| {
+            reference.rung < trade.rungs.len()
+                && reference
+                    .doublings
+                    .iter()
+                    .all(|d| d.changes.len() == programs)
+        });
+        if !refers || !trade.rungs.iter().all(whole) {
+            return Err("it is damaged: its parts do not belong together".into());
+        }
+        Ok(trade)
+    }
+
+    /// The rung that others are held against.
+    pub fn reference_rung(&self) -> Option<&Rung> {
+        self.rungs.get(self.reference.as_ref()?.rung)
+    }
+
+    /// Whether the reference has converged.
+    pub fn converged(&self) -> bool {
+        self.reference
+            .as_ref()
+            .is_some_and(|reference| reference.converged)
+    }
+}
+
+impl Rung {
+    /// The pairs that it orders the wrong way.
+    pub fn reversals(&self) -> impl Iterator<Item = &Ranked> {
+        let reversed = |pair: &&Ranked| pair.verdict == Verdict::Reversed;
+        self.ranking.iter().filter(reversed)
+    }
+
+    /// Whether something that the scene has is left out.
+    pub fn reduced(&self) -> bool {
+        self.settings.reduction.is_some()
+    }
+}
+
+/// The finest rung that has at least two completed runs of each program.
+fn reference(outcomes: &[Outcome], times: &[Vec<Vec<Observation>>]) -> Option<Reference> {
+    let known = |i: &usize| {
+        let enough = |times: &Vec<Observation>| times.iter().filter(|o| o.completed).count() > 1;
+        refines(&outcomes[*i].settings) && times[*i].iter().all(enough)
+    };
+    let substeps = |i: usize| outcomes[i].settings.substeps;
+    let mut rungs: Vec<usize> = (0..outcomes.len()).filter(known).collect();
+    rungs.sort_by_key(|&i| substeps(i));
+    let rung = *rungs.last()?;
+    let doubling = |pair: &[usize]| {
+        let [from, to] = [pair[0], pair[1]].map(|i| (substeps(i), &times[i][..]));
+        Doubling::of(from, to)
+    };
+    let doublings: Vec<Doubling> = rungs.windows(2).map(doubling).collect();
+    Some(Reference {
+        rung,
+        converged: converged(&doublings),
+        doublings,
+    })
+}
+
+fn rung(
+    outcome: &Outcome,
+    times: &[Vec<Observation>],
+    reference: Option<&[Vec<Observation>]>,
+    itself: bool,
+) -> Rung {
+    let cells: Vec<Cell> = (outcome.samples.iter().zip(times).enumerate())
+        .map(|(i, (sample, own))| {
+            cell(
+                sample,
+                own,
+                reference.filter(|_| !itself).map(|times| &times[i][..]),
+            )
+        })
+        .collect();
+    let costs: Option<Vec<f64>> = cells.iter().map(|cell| cell.cost).collect();
+    let biases: Option<Vec<Relative>> = cells.iter().map(|cell| cell.bias).collect();
+    let measured = outcome.samples.iter().any(|sample| !sample.is_empty());
+    let ranking = match reference {
+        Some(reference) if measured => rank(reference, times),
+        _ => Vec::new(),
+    };
+    Rung {
+        name: short(&outcome.settings),
+        options: flags(&outcome.settings),
+        settings: outcome.settings.clone(),
+        left_out: match (&outcome.left_out, measured) {
+            (Some(reason), _) => Some(reason.clone()),
+            (None, true) => None,
+            (None, false) => Some("there was no time for it".to_owned()),
+        },
+        cost: costs.map(|costs| costs.iter().sum::<f64>() / costs.len() as f64),
+        cost_ratio: None,
+        bound: biases.as_ref().and_then(|biases| {
+            let mut bounds = biases.iter().map(Relative::bound);
+            bounds.try_fold(0.0, |most: f64, bound| Some(most.max(bound?)))
+        }),
+        worst: biases.and_then(|biases| {
+            let size = |bias: &Relative| bias.value.abs();
+            biases
+                .into_iter()
+                .max_by(|a, b| size(a).total_cmp(&size(b)))
+        }),
+        front: false,
+        reversed: ranking.iter().any(|pair| pair.verdict == Verdict::Reversed),
+        ranking,
+        programs: cells,
+    }
+}
+
+fn cell(sample: &Sample, times: &[Observation], reference: Option<&[Observation]>) -> Cell {
+    let time = Time::of(times);
+    Cell {
+        runs: sample.len(),
+        completed: sample.count(End::Completed),
+        censored: sample.count(End::Censored),
+        failed: sample.count(End::Failed),
+        mean: time.as_ref().map(|time| time.mean),
+        half_width: time.as_ref().and_then(|time| time.half_width),
+        horizon: time.as_ref().and_then(|time| time.horizon),
+        bias: reference.and_then(|reference| relative(times, reference)),
+        distance: reference.and_then(|reference| distance(times, reference)),
+        cost: sample.cost(),
+        cost_of_tick: sample.cost_of_tick(),
+    }
+}
+
+/// Marks the rungs that no other one beats, the reference among them with no bias at all.
+fn draw_front(rungs: &mut [Rung], reference: Option<usize>) {
+    let bias = |i: usize, rung: &Rung| match reference == Some(i) {
+        true => Some(0.0),
+        false => rung.worst.map(|worst| worst.value.abs()),
+    };
+    let place =
+        |(i, rung): (usize, &Rung)| Some((rung.cost?, bias(i, rung)?)).filter(|_| !rung.reversed);
+    let places: Vec<Option<(f64, f64)>> = rungs.iter().enumerate().map(place).collect();
+    for (i, rung) in rungs.iter_mut().enumerate() {
+        let Some((cost, bias)) = places[i] else {
+            continue;
+        };
+        let beaten = |other: &(f64, f64)| {
+            other.0 <= cost && other.1 <= bias && (other.0 < cost || other.1 < bias)
+        };
+        rung.front = !places.iter().flatten().any(beaten);
+    }
+}
+
+/// Which programs of an ensemble a trade knows, by their index in it.
+///
+/// # Errors
+/// In words, when it does not know one of them as it is now.
+pub fn known(trade: &Trade, manifest: &Manifest) -> Result<Vec<usize>, String> {
+    let find = |program: &ensemble::Program| {
+        let hash = program.hash();
+        let known = trade.programs.iter().position(|known| known.hash == hash);
+        known.ok_or_else(|| {
+            format!(
+                "it has not measured `{}` as it is now: the program or its scene is another one",
+                program.name
+            )
+        })
+    };
+    manifest.programs.iter().map(find).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use stochc_runtime::{Model, Reduction};
+
+    use super::super::choose::{choose, note};
+    use super::super::ladder::{base, rigid};
+    use super::super::picture::svg;
+    use super::super::sample::Measured;
+    use super::*;
+
+    /// Twenty runs around a mean, each at the same cost.
+    fn sample(mean: u64, cost: f64) -> Sample {
+        let run = |run: u64| Measured {
+            run,
+            end: End::Completed,
+            ticks: mean - 10 + run,
+            cpu: cost,
+            wall: cost,
+        };
+        Sample::new((0..21).map(run).collect(), u64::MAX)
+    }
+
+    fn outcome(settings: Settings, means: [u64; 2], cost: f64) -> Outcome {
+        Outcome {
+            settings,
+            left_out: None,
+            samples: means.map(|mean| sample(mean, cost)).to_vec(),
+        }
+    }
+
+    fn trade() -> Trade {
+        let reduced = |reduction| Settings {
+            reduction: Some(reduction),
+            ..base()
+        };
+        let outcomes = [
+            outcome(rigid(1), [1040, 2080], 1.0),
+            // As a share, the first program's interval is the wider one.
+            outcome(rigid(2), [1000, 2001], 2.0),
+            outcome(rigid(4), [1001, 2000], 4.0),
+            outcome(rigid(8), [1000, 2000], 8.0),
+            outcome(reduced(Reduction::NoRotation), [2000, 1000], 0.5),
+            outcome(reduced(Reduction::Spheres), [3000, 3001], 0.8),
+            Outcome {
+                settings: Settings::default(),
+                left_out: Some("it cannot".into()),
+                samples: vec![Sample::default(); 2],
+            },
+        ];
+        let mut reader = |_: &str| {
+            let text = "assembly a { seed plate 3 x 3 { M at (1, 1) }\nphase p { M.up -> A } }";
+            Ok(text.as_bytes().to_vec())
+        };
+        let limits = stochc_compiler::Limits::default();
+        let scene = stochc_compiler::check("x.sa", &mut reader, limits)
+            .programs
+            .remove(0);
+        let program = |name: &str| {
+            let (tables, scene) = (scene.tables.as_ref().unwrap(), scene.scene.clone().unwrap());
+            ensemble::Program::new(name, Vec::new(), scene, tables)
+        };
+        let means = Means {
+            seed: 1,
+            threads: 1,
+            runs: Some(21),
+            budget: None,
+            complete: true,
+        };
+        Trade::of(&[program("one"), program("two")], &outcomes, &[9, 9], means)
+    }
+
+    #[test]
+    fn every_rung_is_held_against_the_finest() {
+        let trade = trade();
+        let reference = trade.reference.as_ref().unwrap();
+        assert_eq!((reference.rung, reference.converged), (3, true));
+        assert_eq!(trade.rungs[3].worst, None);
+        let worst = trade.rungs[0].worst.unwrap();
+        assert!((worst.value - 0.04).abs() < 1e-12, "{worst:?}");
+        let close = &trade.rungs[1];
+        let [first, second] = [0, 1].map(|program| close.programs[program].bias);
+        assert_eq!(close.worst, second, "the first is not off at all");
+        // But it has the wider interval.
+        assert_eq!(close.bound, first.and_then(|bias| bias.bound()));
+        assert_eq!(trade.rungs[0].cost_ratio, Some(1.0 / 8.0));
+        assert_eq!(trade.rungs[0].programs[0].distance.unwrap().d, 1.0);
+        let reversed: Vec<bool> = trade.rungs.iter().map(|rung| rung.reversed).collect();
+        assert_eq!(reversed, [false, false, false, false, true, false, false]);
+        let front: Vec<bool> = trade.rungs.iter().map(|rung| rung.front).collect();
+        // Beaten are the reversed one, which is out of the question, and the one without runs.
+        assert_eq!(front, [true, true, false, true, false, true, false]);
+        assert!(
+            trade.rungs[4]
+                .reversals()
+                .all(|pair| (pair.first, pair.second) == (0, 1))
+        );
+        assert_eq!(Trade::from_json(&trade.to_json()), Ok(trade));
+    }
+
+    #[test]
+    fn wrong_conclusions_are_told_with_and_without_colour() {
+        let trade = trade();
+        let plain = trade.to_text(100, false);
+        assert!(plain.contains("REVERSED: one < two"), "{plain}");
+        assert!(!plain.contains('\u{1b}'));
+        let red = |line: &&str| line.starts_with("\u{1b}[31m");
+        let coloured = trade.to_text(100, true);
+        let lines: Vec<&str> = coloured.lines().filter(red).collect();
+        // Once for each program and once in the ranking.
+        assert_eq!(lines.len(), 3, "{coloured}");
+        assert!(lines.iter().all(|line| line.contains("no-rotation")));
+        assert!(plain.contains("it cannot"));
+        let advice = &trade.advice;
+        assert!(
+            advice.starts_with("`--model rigid` is within 4.0 ±"),
+            "{advice}"
+        );
+        assert!(
+            advice.contains("`--model rigid --substeps 2` is within"),
+            "{advice}"
+        );
+        assert!(advice.contains("Do not compare programs with `--model rigid --reduce no-rot"));
+    }
+
+    #[test]
+    fn the_picture_marks_what_is_reversed() {
+        let picture = svg(&trade());
+        let picture = roxmltree::Document::parse(&picture).unwrap();
+        let of = |class: &str| {
+            let nodes = picture.descendants();
+            nodes
+                .filter(|node| node.attribute("class") == Some(class))
+                .count()
+        };
+        let marks = ["rigid", "rapier", "reduced", "reversed", "reference"];
+        let counts = marks.map(|class| of(&format!("mark {class}")));
+        assert_eq!(counts, [3, 0, 1, 1, 1]);
+        // A bar for each of them but the reference, which has no bias.
+        assert_eq!(of("rigid"), 3);
+    }
+
+    #[test]
+    fn the_cheapest_that_is_accurate_enough_is_chosen() {
+        let trade = trade();
+        let chosen = |accuracy| choose(&trade, &[0, 1], accuracy).map(|c| c.settings);
+        assert_eq!(chosen(0.05), Ok(rigid(1)));
+        assert_eq!(chosen(0.02), Ok(rigid(2)));
+        assert!(chosen(0.0001).unwrap_err().contains("the best is"));
+        // Alone, the first program has nothing that could be reversed, but it is off by as much.
+        assert_eq!(choose(&trade, &[0], 0.05).map(|c| c.settings), Ok(rigid(1)));
+        let reduced = |settings: &Settings| note(&trade, &[0, 1], settings);
+        let told = reduced(&trade.rungs[4].settings).unwrap();
+        assert!(
+            told.starts_with("the trade found it to REVERSE one < two;"),
+            "{told}"
+        );
+        assert!(
+            !reduced(&trade.rungs[5].settings)
+                .unwrap()
+                .contains("REVERSE")
+        );
+        assert!(reduced(&rigid(8)).unwrap().contains("reference"));
+        assert_eq!(reduced(&rigid(64)), None, "not measured");
+        let rapier = Settings {
+            model: Model::Rapier,
+            ..base()
+        };
+        assert_eq!(reduced(&rapier), None, "it cannot");
+        let mut open = trade.clone();
+        open.reference.as_mut().unwrap().converged = false;
+        assert!(
+            choose(&open, &[0, 1], 0.05)
+                .unwrap_err()
+                .contains("not converged")
+        );
+    }
+
+    #[test]
+    fn what_does_not_belong_together_is_not_read() {
+        let mut trade = trade();
+        trade.reference.as_mut().unwrap().rung = 99;
+        assert!(
+            Trade::from_json(&trade.to_json())
+                .unwrap_err()
+                .contains("damaged")
+        );
+    }
+}

@@ -1,0 +1,355 @@
+//! Small trades, in which a run takes milliseconds.
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::stochc::{Said, path, stochc, stochc_with};
+
+/// Three runs of each setting, and hardly any refinement.
+const DENSE: &str = "trade tests/fixtures/dense.sa --runs 3 --finest 2 --quiet";
+
+fn rungs(trade: &Value) -> &Vec<Value> {
+    trade["rungs"].as_array().unwrap()
+}
+
+fn rung<'a>(trade: &'a Value, name: &str) -> &'a Value {
+    let found = rungs(trade).iter().find(|rung| rung["name"] == name);
+    found.unwrap_or_else(|| panic!("no rung `{name}`"))
+}
+
+/// A trade without what a clock has said.
+fn without_costs(value: &mut Value) {
+    match value {
+        Value::Object(fields) => {
+            fields.retain(|name, _| {
+                ![
+                    "cost",
+                    "cost_ratio",
+                    "cost_of_tick",
+                    "front",
+                    "advice",
+                    "threads",
+                ]
+                .contains(&name.as_str())
+            });
+            fields.values_mut().for_each(without_costs);
+        }
+        Value::Array(values) => values.iter_mut().for_each(without_costs),
+        _ => {}
+    }
+}
+
+#[test]
+fn every_setting_is_measured_and_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = path(folder.path(), "out");
+    let said = stochc_with(DENSE, &["--out", &out]);
+    assert_eq!((said.status, said.err.as_str()), (0, ""));
+    let text = fs::read_to_string(path(out.as_ref(), "trade.json")).unwrap();
+    let trade: Value = serde_json::from_str(&text).unwrap();
+    for rung in rungs(&trade) {
+        let cell = &rung["programs"][0];
+        assert_eq!(cell["runs"], 3, "{}", rung["name"]);
+        assert!(cell["mean"].as_f64().unwrap() > 1.0);
+        assert!(cell["cost"].as_f64().unwrap() > 0.0);
+        let name = rung["name"].as_str().unwrap();
+        let line = said
+            .out
+            .lines()
+            .find(|line| line.contains(&format!(" {name} ")));
+        assert!(line.is_some(), "{name}: {}", said.out);
+    }
+    assert_eq!(trade["reference"]["rung"], 1, "rigid 2");
+    assert_eq!(rungs(&trade)[1]["options"], "--model rigid --substeps 2");
+    assert_eq!(
+        trade["reference"]["converged"], false,
+        "one doubling is too few"
+    );
+    assert!(said.out.contains("NOT CONVERGED"), "{}", said.out);
+    assert!(
+        said.out
+            .contains(trade["advice"].as_str().unwrap().split(' ').next().unwrap())
+    );
+    assert!(!said.out.contains('\u{1b}'), "no colours into a pipe");
+
+    // A run of it is a run of `simulate`.
+    let alone =
+        stochc("simulate tests/fixtures/dense.sa --model rigid --runs 3 --quiet --format json");
+    let mean = &rung(&trade, "rigid 1")["programs"][0]["mean"];
+    assert_eq!(&alone.json()["programs"][0]["time"]["mean"], mean);
+
+    // It is not overwritten.
+    let again = stochc_with(DENSE, &["--out", &out]);
+    assert_eq!((again.status, again.out.as_str()), (2, ""));
+    assert!(again.err.contains("is not empty"), "{}", again.err);
+}
+
+#[test]
+fn the_picture_has_a_mark_for_every_setting() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = path(folder.path(), "out");
+    let trade = stochc_with(DENSE, &["--format", "json", "--out", &out]).json();
+    let text = fs::read_to_string(path(out.as_ref(), "trade.svg")).unwrap();
+    let picture = roxmltree::Document::parse(&text).unwrap();
+    let marks = picture.descendants().filter(|node| {
+        node.attribute("class")
+            .is_some_and(|class| class.starts_with("mark "))
+    });
+    let marks: Vec<_> = marks.collect();
+    let measured = rungs(&trade).iter().filter(|rung| !rung["cost"].is_null());
+    assert_eq!(marks.len(), measured.count());
+    let of = |class: &str| {
+        let class = format!("mark {class}");
+        marks
+            .iter()
+            .filter(|node| node.attribute("class") == Some(&class))
+            .count()
+    };
+    assert_eq!((of("reduced"), of("reference"), of("reversed")), (4, 1, 0));
+    for mark in &marks {
+        let told = mark.first_element_child().unwrap();
+        assert_eq!(told.tag_name().name(), "title");
+        assert!(told.text().unwrap().starts_with("--model "));
+    }
+    let axes: String = picture
+        .descendants()
+        .filter_map(|node| node.text())
+        .collect();
+    assert!(axes.contains("processor time of a run") && axes.contains("% of the reference"));
+    assert!(text.contains("prefers-color-scheme:dark"));
+    assert!(
+        !text.contains("http:") || text.matches("http:").count() == 1,
+        "nothing is loaded"
+    );
+}
+
+#[test]
+fn it_depends_on_nothing_but_its_inputs() {
+    let of = |threads: &str| {
+        let mut trade = stochc_with(DENSE, &["--format", "json", "--threads", threads]).json();
+        without_costs(&mut trade);
+        trade
+    };
+    let one = of("1");
+    assert_eq!(one, of("3"));
+    let mut other = stochc_with(DENSE, &["--format", "json", "--seed", "2"]).json();
+    without_costs(&mut other);
+    assert_ne!(one["rungs"], other["rungs"], "the seed does");
+}
+
+#[test]
+fn a_model_that_cannot_do_a_scene_is_a_row_that_says_so() {
+    let said = stochc("trade tests/fixtures/soft.sa --runs 2 --finest 1 --quiet");
+    assert_eq!((said.status, said.err.as_str()), (0, ""));
+    let row = said
+        .out
+        .lines()
+        .find(|line| line.contains(" rapier 1 "))
+        .unwrap();
+    assert!(
+        row.contains("the model `rapier` has no contact with a `stiffness`"),
+        "{row}"
+    );
+}
+
+#[test]
+fn programs_are_ranked() {
+    let said =
+        stochc("trade tests/fixtures/dense.sa tests/fixtures/dense.sa --runs 2 --finest 1 --quiet");
+    assert_eq!(said.status, 0, "{}", said.err);
+    assert!(said.out.contains("dense (2)"), "{}", said.out);
+    // The same program twice.
+    assert!(said.out.contains("no order to keep"), "{}", said.out);
+}
+
+#[test]
+fn censored_runs_are_told_of() {
+    let said = stochc("trade tests/fixtures/still.sa --runs 2 --finest 1 --max-ticks 50 --quiet");
+    assert_eq!(said.status, 0, "{}", said.err);
+    assert!(
+        said.out.contains("limit of ticks (still 50)"),
+        "{}",
+        said.out
+    );
+    assert!(
+        said.out.contains("Too few runs were completed"),
+        "{}",
+        said.out
+    );
+}
+
+#[test]
+fn a_budget_is_kept() {
+    let start = std::time::Instant::now();
+    let said = stochc("trade tests/fixtures/dense.sa --budget 3s --quiet --format json");
+    assert_eq!(said.status, 0, "{}", said.err);
+    // Starting, compiling, and the last run take time of their own.
+    assert!(
+        start.elapsed().as_secs_f64() < 20.0,
+        "{:?}",
+        start.elapsed()
+    );
+    let trade = said.json();
+    assert_eq!(trade["budget"], 3.0);
+    assert!(rung(&trade, "rigid 1")["programs"][0]["runs"].as_u64() >= Some(4));
+}
+
+#[test]
+fn wrong_command_lines_are_told_of() {
+    for line in [
+        "trade",
+        "trade tests/fixtures/dense.sa --budget 10",
+        "trade tests/fixtures/dense.sa --budget 0s",
+        "trade tests/fixtures/dense.sa --budget -1s",
+        "trade tests/fixtures/dense.sa --runs 1",
+        "trade tests/fixtures/dense.sa --runs 5 --budget 1m",
+        "simulate tests/fixtures/dense.sa --accuracy 0%",
+        "simulate tests/fixtures/dense.sa --accuracy 100%",
+        "simulate tests/fixtures/dense.sa --accuracy 5% --substeps 2",
+        "simulate tests/fixtures/dense.sa --budget 1m",
+    ] {
+        let said = stochc(line);
+        assert_eq!((said.status, said.out.as_str()), (2, ""), "{line}");
+    }
+    let said = stochc("trade tests/fixtures/crowded.sa --runs 2");
+    assert_eq!(said.status, 1);
+    assert!(
+        said.err.contains("crowded: 400 free blocks do not fit"),
+        "{}",
+        said.err
+    );
+    let said = stochc("trade tests/fixtures/wrong.sa --runs 2");
+    assert_eq!((said.status, said.out.as_str()), (1, ""));
+}
+
+/// A trade of `dense.sa` in which the biases are what a test needs.
+fn written(folder: &Path, converged: bool) -> String {
+    let out = path(folder, "measured");
+    let mut trade = stochc_with(DENSE, &["--format", "json", "--out", &out]).json();
+    trade["reference"]["converged"] = converged.into();
+    for (i, rung) in trade["rungs"]
+        .as_array_mut()
+        .unwrap()
+        .iter_mut()
+        .enumerate()
+    {
+        let bias = match i {
+            // `rigid 1`, in the middle; `no-rotation` is the cheapest, and wrong.
+            0 => (0.02, 0.02, 2.0),
+            5 => (0.3, 0.02, 1.0),
+            // `rapier 1`, close and dear.
+            9 => (0.001, 0.002, 7.0),
+            _ => (0.5, 0.1, 9.0),
+        };
+        rung["programs"][0]["bias"]["value"] = bias.0.into();
+        rung["programs"][0]["bias"]["half_width"] = bias.1.into();
+        rung["programs"][0]["cost"] = bias.2.into();
+    }
+    let reference = trade["reference"]["rung"].as_u64().unwrap() as usize;
+    trade["rungs"][reference]["programs"][0]["bias"] = Value::Null;
+    assert_eq!(trade["rungs"][9]["name"], "rapier 1");
+    fs::write(path(out.as_ref(), "trade.json"), trade.to_string()).unwrap();
+    out
+}
+
+fn simulate(trade: &str, more: &[&str]) -> Said {
+    let line = "simulate tests/fixtures/dense.sa --runs 2 --quiet --trade";
+    stochc_with(line, &[&[trade], more].concat())
+}
+
+#[test]
+fn the_cheapest_setting_that_is_accurate_enough_is_taken() {
+    let folder = tempfile::tempdir().unwrap();
+    let trade = written(folder.path(), true);
+    let out = path(folder.path(), "runs");
+    let said = simulate(&trade, &["--accuracy", "5%", "--out", &out]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    assert!(
+        said.err.contains("--accuracy 5 %: `--model rigid`"),
+        "{}",
+        said.err
+    );
+    assert!(
+        said.err.contains("2.0 ± 2.0 % from the reference"),
+        "{}",
+        said.err
+    );
+    // A rerun needs no trade.
+    let manifest = fs::read_to_string(path(out.as_ref(), "manifest.json")).unwrap();
+    let manifest: Value = serde_json::from_str(&manifest).unwrap();
+    assert_eq!(manifest["model"], "rigid");
+    let own = stochc("simulate tests/fixtures/dense.sa --runs 2 --quiet --model rigid");
+    assert_eq!(own.out, said.out);
+    let said = simulate(&trade, &["--accuracy", "1%"]);
+    assert!(said.err.contains("`--model rapier`"), "{}", said.err);
+}
+
+#[test]
+fn an_accuracy_that_nothing_has_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let trade = written(folder.path(), true);
+    let said = simulate(&trade, &["--accuracy", "0.1%"]);
+    assert_eq!((said.status, said.out.as_str()), (4, ""));
+    assert!(
+        said.err
+            .contains("the best is `--model rapier`, within 0.3 %"),
+        "{}",
+        said.err
+    );
+    let other = tempfile::tempdir().unwrap();
+    let trade = written(other.path(), false);
+    let said = simulate(&trade, &["--accuracy", "5%"]);
+    assert_eq!((said.status, said.out.as_str()), (4, ""));
+    assert!(said.err.contains("has not converged"), "{}", said.err);
+}
+
+#[test]
+fn a_trade_of_something_else_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let trade = written(folder.path(), true);
+    let line = "simulate tests/fixtures/tower.sa --runs 2 --accuracy 5% --trade";
+    let said = stochc_with(line, &[&trade]);
+    assert_eq!((said.status, said.out.as_str()), (2, ""));
+    assert!(
+        said.err.contains("has not measured `tower` as it is now"),
+        "{}",
+        said.err
+    );
+    for (text, reason) in [
+        ("{}", "no trade"),
+        (
+            r#"{"format": 99, "stochc": "0", "rungs": []}"#,
+            "format is 99",
+        ),
+        (
+            r#"{"format": 1, "stochc": "0", "rungs": []}"#,
+            "measure again",
+        ),
+    ] {
+        let file = path(folder.path(), "trade.json");
+        fs::write(&file, text).unwrap();
+        let said = simulate(&file, &["--accuracy", "5%"]);
+        assert_eq!((said.status, said.out.as_str()), (2, ""), "{text}");
+        assert!(said.err.contains(reason), "{}", said.err);
+    }
+    let said = simulate("nowhere", &["--accuracy", "5%"]);
+    assert_eq!(said.status, 2);
+}
+
+#[test]
+fn a_reduced_model_is_told_of() {
+    let line =
+        "simulate tests/fixtures/dense.sa --runs 2 --quiet --model rigid --reduce no-friction";
+    let said = stochc(line);
+    assert_eq!(said.status, 0);
+    let note =
+        "note: `no-friction` is a reduced model: it leaves out something that the scene has\n";
+    assert_eq!(said.err, note);
+    let folder = tempfile::tempdir().unwrap();
+    let trade = written(folder.path(), true);
+    let told = stochc_with(line, &["--trade", &trade]);
+    assert_eq!(told.out, said.out);
+    let found = "note: the trade found: 50.0 ± 10.0 % from the reference\n";
+    assert_eq!(told.err, format!("{note}{found}"));
+}
