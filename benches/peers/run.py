@@ -17,6 +17,8 @@ TARGET = HERE.parent.parent / "target" / "peers"
 ENGINES = [
     ("Rapier, as the project sets it up", "own", "as-the-project"),
     ("`RapierWorld`, the project's world", "own", "rapier-world"),
+    ("`RigidWorld`, the project's kernel", "own", "rigid-world"),
+    ("`RigidWorld`, double precision", "own", "rigid-world-double"),
     ("Rapier, its defaults", "plain", "defaults"),
     ("ODE, `worldstep`, sweep and prune", "ode", "worldstep"),
     ("ODE, `quickstep`, hash space", "ode", "quickstep"),

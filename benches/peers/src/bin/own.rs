@@ -6,9 +6,10 @@ use stochc_compiler::table::Plate;
 use stochc_peers::drive::{Gas, State, arguments, serve};
 use stochc_peers::rapier::Rapier;
 use stochc_peers::scene::{DRAG, radius};
-use stochc_runtime::Settings;
-use stochc_runtime::world::rapier::{BodyState, RapierWorld};
-use stochc_runtime::world::{Docking, World};
+use stochc_runtime::world::rapier::RapierWorld;
+use stochc_runtime::world::rigid::RigidWorld;
+use stochc_runtime::world::{Arena, Docking};
+use stochc_runtime::{Precision, Settings};
 
 const PLATE: Plate = Plate { width: 3, depth: 3 };
 const SEED: u64 = 1;
@@ -16,13 +17,24 @@ const SEED: u64 = 1;
 fn main() -> Result<(), Box<dyn Error>> {
     let (engine, blocks, kick) = arguments()?;
     let scene = scene(blocks, kick)?;
-    let settings = Settings::default();
+    let precision = match engine.as_str() {
+        "rigid-world-double" => Precision::Double,
+        _ => Precision::Single,
+    };
+    let settings = Settings {
+        precision,
+        ..Settings::default()
+    };
     let mut gas: Box<dyn Gas> = match engine.as_str() {
         "as-the-project" => Box::new(Rapier::as_the_project(blocks, kick)),
-        "rapier-world" => {
-            let world = RapierWorld::new(&scene, &PLATE, &settings, SEED, 0)?;
-            Own::of(world, RapierWorld::state, blocks)
-        }
+        "rapier-world" => Own::of(
+            RapierWorld::new(&scene, &PLATE, &settings, SEED, 0)?,
+            blocks,
+        ),
+        "rigid-world" | "rigid-world-double" => Own::of(
+            RigidWorld::new(&scene, &PLATE, &settings, SEED, 0)?,
+            blocks,
+        ),
         _ => return Err("unknown engine".into()),
     };
     serve(&mut *gas, "stochc")
@@ -47,23 +59,21 @@ fn scene(blocks: u32, kick: f64) -> Result<Scene, Box<dyn Error>> {
 
 struct Own<W> {
     world: W,
-    state: fn(&W, u32) -> BodyState,
     blocks: u32,
     dockings: Vec<Docking>,
 }
 
-impl<W: World + 'static> Own<W> {
-    fn of(world: W, state: fn(&W, u32) -> BodyState, blocks: u32) -> Box<dyn Gas> {
+impl<W: Arena + 'static> Own<W> {
+    fn of(world: W, blocks: u32) -> Box<dyn Gas> {
         Box::new(Own {
             world,
-            state,
             blocks,
             dockings: Vec::new(),
         })
     }
 }
 
-impl<W: World> Gas for Own<W> {
+impl<W: Arena> Gas for Own<W> {
     fn tick(&mut self) -> Result<(), Box<dyn Error>> {
         let step = self.world.step(&mut self.dockings);
         step.map_err(|fault| format!("block {}: {}", fault.body, fault.what).into())
@@ -71,7 +81,7 @@ impl<W: World> Gas for Own<W> {
 
     fn states(&self) -> Vec<State> {
         let states = (0..self.blocks).map(|id| {
-            let state = (self.state)(&self.world, id);
+            let state = self.world.state(id);
             State {
                 position: state.position.into(),
                 velocity: state.velocity.into(),
