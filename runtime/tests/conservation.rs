@@ -20,7 +20,7 @@ mod kernel {
     use super::*;
     in_either_precision!(
         compliant_contacts_keep_angular_momentum_to_the_last_digits,
-        elastic_collisions_keep_energy_but_for_rocking_faces,
+        elastic_collisions_keep_energy,
         elastic_balls_keep_energy,
     );
 }
@@ -171,15 +171,15 @@ fn inelastic_and_rough_collisions_never_add_energy<K: Kind>() {
     }
 }
 
-/// A rocking patch that is hit with e = 1 gains 4 % of the energy of its pair at worst: with the closed form of
-/// a face whose one edge approaches at 1 while the other recedes at 0.2. A patch that ten rounds
-/// do not solve may gain as much. That is rare, but adds up: see `a_million_ticks_of_elastic_cubes`.
-fn elastic_collisions_keep_energy_but_for_rocking_faces<K: Kind>() {
+/// None is gained but by rounding. What ten rounds cut short is lost: a part of 2e-4 of the energy of
+/// a pair at worst is within the solver's tolerance, and few patches need more rounds than that.
+fn elastic_collisions_keep_energy<K: Kind>() {
     for substeps in [1, 8] {
         let drift = watch::<K>(contact(1.0, 0.0), BLOCKS, substeps, 1000);
         assert!(drift.collisions > 40, "{drift:?}");
-        assert!(drift.gain < 0.04 * 2.0 / BLOCKS as f64 * 2.0, "{drift:?}");
-        assert!(drift.ticks_with_gain < drift.collisions / 10, "{drift:?}");
+        assert!(drift.gain < 16.0 * K::ROUNDING, "{drift:?}");
+        let tolerated = 2e-4 * 2.0 / BLOCKS as f64 * drift.collisions as f64;
+        assert!(drift.left > 1.0 - tolerated, "{drift:?}");
     }
 }
 
@@ -211,18 +211,17 @@ fn a_million_ticks_of_elastic_balls() {
     elastic_balls_keep_energy_to_the_last_digits::<Double>(1_000_000);
 }
 
-/// The same of cubes only tells what comes of it: add `--nocapture`. Ten rounds leave some patches
-/// unsolved, and at e = 1 the energy grows a hundred thousand times.
+/// The same of cubes: in a million ticks less than a hundredth is lost.
 #[test]
 #[ignore = "takes minutes without optimization"]
 fn a_million_ticks_of_elastic_cubes() {
     let elastic = contact(1.0, 0.0);
-    println!(
-        "single {:?}",
-        watch::<Single>(elastic.clone(), BLOCKS, 1, 1_000_000)
-    );
-    println!(
-        "double {:?}",
-        watch::<Double>(elastic, BLOCKS, 1, 1_000_000)
-    );
+    let drifts = [
+        watch::<Single>(elastic.clone(), BLOCKS, 1, 1_000_000),
+        watch::<Double>(elastic, BLOCKS, 1, 1_000_000),
+    ];
+    for drift in drifts {
+        assert!(drift.collisions > 50_000, "{drift:?}");
+        assert!(drift.gain < 1e-6 && drift.left > 0.99, "{drift:?}");
+    }
 }

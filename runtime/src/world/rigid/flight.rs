@@ -1,4 +1,6 @@
 //! What all blocks do in every substep, wherever the others are: shell, kicks, drag, and moving on.
+use nalgebra::Vector3;
+
 use super::bodies::Bodies;
 use super::lanes::{LANES, Lane, Wide};
 use crate::draw::{Step, WORDS};
@@ -161,6 +163,17 @@ fn square<R: Lane>([x, y, z]: &[R::Wide; 3]) -> R::Wide {
 }
 
 impl<R: Lane> Shell<R> {
+    /// Half of what the velocity of a block there is changed by in a substep.
+    pub fn half_push(&self, place: Vector3<R>) -> Vector3<R> {
+        let distance = place.norm();
+        let depth = distance - self.radius;
+        if depth > R::zero() {
+            place * (-self.pull * depth / distance * R::of(0.5))
+        } else {
+            Vector3::zeros()
+        }
+    }
+
     /// What the velocity changes by, per distance from the origin and inward.
     #[inline(always)]
     fn factor(&self, x: &[R::Wide; 3]) -> R::Wide {

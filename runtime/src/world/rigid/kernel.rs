@@ -264,7 +264,9 @@ impl<R: Lane> Kernel<R> {
             return Ok(());
         };
         let (mut sound, limits) = (Ok(()), &self.limits);
-        contacts.solver.solve(&mut self.bodies, |bodies, i| {
+        let shell = self.flight.shell;
+        let late = |place| shell.map_or_else(Vector3::zeros, |shell| shell.half_push(place));
+        contacts.solver.solve(&mut self.bodies, late, |bodies, i| {
             if sound.is_ok() {
                 sound = fault::check(bodies, limits, i);
             }

@@ -56,6 +56,8 @@ pub(super) struct Solver<R: Real> {
     /// The blocks that touch something, after [`GROUND`]; `shifts` and `changed` are theirs as well.
     blocks: Vec<u32>,
     motions: Vec<Motion<R>>,
+    /// Their motions before any impulse.
+    before: Vec<Motion<R>>,
     /// What undoes overlaps: moves the blocks in this substep and is forgotten.
     shifts: Vec<Motion<R>>,
     /// When a body was changed last, counted in visits.
@@ -156,6 +158,7 @@ impl<R: Real> Solver<R> {
             iterations: iterations.max(1),
             blocks: Vec::new(),
             motions: Vec::new(),
+            before: Vec::new(),
             shifts: Vec::new(),
             changed: Vec::new(),
             contacts: Vec::new(),
@@ -242,16 +245,30 @@ impl<R: Real> Solver<R> {
     /// Solves all contacts, whose bodies have been moved with the velocities that they would have
     /// without: changes the velocities, and moves the bodies by the difference.
     ///
-    /// `moved` is told of every block whose motion has changed.
-    pub fn solve(&mut self, bodies: &mut Bodies<R>, mut moved: impl FnMut(&Bodies<R>, usize)) {
+    /// `late` is half of what the shell has done to a block at a place: in the middle of a step its
+    /// velocity was that much less far. A collision at another velocity than that would add to the
+    /// energy of all blocks that meet in the shell. `moved` is told of every block whose motion has
+    /// changed.
+    pub fn solve(
+        &mut self,
+        bodies: &mut Bodies<R>,
+        late: impl Fn(Vector3<R>) -> Vector3<R>,
+        mut moved: impl FnMut(&Bodies<R>, usize),
+    ) {
         if self.contacts.is_empty() {
             return;
         }
         self.shifts.clear();
         self.shifts.extend_from_slice(&self.motions);
+        self.before.clear();
+        self.before.push(self.motions[GROUND]);
         for (motion, &id) in self.motions.iter_mut().zip(&self.blocks).skip(1) {
-            motion.velocity = bodies.velocity(id as usize);
-            motion.spin = bodies.spin[id as usize];
+            let i = id as usize;
+            let velocity = bodies.velocity(i);
+            let place = bodies.centre(i) - velocity * bodies.dt;
+            motion.velocity = velocity - late(place);
+            motion.spin = bodies.spin[i];
+            self.before.push(*motion);
         }
         let mut fastest = R::zero();
         for contact in &self.contacts {
@@ -266,7 +283,7 @@ impl<R: Real> Solver<R> {
         self.motions = motions;
         if let Kind::Rigid { restitution } = self.law.kind {
             if restitution > R::zero() {
-                self.keep_energy(bodies);
+                self.keep_energy();
             }
             let tolerance = R::of(FASTEST * PRECISION);
             let mut shifts = std::mem::take(&mut self.shifts);
@@ -277,9 +294,9 @@ impl<R: Real> Solver<R> {
         for (place, &id) in self.blocks.iter().enumerate().skip(1) {
             let i = id as usize;
             let (motion, shift) = (&self.motions[place], &self.shifts[place]);
-            let change = motion.velocity - bodies.velocity(i) + shift.velocity;
-            bodies.set_centre(i, bodies.centre(i) + change * dt);
-            bodies.set_velocity(i, motion.velocity);
+            let change = motion.velocity - self.before[place].velocity;
+            bodies.set_centre(i, bodies.centre(i) + (change + shift.velocity) * dt);
+            bodies.set_velocity(i, bodies.velocity(i) + change);
             bodies.turn_now(i, shift.spin * dt);
             bodies.spin[i] = motion.spin;
             moved(bodies, i);
@@ -289,7 +306,7 @@ impl<R: Real> Solver<R> {
     /// Takes back what rounds cut short have given too much: blocks that hang together by contacts
     /// must not be livelier than before. All their impulses are made smaller alike, which keeps
     /// momentum.
-    fn keep_energy(&mut self, bodies: &Bodies<R>) {
+    fn keep_energy(&mut self) {
         let mut groups = UnionFind::<usize>::new(self.motions.len());
         for contact in &self.contacts {
             if contact.a != GROUND && contact.b != GROUND {
@@ -301,10 +318,7 @@ impl<R: Real> Solver<R> {
         } else {
             R::zero()
         };
-        let before = |place: usize| {
-            let i = self.blocks[place] as usize;
-            (bodies.velocity(i), bodies.spin[i])
-        };
+        let before = |place: usize| (self.before[place].velocity, self.before[place].spin);
         // Twice the energy is E0 + 2 s work + s^2 square, with s the part of the impulses.
         let mut sums = vec![(R::zero(), R::zero()); self.motions.len()];
         for (place, motion) in self.motions.iter().enumerate().skip(1) {
