@@ -6,7 +6,13 @@ use super::{Scene, read};
 use crate::Sources;
 
 /// The built-in scenes: a name, and the text that declares it.
-pub const BUILT_IN: [(&str, &str); 1] = [("hemisphere", include_str!("hemisphere.sa"))];
+pub const BUILT_IN: [(&str, &str); 2] = [
+    ("hemisphere", include_str!("hemisphere.sa")),
+    (
+        "hemisphere_compliant",
+        include_str!("hemisphere_compliant.sa"),
+    ),
+];
 
 /// The scene of an assembly that names none.
 pub const DEFAULT: &str = "hemisphere";
