@@ -33,6 +33,20 @@ fails where what happens is not what is said here.
 
 ";
 
+const TAIL: &str = "
+## Longer, and set up by hand
+
+- A block released under another one, and a block between two magnets that look at it from the same distance, stay where they
+  should in both worlds; a number that is not one, or infinite, in a velocity, a position or a spin is found in the step in which it
+  appears (`runtime/tests/extremes.rs`, `runs.rs`).
+- 10^8 block-steps without agitation, elastic and without friction: `cargo test --release -p stochc-runtime --test extremes -- --ignored
+  --nocapture`. No block escapes and quaternions keep their length. The energy of 100 blocks in a shell of 17 sides becomes 1.37 times what it
+  was at one step per tick (10^6 ticks), and 1.015 times at four (250,000 ticks). Collisions alone add nothing: of 12 cubes between
+  mirrors no tick in 10^6 gains more than rounding, and half a percent is lost
+  (`cargo test --release -p stochc-runtime --test conservation -- --ignored`). What is gained comes from blocks that collide where
+  the shell pushes them. It does not matter where kicks, drag or inelastic contacts decide how fast blocks are.
+";
+
 /// What became of a scene.
 #[derive(Clone, Debug, PartialEq)]
 enum Fate {
@@ -306,6 +320,7 @@ fn every_extreme_has_the_outcome_that_the_page_states() {
             unsound.push(format!("{name}: {what}"));
         }
     }
+    page.push_str(TAIL);
     if std::env::var_os("STOCHC_WRITE_DOCS").is_some() {
         std::fs::write(PAGE, &page).unwrap();
     }

@@ -102,6 +102,25 @@ fn a_scene_with_a_term_that_the_model_lacks_is_not_run() {
 }
 
 #[test]
+fn the_other_model_has_what_rapier_lacks() {
+    let said = stochc("simulate --model rigid tests/fixtures/soft.sa --runs 2 --quiet");
+    assert_eq!(said.status, 0, "{}", said.err);
+    assert!(said.out.contains("Mean time to completion"), "{}", said.out);
+    let fixture = "tests/fixtures/dense.sa --runs 1 --quiet";
+    for (option, what) in [
+        ("--precision double", "double precision"),
+        ("--reduce spheres", "term that can be left out"),
+    ] {
+        let said = stochc(&format!("simulate --model rapier {option} {fixture}"));
+        assert_eq!(said.status, 1, "{}", said.err);
+        let reason = format!("the model `rapier` has no {what}; `--model rigid` has it");
+        assert!(said.err.contains(&reason), "{}", said.err);
+        let said = stochc(&format!("simulate --model rigid {option} {fixture}"));
+        assert_eq!(said.status, 0, "{}", said.err);
+    }
+}
+
+#[test]
 fn a_finished_folder_is_shown_again() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "deep/er/out");
