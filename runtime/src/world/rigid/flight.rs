@@ -8,7 +8,7 @@ use crate::world::limits::Limits;
 use crate::world::terms::{Hemisphere, Kicks};
 
 /// Groups of blocks after which speeds and distances are looked at.
-const CHECKED: usize = 64;
+const CHECKED: usize = 8;
 
 /// The terms that act on all blocks.
 #[derive(Clone, Copy, Debug)]
