@@ -40,8 +40,9 @@ impl Limits {
         Limits { far, ..self }
     }
 
-    /// What is wrong with a block of this speed and spin, so far from the plate; `None`: nothing.
-    pub fn excess(&self, speed: f64, spin: f64, far: f64) -> Option<String> {
+    /// What is wrong with a block of this speed and spin, so far from the plate and with an
+    /// orientation of this length; `None`: nothing.
+    pub fn excess(&self, speed: f64, spin: f64, far: f64, length: f64) -> Option<String> {
         // What is not a number is not below anything.
         let sound = |value: f64, most: f64| value < most;
         if !sound(speed, MOST_SPEED) {
@@ -55,6 +56,8 @@ impl Limits {
             Some(format!("its spin is {spin} radians per tick"))
         } else if !sound(far, self.far) {
             Some(format!("it is {far} sides from the plate"))
+        } else if !length.is_finite() {
+            Some("its orientation is not a number".to_owned())
         } else {
             None
         }

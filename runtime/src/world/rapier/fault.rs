@@ -37,9 +37,7 @@ impl Block {
     fn absurdity(&self, limits: &Limits) -> Option<String> {
         let [speed, spin, far] =
             [self.velocity, self.spin, self.position].map(|v| f64::from(v.norm()));
-        limits.excess(speed, spin, far).or_else(|| {
-            let unsound = !self.rotation.coords.iter().all(|x| x.is_finite());
-            unsound.then(|| "its orientation is not a number".to_owned())
-        })
+        let length = f64::from(self.rotation.coords.norm());
+        limits.excess(speed, spin, far, length)
     }
 }

@@ -26,9 +26,6 @@ fn absurdity<R: Real>(bodies: &Bodies<R>, limits: &Limits, i: usize) -> Option<S
     let speed = bodies.velocity(i).norm().double();
     let spin = bodies.spin[i].norm().double();
     let far = bodies.centre(i).norm().double();
-    let turned = bodies.rotation(i).coords.norm();
-    limits.excess(speed, spin, far).or_else(|| {
-        let unsound = !turned.is_finite();
-        unsound.then(|| "its orientation is not a number".to_owned())
-    })
+    let length = bodies.rotation(i).coords.norm().double();
+    limits.excess(speed, spin, far, length)
 }

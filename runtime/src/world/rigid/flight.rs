@@ -92,7 +92,7 @@ impl<R: Lane> Flight<R> {
         kicks: Option<Kick<R>>,
     ) -> bool {
         let dt = bodies.dt;
-        let kick = kicks.unwrap_or(Kick::NONE());
+        let kick = kicks.unwrap_or(Kick::none());
         let shell = self.shell.unwrap_or(Shell {
             radius: R::zero(),
             pull: R::zero(),
@@ -202,8 +202,7 @@ impl<R: Lane> Kick<R> {
         }
     }
 
-    #[expect(non_snake_case, reason = "a constant, but for the generic type")]
-    fn NONE() -> Kick<R> {
+    fn none() -> Kick<R> {
         Kick {
             low: R::zero(),
             span: R::zero(),
