@@ -29,6 +29,11 @@ pub enum SceneError {
         /// How many substeps resolve it.
         substeps: u64,
     },
+    /// `stochc` was built without a term that the scene has.
+    NotBuilt {
+        /// Which: a feature of this crate.
+        term: &'static str,
+    },
     /// The model cannot compute something that the scene or the settings ask for.
     NotInModel {
         /// What, as a noun without its article.
@@ -57,6 +62,10 @@ impl std::fmt::Display for SceneError {
                     "{what} is {value:e} in block units, which makes no sense"
                 )
             }
+            SceneError::NotBuilt { term } => write!(
+                f,
+                "this build of stochc cannot compute `{term}`; build it with that feature"
+            ),
             SceneError::TooStiff { what, substeps } => write!(
                 f,
                 "{what} swings back within less than a step; take `--substeps {substeps}`, or a \

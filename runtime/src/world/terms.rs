@@ -6,6 +6,15 @@ use stochc_compiler::scene::{Agitation, Bond, ContactLaw, Enclosure, Measure, Re
 use super::SceneError;
 use crate::settings::Settings;
 
+/// The terms that this build can compute: without one, its code is unreachable and left out.
+pub(crate) mod built {
+    pub const AGITATION: bool = cfg!(feature = "agitation");
+    pub const BOND: bool = cfg!(feature = "bond");
+    pub const CONTACT: bool = cfg!(feature = "contact");
+    pub const DRAG: bool = cfg!(feature = "drag");
+    pub const ENCLOSURE: bool = cfg!(feature = "enclosure");
+}
+
 /// The terms in force; `None` is a term that does not exist.
 #[derive(Clone, Debug)]
 pub(crate) struct Terms {
@@ -61,6 +70,17 @@ pub(crate) struct Pull {
 
 impl Terms {
     pub fn new(scene: &Scene) -> Result<Terms, SceneError> {
+        for (term, declared, built) in [
+            ("agitation", scene.agitation.is_some(), built::AGITATION),
+            ("bond", scene.bond.is_some(), built::BOND),
+            ("contact", scene.contact.is_some(), built::CONTACT),
+            ("drag", scene.drag.is_some(), built::DRAG),
+            ("enclosure", scene.enclosure.is_some(), built::ENCLOSURE),
+        ] {
+            if declared && !built {
+                return Err(SceneError::NotBuilt { term });
+            }
+        }
         let side = positive("the side of a block", scene.block.side)?;
         let mass = positive("the mass of a block", scene.block.mass)?;
         let tick = positive("the tick", scene.tick)?;

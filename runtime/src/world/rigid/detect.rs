@@ -8,6 +8,7 @@ use super::kernel::Kernel;
 use super::lanes::Lane;
 use super::overlap::{Cuboid, Patch, ball_on_ground, balls, boxes, cube_on_ground};
 use crate::world::real::Real;
+use crate::world::terms::built;
 
 /// What blocks and ground look like to each other.
 #[derive(Clone, Copy, Debug)]
@@ -71,7 +72,9 @@ impl<R: Real> Shape<R> {
 impl<R: Lane> Kernel<R> {
     /// Finds all contacts, in an order that depends on nothing but the blocks' numbers.
     pub(super) fn detect(&mut self) {
-        let (Some(contacts), Some(grid)) = (&mut self.contacts, &self.grid) else {
+        let (true, Some(contacts), Some(neighbours)) =
+            (built::CONTACT, &mut self.contacts, &mut self.neighbours)
+        else {
             return;
         };
         let bodies = &mut self.bodies;
@@ -85,8 +88,7 @@ impl<R: Lane> Kernel<R> {
                 contacts.solver.add(bodies, i as u32, None, &patch);
             }
         }
-        grid.close_pairs(bodies, &mut contacts.close);
-        contacts.close.sort_unstable();
+        neighbours.close_pairs(bodies, &mut contacts.close);
         for &(a, b) in &contacts.close {
             let (i, j) = (a as usize, b as usize);
             let free = (bodies.is_free(i), bodies.is_free(j));

@@ -5,7 +5,7 @@ use super::bodies::Bodies;
 use super::lanes::{LANES, Lane, Wide};
 use crate::draw::{Step, WORDS};
 use crate::world::limits::Limits;
-use crate::world::terms::{Hemisphere, Kicks};
+use crate::world::terms::{Hemisphere, Kicks, built};
 
 /// Groups of blocks after which speeds and distances are looked at.
 const CHECKED: usize = 8;
@@ -47,11 +47,11 @@ impl<R: Lane> Flight<R> {
         kicks: Option<(&Kicks, Step<'_>)>,
         draws: &mut Vec<u8>,
     ) -> bool {
-        let kicks = kicks.map(|(kicks, step)| {
+        let kicks = kicks.filter(|_| built::AGITATION).map(|(kicks, step)| {
             step.fill(bodies.count().next_multiple_of(LANES), draws);
             Kick::new(kicks)
         });
-        if kicks.is_some() {
+        if built::AGITATION && kicks.is_some() {
             self.shell_or_not::<true>(bodies, draws, kicks)
         } else {
             self.shell_or_not::<false>(bodies, draws, kicks)
@@ -64,7 +64,7 @@ impl<R: Lane> Flight<R> {
         draws: &[u8],
         kicks: Option<Kick<R>>,
     ) -> bool {
-        if self.shell.is_some() {
+        if built::ENCLOSURE && self.shell.is_some() {
             self.drag_or_not::<KICKS, true>(bodies, draws, kicks)
         } else {
             self.drag_or_not::<KICKS, false>(bodies, draws, kicks)
@@ -77,7 +77,7 @@ impl<R: Lane> Flight<R> {
         draws: &[u8],
         kicks: Option<Kick<R>>,
     ) -> bool {
-        if self.drag.is_some() {
+        if built::DRAG && self.drag.is_some() {
             self.pass::<KICKS, SHELL, true>(bodies, draws, kicks)
         } else {
             self.pass::<KICKS, SHELL, false>(bodies, draws, kicks)

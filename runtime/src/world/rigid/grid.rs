@@ -1,18 +1,19 @@
 //! Which blocks are near each other: cells of a grid, one bit each.
 //!
 //! A dilute suspension leaves nearly all cells empty. One bit per cell is little enough to stay in
-//! the cache, and a row of cells is looked at with one shift: a block that is alone costs five.
+//! the cache, and 64 cells of a row are asked at once whether anything is next to them: a block
+//! that is alone costs next to nothing.
 use super::bodies::Bodies;
 use crate::world::real::Real;
 
 /// Farther apart than this \[side\], the centres of two cubes: they do not touch.
 pub(super) const TOUCH: f64 = 1.732_050_9;
 
-/// Edge of a cell \[side\], unless there would be too many: a little more than [`TOUCH`].
-const EDGE: f64 = 1.74;
+/// Edge of a cell, in units of the distance that counts as near, unless there would be too many.
+const MARGIN: f64 = 1.005;
 
 /// At most so many cells per block; with more, the cells grow.
-const CELLS_PER_BLOCK: f64 = 256.0;
+const CELLS_PER_BLOCK: f64 = 64.0;
 
 /// At least so many cells are allowed.
 const FEW: f64 = 65_536.0;
@@ -20,8 +21,13 @@ const FEW: f64 = 65_536.0;
 /// The end of a chain of blocks.
 const NONE: u32 = u32::MAX;
 
+/// Cells in a word.
+const WORD: usize = 64;
+
 /// The blocks by cells.
 ///
+/// Cells are numbered along x, then y, then z, with an empty one between two rows, an empty row
+/// between two layers, and an empty layer below and above: a neighbour is a fixed number away.
 /// Blocks outside of the grid count as inside of its outermost cells, which loses no neighbours.
 #[derive(Clone, Debug)]
 pub(super) struct Grid<R: Real> {
@@ -29,70 +35,88 @@ pub(super) struct Grid<R: Real> {
     low: [R; 3],
     /// Cells per side.
     scale: R,
-    /// Cells along each axis.
-    size: [u32; 3],
-    /// Words of one row of cells; each row has a cell more at either end, always empty.
-    stride: usize,
-    /// Whether a cell holds a block, row by row; each layer has an empty row more at either end.
-    bits: Vec<u64>,
-    /// The last block that hashed here; there are 2^(32 - `shift`).
+    /// Closer than this is near \[side\].
+    near: R,
+    /// The last cell along each axis.
+    last: [R; 3],
+    /// From a cell to the next one behind and above.
+    stride: [u32; 2],
+    /// To half of the cells around: the next one, the row behind, the layer above.
+    around: [u32; HALF],
+    /// Whether a cell holds a block.
+    occupied: Vec<u64>,
+    /// Whether it holds several.
+    crowded: Vec<u64>,
+    /// Whether it or a neighbour in its row is occupied.
+    spread: Vec<u64>,
+    /// The last block that came into a cell; says nothing of an empty one.
     head: Vec<u32>,
-    shift: u32,
-    /// The one before.
+    /// The one that came before.
     next: Vec<u32>,
-    /// The cell of each block.
-    cell: Vec<[u32; 3]>,
 }
 
+/// Half of the cells around a cell.
+const HALF: usize = 13;
+
 impl<R: Real> Grid<R> {
-    /// For blocks that mostly stay within `span` of the origin, and above `floor` \[side\].
-    pub fn new(count: usize, span: f64, floor: f64) -> Grid<R> {
-        let span = span.max(EDGE);
+    /// For blocks that mostly stay within `span` of the origin, and above `floor`, and of which
+    /// those closer than `near` are looked for \[side\].
+    pub fn new(count: usize, span: f64, floor: f64, near: f64) -> Grid<R> {
+        let mut edge = near * MARGIN;
+        let span = span.max(edge);
         let most = (count as f64 * CELLS_PER_BLOCK).max(FEW);
-        let mut edge = EDGE;
         let wide = |edge: f64| 2.0 * span / edge + 2.0;
         let high = |edge: f64| (span - floor) / edge + 2.0;
         while wide(edge).powi(2) * high(edge) > most {
             edge *= 1.1;
         }
         let size = [wide(edge), wide(edge), high(edge)].map(|cells| cells as u32);
-        let heads = (2 * count).next_power_of_two().max(64);
-        let stride = (size[0] as usize + 2).div_ceil(64);
-        let rows = (size[1] as usize + 2) * (size[2] as usize + 2);
+        let behind = size[0] + 1;
+        let above = behind * (size[1] + 1);
+        let triple = |middle: u32| [middle - 1, middle, middle + 1];
+        let rows = [behind, above - behind, above, above + behind].map(triple);
+        let mut around = [1; HALF];
+        around[1..].copy_from_slice(rows.as_flattened());
+        let cells = (above * (size[2] + 2)) as usize + 1;
+        // Two words more, so that the neighbours of the last cell are in some word.
+        let words = cells / WORD + 2;
         Grid {
             low: [-span, -span, floor].map(R::of),
             scale: R::of(1.0 / edge),
-            size,
-            stride,
-            bits: vec![0; rows * stride],
-            head: vec![NONE; heads],
-            shift: u32::BITS - heads.trailing_zeros(),
+            near: R::of(near),
+            last: size.map(|cells| R::of(f64::from(cells - 1))),
+            stride: [behind, above],
+            around,
+            occupied: vec![0; words],
+            crowded: vec![0; words],
+            spread: vec![0; words],
+            head: vec![NONE; cells],
             next: vec![NONE; count],
-            cell: vec![[0; 3]; count],
         }
     }
 
     /// Takes in where the blocks are now.
     pub fn sort(&mut self, bodies: &Bodies<R>) {
-        self.bits.fill(0);
-        self.head.fill(NONE);
-        let count = self.cell.len();
+        self.occupied.fill(0);
+        self.crowded.fill(0);
+        let count = self.next.len();
         let [x, y, z] = [0, 1, 2].map(|axis| &bodies.position[axis][..count]);
         for i in 0..count {
-            self.cell[i] = [
+            let cell = self.cell([
                 self.along(0, x[i]),
                 self.along(1, y[i]),
                 self.along(2, z[i]),
-            ];
-        }
-        for i in 0..count {
-            let cell = self.cell[i];
-            let row = self.row(cell[1], cell[2]);
-            let bit = cell[0] as usize + 1;
-            self.bits[row + bit / 64] |= 1 << (bit % 64);
-            let slot = self.slot(cell);
-            self.next[i] = self.head[slot];
-            self.head[slot] = i as u32;
+            ]);
+            let (word, mask) = (cell / WORD, 1 << (cell % WORD));
+            let head = &mut self.head[cell];
+            if self.occupied[word] & mask == 0 {
+                self.occupied[word] |= mask;
+                self.next[i] = NONE;
+            } else {
+                self.crowded[word] |= mask;
+                self.next[i] = *head;
+            }
+            *head = i as u32;
         }
     }
 
@@ -100,99 +124,89 @@ impl<R: Real> Grid<R> {
     #[inline(always)]
     fn along(&self, axis: usize, x: R) -> u32 {
         let cell = (x - self.low[axis]) * self.scale;
-        let last = R::of(f64::from(self.size[axis] - 1));
+        let last = self.last[axis];
         // What is not a number is in the first cell.
         let cell = if cell > R::zero() { cell } else { R::zero() };
         let cell = if cell < last { cell } else { last };
         cell.round_small()
     }
 
-    /// Where the words of a row begin.
+    /// The number of a cell among all.
     #[inline(always)]
-    fn row(&self, y: u32, z: u32) -> usize {
-        ((z as usize + 1) * (self.size[1] as usize + 2) + y as usize + 1) * self.stride
+    fn cell(&self, [x, y, z]: [u32; 3]) -> usize {
+        let [behind, above] = self.stride;
+        ((z + 1) * above + (y + 1) * behind + x + 1) as usize
     }
 
-    #[inline(always)]
-    fn slot(&self, [x, y, z]: [u32; 3]) -> usize {
-        let cell = (z * self.size[1] + y) * self.size[0] + x;
-        // Fibonacci hashing: the upper bits are the mixed ones.
-        (cell.wrapping_mul(0x9E37_79B9) >> self.shift) as usize
+    /// The blocks of an occupied cell, the last first.
+    fn blocks_of(&self, cell: usize) -> impl Iterator<Item = u32> + '_ {
+        std::iter::successors(Some(self.head[cell]), |&i| {
+            let next = self.next[i as usize];
+            (next != NONE).then_some(next)
+        })
     }
 
-    /// Whether each of three neighbouring cells of a row is occupied, as bits; the middle one is `x`.
-    #[inline(always)]
-    fn three(&self, row: usize, x: u32) -> u64 {
-        let (word, shift) = (row + x as usize / 64, x % 64);
-        let low = self.bits[word] >> shift;
-        if shift <= 61 {
-            low & 7
-        } else {
-            (low | self.bits[word + 1] << (64 - shift)) & 7
-        }
-    }
-
-    /// The blocks of a cell, the last first.
-    fn blocks_of(&self, cell: [u32; 3]) -> impl Iterator<Item = u32> + '_ {
-        let link = |i: u32| (i != NONE).then_some(i);
-        let first = link(self.head[self.slot(cell)]);
-        std::iter::successors(first, move |&i| link(self.next[i as usize]))
-            .filter(move |&i| self.cell[i as usize] == cell)
-    }
-
-    /// Every pair of blocks closer than [`TOUCH`], once, in no particular order.
-    pub fn close_pairs(&self, bodies: &Bodies<R>, pairs: &mut Vec<(u32, u32)>) {
+    /// Every pair of blocks that are near each other, once, the lower number first, in rising order.
+    pub fn close_pairs(&mut self, bodies: &Bodies<R>, pairs: &mut Vec<(u32, u32)>) {
         pairs.clear();
-        let layer = (self.size[1] as usize + 2) * self.stride;
-        for i in 0..self.cell.len() {
-            let [x, y, z] = self.cell[i];
-            let row = self.row(y, z);
-            // Half of the 26 cells around: the next one, the row behind, the layer above.
-            let next = self.three(row, x) >> 2;
-            let behind = self.three(row + self.stride, x);
-            let left = self.three(row + layer - self.stride, x);
-            let above = self.three(row + layer, x);
-            let right = self.three(row + layer + self.stride, x);
-            let here = i as u32;
-            if self.next[i] != NONE {
-                // Those that came earlier into the same cell.
-                let mut other = self.next[i];
-                while other != NONE {
-                    if self.cell[other as usize] == [x, y, z] {
-                        meet(bodies, here, other, pairs);
-                    }
-                    other = self.next[other as usize];
-                }
-            }
-            if next | behind | left | above | right == 0 {
+        for (spread, near) in self.spread[1..].iter_mut().zip(self.occupied.windows(3)) {
+            let here = near[1];
+            *spread = here | here << 1 | near[0] >> (WORD - 1) | here >> 1 | near[2] << (WORD - 1);
+        }
+        let rows = [2, 5, 8, 11].map(|middle| self.around[middle] as usize);
+        for (word, &here) in self.occupied.iter().enumerate() {
+            if here == 0 {
                 continue;
             }
-            if next != 0 {
-                self.meet_all(bodies, here, [x + 1, y, z], pairs);
+            let first = word * WORD;
+            let near = rows
+                .iter()
+                .fold(bits(&self.occupied, first + 1), |near, row| {
+                    near | bits(&self.spread, first + row)
+                });
+            let mut busy = here & (near | self.crowded[word]);
+            while busy != 0 {
+                let bit = busy.trailing_zeros() as usize;
+                busy &= busy - 1;
+                self.meet_around(bodies, first + bit, pairs);
             }
-            let mut row = |mut window: u64, y: u32, z: u32| {
-                while window != 0 {
-                    let step = window.trailing_zeros();
-                    window &= window - 1;
-                    self.meet_all(bodies, here, [x + step - 1, y, z], pairs);
-                }
-            };
-            row(behind, y + 1, z);
-            row(left, y.wrapping_sub(1), z + 1);
-            row(above, y, z + 1);
-            row(right, y + 1, z + 1);
+        }
+        pairs.sort_unstable();
+    }
+
+    /// Keeps the close pairs of a cell's blocks, and theirs with those of half of the cells around.
+    #[inline(always)]
+    fn meet_around(&self, bodies: &Bodies<R>, cell: usize, pairs: &mut Vec<(u32, u32)>) {
+        let mut around = bits(&self.occupied, cell + 1) & 1;
+        for row in 0..4 {
+            let first = cell + self.around[3 * row + 1] as usize;
+            around |= (bits(&self.occupied, first) & 7) << (3 * row + 1);
+        }
+        let mut i = self.head[cell];
+        while i != NONE {
+            let next = self.next[i as usize];
+            self.meet_chain(bodies, i, next, pairs);
+            let mut rest = around;
+            while rest != 0 {
+                let which = rest.trailing_zeros() as usize;
+                rest &= rest - 1;
+                let other = cell + self.around[which] as usize;
+                self.meet_chain(bodies, i, self.head[other], pairs);
+            }
+            i = next;
         }
     }
 
-    /// Keeps the pairs of block `i` with the blocks of a cell.
+    /// Keeps the close pairs of a block with others of one cell.
     #[inline(always)]
-    fn meet_all(&self, bodies: &Bodies<R>, i: u32, cell: [u32; 3], pairs: &mut Vec<(u32, u32)>) {
-        let mut other = self.head[self.slot(cell)];
-        while other != NONE {
-            if self.cell[other as usize] == cell {
-                meet(bodies, i, other, pairs);
+    fn meet_chain(&self, bodies: &Bodies<R>, i: u32, first: u32, pairs: &mut Vec<(u32, u32)>) {
+        let mut j = first;
+        while j != NONE {
+            let way = bodies.centre(i as usize) - bodies.centre(j as usize);
+            if way.norm_squared() < self.near * self.near {
+                pairs.push((i.min(j), i.max(j)));
             }
-            other = self.next[other as usize];
+            j = self.next[j as usize];
         }
     }
 
@@ -204,10 +218,10 @@ impl<R: Real> Grid<R> {
         };
         for z in range(2) {
             for y in range(1) {
-                let row = self.row(y, z);
                 for x in range(0) {
-                    if self.three(row, x) & 2 != 0 {
-                        found.extend(self.blocks_of([x, y, z]));
+                    let cell = self.cell([x, y, z]);
+                    if bits(&self.occupied, cell) & 1 != 0 {
+                        found.extend(self.blocks_of(cell));
                     }
                 }
             }
@@ -216,11 +230,13 @@ impl<R: Real> Grid<R> {
     }
 }
 
-/// Keeps a pair that is close enough to touch.
+/// 64 bits from any bit on.
 #[inline(always)]
-fn meet<R: Real>(bodies: &Bodies<R>, i: u32, j: u32, pairs: &mut Vec<(u32, u32)>) {
-    let way = bodies.centre(i as usize) - bodies.centre(j as usize);
-    if way.norm_squared() < R::of(TOUCH * TOUCH) {
-        pairs.push((i.min(j), i.max(j)));
+fn bits(words: &[u64], first: usize) -> u64 {
+    let (word, shift) = (first / WORD, first % WORD);
+    // Beyond the end there is nothing, and a word cannot be shifted by all of its bits.
+    match words.get(word..word + 2) {
+        Some(&[low, high]) => low >> shift | high << 1 << (WORD - 1 - shift),
+        _ => 0,
     }
 }

@@ -7,8 +7,8 @@ use super::bodies::Bodies;
 use super::detect::Shape;
 use super::fault;
 use super::flight::Flight;
-use super::grid::Grid;
 use super::lanes::Lane;
+use super::neighbours::Neighbours;
 use super::solver::Solver;
 use crate::draw::{Draws, Stream};
 use crate::orientation::Orientation;
@@ -16,8 +16,8 @@ use crate::settings::{ROUNDS, Reduction, Settings};
 use crate::world::limits::Limits;
 use crate::world::magnet::Faces;
 use crate::world::plate::Seats;
-use crate::world::real::{Real, cast};
-use crate::world::terms::{Contact, Kicks, Terms};
+use crate::world::real::cast;
+use crate::world::terms::{Contact, Kicks, Terms, built};
 use crate::world::{Body, BodyState, Docking, Fault, Site};
 
 /// A world in one precision.
@@ -32,11 +32,13 @@ pub(super) struct Kernel<R: Lane> {
     pub(super) contacts: Option<Contacts<R>>,
     faces: Option<Faces<R>>,
     /// `None` where nobody asks who is near whom.
-    pub(super) grid: Option<Grid<R>>,
+    pub(super) neighbours: Option<Neighbours<R>>,
     /// Somebody has set a block in motion by hand.
     doubtful: bool,
-    /// The grid does not say where the blocks are now.
+    /// Something has moved since it was looked who is where.
     stale: bool,
+    /// A face does not know yet who is near it.
+    blind: bool,
     /// The blocks near a face, kept to be used again.
     nearby: Vec<u32>,
     seats: Seats,
@@ -45,13 +47,21 @@ pub(super) struct Kernel<R: Lane> {
 }
 
 /// Who can touch what.
-pub(super) struct Contacts<R: Real> {
+pub(super) struct Contacts<R: Lane> {
     pub shape: Shape<R>,
     pub solver: Solver<R>,
     /// Free blocks touch each other, and not only what does not move.
     pub mutual: bool,
     /// Kept to be used again.
     pub close: Vec<(u32, u32)>,
+}
+
+/// So far apart blocks may be that are on the list of neighbours, beyond touching \[side\].
+///
+/// They move about a quarter of their side in a tick: a list that lasts for one step costs more
+/// than it saves, and one that lasts for a tick saves most of the looking.
+fn skin(substeps: u32) -> f64 {
+    if substeps == 1 { 0.0 } else { 1.2 }
 }
 
 impl<R: Lane> Kernel<R> {
@@ -90,13 +100,13 @@ impl<R: Lane> Kernel<R> {
             }
         });
         let faces = terms.bond.map(Faces::new);
-        let grid = (contacts.is_some() || faces.is_some()).then(|| {
+        let neighbours = (contacts.is_some() || faces.is_some()).then(|| {
             let farthest = blocks.iter().map(|b| b.position.amax()).fold(0.0, f64::max);
             let (span, floor) = match terms.hemisphere {
                 Some(shell) => (shell.radius, 0.0),
                 None => (farthest, -farthest),
             };
-            Grid::new(blocks.len(), span + 2.0, floor)
+            Neighbours::new(blocks.len(), span + 2.0, floor, skin(substeps))
         });
         Kernel {
             tick: 0,
@@ -109,9 +119,10 @@ impl<R: Lane> Kernel<R> {
             words: Vec::new(),
             contacts,
             faces,
-            grid,
+            neighbours,
             doubtful: true,
             stale: true,
+            blind: true,
             nearby: Vec::new(),
             seats: Seats::new(plate),
             turns,
@@ -165,7 +176,7 @@ impl<R: Lane> Kernel<R> {
         if let Some(faces) = &mut self.faces
             && faces.magnetize(site, centre, orientation).is_some()
         {
-            self.stale = true;
+            (self.stale, self.blind) = (true, true);
         }
     }
 
@@ -191,7 +202,7 @@ impl<R: Lane> Kernel<R> {
         }
         for substep in 0..self.substeps {
             self.refresh();
-            if let Some(faces) = &mut self.faces {
+            if let (true, Some(faces)) = (built::BOND, &mut self.faces) {
                 faces.survey(self.tick, &mut self.bodies);
             }
             self.detect();
@@ -222,15 +233,18 @@ impl<R: Lane> Kernel<R> {
 
     /// Looks again who is where, if something has moved.
     fn refresh(&mut self) {
-        let (true, Some(grid)) = (self.stale, &mut self.grid) else {
+        let (true, Some(neighbours)) = (self.stale, &mut self.neighbours) else {
             return;
         };
         self.stale = false;
-        grid.sort(&self.bodies);
-        if let Some(faces) = &mut self.faces {
+        let anew = neighbours.follow(&self.bodies);
+        if let Some(faces) = &mut self.faces
+            && (anew || self.blind)
+        {
+            self.blind = false;
             for active in 0..faces.count() {
                 let centre = faces.centre(active).into();
-                grid.around(centre, faces.horizon(), &mut self.nearby);
+                neighbours.around(centre, faces.horizon(), &mut self.nearby);
                 faces.set_nearby(active, self.nearby.iter().copied());
             }
         }
@@ -238,7 +252,7 @@ impl<R: Lane> Kernel<R> {
 
     /// The magnets' part.
     fn pull(&mut self) -> Result<(), Fault> {
-        let Some(faces) = &self.faces else {
+        let (true, Some(faces)) = (built::BOND, &self.faces) else {
             return Ok(());
         };
         let mut pushes = Vec::new();
@@ -260,7 +274,7 @@ impl<R: Lane> Kernel<R> {
 
     /// Corrects the motion of the blocks that touch something.
     fn collide(&mut self) -> Result<(), Fault> {
-        let Some(contacts) = &mut self.contacts else {
+        let (true, Some(contacts)) = (built::CONTACT, &mut self.contacts) else {
             return Ok(());
         };
         let (mut sound, limits) = (Ok(()), &self.limits);
@@ -275,7 +289,7 @@ impl<R: Lane> Kernel<R> {
     }
 
     fn capture(&mut self, dockings: &mut Vec<Docking>) {
-        let Some(faces) = &mut self.faces else {
+        let (true, Some(faces)) = (built::BOND, &mut self.faces) else {
             return;
         };
         let mut held = Vec::new();

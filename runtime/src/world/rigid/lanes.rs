@@ -1,17 +1,41 @@
-//! Eight numbers side by side, in either precision.
+//! Numbers side by side, in either precision: eight of different blocks, or a vector.
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Sub, SubAssign};
 
-use wide::{f32x8, f64x8};
+use nalgebra::Vector3;
+use wide::{f32x4, f32x8, f64x4, f64x8};
 
 use crate::world::real::Real;
 
 /// How many numbers are computed side by side.
 pub(super) const LANES: usize = 8;
 
-/// A number that comes in eights.
+/// A number that is computed with side by side.
 pub(crate) trait Lane: Real {
     /// Eight of it.
     type Wide: Wide<Self>;
+    /// A vector in space, and a zero.
+    type Quad: Quad<Self>;
+}
+
+/// A vector in space whose components are computed side by side.
+pub(crate) trait Quad<R>:
+    Copy
+    + Default
+    + std::fmt::Debug
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + AddAssign
+    + SubAssign
+{
+    /// The same vector.
+    fn pack(vector: Vector3<R>) -> Self;
+    /// The same vector.
+    fn unpack(self) -> Vector3<R>;
+    /// Every component multiplied by the same number.
+    fn scaled(self, by: R) -> Self;
+    /// The sum of the components.
+    fn sum(self) -> R;
 }
 
 /// Eight numbers.
@@ -38,9 +62,30 @@ pub(crate) trait Wide<R>:
 }
 
 macro_rules! lanes {
-    ($real:ty, $wide:ty) => {
+    ($real:ty, $wide:ty, $quad:ty) => {
         impl Lane for $real {
             type Wide = $wide;
+            type Quad = $quad;
+        }
+
+        impl Quad<$real> for $quad {
+            #[inline(always)]
+            fn pack(v: Vector3<$real>) -> $quad {
+                <$quad>::new([v.x, v.y, v.z, 0.0])
+            }
+            #[inline(always)]
+            fn unpack(self) -> Vector3<$real> {
+                let [x, y, z, _] = self.to_array();
+                Vector3::new(x, y, z)
+            }
+            #[inline(always)]
+            fn scaled(self, by: $real) -> $quad {
+                self * <$quad>::splat(by)
+            }
+            #[inline(always)]
+            fn sum(self) -> $real {
+                self.reduce_add()
+            }
         }
 
         impl Wide<$real> for $wide {
@@ -68,5 +113,5 @@ macro_rules! lanes {
     };
 }
 
-lanes!(f32, f32x8);
-lanes!(f64, f64x8);
+lanes!(f32, f32x8, f32x4);
+lanes!(f64, f64x8, f64x4);

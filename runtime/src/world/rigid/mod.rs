@@ -16,6 +16,7 @@ mod flight;
 mod grid;
 mod kernel;
 mod lanes;
+mod neighbours;
 mod overlap;
 mod solver;
 

@@ -11,9 +11,9 @@ use petgraph::unionfind::UnionFind;
 use stochc_compiler::scene::ContactLaw;
 
 use super::bodies::Bodies;
+use super::lanes::{Lane, Quad};
 use super::overlap::Patch;
 use crate::world::magnet::INVERSE_INERTIA;
-use crate::world::real::Real;
 use crate::world::terms::Contact;
 
 /// Part of an overlap that is undone in a substep.
@@ -49,7 +49,7 @@ enum Kind<R> {
 
 /// Finds the impulses of all contacts of a substep.
 #[derive(Clone, Debug)]
-pub(super) struct Solver<R: Real> {
+pub(super) struct Solver<R: Lane> {
     law: Law<R>,
     inverse_inertia: R,
     iterations: u32,
@@ -76,19 +76,19 @@ const GROUND: usize = 0;
 
 /// How a body moves, and how much it minds being pushed.
 #[derive(Clone, Copy, Debug)]
-struct Motion<R: Real> {
-    velocity: Vector3<R>,
+struct Motion<R: Lane> {
+    velocity: R::Quad,
+    spin: R::Quad,
     inverse_mass: R,
-    spin: Vector3<R>,
     inverse_inertia: R,
 }
 
-impl<R: Real> Motion<R> {
+impl<R: Lane> Motion<R> {
     fn rest(inverse_mass: R, inverse_inertia: R) -> Motion<R> {
         Motion {
-            velocity: Vector3::zeros(),
+            velocity: R::Quad::default(),
+            spin: R::Quad::default(),
             inverse_mass,
-            spin: Vector3::zeros(),
             inverse_inertia,
         }
     }
@@ -107,9 +107,7 @@ struct Touch {
 
 /// One point of a contact.
 #[derive(Clone, Copy, Debug)]
-struct Spot<R: Real> {
-    /// From the centres of the two bodies.
-    arms: [Vector3<R>; 2],
+struct Spot<R: Lane> {
     /// How far the bodies overlap here.
     depth: R,
     /// Velocity along the normal that is asked for, or what a spring asks for.
@@ -125,16 +123,16 @@ struct Spot<R: Real> {
 
 /// A direction at a point, in which the bodies can push each other.
 #[derive(Clone, Copy, Debug)]
-struct Row<R: Real> {
-    direction: Vector3<R>,
+struct Row<R: Lane> {
+    direction: R::Quad,
     /// Torque of a unit impulse about the centres of the two bodies.
-    torques: [Vector3<R>; 2],
+    torques: [R::Quad; 2],
     /// Impulse that changes the velocity here by one.
     mass: R,
     impulse: R,
 }
 
-impl<R: Real> Solver<R> {
+impl<R: Lane> Solver<R> {
     /// `turns`: whether contacts can turn blocks at all.
     pub fn new(contact: &Contact, count: usize, iterations: u32, turns: bool) -> Solver<R> {
         Solver {
@@ -202,13 +200,12 @@ impl<R: Real> Solver<R> {
         self.spots.extend(patch.points.iter().map(|point| {
             let arms = [arm_of(Some(a), point.place), arm_of(b, point.place)];
             let row = |direction: Vector3<R>| Row {
-                direction,
-                torques: arms.map(|arm| arm.cross(&direction)),
+                direction: R::Quad::pack(direction),
+                torques: arms.map(|arm| R::Quad::pack(arm.cross(&direction))),
                 mass: R::zero(),
                 impulse: R::zero(),
             };
             Spot {
-                arms,
                 depth: point.depth,
                 target: R::zero(),
                 softness: R::zero(),
@@ -266,8 +263,8 @@ impl<R: Real> Solver<R> {
             let i = id as usize;
             let velocity = bodies.velocity(i);
             let place = bodies.centre(i) - velocity * bodies.dt;
-            motion.velocity = velocity - late(place);
-            motion.spin = bodies.spin[i];
+            motion.velocity = R::Quad::pack(velocity - late(place));
+            motion.spin = R::Quad::pack(bodies.spin[i]);
             self.before.push(*motion);
         }
         let mut fastest = R::zero();
@@ -291,14 +288,23 @@ impl<R: Real> Solver<R> {
             self.shifts = shifts;
         }
         let dt = bodies.dt;
+        let rigid = matches!(self.law.kind, Kind::Rigid { .. });
         for (place, &id) in self.blocks.iter().enumerate().skip(1) {
             let i = id as usize;
             let (motion, shift) = (&self.motions[place], &self.shifts[place]);
-            let change = motion.velocity - self.before[place].velocity;
-            bodies.set_centre(i, bodies.centre(i) + (change + shift.velocity) * dt);
+            let change = (motion.velocity - self.before[place].velocity).unpack();
+            bodies.set_centre(
+                i,
+                bodies.centre(i) + (change + shift.velocity.unpack()) * dt,
+            );
             bodies.set_velocity(i, bodies.velocity(i) + change);
-            bodies.turn_now(i, shift.spin * dt);
-            bodies.spin[i] = motion.spin;
+            if rigid {
+                bodies.turn_now(i, shift.spin.unpack() * dt);
+            } else {
+                // What it is turned by now, it was turned to before its spin changes.
+                bodies.rotation_now(i);
+            }
+            bodies.spin[i] = motion.spin.unpack();
             moved(bodies, i);
         }
     }
@@ -325,8 +331,8 @@ impl<R: Real> Solver<R> {
             let (velocity, spin) = before(place);
             let (faster, livelier) = (motion.velocity - velocity, motion.spin - spin);
             let (work, square) = &mut sums[groups.find(place)];
-            *work += velocity.dot(&faster) + spin.dot(&livelier) * inertia;
-            *square += faster.norm_squared() + livelier.norm_squared() * inertia;
+            *work += (velocity * faster + (spin * livelier).scaled(inertia)).sum();
+            *square += (faster * faster + (livelier * livelier).scaled(inertia)).sum();
         }
         for place in 1..self.motions.len() {
             let (work, square) = sums[groups.find(place)];
@@ -334,8 +340,8 @@ impl<R: Real> Solver<R> {
                 let part = (-(work + work) / square).max(R::zero());
                 let (velocity, spin) = before(place);
                 let motion = &mut self.motions[place];
-                motion.velocity = velocity + (motion.velocity - velocity) * part;
-                motion.spin = spin + (motion.spin - spin) * part;
+                motion.velocity = velocity + (motion.velocity - velocity).scaled(part);
+                motion.spin = spin + (motion.spin - spin).scaled(part);
             }
         }
     }
@@ -378,7 +384,7 @@ impl<R: Real> Solver<R> {
 
 impl Touch {
     /// Works out what each point asks for; the fastest approach.
-    fn prepare<R: Real>(
+    fn prepare<R: Lane>(
         &self,
         spots: &mut [Spot<R>],
         motions: &[Motion<R>],
@@ -399,10 +405,7 @@ impl Touch {
             }
         };
         for point in spots {
-            let velocity =
-                |body: &Motion<R>, arm: &Vector3<R>| body.velocity + body.spin.cross(arm);
-            let relative = velocity(&a, &point.arms[0]) - velocity(&b, &point.arms[1]);
-            let approach = relative.dot(&point.along.direction);
+            let approach = point.along.velocity(&a, &b);
             fastest = fastest.max(approach.abs());
             match law.kind {
                 Kind::Rigid { restitution } => {
@@ -438,7 +441,7 @@ impl Touch {
     }
 
     /// One round of impulses; the greatest change of velocity at a point.
-    fn push<R: Real>(&self, spots: &mut [Spot<R>], motions: &mut [Motion<R>], friction: R) -> R {
+    fn push<R: Lane>(&self, spots: &mut [Spot<R>], motions: &mut [Motion<R>], friction: R) -> R {
         let mut greatest = R::zero();
         let (mut a, mut b) = (motions[self.a], motions[self.b]);
         for point in spots {
@@ -469,7 +472,7 @@ impl Touch {
     }
 
     /// One round of undoing overlaps; the greatest change of speed at a point.
-    fn part<R: Real>(&self, spots: &mut [Spot<R>], motions: &mut [Motion<R>]) -> R {
+    fn part<R: Lane>(&self, spots: &mut [Spot<R>], motions: &mut [Motion<R>]) -> R {
         let mut greatest = R::zero();
         let (mut a, mut b) = (motions[self.a], motions[self.b]);
         for point in spots {
@@ -486,20 +489,22 @@ impl Touch {
     }
 }
 
-impl<R: Real> Row<R> {
+impl<R: Lane> Row<R> {
     /// How much the velocity in this direction changes by a unit impulse in the other.
     fn yields(&self, other: &Row<R>, a: &Motion<R>, b: &Motion<R>) -> R {
-        let turned = |i: usize| self.torques[i].dot(&other.torques[i]);
-        (a.inverse_mass + b.inverse_mass) * self.direction.dot(&other.direction)
-            + a.inverse_inertia * turned(0)
-            + b.inverse_inertia * turned(1)
+        let turned = |i: usize| self.torques[i] * other.torques[i];
+        let moved = self.direction * other.direction;
+        (moved.scaled(a.inverse_mass + b.inverse_mass)
+            + turned(0).scaled(a.inverse_inertia)
+            + turned(1).scaled(b.inverse_inertia))
+        .sum()
     }
 
     /// Of `a` as seen from `b`.
     #[inline(always)]
     fn velocity(&self, a: &Motion<R>, b: &Motion<R>) -> R {
-        self.direction.dot(&(a.velocity - b.velocity)) + self.torques[0].dot(&a.spin)
-            - self.torques[1].dot(&b.spin)
+        let turned = self.torques[0] * a.spin - self.torques[1] * b.spin;
+        (self.direction * (a.velocity - b.velocity) + turned).sum()
     }
 
     /// Makes the impulse what is given; how much that has changed the velocity here.
@@ -514,9 +519,9 @@ impl<R: Real> Row<R> {
     /// Pushes both bodies apart by an impulse.
     #[inline(always)]
     fn push(&self, impulse: R, a: &mut Motion<R>, b: &mut Motion<R>) {
-        a.velocity += self.direction * (impulse * a.inverse_mass);
-        a.spin += self.torques[0] * (impulse * a.inverse_inertia);
-        b.velocity -= self.direction * (impulse * b.inverse_mass);
-        b.spin -= self.torques[1] * (impulse * b.inverse_inertia);
+        a.velocity += self.direction.scaled(impulse * a.inverse_mass);
+        a.spin += self.torques[0].scaled(impulse * a.inverse_inertia);
+        b.velocity -= self.direction.scaled(impulse * b.inverse_mass);
+        b.spin -= self.torques[1].scaled(impulse * b.inverse_inertia);
     }
 }

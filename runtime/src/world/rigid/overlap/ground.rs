@@ -14,11 +14,17 @@ pub fn cube_on_ground<R: Real>(centre: Vector3<R>, axes: &Rotation3<R>) -> Optio
     }
     let mut points = SmallVec::new();
     for corner in 0..8 {
-        let side = |axis: usize| if corner >> axis & 1 == 1 { half } else { -half };
-        let own = Vector3::new(side(0), side(1), side(2));
-        let place = centre + axes * own;
-        if place.z < R::zero() {
-            points.push(raised(place));
+        let above = |axis: usize| {
+            if corner >> axis & 1 == 1 {
+                row[axis]
+            } else {
+                -row[axis]
+            }
+        };
+        if centre.z + above(0) + above(1) + above(2) < R::zero() {
+            let side = |axis: usize| if corner >> axis & 1 == 1 { half } else { -half };
+            let own = Vector3::new(side(0), side(1), side(2));
+            points.push(raised(centre + axes * own));
         }
     }
     let normal = Vector3::z();
