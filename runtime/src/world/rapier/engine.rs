@@ -23,20 +23,22 @@ const GROUND: f32 = 20.0;
 ///
 /// They are the engine's defaults, which are meant for metres and seconds, read at the scale of
 /// the paper's scene: a side of 0.2 m and a tick of 0.02 s. So every scene, at whichever scale, has
-/// the contacts with which `hemisphere` is calibrated.
+/// the contacts with which `hemisphere_2005` is calibrated. The margins are for what a step lets
+/// through, and become finer with it, so that a refined step leaves nothing of them.
 fn parameters(settings: &Settings) -> IntegrationParameters {
     let softness = |natural_frequency| SpringCoefficients {
         natural_frequency,
         damping_ratio: 10.0,
     };
+    let substeps = settings.substeps.max(1) as f32;
     IntegrationParameters {
-        dt: 1.0 / settings.substeps.max(1) as f32,
+        dt: 1.0 / substeps,
         contact_softness: softness(0.6),
         static_contact_softness: softness(1.2),
         length_unit: 1.0,
-        normalized_allowed_linear_error: 0.025,
+        normalized_allowed_linear_error: 0.025 / substeps,
         normalized_max_corrective_velocity: 0.3,
-        normalized_prediction_distance: 0.1,
+        normalized_prediction_distance: 0.1 / substeps,
         normalized_contact_recycle_distance: 0.25,
         // Too fast is a fault, not something to hide.
         normalized_max_linear_velocity: f32::MAX,
