@@ -1,0 +1,97 @@
+//! What a term of a scene costs, and that an absent one costs nothing: `benches/terms/run.py`.
+//!
+//! `cargo run --release -p stochc-runtime --example terms -- WITHOUT TICKS` moves 300 blocks with all terms
+//! but one, or with one that does next to nothing (`idle-drag`), and prints a number that depends on every bit of where
+//! they end.
+use stochc_compiler::scene::{Agitation, Arrangement, Bond, Drag, Scene, built_in};
+use stochc_compiler::table::Plate;
+use stochc_compiler::{Cell, Face};
+use stochc_runtime::world::rigid::RigidWorld;
+use stochc_runtime::world::{Arena as _, Body, BodyState, Site, World as _};
+use stochc_runtime::{Model, Settings};
+
+const PLATE: Plate = Plate { width: 3, depth: 3 };
+
+fn main() {
+    let args: Vec<String> = std::env::args().collect();
+    let ticks: u64 = args[2].parse().expect("a number of ticks");
+    let (scene, blocks) = (scene(&args[1]), lattice());
+    let settings = Settings::of(Model::Rigid, 1);
+    let mut world = RigidWorld::with_blocks(&scene, &PLATE, &settings, 1, 0, &blocks)
+        .expect("a scene that this build computes");
+    for face in Face::ALL {
+        let body = Body::Seed(Cell::new(1, 1, 0));
+        world.magnetize(Site { body, face });
+    }
+    let mut dockings = Vec::new();
+    for _ in 0..ticks {
+        world.step(&mut dockings).expect("sound physics");
+    }
+    let states = (0..world.count()).map(|id| world.state(id));
+    let numbers = states.flat_map(|state| {
+        let vectors = [state.position, state.velocity, state.spin];
+        let turned = *state.orientation.as_vector();
+        vectors
+            .into_iter()
+            .flat_map(|v| [v.x, v.y, v.z])
+            .chain([turned.x, turned.y, turned.z, turned.w])
+    });
+    println!("{:016x}", numbers.map(f64::to_bits).fold(0, mix));
+}
+
+/// All terms that there are, less one.
+fn scene(without: &str) -> Scene {
+    let mut scene = built_in("hemisphere").expect("built in");
+    scene.free.arrangement = Arrangement::Uniform;
+    scene.drag = Some(Drag { rate: 0.5 });
+    match without {
+        "nothing" => {}
+        "idle-agitation" => {
+            scene.agitation = Some(Agitation::Kicks {
+                speed: (0.0, 1e-30),
+            })
+        }
+        "idle-drag" => scene.drag = Some(Drag { rate: 1e-30 }),
+        "idle-bond" => {
+            if let Some(Bond::Attract {
+                pull,
+                align,
+                anchor,
+            }) = &mut scene.bond
+            {
+                (pull.force, *align, anchor.within) = (1e-30, None, 0.0);
+            }
+        }
+        "agitation" => scene.agitation = None,
+        "bond" => scene.bond = None,
+        "contact" => scene.contact = None,
+        "drag" => scene.drag = None,
+        "enclosure" => scene.enclosure = None,
+        _ => panic!("no such term: {without}"),
+    }
+    scene
+}
+
+/// 300 blocks over the plate, each with a motion of its own.
+fn lattice() -> Vec<BodyState> {
+    let at = |i: u32| f64::from(i) * 2.5 - 8.0;
+    (0..300)
+        .map(|i: u32| {
+            let place =
+                nalgebra::Vector3::new(at(i % 7), at(i / 7 % 7), 2.0 + 2.5 * f64::from(i / 49));
+            let turn = f64::from(i) * 0.7;
+            BodyState {
+                velocity: nalgebra::Vector3::new(turn.cos(), turn.sin(), (2.0 * turn).cos()) * 0.15,
+                spin: nalgebra::Vector3::new(turn.sin(), 0.3, turn.cos()) * 0.05,
+                ..BodyState::at_rest(place)
+            }
+        })
+        .collect()
+}
+
+/// Fowler, Noll and Vo's hash, a word at a time.
+fn mix(hash: u64, bits: u64) -> u64 {
+    (hash ^ bits)
+        .wrapping_mul(0x0000_0100_0000_01B3)
+        .rotate_left(23)
+}
