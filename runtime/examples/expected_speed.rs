@@ -5,9 +5,9 @@
 use stochc_compiler::scene::groups::{BlockUnits, Gas, speed};
 use stochc_compiler::scene::{Agitation, Contact, ContactLaw, Drag, Scene, built_in};
 use stochc_compiler::table::Plate;
-use stochc_runtime::Settings;
 use stochc_runtime::world::rapier::RapierWorld;
 use stochc_runtime::world::{Arena as _, World as _};
+use stochc_runtime::{Model, Settings};
 
 /// Ticks that the blocks need to forget that they began at rest.
 const WARM_UP: usize = 3_000;
@@ -36,7 +36,7 @@ fn main() {
 }
 
 fn scenes() -> Vec<(&'static str, Scene, u32)> {
-    let scene = built_in("hemisphere").expect("the default scene is built in");
+    let scene = built_in("hemisphere_2005").expect("the default scene is built in");
     let kicks = |scene: &Scene, factor: f64| {
         let mut scene = scene.clone();
         let Some(Agitation::Kicks { speed }) = &mut scene.agitation else {
@@ -91,7 +91,7 @@ fn observe(scene: &Scene, substeps: u32) -> Seen {
     let plate = Plate { width: 3, depth: 3 };
     let settings = Settings {
         substeps,
-        ..Settings::default()
+        ..Settings::of(Model::Rapier, 1)
     };
     let units = BlockUnits::of(scene);
     let Some(Agitation::Kicks { speed: (_, most) }) = scene.agitation else {

@@ -10,9 +10,9 @@ use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use stochc_compiler::scene::{Bond, Enclosure, Scene, built_in};
 use stochc_compiler::table::Plate;
-use stochc_runtime::Settings;
 use stochc_runtime::world::rapier::RapierWorld;
 use stochc_runtime::world::{Arena as _, World as _};
+use stochc_runtime::{Model, Settings};
 
 /// Directions and orientations that are tried for an area.
 const SAMPLES: usize = 400_000;
@@ -25,7 +25,7 @@ const RUNS: u64 = 4;
 const NEAR: f64 = 1.5;
 
 fn main() {
-    let scene = built_in("hemisphere").expect("the default scene is built in");
+    let scene = built_in("hemisphere_2005").expect("the default scene is built in");
     let side = scene.block.side;
     let (Some(Bond::Attract { pull, .. }), Some(Enclosure::Hemisphere { radius, .. })) =
         (&scene.bond, &scene.enclosure)
@@ -80,7 +80,7 @@ fn observe(scene: &Scene) -> Gas {
     let mut samples = 0.0;
     let mut dockings = Vec::new();
     for run in 0..RUNS {
-        let mut world = RapierWorld::new(scene, &plate, &Settings::default(), 1, run)
+        let mut world = RapierWorld::new(scene, &plate, &Settings::of(Model::Rapier, 1), 1, run)
             .expect("the default scene fits");
         for tick in 0..WARM_UP + TICKS {
             world

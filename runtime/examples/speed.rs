@@ -4,7 +4,7 @@ use stochc_compiler::table::Plate;
 use stochc_runtime::world::Arena;
 use stochc_runtime::world::rapier::RapierWorld;
 use stochc_runtime::world::rigid::RigidWorld;
-use stochc_runtime::{Precision, Settings};
+use stochc_runtime::{Model, Precision, Settings};
 
 fn main() {
     let args: Vec<String> = std::env::args().collect();
@@ -23,7 +23,8 @@ fn main() {
 
 #[expect(clippy::disallowed_methods, reason = "it measures time")]
 fn time<W: Arena>(count: u32, ticks: u64, precision: Precision) -> (f64, f64) {
-    let mut scene = built_in("hemisphere").expect("built in");
+    let mut scene =
+        built_in(std::env::var("SCENE").as_deref().unwrap_or("hemisphere")).expect("built in");
     let grow = (f64::from(count) / 300.0).cbrt();
     scene.free.count = count;
     if let Some(Enclosure::Hemisphere { radius, .. }) = &mut scene.enclosure {
@@ -31,7 +32,8 @@ fn time<W: Arena>(count: u32, ticks: u64, precision: Precision) -> (f64, f64) {
     }
     let settings = Settings {
         precision,
-        ..Settings::default()
+        substeps: std::env::var("SUB").map_or(1, |s| s.parse().unwrap()),
+        ..Settings::of(Model::Rigid, 1)
     };
     let mut world = W::new(&scene, &Plate { width: 3, depth: 3 }, &settings, 1, 0).expect("fits");
     let mut none = Vec::new();

@@ -13,4 +13,4 @@ mod settings;
 pub mod world;
 
 pub use run::{RunError, Watch, drive, run};
-pub use settings::{Model, Precision, Reduction, Settings};
+pub use settings::{Model, Precision, Reduction, SUBSTEPS, Settings};

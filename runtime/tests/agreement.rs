@@ -14,17 +14,18 @@ use stochc_runtime::{Model, Settings, run};
 use tables::chain;
 
 /// Ticks until a face of the plate has captured one of 40 blocks in a shell of 8 sides, where both models
-/// have stopped to change with the number of substeps.
+/// have stopped to change with the number of substeps. (Their means differ by 8 %, which takes more runs
+/// to see: docs/agreement.md.)
 fn waits(model: Model, runs: u64) -> Vec<f64> {
-    let mut scene = built_in("hemisphere").expect("built in");
+    let mut scene = built_in("hemisphere_2005").expect("built in");
     scene.free.count = 40;
     if let Some(Enclosure::Hemisphere { radius, .. }) = &mut scene.enclosure {
         *radius = 8.0 * scene.block.side;
     }
     let settings = Settings {
         model,
-        substeps: 4,
-        ..Settings::default()
+        substeps: 8,
+        ..Settings::of(Model::Rapier, 1)
     };
     let (tables, _) = chain(&[Face::Up]);
     let seed = model as u64;
@@ -40,7 +41,7 @@ fn waits(model: Model, runs: u64) -> Vec<f64> {
 /// Chance exceeds these limits once in 1000 cases each.
 #[test]
 fn the_wait_for_a_face_of_the_plate_has_one_distribution() {
-    let [rigid, rapier] = [Model::Rigid, Model::Rapier].map(|model| waits(model, 80));
+    let [rigid, rapier] = [Model::Rigid, Model::Rapier].map(|model| waits(model, 200));
     let (a, b) = (mean(&rigid), mean(&rapier));
     let p = kolmogorov_smirnov(&rigid, &rapier);
     assert!(p > 0.001, "p = {p}: {a:?} and {b:?}");

@@ -4,8 +4,8 @@ mod scenes;
 use nalgebra::Vector3;
 use scenes::{Dice, attract, empty, hemisphere, pass, world};
 use stochc_compiler::{Cell, Face};
-use stochc_runtime::Settings;
 use stochc_runtime::world::{Arena, Body, BodyState, Site};
+use stochc_runtime::{Model, Settings};
 
 in_every_world!(
     entries_into_the_reach_of_a_face_are_a_quarter_of_density_speed_and_area,
@@ -51,7 +51,7 @@ fn entries_into_the_reach_of_a_face_are_a_quarter_of_density_speed_and_area<W: A
     let mut scene = empty();
     // A magnet without force that never anchors.
     scene.bond = attract(0.0, 0.0);
-    let mut world: W = world(&scene, &Settings::default(), &gas(count, radius));
+    let mut world: W = world(&scene, &Settings::of(Model::Rapier, 1), &gas(count, radius));
     let face = Face::Up;
     for site in 0..9 {
         let body = Body::Seed(Cell::new(site % 3, site / 3, 0));
@@ -82,7 +82,7 @@ fn arrivals_at_the_shell_are_a_quarter_of_density_speed_and_area<W: Arena>() {
     let (count, radius, ticks) = (4000, 20.0, 100);
     let mut scene = empty();
     scene.enclosure = hemisphere(radius, 0.04);
-    let mut world: W = world(&scene, &Settings::default(), &gas(count, radius));
+    let mut world: W = world(&scene, &Settings::of(Model::Rapier, 1), &gas(count, radius));
     let mut outside = vec![false; count];
     let mut found = 0.0;
     for _ in 0..ticks {

@@ -11,10 +11,10 @@ use nalgebra::Vector3;
 use scenes::{PLATE, contact, hemisphere, paper};
 use stochc_compiler::scene::{Agitation, Bond, Contact, ContactLaw, Enclosure, Scene};
 use stochc_compiler::{Cell, Face};
-use stochc_runtime::Settings;
 use stochc_runtime::world::rapier::RapierWorld;
 use stochc_runtime::world::rigid::RigidWorld;
 use stochc_runtime::world::{Arena, Body, BodyState, Site, World};
+use stochc_runtime::{Model, Settings};
 
 const PAGE: &str = "../docs/stability.md";
 
@@ -82,7 +82,7 @@ fn base() -> Scene {
 }
 
 fn fate<W: Arena>(scene: &Scene, ticks: u64, setup: impl Fn(&mut W)) -> Fate {
-    let mut world = match W::new(scene, &PLATE, &Settings::default(), 1, 0) {
+    let mut world = match W::new(scene, &PLATE, &Settings::of(Model::Rapier, 1), 1, 0) {
         Ok(world) => world,
         Err(error) => return Fate::Refused(error.to_string()),
     };
@@ -350,7 +350,8 @@ fn quiet(count: u32) -> Scene {
 }
 
 fn a_block_released_under_another<W: Arena>() {
-    let mut world = W::new(&quiet(4), &PLATE, &Settings::default(), 1, 0).expect("it fits");
+    let mut world =
+        W::new(&quiet(4), &PLATE, &Settings::of(Model::Rapier, 1), 1, 0).expect("it fits");
     let up = |body| Site {
         body,
         face: Face::Up,
@@ -385,7 +386,8 @@ fn a_block_released_under_another<W: Arena>() {
 }
 
 fn two_magnets_fight_for_one_block<W: Arena>() {
-    let mut world = W::new(&quiet(3), &PLATE, &Settings::default(), 1, 0).expect("it fits");
+    let mut world =
+        W::new(&quiet(3), &PLATE, &Settings::of(Model::Rapier, 1), 1, 0).expect("it fits");
     let up = |x| Site {
         body: Body::Seed(Cell::new(x, 1, 0)),
         face: Face::Up,
@@ -436,7 +438,7 @@ fn left_of_the_energy(substeps: u32) -> f64 {
     let wall = 25.0 * scene.tick * scene.tick / scene.block.mass;
     let settings = Settings {
         substeps,
-        ..Settings::default()
+        ..Settings::of(Model::Rapier, 1)
     };
     let mut world = RigidWorld::new(&scene, &PLATE, &settings, 1, 0).expect("it fits");
     let mut dice = scenes::Dice::new(5);

@@ -13,7 +13,7 @@ use stochc_runtime::record::{Origin, Outcome, RunRecord};
 use stochc_runtime::world::rapier::RapierWorld;
 use stochc_runtime::world::rigid::RigidWorld;
 use stochc_runtime::world::{Arena, Body, BodyState, SceneError, Site, World};
-use stochc_runtime::{RunError, Settings, run};
+use stochc_runtime::{Model, RunError, Settings, run};
 use tables::{Draft, at_once, chain, magnetize};
 
 /// A small enclosure with many blocks, where little time passes between captures.
@@ -57,7 +57,7 @@ fn three_phases() -> Tables {
 #[test]
 fn a_small_tower_grows() {
     let (tables, roles) = chain(&[Face::Up, Face::Up, Face::East]);
-    let record = record(&tables, &crowd(), &Settings::default(), 0);
+    let record = record(&tables, &crowd(), &Settings::of(Model::Rapier, 1), 0);
     assert_eq!(record.outcome, Outcome::Completed);
     assert_eq!(record.phase_ticks, [record.ticks]);
     for (bond, &(role, cell)) in record.bonds.iter().zip(&roles[1..]) {
@@ -73,7 +73,7 @@ fn a_small_tower_grows() {
 #[test]
 fn a_run_is_the_same_alone_in_sequence_and_on_any_thread() {
     let (tables, scene) = (three_phases(), crowd());
-    let settings = Settings::default();
+    let settings = Settings::of(Model::Rapier, 1);
     let sequence: Vec<RunRecord> = (0..4)
         .map(|number| record(&tables, &scene, &settings, number))
         .collect();
@@ -102,7 +102,7 @@ fn a_captured_block_sits_on_the_lattice_and_a_released_one_starts_from_rest() {
         spin: Vector3::new(0.0, 0.0, 0.01),
         ..BodyState::at_rest(Vector3::new(1.02, 1.0, 0.6))
     };
-    let mut world: RapierWorld = world(&scene, &Settings::default(), &[start]);
+    let mut world: RapierWorld = world(&scene, &Settings::of(Model::Rapier, 1), &[start]);
     let (body, face) = (Body::Seed(Cell::new(2, 2, 0)), Face::Up);
     world.magnetize(Site { body, face });
     let mut dockings = Vec::new();
@@ -132,7 +132,7 @@ fn of_two_blocks_the_closer_one_docks_and_no_block_docks_twice() {
     scene.bond = attract(0.0, 0.6);
     let above = |x: f64, z: f64| BodyState::at_rest(Vector3::new(x, 0.0, z));
     let blocks = [above(-0.9, 0.75), above(-0.9, 0.7), above(0.45, 0.6)];
-    let mut world: RapierWorld = world(&scene, &Settings::default(), &blocks);
+    let mut world: RapierWorld = world(&scene, &Settings::of(Model::Rapier, 1), &blocks);
     let site = |x| Site {
         body: Body::Seed(Cell::new(x, 1, 0)),
         face: Face::Up,
@@ -155,7 +155,7 @@ fn physics_that_breaks_down_is_a_failed_run() {
     scene.agitation = Some(Agitation::Kicks {
         speed: (1e30, 1e30),
     });
-    let record = record(&tables, &scene, &Settings::default(), 0);
+    let record = record(&tables, &scene, &Settings::of(Model::Rapier, 1), 0);
     let phase = PhaseId(0);
     let Outcome::Failed { phase: p, reason } = record.outcome else {
         panic!("{:?}", record.outcome);
@@ -185,7 +185,7 @@ fn found_at_once<W: Arena>() {
         |state| state.velocity.y = 1e6,
     ];
     for spoil in spoils {
-        let mut world: W = world(&scene, &Settings::default(), &blocks);
+        let mut world: W = world(&scene, &Settings::of(Model::Rapier, 1), &blocks);
         pass(&mut world, 3);
         let mut state = world.state(1);
         spoil(&mut state);
@@ -200,7 +200,14 @@ fn a_scene_that_cannot_be_set_up_is_an_error_before_the_run() {
     let (tables, _) = chain(&[Face::Up]);
     let error = |scene: &Scene| {
         let mut watch = |_: u64, _: PhaseId| panic!("the run has begun");
-        let result = run(&tables, scene, &Settings::default(), 0, 0, &mut watch);
+        let result = run(
+            &tables,
+            scene,
+            &Settings::of(Model::Rapier, 1),
+            0,
+            0,
+            &mut watch,
+        );
         let Err(RunError::Scene(error)) = result else {
             panic!("{result:?}");
         };
@@ -229,7 +236,7 @@ fn a_scene_that_cannot_be_set_up_is_an_error_before_the_run() {
 #[test]
 fn blocks_start_evenly_spread_and_apart() {
     let scene = paper();
-    let settings = Settings::default();
+    let settings = Settings::of(Model::Rapier, 1);
     let world = RapierWorld::new(&scene, &scenes::PLATE, &settings, 0, 0).expect("they fit");
     let at: Vec<_> = (0..world.count())
         .map(|id| world.state(id).position)
@@ -275,7 +282,7 @@ fn only_dimensionless_groups_matter() {
     }
     anchor.within *= length;
     let tables = three_phases();
-    let settings = Settings::default();
+    let settings = Settings::of(Model::Rapier, 1);
     assert_eq!(
         record(&tables, &small, &settings, 2),
         record(&tables, &crowd(), &settings, 2)

@@ -42,18 +42,11 @@ pub fn ladder(finest: u32) -> Vec<Settings> {
 
 /// `rigid` with nothing left out and this many substeps.
 pub fn rigid(substeps: u32) -> Settings {
-    Settings {
-        model: Model::Rigid,
-        substeps,
-        ..Settings::default()
-    }
+    Settings::of(Model::Rigid, substeps)
 }
 
 fn rapier(substeps: u32) -> Settings {
-    Settings {
-        substeps,
-        ..Settings::default()
-    }
+    Settings::of(Model::Rapier, substeps)
 }
 
 /// Whether doubling the substeps of this rung gives another rung of the refinement.
@@ -78,10 +71,11 @@ pub fn short(settings: &Settings) -> String {
 
 /// The rung as options of `simulate`.
 pub fn flags(settings: &Settings) -> String {
-    let mut text = format!("--model {}", settings.model.name());
-    if settings.substeps != 1 {
-        text += &format!(" --substeps {}", settings.substeps);
-    }
+    let mut text = format!(
+        "--model {} --substeps {}",
+        settings.model.name(),
+        settings.substeps
+    );
     if let Some(iterations) = settings.solver_iterations {
         text += &format!(" --solver-iterations {iterations}");
     }
@@ -143,7 +137,7 @@ mod tests {
             told(&all),
             (
                 "rigid 1 iterations 30 double spheres".into(),
-                "--model rigid --solver-iterations 30 --precision double --reduce spheres".into()
+                "--model rigid --substeps 1 --solver-iterations 30 --precision double --reduce spheres".into()
             )
         );
     }

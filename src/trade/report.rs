@@ -517,14 +517,18 @@ mod tests {
         assert!(plain.contains("it cannot"));
         let advice = &trade.advice;
         assert!(
-            advice.starts_with("`--model rigid` is within 4.0 ±"),
+            advice.starts_with("`--model rigid --substeps 1` is within 4.0 ±"),
             "{advice}"
         );
         assert!(
             advice.contains("`--model rigid --substeps 2` is within"),
             "{advice}"
         );
-        assert!(advice.contains("Do not compare programs with `--model rigid --reduce no-rot"));
+        assert!(
+            advice.contains(
+                "Do not compare programs with `--model rigid --substeps 1 --reduce no-rot"
+            )
+        );
     }
 
     #[test]

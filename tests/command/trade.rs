@@ -74,8 +74,9 @@ fn every_setting_is_measured_and_kept() {
     assert!(!said.out.contains('\u{1b}'), "no colours into a pipe");
 
     // A run of it is a run of `simulate`.
-    let alone =
-        stochc("simulate tests/fixtures/dense.sa --model rigid --runs 3 --quiet --format json");
+    let alone = stochc(
+        "simulate tests/fixtures/dense.sa --model rigid --substeps 1 --runs 3 --quiet --format json",
+    );
     let mean = &rung(&trade, "rigid 1")["programs"][0]["mean"];
     assert_eq!(&alone.json()["programs"][0]["time"]["mean"], mean);
 
@@ -266,7 +267,8 @@ fn the_cheapest_setting_that_is_accurate_enough_is_taken() {
     let said = simulate(&trade, &["--accuracy", "5%", "--out", &out]);
     assert_eq!(said.status, 0, "{}", said.err);
     assert!(
-        said.err.contains("--accuracy 5 %: `--model rigid`"),
+        said.err
+            .contains("--accuracy 5 %: `--model rigid --substeps 1`"),
         "{}",
         said.err
     );
@@ -279,10 +281,15 @@ fn the_cheapest_setting_that_is_accurate_enough_is_taken() {
     let manifest = fs::read_to_string(path(out.as_ref(), "manifest.json")).unwrap();
     let manifest: Value = serde_json::from_str(&manifest).unwrap();
     assert_eq!(manifest["model"], "rigid");
-    let own = stochc("simulate tests/fixtures/dense.sa --runs 2 --quiet --model rigid");
+    let own =
+        stochc("simulate tests/fixtures/dense.sa --runs 2 --quiet --model rigid --substeps 1");
     assert_eq!(own.out, said.out);
     let said = simulate(&trade, &["--accuracy", "1%"]);
-    assert!(said.err.contains("`--model rapier`"), "{}", said.err);
+    assert!(
+        said.err.contains("`--model rapier --substeps 1`"),
+        "{}",
+        said.err
+    );
 }
 
 #[test]
@@ -293,7 +300,7 @@ fn an_accuracy_that_nothing_has_is_refused() {
     assert_eq!((said.status, said.out.as_str()), (4, ""));
     assert!(
         said.err
-            .contains("the best is `--model rapier`, within 0.3 %"),
+            .contains("the best is `--model rapier --substeps 1`, within 0.3 %"),
         "{}",
         said.err
     );
@@ -339,8 +346,7 @@ fn a_trade_of_something_else_is_refused() {
 
 #[test]
 fn a_reduced_model_is_told_of() {
-    let line =
-        "simulate tests/fixtures/dense.sa --runs 2 --quiet --model rigid --reduce no-friction";
+    let line = "simulate tests/fixtures/dense.sa --runs 2 --quiet --substeps 1 --seed 2 --reduce no-friction";
     let said = stochc(line);
     assert_eq!(said.status, 0);
     let note =

@@ -75,7 +75,7 @@ static size_t lattice(double within, double spacing, double (*out)[3]) {
 }
 
 static void arrange(void) {
-    double within = (float)radius - 1.0, fits = 1.1, fails = 2.0 * within + 2.0;
+    double within = 0.2 * radius / 0.2 - 1.0, fits = 1.1, fails = 2.0 * within + 2.0;
     for (int i = 0; i < 60; i++) {
         double middle = 0.5 * (fits + fails);
         if (lattice(within, middle, NULL) >= blocks)

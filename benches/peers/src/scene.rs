@@ -13,6 +13,9 @@ pub const FRICTION: f32 = 0.2;
 const SEED: u64 = 1;
 /// Least distance of a centre from the ground and from the wall at the start \[side\].
 const MARGIN: f64 = 1.0;
+/// Side of a block in `hemisphere` [m].
+const SIDE: f64 = 0.2;
+
 /// Least spacing of the lattice \[side\].
 const LEAST_SPACING: f64 = 1.1;
 
@@ -94,8 +97,8 @@ fn unit(bits: u64) -> f64 {
 /// `hemisphere`.
 pub fn start(blocks: u32) -> Vec<[f64; 3]> {
     let count = blocks as usize;
-    // In the precision of the project's worlds: the bisection ends elsewhere for another radius.
-    let radius = f64::from(radius(blocks) as f32) - MARGIN;
+    // Rounded as by way of metres, like in the project: the bisection ends elsewhere for another radius.
+    let radius = SIDE * radius(blocks) / SIDE - MARGIN;
     let (mut fits, mut fails) = (LEAST_SPACING, 2.0 * radius + 2.0);
     for _ in 0..60 {
         let middle = 0.5 * (fits + fails);

@@ -8,10 +8,7 @@ use crate::Sources;
 /// The built-in scenes: a name, and the text that declares it.
 pub const BUILT_IN: [(&str, &str); 2] = [
     ("hemisphere", include_str!("hemisphere.sa")),
-    (
-        "hemisphere_compliant",
-        include_str!("hemisphere_compliant.sa"),
-    ),
+    ("hemisphere_2005", include_str!("hemisphere_2005.sa")),
 ];
 
 /// The scene of an assembly that names none.

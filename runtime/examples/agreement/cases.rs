@@ -95,7 +95,7 @@ impl Cell {
             substeps: self.substeps,
             solver_iterations: self.iterations,
             max_ticks: Some(200_000),
-            ..Settings::default()
+            ..Settings::of(Model::Rigid, 1)
         };
         match self.model {
             Model::Rapier => self.run::<RapierWorld>(&settings, seed, run),
@@ -125,7 +125,7 @@ impl Cell {
 
 impl Case {
     fn scene(&self) -> Scene {
-        let mut scene = built_in("hemisphere").expect("built in");
+        let mut scene = built_in("hemisphere_2005").expect("built in");
         scene.free.count = self.count;
         if let Some(Enclosure::Hemisphere { radius, .. }) = &mut scene.enclosure {
             *radius = self.radius * scene.block.side;

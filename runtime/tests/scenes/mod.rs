@@ -159,7 +159,7 @@ impl Kind for Reference {
     const ROUNDING: f64 = SINGLE;
     const REFERENCE: bool = true;
     fn settings() -> Settings {
-        Settings::default()
+        Settings::of(Model::Rapier, 1)
     }
 }
 
@@ -169,7 +169,7 @@ impl Kind for Single {
     fn settings() -> Settings {
         Settings {
             model: Model::Rigid,
-            ..Settings::default()
+            ..Settings::of(Model::Rapier, 1)
         }
     }
 }

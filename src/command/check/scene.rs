@@ -3,9 +3,10 @@ use std::fmt::Write as _;
 
 use serde_json::{Value as Json, json};
 use stochc_compiler::Checked;
-use stochc_compiler::scene::Scene;
 use stochc_compiler::scene::describe::{Absent, Term, Value, absent, terms};
 use stochc_compiler::scene::groups::{BlockUnits, Group, Speed, SpeedFrom, groups, speed};
+use stochc_compiler::scene::{ContactLaw, Scene};
+use stochc_runtime::SUBSTEPS;
 
 /// A scene that assemblies of a file run in, and all that is said of it.
 pub struct InForce<'a> {
@@ -96,16 +97,27 @@ impl InForce<'_> {
         );
         self.list_groups(&mut out);
         out.push('\n');
-        for [what, beyond] in self.warnings() {
+        let warnings: Vec<_> = self.warnings().collect();
+        for [what, beyond] in &warnings {
             let _ = writeln!(out, "  warning: {what}\n           {beyond}");
         }
-        if self.groups.iter().any(Group::is_exceeded) {
-            out.push_str(
-                "  A scene with other substeps is another scene: what was calibrated has to be \
-                 calibrated anew.\n",
+        if warnings.is_empty() {
+            let _ = writeln!(
+                out,
+                "  {} short enough for all of these.",
+                match self.needed() {
+                    1 => "One step a tick is".to_owned(),
+                    needed => format!(
+                        "{needed} steps a tick are needed, and the {SUBSTEPS} that `simulate` takes are"
+                    ),
+                }
             );
-        } else {
-            out.push_str("  One step a tick is short enough for all of these.\n");
+        }
+        if self.needed() > 1 && matches!(self.contact(), Some(ContactLaw::Rigid { .. })) {
+            out.push_str(
+                "  With rigid contacts, a scene with other substeps is another scene: what was calibrated \
+                 has to be calibrated anew.\n",
+            );
         }
         out
     }
@@ -182,7 +194,17 @@ impl InForce<'_> {
         )
     }
 
-    /// What one step a tick does not resolve, and what comes of that.
+    /// The fewest steps a tick that resolve all that any number of them does.
+    fn needed(&self) -> u32 {
+        let needed = self.groups.iter().filter_map(Group::substeps);
+        needed.max().unwrap_or(1)
+    }
+
+    fn contact(&self) -> Option<&ContactLaw> {
+        self.scene.contact.as_ref().map(|contact| &contact.law)
+    }
+
+    /// What the steps that are taken unasked do not resolve, and what comes of that.
     fn warnings(&self) -> impl Iterator<Item = [String; 2]> {
         /// As many as `simulate` takes.
         const MOST: u32 = 1000;
@@ -191,6 +213,7 @@ impl InForce<'_> {
             .filter_map(|group| {
                 let limit = group.limit?;
                 let cure = match group.substeps() {
+                    Some(substeps) if substeps <= SUBSTEPS => return None,
                     Some(substeps) if substeps <= MOST => {
                         format!("`--substeps {substeps}` resolves it")
                     }

@@ -2,7 +2,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};
-use stochc_runtime::{Model, Precision, Reduction};
+use stochc_runtime::{Model, Precision, Reduction, SUBSTEPS};
 
 use super::super::levels::LevelOptions;
 use super::super::results::Form;
@@ -25,10 +25,10 @@ pub struct Options {
     #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
     pub seed: u64,
     /// What moves the blocks
-    #[arg(long, default_value = "rapier")]
+    #[arg(long, default_value = "rigid")]
     pub model: ModelName,
     /// Steps of the model within a tick: more are more accurate and slower
-    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(long, default_value_t = SUBSTEPS, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub substeps: u32,
     /// Work on contacts in a substep: internal steps of Rapier's solver (4 if left out), or the most
     /// rounds of `rigid` (10)

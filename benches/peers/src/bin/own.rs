@@ -9,7 +9,7 @@ use stochc_peers::scene::{DRAG, radius};
 use stochc_runtime::world::rapier::RapierWorld;
 use stochc_runtime::world::rigid::RigidWorld;
 use stochc_runtime::world::{Arena, Docking};
-use stochc_runtime::{Precision, Settings};
+use stochc_runtime::{Model, Precision, Settings};
 
 const PLATE: Plate = Plate { width: 3, depth: 3 };
 const SEED: u64 = 1;
@@ -23,7 +23,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let settings = Settings {
         precision,
-        ..Settings::default()
+        ..Settings::of(Model::Rigid, 1)
     };
     let mut gas: Box<dyn Gas> = match engine.as_str() {
         "as-the-project" => Box::new(Rapier::as_the_project(blocks, kick)),
@@ -40,9 +40,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     serve(&mut *gas, "stochc")
 }
 
-/// `hemisphere` with more blocks at the same density, with drag, and without magnets.
+/// `hemisphere_2005` with more blocks at the same density, with drag, and without magnets.
 fn scene(blocks: u32, kick: f64) -> Result<Scene, Box<dyn Error>> {
-    let mut scene = built_in("hemisphere").ok_or("no scene `hemisphere`")?;
+    let mut scene = built_in("hemisphere_2005").ok_or("no scene `hemisphere_2005`")?;
     let side = scene.block.side;
     scene.free.count = blocks;
     if let Some(Enclosure::Hemisphere { radius: own, .. }) = &mut scene.enclosure {

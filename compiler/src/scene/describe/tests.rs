@@ -16,7 +16,13 @@ fn scene(text: &str) -> Scene {
         panic!("{text}");
     };
     let (file, mut findings) = (Sources::default().add("s.sa", text), Vec::new());
-    let scene = read(tree, built_in("hemisphere"), file, &symbols, &mut findings);
+    let scene = read(
+        tree,
+        built_in("hemisphere_2005"),
+        file,
+        &symbols,
+        &mut findings,
+    );
     assert_eq!(findings, [], "{text}");
     scene.expect("nothing is wrong with it")
 }
@@ -27,7 +33,7 @@ fn texts(scene: &Scene) -> Vec<String> {
 
 #[test]
 fn clauses_are_written_in_units_in_which_they_are_short() {
-    let hemisphere = built_in("hemisphere").unwrap();
+    let hemisphere = built_in("hemisphere_2005").unwrap();
     assert_eq!(
         texts(&hemisphere),
         [
@@ -46,7 +52,7 @@ fn clauses_are_written_in_units_in_which_they_are_short() {
 
 #[test]
 fn what_is_absent_is_told_down_to_the_fields() {
-    let mut bare = built_in("hemisphere").unwrap();
+    let mut bare = built_in("hemisphere_2005").unwrap();
     let Some(Bond::Attract { align, .. }) = &mut bare.bond else {
         panic!("the default scene captures");
     };
@@ -193,7 +199,7 @@ fn any_scene() -> impl Strategy<Value = Scene> {
                 contact: Some(contact),
                 bond: Some(bond),
                 messages: Some(messages),
-                ..built_in("hemisphere").expect("it is built in")
+                ..built_in("hemisphere_2005").expect("it is built in")
             },
         )
 }

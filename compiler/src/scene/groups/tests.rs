@@ -2,7 +2,7 @@ use super::super::{Contact, Drag, built_in};
 use super::*;
 
 fn hemisphere() -> Scene {
-    built_in("hemisphere").expect("it is built in")
+    built_in("hemisphere_2005").expect("it is built in")
 }
 
 /// The values of a scene's groups, by symbol.
