@@ -22,6 +22,7 @@ use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
 
 use crate::figures::Drawing;
 
+pub(crate) use shell::file as shell_file;
 pub use subject::Input;
 
 /// The first line of every report, by which one is told from other people's files.
