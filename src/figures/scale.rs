@@ -61,7 +61,9 @@ impl Scale {
             };
             let all = decades
                 .flat_map(|decade| digits.iter().map(move |digit| digit * 10f64.powi(decade)));
-            return all.filter(|tick| (from..=to).contains(tick)).collect();
+            let all: Vec<f64> = all.filter(|tick| (from..=to).contains(tick)).collect();
+            let every = all.len().div_ceil(2 * n.max(1)).max(1);
+            return all.into_iter().step_by(every).collect();
         }
         let step = round_up((to - from) / n.max(1) as f64);
         let first = (from / step - 1e-9).ceil() as i64;
@@ -161,6 +163,8 @@ mod tests {
         let scale = Scale::logarithmic((1.0, 100.0), (0.0, 10.0));
         assert_eq!(scale.ticks(5), [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0]);
         assert!((scale.at(10.0) - 5.0).abs() < 1e-12);
+        let scale = Scale::logarithmic((1e-100, 1e100), (0.0, 10.0));
+        assert!((3..=10).contains(&scale.ticks(5).len()));
         // No room at all is no reason for an endless axis.
         assert!(Scale::linear((3.0, 3.0), (0.0, 1.0)).ticks(4).len() < 9);
     }

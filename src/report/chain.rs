@@ -126,7 +126,9 @@ pub(super) fn moments(events: &Events, record: &RunRecord) -> Vec<Moment> {
 fn begins(record: &RunRecord) -> Vec<u64> {
     let mut begins = vec![0];
     for ticks in &record.phase_ticks {
-        begins.push(begins.last().copied().unwrap_or(0) + ticks);
+        let last = begins.last().copied().unwrap_or(0);
+        // A journal may have been edited.
+        begins.push(u64::saturating_add(last, *ticks));
     }
     begins
 }

@@ -220,7 +220,7 @@ fn seen(runs: &[RunRecord]) -> Vec<Event> {
         };
         let (count, ticks) = found.entry((bond.phase, deed)).or_default();
         *count += 1;
-        *ticks += bond.docked;
+        *ticks = ticks.saturating_add(bond.docked);
     }
     let mut found: Vec<_> = found.into_iter().collect();
     found.sort_by_key(|&((phase, _), (count, ticks))| (phase, ticks / count));

@@ -66,7 +66,9 @@ pub(super) fn lead(subject: &Subject, run: &Run) -> Option<String> {
 }
 
 fn between(passed: &[&Link]) -> Option<String> {
-    let spent: u64 = passed.iter().map(|link| link.ticks()).sum();
+    let spent = passed
+        .iter()
+        .fold(0, |spent: u64, link| spent.saturating_add(link.ticks()));
     let (first, last) = (passed.first()?, passed.last()?);
     Some(format!(
         "{} shorter waits, one after the other, took {} (from tick {} to {}).",

@@ -161,8 +161,8 @@ impl Run {
             (Outcome::Failed { .. }, _) => None,
             (_, Some(&ticks)) => Some(Observation::completed(ticks as f64)),
             (Outcome::TimedOut { .. }, None) if record.phase_ticks.len() == phase => {
-                let before: u64 = record.phase_ticks.iter().sum();
-                let cut = record.ticks.saturating_sub(before);
+                let before = record.phase_ticks.iter();
+                let cut = before.fold(record.ticks, |left, ticks| left.saturating_sub(*ticks));
                 Some(Observation::censored(cut as f64))
             }
             _ => None,

@@ -44,13 +44,13 @@ pub(super) fn waits(subject: &Subject) -> Vec<Wait> {
         runs.filter(|run| !matches!(run.record.outcome, Outcome::Failed { .. }))
     };
     let count = subject.events.events.len();
-    let (mut spent, mut decided) = (vec![0; count], vec![0; count]);
-    let mut total = 0;
+    let (mut spent, mut decided) = (vec![0.0; count], vec![0; count]);
+    let mut total = 0.0;
     for run in runs() {
-        total += run.record.ticks;
+        total += run.record.ticks as f64;
         for link in &run.chain {
             if let Some(event) = link.event() {
-                spent[event] += link.ticks();
+                spent[event] += link.ticks() as f64;
                 decided[event] += 1;
             }
         }
@@ -95,7 +95,7 @@ pub(super) fn waits(subject: &Subject) -> Vec<Wait> {
             docking: Summary::of(&docking),
             free,
             released: released.into_iter().collect(),
-            share: (ordered && total > 0).then(|| spent[number] as f64 / total as f64),
+            share: (ordered && total > 0.0).then(|| spent[number] / total),
             decided: decided[number],
         });
     }

@@ -1,5 +1,7 @@
 //! Names that would be more than names.
+use stochc::compiler::table::{PhaseId, RoleId};
 use stochc::report::address;
+use stochc::runtime::record::Outcome;
 
 use crate::sample::{five, parsed, told};
 
@@ -78,4 +80,43 @@ fn data_files_quote_what_they_have_to() {
 fn addresses_stay_what_they_are() {
     assert_eq!(address("a b#c?d%e/f-1.svg"), "a%20b%23c%3Fd%25e/f-1.svg");
     assert_eq!(address("javascript:x"), "javascript%3Ax");
+}
+
+/// A journal that somebody has edited says impossible things; a page can still be drawn.
+#[test]
+fn impossible_records_are_no_reason_to_stop() {
+    let mut input = five(0.2);
+    let roles = input.manifest.programs[0].roles.len() as u32;
+    for (i, done) in input.finished.iter_mut().enumerate() {
+        let record = &mut done.record;
+        match i {
+            0 => record.ticks = u64::MAX,
+            1 => record.phase_ticks = vec![u64::MAX; 5],
+            2 => record.bonds[0].parent = RoleId(roles),
+            3 => record.outcome = Outcome::TimedOut { phase: PhaseId(77) },
+            _ => {
+                record.bonds[1].phase = PhaseId(u32::MAX);
+                record.bonds[2].magnetized = u64::MAX;
+                record.bonds[2].docking = u64::MAX;
+                record.phase_ticks.clear();
+            }
+        }
+    }
+    for sources in [true, false] {
+        if !sources {
+            // Then the events are those of the records.
+            input.manifest.programs[0].sources.clear();
+        }
+        let report = told(std::slice::from_ref(&input));
+        parsed(&report.page);
+        for (name, content) in &report.files {
+            if name.ends_with(".svg") {
+                parsed(content);
+                assert!(
+                    !content.contains("NaN") && !content.contains("inf"),
+                    "{name}"
+                );
+            }
+        }
+    }
 }

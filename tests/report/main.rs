@@ -11,3 +11,4 @@ mod sample;
 #[path = "../command/stochc.rs"]
 #[allow(dead_code, reason = "shared with the tests of the command")]
 mod stochc;
+mod tables;
