@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::terminal::{print, warn};
 use crate::cli::Exit;
-use crate::ensemble::Folder;
+use crate::ensemble::{Folder, Manifest};
 use crate::files::atomic;
 use crate::report::{Input, MARK, Report, Surroundings, address, report};
 
@@ -45,7 +45,11 @@ pub fn run(options: &Options) -> Exit {
     let name = beside.file_name().unwrap_or_default().to_string_lossy();
     let surroundings = Surroundings {
         folder: &name,
-        replay: &|folder, run| replay(&page, &folders[folder].0, folders.len() == 1, run),
+        replay: &|folder, program, run| {
+            let (path, input) = &folders[folder];
+            let names = replay_names(&input.manifest, program, run);
+            replay(&page, path, folders.len() == 1, &names)
+        },
     };
     let report = report(&inputs, &surroundings);
     if let Err(error) = keep(&page, &beside, &report) {
@@ -168,23 +172,41 @@ fn keep(page: &Path, beside: &Path, report: &Report) -> io::Result<()> {
 
 /// The address of a run's replay as seen from the page: beside the page of a single folder, or in
 /// the folder.
-fn replay(page: &Path, folder: &Path, single: bool, run: u64) -> Option<String> {
-    let name = format!("replay-{run}.html");
-    let here = page.parent()?;
-    if single && here.join(&name).is_file() {
-        return Some(name);
-    }
-    if !folder.join(&name).is_file() {
-        return None;
-    }
-    // An address on this machine's disk alone would break when the report is passed on.
-    let real = |path: &Path| match path {
-        path if path == Path::new("") => std::fs::canonicalize("."),
-        path => std::fs::canonicalize(path),
+fn replay(page: &Path, folder: &Path, single: bool, names: &[String]) -> Option<String> {
+    let here = match page.parent()? {
+        empty if empty == Path::new("") => Path::new("."),
+        here => here,
     };
-    let (here, folder) = (real(here).ok()?, real(folder).ok()?);
-    let below = folder.strip_prefix(here).ok()?.join(&name);
+    let beside = names.iter().find(|name| here.join(name).is_file());
+    if let (true, Some(name)) = (single, beside) {
+        return Some(address(name));
+    }
+    let name = names.iter().find(|name| folder.join(name).is_file())?;
+    // An address on this machine's disk alone would break when the report is passed on.
+    let (here, folder) = (here.canonicalize().ok()?, folder.canonicalize().ok()?);
+    let below = folder.strip_prefix(here).ok()?.join(name);
     Some(address(&below.to_string_lossy().replace('\\', "/")))
+}
+
+/// What the replay of a run may be called: by the program's assembly and its number, or by its number
+/// alone where the folder has one program.
+fn replay_names(manifest: &Manifest, program: usize, run: u64) -> Vec<String> {
+    let assembly = &manifest.programs[program].assembly;
+    let twins = manifest.programs.iter();
+    let twins = twins.filter(|twin| twin.assembly == *assembly).count();
+    let which = match twins {
+        1 => String::new(),
+        _ => format!("-{program}"),
+    };
+    let mut names = Vec::new();
+    // A manifest may have been edited, and lead anywhere.
+    if assembly.chars().all(|c| c.is_alphanumeric() || c == '_') {
+        names.push(format!("replay-{assembly}{which}-{run}.html"));
+    }
+    if manifest.programs.len() == 1 {
+        names.push(format!("replay-{run}.html"));
+    }
+    names
 }
 
 fn refuse(reason: &str) -> Exit {

@@ -42,9 +42,9 @@ pub struct Report {
 pub struct Surroundings<'a> {
     /// The name of the folder of figures and tables, which is beside the page.
     pub folder: &'a str,
-    /// The address of the replay of a run, from the number of its folder and its own, as seen from
-    /// the page; `None`: there is none.
-    pub replay: &'a dyn Fn(usize, u64) -> Option<String>,
+    /// The address of the replay of a run as seen from the page, from the numbers of its folder, of
+    /// its program in there, and its own; `None`: there is none.
+    pub replay: &'a dyn Fn(usize, usize, u64) -> Option<String>,
 }
 
 /// A relative path as an address: what would end or change it is written in hexadecimal.

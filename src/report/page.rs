@@ -418,7 +418,7 @@ fn phases(parts: &Parts, n: usize, subject: &Subject, out: &mut Html, drawings: 
         let caption = "Each phase from its own beginning, of the runs that reached it.";
         show(parts, out, drawings, figure, caption, &["survival.csv"]);
     }
-    let total = subject.runs.iter().map(|run| run.record.ticks).sum::<u64>() as f64;
+    let total: f64 = subject.runs.iter().map(|run| run.record.ticks as f64).sum();
     let rows = phases.iter().enumerate().map(|(phase, phase_name)| {
         let observed = times(phase);
         let spent: f64 = observed.iter().map(|time| time.time).sum();
@@ -543,15 +543,19 @@ fn runs(parts: &Parts, n: usize, subject: &Subject, out: &mut Html) {
             out.paragraph(&lead);
         }
         out.list("ol", &story(subject, run));
-        match (parts.surroundings.replay)(subject.folder, number) {
+        let replay = parts.surroundings.replay;
+        match replay(subject.folder, subject.number, number) {
             Some(address) => out.paragraph(&format!(
                 "<a href=\"{}\">Watch run {number}</a>",
                 escaped(&address)
             )),
             None => {
                 out.note("To watch it:");
-                let replay = format!("stochc replay {} --run {number}", shell::file(path));
-                out.raw(&command(&replay));
+                let mut line = format!("stochc replay {} --run {number}", shell::file(path));
+                if subject.manifest.programs.len() > 1 {
+                    line += &format!(" --program {}", shell::quoted(&subject.program.name));
+                }
+                out.raw(&command(&line));
             }
         }
     }

@@ -64,6 +64,17 @@ fn a_replay_that_is_there_is_linked() {
         page.contains("stochc replay &#39;"),
         "the others are not there"
     );
+    // By the name of the assembly as well, and with several programs only so.
+    let both = simulated(folder.path(), "both", &["tests/fixtures/importing.sa"]);
+    for name in ["replay-tower-0.html", "replay-1.html"] {
+        fs::write(path(both.as_ref(), name), "").unwrap();
+    }
+    stochc_with("report", &[&both]);
+    let page = fs::read_to_string(path(both.as_ref(), "report.html")).unwrap();
+    assert!(page.contains("<a href=\"replay-tower-0.html\">Watch run 0</a>"));
+    assert!(!page.contains("\"replay-1.html"), "whose is it?");
+    let line = format!("stochc replay {both} --run 1 --program tower</code>");
+    assert!(page.contains(&line), "{page}");
     // From a page elsewhere, as far as a relative address goes.
     let elsewhere = path(folder.path(), "page.html");
     stochc_with("report", &[&out, "--out", &elsewhere]);

@@ -1,4 +1,6 @@
 //! An ensemble small enough to reckon with by hand.
+use std::collections::BTreeMap;
+
 use roxmltree::{Document, ParsingOptions};
 use stochc::compiler::table::{PhaseId, RoleId};
 use stochc::compiler::{Cell, Face, Levels, Limits};
@@ -142,7 +144,7 @@ pub fn five(friction: f64) -> Input {
 pub fn told(inputs: &[Input]) -> Report {
     let surroundings = Surroundings {
         folder: "report-figures",
-        replay: &|_, _| None,
+        replay: &|_, _, _| None,
     };
     report(inputs, &surroundings)
 }
@@ -153,9 +155,14 @@ pub fn file<'a>(report: &'a Report, name: &str) -> &'a str {
     &found.unwrap_or_else(|| panic!("no {name}")).1
 }
 
-/// The rows of a table of a report, by the names of its columns; no field of it has a comma.
-pub fn rows(report: &Report, name: &str) -> Vec<std::collections::BTreeMap<String, String>> {
-    let mut lines = file(report, name).split_terminator("\r\n");
+/// The rows of a table of a report.
+pub fn rows(report: &Report, name: &str) -> Vec<BTreeMap<String, String>> {
+    fields(file(report, name))
+}
+
+/// The rows of a table by the names of its columns; no field of it has a comma.
+pub fn fields(text: &str) -> Vec<BTreeMap<String, String>> {
+    let mut lines = text.split_terminator("\r\n");
     let names: Vec<&str> = lines.next().unwrap().split(',').collect();
     let row = |line: &str| {
         let fields: Vec<&str> = line.split(',').collect();
