@@ -1,5 +1,6 @@
 //! The page: sections in the order in which somebody asks.
 use stochc_compiler::scene::describe;
+use stochc_runtime::Model;
 use stochc_runtime::record::Outcome;
 
 use super::contrast::{Clock, Contrast, Method, Verdict};
@@ -152,6 +153,18 @@ fn warnings(input: &Input) -> Vec<String> {
                 shell::file(&inside(&input.path, "manifest.json")),
                 shell::file(&input.path)
             ))
+        ));
+    }
+    if manifest.model == Model::Shuffle.name() {
+        found.push(format!(
+            "{path} was made with the model <code>shuffle</code>, which has no physics: its times \
+             mean nothing."
+        ));
+    }
+    if let Some(reduction) = manifest.settings.get("reduction") {
+        found.push(format!(
+            "{path} was made with the reduced model {}: it leaves out something that the scene has.",
+            code(reduction)
         ));
     }
     let version = env!("CARGO_PKG_VERSION");

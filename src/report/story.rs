@@ -32,6 +32,8 @@ pub(super) fn heading(subject: &Subject, what: &str, run: &Run) -> String {
 /// Its chain in a few sentences of HTML, each an item of a list.
 pub(super) fn story(subject: &Subject, run: &Run) -> Vec<String> {
     let mut longest: Vec<u64> = run.chain.iter().map(Link::ticks).collect();
+    // What took no time needs no room where room is short.
+    longest.retain(|&ticks| ticks > 0);
     longest.sort_unstable_by(|a, b| b.cmp(a));
     let least = longest.get(TOLD).copied();
     let told = |link: &&Link| match least {
@@ -66,13 +68,20 @@ pub(super) fn lead(subject: &Subject, run: &Run) -> Option<String> {
 }
 
 fn between(passed: &[&Link]) -> Option<String> {
-    let spent = passed
+    let waits: Vec<u64> = passed.iter().map(|link| link.ticks()).collect();
+    let spent = waits
         .iter()
-        .fold(0, |spent: u64, link| spent.saturating_add(link.ticks()));
+        .fold(0, |spent: u64, wait| spent.saturating_add(*wait));
+    let longest = waits.iter().copied().max().unwrap_or(0);
+    // Releases that followed at once; what waited for them says so.
+    if longest == 0 {
+        return None;
+    }
     let (first, last) = (passed.first()?, passed.last()?);
     Some(format!(
-        "{} shorter waits, one after the other, took {} (from tick {} to {}).",
-        passed.len(),
+        "{} waits of at most {}, one after the other, took {} (from tick {} to {}).",
+        waits.iter().filter(|wait| **wait > 0).count(),
+        ticks(longest),
         ticks(spent),
         number(first.from as f64),
         number(last.to as f64)

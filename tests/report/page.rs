@@ -216,3 +216,18 @@ fn the_commands_on_the_page_work() {
     }
     assert_eq!(simulated, 2);
 }
+
+/// Thirteen waits of one tick each are not worth thirteen sentences.
+#[test]
+fn a_long_chain_of_equal_waits_is_told_in_one_sentence() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = path(folder.path(), "out");
+    let simulate = "simulate --quiet --model shuffle --runs 2 examples/line.sa";
+    assert_eq!(stochc_with(simulate, &["--out", &out]).status, 0);
+    assert_eq!(stochc_with("report", &[&out]).status, 0);
+    let page = std::fs::read_to_string(path(out.as_ref(), "report.html")).unwrap();
+    let told = "<ol>\n<li>13 waits of at most 1 tick, one after the other, took 13 ticks (from tick 0 \
+                to 13).</li>\n</ol>";
+    assert!(page.contains(told), "{page}");
+    assert!(page.contains("has no physics: its times mean nothing"));
+}
