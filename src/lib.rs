@@ -11,10 +11,12 @@
 pub mod cli;
 pub mod command;
 pub mod ensemble;
+mod figures;
 pub mod files;
 pub mod findings;
 pub mod lsp;
 pub mod mend;
+pub mod report;
 pub mod statistics;
 pub mod trade;
 mod wrong;

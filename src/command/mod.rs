@@ -7,6 +7,7 @@ pub mod fmt;
 pub mod levels;
 pub mod lsp;
 pub mod man;
+pub mod report;
 pub mod results;
 pub mod simulate;
 mod terminal;

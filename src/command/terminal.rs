@@ -35,6 +35,11 @@ pub fn output_has_colour() -> bool {
     std::io::stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty())
 }
 
+/// Whether somebody looks at the output, now.
+pub fn output_is_watched() -> bool {
+    std::io::stdout().is_terminal()
+}
+
 /// Columns of the output: those of the terminal, or [`WIDTH`] where it is none.
 pub fn output_width() -> usize {
     columns(&Term::stdout()).unwrap_or(WIDTH)

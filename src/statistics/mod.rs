@@ -6,16 +6,22 @@
 //! speak; where some are censored, [`KaplanMeier`] and the log-rank test do.
 mod difference;
 mod distribution;
+mod holm;
 mod kolmogorov;
+mod paired;
+mod quantile;
 mod ratio;
 mod summary;
 mod survival;
 
 pub use difference::{Difference, Test, compare};
+pub use holm::holm;
 pub use kolmogorov::{Distance, distance};
+pub use paired::{Paired, paired};
+pub use quantile::quantile;
 pub use ratio::{Relative, relative};
 pub use summary::{Summary, median};
-pub use survival::{KaplanMeier, RestrictedMean};
+pub use survival::{KaplanMeier, Point, RestrictedMean};
 
 /// A time, known or cut short.
 #[derive(Clone, Copy, Debug, PartialEq)]

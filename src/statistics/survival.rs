@@ -25,6 +25,22 @@ struct Step {
     after: f64,
 }
 
+/// The share of incomplete runs right after a time at which some completed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point {
+    /// The time, in the unit of the observations.
+    pub time: f64,
+    /// Runs that were still under observation just before it.
+    pub at_risk: usize,
+    /// Runs that completed at it.
+    pub completed: usize,
+    /// The share still incomplete after it.
+    pub incomplete: f64,
+    /// Ends of its 95 % confidence interval; `None` after the last run has completed, where the
+    /// formula has no value.
+    pub interval: Option<(f64, f64)>,
+}
+
 /// The mean of min(time, horizon).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RestrictedMean {
@@ -79,6 +95,33 @@ impl KaplanMeier {
     pub fn incomplete(&self, time: f64) -> f64 {
         let passed = self.steps.partition_point(|step| step.time <= time);
         passed.checked_sub(1).map_or(1.0, |i| self.steps[i].after)
+    }
+
+    /// The curve, step by step, with pointwise intervals.
+    ///
+    /// The interval is symmetric for log(-log S), so that it stays between 0 and 1: S to the power
+    /// exp(± 1.96 e), where e = sqrt(G) / |log S| and G is Greenwood's sum of d / (n (n - d))
+    /// (J. D. Kalbfleisch and R. L. Prentice, The Statistical Analysis of Failure Time Data, 2nd
+    /// ed. 2002, section 1.4).
+    pub fn curve(&self) -> Vec<Point> {
+        let mut greenwood = 0.0;
+        let point = |step: &Step| {
+            let left = step.at_risk - step.completed;
+            let interval = (left > 0).then(|| {
+                greenwood += step.completed as f64 / (step.at_risk as f64 * left as f64);
+                let error = f64::sqrt(greenwood) / step.after.ln().abs();
+                let by = (normal_quantile() * error).exp();
+                (step.after.powf(by), step.after.powf(1.0 / by))
+            });
+            Point {
+                time: step.time,
+                at_risk: step.at_risk,
+                completed: step.completed,
+                incomplete: step.after,
+                interval,
+            }
+        };
+        self.steps.iter().map(point).collect()
     }
 
     /// The time at which half of the runs have completed; `None`: the estimate stays above half.
@@ -166,6 +209,33 @@ mod tests {
         assert!((earlier.error - 1.5531899782483798).abs() < 1e-12);
         assert!((curve.incomplete(6.0) - 18.0 / 21.0).abs() < 1e-12);
         assert_eq!(curve.incomplete(5.9), 1.0);
+    }
+
+    /// lifelines 0.30.3: `k.confidence_interval_survival_function_`, whose interval is this one.
+    #[test]
+    fn intervals_agree_with_lifelines() {
+        let curve = treated().curve();
+        let steps: Vec<_> = (curve.iter())
+            .map(|point| (point.time, point.at_risk, point.completed))
+            .collect();
+        assert_eq!(steps[..3], [(6.0, 21, 3), (7.0, 17, 1), (10.0, 15, 1)]);
+        for (point, low, high) in [
+            (curve[0], 0.6197179552659838, 0.9515517476469969),
+            (curve[2], 0.5031995107999564, 0.8893618351692651),
+            (curve[6], 0.18805200595923233, 0.6801426284952412),
+        ] {
+            let (found_low, found_high) = point.interval.unwrap();
+            assert!((found_low - low).abs() < 1e-12, "{point:?}");
+            assert!((found_high - high).abs() < 1e-12, "{point:?}");
+        }
+    }
+
+    #[test]
+    fn where_all_have_completed_there_is_no_interval() {
+        let both = [1.0, 2.0].map(Observation::completed);
+        let curve = KaplanMeier::of(&both).unwrap().curve();
+        assert!(curve[0].interval.is_some());
+        assert_eq!((curve[1].incomplete, curve[1].interval), (0.0, None));
     }
 
     #[test]

@@ -6,6 +6,7 @@ use stochc_runtime::{Model, Precision};
 use super::advice::{relative, within};
 use super::report::{Rung, Trade};
 use super::table::seconds;
+use crate::figures::{escaped, line, text};
 
 const WIDTH: f64 = 920.0;
 const LEFT: f64 = 70.0;
@@ -455,27 +456,4 @@ fn diamond(x: f64) -> String {
         x + m,
         x - m
     )
-}
-
-fn line(out: &mut String, class: &str, from: (f64, f64), to: (f64, f64), more: &str) {
-    let _ = writeln!(
-        out,
-        "<line class=\"{class}\" x1=\"{:.1}\" y1=\"{:.1}\" x2=\"{:.1}\" y2=\"{:.1}\" {more}/>",
-        from.0, from.1, to.0, to.1
-    );
-}
-
-fn text(out: &mut String, class: &str, place: (f64, f64), more: &str, content: &str) {
-    let _ = writeln!(
-        out,
-        "<text class=\"{class}\" x=\"{:.1}\" y=\"{:.1}\" {more}>{}</text>",
-        place.0,
-        place.1,
-        escaped(content)
-    );
-}
-
-fn escaped(text: &str) -> String {
-    let text = text.replace('&', "&amp;").replace('<', "&lt;");
-    text.replace('>', "&gt;").replace('"', "&quot;")
 }

@@ -1,6 +1,8 @@
 //! Where the words go, and what happens when nobody takes them.
 use std::process::Stdio;
 
+#[cfg(target_os = "linux")]
+use crate::stochc::stochc;
 use crate::stochc::{command, path, said};
 
 #[test]
@@ -24,6 +26,54 @@ fn nothing_is_coloured_outside_a_terminal() {
             );
         }
     }
+}
+
+/// A terminal as `script` plays one; `None`: there is no `script`.
+#[cfg(target_os = "linux")]
+fn on_a_terminal(arguments: &str) -> Option<String> {
+    let line = format!("{} {arguments}", env!("CARGO_BIN_EXE_stochc"));
+    let mut script = std::process::Command::new("script");
+    script
+        .args(["-qec", &line, "/dev/null"])
+        .stdin(Stdio::null());
+    let output = script.env("TERM", "xterm").output();
+    let output = output.inspect_err(|_| {
+        let note = b"skipped 1 check: `script` cannot be run\n";
+        let _ = std::io::Write::write_all(&mut std::io::stderr(), note);
+    });
+    Some(String::from_utf8(output.ok()?.stdout).unwrap())
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_terminal_gets_a_picture_and_the_next_command() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = path(folder.path(), "out");
+    let simulate = format!("simulate --model shuffle --runs 3 tests/fixtures/tower.sa --out {out}");
+    let Some(watched) = on_a_terminal(&simulate) else {
+        return;
+    };
+    let (_, picture) = watched
+        .split_once("tower: runs that are not complete yet")
+        .unwrap();
+    assert!(
+        picture.contains("100 % ███") && picture.contains(" 3 ticks"),
+        "{picture}"
+    );
+    assert!(
+        picture.contains(&format!("stochc report {out}")),
+        "{picture}"
+    );
+    // Without a folder there is nothing to report on, and nothing at all for those who asked for quiet.
+    let simulate = "simulate --model shuffle --runs 3 tests/fixtures/tower.sa";
+    let watched = on_a_terminal(simulate).unwrap();
+    assert!(watched.contains("not complete yet") && !watched.contains("stochc report"));
+    for quiet in ["--quiet", "--format json"] {
+        let watched = on_a_terminal(&format!("{simulate} {quiet}")).unwrap();
+        assert!(!watched.contains("not complete yet"), "{watched}");
+    }
+    let piped = stochc(&format!("{simulate} --out {out}-2"));
+    assert!(!piped.out.contains("not complete yet") && !piped.out.contains("stochc report"));
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! `stochc simulate`.
 mod accuracy;
+mod closing;
 mod input;
 mod options;
 mod single;
@@ -116,6 +117,7 @@ fn ensemble(
         bonds: options.bonds,
     };
     let exit = show(manifest, &results.finished, &shown);
+    closing::close(options, manifest, &results.finished);
     if results.complete {
         return exit;
     }

@@ -1,0 +1,215 @@
+//! `stochc report`.
+use std::io;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use super::terminal::{print, warn};
+use crate::cli::Exit;
+use crate::ensemble::{Folder, Manifest};
+use crate::files::atomic;
+use crate::report::{Input, MARK, Report, Surroundings, address, report};
+
+/// What `report` is given.
+#[derive(Debug, Args)]
+pub struct Options {
+    /// Folders that `simulate --out` has filled; several are compared
+    #[arg(value_name = "DIR", required = true)]
+    folders: Vec<PathBuf>,
+    /// The page to write; `report.html` in the folder if left out, or here for several folders
+    #[arg(long, value_name = "FILE.html")]
+    out: Option<PathBuf>,
+    /// Do not tell where the report is
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+/// The name of the page, where nobody gives another.
+const PAGE: &str = "report.html";
+
+/// Writes a page on what folders hold, and its figures beside it.
+pub fn run(options: &Options) -> Exit {
+    let folders = match read(&options.folders) {
+        Ok(folders) => folders,
+        Err(exit) => return exit,
+    };
+    let page = options.out.clone().unwrap_or_else(|| match &folders[..] {
+        [(folder, _)] => folder.join(PAGE),
+        _ => PathBuf::from(PAGE),
+    });
+    let beside = match claim(&page) {
+        Ok(beside) => beside,
+        Err(reason) => return refuse(&reason),
+    };
+    let inputs: Vec<Input> = folders.iter().map(|(_, input)| input.clone()).collect();
+    let name = beside.file_name().unwrap_or_default().to_string_lossy();
+    let surroundings = Surroundings {
+        folder: &name,
+        replay: &|folder, program, run| {
+            let (path, input) = &folders[folder];
+            let names = replay_names(&input.manifest, program, run);
+            replay(&page, path, folders.len() == 1, &names)
+        },
+    };
+    let report = report(&inputs, &surroundings);
+    if let Err(error) = keep(&page, &beside, &report) {
+        return refuse(&format!("cannot write `{}`: {error}", page.display()));
+    }
+    if !options.quiet {
+        print(&format!("{}\n", page.display()));
+    }
+    Exit::Success
+}
+
+/// The folders, each once, with all that they hold; tells everything that is wrong with them.
+fn read(paths: &[PathBuf]) -> Result<Vec<(PathBuf, Input)>, Exit> {
+    let mut seen = Vec::new();
+    let mut folders = Vec::new();
+    let mut wrong = false;
+    for path in paths {
+        let real = std::fs::canonicalize(path).unwrap_or_else(|_| path.clone());
+        if seen.contains(&real) {
+            warn(&format!("note: `{}` is given twice\n", path.display()));
+            continue;
+        }
+        seen.push(real);
+        match Folder::read(path) {
+            Ok((manifest, finished)) => {
+                let (done, total) = (finished.len() as u64, manifest.total());
+                if done < total {
+                    let shown = path.display();
+                    warn(&format!(
+                        "note: `{shown}` is not finished: {done} of {total} runs\n"
+                    ));
+                }
+                let path_text = path.to_string_lossy().into_owned();
+                let input = Input {
+                    path: path_text,
+                    manifest,
+                    finished,
+                };
+                folders.push((path.clone(), input));
+            }
+            Err(error) => {
+                warn(&format!("error: {error}\n"));
+                wrong = true;
+            }
+        }
+    }
+    let versions: Vec<&str> = (folders.iter())
+        .map(|(_, input)| input.manifest.stochc.as_str())
+        .collect();
+    if versions.windows(2).any(|pair| pair[0] != pair[1]) {
+        warn(&format!(
+            "note: the folders were made by different versions of stochc: {}\n",
+            crate::figures::visible(&versions.join(", "))
+        ));
+    }
+    if wrong { Err(Exit::Usage) } else { Ok(folders) }
+}
+
+/// The folder beside the page, if neither would take the place of something else.
+fn claim(page: &Path) -> Result<PathBuf, String> {
+    let shown = page.display();
+    let (Some(stem), false) = (page.file_stem(), page.is_dir()) else {
+        return Err(format!("`{shown}` is a folder; give the name of a file"));
+    };
+    let mut name = stem.to_os_string();
+    name.push("-figures");
+    let beside = page.with_file_name(name);
+    let ours = match begins_with_mark(page) {
+        Ok(ours) => ours,
+        Err(error) if error.kind() == io::ErrorKind::NotFound => false,
+        Err(error) => return Err(format!("cannot use `{shown}`: {error}")),
+    };
+    if page.exists() && !ours {
+        return Err(format!(
+            "`{shown}` is not a report of stochc; choose another name with `--out`"
+        ));
+    }
+    let shown = beside.display();
+    match std::fs::read_dir(&beside).map(Iterator::count) {
+        Ok(1..) if !ours => Err(format!(
+            "`{shown}` holds other files; choose another name with `--out`"
+        )),
+        Ok(_) => Ok(beside),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(beside),
+        Err(error) => Err(format!("cannot use `{shown}`: {error}")),
+    }
+}
+
+fn begins_with_mark(page: &Path) -> io::Result<bool> {
+    let mut begin = vec![0; MARK.len()];
+    match io::Read::read_exact(&mut std::fs::File::open(page)?, &mut begin) {
+        Ok(()) => Ok(begin == MARK.as_bytes()),
+        Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => Ok(false),
+        Err(error) => Err(error),
+    }
+}
+
+/// Writes the figures, and last the page that refers to them; figures of an earlier report that
+/// this one does not have go.
+fn keep(page: &Path, beside: &Path, report: &Report) -> io::Result<()> {
+    // Only this one: a folder that is not there may be a slip of the pen.
+    if !beside.is_dir() {
+        std::fs::create_dir(beside)?;
+    }
+    for entry in std::fs::read_dir(beside)? {
+        let entry = entry?;
+        let name = entry.file_name();
+        let extension = Path::new(&name).extension();
+        let ours = extension.is_some_and(|it| it == "svg" || it == "csv");
+        let stays = report.files.iter().any(|(file, _)| name == file.as_str());
+        if ours && !stays {
+            std::fs::remove_file(entry.path())?;
+        }
+    }
+    for (name, content) in &report.files {
+        atomic::replace(&beside.join(name), content.as_bytes())?;
+    }
+    atomic::replace(page, report.page.as_bytes())
+}
+
+/// The address of a run's replay as seen from the page: beside the page of a single folder, or in
+/// the folder.
+fn replay(page: &Path, folder: &Path, single: bool, names: &[String]) -> Option<String> {
+    let here = match page.parent()? {
+        empty if empty == Path::new("") => Path::new("."),
+        here => here,
+    };
+    let beside = names.iter().find(|name| here.join(name).is_file());
+    if let (true, Some(name)) = (single, beside) {
+        return Some(address(name));
+    }
+    let name = names.iter().find(|name| folder.join(name).is_file())?;
+    // An address on this machine's disk alone would break when the report is passed on.
+    let (here, folder) = (here.canonicalize().ok()?, folder.canonicalize().ok()?);
+    let below = folder.strip_prefix(here).ok()?.join(name);
+    Some(address(&below.to_string_lossy().replace('\\', "/")))
+}
+
+/// What the replay of a run may be called: by the program's assembly and its number, or by its number
+/// alone where the folder has one program.
+fn replay_names(manifest: &Manifest, program: usize, run: u64) -> Vec<String> {
+    let assembly = &manifest.programs[program].assembly;
+    let twins = manifest.programs.iter();
+    let twins = twins.filter(|twin| twin.assembly == *assembly).count();
+    let which = match twins {
+        1 => String::new(),
+        _ => format!("-{program}"),
+    };
+    let mut names = Vec::new();
+    // A manifest may have been edited, and lead anywhere.
+    if assembly.chars().all(|c| c.is_alphanumeric() || c == '_') {
+        names.push(format!("replay-{assembly}{which}-{run}.html"));
+    }
+    if manifest.programs.len() == 1 {
+        names.push(format!("replay-{run}.html"));
+    }
+    names
+}
+
+fn refuse(reason: &str) -> Exit {
+    warn(&format!("error: {reason}\n"));
+    Exit::Usage
+}

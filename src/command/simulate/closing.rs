@@ -1,0 +1,61 @@
+//! What `simulate` ends with where somebody watches: a small picture, and where there is more.
+use stochc_runtime::record::{Outcome, RunRecord};
+
+use super::super::results::Form;
+use super::super::terminal::{output_is_watched, output_width, print};
+use super::Options;
+use crate::ensemble::{Finished, Manifest};
+use crate::figures::{Strip, strips, visible};
+use crate::report::shell_file;
+use crate::statistics::{KaplanMeier, Observation};
+
+/// Programs that fit on a screen.
+const SHOWN: usize = 4;
+
+/// Draws curves of the runs, and names the command that tells more; on a terminal only.
+pub fn close(options: &Options, manifest: &Manifest, finished: &[Finished]) {
+    if options.quiet || options.format != Form::Text || !output_is_watched() {
+        return;
+    }
+    let curves = curves(manifest, finished);
+    let mut text = strips(&curves, output_width(), "ticks");
+    if !text.is_empty() {
+        text.insert(0, '\n');
+    }
+    if let Some(out) = &options.out {
+        let folder = shell_file(&visible(&out.to_string_lossy()));
+        text += &format!("\nA page on these runs: stochc report {folder}\n");
+    }
+    print(&text);
+}
+
+/// The shares of runs that are not complete, of the first few programs; the axis is in ticks, so
+/// that programs of different clocks are not drawn together.
+fn curves(manifest: &Manifest, finished: &[Finished]) -> Vec<Strip> {
+    let first = manifest.programs.first().map(|program| program.scene.tick);
+    let programs = manifest.programs.iter().enumerate();
+    let same = programs.filter(|(_, program)| Some(program.scene.tick) == first);
+    let strip = |(number, name): (usize, &str)| {
+        let done = finished.iter().filter(|done| done.program == number);
+        let times: Vec<_> = done.filter_map(|done| time(&done.record)).collect();
+        let estimate = KaplanMeier::of(&times)?;
+        let steps = estimate.curve().into_iter();
+        Some(Strip {
+            name: visible(name),
+            steps: steps.map(|point| (point.time, point.incomplete)).collect(),
+            last: estimate.last(),
+        })
+    };
+    same.map(|(number, program)| (number, program.name.as_str()))
+        .filter_map(strip)
+        .take(SHOWN)
+        .collect()
+}
+
+fn time(record: &RunRecord) -> Option<Observation> {
+    match record.outcome {
+        Outcome::Completed => Some(Observation::completed(record.ticks as f64)),
+        Outcome::TimedOut { .. } => Some(Observation::censored(record.ticks as f64)),
+        Outcome::Failed { .. } => None,
+    }
+}

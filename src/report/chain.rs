@@ -1,0 +1,389 @@
+//! What decided how long a run took: the chain of waits from its end back to its beginning.
+//!
+//! A run ends when its last phase does, and a phase when its last event has happened. That event
+//! had waited since the last of those that it depends on, and so on: the chain of the waits that
+//! met end to end. Every other wait of the run was over before it mattered.
+use std::collections::{HashMap, VecDeque};
+
+use stochc_compiler::table::{PhaseId, RoleId};
+use stochc_runtime::record::{Origin, Outcome, RunRecord};
+
+use super::events::{Deed, Events, Why};
+
+/// A part of a run's time, and what it was spent on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Link {
+    pub phase: PhaseId,
+    pub what: What,
+    /// Ticks of the run.
+    pub from: u64,
+    pub to: u64,
+    /// What it had waited for, up to `from`; `None`: the beginning of the phase.
+    pub since: Option<(usize, Why)>,
+}
+
+/// What time was spent on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum What {
+    /// Event number `event`; `bond` is its capture in the record, a release has none.
+    Event { event: usize, bond: Option<usize> },
+    /// A capture that had not happened when the run was stopped.
+    Pending { event: usize },
+    /// Messages on their way to the plate.
+    Reports,
+}
+
+/// When an event of a run could begin, and when it had happened.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Moment {
+    /// When the face was magnetized, or the release was asked for; `None`: never.
+    pub ready: Option<u64>,
+    /// When the block docked or was let go; `None`: never.
+    pub done: Option<u64>,
+    /// The capture's number in the record.
+    pub bond: Option<usize>,
+}
+
+impl Link {
+    pub fn ticks(&self) -> u64 {
+        self.to.saturating_sub(self.from)
+    }
+
+    /// The event, if it is one.
+    pub fn event(&self) -> Option<usize> {
+        match self.what {
+            What::Event { event, .. } | What::Pending { event } => Some(event),
+            What::Reports => None,
+        }
+    }
+}
+
+/// When every event of a run happened.
+///
+/// Captures are in the record. Releases happen as soon as what they wait for has; where the
+/// released block was captured again, the record knows the tick. With messages that take time the
+/// ready times of what was never magnetized are lower bounds.
+pub(super) fn moments(events: &Events, record: &RunRecord) -> Vec<Moment> {
+    let mut bonds: HashMap<(PhaseId, Deed), VecDeque<usize>> = HashMap::new();
+    let mut released: HashMap<RoleId, Vec<u64>> = HashMap::new();
+    for (i, bond) in record.bonds.iter().enumerate() {
+        let deed = Deed::Capture {
+            parent: bond.parent,
+            face: bond.face,
+            child: bond.child,
+        };
+        bonds.entry((bond.phase, deed)).or_default().push_back(i);
+        if let Origin::Released { role, tick } = bond.origin {
+            released.entry(role).or_default().push(tick);
+        }
+    }
+    let begins = begins(record);
+    let mut moments: Vec<Moment> = Vec::with_capacity(events.events.len());
+    for event in &events.events {
+        let begin = begins.get(event.phase.0 as usize);
+        let waits = event.waits_for.iter();
+        // A cell that is still full keeps a block out, but no face from being magnetized.
+        let waits = waits.filter(|(_, why)| *why != Why::Vacated);
+        let ready = waits
+            .map(|&(first, _)| moments.get(first).and_then(|moment| moment.done))
+            .chain([begin.copied()])
+            .try_fold(0, |last, done| Some(last.max(done?)));
+        let moment = match event.deed {
+            Deed::Capture { .. } => {
+                let queue = bonds.get_mut(&(event.phase, event.deed));
+                match queue.and_then(VecDeque::pop_front) {
+                    Some(i) => Moment {
+                        ready: Some(record.bonds[i].magnetized),
+                        done: Some(record.bonds[i].docked),
+                        bond: Some(i),
+                    },
+                    None => Moment {
+                        ready,
+                        ..Moment::default()
+                    },
+                }
+            }
+            Deed::Release { role } => {
+                let end = begins.get(event.phase.0 as usize + 1);
+                let end = end.copied().unwrap_or(record.ticks);
+                let known = ready.and_then(|ready| {
+                    let ticks = released.get(&role)?.iter();
+                    ticks.copied().find(|tick| (ready..=end).contains(tick))
+                });
+                Moment {
+                    ready,
+                    done: known.or(ready),
+                    bond: None,
+                }
+            }
+        };
+        moments.push(moment);
+    }
+    moments
+}
+
+/// The tick at which each phase began that did.
+fn begins(record: &RunRecord) -> Vec<u64> {
+    let mut begins = vec![0];
+    for ticks in &record.phase_ticks {
+        let last = begins.last().copied().unwrap_or(0);
+        // A journal may have been edited.
+        begins.push(u64::saturating_add(last, *ticks));
+    }
+    begins
+}
+
+/// The chain of a run, the first link first; empty where nothing is known of the dependencies, or
+/// the run failed.
+pub(super) fn chain(events: &Events, record: &RunRecord, moments: &[Moment]) -> Vec<Link> {
+    if events.tables.is_none() || matches!(record.outcome, Outcome::Failed { .. }) {
+        return Vec::new();
+    }
+    let begins = begins(record);
+    let mut links = Vec::new();
+    if let Outcome::TimedOut { phase } = record.outcome {
+        unfinished(events, record, moments, phase, &mut links);
+    }
+    for (number, _) in record.phase_ticks.iter().enumerate().rev() {
+        let end = begins[number + 1];
+        let done = |&(i, _): &(usize, _)| moments[i].done;
+        // Of several that happened in the same tick any will do; the first is taken.
+        let last = events.of_phase(number).rev().max_by_key(done);
+        let Some((last, event)) = last else {
+            continue;
+        };
+        let Some(tick) = moments[last].done else {
+            continue;
+        };
+        if tick < end {
+            links.push(Link {
+                phase: event.phase,
+                what: What::Reports,
+                from: tick,
+                to: end,
+                since: None,
+            });
+        }
+        back(events, moments, last, &mut links);
+    }
+    links.reverse();
+    links
+}
+
+/// What the phase that did not end waited for: of the captures that were under way the one that had
+/// waited longest.
+fn unfinished(
+    events: &Events,
+    record: &RunRecord,
+    moments: &[Moment],
+    phase: PhaseId,
+    links: &mut Vec<Link>,
+) {
+    let here = || events.of_phase(phase.0 as usize);
+    let waiting = here().filter(|(i, event)| {
+        event.deed.is_capture() && moments[*i].done.is_none() && moments[*i].ready.is_some()
+    });
+    match waiting.min_by_key(|&(i, _)| moments[i].ready) {
+        Some((event, _)) => {
+            let since = since(events, moments, event);
+            links.push(Link {
+                phase,
+                what: What::Pending { event },
+                from: moments[event].ready.unwrap_or(0),
+                to: record.ticks,
+                since,
+            });
+            if let Some((first, _)) = since {
+                back(events, moments, first, links);
+            }
+        }
+        // Everything has happened, and the reports were on their way.
+        None => {
+            let done = here().filter(|&(i, _)| moments[i].done.is_some());
+            if let Some((last, _)) = done.max_by_key(|&(i, _)| moments[i].done) {
+                links.push(Link {
+                    phase,
+                    what: What::Reports,
+                    from: moments[last].done.unwrap_or(0),
+                    to: record.ticks,
+                    since: None,
+                });
+                back(events, moments, last, links);
+            }
+        }
+    }
+}
+
+/// Adds an event and all that led to it within its phase, the last first.
+fn back(events: &Events, moments: &[Moment], last: usize, links: &mut Vec<Link>) {
+    let mut next = Some(last);
+    while let Some(event) = next {
+        let moment = moments[event];
+        let (Some(ready), Some(done)) = (moment.ready, moment.done) else {
+            return;
+        };
+        let since = since(events, moments, event);
+        // A cell may have been emptied only after the face was magnetized.
+        let freed = since.and_then(|(first, _)| moments[first].done);
+        links.push(Link {
+            phase: events.events[event].phase,
+            what: What::Event {
+                event,
+                bond: moment.bond,
+            },
+            from: ready.max(freed.unwrap_or(0)).min(done),
+            to: done,
+            since,
+        });
+        // What is waited for stands before what waits, so that this ends.
+        next = since.map(|(first, _)| first);
+    }
+}
+
+/// The dependency of an event that was satisfied last.
+fn since(events: &Events, moments: &[Moment], event: usize) -> Option<(usize, Why)> {
+    let waits = events.events[event].waits_for.iter();
+    let done = waits.filter(|&&(first, _)| moments[first].done.is_some());
+    done.max_by_key(|&&(first, _)| moments[first].done).copied()
+}
+
+#[cfg(test)]
+mod tests {
+    use stochc_compiler::{Cell, Face};
+    use stochc_runtime::record::BondRecord;
+
+    use super::super::events::Event;
+    use super::*;
+
+    fn capture(parent: u32, child: u32) -> Deed {
+        Deed::Capture {
+            parent: RoleId(parent),
+            face: Face::Up,
+            child: RoleId(child),
+        }
+    }
+
+    fn event(phase: u32, deed: Deed, waits_for: &[(usize, Why)]) -> Event {
+        Event {
+            phase: PhaseId(phase),
+            deed,
+            waits_for: waits_for.to_vec(),
+        }
+    }
+
+    fn bond(phase: u32, parent: u32, child: u32, magnetized: u64, docked: u64) -> BondRecord {
+        BondRecord {
+            phase: PhaseId(phase),
+            parent: RoleId(parent),
+            face: Face::Up,
+            child: RoleId(child),
+            cell: Cell::new(0, 0, 1),
+            magnetized,
+            docked,
+            entries: 1,
+            docking: 0,
+            body: child,
+            origin: Origin::Free,
+        }
+    }
+
+    fn record(outcome: Outcome, ticks: u64, phases: &[u64], bonds: Vec<BondRecord>) -> RunRecord {
+        RunRecord {
+            run: 0,
+            outcome,
+            ticks,
+            phase_ticks: phases.to_vec(),
+            blocks_used: 0,
+            hops: 0,
+            bonds,
+        }
+    }
+
+    /// Phase 0: A -> C -> E beside B -> D. Phase 1: release E, then A -> F once E is gone.
+    fn program() -> Events {
+        Events {
+            events: vec![
+                event(0, capture(0, 2), &[]),
+                event(0, capture(2, 4), &[(0, Why::Anchored)]),
+                event(0, capture(1, 3), &[]),
+                event(1, Deed::Release { role: RoleId(4) }, &[]),
+                event(1, capture(2, 5), &[(3, Why::Vacated)]),
+            ],
+            tables: Some(String::new()),
+        }
+    }
+
+    fn told(links: &[Link]) -> Vec<(Option<usize>, u64, u64)> {
+        let told = links.iter().map(|link| (link.event(), link.from, link.to));
+        told.collect()
+    }
+
+    #[test]
+    fn the_chain_goes_through_what_was_satisfied_last() {
+        let bonds = vec![
+            bond(0, 1, 3, 0, 40),
+            bond(0, 0, 2, 0, 30),
+            bond(0, 2, 4, 30, 100),
+            bond(1, 2, 5, 100, 160),
+        ];
+        let record = record(Outcome::Completed, 160, &[100, 60], bonds);
+        let events = program();
+        let links = chain(&events, &record, &moments(&events, &record));
+        let expected = [
+            (Some(0), 0, 30),
+            (Some(1), 30, 100),
+            (Some(3), 100, 100),
+            (Some(4), 100, 160),
+        ];
+        assert_eq!(told(&links), expected);
+        assert_eq!(links[1].since, Some((0, Why::Anchored)));
+        // The waits meet end to end and fill the run.
+        assert_eq!(links.iter().map(Link::ticks).sum::<u64>(), record.ticks);
+    }
+
+    #[test]
+    fn another_branch_decides_when_it_is_last() {
+        let bonds = vec![
+            bond(0, 0, 2, 0, 30),
+            bond(0, 2, 4, 30, 60),
+            bond(0, 1, 3, 0, 90),
+            bond(1, 2, 5, 95, 100),
+        ];
+        // Five ticks for the reports.
+        let record = record(Outcome::Completed, 100, &[95, 5], bonds);
+        let events = program();
+        let links = chain(&events, &record, &moments(&events, &record));
+        let expected = [
+            (Some(2), 0, 90),
+            (None, 90, 95),
+            (Some(3), 95, 95),
+            (Some(4), 95, 100),
+        ];
+        assert_eq!(told(&links), expected);
+    }
+
+    #[test]
+    fn a_run_that_was_stopped_waited_for_what_had_not_come() {
+        let bonds = vec![bond(0, 0, 2, 0, 30), bond(0, 1, 3, 0, 90)];
+        let outcome = Outcome::TimedOut { phase: PhaseId(0) };
+        let record = record(outcome, 500, &[], bonds);
+        let events = program();
+        let links = chain(&events, &record, &moments(&events, &record));
+        assert_eq!(told(&links), [(Some(0), 0, 30), (Some(1), 30, 500)]);
+        assert_eq!(links[1].what, What::Pending { event: 1 });
+    }
+
+    #[test]
+    fn without_a_graph_or_after_a_failure_there_is_no_chain() {
+        let mut events = program();
+        let failed = Outcome::Failed {
+            phase: PhaseId(0),
+            reason: String::new(),
+        };
+        let failed = record(failed, 50, &[], Vec::new());
+        assert!(chain(&events, &failed, &moments(&events, &failed)).is_empty());
+        events.tables = None;
+        let fine = record(Outcome::Completed, 0, &[], Vec::new());
+        assert!(chain(&events, &fine, &moments(&events, &fine)).is_empty());
+    }
+}

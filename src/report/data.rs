@@ -1,0 +1,315 @@
+//! The figures as tables of comma-separated values (RFC 4180), for other programs.
+use super::contrast::{Clock, Contrast, Method, Verdict};
+use super::subject::Subject;
+use super::sweep::Sweep;
+use super::waits::Wait;
+use crate::ensemble::Time;
+use crate::statistics::{KaplanMeier, Observation};
+
+/// A table that grows row by row.
+struct Table(String);
+
+impl Table {
+    fn new(columns: &[&str]) -> Table {
+        let mut table = Table(String::new());
+        table.row(columns.iter().map(|&name| name.to_owned()));
+        table
+    }
+
+    fn row(&mut self, cells: impl IntoIterator<Item = String>) {
+        let cells: Vec<String> = cells.into_iter().map(|cell| field(&cell)).collect();
+        self.0 += &cells.join(",");
+        self.0 += "\r\n";
+    }
+}
+
+fn field(text: &str) -> String {
+    if text.contains([',', '"', '\r', '\n']) {
+        format!("\"{}\"", text.replace('"', "\"\""))
+    } else {
+        text.to_owned()
+    }
+}
+
+fn maybe(value: Option<f64>) -> String {
+    value.map_or(String::new(), |value| value.to_string())
+}
+
+/// A file's name and content.
+pub(super) type File = (String, String);
+
+/// The names of the tables that a report has.
+pub(super) fn names(differences: bool, sweeps: bool) -> Vec<&'static str> {
+    let always = [
+        "survival.csv",
+        "means.csv",
+        "waits.csv",
+        "origins.csv",
+        "chains.csv",
+    ];
+    let sometimes = [("differences.csv", differences), ("sweeps.csv", sweeps)];
+    let sometimes = sometimes.into_iter().filter(|(_, there)| *there);
+    let sometimes = sometimes.map(|(name, _)| name);
+    always.into_iter().chain(sometimes).collect()
+}
+
+/// All tables of a report, in the order of [`names`].
+pub(super) fn files(
+    subjects: &[Subject],
+    waits: &[Vec<Wait>],
+    contrasts: &[Contrast],
+    sweeps: &[Sweep],
+    clock: Clock,
+) -> Vec<File> {
+    let mut tables = vec![
+        survival(subjects),
+        means(subjects),
+        captures(subjects, waits),
+        origins(subjects, waits),
+        chains(subjects),
+    ];
+    if !contrasts.is_empty() {
+        tables.push(differences(subjects, contrasts, clock));
+    }
+    if !sweeps.is_empty() {
+        tables.push(swept(subjects, sweeps, clock));
+    }
+    let names = names(!contrasts.is_empty(), !sweeps.is_empty());
+    names.into_iter().map(str::to_owned).zip(tables).collect()
+}
+
+fn survival(subjects: &[Subject]) -> String {
+    let mut table = Table::new(&[
+        "program",
+        "phase",
+        "ticks",
+        "at_risk",
+        "completed",
+        "incomplete",
+        "low",
+        "high",
+    ]);
+    let mut add = |program: &str, phase: &str, times: &[Observation]| {
+        let Some(estimate) = KaplanMeier::of(times) else {
+            return;
+        };
+        for point in estimate.curve() {
+            table.row([
+                program.to_owned(),
+                phase.to_owned(),
+                point.time.to_string(),
+                point.at_risk.to_string(),
+                point.completed.to_string(),
+                point.incomplete.to_string(),
+                maybe(point.interval.map(|interval| interval.0)),
+                maybe(point.interval.map(|interval| interval.1)),
+            ]);
+        }
+    };
+    for subject in subjects {
+        add(&subject.label, "", &subject.times());
+        for (i, phase) in subject.program.phases.iter().enumerate() {
+            add(&subject.label, phase, &subject.phase_times(i));
+        }
+    }
+    table.0
+}
+
+fn means(subjects: &[Subject]) -> String {
+    let mut table = Table::new(&[
+        "program",
+        "phase",
+        "completed",
+        "stopped",
+        "mean",
+        "half_width",
+        "horizon",
+        "median",
+        "sd",
+        "min",
+        "max",
+    ]);
+    let mut add = |program: &str, phase: &str, times: &[Observation]| {
+        let Some(time) = Time::of(times) else {
+            return;
+        };
+        table.row([
+            program.to_owned(),
+            phase.to_owned(),
+            time.completed.to_string(),
+            time.censored.to_string(),
+            time.mean.to_string(),
+            maybe(time.half_width),
+            maybe(time.horizon),
+            maybe(time.median),
+            maybe(time.sd),
+            maybe(time.min),
+            maybe(time.max),
+        ]);
+    };
+    for subject in subjects {
+        add(&subject.label, "", &subject.times());
+        for (i, phase) in subject.program.phases.iter().enumerate() {
+            add(&subject.label, phase, &subject.phase_times(i));
+        }
+    }
+    table.0
+}
+
+fn captures(subjects: &[Subject], waits: &[Vec<Wait>]) -> String {
+    let mut table = Table::new(&[
+        "program",
+        "phase",
+        "capture",
+        "captured",
+        "stopped",
+        "wait",
+        "half_width",
+        "p10",
+        "p90",
+        "entries",
+        "docking",
+        "share",
+        "decided",
+    ]);
+    for (subject, waits) in subjects.iter().zip(waits) {
+        for wait in waits {
+            let time = wait.time.as_ref();
+            table.row([
+                subject.label.clone(),
+                subject.program.phase(wait.phase).to_owned(),
+                wait.text.clone(),
+                time.map_or(0, |time| time.completed).to_string(),
+                time.map_or(0, |time| time.censored).to_string(),
+                maybe(time.map(|time| time.mean)),
+                maybe(time.and_then(|time| time.half_width)),
+                maybe(wait.spread.map(|spread| spread.0)),
+                maybe(wait.spread.map(|spread| spread.1)),
+                maybe(wait.entries.as_ref().map(|entries| entries.mean)),
+                maybe(wait.docking.as_ref().map(|docking| docking.mean)),
+                maybe(wait.share),
+                wait.decided.to_string(),
+            ]);
+        }
+    }
+    table.0
+}
+
+fn origins(subjects: &[Subject], waits: &[Vec<Wait>]) -> String {
+    let mut table = Table::new(&["program", "phase", "capture", "origin", "role", "captured"]);
+    for (subject, waits) in subjects.iter().zip(waits) {
+        for wait in waits {
+            let released = wait.released.iter();
+            let released = released.map(|(role, n)| ("released", subject.program.role(*role), *n));
+            let all = std::iter::once(("free", "", wait.free)).chain(released);
+            for (origin, role, n) in all.filter(|(.., n)| *n > 0) {
+                table.row([
+                    subject.label.clone(),
+                    subject.program.phase(wait.phase).to_owned(),
+                    wait.text.clone(),
+                    origin.to_owned(),
+                    role.to_owned(),
+                    n.to_string(),
+                ]);
+            }
+        }
+    }
+    table.0
+}
+
+fn chains(subjects: &[Subject]) -> String {
+    let mut table = Table::new(&["program", "run", "phase", "event", "from", "to"]);
+    for subject in subjects {
+        for run in &subject.runs {
+            for link in &run.chain {
+                let event = link.event().map(|event| &subject.events.events[event]);
+                table.row([
+                    subject.label.clone(),
+                    run.record.run.to_string(),
+                    subject.program.phase(link.phase).to_owned(),
+                    event.map_or("reports".to_owned(), |event| {
+                        event.deed.text(subject.program)
+                    }),
+                    link.from.to_string(),
+                    link.to.to_string(),
+                ]);
+            }
+        }
+    }
+    table.0
+}
+
+fn differences(subjects: &[Subject], contrasts: &[Contrast], clock: Clock) -> String {
+    let mut table = Table::new(&[
+        "first",
+        "second",
+        "test",
+        "unit",
+        "difference",
+        "half_width",
+        "p",
+        "p_holm",
+    ]);
+    for contrast in contrasts {
+        let names = [contrast.first, contrast.second].map(|i| subjects[i].label.clone());
+        let (test, figures) = match &contrast.verdict {
+            Verdict::Same => ("same runs", [const { String::new() }; 4]),
+            Verdict::Unknown => ("none", [const { String::new() }; 4]),
+            Verdict::Known {
+                method,
+                difference,
+                half_width,
+                p,
+                corrected,
+            } => {
+                let test = match method {
+                    Method::Paired { .. } => "paired t",
+                    Method::Welch => "Welch t",
+                    Method::LogRank { .. } => "log-rank",
+                };
+                let figures = [difference, half_width, p, corrected];
+                (test, figures.map(|figure| figure.to_string()))
+            }
+        };
+        let words = [test.to_owned(), clock.unit().to_owned()];
+        table.row(names.into_iter().chain(words).chain(figures));
+    }
+    table.0
+}
+
+fn swept(subjects: &[Subject], sweeps: &[Sweep], clock: Clock) -> String {
+    let mut table = Table::new(&[
+        "of",
+        "value",
+        "program",
+        "unit",
+        "completed",
+        "stopped",
+        "mean",
+        "half_width",
+    ]);
+    for sweep in sweeps {
+        for (value, subject, time) in sweep.curves.iter().flat_map(|curve| &curve.points) {
+            table.row([
+                sweep.of.clone(),
+                value.to_string(),
+                subjects[*subject].label.clone(),
+                clock.unit().to_owned(),
+                time.completed.to_string(),
+                time.censored.to_string(),
+                time.mean.to_string(),
+                maybe(time.half_width),
+            ]);
+        }
+    }
+    table.0
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn a_field_may_hold_anything() {
+        assert_eq!(super::field("plain"), "plain");
+        assert_eq!(super::field("a,\"b\"\n"), "\"a,\"\"b\"\"\n\"");
+    }
+}

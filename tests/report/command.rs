@@ -1,0 +1,252 @@
+//! The command: where it writes, what it refuses, and with which exit status.
+use std::fs;
+use std::path::Path;
+
+use stochc::ensemble::Manifest;
+
+use crate::stochc::{command, path, said, stochc_with};
+
+/// A finished ensemble in `out` below a folder.
+fn simulated(folder: &Path, name: &str, more: &[&str]) -> String {
+    let out = path(folder, name);
+    let simulate = "simulate --quiet --model shuffle --runs 4 tests/fixtures/tower.sa";
+    let said = stochc_with(simulate, &[&["--out", &out], more].concat());
+    assert_eq!(said.status, 0, "{}", said.err);
+    out
+}
+
+#[test]
+fn a_report_is_in_its_folder_and_the_folder_stays_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = simulated(folder.path(), "out", &[]);
+    let before = stochc_with("results", &[&out]).out;
+    for _ in 0..2 {
+        let said = stochc_with("report", &[&out]);
+        let page = path(out.as_ref(), "report.html");
+        assert_eq!((said.status, said.out), (0, format!("{page}\n")));
+        assert!(
+            Path::new(&out)
+                .join("report-figures/survival.svg")
+                .is_file()
+        );
+    }
+    assert_eq!(stochc_with("results", &[&out]).out, before);
+    assert_eq!(simulated(folder.path(), "out", &[]), out, "still finished");
+    let quiet = stochc_with("report --quiet", &[&out]);
+    assert_eq!((quiet.status, quiet.out.as_str()), (0, ""));
+}
+
+#[test]
+fn several_folders_make_one_page_here() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, seed) in [("one", "1"), ("two", "2")] {
+        simulated(folder.path(), name, &["--seed", seed]);
+    }
+    let mut report = command(["report", "one", "two", "one/"]);
+    let said = said(report.current_dir(folder.path()));
+    assert_eq!((said.status, said.out.as_str()), (0, "report.html\n"));
+    assert_eq!(said.err, "note: `one/` is given twice\n");
+    let page = fs::read_to_string(folder.path().join("report.html")).unwrap();
+    for label in ["tower (one)", "tower (two)"] {
+        assert!(page.contains(label), "{label}");
+    }
+}
+
+#[test]
+fn a_replay_that_is_there_is_linked() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = simulated(folder.path(), "out 1", &[]);
+    fs::write(path(out.as_ref(), "replay-0.html"), "").unwrap();
+    stochc_with("report", &[&out]);
+    let page = fs::read_to_string(path(out.as_ref(), "report.html")).unwrap();
+    assert!(page.contains("<a href=\"replay-0.html\">Watch run 0</a>"));
+    assert!(
+        page.contains("stochc replay &#39;"),
+        "the others are not there"
+    );
+    // By the name of the assembly as well, and with several programs only so.
+    let both = simulated(folder.path(), "both", &["tests/fixtures/importing.sa"]);
+    for name in ["replay-tower-0.html", "replay-1.html"] {
+        fs::write(path(both.as_ref(), name), "").unwrap();
+    }
+    stochc_with("report", &[&both]);
+    let page = fs::read_to_string(path(both.as_ref(), "report.html")).unwrap();
+    assert!(page.contains("<a href=\"replay-tower-0.html\">Watch run 0</a>"));
+    assert!(!page.contains("\"replay-1.html"), "whose is it?");
+    let line = format!("stochc replay {both} --run 1 --program tower</code>");
+    assert!(page.contains(&line), "{page}");
+    // From a page elsewhere, as far as a relative address goes.
+    let elsewhere = path(folder.path(), "page.html");
+    stochc_with("report", &[&out, "--out", &elsewhere]);
+    let page = fs::read_to_string(&elsewhere).unwrap();
+    assert!(
+        page.contains("<a href=\"out%201/replay-0.html\">"),
+        "{page}"
+    );
+}
+
+#[test]
+fn what_is_no_results_folder_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = simulated(folder.path(), "out", &[]);
+    for wrong in ["tests/fixtures", "Cargo.toml", "no/such/folder"] {
+        let said = stochc_with("report", &[&out, wrong]);
+        assert_eq!((said.status, said.out.as_str()), (2, ""), "{wrong}");
+        let told = format!("`{wrong}` holds no results; give the folder");
+        assert!(said.err.contains(&told), "{}", said.err);
+    }
+    assert_eq!(stochc_with("report", &[]).status, 2, "no folder at all");
+    // A manifest of another layout.
+    let manifest = path(out.as_ref(), "manifest.json");
+    let text = fs::read_to_string(&manifest).unwrap();
+    fs::write(&manifest, text.replace("\"format\": 1", "\"format\": 99")).unwrap();
+    let said = stochc_with("report", &[&out]);
+    assert_eq!(said.status, 2);
+    assert!(
+        said.err.contains("its format is 99, and this is 1"),
+        "{}",
+        said.err
+    );
+}
+
+/// The journal is what is read; cut short, it holds fewer runs.
+#[test]
+fn an_ensemble_that_is_not_finished_is_told_of_as_such() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = simulated(folder.path(), "out", &[]);
+    let journal = path(out.as_ref(), "journal.jsonl");
+    let text = fs::read_to_string(&journal).unwrap();
+    let lines: Vec<&str> = text.lines().collect();
+    // Two runs, and half of the third.
+    let half = &lines[3][..lines[3].len() / 2];
+    fs::write(&journal, format!("{}\n{half}", lines[..3].join("\n"))).unwrap();
+    let said = stochc_with("report", &[&out]);
+    assert_eq!(said.status, 0);
+    assert_eq!(
+        said.err,
+        format!("note: `{out}` is not finished: 2 of 4 runs\n")
+    );
+    let page = fs::read_to_string(path(out.as_ref(), "report.html")).unwrap();
+    assert!(page.contains("<strong>not finished</strong>: 2 of 4 runs are there"));
+    // Nothing but the first line: there is still something to say.
+    fs::write(&journal, format!("{}\n", lines[0])).unwrap();
+    assert_eq!(stochc_with("report", &[&out]).status, 0);
+    let page = fs::read_to_string(path(out.as_ref(), "report.html")).unwrap();
+    assert!(page.contains("No run of it is finished."));
+    // A journal that belongs to something else.
+    fs::write(&journal, "{\"ensemble\":\"0\"}\n").unwrap();
+    let said = stochc_with("report", &[&out]);
+    assert_eq!(said.status, 2);
+    assert!(
+        said.err.contains("does not belong to `manifest.json`"),
+        "{}",
+        said.err
+    );
+}
+
+#[test]
+fn another_version_is_told_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let [old, new] = ["old", "new"].map(|name| simulated(folder.path(), name, &[]));
+    let file = |name: &str| path(old.as_ref(), name);
+    let text = fs::read_to_string(file("manifest.json")).unwrap();
+    let mut manifest = Manifest::from_json(&text).unwrap();
+    let before = manifest.identity();
+    manifest.stochc = "0.0.1".into();
+    fs::write(file("manifest.json"), manifest.to_json()).unwrap();
+    let journal = fs::read_to_string(file("journal.jsonl")).unwrap();
+    fs::write(
+        file("journal.jsonl"),
+        journal.replace(&before, &manifest.identity()),
+    )
+    .unwrap();
+    let page = path(folder.path(), "both.html");
+    let said = stochc_with("report --quiet", &[&old, &new, "--out", &page]);
+    assert_eq!(said.status, 0);
+    let versions = format!("0.0.1, {}", env!("CARGO_PKG_VERSION"));
+    assert!(said.err.contains(&versions), "{}", said.err);
+    let page = fs::read_to_string(&page).unwrap();
+    assert!(
+        page.contains("were made by stochc <bdi>0.0.1</bdi>"),
+        "{page}"
+    );
+}
+
+#[test]
+fn a_program_that_no_longer_compiles_is_reported_without_its_graph() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = simulated(folder.path(), "out", &[]);
+    let file = |name: &str| path(out.as_ref(), name);
+    let text = fs::read_to_string(file("manifest.json")).unwrap();
+    let mut manifest = Manifest::from_json(&text).unwrap();
+    let before = manifest.identity();
+    manifest.programs[0].sources[0].text = "assembly tower {".into();
+    fs::write(file("manifest.json"), manifest.to_json()).unwrap();
+    let journal = fs::read_to_string(file("journal.jsonl")).unwrap();
+    fs::write(
+        file("journal.jsonl"),
+        journal.replace(&before, &manifest.identity()),
+    )
+    .unwrap();
+    assert_eq!(stochc_with("report", &[&out]).status, 0);
+    let page = fs::read_to_string(file("report.html")).unwrap();
+    assert!(page.contains("does not compile the program as it was run"));
+    assert!(
+        page.contains("M.up -&gt; A"),
+        "its captures are in the records"
+    );
+}
+
+#[test]
+fn other_peoples_files_stay() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = simulated(folder.path(), "out", &[]);
+    let page = path(folder.path(), "thesis.html");
+    fs::write(&page, "<!DOCTYPE html><!-- mine -->").unwrap();
+    let said = stochc_with("report", &[&out, "--out", &page]);
+    assert_eq!(said.status, 2);
+    assert!(
+        said.err
+            .contains("is not a report of stochc; choose another name"),
+        "{}",
+        said.err
+    );
+    assert_eq!(
+        fs::read_to_string(&page).unwrap(),
+        "<!DOCTYPE html><!-- mine -->"
+    );
+    let figures = folder.path().join("page-figures");
+    fs::create_dir(&figures).unwrap();
+    fs::write(figures.join("survival.svg"), "mine").unwrap();
+    let page = path(folder.path(), "page.html");
+    let said = stochc_with("report", &[&out, "--out", &page]);
+    assert_eq!(said.status, 2);
+    assert!(said.err.contains("holds other files"), "{}", said.err);
+    assert_eq!(
+        fs::read_to_string(figures.join("survival.svg")).unwrap(),
+        "mine"
+    );
+    for wrong in [folder.path().to_str().unwrap(), "no/such/folder/page.html"] {
+        assert_eq!(
+            stochc_with("report", &[&out, "--out", wrong]).status,
+            2,
+            "{wrong}"
+        );
+    }
+}
+
+/// What an earlier report had and this one has not would be taken for a part of it.
+#[test]
+fn figures_of_an_earlier_report_go() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = simulated(folder.path(), "out", &["tests/fixtures/importing.sa"]);
+    let page = path(folder.path(), "page.html");
+    let figures = folder.path().join("page-figures");
+    assert_eq!(stochc_with("report", &[&out, "--out", &page]).status, 0);
+    assert!(figures.join("waits-2.svg").is_file());
+    fs::write(figures.join("notes.txt"), "mine").unwrap();
+    let single = simulated(folder.path(), "single", &[]);
+    assert_eq!(stochc_with("report", &[&single, "--out", &page]).status, 0);
+    assert!(!figures.join("waits-2.svg").exists());
+    assert!(figures.join("waits-1.svg").is_file() && figures.join("notes.txt").is_file());
+}

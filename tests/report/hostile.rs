@@ -1,0 +1,122 @@
+//! Names that would be more than names.
+use stochc::compiler::table::{PhaseId, RoleId};
+use stochc::report::address;
+use stochc::runtime::record::Outcome;
+
+use crate::sample::{five, parsed, told};
+
+const NAMES: [&str; 5] = [
+    "</script><script>alert(1)</script>",
+    "\"onload=\"alert(1)",
+    "a & b &amp; <b>'c'</b>",
+    "gpj.\u{202e}exe\u{2066}\u{200f}",
+    "\u{1b}[31m\0\u{7}]]>--><!--",
+];
+
+#[test]
+fn hostile_names_are_shown_as_text() {
+    for name in NAMES {
+        let mut inputs = [0.1, 0.2].map(five);
+        for input in &mut inputs {
+            input.path = format!("results/{name}");
+            let manifest = &mut input.manifest;
+            manifest.model = name.into();
+            manifest.stochc = name.into();
+            manifest.settings.insert(name.into(), name.into());
+            let program = &mut manifest.programs[0];
+            program.name = name.into();
+            program.scene.name = name.into();
+            program.phases[0] = name.into();
+            program.roles.iter_mut().for_each(|role| *role += name);
+            program.sources[0].path = name.into();
+            program.sources[0].text.push_str(name);
+        }
+        let report = told(&inputs);
+        let document = parsed(&report.page);
+        let tags: Vec<&str> = document
+            .descendants()
+            .map(|node| node.tag_name().name())
+            .collect();
+        assert!(!tags.contains(&"script") && !tags.contains(&"b"), "{name}");
+        for node in document.descendants() {
+            let handler = |name: &str| name.starts_with("on") || name == "style";
+            assert!(!node.attributes().any(|attribute| handler(attribute.name())));
+        }
+        let invisible = |text: &str| {
+            let bad =
+                |c: char| c.is_control() && c != '\n' || "\u{202e}\u{2066}\u{200f}".contains(c);
+            text.contains(bad)
+        };
+        assert!(!invisible(&report.page), "{name:?}");
+        for (file, content) in &report.files {
+            if file.ends_with(".svg") {
+                parsed(content);
+                assert!(
+                    !content.contains("<script") && !invisible(content),
+                    "{file}"
+                );
+            }
+        }
+        // All of it can still be read.
+        let visible = document.descendants().filter_map(|node| node.text());
+        let visible: String = visible.collect();
+        let plain = name.split(['\u{202e}', '\u{1b}']).next().unwrap();
+        assert!(visible.contains(&format!("results/{plain}")), "{name:?}");
+    }
+}
+
+/// A comma, a quote or a line break in a name does not shift the columns of the data.
+#[test]
+fn data_files_quote_what_they_have_to() {
+    let mut input = five(0.2);
+    input.manifest.programs[0].name = "a,\"b\"\nc".into();
+    let report = told(&[input]);
+    let means = crate::sample::file(&report, "means.csv");
+    let (_, rows) = means.split_once("\r\n").unwrap();
+    assert!(rows.starts_with("\"a,\"\"b\"\"\nc\",,4,1,260,"), "{rows}");
+}
+
+#[test]
+fn addresses_stay_what_they_are() {
+    assert_eq!(address("a b#c?d%e/f-1.svg"), "a%20b%23c%3Fd%25e/f-1.svg");
+    assert_eq!(address("javascript:x"), "javascript%3Ax");
+}
+
+/// A journal that somebody has edited says impossible things; a page can still be drawn.
+#[test]
+fn impossible_records_are_no_reason_to_stop() {
+    let mut input = five(0.2);
+    let roles = input.manifest.programs[0].roles.len() as u32;
+    for (i, done) in input.finished.iter_mut().enumerate() {
+        let record = &mut done.record;
+        match i {
+            0 => record.ticks = u64::MAX,
+            1 => record.phase_ticks = vec![u64::MAX; 5],
+            2 => record.bonds[0].parent = RoleId(roles),
+            3 => record.outcome = Outcome::TimedOut { phase: PhaseId(77) },
+            _ => {
+                record.bonds[1].phase = PhaseId(u32::MAX);
+                record.bonds[2].magnetized = u64::MAX;
+                record.bonds[2].docking = u64::MAX;
+                record.phase_ticks.clear();
+            }
+        }
+    }
+    for sources in [true, false] {
+        if !sources {
+            // Then the events are those of the records.
+            input.manifest.programs[0].sources.clear();
+        }
+        let report = told(std::slice::from_ref(&input));
+        parsed(&report.page);
+        for (name, content) in &report.files {
+            if name.ends_with(".svg") {
+                parsed(content);
+                assert!(
+                    !content.contains("NaN") && !content.contains("inf"),
+                    "{name}"
+                );
+            }
+        }
+    }
+}

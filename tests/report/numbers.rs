@@ -1,0 +1,217 @@
+//! What the tables say, against sums done by hand.
+use stochc::statistics::{Observation, compare};
+
+use crate::sample::{Waits, five, manifest, record, rows, told};
+
+fn number(text: &str) -> f64 {
+    text.parse().unwrap()
+}
+
+fn close(found: &str, expected: f64) {
+    assert!(
+        (number(found) - expected).abs() < 1e-9,
+        "{found} {expected}"
+    );
+}
+
+/// 100, 200, 200, 300+, 400: 4/5, then 4/5 x 2/4, then 0. Greenwood: 1/(5 x 4) = 0.05, then + 2/(4 x
+/// 2) = 0.30, so that e is sqrt 0.3 / |ln 0.4| = 0.59775 after the second.
+#[test]
+fn the_survival_curve_is_kaplan_and_meiers() {
+    let report = told(&[five(0.2)]);
+    let rows = rows(&report, "survival.csv");
+    let whole: Vec<_> = rows.iter().filter(|row| row["phase"].is_empty()).collect();
+    let expected = [
+        (100.0, "5", "1", 0.8),
+        (200.0, "4", "2", 0.4),
+        (400.0, "1", "1", 0.0),
+    ];
+    assert_eq!(whole.len(), expected.len());
+    for (row, (ticks, at_risk, completed, share)) in whole.iter().zip(expected) {
+        close(&row["ticks"], ticks);
+        assert_eq!((&*row["at_risk"], &*row["completed"]), (at_risk, completed));
+        close(&row["incomplete"], share);
+    }
+    let by = (1.959963984540054 * 0.3_f64.sqrt() / 0.4_f64.ln().abs()).exp();
+    close(&whole[1]["low"], 0.4_f64.powf(by));
+    close(&whole[1]["high"], 0.4_f64.powf(1.0 / by));
+    assert_eq!(whole[2]["low"], "", "nothing is left");
+    // The second phase of the run that was stopped is censored at 200 of its own ticks.
+    let last: Vec<_> = rows.iter().filter(|row| row["phase"] == "last").collect();
+    let shares: Vec<f64> = last.iter().map(|row| number(&row["incomplete"])).collect();
+    let expected = [0.8, 0.6, 0.4, 0.0];
+    for (found, expected) in shares.iter().zip(expected) {
+        assert!((found - expected).abs() < 1e-12, "{shares:?}");
+    }
+}
+
+/// Restricted to 400: 100 + 0.8 x 100 + 0.4 x 200.
+#[test]
+fn a_censored_mean_is_a_lower_bound() {
+    let report = told(&[five(0.2)]);
+    let means = rows(&report, "means.csv");
+    let row = &means[0];
+    assert_eq!((&*row["completed"], &*row["stopped"]), ("4", "1"));
+    close(&row["mean"], 260.0);
+    close(&row["horizon"], 400.0);
+    close(&row["median"], 200.0);
+    assert_eq!((&*row["max"], &*row["sd"]), ("", ""), "unknown");
+    assert!(report.page.contains("≥ 260"));
+}
+
+/// Which branch of the first phase was last: in run 1 D (100 > 90), else C and E; then F from the
+/// end of that phase, also in the run that was stopped.
+#[test]
+fn the_chain_tells_what_decided_each_run() {
+    let report = told(&[five(0.2)]);
+    let chains = rows(&report, "chains.csv");
+    let of = |run: &str| -> Vec<(String, f64)> {
+        let links = chains.iter().filter(|row| row["run"] == run);
+        let link = |row: &std::collections::BTreeMap<String, String>| {
+            (
+                row["event"].clone(),
+                number(&row["to"]) - number(&row["from"]),
+            )
+        };
+        links.map(link).collect()
+    };
+    let link = |event: &str, ticks: f64| (event.to_owned(), ticks);
+    assert_eq!(
+        of("0"),
+        [
+            link("A.up -> C", 20.0),
+            link("C.up -> E", 30.0),
+            link("M.up -> F", 50.0)
+        ]
+    );
+    assert_eq!(
+        of("1"),
+        [link("B.up -> D", 100.0), link("M.up -> F", 100.0)]
+    );
+    assert_eq!(of("3")[2], link("M.up -> F", 200.0));
+    // The links of a run fill it.
+    for (run, ticks) in [
+        ("0", 100.0),
+        ("1", 200.0),
+        ("2", 200.0),
+        ("3", 300.0),
+        ("4", 400.0),
+    ] {
+        assert_eq!(of(run).iter().map(|link| link.1).sum::<f64>(), ticks);
+    }
+    // 1200 ticks in all, of which F took 50 + 100 + 80 + 200 + 300 and C 20 + 60 + 50 + 70.
+    let waits = rows(&report, "waits.csv");
+    let share = |capture: &str| {
+        let row = waits.iter().find(|row| row["capture"] == capture).unwrap();
+        (number(&row["share"]), row["decided"].clone())
+    };
+    assert_eq!(share("M.up -> F"), (730.0 / 1200.0, "5".to_owned()));
+    assert_eq!(share("A.up -> C"), (200.0 / 1200.0, "4".to_owned()));
+    assert_eq!(share("B.up -> D"), (100.0 / 1200.0, "1".to_owned()));
+}
+
+#[test]
+fn waits_are_averaged_and_censored_ones_are_not_left_out() {
+    let report = told(&[five(0.2)]);
+    let waits = rows(&report, "waits.csv");
+    let order: Vec<&str> = waits.iter().map(|row| &*row["capture"]).collect();
+    assert_eq!(order, ["A.up -> C", "C.up -> E", "B.up -> D", "M.up -> F"]);
+    close(&waits[0]["wait"], (20 + 50 + 60 + 50 + 70) as f64 / 5.0);
+    // F: 50, 80, 100, 200+, 300; the mean up to 300 is 50 + 0.8 x 30 + 0.6 x 20 + 0.4 x 200.
+    assert_eq!((&*waits[3]["captured"], &*waits[3]["stopped"]), ("4", "1"));
+    close(&waits[3]["wait"], 166.0);
+    // The tenth percentile of 50, 80, 100, 300.
+    close(&waits[3]["p10"], 59.0);
+    let origins = rows(&report, "origins.csv");
+    let f: Vec<_> = origins
+        .iter()
+        .filter(|row| row["capture"] == "M.up -> F")
+        .collect();
+    let told: Vec<_> = f
+        .iter()
+        .map(|row| (&*row["origin"], &*row["role"], &*row["captured"]))
+        .collect();
+    // Of the runs that captured F, 1 is odd; 3 was stopped.
+    assert_eq!(told, [("free", "", "3"), ("released", "E", "1")]);
+}
+
+/// Pairs with differences -10, -30, -20, -40: mean -25, SD sqrt(500 / 3), so t = -25 / (SD / 2).
+#[test]
+fn programs_with_one_seed_are_compared_run_by_run() {
+    let [mut first, mut second] = [0.2, 0.3].map(five);
+    let waits = |f| Waits {
+        c: 10,
+        e: 10,
+        d: 5,
+        f: Some(f),
+        after: 0,
+    };
+    let make = |friction, fs: [u64; 4]| {
+        let manifest = manifest(friction, 4);
+        let runs = (0..)
+            .zip(fs)
+            .map(|(run, f)| record(&manifest, run, &waits(f)));
+        (runs.collect::<Vec<_>>(), manifest)
+    };
+    (first.finished, first.manifest) = make(0.2, [100, 200, 300, 400]);
+    (second.finished, second.manifest) = make(0.3, [110, 230, 320, 440]);
+    let report = told(&[first.clone(), second.clone()]);
+    let rows_of = |report| rows(report, "differences.csv").remove(0);
+    let row = rows_of(&report);
+    assert_eq!(row["test"], "paired t");
+    close(&row["difference"], -25.0);
+    // scipy 1.17.1: `ttest_rel(a, b)`: pvalue 0.030466291662170977; interval by `t.ppf(.975, 3)`.
+    close(&row["p"], 0.030466291662170977);
+    let half = 3.182446305284263 * (500.0_f64 / 3.0).sqrt() / 2.0;
+    assert!((number(&row["half_width"]) - half).abs() < 1e-6, "{row:?}");
+    assert_eq!(row["p"], row["p_holm"], "one test needs no correction");
+    // With another seed run 3 here has nothing to do with run 3 there.
+    second.manifest.seed = 8;
+    let report = told(&[first.clone(), second]);
+    let row = rows_of(&report);
+    let times = |fs: [f64; 4]| fs.map(|f| Observation::completed(f + 20.0));
+    let expected = compare(
+        &times([100.0, 200.0, 300.0, 400.0]),
+        &times([110.0, 230.0, 320.0, 440.0]),
+    );
+    assert_eq!(row["test"], "Welch t");
+    close(&row["p"], expected.unwrap().p);
+    // The same runs once more are no second sample.
+    let again = told(&[first.clone(), first]);
+    assert_eq!(rows_of(&again)["test"], "same runs");
+}
+
+#[test]
+fn three_programs_are_corrected_for_three_pairs() {
+    let report = told(&[0.1, 0.2, 0.3].map(five));
+    let rows = rows(&report, "differences.csv");
+    assert_eq!(rows.len(), 3);
+    for row in rows {
+        // All have the same times, so that nothing differs, and a run is censored.
+        assert_eq!(row["test"], "log-rank");
+        close(&row["difference"], 0.0);
+        assert_eq!(row["p_holm"], "1");
+    }
+}
+
+#[test]
+fn one_number_that_differs_is_a_sweep() {
+    let report = told(&[0.3, 0.1, 0.2].map(five));
+    let rows = rows(&report, "sweeps.csv");
+    let values: Vec<&str> = rows.iter().map(|row| &*row["value"]).collect();
+    assert_eq!(values, ["0.1", "0.2", "0.3"]);
+    assert!(rows.iter().all(|row| row["of"] == "contact.friction"));
+    assert!(report.page.contains("contact.friction"));
+    // Two numbers that differ are none.
+    let mut inputs = [0.1, 0.2].map(five);
+    inputs[0].manifest.programs[0].scene.tick *= 2.0;
+    let text = &mut inputs[0].manifest.programs[0].sources[0].text;
+    *text = text.replace("hemisphere {", "hemisphere { tick 40ms ");
+    let report = told(&inputs);
+    assert!(!report.files.iter().any(|(name, _)| name == "sweeps.csv"));
+    // And times of different clocks are compared in seconds.
+    assert_eq!(
+        crate::sample::rows(&report, "differences.csv")[0]["unit"],
+        "s"
+    );
+}

@@ -1,0 +1,233 @@
+//! The page as a reader gets it.
+use std::collections::HashSet;
+
+use crate::sample::{five, parsed, told};
+use crate::stochc::{path, stochc_with};
+
+/// The text of a page: without its style, its pictures and the program, each paragraph and row on
+/// a line of its own.
+fn text(page: &str) -> String {
+    let document = parsed(page);
+    let mut out = String::new();
+    let body = document
+        .descendants()
+        .find(|node| node.has_tag_name("main"));
+    for node in body.unwrap().descendants() {
+        let name = node.tag_name().name();
+        let within = |names: &[&str]| {
+            let mut above = node.ancestors().skip(1);
+            above.any(|above| names.contains(&above.tag_name().name()))
+        };
+        let told = [
+            "h1",
+            "h2",
+            "h3",
+            "h4",
+            "p",
+            "li",
+            "tr",
+            "pre",
+            "figcaption",
+            "summary",
+        ];
+        if !told.contains(&name) || within(&["details", "svg", "li", "nav"]) {
+            continue;
+        }
+        let cells = node.descendants().filter(|node| node.is_text());
+        let cells: Vec<&str> = (cells.filter_map(|node| node.text()))
+            .filter(|text| name != "tr" || !text.trim().is_empty())
+            .collect();
+        let separator = if name == "tr" { " | " } else { "" };
+        let line = cells.join(separator);
+        out += &format!("{name}: {}\n", line.trim());
+    }
+    out
+}
+
+/// Page and figures of five runs, one of them stopped.
+#[test]
+fn a_small_ensemble_makes_this_page() {
+    let report = told(&[five(0.2)]);
+    let identity = five(0.2).manifest.identity();
+    insta::assert_snapshot!(text(&report.page).replace(&identity, "IDENTITY"));
+    let names: Vec<&str> = report.files.iter().map(|(name, _)| name.as_str()).collect();
+    insta::assert_snapshot!(names.join("\n"));
+}
+
+#[test]
+fn two_ensembles_are_compared_on_this_page() {
+    let report = told(&[0.1, 0.2].map(five));
+    let text = text(&report.page);
+    let (compared, _) = text.split_once("h2: pair (").unwrap();
+    insta::assert_snapshot!(compared);
+}
+
+#[test]
+fn every_picture_is_well_formed_and_told_in_words() {
+    let report = told(&[0.1, 0.2].map(five));
+    let mut pictures = 0;
+    for (name, content) in &report.files {
+        if !name.ends_with(".svg") {
+            continue;
+        }
+        pictures += 1;
+        let document = parsed(content);
+        let root = document.root_element();
+        assert_eq!(
+            root.tag_name().namespace(),
+            Some("http://www.w3.org/2000/svg"),
+            "{name}"
+        );
+        let child = |tag: &str| {
+            let child = root.children().find(|node| node.tag_name().name() == tag);
+            child.and_then(|node| node.text()).unwrap().to_owned()
+        };
+        assert!(
+            child("title").len() > 10 && child("desc").len() > 40,
+            "{name}"
+        );
+        for number in ["NaN", "inf"] {
+            assert!(!content.contains(number), "{name}: {number}");
+        }
+        // What it is labelled by is there.
+        let labels = root.attribute("aria-labelledby").unwrap().split(' ');
+        for label in labels {
+            assert!(
+                root.descendants()
+                    .any(|node| node.attribute("id") == Some(label))
+            );
+        }
+    }
+    // The curves and the means, the sweep, and five for each of the two.
+    assert_eq!(
+        pictures,
+        3 + 2 * 4,
+        "{:?}",
+        report.files.iter().map(|f| &f.0).collect::<Vec<_>>()
+    );
+}
+
+#[test]
+fn the_waits_have_a_mark_for_every_capture() {
+    let report = told(&[five(0.2)]);
+    let picture = crate::sample::file(&report, "waits-1.svg");
+    let document = parsed(picture);
+    let told = document
+        .descendants()
+        .filter(|node| node.has_tag_name(("http://www.w3.org/2000/svg", "circle")));
+    let told: Vec<_> = told
+        .filter_map(|node| node.children().find_map(|child| child.text()))
+        .collect();
+    let captures: Vec<&str> = told
+        .iter()
+        .filter_map(|told| told.split(':').next())
+        .collect();
+    assert_eq!(
+        captures,
+        ["A.up -> C", "C.up -> E", "B.up -> D", "M.up -> F"]
+    );
+    assert!(told[3].contains("at least 166 ± "), "{told:?}");
+}
+
+#[test]
+fn the_page_is_whole_and_loads_nothing() {
+    let report = told(&[0.1, 0.2].map(five));
+    let document = parsed(&report.page);
+    let mut ids = HashSet::new();
+    for node in document.descendants() {
+        if let Some(id) = node.attribute("id") {
+            assert!(ids.insert(id), "`{id}` twice");
+        }
+    }
+    for node in document.descendants() {
+        let name = node.tag_name().name();
+        assert!(!["script", "img", "link", "iframe", "object"].contains(&name));
+        assert!(node.attribute("src").is_none());
+        if let Some(address) = node.attribute("href") {
+            match address.strip_prefix('#') {
+                Some(id) => assert!(ids.contains(id), "{address}"),
+                None => {
+                    let file = address.strip_prefix("report-figures/").unwrap();
+                    assert!(
+                        report.files.iter().any(|(name, _)| name == file),
+                        "{address}"
+                    );
+                }
+            }
+        }
+        for of in ["aria-labelledby"] {
+            let labels = node.attribute(of).unwrap_or_default();
+            for label in labels.split_whitespace() {
+                assert!(ids.contains(label), "{label}");
+            }
+        }
+        // Whoever cannot see a picture has its title and a table.
+        if name == "figure" {
+            assert!(
+                node.descendants()
+                    .any(|child| child.tag_name().name() == "figcaption")
+            );
+        }
+    }
+}
+
+/// What the commands on the page say is what the command line takes.
+#[test]
+fn the_commands_on_the_page_work() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = path(folder.path(), "it's out");
+    let again = path(folder.path(), "again");
+    let simulate =
+        "simulate --quiet --model shuffle --runs 3 --max-ticks 50 tests/fixtures/tower.sa";
+    assert_eq!(stochc_with(simulate, &["--out", &out]).status, 0);
+    let said = stochc_with("report", &[&out]);
+    assert_eq!((said.status, said.err.as_str()), (0, ""));
+    let page = std::fs::read_to_string(path(out.as_ref(), "report.html")).unwrap();
+    let document = parsed(&page);
+    let commands: Vec<String> = (document.descendants())
+        .filter(|node| node.attribute("class") == Some("command"))
+        .map(|node| {
+            node.descendants()
+                .filter_map(|node| node.text())
+                .next()
+                .unwrap()
+                .to_owned()
+        })
+        .collect();
+    let mut simulated = 0;
+    for command in commands {
+        let Some(arguments) = command.strip_prefix("stochc simulate ") else {
+            assert!(command.starts_with("stochc replay '"), "{command}");
+            continue;
+        };
+        simulated += 1;
+        let target = format!("{again}-{simulated}");
+        let line = arguments.replace("AGAIN", &target);
+        let shell = format!("{} simulate --quiet {line}", env!("CARGO_BIN_EXE_stochc"));
+        let status = std::process::Command::new("sh")
+            .args(["-c", &shell])
+            .stdout(std::process::Stdio::null())
+            .status();
+        assert!(status.unwrap().success(), "{shell}");
+        for table in ["runs.parquet", "bonds.parquet"] {
+            let of = |folder: &str| std::fs::read(path(folder.as_ref(), table)).unwrap();
+            assert!(of(&target) == of(&out), "{command}");
+        }
+    }
+    assert_eq!(simulated, 2);
+}
+
+/// Thirteen waits of one tick each are not worth thirteen sentences.
+#[test]
+fn a_long_chain_of_equal_waits_is_told_in_one_sentence() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = path(folder.path(), "out");
+    let simulate = "simulate --quiet --model shuffle --runs 2 examples/line.sa";
+    assert_eq!(stochc_with(simulate, &["--out", &out]).status, 0);
+    assert_eq!(stochc_with("report", &[&out]).status, 0);
+    let page = std::fs::read_to_string(path(out.as_ref(), "report.html")).unwrap();
+    let told = "<ol>\n<li>13 waits of at most 1 tick, one after the other, took 13 ticks (from tick 0 \
+                to 13).</li>\n</ol>";
+    assert!(page.contains(told), "{page}");
+    assert!(page.contains("has no physics: its times mean nothing"));
+}

@@ -1,0 +1,185 @@
+//! An ensemble small enough to reckon with by hand.
+use std::collections::BTreeMap;
+
+use roxmltree::{Document, ParsingOptions};
+use stochc::compiler::table::{PhaseId, RoleId};
+use stochc::compiler::{Cell, Face, Levels, Limits};
+use stochc::ensemble::{Finished, Manifest, Program, Source};
+use stochc::report::{Input, Report, Surroundings, report};
+use stochc::runtime::record::{BondRecord, Origin, Outcome, RunRecord};
+
+/// Two towers side by side, then the second block of one is let go and M takes a block.
+pub const TEXT: &str = "\
+assembly pair {
+    seed plate 3 x 3 { A at (0, 0)  B at (2, 0)  M at (1, 1) }
+    phase towers {
+        A.up -> C.up -> E
+        B.up -> D
+    }
+    phase last {
+        release E
+        M.up -> F
+    }
+}
+";
+
+/// A manifest of the program, whose friction is `friction`.
+pub fn manifest(friction: f64, runs: u64) -> Manifest {
+    let mut read = |_: &str| Ok(TEXT.as_bytes().to_vec());
+    let checked =
+        stochc::compiler::check_with("pair.sa", &mut read, Limits::default(), &Levels::default());
+    assert!(!checked.has_errors(), "{:?}", checked.findings);
+    let program = &checked.programs[0];
+    let text = match friction {
+        0.2 => TEXT.to_owned(),
+        _ => format!(
+            "scene other from hemisphere {{ contact {{ restitution 0  friction {friction} }} }}\n{}",
+            TEXT.replace("pair {", "pair in other {")
+        ),
+    };
+    let mut read = |_: &str| Ok(text.as_bytes().to_vec());
+    let checked =
+        stochc::compiler::check_with("pair.sa", &mut read, Limits::default(), &Levels::default());
+    let scene = checked.programs[0].scene.clone().unwrap();
+    let source = Source {
+        path: "pair.sa".into(),
+        text,
+    };
+    let tables = program.tables.as_ref().unwrap();
+    let program = Program::new("pair", vec![source], scene, tables);
+    Manifest::new("rigid", 7, runs, vec![program])
+}
+
+/// One run: the waits for C, E, D and F; F's face is magnetized when the first phase ends. Without
+/// `f` the run is stopped `after` ticks of waiting for it.
+pub struct Waits {
+    pub c: u64,
+    pub e: u64,
+    pub d: u64,
+    pub f: Option<u64>,
+    pub after: u64,
+}
+
+/// The record of a run; every second one captures the block that was let go.
+pub fn record(manifest: &Manifest, run: u64, waits: &Waits) -> Finished {
+    let program = &manifest.programs[0];
+    let role = |name: &str| {
+        let place = program.roles.iter().position(|role| role == name);
+        RoleId(place.unwrap() as u32)
+    };
+    let bond = |phase, parent: &str, child: &str, magnetized, docked| BondRecord {
+        phase: PhaseId(phase),
+        parent: role(parent),
+        face: Face::Up,
+        child: role(child),
+        cell: Cell::new(0, 0, 1),
+        magnetized,
+        docked,
+        entries: 4,
+        docking: (docked - magnetized) / 2,
+        body: run as u32,
+        origin: Origin::Free,
+    };
+    let first = (waits.c + waits.e).max(waits.d);
+    let mut bonds = vec![
+        bond(0, "A", "C", 0, waits.c),
+        bond(0, "C", "E", waits.c, waits.c + waits.e),
+        bond(0, "B", "D", 0, waits.d),
+    ];
+    bonds.sort_by_key(|bond| bond.docked);
+    let (outcome, second) = match waits.f {
+        Some(wait) => {
+            let mut last = bond(1, "M", "F", first, first + wait);
+            if run % 2 == 1 {
+                last.origin = Origin::Released {
+                    role: role("E"),
+                    tick: first,
+                };
+            }
+            bonds.push(last);
+            (Outcome::Completed, Some(wait))
+        }
+        None => (Outcome::TimedOut { phase: PhaseId(1) }, None),
+    };
+    let record = RunRecord {
+        run,
+        outcome,
+        ticks: first + second.unwrap_or(waits.after),
+        phase_ticks: [Some(first), second].into_iter().flatten().collect(),
+        blocks_used: 4,
+        hops: 9,
+        bonds,
+    };
+    Finished { program: 0, record }
+}
+
+/// Five runs that take 100, 200, 200, more than 300, and 400 ticks.
+pub fn five(friction: f64) -> Input {
+    let manifest = manifest(friction, 5);
+    let waits = [
+        (20, 30, 40, Some(50)),
+        (50, 40, 100, Some(100)),
+        (60, 60, 10, Some(80)),
+        (50, 50, 90, None),
+        (70, 30, 10, Some(300)),
+    ];
+    let finished = (0..).zip(waits).map(|(run, (c, e, d, f))| {
+        let waits = Waits {
+            c,
+            e,
+            d,
+            f,
+            after: 200,
+        };
+        record(&manifest, run, &waits)
+    });
+    Input {
+        path: format!("results/friction {friction}"),
+        finished: finished.collect(),
+        manifest,
+    }
+}
+
+/// The report of some folders that have no replays.
+pub fn told(inputs: &[Input]) -> Report {
+    let surroundings = Surroundings {
+        folder: "report-figures",
+        replay: &|_, _, _| None,
+    };
+    report(inputs, &surroundings)
+}
+
+/// A file of a report.
+pub fn file<'a>(report: &'a Report, name: &str) -> &'a str {
+    let found = report.files.iter().find(|(file, _)| file == name);
+    &found.unwrap_or_else(|| panic!("no {name}")).1
+}
+
+/// The rows of a table of a report.
+pub fn rows(report: &Report, name: &str) -> Vec<BTreeMap<String, String>> {
+    fields(file(report, name))
+}
+
+/// The rows of a table by the names of its columns; no field of it has a comma.
+pub fn fields(text: &str) -> Vec<BTreeMap<String, String>> {
+    let mut lines = text.split_terminator("\r\n");
+    let names: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let row = |line: &str| {
+        let fields: Vec<&str> = line.split(',').collect();
+        assert_eq!(fields.len(), names.len(), "{line}");
+        let pairs = names.iter().zip(fields);
+        pairs
+            .map(|(name, field)| ((*name).to_owned(), field.to_owned()))
+            .collect()
+    };
+    lines.map(row).collect()
+}
+
+/// A page or a picture that is well-formed.
+pub fn parsed(text: &str) -> Document<'_> {
+    let options = ParsingOptions {
+        allow_dtd: true,
+        ..ParsingOptions::default()
+    };
+    Document::parse_with_options(text, options).unwrap_or_else(|error| panic!("{error}\n{text}"))
+}

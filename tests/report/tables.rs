@@ -1,0 +1,196 @@
+//! What a report says of real ensembles, against sums over their Parquet tables.
+use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::path::Path;
+
+use parquet::file::reader::{FileReader as _, SerializedFileReader};
+use parquet::record::RowAccessor as _;
+use stochc::statistics::Summary;
+
+use crate::sample::fields;
+use crate::stochc::{path, stochc_with};
+
+/// A capture, from `bonds.parquet`.
+#[derive(Debug)]
+struct Bond {
+    run: u64,
+    phase: String,
+    capture: String,
+    magnetized: u64,
+    docked: u64,
+    entries: u64,
+    docking: u64,
+    origin: String,
+}
+
+fn reader(folder: &str, table: &str) -> SerializedFileReader<File> {
+    SerializedFileReader::new(File::open(path(folder.as_ref(), table)).unwrap()).unwrap()
+}
+
+/// The ticks of every completed run of a program.
+fn runs(folder: &str, program: &str) -> BTreeMap<u64, u64> {
+    let reader = reader(folder, "runs.parquet");
+    let rows = reader.get_row_iter(None).unwrap().map(Result::unwrap);
+    rows.filter(|row| row.get_string(0).unwrap() == program)
+        .map(|row| {
+            assert_eq!(row.get_string(2).unwrap(), "completed");
+            let number = |i| u64::try_from(row.get_long(i).unwrap()).unwrap();
+            (number(1), number(5))
+        })
+        .collect()
+}
+
+fn bonds(folder: &str, program: &str) -> Vec<Bond> {
+    let reader = reader(folder, "bonds.parquet");
+    let rows = reader.get_row_iter(None).unwrap().map(Result::unwrap);
+    rows.filter(|row| row.get_string(0).unwrap() == program)
+        .map(|row| {
+            let text = |i| row.get_string(i).unwrap().clone();
+            let number = |i| u64::try_from(row.get_long(i).unwrap()).unwrap();
+            Bond {
+                run: number(1),
+                phase: text(2),
+                capture: format!("{}.{} -> {}", text(3), text(4), text(5)),
+                magnetized: number(9),
+                docked: number(10),
+                entries: number(12),
+                docking: number(13),
+                origin: text(15),
+            }
+        })
+        .collect()
+}
+
+/// The rows of a table beside a page.
+fn csv(folder: &str, name: &str) -> Vec<BTreeMap<String, String>> {
+    let file = Path::new(folder).join("report-figures").join(name);
+    fields(&fs::read_to_string(file).unwrap())
+}
+
+fn close(found: &str, expected: f64) {
+    let found: f64 = found.parse().unwrap();
+    let error = (found - expected).abs();
+    assert!(
+        error <= 1e-9 * expected.abs().max(1.0),
+        "{found} {expected}"
+    );
+}
+
+#[test]
+fn a_report_says_what_the_tables_say() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = path(folder.path(), "out");
+    let name = "five_tower_reconfigured";
+    let file = format!("examples/{name}.sa");
+    let simulate = "simulate --quiet --model rigid --runs 6";
+    assert_eq!(stochc_with(simulate, &[&file, "--out", &out]).status, 0);
+    assert_eq!(stochc_with("report --quiet", &[&out]).status, 0);
+    let (runs, bonds) = (runs(&out, name), bonds(&out, name));
+    assert_eq!((runs.len(), bonds.len()), (6, 90));
+
+    let ticks: Vec<f64> = runs.values().map(|&ticks| ticks as f64).collect();
+    let expected = Summary::of(&ticks).unwrap();
+    let whole = &csv(&out, "means.csv")[0];
+    close(&whole["mean"], expected.mean);
+    close(&whole["half_width"], expected.half_width.unwrap());
+    close(&whole["median"], expected.median);
+
+    let waits = csv(&out, "waits.csv");
+    assert_eq!(waits.len(), 15);
+    for row in &waits {
+        let same = |bond: &&Bond| bond.capture == row["capture"] && bond.phase == row["phase"];
+        let of = |value: fn(&Bond) -> u64| {
+            let values: Vec<f64> = bonds.iter().filter(same).map(|b| value(b) as f64).collect();
+            Summary::of(&values).unwrap()
+        };
+        let wait = of(|bond| bond.docked - bond.magnetized);
+        close(&row["wait"], wait.mean);
+        close(&row["half_width"], wait.half_width.unwrap());
+        close(&row["entries"], of(|bond| bond.entries).mean);
+        close(&row["docking"], of(|bond| bond.docking).mean);
+    }
+    let released = bonds
+        .iter()
+        .filter(|bond| bond.origin == "released")
+        .count();
+    let told = csv(&out, "origins.csv").into_iter();
+    let told = told.filter(|row| row["origin"] == "released");
+    let told: usize = told
+        .map(|row| row["captured"].parse::<usize>().unwrap())
+        .sum();
+    assert!(released > 0);
+    assert_eq!(told, released);
+
+    // The share of a capture is the sum of its links over all time.
+    let chains = csv(&out, "chains.csv");
+    let total: u64 = runs.values().sum();
+    for row in &waits {
+        let links = chains.iter();
+        let links =
+            links.filter(|link| link["event"] == row["capture"] && link["phase"] == row["phase"]);
+        let spent: u64 = links
+            .map(|link| number(link, "to") - number(link, "from"))
+            .sum();
+        close(&row["share"], spent as f64 / total as f64);
+    }
+    chains_fill(&chains, &runs, &bonds);
+}
+
+/// In a world without physics every order of events comes up, with releases of all kinds: the links
+/// of every run meet end to end, from its first tick to its last, and each is a wait of the tables.
+#[test]
+fn chains_fill_the_runs_of_every_small_program() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = path(folder.path(), "out");
+    let files = fs::read_dir("tests/verification").unwrap();
+    let files = files.map(|file| file.unwrap().path());
+    let files = files.filter(|file| file.extension().is_some_and(|it| it == "sa"));
+    let mut files: Vec<String> = files
+        .map(|file| file.to_str().unwrap().to_owned())
+        .filter(|file| !stochc::check(file).has_errors())
+        .collect();
+    files.sort();
+    assert!(files.len() > 25, "{}", files.len());
+    let mut arguments: Vec<&str> = files.iter().map(String::as_str).collect();
+    arguments.extend(["--out", &out]);
+    let said = stochc_with("simulate --quiet --model shuffle --runs 5", &arguments);
+    assert_eq!(said.status, 0, "{}", said.err);
+    assert_eq!(stochc_with("report --quiet", &[&out]).status, 0);
+    let chains = csv(&out, "chains.csv");
+    let mut programs: Vec<&String> = chains.iter().map(|link| &link["program"]).collect();
+    programs.dedup();
+    assert_eq!(programs.len(), files.len());
+    for program in programs {
+        let of = chains.iter().filter(|link| link["program"] == *program);
+        let of: Vec<_> = of.cloned().collect();
+        chains_fill(&of, &runs(&out, program), &bonds(&out, program));
+    }
+}
+
+fn number(row: &BTreeMap<String, String>, column: &str) -> u64 {
+    row[column].parse().unwrap()
+}
+
+fn chains_fill(chains: &[BTreeMap<String, String>], runs: &BTreeMap<u64, u64>, bonds: &[Bond]) {
+    for (&run, &ticks) in runs {
+        let links: Vec<_> = chains
+            .iter()
+            .filter(|link| number(link, "run") == run)
+            .collect();
+        let mut tick = 0;
+        for link in links {
+            assert_eq!(number(link, "from"), tick, "run {run}: {link:?}");
+            tick = number(link, "to");
+            if !link["event"].starts_with("release ") {
+                let found = bonds.iter().any(|bond| {
+                    let same = (bond.run, &bond.capture, &bond.phase, bond.docked);
+                    // A cell may be emptied after the face was magnetized.
+                    same == (run, &link["event"], &link["phase"], tick)
+                        && bond.magnetized <= number(link, "from")
+                });
+                assert!(found, "run {run}: {link:?}");
+            }
+        }
+        assert_eq!(tick, ticks, "run {run}");
+    }
+}
