@@ -1,4 +1,4 @@
-//! What kinetic theory predicts for the default scene: `cargo run --release -p stochc-runtime
+//! What kinetic theory predicts for `hemisphere_2005`: `cargo run --release -p stochc-runtime
 //! --example kinetic_theory`.
 //!
 //! Blocks of number density n and mean speed v enter the reach of a magnetized face n v A / 4 times

@@ -1,4 +1,5 @@
-//! Cost of one block in one tick: `cargo run --release -p stochc-runtime --example speed -- MODEL BLOCKS TICKS`.
+//! Cost of one block in one tick:
+//! `cargo run --release -p stochc-runtime --example speed -- MODEL BLOCKS TICKS [SUBSTEPS [SCENE]]`.
 use stochc_compiler::scene::{Enclosure, built_in};
 use stochc_compiler::table::Plate;
 use stochc_runtime::world::Arena;
@@ -7,44 +8,51 @@ use stochc_runtime::world::rigid::RigidWorld;
 use stochc_runtime::{Model, Precision, Settings};
 
 fn main() {
-    let args: Vec<String> = std::env::args().collect();
-    let count = args[2].parse().expect("a number of blocks");
-    let ticks = args[3].parse().expect("a number of ticks");
-    let (ns, rms) = match args[1].as_str() {
-        "rapier" => time::<RapierWorld>(count, ticks, Precision::Single),
-        "double" => time::<RigidWorld>(count, ticks, Precision::Double),
-        _ => time::<RigidWorld>(count, ticks, Precision::Single),
+    let args: Vec<String> = std::env::args().skip(1).collect();
+    let number = |i: usize| args.get(i).and_then(|word| word.parse::<u32>().ok());
+    let (Some(model), Some(count), Some(ticks)) = (args.first(), number(1), number(2)) else {
+        eprintln!("speed rigid|double|rapier BLOCKS TICKS [SUBSTEPS [SCENE]]");
+        return;
     };
+    let substeps = number(3).unwrap_or(1);
+    let scene = args.get(4).map_or("hemisphere_2005", String::as_str);
+    let time = match model.as_str() {
+        "rapier" => time::<RapierWorld>,
+        _ => time::<RigidWorld>,
+    };
+    let settings = Settings {
+        precision: if model == "double" {
+            Precision::Double
+        } else {
+            Precision::Single
+        },
+        ..Settings::of(Model::Rapier, substeps)
+    };
+    let (ns, rms) = time(scene, count, ticks, &settings);
     println!(
-        "{} {count} blocks: {ns:.1} ns per block and tick, rms speed {rms:.4}",
-        args[1]
+        "{model} {count} blocks, {substeps} steps a tick: {ns:.1} ns per block and tick, rms speed {rms:.4}"
     );
 }
 
 #[expect(clippy::disallowed_methods, reason = "it measures time")]
-fn time<W: Arena>(count: u32, ticks: u64, precision: Precision) -> (f64, f64) {
-    let mut scene =
-        built_in(std::env::var("SCENE").as_deref().unwrap_or("hemisphere")).expect("built in");
+fn time<W: Arena>(scene: &str, count: u32, ticks: u32, settings: &Settings) -> (f64, f64) {
+    let mut scene = built_in(scene).expect("built in");
     let grow = (f64::from(count) / 300.0).cbrt();
     scene.free.count = count;
     if let Some(Enclosure::Hemisphere { radius, .. }) = &mut scene.enclosure {
         *radius *= grow;
     }
-    let settings = Settings {
-        precision,
-        substeps: std::env::var("SUB").map_or(1, |s| s.parse().unwrap()),
-        ..Settings::of(Model::Rigid, 1)
-    };
-    let mut world = W::new(&scene, &Plate { width: 3, depth: 3 }, &settings, 1, 0).expect("fits");
+    let plate = Plate { width: 3, depth: 3 };
+    let mut world = W::new(&scene, &plate, settings, 1, 0).expect("fits");
     let mut none = Vec::new();
-    for _ in 0..500 {
+    for _ in 0..ticks.min(500) {
         world.step(&mut none).expect("sound");
     }
     let start = std::time::Instant::now();
     for _ in 0..ticks {
         world.step(&mut none).expect("sound");
     }
-    let ns = start.elapsed().as_secs_f64() * 1e9 / (ticks * u64::from(count)) as f64;
+    let ns = start.elapsed().as_secs_f64() * 1e9 / (f64::from(ticks) * f64::from(count));
     let squares = (0..count).map(|i| world.state(i).velocity.norm_squared());
     (ns, (squares.sum::<f64>() / f64::from(count)).sqrt())
 }

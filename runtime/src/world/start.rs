@@ -31,44 +31,88 @@ fn uniform(
         return Err(SceneError::NoEnclosure { count });
     };
     let radius = hemisphere.radius - MARGIN;
-    let most = lattice(radius, LEAST_SPACING).len();
-    if most < count as usize {
-        return Err(SceneError::DoesNotFit {
-            count,
-            fits: most as u32,
-        });
+    if !is_roomy(radius, count) {
+        let most = lattice(radius, LEAST_SPACING).take(count as usize).count();
+        if most < count as usize {
+            return Err(SceneError::DoesNotFit {
+                count,
+                fits: most as u32,
+            });
+        }
     }
+    let fits_all =
+        |spacing| lattice(radius, spacing).take(count as usize).count() == count as usize;
     // The number of sites is not quite monotonic in the spacing, so that the bisection finds one
     // of several nearly equal solutions; always the same one.
     let (mut fits, mut fails) = (LEAST_SPACING, 2.0 * radius + 2.0);
     for _ in 0..60 {
         let middle = 0.5 * (fits + fails);
-        if lattice(radius, middle).len() >= count as usize {
+        if fits_all(middle) {
             fits = middle;
         } else {
             fails = middle;
         }
     }
-    let sites = lattice(radius, fits);
+    let sites: Vec<_> = lattice(radius, fits).collect();
     // Surplus sites are left out evenly.
     let chosen = (0..count as usize).map(|i| sites[i * sites.len() / count as usize]);
     Ok(chosen.map(BodyState::at_rest).collect())
 }
 
+/// Whether a box in the half ball alone has room for all, so that nothing need be counted: the sites of a wide
+/// enclosure at the least spacing may be more than memory holds.
+fn is_roomy(radius: f64, count: u32) -> bool {
+    let along = |length: f64| (length / LEAST_SPACING - 1.0).max(0.0);
+    along(radius).powi(2) * along(radius / 2.0 - MARGIN) > f64::from(count)
+}
+
 /// The sites of a cubic lattice in the half ball, symmetric about the vertical axis, in the order
 /// of z, y, x.
-fn lattice(radius: f64, spacing: f64) -> Vec<Vector3<f64>> {
+fn lattice(radius: f64, spacing: f64) -> impl Iterator<Item = Vector3<f64>> {
     let reach = (radius / spacing) as i64 + 1;
-    let mut sites = Vec::new();
-    for k in 0..=reach {
-        for j in -reach..reach {
-            for i in -reach..reach {
-                let site = Vector3::new(i as f64 + 0.5, j as f64 + 0.5, k as f64 + 0.5) * spacing;
-                if site.z >= MARGIN && site.norm() <= radius {
-                    sites.push(site);
-                }
-            }
+    let rows = (0..=reach).flat_map(move |k| (-reach..reach).map(move |j| (j, k)));
+    rows.flat_map(move |(j, k)| (-reach..reach).map(move |i| [i, j, k]))
+        .map(move |site| Vector3::from(site.map(|n| n as f64 + 0.5)) * spacing)
+        .filter(move |site| site.z >= MARGIN && site.norm() <= radius)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use stochc_compiler::scene::{Enclosure, built_in};
+
+    fn start(radius: f64, count: u32) -> Result<Vec<BodyState>, SceneError> {
+        let mut scene = built_in("hemisphere").expect("built in");
+        scene.free.count = count;
+        if let Some(Enclosure::Hemisphere { radius: own, .. }) = &mut scene.enclosure {
+            *own = radius * scene.block.side;
         }
+        blocks(&scene)
     }
-    sites
+
+    #[test]
+    fn as_many_as_fit_do_and_one_more_does_not() {
+        let Err(SceneError::DoesNotFit { fits, .. }) = start(9.0, 100_000) else {
+            panic!("100,000 blocks do not fit into 9 sides");
+        };
+        assert_eq!(
+            start(9.0, fits).map(|blocks| blocks.len()),
+            Ok(fits as usize)
+        );
+        assert_eq!(
+            start(9.0, fits + 1),
+            Err(SceneError::DoesNotFit {
+                count: fits + 1,
+                fits
+            })
+        );
+    }
+
+    #[test]
+    fn an_enclosure_as_wide_as_a_town_takes_no_more_memory_than_its_blocks() {
+        let blocks = start(1e6, 300).expect("there is room");
+        assert_eq!(blocks.len(), 300);
+        let farthest = blocks.iter().map(|b| b.position.norm()).fold(0.0, f64::max);
+        assert!((5e5..1e6).contains(&farthest), "{farthest}");
+    }
 }

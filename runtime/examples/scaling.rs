@@ -1,0 +1,113 @@
+//! How the cost of a tick grows with blocks, magnetized faces and structure:
+//! `cargo run --release -p stochc-runtime --example scaling`.
+//!
+//! The default scene by `rigid`, one step a tick, at its density. Memory is what the process holds more than
+//! before (Linux).
+use std::time::Instant;
+
+use nalgebra::Vector3;
+use stochc_compiler::scene::{Enclosure, Scene, built_in};
+use stochc_compiler::table::Plate;
+use stochc_compiler::{Cell, Face};
+use stochc_runtime::world::rigid::RigidWorld;
+use stochc_runtime::world::{Arena as _, Body, BodyState, Site, World as _};
+use stochc_runtime::{Model, Settings};
+
+const SIZES: [u32; 5] = [100, 1_000, 10_000, 100_000, 1_000_000];
+
+/// Free blocks beside many faces or a large structure.
+const FEW: u32 = 300;
+
+fn main() {
+    report("free blocks", |count| Some(setting(count, 3).1));
+    report("magnetized faces", |count| {
+        let (side, mut world) = setting(FEW, count.isqrt() + 1);
+        seats(side, count).for_each(|(site, _)| world.magnetize(site));
+        Some(world)
+    });
+    report("anchored blocks", |count| {
+        let (side, mut world) = setting(FEW + count, count.isqrt() + 1);
+        for (id, (site, seat)) in seats(side, count).enumerate() {
+            world.magnetize(site);
+            world.set_state(id as u32, &BodyState::at_rest(seat));
+        }
+        let mut dockings = Vec::new();
+        world.step(&mut dockings).ok()?;
+        (dockings.len() == count as usize).then_some(world)
+    });
+}
+
+/// One table: the cost of each size, and the exponent of its growth from the size before.
+#[expect(clippy::disallowed_methods, reason = "it measures time")]
+fn report(what: &str, make: impl Fn(u32) -> Option<RigidWorld>) {
+    println!("\n| {what} | a tick | each | exponent | memory of each |");
+    println!("|---:|---:|---:|---:|---:|");
+    let mut before: Option<f64> = None;
+    for count in SIZES {
+        let held = resident();
+        let Some(mut world) = make(count) else {
+            println!("| {count} | could not be set up | | | |");
+            continue;
+        };
+        let mut none = Vec::new();
+        let ticks = (2_000_000 / u64::from(count + FEW)).clamp(5, 2000);
+        for _ in 0..ticks / 5 + 1 {
+            world.step(&mut none).expect("sound physics");
+        }
+        let start = Instant::now();
+        for _ in 0..ticks {
+            world.step(&mut none).expect("sound physics");
+        }
+        let tick = start.elapsed().as_secs_f64() / ticks as f64;
+        let each = f64::from(count);
+        let exponent = before.map_or_else(String::new, |b| format!("{:.2}", (tick / b).log10()));
+        let memory = match (held, resident()) {
+            (Some(held), Some(now)) if count >= 10_000 => {
+                format!("{:.0} B", (now.saturating_sub(held)) as f64 / each)
+            }
+            _ => String::new(),
+        };
+        println!(
+            "| {count} | {:.3} ms | {:.0} ns | {exponent} | {memory} |",
+            tick * 1e3,
+            tick * 1e9 / each
+        );
+        before = Some(tick);
+    }
+}
+
+/// A world with so many blocks, over a square plate of so many seeds along its side.
+fn setting(count: u32, side: u32) -> (u32, RigidWorld) {
+    let mut scene: Scene = built_in("hemisphere").expect("built in");
+    scene.free.count = count;
+    if let Some(Enclosure::Hemisphere { radius, .. }) = &mut scene.enclosure {
+        let plate = f64::from(side) * scene.block.side;
+        *radius = (*radius * (f64::from(count) / f64::from(FEW)).cbrt()).max(plate);
+    }
+    let plate = Plate {
+        width: side,
+        depth: side,
+    };
+    let world = RigidWorld::new(&scene, &plate, &Settings::of(Model::Rigid, 1), 1, 0);
+    (side, world.expect("a sound scene"))
+}
+
+/// Upper faces of the plate, and where the blocks sit that they capture.
+fn seats(side: u32, count: u32) -> impl Iterator<Item = (Site, Vector3<f64>)> {
+    (0..count).map(move |i| {
+        let (x, y) = (i % side, i / side);
+        let at = |x: u32| f64::from(x) - f64::from(side - 1) / 2.0;
+        let body = Body::Seed(Cell::new(x as i32, y as i32, 0));
+        let site = Site {
+            body,
+            face: Face::Up,
+        };
+        (site, Vector3::new(at(x), at(y), 0.5))
+    })
+}
+
+/// Bytes of memory that the process has now.
+fn resident() -> Option<usize> {
+    let pages = std::fs::read_to_string("/proc/self/statm").ok()?;
+    Some(pages.split(' ').nth(1)?.parse::<usize>().ok()? * 4096)
+}
