@@ -15,8 +15,11 @@ use stochc_runtime::{Model, Settings};
 
 const SIZES: [u32; 5] = [100, 1_000, 10_000, 100_000, 1_000_000];
 
-/// Free blocks beside many faces or a large structure.
-const FEW: u32 = 300;
+/// Free blocks beside many faces or a large structure: what these cost by themselves.
+const FEW: u32 = 1;
+
+/// Ticks until blocks move as they always will.
+const WARM_UP: u64 = 300;
 
 fn main() {
     report("free blocks", |count| Some(setting(count, 3).1));
@@ -50,8 +53,8 @@ fn report(what: &str, make: impl Fn(u32) -> Option<RigidWorld>) {
             continue;
         };
         let mut none = Vec::new();
-        let ticks = (2_000_000 / u64::from(count + FEW)).clamp(5, 2000);
-        for _ in 0..ticks / 5 + 1 {
+        let ticks = (5_000_000 / u64::from(count)).clamp(10, 5000);
+        for _ in 0..WARM_UP {
             world.step(&mut none).expect("sound physics");
         }
         let start = Instant::now();
@@ -82,7 +85,7 @@ fn setting(count: u32, side: u32) -> (u32, RigidWorld) {
     scene.free.count = count;
     if let Some(Enclosure::Hemisphere { radius, .. }) = &mut scene.enclosure {
         let plate = f64::from(side) * scene.block.side;
-        *radius = (*radius * (f64::from(count) / f64::from(FEW)).cbrt()).max(plate);
+        *radius = (*radius * (f64::from(count) / 300.0).cbrt()).max(plate);
     }
     let plate = Plate {
         width: side,

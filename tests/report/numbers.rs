@@ -206,7 +206,7 @@ fn one_number_that_differs_is_a_sweep() {
     let mut inputs = [0.1, 0.2].map(five);
     inputs[0].manifest.programs[0].scene.tick *= 2.0;
     let text = &mut inputs[0].manifest.programs[0].sources[0].text;
-    *text = text.replace("hemisphere {", "hemisphere { tick 40ms ");
+    *text = text.replace("hemisphere_2005 {", "hemisphere_2005 { tick 40ms ");
     let report = told(&inputs);
     assert!(!report.files.iter().any(|(name, _)| name == "sweeps.csv"));
     // And times of different clocks are compared in seconds.

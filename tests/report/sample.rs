@@ -31,9 +31,9 @@ pub fn manifest(friction: f64, runs: u64) -> Manifest {
     assert!(!checked.has_errors(), "{:?}", checked.findings);
     let program = &checked.programs[0];
     let text = match friction {
-        0.2 => TEXT.to_owned(),
+        0.2 => TEXT.replace("pair {", "pair in hemisphere_2005 {"),
         _ => format!(
-            "scene other from hemisphere {{ contact {{ restitution 0  friction {friction} }} }}\n{}",
+            "scene other from hemisphere_2005 {{ contact {{ restitution 0  friction {friction} }} }}\n{}",
             TEXT.replace("pair {", "pair in other {")
         ),
     };
