@@ -14,8 +14,7 @@ use stochc_runtime::{Model, Settings, run};
 use tables::chain;
 
 /// Ticks until a face of the plate has captured one of 40 blocks in a shell of 8 sides, where both models
-/// have stopped to change with the number of substeps. (Their means differ by 8 %, which takes more runs
-/// to see: docs/agreement.md.)
+/// have stopped to change with the number of substeps.
 fn waits(model: Model, runs: u64) -> Vec<f64> {
     let mut scene = built_in("hemisphere_2005").expect("built in");
     scene.free.count = 40;

@@ -8,7 +8,7 @@ use super::report::{Rung, Trade};
 use super::table::seconds;
 use crate::figures::{escaped, line, text};
 
-const WIDTH: f64 = 920.0;
+const WIDTH: f64 = 1020.0;
 const LEFT: f64 = 70.0;
 const RIGHT: f64 = 600.0;
 const TOP: f64 = 60.0;

@@ -292,6 +292,32 @@ fn the_cheapest_setting_that_is_accurate_enough_is_taken() {
     );
 }
 
+/// How much is measured depends on the clock: either something is accurate enough, or it says why not.
+#[test]
+fn an_accuracy_is_measured_where_nothing_is_known() {
+    let line = "simulate tests/fixtures/dense.sa --runs 2 --quiet --accuracy 60% --budget 8s";
+    let said = stochc(line);
+    match said.status {
+        0 => {
+            assert!(
+                said.err.contains("--accuracy 60 %: `--model "),
+                "{}",
+                said.err
+            );
+            assert!(said.out.contains("Mean time to completion"), "{}", said.out);
+        }
+        4 => {
+            assert!(
+                said.err.contains("has not converged") || said.err.contains("known to be within"),
+                "{}",
+                said.err
+            );
+            assert_eq!(said.out, "");
+        }
+        _ => panic!("status {}: {}", said.status, said.err),
+    }
+}
+
 #[test]
 fn an_accuracy_that_nothing_has_is_refused() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! What is simulated: small scenes with the constants of `hemisphere`.
+//! What is simulated: small scenes with the constants of `hemisphere_2005`.
 use std::ops::ControlFlow;
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
@@ -7,6 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use stochc_compiler::Limits;
 use stochc_compiler::scene::{Enclosure, Scene, built_in};
 use stochc_compiler::table::{PhaseId, Tables};
+use stochc_runtime::record::Outcome;
 use stochc_runtime::world::rapier::RapierWorld;
 use stochc_runtime::world::rigid::RigidWorld;
 use stochc_runtime::world::{Arena, BodyState};
@@ -46,7 +47,7 @@ pub const CASES: [Case; 3] = [
     },
     Case {
         name: "dilute",
-        what: "40 blocks in a shell of 12.8 sides, the density of `hemisphere`, a tower of 3",
+        what: "40 blocks in a shell of 12.8 sides, the density of `hemisphere_2005`, a tower of 3",
         count: 40,
         radius: 12.8,
         captures: "M.up -> A.up -> B.up -> C",
@@ -60,7 +61,7 @@ pub struct Cell {
     pub substeps: u32,
     /// `None`: the model's own choice.
     pub iterations: Option<u32>,
-    /// `None`: that of `hemisphere`.
+    /// `None`: that of `hemisphere_2005`.
     pub friction: Option<f64>,
 }
 
@@ -119,6 +120,9 @@ impl Cell {
         let limit = settings.max_ticks;
         let record = drive(&tables, None, &mut world, limit, (seed, run), &mut watch)
             .expect("nobody cancels it");
+        if let Outcome::Failed { .. } = &record.outcome {
+            eprintln!("{} run {run}: {:?}", self.case.name, record.outcome);
+        }
         Sample::new(self, settings.iterations(), &record)
     }
 }

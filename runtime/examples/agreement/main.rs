@@ -5,7 +5,7 @@
 //! tables in Markdown; `--from FILE` prints them again. `--runs N` is the number of runs of each cell
 //! (default 200), `--only CASE` leaves the other scenes out, `--iterations` adds cells that only differ in
 //! Rapier's solver iterations; `--substeps K` leaves other numbers of substeps out, `--friction MU`
-//! is another friction than that of `hemisphere`.
+//! is another friction than that of `hemisphere_2005`.
 //!
 //! Every cell has a seed of its own, so that all samples are independent; what is left out does not
 //! change what is not.
