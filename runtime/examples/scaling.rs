@@ -98,7 +98,8 @@ fn setting(count: u32, side: u32) -> (u32, RigidWorld) {
 /// Upper faces of the plate, and where the blocks sit that they capture.
 fn seats(side: u32, count: u32) -> impl Iterator<Item = (Site, Vector3<f64>)> {
     (0..count).map(move |i| {
-        let (x, y) = (i % side, i / side);
+        // In the order of sites, in which faces are kept.
+        let (x, y) = (i / side, i % side);
         let at = |x: u32| f64::from(x) - f64::from(side - 1) / 2.0;
         let body = Body::Seed(Cell::new(x as i32, y as i32, 0));
         let site = Site {
@@ -110,6 +111,7 @@ fn seats(side: u32, count: u32) -> impl Iterator<Item = (Site, Vector3<f64>)> {
 }
 
 /// Bytes of memory that the process has now.
+#[expect(clippy::disallowed_methods, reason = "it measures memory")]
 fn resident() -> Option<usize> {
     let pages = std::fs::read_to_string("/proc/self/statm").ok()?;
     Some(pages.split(' ').nth(1)?.parse::<usize>().ok()? * 4096)
