@@ -25,8 +25,8 @@ pub struct Settings {
     pub max_ticks: Option<u64>,
 }
 
-/// Steps per tick, if nothing else is said: with as many, the times of the default scene have stopped
-/// to change (docs/reproduction.md).
+/// Steps per tick, if nothing else is said: with as many, the times of the default scene are within a
+/// few percent of the limit of small steps (docs/reproduction.md).
 pub const SUBSTEPS: u32 = 4;
 
 /// Rounds over contacts that `rigid` makes at most, if nothing else is said.
