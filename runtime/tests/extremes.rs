@@ -21,7 +21,7 @@ const PAGE: &str = "../docs/stability.md";
 const HEAD: &str = "\
 # Stability at the extremes
 
-Each row is the scene `hemisphere` with 60 blocks in a radius of 2.9 m (its density), one thing changed, 600 ticks, with a
+Each row is the scene `hemisphere_2005` with 60 blocks in a radius of 2.9 m (its density), one thing changed, 600 ticks, with a
 magnetized face in the middle of the plate; in the world of our own kernel (`--model rigid`) and in Rapier's (`--model rapier`), one
 step per tick. It can be *refused* before the first tick, with the reason; *fail* at a tick, at once and with the block, which ends
 that run and no other; or be *stable*: all numbers finite, no quaternion longer or shorter than 1 by more than 1e-5, no centre more
