@@ -2,7 +2,7 @@
 use clap::{Parser, Subcommand};
 
 use crate::command::{
-    check, compile, completions, explain, fmt, lsp, man, results, simulate, trade,
+    check, compile, completions, explain, fmt, lsp, man, replay, results, simulate, trade,
 };
 
 /// Compiler, verifier and simulator for stochastic modular robots.
@@ -33,6 +33,8 @@ pub enum Command {
     Trade(trade::Options),
     /// Show the table of a folder that `simulate` has filled
     Results(results::Options),
+    /// Show a run: a page to watch it in, tick by tick
+    Replay(replay::Options),
     /// Explain a finding by its code
     Explain(explain::Options),
     /// Serve an editor: findings as you type, definitions, renaming (the Language Server Protocol)
@@ -83,6 +85,7 @@ pub fn run(cli: Cli) -> Exit {
         Command::Simulate(options) => simulate::run(&options),
         Command::Trade(options) => trade::run(&options),
         Command::Results(options) => results::run(&options),
+        Command::Replay(options) => replay::run(&options),
         Command::Explain(options) => explain::run(&options),
         Command::Lsp(options) => lsp::run(&options),
         Command::Completions(options) => completions::run(&options),

@@ -15,6 +15,8 @@ pub mod files;
 pub mod findings;
 pub mod lsp;
 pub mod mend;
+pub mod recording;
+pub mod replay;
 pub mod statistics;
 pub mod trade;
 mod wrong;

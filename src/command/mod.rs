@@ -1,5 +1,6 @@
 //! One module for each subcommand.
 pub mod check;
+mod chosen;
 pub mod compile;
 pub mod completions;
 pub mod explain;
@@ -7,6 +8,7 @@ pub mod fmt;
 pub mod levels;
 pub mod lsp;
 pub mod man;
+pub mod replay;
 pub mod results;
 pub mod simulate;
 mod terminal;
