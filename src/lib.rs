@@ -11,6 +11,7 @@
 pub mod cli;
 pub mod command;
 pub mod ensemble;
+pub mod export;
 pub mod files;
 pub mod findings;
 pub mod lsp;

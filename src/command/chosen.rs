@@ -130,6 +130,19 @@ fn compile(manifest: &Manifest, program: usize) -> Result<(Ready, Value), Exit> 
 }
 
 impl Chosen {
+    /// The name of a file about the run.
+    pub fn file_name(&self, before: &str, extension: &str) -> String {
+        // A program's name may be any text, in a manifest that somebody has edited; an assembly's is
+        // a word.
+        let assembly = &self.ready.tables.assembly;
+        let twins = (self.manifest.programs.iter()).filter(|twin| twin.assembly == *assembly);
+        let which = match twins.count() {
+            1 => String::new(),
+            _ => format!("-{}", self.program),
+        };
+        format!("{before}{assembly}{which}-{}.{extension}", self.run)
+    }
+
     /// Makes the run again, for an observer; the record has to be that of the folder.
     pub fn again(
         &self,

@@ -4,6 +4,7 @@ mod chosen;
 pub mod compile;
 pub mod completions;
 pub mod explain;
+pub mod export;
 pub mod fmt;
 pub mod levels;
 pub mod lsp;

@@ -1,10 +1,11 @@
 //! `stochc replay`.
-use std::io::{self, BufWriter, Write as _};
+use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 
 use super::chosen::{Choice, Chosen, choose, usage};
+use super::export::{draft, keep};
 use super::terminal::print;
 use crate::cli::Exit;
 use crate::ensemble::stop_on_interrupt;
@@ -36,16 +37,7 @@ pub fn run(options: &Options) -> Exit {
     };
     let program = &chosen.manifest.programs[chosen.program];
     let path = options.out.clone().unwrap_or_else(|| {
-        // Its name may be any text, in a manifest that somebody has edited; an assembly's is a word.
-        let programs = &chosen.manifest.programs;
-        let twins = programs
-            .iter()
-            .filter(|twin| twin.assembly == program.assembly);
-        let which = match twins.count() {
-            1 => String::new(),
-            _ => format!("-{}", chosen.program),
-        };
-        let name = format!("replay-{}{which}-{}.html", program.assembly, chosen.run);
+        let name = chosen.file_name("replay-", "html");
         options.choice.folder.join(name)
     });
     let title = format!("{}, run {}", visible(&program.name), chosen.run);
@@ -67,15 +59,7 @@ fn page(path: &Path, title: &str, chosen: &Chosen, recording: impl io::Read) -> 
         &chosen.ready.tables,
         &chosen.graph,
     );
-    let folder = path.parent().filter(|folder| *folder != Path::new(""));
-    let mut builder = tempfile::Builder::new();
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let file = builder.tempfile_in(folder.unwrap_or(Path::new(".")))?;
-    let mut out = BufWriter::new(file);
+    let mut out = BufWriter::new(draft(path)?);
     write(title, &about, recording, &mut out)?;
-    out.flush()?;
-    let file = out.into_inner().map_err(io::IntoInnerError::into_error)?;
-    file.persist(path).map_err(|error| error.error)?;
-    Ok(())
+    keep(out, path)
 }

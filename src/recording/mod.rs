@@ -24,6 +24,6 @@ pub const EVERY: u32 = 4;
 /// counted from 0.
 pub fn path(folder: &std::path::Path, program: usize, run: u64) -> std::path::PathBuf {
     folder
-        .join("recordings")
+        .join(crate::ensemble::RECORDINGS)
         .join(format!("{program}-{run}.rec"))
 }

@@ -29,6 +29,7 @@ const SCRIPT: &[&str] = &[
     include_str!("page/shaders.js"),
     include_str!("page/painter.js"),
     include_str!("page/labels.js"),
+    include_str!("page/cloud.js"),
     include_str!("page/scene.js"),
     include_str!("page/graph.js"),
     include_str!("page/panel.js"),

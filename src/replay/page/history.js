@@ -62,6 +62,7 @@ class History {
         const stretch = on.get(face(of, name));
         if (stretch) {
           stretch.to = tick;
+          stretch.took = true;
           if (stretch.deed !== undefined) this.deeds.get(stretch.deed).done = tick;
         }
         for (const pull of this.pulls) if (pull.body === body && pull.to > tick) pull.to = tick;
@@ -112,11 +113,17 @@ class History {
     return hold ? this.roles[hold.role] : `block ${body}`;
   }
 
+  /** What a block is called in an event: one that goes at that tick still has its name. */
+  nameIn(body, tick) {
+    if (body < 0 || this.holdAt(body, tick)) return this.nameAt(body, tick);
+    const last = this.holds[body].find(({ to }) => to === tick);
+    return last ? this.roles[last.role] : `block ${body}`;
+  }
+
   /** An event in words. */
   words(row) {
     const [tick, kind] = row;
-    const name = body => this.nameAt(body, tick);
-    // A block that goes has just lost its name.
+    const name = body => this.nameIn(body, tick);
     if (kind === 'phase') return `phase ${this.phases[row[2]]} begins`;
     if (kind === 'on') return `${name(row[2])}.${row[3]} on, for ${this.roles[row[5]]}`;
     if (kind === 'in') return `block ${row[2]} comes into reach of ${name(row[3])}.${row[4]}`;

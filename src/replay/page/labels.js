@@ -13,7 +13,7 @@ class Labels {
   draw(scene, view, blocks, look) {
     const { canvas, pen } = this;
     const scale = devicePixelRatio || 1;
-    const [width, height] = [canvas.clientWidth, canvas.clientHeight];
+    const { width, height } = scene.painter;
     if (canvas.width !== Math.round(width * scale) || canvas.height !== Math.round(height * scale)) {
       canvas.width = Math.round(width * scale);
       canvas.height = Math.round(height * scale);

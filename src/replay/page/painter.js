@@ -9,21 +9,30 @@ class Painter {
     if (!gl) throw new Unreadable('This browser offers no WebGL2, which the replay needs. Switch it on, or use another browser.');
     this.gl = gl;
     this.canvas = canvas;
+    // To ask for it at every picture would have the page laid out every time.
+    this.width = canvas.clientWidth;
+    this.height = canvas.clientHeight;
+    new ResizeObserver(() => {
+      this.width = canvas.clientWidth;
+      this.height = canvas.clientHeight;
+    }).observe(canvas);
     this.cubes = program(gl, CUBE_CORNERS, CUBE_PAINT);
     this.plain = program(gl, PLAIN_CORNERS, PLAIN_PAINT);
     this.corners = buffer(gl, cube());
+    this.triangles = gl.createBuffer();
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.triangles);
+    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, CUBE_TRIANGLES, gl.STATIC_DRAW);
     this.instances = gl.createBuffer();
     this.sketch = gl.createBuffer();
     this.fixed = new Map();
     gl.enable(gl.DEPTH_TEST);
-    gl.enable(gl.CULL_FACE);
     gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
   }
 
   /** Fits the picture to the page; `scale`: pixels of the picture for one of the screen. */
   fit(scale) {
-    const width = Math.max(1, Math.round(this.canvas.clientWidth * scale));
-    const height = Math.max(1, Math.round(this.canvas.clientHeight * scale));
+    const width = Math.max(1, Math.round(this.width * scale));
+    const height = Math.max(1, Math.round(this.height * scale));
     if (this.canvas.width !== width || this.canvas.height !== height) {
       this.canvas.width = width;
       this.canvas.height = height;
@@ -57,7 +66,7 @@ class Painter {
     gl.bufferData(gl.ARRAY_BUFFER, numbers.subarray(0, count * CUBE), gl.STREAM_DRAW);
     const parts = [[2, 3, 0], [3, 4, 12], [4, 4, 28], [5, 1, 44]];
     for (const [place, size, offset] of parts) attribute(gl, this.instances, place, size, 4 * CUBE, offset, 1);
-    gl.drawArraysInstanced(gl.TRIANGLES, 0, 36, count);
+    gl.drawElementsInstanced(gl.TRIANGLES, CUBE_TRIANGLES.length, gl.UNSIGNED_SHORT, 0, count);
     for (const [place] of parts) gl.vertexAttribDivisor(place, 0);
     for (let place = 2; place < 6; place++) gl.disableVertexAttribArray(place);
   }
@@ -79,9 +88,7 @@ class Painter {
     this.blend(!opaque);
     attribute(gl, kept.buffer, 0, 3, 28, 0, 0);
     attribute(gl, kept.buffer, 1, 4, 28, 12, 0);
-    gl.disable(gl.CULL_FACE);
     gl.drawArrays(lines ? gl.LINES : gl.TRIANGLES, 0, kept.count);
-    gl.enable(gl.CULL_FACE);
   }
 
   /** Forgets the sketches that were kept. */

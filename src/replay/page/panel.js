@@ -17,12 +17,32 @@ class Panel {
     if (key === this.key) return;
     this.key = key;
     if (body === null) {
-      this.element.replaceChildren(part('p', 'hint', 'Click a block to see its name, its history and its event table.'));
+      const hint = part('p', 'hint', 'Click a block to see its name, its history and its event table.');
+      this.element.replaceChildren(hint, part('h3', '', 'What has happened'), this.latest(tick));
       return;
     }
     const title = part('h2', '', history.nameAt(body, tick));
     const follows = part('p', 'state', this.words(body, tick));
     this.element.replaceChildren(title, follows, ...this.story(body, tick), ...this.table(role, tick));
+  }
+
+  /** The latest events of the structure. */
+  latest(tick) {
+    const rows = this.history.rows.filter(row => row[0] <= tick && NOTABLE.has(row[1]));
+    const lines = rows.slice(-40).reverse();
+    return this.list(lines.map(row => ({ at: row[0], text: this.history.words(row), kind: row[1] })));
+  }
+
+  list(lines) {
+    const list = part('ol', 'story');
+    for (const { at, text, kind } of lines) {
+      const line = part('li', kind);
+      const when = part('button', 'tick', String(at));
+      when.addEventListener('click', () => this.jump(at));
+      line.append(when, ` ${text}`);
+      list.append(line);
+    }
+    return list;
   }
 
   roleAt(body, tick) {
@@ -50,7 +70,7 @@ class Panel {
     const say = (at, text, kind) => at <= tick && lines.push({ at, text, kind });
     if (body >= 0) {
       for (const { from, to, of, face } of history.pulls.filter(pull => pull.body === body)) {
-        const name = history.nameAt(of, from);
+        const name = history.nameIn(of, from);
         say(from, `enters the field of ${name}.${face}`, 'in');
         const docks = history.holds[body].some(hold => hold.from === to && hold.of === of && hold.face === face);
         if (!docks && Number.isFinite(to)) say(to, `leaves the field of ${name}.${face}`, 'out');
@@ -59,29 +79,22 @@ class Panel {
         const name = history.roles[role];
         const origin = bond?.origin.kind === 'released' ? `; it was ${history.roles[bond.origin.role]} until ${bond.origin.tick}` : '; it was free from the beginning';
         const wait = bond ? `, ${count(bond.docked - bond.magnetized, 'tick')} and ${count(bond.entries, 'entry', 'entries')} after the face was on` : '';
-        say(from, `docks on ${history.nameAt(of, from)}.${face} as ${name}${wait}${origin}`, 'dock');
+        say(from, `docks on ${history.nameIn(of, from)}.${face} as ${name}${wait}${origin}`, 'dock');
         if (Number.isFinite(to)) say(to, `is let go as ${name}`, 'free');
       }
     }
     for (const stretch of history.faces.filter(face => face.body === body)) {
       say(stretch.from, `switches ${stretch.face} on for ${history.roles[stretch.child]}`, 'on');
-      if (Number.isFinite(stretch.to)) say(stretch.to, `holds ${history.roles[stretch.child]} on ${stretch.face}`, 'dock');
+      if (stretch.took) say(stretch.to, `holds ${history.roles[stretch.child]} on ${stretch.face}`, 'dock');
     }
     for (const { tick: at, from, to, what, role } of history.messages) {
-      if (from === body) say(at, `tells ${history.nameAt(to, at)}: ${SAID[what](history.roles[role])}`, 'say');
-      if (to === body) say(at, `hears from ${history.nameAt(from, at)}: ${SAID[what](history.roles[role])}`, 'say');
+      if (from === body) say(at, `tells ${history.nameIn(to, at)}: ${SAID[what](history.roles[role])}`, 'say');
+      if (to === body) say(at, `hears from ${history.nameIn(from, at)}: ${SAID[what](history.roles[role])}`, 'say');
     }
     const entries = lines.filter(({ kind }) => kind === 'in').length;
     const left = lines.filter(({ kind }) => kind === 'out').length;
     lines.sort((a, b) => b.at - a.at);
-    const list = part('ol', 'story');
-    for (const { at, text, kind } of lines.slice(0, 200)) {
-      const line = part('li', kind);
-      const when = part('button', 'tick', String(at));
-      when.addEventListener('click', () => this.jump(at));
-      line.append(when, ` ${text}`);
-      list.append(line);
-    }
+    const list = this.list(lines.slice(0, 200));
     const title = body < 0 ? 'History' : `History: in the field ${count(entries, 'time')}, out of it again ${count(left, 'time')}`;
     return [part('h3', '', title), lines.length ? list : part('p', 'hint', 'Nothing has happened to it yet.')];
   }

@@ -13,6 +13,8 @@ class Scene {
     this.places = new Float64Array(7 * recording.bodies);
     this.numbers = new Float32Array(CUBE * (recording.bodies + width * depth));
     this.radius = about.radius;
+    this.cloud = new Cloud(recording.bodies);
+    this.list = new Uint32Array(recording.bodies);
     /** How free blocks are shown: 0 faint, 1 solid, 2 not at all. */
     this.clouds = 0;
     this.named = true;
@@ -48,51 +50,59 @@ class Scene {
     painter.fit(scale);
     const view = camera.matrix(painter.canvas.width, painter.canvas.height);
     painter.begin(view, look.background);
+    const solid = (this.solid = []);
+    for (const cell of this.plain) solid.push({ body: null, centre: this.centre(cell), turn: [0, 0, 0, 1], colour: look.plate });
+    for (const { body } of this.seeds) solid.push({ body, ...this.place(body), colour: look.seed, named: true });
+    let free = 0;
     const pulled = new Set(history.pullsAt(tick).map(({ body }) => body));
-    const solid = [];
-    const faint = [];
-    const cubes = [];
-    for (const cell of this.plain) solid.push({ body: null, centre: this.centre(cell), turn: [0, 0, 0, 1], colour: look.plate, opacity: 1 });
-    for (const { body } of this.seeds) solid.push({ body, ...this.place(body), colour: look.seed, opacity: 1, named: true });
     for (let body = 0; body < this.recording.bodies; body++) {
       const hold = history.holdAt(body, tick);
-      const block = { body, ...this.place(body), colour: look.free, opacity: 1 };
-      if (hold) solid.push({ ...block, colour: phaseColour(hold.phase), named: true });
-      else if (pulled.has(body)) faint.push({ ...block, opacity: 0.6, mark: 2 });
-      else if (this.clouds === 1 || body === this.selected) solid.push(block);
-      else if (this.clouds === 0) faint.push({ ...block, opacity: look.ghost });
+      if (hold) solid.push({ body, ...this.place(body), colour: phaseColour(hold.phase), named: true });
+      else if (body === this.selected) solid.push({ body, ...this.place(body), colour: look.free, named: true });
+      else if (this.clouds < 2 || pulled.has(body)) this.list[free++] = body;
     }
-    this.shown = [...solid, ...faint];
     const eye = camera.eye;
-    // What lets light through is drawn from the far end.
-    for (const block of faint) block.far = dot(minus(block.centre, eye), minus(block.centre, eye));
-    faint.sort((a, b) => b.far - a.far);
+    this.free = this.cloud.sort(this.list, free, this.places, eye);
     const style = { mark: look.mark, pulled: look.lit, edge: look.edge, eye };
     if (this.radius && camera.eye[2] > 0) {
       painter.drawSketch(() => ground(this.radius, [...rgb(look.ground), 1]), { opaque: true, name: `ground ${themeName()}` });
     }
-    painter.drawCubes(this.numbers, this.fill(solid), { opaque: true, ...style });
+    painter.drawCubes(this.numbers, this.fillSolid(), { opaque: true, ...style });
     this.drawFaces(look);
     if (this.radius) {
       const lines = () => wires(this.radius, [...rgb(look.rings), 1], [...rgb(look.shell), 0.45]);
       painter.drawSketch(lines, { lines: true, name: `wires ${themeName()}` });
     }
-    painter.drawCubes(this.numbers, this.fill(faint), { opaque: false, ...style });
+    painter.drawCubes(this.numbers, this.fillFree(pulled, look), { opaque: this.clouds === 1, ...style });
     this.labels.draw(this, view, solid, look);
   }
 
-  /** The numbers of cubes for the painter; how many there are. */
-  fill(blocks) {
-    let at = 0;
-    for (const { body, centre, turn, colour, opacity, mark = 0 } of blocks) {
+  /** The numbers of the structure's blocks for the painter; how many there are. */
+  fillSolid() {
+    this.solid.forEach(({ body, centre, turn, colour }, i) => {
+      const at = CUBE * i;
       this.numbers.set(centre, at);
       this.numbers.set(turn, at + 3);
       this.numbers.set(rgb(colour), at + 7);
-      this.numbers[at + 10] = opacity;
-      this.numbers[at + 11] = body !== null && body === this.selected ? 1 : mark;
-      at += CUBE;
+      this.numbers[at + 10] = 1;
+      this.numbers[at + 11] = body !== null && body === this.selected ? 1 : 0;
+    });
+    return this.solid.length;
+  }
+
+  /** The same of the free blocks: there may be very many. */
+  fillFree(pulled, look) {
+    const { numbers, places, free } = this;
+    const colour = rgb(look.free);
+    for (let i = 0; i < free.length; i++) {
+      const [at, from] = [CUBE * i, 7 * free[i]];
+      for (let j = 0; j < 7; j++) numbers[at + j] = places[from + j];
+      for (let j = 0; j < 3; j++) numbers[at + 7 + j] = colour[j];
+      const isPulled = pulled.has(free[i]);
+      numbers[at + 10] = this.clouds === 1 ? 1 : isPulled ? 0.6 : look.ghost;
+      numbers[at + 11] = isPulled ? 2 : 0;
     }
-    return blocks.length;
+    return free.length;
   }
 
   /** Lights the faces that are on, and ties what they pull to them. */
@@ -128,13 +138,15 @@ class Scene {
 
   /** The block that is seen at a point of the canvas, in pixels of the page; `null`: none. */
   pick(x, y) {
-    const { clientWidth, clientHeight } = this.painter.canvas;
-    const { origin, direction } = this.camera.ray((2 * x) / clientWidth - 1, 1 - (2 * y) / clientHeight);
+    const { width, height } = this.painter;
+    const { origin, direction } = this.camera.ray((2 * x) / width - 1, 1 - (2 * y) / height);
     let [best, found] = [Infinity, null];
-    for (const { body, centre, turn } of this.shown) {
+    const look = (body, { centre, turn }) => {
       const distance = meets(origin, direction, centre, turn);
       if (distance < best) [best, found] = [distance, body];
-    }
+    };
+    for (const block of this.solid) look(block.body, block);
+    for (const body of this.free) look(body, this.place(body));
     return found;
   }
 
@@ -143,7 +155,7 @@ class Scene {
     const at = row => view[row] * place[0] + view[4 + row] * place[1] + view[8 + row] * place[2] + view[12 + row];
     const w = at(3);
     if (w <= 0) return null;
-    const { clientWidth, clientHeight } = this.painter.canvas;
-    return { x: ((at(0) / w + 1) / 2) * clientWidth, y: ((1 - at(1) / w) / 2) * clientHeight, scale: clientHeight / (2 * w * Math.tan(this.camera.angle / 2)) };
+    const { width, height } = this.painter;
+    return { x: ((at(0) / w + 1) / 2) * width, y: ((1 - at(1) / w) / 2) * height, scale: height / (2 * w * Math.tan(this.camera.angle / 2)) };
   }
 }

@@ -18,12 +18,17 @@ vec3 turned(vec3 v) {
   return v + 2.0 * cross(turn.xyz, cross(turn.xyz, v) + turn.w * v);
 }
 void main() {
-  place = corner;
-  outward = turned(normal);
+  // The eye, in the block's own directions: of each pair of faces, it can see one at most.
+  vec3 way = eye - centre;
+  vec3 seen = way + 2.0 * cross(-turn.xyz, cross(-turn.xyz, way) + turn.w * way);
+  vec3 side = vec3(seen.x < 0.0 ? -1.0 : 1.0, seen.y < 0.0 ? -1.0 : 1.0, seen.z < 0.0 ? -1.0 : 1.0);
+  place = corner * side;
+  outward = turned(normal * side);
   paint = colour;
   marked = mark;
-  near = distance(eye, centre);
-  gl_Position = view * vec4(centre + turned(corner), 1.0);
+  near = length(way);
+  bool visible = dot(abs(seen), normal) > 0.5;
+  gl_Position = visible ? view * vec4(centre + turned(place), 1.0) : vec4(0.0, 0.0, 2.0, 1.0);
 }`;
 
 const CUBE_PAINT = `#version 300 es

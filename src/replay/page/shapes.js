@@ -1,16 +1,22 @@
 // Corners of what is drawn.
 
-/** A cube of side 1: 36 corners, each with the normal of its face. */
+/**
+ * Three faces of a cube of side 1: those to the east, north and up, each of four corners with the
+ * normal. No more than three are ever seen; the shader puts them on the sides that face the eye.
+ */
 function cube() {
   const corners = [];
-  for (const normal of Object.values(NORMALS)) {
+  for (const normal of [NORMALS.east, NORMALS.north, NORMALS.up]) {
     const [u, v] = sides(normal);
-    for (const [a, b] of [[-1, -1], [1, -1], [1, 1], [-1, -1], [1, 1], [-1, 1]]) {
+    for (const [a, b] of [[-1, -1], [1, -1], [1, 1], [-1, 1]]) {
       corners.push(...times(add(normal, add(times(u, a), times(v, b))), 0.5), ...normal);
     }
   }
   return new Float32Array(corners);
 }
+
+/** Its triangles. */
+const CUBE_TRIANGLES = new Uint16Array([0, 4, 8].flatMap(at => [at, at + 1, at + 2, at, at + 2, at + 3]));
 
 /** Two directions in a face, so that u x v = normal. */
 function sides(normal) {

@@ -155,8 +155,10 @@ async function start() {
   new ResizeObserver(wake).observe(element('arena'));
   matchMedia('(prefers-color-scheme: dark)').addEventListener('change', wake);
   addEventListener('hashchange', recall);
-  await recording.fetch(0);
   recall();
+  await recording.fetch(player.tick);
+  scene.go(player.tick);
+  draw(performance.now());
   element('message').hidden = true;
 
   /** For whoever wants to look at the page by a program. */
@@ -181,7 +183,7 @@ async function start() {
       lit: history.facesAt(scene.tick).map(({ body, face }) => [body, face]),
       pulled: history.pullsAt(scene.tick).map(({ body }) => body),
       done: [...history.deeds].filter(([, { done }]) => done <= scene.tick).map(([id]) => id),
-      cubes: scene.shown.length,
+      cubes: scene.solid.length + scene.free.length,
       labels: scene.labels.shown.map(({ text }) => text),
       selected: scene.selected,
       playing: player.playing,
