@@ -147,7 +147,8 @@ fn a_block_is_drawn_where_it_is_and_found_by_a_click() {
     browser.click(at["x"].as_f64().unwrap(), at["y"].as_f64().unwrap());
     assert_eq!(browser.value("replay.state().selected"), last.body);
     let panel = |browser: &mut Browser| {
-        browser.value("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(document.getElementById('block').textContent))))")
+        let text = "document.getElementById('block').textContent";
+        browser.value(&format!("replay.settled().then(() => {text})"))
     };
     let text = panel(&mut browser);
     let text = text.as_str().unwrap();
@@ -224,10 +225,7 @@ fn keys_links_and_fingers_move_it() {
     let recording = results.recording(0);
     let page = results.page(0);
     browser.open(&page, "#tick=1234&block=3");
-    let now = |browser: &mut Browser| {
-        // A picture is drawn before the next but one.
-        browser.value("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(replay.state()))))")
-    };
+    let now = |browser: &mut Browser| browser.value("replay.settled()");
     let state = now(&mut browser);
     assert_eq!(
         (&state["tick"], &state["selected"]),

@@ -78,7 +78,7 @@ class Panel {
       for (const { from, to, role, of, face, bond } of history.holds[body]) {
         const name = history.roles[role];
         const origin = bond?.origin.kind === 'released' ? `; it was ${history.roles[bond.origin.role]} until ${bond.origin.tick}` : '; it was free from the beginning';
-        const wait = bond ? `, ${count(bond.docked - bond.magnetized, 'tick')} and ${count(bond.entries, 'entry', 'entries')} after the face was on` : '';
+        const wait = bond ? `, ${count(bond.docked - bond.magnetized, 'tick')} after the face was on, which saw ${count(bond.entries, 'entry', 'entries')}` : '';
         say(from, `docks on ${history.nameIn(of, from)}.${face} as ${name}${wait}${origin}`, 'dock');
         if (Number.isFinite(to)) say(to, `is let go as ${name}`, 'free');
       }

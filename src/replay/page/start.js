@@ -171,6 +171,12 @@ async function start() {
       draw(performance.now());
       return this.state();
     },
+    /** The state when what was asked for is to be seen. */
+    async settled() {
+      await recording.fetch(player.tick);
+      await new Promise(drawn => requestAnimationFrame(() => requestAnimationFrame(drawn)));
+      return this.state();
+    },
     select,
     state: () => ({
       tick: scene.tick,
