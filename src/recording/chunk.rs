@@ -155,14 +155,13 @@ impl Chunk {
         let corner = [number()?, number()?, number()?];
         let step = number()?;
         let offsets = take(4 * frames as usize)?.chunks_exact(4);
-        let ticks: Vec<u64> = offsets
-            .map(|offset| {
-                first
-                    + u64::from(u32::from_le_bytes([
-                        offset[0], offset[1], offset[2], offset[3],
-                    ]))
+        let ticks: Option<Vec<u64>> = offsets
+            .map(|bytes| {
+                let offset = u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
+                first.checked_add(offset.into())
             })
             .collect();
+        let ticks = ticks.ok_or_else(damaged)?;
         let count = u64::from(bodies) * u64::from(frames) * NUMBERS as u64;
         if frames == 0 || 2 * count > LARGEST || !ticks.is_sorted() {
             return Err(damaged());

@@ -1,7 +1,7 @@
 //! Recordings in a folder of results, made at once or afterwards.
 use std::fs;
 
-use stochc::recording::Happening;
+use stochc::recording::{Happening, Recording};
 use stochc::runtime::observe::Event;
 
 use crate::folder::{PROGRAM, Results, stochc};
@@ -88,6 +88,63 @@ fn anchored_blocks_are_where_their_cells_are() {
             assert!(far.iter().all(|far| far.abs() <= 1.0 / 1024.0), "{far:?}");
         }
     }
+}
+
+/// The sections of a file: name and payload.
+fn sections(bytes: &[u8]) -> Vec<(&str, &[u8])> {
+    let number = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()) as usize;
+    let mut at = 16 + number(12);
+    let mut sections = Vec::new();
+    while at < bytes.len() {
+        let name = std::str::from_utf8(&bytes[at..at + 4]).unwrap();
+        let end = at + 8 + number(at + 4);
+        sections.push((name, &bytes[at + 8..end]));
+        at = end;
+    }
+    sections
+}
+
+#[test]
+fn a_long_run_is_written_piece_by_piece() {
+    let results = Results::of(PROGRAM, "--record 0 --record-every 1");
+    let bytes = fs::read(results.recording_path(0)).unwrap();
+    let sections = sections(&bytes);
+    let ticks: Vec<usize> = (sections.iter())
+        .filter(|(name, _)| *name == "POSE")
+        .map(|(_, payload)| u32::from_le_bytes(payload[8..12].try_into().unwrap()) as usize)
+        .collect();
+    // 300 blocks of 7 numbers: half a million numbers are 250 ticks.
+    let recording = results.recording(0);
+    assert_eq!(recording.header().bodies, 300);
+    assert!(ticks.iter().all(|ticks| *ticks <= 250), "{ticks:?}");
+    assert_eq!(
+        ticks.iter().sum::<usize>() as u64,
+        recording.record().ticks + 1
+    );
+    assert_eq!(sections.last().map(|(name, _)| *name), Some("DONE"));
+}
+
+#[test]
+fn no_damage_is_more_than_a_message() {
+    let results = Results::of(DENSE, "--record 0");
+    let bytes = fs::read(results.recording_path(0)).unwrap();
+    let tables = results.tables();
+    let whole = results.recording(0);
+    let frames: Vec<_> = whole.frames().collect();
+    let mut refused = 0;
+    for at in (0..bytes.len()).step_by(bytes.len() / 997) {
+        for change in [0x01, 0x80, 0xFF] {
+            let mut bytes = bytes.clone();
+            bytes[at] ^= change;
+            match Recording::read(&bytes[..], &tables) {
+                Err(_) => refused += 1,
+                // The corner and the step of a chunk, its ticks, and the header are not checked.
+                Ok(other) => assert_eq!(other.frames().count(), frames.len()),
+            }
+        }
+        assert!(Recording::read(&bytes[..at], &tables).is_err());
+    }
+    assert!(refused > 2 * 997, "{refused}");
 }
 
 /// What `replay` says of a folder in which something has been changed.

@@ -5,7 +5,7 @@ const CUBE = 12;
 
 class Painter {
   constructor(canvas) {
-    const gl = canvas.getContext('webgl2', { antialias: true, alpha: false, preserveDrawingBuffer: true });
+    const gl = canvas.getContext('webgl2', { antialias: !drawsSlowly(), alpha: false });
     if (!gl) throw new Unreadable('This browser offers no WebGL2, which the replay needs. Switch it on, or use another browser.');
     this.gl = gl;
     this.canvas = canvas;
@@ -110,6 +110,15 @@ class Painter {
     gl.readPixels(x, this.canvas.height - 1 - y, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, out);
     return [...out.subarray(0, 3)];
   }
+}
+
+/** Whether there is no graphics processor, so that smooth edges would cost too much. */
+function drawsSlowly() {
+  const gl = document.createElement('canvas').getContext('webgl2');
+  const known = gl?.getExtension('WEBGL_debug_renderer_info');
+  const name = known ? gl.getParameter(known.UNMASKED_RENDERER_WEBGL) : '';
+  gl?.getExtension('WEBGL_lose_context')?.loseContext();
+  return /swiftshader|llvmpipe|software|basic render/i.test(name);
 }
 
 function program(gl, corners, paint) {

@@ -69,7 +69,7 @@ async function start() {
       return;
     }
     state.slow = Math.max(0, state.slow + (took > 40 ? 1 : -0.5));
-    if (state.slow > 12 && state.scale > 0.4) {
+    if (state.slow > 12 && state.scale > 0.6) {
       state.scale *= 0.75;
       state.slow = 0;
     }
@@ -196,6 +196,8 @@ async function start() {
     }),
     screen: body => scene.screen(scene.place(body).centre),
     pixel: (x, y) => {
+      // What was drawn is gone once it has been shown.
+      draw(performance.now());
       const scale = painter.canvas.width / painter.canvas.clientWidth;
       return painter.pixel(Math.round(x * scale), Math.round(y * scale));
     },
