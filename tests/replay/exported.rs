@@ -61,27 +61,23 @@ fn a_table_has_every_block_at_every_tick() {
             (40 * (at / bodies) as i64, (at % bodies) as i32)
         );
         let place = frames[&(tick as u64)].places[body as usize];
-        for axis in 0..3 {
+        for (axis, kept) in place[..3].iter().enumerate() {
             let number = f64::from(row.get_float(2 + axis).unwrap());
-            assert!(
-                (number - place[axis]).abs() <= ROUNDED,
-                "{number} at {tick}"
-            );
+            assert!((number - kept).abs() <= ROUNDED, "{number} at {tick}");
         }
         let part = |i: usize| f64::from(row.get_float(5 + i).unwrap());
         let product: f64 = (0..4).map(|i| part(i) * place[3 + i]).sum();
         assert!(product.abs() > 1.0 - 1e-6, "{product} at {tick}");
         // Who it is: the last that has happened to it.
-        let last = (recording.events().iter())
+        let last = (recording.events().iter().rev())
             .filter(|happening| happening.tick <= tick as u64)
-            .filter_map(|happening| match happening.event {
+            .find_map(|happening| match happening.event {
                 Event::Captured {
                     body: who, role, ..
                 } if who as i32 == body => Some(Some(role)),
                 Event::Released { body: who, .. } if who as i32 == body => Some(None),
                 _ => None,
             })
-            .last()
             .flatten();
         let name = match row.get_column_iter().last().unwrap().1 {
             Field::Null => None,

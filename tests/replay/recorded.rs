@@ -90,6 +90,22 @@ fn anchored_blocks_are_where_their_cells_are() {
     }
 }
 
+#[test]
+fn an_ensemble_that_goes_on_records_what_it_makes() {
+    let results = Results::of(DENSE, "--record 1");
+    let left = results.path().join("recordings/.stochc-partial-left");
+    fs::write(&left, "by a kill").unwrap();
+    let line =
+        format!("simulate --model rigid --runs 3 --resume --quiet --record all {DENSE} --out");
+    let said = stochc(&line, &[&results.path()]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    let note = "note: 1 of the runs to record had been made before";
+    assert!(said.err.contains(note), "{}", said.err);
+    assert_eq!(results.recording(2).record().run, 2);
+    assert!(!results.recording_path(0).exists());
+    assert!(!left.exists());
+}
+
 /// The sections of a file: name and payload.
 fn sections(bytes: &[u8]) -> Vec<(&str, &[u8])> {
     let number = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()) as usize;

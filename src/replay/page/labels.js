@@ -18,6 +18,12 @@ class Labels {
       canvas.width = Math.round(width * scale);
       canvas.height = Math.round(height * scale);
     }
+    // While the view and the structure are the same, so are the names.
+    const who = blocks.map(({ body }) => (body === null ? '' : `${body} ${scene.history.nameAt(body, scene.tick)}`));
+    const key = `${view.join()} ${width} ${height} ${scale} ${scene.named} ${scene.selected} ${look.ink} ${who.join()}`;
+    // A free block that has been chosen is named as well, and moves.
+    if (key === this.key && scene.selected === null) return;
+    this.key = key;
     pen.setTransform(scale, 0, 0, scale, 0, 0);
     pen.clearRect(0, 0, width, height);
     this.shown = [];

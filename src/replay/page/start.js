@@ -12,7 +12,7 @@ async function start() {
   const camera = new Camera(about, history);
   const scene = new Scene(about, recording, history, painter, new Labels(element('labels')), camera);
   const timeline = new Timeline(element('timeline'), history);
-  const state = { following: false, drawn: null, scale: 1, slow: 0 };
+  const state = { following: false, drawn: null, told: -Infinity, scale: 1, slow: 0 };
   const player = new Player(history, about.scene.tick, () => wake());
   const graph = new Graph(element('graph'), history, tick => player.jump(tick));
   const panel = new Panel(element('block'), history, tick => player.jump(tick));
@@ -52,7 +52,11 @@ async function start() {
     graph.show(scene.tick);
     panel.show(scene.selected, Math.floor(scene.tick));
     timeline.draw();
-    controls();
+    // Ten times a second is as fast as anybody reads.
+    if (!player.playing || now - state.told > 100) {
+      state.told = now;
+      controls();
+    }
     adapt(now);
   }
 
@@ -68,7 +72,7 @@ async function start() {
       }
       return;
     }
-    state.slow = Math.max(0, state.slow + (took > 40 ? 1 : -0.5));
+    state.slow = Math.max(0, state.slow + (took > 40 ? took / 40 : -0.5));
     if (state.slow > 12 && state.scale > 0.6) {
       state.scale *= 0.75;
       state.slow = 0;
