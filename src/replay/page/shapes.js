@@ -61,8 +61,8 @@ class Sketch {
 /** The ground inside the shell, as triangles. */
 function ground(radius, colour) {
   const sketch = new Sketch();
-  const at = i => [radius * Math.cos((Math.PI * i) / 64), radius * Math.sin((Math.PI * i) / 64), -0.002];
-  for (let i = 0; i < 128; i++) for (const place of [[0, 0, -0.002], at(i), at(i + 1)]) sketch.point(place, colour);
+  const at = i => [radius * Math.cos((Math.PI * i) / 64), radius * Math.sin((Math.PI * i) / 64), -0.02];
+  for (let i = 0; i < 128; i++) for (const place of [[0, 0, -0.02], at(i), at(i + 1)]) sketch.point(place, colour);
   return sketch;
 }
 
