@@ -2,7 +2,8 @@
 use clap::{Parser, Subcommand};
 
 use crate::command::{
-    check, compile, completions, explain, fmt, lsp, man, report, results, simulate, trade,
+    check, compile, completions, explain, export, fmt, lsp, man, replay, report, results, simulate,
+    trade,
 };
 
 /// Compiler, verifier and simulator for stochastic modular robots.
@@ -35,6 +36,10 @@ pub enum Command {
     Results(results::Options),
     /// Write a page on folders that `simulate` has filled: curves, bottlenecks, what decided a run
     Report(report::Options),
+    /// Show a run: a page to watch it in, tick by tick
+    Replay(replay::Options),
+    /// Write the ways of a run's blocks for other programs: a table, or an animation
+    Export(export::Options),
     /// Explain a finding by its code
     Explain(explain::Options),
     /// Serve an editor: findings as you type, definitions, renaming (the Language Server Protocol)
@@ -86,6 +91,8 @@ pub fn run(cli: Cli) -> Exit {
         Command::Trade(options) => trade::run(&options),
         Command::Results(options) => results::run(&options),
         Command::Report(options) => report::run(&options),
+        Command::Replay(options) => replay::run(&options),
+        Command::Export(options) => export::run(&options),
         Command::Explain(options) => explain::run(&options),
         Command::Lsp(options) => lsp::run(&options),
         Command::Completions(options) => completions::run(&options),

@@ -11,11 +11,14 @@
 pub mod cli;
 pub mod command;
 pub mod ensemble;
+pub mod export;
 mod figures;
 pub mod files;
 pub mod findings;
 pub mod lsp;
 pub mod mend;
+pub mod recording;
+pub mod replay;
 pub mod report;
 pub mod statistics;
 pub mod trade;

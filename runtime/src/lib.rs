@@ -6,11 +6,12 @@
 pub mod control;
 pub mod draw;
 pub mod explore;
+pub mod observe;
 pub mod orientation;
 pub mod record;
 mod run;
 mod settings;
 pub mod world;
 
-pub use run::{RunError, Watch, drive, run};
+pub use run::{RunError, Watch, drive, observe, run};
 pub use settings::{Model, Precision, Reduction, SUBSTEPS, Settings};

@@ -6,6 +6,7 @@ use stochc_compiler::scene::{Messages, Scene};
 use stochc_compiler::table::{PhaseId, Tables};
 
 use crate::control::Controller;
+use crate::observe::{Lookout, Observer};
 use crate::record::{Outcome, RunRecord};
 use crate::settings::{Model, Settings};
 use crate::world::rapier::RapierWorld;
@@ -35,6 +36,8 @@ pub enum RunError {
     Scene(SceneError),
     /// The [`Watch`] ended it.
     Cancelled,
+    /// [`Model::Shuffle`] has no places to look at.
+    Nowhere,
 }
 
 impl std::fmt::Display for RunError {
@@ -42,6 +45,9 @@ impl std::fmt::Display for RunError {
         match self {
             RunError::Scene(error) => error.fmt(f),
             RunError::Cancelled => f.write_str("the run was cancelled"),
+            RunError::Nowhere => f.write_str(
+                "the model `shuffle` has no places to look at; `--model rigid` has them",
+            ),
         }
     }
 }
@@ -87,6 +93,60 @@ pub fn run(
     }
 }
 
+/// [`run()`], with an `observer` to look on.
+///
+/// The record is the same, bit for bit.
+///
+/// # Errors
+/// Those of [`run()`], and [`RunError::Nowhere`].
+pub fn observe(
+    tables: &Tables,
+    scene: &Scene,
+    settings: &Settings,
+    seed: u64,
+    run: u64,
+    watch: &mut (impl Watch + ?Sized),
+    observer: &mut impl Observer,
+) -> Result<RunRecord, RunError> {
+    let key = (seed, run);
+    match settings.model {
+        Model::Rapier => {
+            let world = RapierWorld::new(scene, &tables.plate, settings, seed, run)?;
+            look(tables, scene, world, settings, key, watch, observer)
+        }
+        Model::Rigid => {
+            let world = RigidWorld::new(scene, &tables.plate, settings, seed, run)?;
+            look(tables, scene, world, settings, key, watch, observer)
+        }
+        Model::Shuffle => Err(RunError::Nowhere),
+    }
+}
+
+fn look(
+    tables: &Tables,
+    scene: &Scene,
+    mut world: impl Arena,
+    settings: &Settings,
+    (seed, run): (u64, u64),
+    watch: &mut (impl Watch + ?Sized),
+    observer: &mut impl Observer,
+) -> Result<RunRecord, RunError> {
+    let mut controller = Controller::new(tables, scene.messages.as_ref(), seed, run);
+    controller.keep_log();
+    let mut lookout = Lookout::new(observer);
+    let limit = settings.max_ticks;
+    follow(
+        controller,
+        &mut world,
+        limit,
+        run,
+        watch,
+        |world, controller| {
+            lookout.look(world, controller);
+        },
+    )
+}
+
 /// Runs tables in a world of one's own, which has to be at its beginning.
 ///
 /// A world that passes everything on to another one can look into it at every tick: that is how
@@ -105,9 +165,22 @@ pub fn drive(
     (seed, run): (u64, u64),
     watch: &mut (impl Watch + ?Sized),
 ) -> Result<RunRecord, RunError> {
-    let mut controller = Controller::new(tables, messages, seed, run);
+    let controller = Controller::new(tables, messages, seed, run);
+    follow(controller, world, max_ticks, run, watch, |_, _| {})
+}
+
+/// Drives a world by a controller to the end of the run; `look` is called at every tick.
+fn follow<'t, W: World>(
+    mut controller: Controller<'t>,
+    world: &mut W,
+    max_ticks: Option<u64>,
+    run: u64,
+    watch: &mut (impl Watch + ?Sized),
+    mut look: impl FnMut(&W, &mut Controller<'t>),
+) -> Result<RunRecord, RunError> {
     let mut dockings = Vec::new();
     controller.start(world);
+    look(world, &mut controller);
     let outcome = loop {
         let Some(phase) = controller.phase() else {
             break Outcome::Completed;
@@ -127,6 +200,7 @@ pub fn drive(
             };
         }
         controller.advance(&dockings, world);
+        look(world, &mut controller);
     };
     let (phase_ticks, hops, bonds) = controller.into_parts();
     let used: BTreeSet<u32> = bonds.iter().map(|bond| bond.body).collect();

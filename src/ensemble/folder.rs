@@ -5,6 +5,7 @@
 //! | `manifest.json` | what the ensemble depends on |
 //! | `journal.jsonl` | every finished run, in the order of finishing |
 //! | `runs.parquet`, `bonds.parquet` | the same as tables, in the order of program and run |
+//! | `recordings/` | runs to watch; see [`crate::recording`] |
 //! | `.lock` | held by the process that writes |
 //!
 //! Nothing in it is ever replaced by the results of another ensemble.
@@ -21,6 +22,8 @@ use crate::files::atomic;
 const MANIFEST: &str = "manifest.json";
 const JOURNAL: &str = "journal.jsonl";
 const LOCK: &str = ".lock";
+/// The folder within it for recordings.
+pub(crate) const RECORDINGS: &str = "recordings";
 
 /// A results folder that belongs to this process until it is dropped.
 #[derive(Debug)]
@@ -98,6 +101,10 @@ impl Folder {
             });
         }
         clear_partial(path).map_err(io)?;
+        let recordings = path.join(RECORDINGS);
+        if recordings.is_dir() {
+            clear_partial(&recordings).map_err(io)?;
+        }
         if stored.runs < manifest.runs {
             atomic::replace(&path.join(MANIFEST), manifest.to_json().as_bytes()).map_err(io)?;
         }

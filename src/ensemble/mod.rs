@@ -62,6 +62,7 @@ pub use comparison::{Column, Comparison, Pair, PhaseTime, Time};
 pub use edges::{Edge, edges, edges_to_text};
 pub(crate) use estimate::words;
 pub use execute::Cancelled;
+pub(crate) use folder::RECORDINGS;
 pub use folder::{Folder, State};
 pub use interrupt::{INTERRUPTED, stop_on_interrupt};
 pub use journal::{Finished, JournalError};

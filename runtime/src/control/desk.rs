@@ -1,11 +1,13 @@
 //! The books of a run: the clock, the post, and the record of what happened when.
 use std::collections::BTreeMap;
 
-use stochc_compiler::table::RoleId;
+use stochc_compiler::table::{PhaseId, RoleId};
 
+use super::block::Open;
 use super::medium::{Capture, Medium, Recalled};
-use super::message::Message;
+use super::message::{Message, Reporter};
 use super::post::Post;
+use crate::observe::{Event, Log};
 use crate::record::{BondRecord, Origin};
 use crate::world::{Body, Docking, Site, World};
 
@@ -19,6 +21,7 @@ pub(super) struct Desk {
     /// Where released blocks come from.
     released: BTreeMap<u32, Origin>,
     pub bonds: Vec<BondRecord>,
+    pub log: Log,
 }
 
 impl Desk {
@@ -29,6 +32,19 @@ impl Desk {
             since: BTreeMap::new(),
             released: BTreeMap::new(),
             bonds: Vec::new(),
+            log: Log::default(),
+        }
+    }
+
+    /// Takes the next message that has arrived, with where it is.
+    pub fn due(&mut self) -> Option<(Body, Message)> {
+        self.post.due(self.tick, &mut self.log)
+    }
+
+    /// Writes down that a phase begins; `None`: the last one has ended.
+    pub fn note_phase(&mut self, phase: Option<PhaseId>) {
+        if let Some(phase) = phase {
+            self.log.note(Event::Phase(phase));
         }
     }
 
@@ -45,7 +61,14 @@ pub(super) struct Beside<'a, W> {
 }
 
 impl<W: World> Medium for Beside<'_, W> {
-    fn magnetize(&mut self, site: Site) {
+    fn magnetize(&mut self, site: Site, by: RoleId, open: &Open) {
+        self.desk.log.note(Event::Magnetized {
+            body: site.body,
+            by,
+            face: open.face,
+            child: open.child,
+            cell: open.cell,
+        });
         self.desk.since.insert(site, self.desk.tick);
         self.world.magnetize(site);
     }
@@ -56,7 +79,10 @@ impl<W: World> Medium for Beside<'_, W> {
     }
 
     fn send(&mut self, from: Body, to: Body, message: Message) {
-        self.desk.post.send(self.desk.tick, from, to, message);
+        let Desk {
+            tick, post, log, ..
+        } = self.desk;
+        post.send(*tick, from, to, message, log);
     }
 
     fn recall(&mut self, gone: Body) -> Recalled {
@@ -73,8 +99,16 @@ impl<W: World> Medium for Beside<'_, W> {
             since,
             released,
             bonds,
+            log,
             ..
         } = self.desk;
+        log.note(Event::Captured {
+            body: docking.child,
+            on: docking.site.body,
+            face: capture.face,
+            role: capture.child,
+            cell: capture.cell,
+        });
         bonds.push(BondRecord {
             phase: capture.phase,
             parent: capture.parent,
@@ -90,10 +124,16 @@ impl<W: World> Medium for Beside<'_, W> {
         });
     }
 
-    fn released(&mut self, _by: RoleId, role: RoleId, body: Body, _orphans: usize) {
+    fn released(&mut self, by: RoleId, role: RoleId, body: Body, _orphans: usize) {
         if let Body::Free(id) = body {
+            let body = id;
+            self.desk.log.note(Event::Released { body, role, by });
             let tick = self.desk.tick;
             (self.desk.released).insert(id, Origin::Released { role, tick });
         }
+    }
+
+    fn reported(&mut self, by: Reporter) {
+        self.desk.log.note(Event::Reported { by: by.role });
     }
 }

@@ -2,6 +2,7 @@
 use stochc_compiler::table::{PhaseId, RoleId};
 use stochc_compiler::{Cell, Face};
 
+use super::block::Open;
 use super::message::{Message, Reporter};
 use crate::world::{Body, Docking, Site};
 
@@ -10,8 +11,8 @@ use crate::world::{Body, Docking, Site};
 /// A structure has neither time nor chance; whoever drives it brings them: the
 /// [`Controller`](super::Controller) with a clock, the [explorer](crate::explore) in every order.
 pub(crate) trait Medium {
-    /// Switches a face on.
-    fn magnetize(&mut self, site: Site);
+    /// Switches a face on, for the role `by` to capture what `open` says.
+    fn magnetize(&mut self, site: Site, by: RoleId, open: &Open);
 
     /// Switches a face off, and lets go what it holds.
     fn switch_off(&mut self, site: Site);

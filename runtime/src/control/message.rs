@@ -1,6 +1,7 @@
 //! What blocks say to each other.
 use stochc_compiler::table::{News, RoleId, Trigger};
 
+use crate::observe::Said;
 use crate::world::Body;
 
 /// A message, wherever it is.
@@ -38,6 +39,18 @@ pub(crate) struct Reporter {
     pub role: RoleId,
     pub trigger: Trigger,
     pub rule: u32,
+}
+
+impl Payload {
+    /// What it says, for those who look on.
+    pub fn said(self) -> Said {
+        match self {
+            Payload::Report(by) => Said::Report(by.role),
+            Payload::Ask(role) => Said::Ask(role),
+            Payload::Tell(News::Anchored(role)) => Said::Anchored(role),
+            Payload::Tell(News::Released(role)) => Said::Released(role),
+        }
+    }
 }
 
 impl Message {

@@ -11,7 +11,7 @@
 //! Times are boundaries between steps of the world: tick t is when t steps have been made. A phase
 //! whose last report arrives at tick t ends at t, and what the next one switches on acts from the
 //! very next step on. That a phase begins is told to all blocks at once and is not counted.
-mod block;
+pub(crate) mod block;
 mod desk;
 pub(crate) mod link;
 pub(crate) mod medium;
@@ -24,6 +24,7 @@ use stochc_compiler::Cell;
 use stochc_compiler::scene::Messages;
 use stochc_compiler::table::{PhaseId, RoleId, Tables};
 
+use crate::observe::{Event, Log};
 use crate::orientation::Orientation;
 use crate::record::BondRecord;
 use crate::world::{Body, Docking, World};
@@ -61,10 +62,21 @@ impl<'t> Controller<'t> {
         }
     }
 
+    /// Writes down from now on what happens, for [`Controller::take_log`].
+    pub(crate) fn keep_log(&mut self) {
+        self.desk.log = Log::kept();
+    }
+
+    /// Takes out what has happened since the last time.
+    pub(crate) fn take_log(&mut self) -> Vec<Event> {
+        self.desk.log.take()
+    }
+
     /// Begins the first phase.
     pub fn start(&mut self, world: &mut impl World) {
         self.desk.tick = world.tick();
         self.phase_began = self.desk.tick;
+        self.desk.note_phase(self.structure.phase());
         self.structure.start(&mut self.desk.beside(world));
         self.settle(world);
     }
@@ -121,7 +133,7 @@ impl<'t> Controller<'t> {
     /// Delivers all messages that are due, and moves on to the phases that are.
     fn settle(&mut self, world: &mut impl World) {
         loop {
-            while let Some((at, message)) = self.desk.post.due(self.desk.tick) {
+            while let Some((at, message)) = self.desk.due() {
                 let mut medium = self.desk.beside(world);
                 self.structure.receive(at, message, &mut medium);
             }
@@ -130,6 +142,9 @@ impl<'t> Controller<'t> {
             }
             self.phase_ticks.push(self.desk.tick - self.phase_began);
             self.phase_began = self.desk.tick;
+            let next = self.structure.phase().map(|phase| PhaseId(phase.0 + 1));
+            let next = next.filter(|phase| (phase.0 as usize) < self.tables.phases.len());
+            self.desk.note_phase(next);
             self.structure.next_phase(&mut self.desk.beside(world));
         }
     }

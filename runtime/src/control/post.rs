@@ -13,6 +13,7 @@ use super::link::Links;
 use super::medium::Recalled;
 use super::message::Message;
 use crate::draw::{Draws, Stream, unit};
+use crate::observe::{Event, Log};
 use crate::world::Body;
 
 /// The messages that are under way.
@@ -75,7 +76,7 @@ impl Post {
     }
 
     /// Takes the next message that has arrived by `tick`, with where it is.
-    pub fn due(&mut self, tick: u64) -> Option<(Body, Message)> {
+    pub fn due(&mut self, tick: u64, log: &mut Log) -> Option<(Body, Message)> {
         loop {
             let first = self.under_way.first_entry()?;
             let (due, order) = *first.key();
@@ -96,6 +97,7 @@ impl Post {
                             is_reminder,
                             ..transfer
                         },
+                        log,
                     );
                 }
                 continue;
@@ -123,7 +125,7 @@ impl Post {
         }
     }
 
-    pub fn send(&mut self, tick: u64, from: Body, to: Body, message: Message) {
+    pub fn send(&mut self, tick: u64, from: Body, to: Body, message: Message, log: &mut Log) {
         let loss = self.loss.as_mut();
         let number = loss.map_or(0, |loss| loss.links.send(from, to, message));
         let transfer = Transfer {
@@ -133,10 +135,15 @@ impl Post {
             number,
             is_reminder: false,
         };
-        self.depart(tick, transfer);
+        self.depart(tick, transfer, log);
     }
 
-    fn depart(&mut self, tick: u64, transfer: Transfer) {
+    fn depart(&mut self, tick: u64, transfer: Transfer, log: &mut Log) {
+        log.note(Event::Sent {
+            from: transfer.from,
+            to: transfer.to,
+            said: transfer.message.payload.said(),
+        });
         let key = (tick + self.hop, self.sent);
         self.sent += 1;
         self.hops += 1;

@@ -182,13 +182,14 @@ impl<'t> Structure<'t> {
         let (target, payload) = match action {
             Action::Magnetize { face, child, cell } => {
                 let own = block.orientation.to_own(face);
-                block.switch_on(Open {
+                let open = Open {
                     own,
                     face,
                     child,
                     cell,
-                });
-                return medium.magnetize(Site { body, face: own });
+                };
+                block.switch_on(open);
+                return medium.magnetize(Site { body, face: own }, role, &open);
             }
             Action::SwitchOff { face, child } => {
                 let own = block.orientation.to_own(face);

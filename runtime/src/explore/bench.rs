@@ -6,6 +6,7 @@ use super::faults::Faults;
 use super::report::Property;
 use super::state::Done;
 use super::step::{Flight, Mute};
+use crate::control::block::Open;
 use crate::control::link::Links;
 use crate::control::medium::{Capture, Medium, Recalled};
 use crate::control::message::{Message, Reporter};
@@ -75,7 +76,7 @@ impl Bench<'_> {
 }
 
 impl Medium for Bench<'_> {
-    fn magnetize(&mut self, site: Site) {
+    fn magnetize(&mut self, site: Site, _by: RoleId, _open: &Open) {
         self.effects.opened.push(site);
         self.lattice.magnetize(site);
     }

@@ -142,6 +142,12 @@ pub trait Arena: World + Sized {
     /// The faces that are on and hold nothing, each with the entries into its reach so far.
     fn active(&self) -> Vec<(Site, u32)>;
 
+    /// The blocks in the reach of each face that is on and holds nothing, by face and in the order
+    /// of their entries: the block, and the tick of its entry.
+    ///
+    /// As of the end of the last step: a face that has been switched on since is not among them.
+    fn in_reach(&self) -> Vec<(Site, u32, u64)>;
+
     /// The centre of the block that sits in a cell \[side\].
     fn centre(&self, cell: Cell) -> Vector3<f64>;
 }

@@ -3,6 +3,7 @@ mod accuracy;
 mod closing;
 mod input;
 mod options;
+mod record;
 mod single;
 
 use std::num::NonZeroUsize;
@@ -10,10 +11,11 @@ use std::sync::atomic::AtomicBool;
 
 use stochc_compiler::scene::Scene;
 use stochc_compiler::table::Tables;
-use stochc_runtime::{RunError, Settings, run as run_once};
+use stochc_runtime::{Model, RunError, Settings, run as run_once};
 
-pub(super) use input::programs;
+pub(super) use input::{programs, recompile, settings};
 pub use options::Options;
+pub(super) use record::Draft;
 
 use super::results::{Shown, show};
 use super::terminal::warn;
@@ -53,6 +55,9 @@ pub fn run(options: &Options) -> Exit {
         Ok(settings) => settings,
         Err(reason) => return usage(&reason),
     };
+    if options.record.is_some() && settings.model == Model::Shuffle {
+        return usage(&format!("nothing to record: {}", RunError::Nowhere));
+    }
     for program in &programs {
         if let Err(error) = try_out(program, &settings) {
             warn(&format!("error: {}: {error}\n", program.tables.assembly));
@@ -102,16 +107,22 @@ fn ensemble(
         display: Display::on_standard_error(options.quiet),
         stop,
     };
+    let recordings = record::Recordings::new(options, manifest);
     let results = run_all(place, means, |program, number, watch| {
         let Ready { tables, scene } = &programs[program];
         let mut told = |tick, phase| watch.tick(tick, phase);
+        let record = match recordings.of(program, number) {
+            Some(place) => place.record(&programs[program], settings, &mut told),
+            None => run_once(tables, scene, settings, manifest.seed, number, &mut told),
+        };
         // The scene has been tried out, so only a cancelled run leaves no record.
-        run_once(tables, scene, settings, manifest.seed, number, &mut told).map_err(|_| Cancelled)
+        record.map_err(|_| Cancelled)
     });
     let results = match results {
         Ok(results) => results,
         Err(error) => return usage(&error.to_string()),
     };
+    let unrecorded = recordings.comment(&results.finished);
     let shown = Shown {
         form: options.format,
         bonds: options.bonds,
@@ -119,7 +130,7 @@ fn ensemble(
     let exit = show(manifest, &results.finished, &shown);
     closing::close(options, manifest, &results.finished);
     if results.complete {
-        return exit;
+        return unrecorded.unwrap_or(exit);
     }
     warn(match &options.out {
         Some(_) => "stopped; what was finished is kept, and `--resume` goes on from there\n",

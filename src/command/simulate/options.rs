@@ -8,6 +8,7 @@ use super::super::levels::LevelOptions;
 use super::super::results::Form;
 use super::super::trade::time;
 use super::accuracy::accuracy;
+use crate::recording::{EVERY, Selection};
 
 /// What `simulate` is given.
 #[derive(Debug, Args)]
@@ -61,6 +62,12 @@ pub struct Options {
     /// Go on with an ensemble that was interrupted, or with more runs of it
     #[arg(long, requires = "out")]
     pub resume: bool,
+    /// Record these runs, for `stochc replay`: 17, 0..4, 0,5,10..12 or all
+    #[arg(long, value_name = "RUNS", requires = "out")]
+    pub record: Option<Selection>,
+    /// Ticks from one recorded place of a block to the next
+    #[arg(long, value_name = "TICKS", default_value_t = EVERY, requires = "record", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub record_every: u32,
     /// Do run number N alone, and tell all that happens in it
     #[arg(long, value_name = "N", conflicts_with_all = ["runs", "out", "threads", "bonds"])]
     pub run: Option<u64>,

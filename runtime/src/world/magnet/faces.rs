@@ -138,6 +138,15 @@ impl<R: Real> Faces<R> {
             .map(|active| (active.site, active.entries))
     }
 
+    /// Who is in reach of which active face, with the tick of the entry.
+    pub fn in_reach(&self) -> impl Iterator<Item = (Site, u32, u64)> + '_ {
+        (self.active.iter()).flat_map(|active| {
+            let site = active.site;
+            let inside = active.inside.iter();
+            inside.map(move |&(body, entered)| (site, body, entered))
+        })
+    }
+
     /// How many faces are on and hold nothing.
     pub fn count(&self) -> usize {
         self.active.len()

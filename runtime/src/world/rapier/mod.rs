@@ -178,6 +178,10 @@ impl Arena for RapierWorld {
         self.faces.iter().flat_map(Faces::active).collect()
     }
 
+    fn in_reach(&self) -> Vec<(Site, u32, u64)> {
+        self.faces.iter().flat_map(Faces::in_reach).collect()
+    }
+
     fn centre(&self, cell: Cell) -> Vector3<f64> {
         self.seats.centre(cell)
     }

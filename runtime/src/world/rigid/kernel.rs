@@ -158,6 +158,10 @@ impl<R: Lane> Kernel<R> {
         self.faces.iter().flat_map(Faces::active).collect()
     }
 
+    pub fn in_reach(&self) -> Vec<(Site, u32, u64)> {
+        self.faces.iter().flat_map(Faces::in_reach).collect()
+    }
+
     pub fn centre(&self, cell: Cell) -> Vector3<f64> {
         self.seats.centre(cell)
     }

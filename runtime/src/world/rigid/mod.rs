@@ -90,6 +90,10 @@ impl Arena for RigidWorld {
         either!(&self.0, kernel => kernel.active())
     }
 
+    fn in_reach(&self) -> Vec<(Site, u32, u64)> {
+        either!(&self.0, kernel => kernel.in_reach())
+    }
+
     fn centre(&self, cell: Cell) -> Vector3<f64> {
         either!(&self.0, kernel => kernel.centre(cell))
     }

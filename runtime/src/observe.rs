@@ -1,0 +1,178 @@
+//! Looking on while a run goes: where every block is, and what the structure does.
+use stochc_compiler::table::{PhaseId, RoleId};
+use stochc_compiler::{Cell, Face};
+
+use crate::control::Controller;
+use crate::orientation::Orientation;
+use crate::world::{Arena, Body};
+
+/// Looks on while a run goes. It cannot change anything.
+pub trait Observer {
+    /// Called once for every tick, the first and the last included, when all that the tick brings
+    /// has been done.
+    ///
+    /// `arena` is at that [tick](crate::world::World::tick); `events` are what happened since the
+    /// last call, in their order: all of them at that tick.
+    fn look(&mut self, arena: &impl Arena, events: &[Event]);
+}
+
+/// What happens in a structure. Faces are in the structure's frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Event {
+    /// A phase begins.
+    Phase(PhaseId),
+    /// A block switches a face on.
+    Magnetized {
+        /// Whose face.
+        body: Body,
+        /// Its role.
+        by: RoleId,
+        /// Which face.
+        face: Face,
+        /// The role for the block that docks there.
+        child: RoleId,
+        /// Where that block will sit.
+        cell: Cell,
+    },
+    /// A free block comes into the reach of a face that is on.
+    Entered {
+        /// The number of the free block.
+        body: u32,
+        /// Whose face.
+        of: Body,
+        /// Which face.
+        face: Face,
+    },
+    /// A free block leaves the reach of a face, or the face is switched off or takes another block.
+    Left {
+        /// The number of the free block.
+        body: u32,
+        /// Whose face.
+        of: Body,
+        /// Which face.
+        face: Face,
+    },
+    /// A block is anchored.
+    Captured {
+        /// The number of the block.
+        body: u32,
+        /// The block that holds it now.
+        on: Body,
+        /// By which face.
+        face: Face,
+        /// The role that it takes.
+        role: RoleId,
+        /// Where it sits.
+        cell: Cell,
+    },
+    /// A block is let go, and with it the faces that it had on.
+    Released {
+        /// The number of the block.
+        body: u32,
+        /// The role that it had.
+        role: RoleId,
+        /// The role that let it go.
+        by: RoleId,
+    },
+    /// A message goes from a block to a neighbour; sent again, it goes again.
+    Sent {
+        /// From.
+        from: Body,
+        /// To.
+        to: Body,
+        /// What it says.
+        said: Said,
+    },
+    /// The plate counts a report.
+    Reported {
+        /// The role that made it.
+        by: RoleId,
+    },
+}
+
+/// What a message says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Said {
+    /// A branch of the phase is done, reports the block in this role.
+    Report(RoleId),
+    /// The block in this role asks its parent to be let go.
+    Ask(RoleId),
+    /// A block has been anchored in this role.
+    Anchored(RoleId),
+    /// The block in this role has been released.
+    Released(RoleId),
+}
+
+/// Where the control writes down what happens; `None`: nobody looks on.
+#[derive(Debug, Default)]
+pub(crate) struct Log(Option<Vec<Event>>);
+
+impl Log {
+    /// A log that somebody reads.
+    pub fn kept() -> Log {
+        Log(Some(Vec::new()))
+    }
+
+    /// Writes an event down.
+    pub fn note(&mut self, event: Event) {
+        if let Some(events) = &mut self.0 {
+            events.push(event);
+        }
+    }
+
+    /// Takes out all that has been written down.
+    pub fn take(&mut self) -> Vec<Event> {
+        self.0.as_mut().map(std::mem::take).unwrap_or_default()
+    }
+}
+
+/// Shows an [`Observer`] a run, and keeps in mind who is in the reach of which face.
+pub(crate) struct Lookout<'o, O> {
+    observer: &'o mut O,
+    /// The block, the face's owner, the face, and the tick of the entry; sorted.
+    inside: Vec<(u32, Body, Face, u64)>,
+}
+
+impl<'o, O: Observer> Lookout<'o, O> {
+    pub fn new(observer: &'o mut O) -> Lookout<'o, O> {
+        let inside = Vec::new();
+        Lookout { observer, inside }
+    }
+
+    pub fn look(&mut self, arena: &impl Arena, controller: &mut Controller) {
+        let log = controller.take_log();
+        let mut inside: Vec<_> = (arena.in_reach().into_iter())
+            .filter_map(|(site, body, entered)| {
+                let sits = match site.body {
+                    Body::Seed(_) => Orientation::IDENTITY,
+                    Body::Free(id) => arena.anchored(id)?,
+                };
+                Some((body, site.body, sits.to_structure(site.face), entered))
+            })
+            .collect();
+        inside.sort_unstable();
+        let was_captured = |id: u32| {
+            (log.iter()).any(|event| matches!(event, Event::Captured { body, .. } if *body == id))
+        };
+        // What the world did in the step comes before what the structure made of it.
+        let mut events = Vec::with_capacity(log.len());
+        for &(body, of, face, entered) in &self.inside {
+            let stays = inside.binary_search(&(body, of, face, entered)).is_ok();
+            if !stays && !was_captured(body) {
+                events.push(Event::Left { body, of, face });
+            }
+        }
+        for &(body, of, face, entered) in &inside {
+            if self
+                .inside
+                .binary_search(&(body, of, face, entered))
+                .is_err()
+            {
+                events.push(Event::Entered { body, of, face });
+            }
+        }
+        events.extend(log);
+        self.inside = inside;
+        self.observer.look(arena, &events);
+    }
+}

@@ -1,0 +1,251 @@
+//! One run of a folder of results, found again: to look at it, or to make it once more.
+use std::fs::File;
+use std::io::{BufReader, Read, Seek as _};
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use clap::Args;
+use serde_json::Value;
+use stochc_compiler::Levels;
+use stochc_compiler::emit::graph_json;
+use stochc_runtime::observe::Observer;
+use stochc_runtime::record::RunRecord;
+use stochc_runtime::{RunError, Settings, observe};
+
+use super::check::verdict;
+use super::simulate::{Draft, Ready, recompile, settings};
+use super::terminal::{has_colour, message_width, warn};
+use crate::cli::Exit;
+use crate::ensemble::{Folder, Manifest};
+use crate::findings::{Format, show};
+use crate::recording::{EVERY, Header, Recorder, Recording, RecordingError, path};
+
+/// Which run.
+#[derive(Debug, Args)]
+pub struct Choice {
+    /// A folder that `simulate --out` has filled
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    /// The number of the run
+    #[arg(long, value_name = "N")]
+    pub run: u64,
+    /// The program, where the folder holds several
+    #[arg(long, value_name = "NAME")]
+    pub program: Option<String>,
+}
+
+/// A run of a folder, and all that is needed to make it again.
+pub struct Chosen {
+    folder: PathBuf,
+    /// Of the whole ensemble.
+    pub manifest: Manifest,
+    /// Index of the program in the manifest.
+    pub program: usize,
+    /// The number of the run.
+    pub run: u64,
+    /// The program, compiled from what the manifest holds.
+    pub ready: Ready,
+    /// Its dependency graph, as `compile --format json` shows it.
+    pub graph: Value,
+    settings: Settings,
+    /// What the folder says of the run; `None`: it has not been made yet.
+    record: Option<RunRecord>,
+}
+
+/// Finds a run.
+pub fn choose(choice: &Choice) -> Result<Chosen, Exit> {
+    let (manifest, finished) =
+        Folder::read(&choice.folder).map_err(|error| usage(&error.to_string()))?;
+    let program = index(&manifest, choice.program.as_deref()).map_err(|reason| usage(&reason))?;
+    if choice.run >= manifest.runs {
+        return Err(usage(&format!(
+            "`{}` has no run {}: its runs are 0 to {}",
+            choice.folder.display(),
+            choice.run,
+            manifest.runs.saturating_sub(1)
+        )));
+    }
+    let (ready, graph) = compile(&manifest, program)?;
+    let settings = settings(&manifest).map_err(|reason| usage(&reason))?;
+    let done = (finished.into_iter())
+        .find(|done| done.program == program && done.record.run == choice.run);
+    Ok(Chosen {
+        folder: choice.folder.clone(),
+        program,
+        run: choice.run,
+        ready,
+        graph,
+        settings,
+        record: done.map(|done| done.record),
+        manifest,
+    })
+}
+
+fn index(manifest: &Manifest, name: Option<&str>) -> Result<usize, String> {
+    let names = || {
+        let names: Vec<_> = (manifest.programs.iter())
+            .map(|program| format!("`{}`", program.name))
+            .collect();
+        names.join(", ")
+    };
+    match name {
+        Some(name) => (manifest.programs.iter())
+            .position(|program| program.name == name)
+            .ok_or_else(|| format!("the folder has no program `{name}`, but {}", names())),
+        None if manifest.programs.len() == 1 => Ok(0),
+        None => Err(format!(
+            "the folder holds several programs; choose one with `--program`: {}",
+            names()
+        )),
+    }
+}
+
+/// Compiles a program of a manifest, and holds it against what the manifest says of it.
+fn compile(manifest: &Manifest, program: usize) -> Result<(Ready, Value), Exit> {
+    let entry = &manifest.programs[program];
+    let (_, checked) = recompile(entry, &Levels::default());
+    if checked.has_errors() {
+        let (colour, width) = (has_colour(), message_width());
+        warn(&show(&checked, Format::Graphical, colour, width));
+        return Err(verdict(&checked));
+    }
+    let changed = || {
+        usage(&format!(
+            "the sources in the manifest do not give its program `{}` any more; \
+             was it made by another version of `stochc` ({})?",
+            entry.name, manifest.stochc
+        ))
+    };
+    let found = checked.programs.into_iter().find_map(|program| {
+        let (tables, scene, order) = (program.tables?, program.scene?, program.order?);
+        let fits = tables.assembly == entry.assembly
+            && scene == entry.scene
+            && (tables.phases.iter().map(|phase| &phase.name)).eq(&entry.phases)
+            && (tables.roles.iter().map(|role| &role.name)).eq(&entry.roles);
+        let graph = graph_json(&program.plan, &program.graph, &order, &checked.symbols);
+        fits.then_some((Ready { tables, scene }, graph))
+    });
+    found.ok_or_else(changed)
+}
+
+impl Chosen {
+    /// The name of a file about the run.
+    pub fn file_name(&self, before: &str, extension: &str) -> String {
+        // A program's name may be any text, in a manifest that somebody has edited; an assembly's is
+        // a word.
+        let assembly = &self.ready.tables.assembly;
+        let twins = (self.manifest.programs.iter()).filter(|twin| twin.assembly == *assembly);
+        let which = match twins.count() {
+            1 => String::new(),
+            _ => format!("-{}", self.program),
+        };
+        format!("{before}{assembly}{which}-{}.{extension}", self.run)
+    }
+
+    /// Makes the run again, for an observer; the record has to be that of the folder.
+    pub fn again(
+        &self,
+        observer: &mut impl Observer,
+        stop: &AtomicBool,
+    ) -> Result<RunRecord, Exit> {
+        let mut watch = |_, _| match stop.load(Ordering::Relaxed) {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        };
+        let Ready { tables, scene } = &self.ready;
+        let (seed, run) = (self.manifest.seed, self.run);
+        let record = observe(
+            tables,
+            scene,
+            &self.settings,
+            seed,
+            run,
+            &mut watch,
+            observer,
+        );
+        let record = record.map_err(|error| match error {
+            RunError::Cancelled => Exit::Interrupted,
+            error => usage(&error.to_string()),
+        })?;
+        if self.record.as_ref().is_some_and(|known| *known != record) {
+            let by = match self.manifest.stochc == env!("CARGO_PKG_VERSION") {
+                true => "the simulation has changed since".to_owned(),
+                false => format!("it was made by version {}", self.manifest.stochc),
+            };
+            return Err(usage(&format!(
+                "run {run} does not come out as the folder says: {by}; use the `stochc` that made it, \
+                 or simulate anew into another folder"
+            )));
+        }
+        Ok(record)
+    }
+
+    /// The recording of the run, from its beginning; if there is none, the run is made again.
+    ///
+    /// A new one is kept in the folder, where that can be written to.
+    pub fn recording(&self, stop: &AtomicBool) -> Result<BufReader<File>, Exit> {
+        let path = path(&self.folder, self.program, self.run);
+        if let Ok(file) = File::open(&path) {
+            return self.checked(file, &path);
+        }
+        let header = Header {
+            stochc: self.manifest.stochc.clone(),
+            ensemble: self.manifest.identity(),
+            program: self.program,
+            run: self.run,
+            every: EVERY,
+            bodies: self.ready.scene.free.count,
+        };
+        let io = |error: std::io::Error| usage(&format!("cannot keep the recording: {error}"));
+        if let Ok(mut draft) = Draft::new(&path, &header, &self.ready) {
+            let record = self.again(&mut draft.recorder, stop)?;
+            draft.keep(&record).map_err(io)?;
+            return File::open(&path).map(BufReader::new).map_err(io);
+        }
+        let file = tempfile::tempfile().map_err(io)?;
+        let buffered = std::io::BufWriter::new(file);
+        let mut recorder = Recorder::new(buffered, &header, &self.ready.tables).map_err(io)?;
+        let record = self.again(&mut recorder, stop)?;
+        let mut file = recorder
+            .finish(&record)
+            .and_then(|file| {
+                file.into_inner()
+                    .map_err(std::io::IntoInnerError::into_error)
+            })
+            .map_err(io)?;
+        file.rewind().map_err(io)?;
+        Ok(BufReader::new(file))
+    }
+
+    /// A recording that is whole, and of this run.
+    fn checked(&self, file: File, path: &std::path::Path) -> Result<BufReader<File>, Exit> {
+        let shown = path.display();
+        let refuse = |reason: &str| {
+            usage(&format!(
+                "cannot use `{shown}`: {reason}; remove it, and the run is made and recorded again"
+            ))
+        };
+        let mut file = BufReader::new(file);
+        let recording = Recording::read(file.by_ref(), &self.ready.tables);
+        let recording = recording.map_err(|error: RecordingError| refuse(&error.to_string()))?;
+        let header = recording.header();
+        let same = header.ensemble == self.manifest.identity()
+            && (header.program, header.run) == (self.program, self.run)
+            && self
+                .record
+                .as_ref()
+                .is_none_or(|known| known == recording.record());
+        if !same {
+            return Err(refuse("it is the recording of another run"));
+        }
+        file.rewind().map_err(|error| refuse(&error.to_string()))?;
+        Ok(file)
+    }
+}
+
+/// Tells of a command that cannot be carried out.
+pub fn usage(reason: &str) -> Exit {
+    warn(&format!("error: {reason}\n"));
+    Exit::Usage
+}

@@ -1,0 +1,126 @@
+//! `stochc export`.
+use std::fs::File;
+use std::io::{self, BufWriter, Write as _};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+
+use clap::{Args, ValueEnum};
+
+use super::chosen::{Choice, Chosen, choose, usage};
+use super::simulate::Ready;
+use super::terminal::print;
+use crate::cli::Exit;
+use crate::ensemble::stop_on_interrupt;
+use crate::export::{Gltf, Trajectories};
+
+/// What `export` is given.
+#[derive(Debug, Args)]
+pub struct Options {
+    #[command(flatten)]
+    choice: Choice,
+    /// The form of the file
+    #[arg(long, value_name = "FORM")]
+    format: Form,
+    /// Ticks from one place of a block to the next [default: 1 for parquet, 8 for gltf]
+    #[arg(long, value_name = "TICKS", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    every: Option<u32>,
+    /// The file to write; `DIR/PROGRAM-N.parquet` or `.glb` if left out
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+/// A form of the ways of blocks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Form {
+    /// A table for DuckDB, Polars or pandas
+    Parquet,
+    /// An animation for Blender and other programs that show scenes
+    Gltf,
+}
+
+/// Makes a run again and writes the ways of its blocks.
+pub fn run(options: &Options) -> Exit {
+    let stop = match stop_on_interrupt() {
+        Ok(stop) => stop,
+        Err(error) => return usage(&format!("cannot listen for Ctrl-C: {error}")),
+    };
+    let chosen = match choose(&options.choice) {
+        Ok(chosen) => chosen,
+        Err(exit) => return exit,
+    };
+    let path = options.out.clone().unwrap_or_else(|| {
+        let extension = match options.format {
+            Form::Parquet => "parquet",
+            Form::Gltf => "glb",
+        };
+        options.choice.folder.join(chosen.file_name("", extension))
+    });
+    let written = match options.format {
+        Form::Parquet => parquet(&chosen, options.every.unwrap_or(1), &path, stop),
+        Form::Gltf => gltf(&chosen, options.every.unwrap_or(8), &path, stop),
+    };
+    match written {
+        Ok(()) => {
+            print(&format!("{}\n", path.display()));
+            Exit::Success
+        }
+        Err(exit) => exit,
+    }
+}
+
+fn parquet(chosen: &Chosen, every: u32, path: &Path, stop: &AtomicBool) -> Result<(), Exit> {
+    let Ready { tables, scene } = &chosen.ready;
+    let about = [
+        ("ensemble", chosen.manifest.identity()),
+        (
+            "program",
+            chosen.manifest.programs[chosen.program].name.clone(),
+        ),
+        ("run", chosen.run.to_string()),
+        ("side_m", scene.block.side.to_string()),
+        ("tick_s", scene.tick.to_string()),
+    ];
+    let file = draft(path).map_err(|error| cannot(path, &error))?;
+    let mut table = Trajectories::new(BufWriter::new(file), every, tables, &about)
+        .map_err(|error| cannot(path, &error))?;
+    chosen.again(&mut table, stop)?;
+    let file = table.finish().map_err(|error| cannot(path, &error))?;
+    keep(file, path).map_err(|error| cannot(path, &error))
+}
+
+fn gltf(chosen: &Chosen, every: u32, path: &Path, stop: &AtomicBool) -> Result<(), Exit> {
+    let Ready { tables, scene } = &chosen.ready;
+    let mut gltf = Gltf::new(every, scene.free.count, tables);
+    chosen.again(&mut gltf, stop)?;
+    let title = format!("{}, run {}", tables.assembly, chosen.run);
+    let mut file = BufWriter::new(draft(path).map_err(|error| cannot(path, &error))?);
+    gltf.write(tables, scene, &title, &mut file)
+        .map_err(|error| cannot(path, &error))?;
+    keep(file, path).map_err(|error| cannot(path, &error))
+}
+
+fn cannot(path: &Path, error: &impl std::fmt::Display) -> Exit {
+    usage(&format!("cannot write `{}`: {error}", path.display()))
+}
+
+/// A file that gets its name when it is whole.
+pub(super) fn draft(path: &Path) -> io::Result<tempfile::NamedTempFile<File>> {
+    let folder = path.parent().filter(|folder| *folder != Path::new(""));
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(crate::files::atomic::PARTIAL);
+    // A temporary file is private by default; a result is as readable as any other file.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder.tempfile_in(folder.unwrap_or(Path::new(".")))
+}
+
+/// Gives a file its name.
+pub(super) fn keep(
+    mut file: BufWriter<tempfile::NamedTempFile<File>>,
+    path: &Path,
+) -> io::Result<()> {
+    file.flush()?;
+    let file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
+    file.persist(path).map_err(|error| error.error)?;
+    Ok(())
+}

@@ -1,0 +1,163 @@
+//! Runs of an ensemble that are recorded while they are made.
+use std::fs::File;
+use std::io::{self, BufWriter};
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+
+use stochc_runtime::record::RunRecord;
+use stochc_runtime::{RunError, Settings, Watch, observe};
+
+use super::super::terminal::warn;
+use super::{Options, Ready};
+use crate::cli::Exit;
+use crate::ensemble::{Finished, Manifest};
+use crate::files::atomic::PARTIAL;
+use crate::recording::{Header, Recorder, Selection, path};
+
+/// Which runs of an ensemble are recorded, and what went wrong with that.
+pub(super) struct Recordings<'a> {
+    /// `None`: none.
+    wanted: Option<(&'a Path, &'a Selection)>,
+    every: u32,
+    manifest: &'a Manifest,
+    identity: String,
+    /// The first.
+    broken: Mutex<Option<io::Error>>,
+}
+
+/// The place of one recording.
+pub(super) struct Place<'a> {
+    all: &'a Recordings<'a>,
+    folder: &'a Path,
+    program: usize,
+    run: u64,
+}
+
+impl<'a> Recordings<'a> {
+    pub fn new(options: &'a Options, manifest: &'a Manifest) -> Recordings<'a> {
+        Recordings {
+            wanted: options.out.as_deref().zip(options.record.as_ref()),
+            every: options.record_every,
+            manifest,
+            identity: manifest.identity(),
+            broken: Mutex::new(None),
+        }
+    }
+
+    /// Where a run is recorded; `None`: it is not.
+    pub fn of(&'a self, program: usize, run: u64) -> Option<Place<'a>> {
+        let (folder, _) = self.wanted.filter(|(_, runs)| runs.contains(run))?;
+        Some(Place {
+            all: self,
+            folder,
+            program,
+            run,
+        })
+    }
+
+    /// Says which of the wanted recordings are not there; how the command ends for that.
+    pub fn comment(&self, finished: &[Finished]) -> Option<Exit> {
+        let (folder, runs) = self.wanted?;
+        let broken = self.broken.lock().ok().and_then(|mut broken| broken.take());
+        if let Some(error) = broken {
+            warn(&format!(
+                "error: cannot keep every recording in `{}`: {error}; the runs themselves are kept\n",
+                folder.display()
+            ));
+            return Some(Exit::Usage);
+        }
+        let wanted = (finished.iter()).filter(|done| runs.contains(done.record.run));
+        let missing = wanted
+            .filter(|done| !path(folder, done.program, done.record.run).exists())
+            .count();
+        if missing > 0 {
+            warn(&format!(
+                "note: {missing} of the runs to record had been made before; `stochc replay` makes \
+                 such a run again\n"
+            ));
+        }
+        None
+    }
+}
+
+impl Place<'_> {
+    /// Makes the run and records it.
+    ///
+    /// A recording that cannot be written costs the recording, not the run.
+    pub fn record(
+        &self,
+        program: &Ready,
+        settings: &Settings,
+        watch: &mut impl Watch,
+    ) -> Result<RunRecord, RunError> {
+        let Ready { tables, scene } = program;
+        let seed = self.all.manifest.seed;
+        let (header, path) = (
+            self.header(program),
+            path(self.folder, self.program, self.run),
+        );
+        match Draft::new(&path, &header, program) {
+            Ok(mut draft) => {
+                let recorder = &mut draft.recorder;
+                let record = observe(tables, scene, settings, seed, self.run, watch, recorder)?;
+                if let Err(error) = draft.keep(&record) {
+                    self.fail(error);
+                }
+                Ok(record)
+            }
+            Err(error) => {
+                self.fail(error);
+                stochc_runtime::run(tables, scene, settings, seed, self.run, watch)
+            }
+        }
+    }
+
+    fn header(&self, program: &Ready) -> Header {
+        Header {
+            stochc: self.all.manifest.stochc.clone(),
+            ensemble: self.all.identity.clone(),
+            program: self.program,
+            run: self.run,
+            every: self.all.every,
+            bodies: program.scene.free.count,
+        }
+    }
+
+    fn fail(&self, error: io::Error) {
+        if let Ok(mut broken) = self.all.broken.lock() {
+            broken.get_or_insert(error);
+        }
+    }
+}
+
+/// A recording that has not got its name yet.
+pub(in crate::command) struct Draft {
+    pub recorder: Recorder<BufWriter<tempfile::NamedTempFile<File>>>,
+    path: PathBuf,
+}
+
+impl Draft {
+    /// Begins the recording that will be at `path`, and makes the folder for it.
+    pub fn new(path: &Path, header: &Header, program: &Ready) -> io::Result<Draft> {
+        let folder = path.parent().unwrap_or(Path::new("."));
+        std::fs::create_dir_all(folder)?;
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(PARTIAL);
+        #[cfg(unix)]
+        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        let file = BufWriter::new(builder.tempfile_in(folder)?);
+        Ok(Draft {
+            recorder: Recorder::new(file, header, &program.tables)?,
+            path: path.to_owned(),
+        })
+    }
+
+    /// Ends it, and gives it its name.
+    pub fn keep(self, record: &RunRecord) -> io::Result<()> {
+        let file = self.recorder.finish(record)?;
+        let file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
+        file.as_file().sync_all()?;
+        file.persist(&self.path).map_err(|error| error.error)?;
+        Ok(())
+    }
+}

@@ -1,0 +1,303 @@
+//! The places of all blocks over a stretch of ticks, as bytes.
+//!
+//! A coordinate is a whole number of steps from a corner, with a step for the whole chunk that is a
+//! power of two, so that a block at rest stays where it is from chunk to chunk. A quaternion keeps
+//! its sign from frame to frame. What is written is the second difference in time, wrapping in 16
+//! bits: blocks fly straight and turn evenly for most of the time, and so most numbers are small.
+use super::format::{RecordingError, deflate, inflate};
+
+/// Numbers of a place: x, y, z \[side\], then the quaternion's x, y, z, w.
+pub(super) const NUMBERS: usize = 7;
+
+/// What 1 is in a quaternion: as fine as the coordinates of an arena of 60 sides.
+const UNIT: f64 = 4095.0;
+/// The finest step of a coordinate \[side\].
+const FINEST: f64 = 1.0 / (1 << 20) as f64;
+/// More bytes than this are not inflated at once.
+const LARGEST: u64 = 1 << 30;
+
+/// The places of all blocks at some ticks, as they are kept.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Chunk {
+    /// Rising.
+    pub ticks: Vec<u64>,
+    /// Coordinate of the number 0, by axis \[side\].
+    pub corner: [f64; 3],
+    /// Of a coordinate \[side\].
+    pub step: f64,
+    /// `NUMBERS` x blocks x ticks, the tick fastest.
+    pub numbers: Vec<u16>,
+}
+
+impl Chunk {
+    /// Rounds places: for each tick, `NUMBERS` for each block.
+    pub fn quantize(ticks: Vec<u64>, places: &[f32], bodies: usize) -> Chunk {
+        let frames = ticks.len();
+        let mut low = [f64::INFINITY; 3];
+        let mut high = [f64::NEG_INFINITY; 3];
+        for place in places.chunks_exact(NUMBERS) {
+            for axis in 0..3 {
+                let x = f64::from(place[axis]);
+                low[axis] = low[axis].min(x);
+                high[axis] = high[axis].max(x);
+            }
+        }
+        let mut step = FINEST;
+        let corner = |step: f64| {
+            low.map(|low| {
+                if low.is_finite() {
+                    (low / step).floor() * step
+                } else {
+                    0.0
+                }
+            })
+        };
+        // The range of a float ends before this does.
+        while (0..3).any(|axis| (high[axis] - corner(step)[axis]) / step > 65535.0) {
+            step *= 2.0;
+        }
+        let corner = corner(step);
+        let mut numbers = vec![0; NUMBERS * bodies * frames];
+        for body in 0..bodies {
+            let mut before = [0.0f32; 4];
+            for frame in 0..frames {
+                let at = (frame * bodies + body) * NUMBERS;
+                let place = &places[at..at + NUMBERS];
+                let mut put = |number: usize, value: u16| {
+                    numbers[(number * bodies + body) * frames + frame] = value;
+                };
+                for axis in 0..3 {
+                    let steps = ((f64::from(place[axis]) - corner[axis]) / step).round();
+                    // A conversion to an integer saturates; nobody records what is not a number.
+                    put(axis, steps as u16);
+                }
+                // q and -q are the same rotation; the one that is nearer makes small differences.
+                let product: f32 = (0..4).map(|i| before[i] * place[3 + i]).sum();
+                let sign = if product < 0.0 { -1.0 } else { 1.0 };
+                for i in 0..4 {
+                    before[i] = sign * place[3 + i];
+                    let value = (f64::from(before[i]) * UNIT).round() as i16;
+                    put(3 + i, value.cast_unsigned());
+                }
+            }
+        }
+        Chunk {
+            ticks,
+            corner,
+            step,
+            numbers,
+        }
+    }
+
+    /// Where a block is: x, y, z \[side\], and a quaternion of length one.
+    pub fn place(&self, body: usize, frame: usize, bodies: usize) -> [f64; NUMBERS] {
+        let frames = self.ticks.len();
+        let number = |number: usize| self.numbers[(number * bodies + body) * frames + frame];
+        let coordinate = |axis: usize| self.corner[axis] + self.step * f64::from(number(axis));
+        let part = |i: usize| f64::from(number(3 + i).cast_signed()) / UNIT;
+        let q = [part(0), part(1), part(2), part(3)];
+        let length = q.iter().map(|x| x * x).sum::<f64>().sqrt().max(1e-9);
+        let [x, y, z, w] = q.map(|x| x / length);
+        [coordinate(0), coordinate(1), coordinate(2), x, y, z, w]
+    }
+
+    /// The payload of a section.
+    pub fn to_bytes(&self) -> std::io::Result<Vec<u8>> {
+        let mut bytes = Vec::new();
+        let first = self.ticks.first().copied().unwrap_or(0);
+        bytes.extend(first.to_le_bytes());
+        bytes.extend((self.ticks.len() as u32).to_le_bytes());
+        bytes.extend([0; 4]);
+        for number in self.corner.into_iter().chain([self.step]) {
+            bytes.extend(number.to_le_bytes());
+        }
+        for tick in &self.ticks {
+            bytes.extend(((tick - first) as u32).to_le_bytes());
+        }
+        let count = self.numbers.len();
+        let mut planes = vec![0; 2 * count];
+        let frames = self.ticks.len().max(1);
+        for (series, numbers) in self.numbers.chunks_exact(frames).enumerate() {
+            let (mut before, mut change) = (0u16, 0u16);
+            for (frame, &number) in numbers.iter().enumerate() {
+                let delta = number.wrapping_sub(before);
+                // The first number stands for itself, and the second for its difference.
+                let second = match frame {
+                    0 | 1 => delta,
+                    _ => delta.wrapping_sub(change),
+                };
+                (before, change) = (number, delta);
+                let [low, high] = zigzag(second).to_le_bytes();
+                planes[series * frames + frame] = low;
+                planes[count + series * frames + frame] = high;
+            }
+        }
+        bytes.extend(deflate(&planes)?);
+        Ok(bytes)
+    }
+
+    /// The counterpart of [`Chunk::to_bytes`].
+    pub fn from_bytes(bytes: &[u8], bodies: u32) -> Result<Chunk, RecordingError> {
+        let damaged = || RecordingError::Damaged("its places");
+        let mut rest = bytes;
+        let mut take = |count: usize| {
+            let (head, tail) = rest.split_at_checked(count).ok_or_else(damaged)?;
+            rest = tail;
+            Ok::<&[u8], RecordingError>(head)
+        };
+        let first = u64::from_le_bytes(take(8)?.try_into().map_err(|_| damaged())?);
+        let frames = u32::from_le_bytes(take(4)?.try_into().map_err(|_| damaged())?);
+        take(4)?;
+        let mut number = || {
+            let bytes = take(8)?.try_into().map_err(|_| damaged())?;
+            Ok::<f64, RecordingError>(f64::from_le_bytes(bytes))
+        };
+        let corner = [number()?, number()?, number()?];
+        let step = number()?;
+        let offsets = take(4 * frames as usize)?.chunks_exact(4);
+        let ticks: Option<Vec<u64>> = offsets
+            .map(|bytes| {
+                let offset = u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
+                first.checked_add(offset.into())
+            })
+            .collect();
+        let ticks = ticks.ok_or_else(damaged)?;
+        let count = u64::from(bodies) * u64::from(frames) * NUMBERS as u64;
+        if frames == 0 || 2 * count > LARGEST || !ticks.is_sorted() {
+            return Err(damaged());
+        }
+        let planes = inflate(rest, 2 * count).ok_or_else(damaged)?;
+        let count = count as usize;
+        if planes.len() != 2 * count {
+            return Err(damaged());
+        }
+        let mut numbers = Vec::with_capacity(count);
+        for series in 0..count / frames as usize {
+            let (mut before, mut change) = (0u16, 0u16);
+            for frame in 0..frames as usize {
+                let at = series * frames as usize + frame;
+                let second = unzigzag(u16::from_le_bytes([planes[at], planes[count + at]]));
+                let delta = match frame {
+                    0 | 1 => second,
+                    _ => second.wrapping_add(change),
+                };
+                before = before.wrapping_add(delta);
+                change = delta;
+                numbers.push(before);
+            }
+        }
+        Ok(Chunk {
+            ticks,
+            corner,
+            step,
+            numbers,
+        })
+    }
+}
+
+/// Small differences of either sign to small numbers.
+fn zigzag(delta: u16) -> u16 {
+    let delta = delta.cast_signed();
+    ((delta << 1) ^ (delta >> 15)).cast_unsigned()
+}
+
+fn unzigzag(number: u16) -> u16 {
+    (number >> 1) ^ (number & 1).wrapping_neg()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_difference_has_a_number_of_its_own() {
+        for delta in 0..=u16::MAX {
+            assert_eq!(unzigzag(zigzag(delta)), delta);
+        }
+        let small = [0u16, 1, 2, u16::MAX, u16::MAX - 1].map(zigzag);
+        assert_eq!(small, [0, 2, 4, 1, 3]);
+    }
+
+    /// Numbers that jump from end to end, so that differences and differences of these wrap.
+    fn jumping(bodies: usize, frames: usize) -> Chunk {
+        let mut state = 1u32;
+        let mut next = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            match state >> 30 {
+                0 => 0,
+                1 => u16::MAX,
+                2 => 0x8000,
+                _ => (state >> 8) as u16,
+            }
+        };
+        Chunk {
+            ticks: (0..frames as u64).map(|frame| 1000 + 3 * frame).collect(),
+            corner: [-1.5, 0.25, 1e9],
+            step: 0.125,
+            numbers: (0..NUMBERS * bodies * frames).map(|_| next()).collect(),
+        }
+    }
+
+    #[test]
+    fn numbers_come_back_exactly_though_their_differences_wrap() {
+        for (bodies, frames) in [(1, 1), (3, 2), (2, 3), (5, 100), (0, 4)] {
+            let chunk = jumping(bodies, frames);
+            let bytes = chunk.to_bytes().unwrap();
+            assert_eq!(Chunk::from_bytes(&bytes, bodies as u32).unwrap(), chunk);
+        }
+    }
+
+    #[test]
+    fn places_are_rounded_by_no_more_than_half_a_step() {
+        let (bodies, frames) = (3, 50);
+        let mut places = Vec::new();
+        for frame in 0..frames {
+            for body in 0..bodies {
+                let angle = 0.4 * frame as f32 + body as f32;
+                let (sin, cos) = (angle / 2.0).sin_cos();
+                let x = 20.0 * (0.3 * frame as f32).sin();
+                places.extend([x, -x + body as f32, 3.0, 0.0, 0.6 * sin, 0.8 * sin, cos]);
+            }
+        }
+        let ticks = (0..frames as u64).collect();
+        let chunk = Chunk::quantize(ticks, &places, bodies);
+        // 42 sides in 65535 steps, and the next power of two.
+        assert_eq!(chunk.step, 1.0 / 1024.0);
+        for frame in 0..frames {
+            for body in 0..bodies {
+                let place = &places[(frame * bodies + body) * NUMBERS..][..NUMBERS];
+                let kept = chunk.place(body, frame, bodies);
+                for axis in 0..3 {
+                    let error = (kept[axis] - f64::from(place[axis])).abs();
+                    assert!(error <= chunk.step / 2.0, "{error}");
+                }
+                let product: f64 = (3..7).map(|i| kept[i] * f64::from(place[i])).sum();
+                let length: f64 = (3..7).map(|i| f64::from(place[i]).powi(2)).sum();
+                let product = product / length.sqrt();
+                // Half a step in each of four parts is an angle of at most one step between two
+                // quaternions, and 1 - cos of that is half its square.
+                assert!(product.abs() > 1.0 - 0.5 / (UNIT * UNIT), "{product}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_block_at_rest_is_the_same_in_every_chunk() {
+        let rest = [0.123_456, 7.0, 0.5, 0.0, 0.0, 0.0, 1.0];
+        let places = |other: f32| [rest, [other, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0]].concat();
+        let chunks = [-20.3, 21.7].map(|other| Chunk::quantize(vec![0], &places(other), 2));
+        assert_eq!(chunks[0].place(0, 0, 2), chunks[1].place(0, 0, 2));
+    }
+
+    #[test]
+    fn what_is_damaged_is_told() {
+        let bytes = jumping(4, 20).to_bytes().unwrap();
+        for cut in [0, 10, 40, bytes.len() / 2, bytes.len() - 1] {
+            assert!(Chunk::from_bytes(&bytes[..cut], 4).is_err(), "{cut}");
+        }
+        assert!(Chunk::from_bytes(&bytes, 5).is_err());
+        let mut flipped = bytes.clone();
+        flipped[bytes.len() - 30] ^= 4;
+        assert!(Chunk::from_bytes(&flipped, 4).is_err());
+    }
+}

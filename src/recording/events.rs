@@ -1,0 +1,147 @@
+//! What happened, as rows of JSON: `[tick, kind, ...]`.
+//!
+//! A free block is its number; a seed is -1 less the number of its role, so that -1 is the role 0.
+use std::collections::BTreeMap;
+
+use serde_json::{Value, json};
+use stochc_compiler::table::{PhaseId, RoleId, Tables};
+use stochc_compiler::{Cell, Face};
+use stochc_runtime::observe::{Event, Said};
+use stochc_runtime::world::Body;
+
+/// An event and its tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Happening {
+    /// When.
+    pub tick: u64,
+    /// What.
+    pub event: Event,
+}
+
+/// The seeds of a program, by number and by cell.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Seeds {
+    roles: BTreeMap<Cell, u32>,
+    cells: BTreeMap<u32, Cell>,
+}
+
+impl Seeds {
+    pub fn of(tables: &Tables) -> Seeds {
+        let roles: BTreeMap<_, _> = tables.seeds().map(|(role, cell)| (cell, role.0)).collect();
+        let cells = roles.iter().map(|(&cell, &role)| (role, cell)).collect();
+        Seeds { roles, cells }
+    }
+
+    fn number(&self, body: Body) -> i64 {
+        match body {
+            Body::Free(id) => id.into(),
+            // Nobody but a seed with a role does anything.
+            Body::Seed(cell) => -1 - i64::from(self.roles.get(&cell).copied().unwrap_or(0)),
+        }
+    }
+
+    fn body(&self, number: i64) -> Option<Body> {
+        match u32::try_from(number) {
+            Ok(id) => Some(Body::Free(id)),
+            Err(_) => {
+                let role = u32::try_from(-1 - number).ok()?;
+                self.cells.get(&role).map(|&cell| Body::Seed(cell))
+            }
+        }
+    }
+
+    /// The row of an event.
+    pub fn row(&self, tick: u64, event: &Event) -> Value {
+        let n = |body: Body| self.number(body);
+        match *event {
+            Event::Phase(phase) => json!([tick, "phase", phase]),
+            Event::Magnetized {
+                body,
+                by,
+                face,
+                child,
+                cell,
+            } => json!([tick, "on", n(body), face, by, child, cell]),
+            Event::Entered { body, of, face } => json!([tick, "in", body, n(of), face]),
+            Event::Left { body, of, face } => json!([tick, "out", body, n(of), face]),
+            Event::Captured {
+                body,
+                on,
+                face,
+                role,
+                cell,
+            } => json!([tick, "dock", body, n(on), face, role, cell]),
+            Event::Released { body, role, by } => json!([tick, "free", body, role, by]),
+            Event::Sent { from, to, said } => {
+                let (what, role) = match said {
+                    Said::Report(role) => ("report", role),
+                    Said::Ask(role) => ("ask", role),
+                    Said::Anchored(role) => ("anchored", role),
+                    Said::Released(role) => ("released", role),
+                };
+                json!([tick, "say", n(from), n(to), what, role])
+            }
+            Event::Reported { by } => json!([tick, "report", by]),
+        }
+    }
+
+    /// The event of a row; `None`: it does not make sense.
+    pub fn event(&self, row: &Value) -> Option<Happening> {
+        let row = row.as_array()?;
+        let tick = row.first()?.as_u64()?;
+        let number = |i: usize| u32::try_from(row.get(i)?.as_u64()?).ok();
+        let body = |i: usize| self.body(row.get(i)?.as_i64()?);
+        let role = |i: usize| number(i).map(RoleId);
+        let face = |i: usize| serde_json::from_value::<Face>(row.get(i)?.clone()).ok();
+        let cell = |i: usize| serde_json::from_value::<Cell>(row.get(i)?.clone()).ok();
+        let event = match row.get(1)?.as_str()? {
+            "phase" => Event::Phase(PhaseId(number(2)?)),
+            "on" => Event::Magnetized {
+                body: body(2)?,
+                face: face(3)?,
+                by: role(4)?,
+                child: role(5)?,
+                cell: cell(6)?,
+            },
+            "in" => Event::Entered {
+                body: number(2)?,
+                of: body(3)?,
+                face: face(4)?,
+            },
+            "out" => Event::Left {
+                body: number(2)?,
+                of: body(3)?,
+                face: face(4)?,
+            },
+            "dock" => Event::Captured {
+                body: number(2)?,
+                on: body(3)?,
+                face: face(4)?,
+                role: role(5)?,
+                cell: cell(6)?,
+            },
+            "free" => Event::Released {
+                body: number(2)?,
+                role: role(3)?,
+                by: role(4)?,
+            },
+            "say" => {
+                let role = role(5)?;
+                Event::Sent {
+                    from: body(2)?,
+                    to: body(3)?,
+                    said: match row.get(4)?.as_str()? {
+                        "report" => Said::Report(role),
+                        "ask" => Said::Ask(role),
+                        "anchored" => Said::Anchored(role),
+                        "released" => Said::Released(role),
+                        _ => return None,
+                    },
+                }
+            }
+            "report" => Event::Reported { by: role(2)? },
+            _ => return None,
+        };
+        Some(Happening { tick, event })
+    }
+}

@@ -1,0 +1,58 @@
+//! Which runs to record.
+use std::str::FromStr;
+
+/// Runs by their number: `17`, `0..4` (both ends included), `0,5,10..12` or `all`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Selection(Vec<(u64, u64)>);
+
+impl Selection {
+    /// Whether a run is among them.
+    pub fn contains(&self, run: u64) -> bool {
+        (self.0.iter()).any(|&(first, last)| (first..=last).contains(&run))
+    }
+}
+
+impl FromStr for Selection {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Selection, String> {
+        let number = |text: &str| {
+            let number = text.trim().parse::<u64>();
+            number.map_err(|_| "give runs as `17`, `0..4`, `0,5,10..12` or `all`".to_owned())
+        };
+        if text == "all" {
+            return Ok(Selection(vec![(0, u64::MAX)]));
+        }
+        let parts = text.split(',').map(|part| match part.split_once("..") {
+            None => number(part).map(|run| (run, run)),
+            Some((first, last)) => {
+                let (first, last) = (number(first)?, number(last)?);
+                match first <= last {
+                    true => Ok((first, last)),
+                    false => Err(format!("`{first}..{last}` ends before it begins")),
+                }
+            }
+        });
+        parts.collect::<Result<_, _>>().map(Selection)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_ends_of_a_range_are_meant() {
+        let runs: Selection = "0, 5,10..12".parse().unwrap();
+        let among: Vec<u64> = (0..20).filter(|&run| runs.contains(run)).collect();
+        assert_eq!(among, [0, 5, 10, 11, 12]);
+        assert!("all".parse::<Selection>().unwrap().contains(u64::MAX));
+    }
+
+    #[test]
+    fn what_is_no_selection_is_refused() {
+        for text in ["", "x", "1..", "..2", "3..1", "-1", "1,,2", "0..2..4"] {
+            assert!(text.parse::<Selection>().is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,123 @@
+//! Recording, while a run goes.
+use std::io::{self, Write};
+
+use stochc_compiler::table::Tables;
+use stochc_runtime::observe::{Event, Observer};
+use stochc_runtime::record::RunRecord;
+use stochc_runtime::world::Arena;
+
+use super::chunk::{Chunk, NUMBERS};
+use super::events::Seeds;
+use super::format::{DONE, EVENTS, Header, POSES, deflate, write_header, write_section};
+
+/// Numbers to collect before they are written: some 2 MB.
+const ENOUGH: usize = 1 << 19;
+/// With very many blocks more is collected, because a chunk of few ticks compresses badly.
+const FEWEST_TICKS: usize = 16;
+/// With very few blocks less.
+const MOST_TICKS: usize = 512;
+
+/// Records the run that it observes.
+pub struct Recorder<W: Write> {
+    out: W,
+    every: u64,
+    bodies: usize,
+    seeds: Seeds,
+    ticks: Vec<u64>,
+    places: Vec<f32>,
+    rows: Vec<serde_json::Value>,
+    /// The first reason why nothing can be written any more.
+    broken: Option<io::Error>,
+}
+
+impl<W: Write> Recorder<W> {
+    /// Begins a recording; [`Recorder::finish`] ends it.
+    ///
+    /// # Errors
+    /// Those of `out`.
+    pub fn new(mut out: W, header: &Header, tables: &Tables) -> io::Result<Recorder<W>> {
+        write_header(&mut out, header)?;
+        Ok(Recorder {
+            out,
+            every: header.every.max(1).into(),
+            bodies: header.bodies as usize,
+            seeds: Seeds::of(tables),
+            ticks: Vec::new(),
+            places: Vec::new(),
+            rows: Vec::new(),
+            broken: None,
+        })
+    }
+
+    /// Writes what is left, and the record of the run.
+    ///
+    /// # Errors
+    /// The first that `out` had since the beginning.
+    pub fn finish(mut self, record: &RunRecord) -> io::Result<W> {
+        if let Some(error) = self.broken {
+            return Err(error);
+        }
+        self.write_chunk()?;
+        let json = serde_json::to_vec(record)?;
+        write_section(&mut self.out, DONE, &deflate(&json)?)?;
+        self.out.flush()?;
+        Ok(self.out)
+    }
+
+    fn is_full(&self) -> bool {
+        let ticks = self.ticks.len();
+        ticks >= MOST_TICKS || (self.places.len() >= ENOUGH && ticks >= FEWEST_TICKS)
+    }
+
+    /// The events come before the places of the same ticks.
+    fn write_chunk(&mut self) -> io::Result<()> {
+        if !self.rows.is_empty() {
+            let json = serde_json::to_vec(&self.rows)?;
+            write_section(&mut self.out, EVENTS, &deflate(&json)?)?;
+            self.rows.clear();
+        }
+        if !self.ticks.is_empty() {
+            let ticks = std::mem::take(&mut self.ticks);
+            let chunk = Chunk::quantize(ticks, &self.places, self.bodies);
+            write_section(&mut self.out, POSES, &chunk.to_bytes()?)?;
+            self.places.clear();
+        }
+        Ok(())
+    }
+}
+
+impl<W: Write> Observer for Recorder<W> {
+    fn look(&mut self, arena: &impl Arena, events: &[Event]) {
+        if self.broken.is_some() {
+            return;
+        }
+        let tick = arena.tick();
+        self.rows
+            .extend(events.iter().map(|event| self.seeds.row(tick, event)));
+        // Between two places blocks are shown on a straight line; nothing of note is in between.
+        let is_notable = events.iter().any(|event| {
+            matches!(
+                event,
+                Event::Captured { .. } | Event::Released { .. } | Event::Reported { .. }
+            )
+        });
+        if !is_notable && !tick.is_multiple_of(self.every) {
+            return;
+        }
+        self.ticks.push(tick);
+        self.places.reserve(self.bodies * NUMBERS);
+        for id in 0..self.bodies as u32 {
+            let state = arena.state(id);
+            let q = state.orientation.coords;
+            let place = [state.position.x, state.position.y, state.position.z];
+            let turned = [q.x, q.y, q.z, q.w];
+            let numbers = place.into_iter().chain(turned);
+            self.places.extend(numbers.map(|number| number as f32));
+        }
+        if self.is_full()
+            && let Err(error) = self.write_chunk()
+        {
+            self.broken = Some(error);
+        }
+    }
+}

@@ -1,0 +1,44 @@
+//! What a page has to know besides the recording.
+use serde_json::{Value, json};
+use stochc_compiler::emit::table_json;
+use stochc_compiler::table::Tables;
+
+use super::text::visible;
+use crate::ensemble::{Manifest, Program};
+
+/// `{ program, file, seed, model, stochc, scene, radius, tables, graph }`: the scene as the
+/// manifest has it, the radius of its hemisphere \[side\] or null, and tables and graph as
+/// `compile --format json` shows them.
+pub fn about(manifest: &Manifest, program: &Program, tables: &Tables, graph: &Value) -> Value {
+    let scene = json!(program.scene);
+    // A scene may come to have another enclosure, which the page then does not draw.
+    let radius = scene["enclosure"]["hemisphere"]["radius"].as_f64();
+    let file = program.sources.first().map_or("", |source| &source.path);
+    let substeps = match manifest.substeps {
+        1 => "1 substep".to_owned(),
+        n => format!("{n} substeps"),
+    };
+    let mut about = json!({
+        "program": program.name,
+        "file": file,
+        "seed": manifest.seed.to_string(),
+        "model": format!("{}, {substeps}", manifest.model),
+        "stochc": manifest.stochc,
+        "scene": scene,
+        "radius": radius.map(|radius| radius / program.scene.block.side),
+        "tables": table_json(tables),
+        "graph": graph,
+    });
+    spell_out(&mut about);
+    about
+}
+
+/// Makes every text visible, names of the program included: the same name stays the same.
+fn spell_out(value: &mut Value) {
+    match value {
+        Value::String(text) => *text = visible(text),
+        Value::Array(values) => values.iter_mut().for_each(spell_out),
+        Value::Object(fields) => fields.values_mut().for_each(spell_out),
+        _ => {}
+    }
+}

@@ -1,0 +1,122 @@
+// Where one looks from: drag turns, two fingers or the right button shift, wheel and pinch come closer.
+
+class Camera {
+  /** Sees all of the structure, and some of the cloud. */
+  constructor(about, history) {
+    const { width, depth } = about.tables.plate;
+    let high = 1;
+    let wide = Math.max(width, depth);
+    for (const { cell } of history.holds.flat()) {
+      high = Math.max(high, cell[2]);
+      const [x, y] = [cell[0] - (width - 1) / 2, cell[1] - (depth - 1) / 2];
+      wide = Math.max(wide, 2 * Math.abs(x) + 1, 2 * Math.abs(y) + 1);
+    }
+    this.middle = [0, 0, high / 2];
+    this.reach = 8 + 2.2 * Math.max(wide, high);
+    this.reset();
+  }
+
+  reset() {
+    this.azimuth = -0.9;
+    this.height = 0.42;
+    this.distance = this.reach;
+    this.at = this.middle;
+  }
+
+  get eye() {
+    const flat = Math.cos(this.height) * this.distance;
+    return add(this.at, [flat * Math.cos(this.azimuth), flat * Math.sin(this.azimuth), Math.sin(this.height) * this.distance]);
+  }
+
+  turn(dx, dy) {
+    this.azimuth -= dx * 0.008;
+    this.height = Math.min(1.55, Math.max(-0.1, this.height + dy * 0.008));
+  }
+
+  shift(dx, dy, pixels) {
+    const scale = (this.distance * 2 * Math.tan(ANGLE / 2)) / pixels;
+    const back = unit(minus(this.eye, this.at));
+    const right = unit(cross([0, 0, 1], back));
+    const up = cross(back, right);
+    this.at = add(this.at, add(times(right, -dx * scale), times(up, dy * scale)));
+  }
+
+  zoom(factor) {
+    this.distance = Math.min(20 * this.reach, Math.max(2.5, this.distance * factor));
+  }
+
+  /** For a picture of some width and height. */
+  matrix(width, height) {
+    this.aspect = width / height;
+    const far = this.distance + 200;
+    const lens = perspective(this.angle, this.aspect, Math.max(0.05, this.distance / 200), far);
+    return product(lens, looking(this.eye, this.at, [0, 0, 1]));
+  }
+
+  /** Upright pictures see as much to the sides as square ones. */
+  get angle() {
+    return this.aspect < 1 ? 2 * Math.atan(Math.tan(ANGLE / 2) / this.aspect) : ANGLE;
+  }
+
+  /** The ray through a point of the picture, from -1 to 1 to the right and up. */
+  ray(x, y) {
+    const back = unit(minus(this.eye, this.at));
+    const right = unit(cross([0, 0, 1], back));
+    const up = cross(back, right);
+    const half = Math.tan(this.angle / 2);
+    const sideways = add(times(right, x * half * this.aspect), times(up, y * half));
+    return { origin: this.eye, direction: unit(minus(sideways, back)) };
+  }
+}
+
+/** Of view, up and down [rad]. */
+const ANGLE = 0.7;
+
+/** Lets pointers move a camera; `moved` is told, `clicked` gets the place of a click. */
+function steer(element, camera, moved, clicked) {
+  const pointers = new Map();
+  let travelled = 0;
+  const place = event => ({ x: event.clientX, y: event.clientY });
+  const middle = () => {
+    const [a, b] = [...pointers.values()];
+    return { x: (a.x + b.x) / 2, y: (a.y + b.y) / 2, apart: Math.hypot(a.x - b.x, a.y - b.y) };
+  };
+  element.addEventListener('pointerdown', event => {
+    element.setPointerCapture(event.pointerId);
+    pointers.set(event.pointerId, place(event));
+    if (pointers.size === 1) travelled = 0;
+  });
+  element.addEventListener('pointermove', event => {
+    const before = pointers.get(event.pointerId);
+    if (!before) return;
+    const now = place(event);
+    const old = pointers.size === 2 ? middle() : null;
+    pointers.set(event.pointerId, now);
+    travelled += Math.hypot(now.x - before.x, now.y - before.y);
+    if (old) {
+      const next = middle();
+      camera.shift(next.x - old.x, next.y - old.y, element.clientHeight);
+      camera.zoom(old.apart / (next.apart || 1));
+    } else if (event.buttons & 2 || event.shiftKey) {
+      camera.shift(now.x - before.x, now.y - before.y, element.clientHeight);
+    } else camera.turn(now.x - before.x, now.y - before.y);
+    moved();
+  });
+  const up = event => {
+    if (!pointers.delete(event.pointerId)) return;
+    // A finger is never quite still.
+    if (event.type === 'pointerup' && pointers.size === 0 && travelled < 6) clicked(place(event));
+  };
+  element.addEventListener('pointerup', up);
+  element.addEventListener('pointercancel', up);
+  element.addEventListener('contextmenu', event => event.preventDefault());
+  element.addEventListener(
+    'wheel',
+    event => {
+      event.preventDefault();
+      camera.zoom(Math.exp(event.deltaY * (event.deltaMode ? 0.03 : 0.001)));
+      moved();
+    },
+    { passive: false },
+  );
+}

@@ -1,0 +1,27 @@
+// The order in which free blocks are drawn: from the far end, because they let light through.
+
+const SHELLS = 2048;
+
+class Cloud {
+  constructor(bodies) {
+    this.shells = new Uint16Array(bodies);
+    this.sorted = new Uint32Array(bodies);
+    this.begins = new Uint32Array(SHELLS + 1);
+  }
+
+  /** Sorts the first `count` of a list of blocks, the farthest from the eye first. */
+  sort(list, count, places, eye) {
+    const { shells, sorted, begins } = this;
+    let farthest = 1;
+    const distance = body => Math.hypot(places[7 * body] - eye[0], places[7 * body + 1] - eye[1], places[7 * body + 2] - eye[2]);
+    for (let i = 0; i < count; i++) farthest = Math.max(farthest, distance(list[i]));
+    begins.fill(0);
+    for (let i = 0; i < count; i++) {
+      shells[i] = Math.floor((1 - distance(list[i]) / farthest) * (SHELLS - 1));
+      begins[shells[i] + 1]++;
+    }
+    for (let i = 0; i < SHELLS; i++) begins[i + 1] += begins[i];
+    for (let i = 0; i < count; i++) sorted[begins[shells[i]]++] = list[i];
+    return sorted.subarray(0, count);
+  }
+}

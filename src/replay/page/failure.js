@@ -1,0 +1,18 @@
+// What is shown instead of a blank page.
+
+/** Something about the recording or the browser that the reader can be told in words. */
+class Unreadable extends Error {}
+
+/** Shows a message in the place of the arena. */
+function fail(reason) {
+  const message = document.getElementById('message');
+  message.hidden = false;
+  message.textContent = reason;
+  document.body.classList.add('failed');
+}
+
+addEventListener('error', event => fail(`The replay has stopped: ${event.message}`));
+addEventListener('unhandledrejection', event => {
+  const known = event.reason instanceof Unreadable;
+  fail(known ? event.reason.message : `The replay has stopped: ${event.reason}`);
+});

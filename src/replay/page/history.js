@@ -1,0 +1,162 @@
+// What happened, as stretches of time: all that is shown at a tick depends on the tick alone.
+
+const NORMALS = {
+  east: [1, 0, 0], west: [-1, 0, 0], north: [0, 1, 0], south: [0, -1, 0], up: [0, 0, 1], down: [0, 0, -1],
+};
+
+class History {
+  /** `about`: what the page knows of the program; the rest is the recording's. */
+  constructor(about, recording) {
+    this.about = about;
+    this.end = recording.record.ticks;
+    this.roles = about.tables.blocks.map(block => block.name);
+    this.phases = about.tables.phases.map(phase => phase.name);
+    this.rows = recording.events;
+    /** When which phase begins. */
+    this.begins = [];
+    /** By free block: when it is part of the structure, in which role. */
+    this.holds = Array.from({ length: recording.bodies }, () => []);
+    /** Faces that are on. */
+    this.faces = [];
+    /** Blocks in the reach of a face. */
+    this.pulls = [];
+    /** Messages, and reports that the plate counts. */
+    this.messages = [];
+    /** For each event of the graph: from when it is under way, and when it happens. */
+    this.deeds = new Map();
+    this.turns = deedsByWhat(about.graph);
+    this.read(recording.record.bonds);
+    this.stops = [...new Set(this.rows.filter(row => NOTABLE.has(row[1])).map(row => row[0]))];
+    this.steps = [...new Set(this.rows.map(row => row[0]))];
+  }
+
+  read(bonds) {
+    const on = new Map();
+    const near = new Map();
+    let phase = 0;
+    let bond = 0;
+    const face = (body, name) => `${body} ${name}`;
+    for (const row of this.rows) {
+      const [tick, kind] = row;
+      if (kind === 'phase') {
+        phase = row[2];
+        this.begins.push({ from: tick, phase });
+      } else if (kind === 'on') {
+        const [, , body, name, by, child, cell] = row;
+        const deed = this.turn(`capture ${phase} ${this.roles[by]} ${name} ${this.roles[child]}`);
+        const stretch = { from: tick, to: Infinity, body, face: name, by, child, cell, phase, deed };
+        this.faces.push(stretch);
+        on.set(face(body, name), stretch);
+        if (deed !== undefined) this.deeds.set(deed, { from: tick, done: Infinity });
+      } else if (kind === 'in') {
+        const [, , body, of, name] = row;
+        const pull = { from: tick, to: Infinity, body, of, face: name };
+        this.pulls.push(pull);
+        near.set(`${body} ${face(of, name)}`, pull);
+      } else if (kind === 'out') {
+        const [, , body, of, name] = row;
+        const pull = near.get(`${body} ${face(of, name)}`);
+        if (pull) pull.to = tick;
+      } else if (kind === 'dock') {
+        const [, , body, of, name, role, cell] = row;
+        const stretch = on.get(face(of, name));
+        if (stretch) {
+          stretch.to = tick;
+          stretch.took = true;
+          if (stretch.deed !== undefined) this.deeds.get(stretch.deed).done = tick;
+        }
+        for (const pull of this.pulls) if (pull.body === body && pull.to > tick) pull.to = tick;
+        this.holds[body].push({ from: tick, to: Infinity, role, cell, of, face: name, phase, bond: bonds[bond++] });
+      } else if (kind === 'free') {
+        const [, , body, role] = row;
+        const hold = this.holds[body].at(-1);
+        if (hold) hold.to = tick;
+        // A block that goes takes along the faces that it had on.
+        for (const stretch of this.faces) if (stretch.body === body && stretch.to > tick) stretch.to = tick;
+        const deed = this.turn(`release ${phase} ${this.roles[role]}`);
+        if (deed !== undefined) this.deeds.set(deed, { from: tick, done: tick });
+      } else if (kind === 'say') {
+        this.messages.push({ tick, from: row[2], to: row[3], what: row[4], role: row[5] });
+      } else if (kind === 'report') {
+        this.messages.push({ tick, to: null, what: 'counted', role: row[2] });
+      }
+    }
+  }
+
+  /** The next event of the graph that this can be. */
+  turn(what) {
+    return this.turns.get(what)?.shift();
+  }
+
+  phaseAt(tick) {
+    const begun = this.begins.filter(({ from }) => from <= tick);
+    return begun.length ? begun.at(-1).phase : 0;
+  }
+
+  /** How a free block is part of the structure at a tick; `undefined`: it is not. */
+  holdAt(body, tick) {
+    return this.holds[body]?.find(({ from, to }) => from <= tick && tick < to);
+  }
+
+  facesAt(tick) {
+    return this.faces.filter(({ from, to }) => from <= tick && tick < to);
+  }
+
+  pullsAt(tick) {
+    return this.pulls.filter(({ from, to }) => from <= tick && tick < to);
+  }
+
+  /** What a block is called at a tick. */
+  nameAt(body, tick) {
+    if (body < 0) return this.roles[-1 - body];
+    const hold = this.holdAt(body, tick);
+    return hold ? this.roles[hold.role] : `block ${body}`;
+  }
+
+  /** What a block is called in an event: one that goes at that tick still has its name. */
+  nameIn(body, tick) {
+    if (body < 0 || this.holdAt(body, tick)) return this.nameAt(body, tick);
+    const last = this.holds[body].find(({ to }) => to === tick);
+    return last ? this.roles[last.role] : `block ${body}`;
+  }
+
+  /** An event in words. */
+  words(row) {
+    const [tick, kind] = row;
+    const name = body => this.nameIn(body, tick);
+    if (kind === 'phase') return `phase ${this.phases[row[2]]} begins`;
+    if (kind === 'on') return `${name(row[2])}.${row[3]} on, for ${this.roles[row[5]]}`;
+    if (kind === 'in') return `block ${row[2]} comes into reach of ${name(row[3])}.${row[4]}`;
+    if (kind === 'out') return `block ${row[2]} leaves the reach of ${name(row[3])}.${row[4]}`;
+    if (kind === 'dock') return `${name(row[3])}.${row[4]} captures ${this.roles[row[5]]}: block ${row[2]}`;
+    if (kind === 'free') return `${this.roles[row[4]]} releases ${this.roles[row[3]]}: block ${row[2]}`;
+    if (kind === 'say') return `${name(row[2])} to ${name(row[3])}: ${SAID[row[4]](this.roles[row[5]])}`;
+    return `the plate counts the report of ${this.roles[row[2]]}`;
+  }
+}
+
+/** What one jumps to. */
+const NOTABLE = new Set(['phase', 'on', 'dock', 'free']);
+
+const SAID = {
+  report: role => `${role} is done`,
+  ask: role => `${role} asks to be let go`,
+  anchored: role => `${role} is anchored`,
+  released: role => `${role} is released`,
+};
+
+/** The events of the graph by what they do, in source order: the same may be done more than once. */
+function deedsByWhat(graph) {
+  const deeds = new Map();
+  graph.phases.forEach((phase, number) => {
+    for (const event of phase.events) {
+      const what =
+        event.kind === 'capture'
+          ? `capture ${number} ${event.parent} ${event.face} ${event.block}`
+          : `release ${number} ${event.block}`;
+      if (!deeds.has(what)) deeds.set(what, []);
+      deeds.get(what).push(event.id);
+    }
+  });
+  return deeds;
+}

@@ -1,0 +1,151 @@
+// Draws cubes, lines and flat shapes with WebGL2.
+
+/** Numbers of a cube: centre, quaternion, colour with opacity, mark. */
+const CUBE = 12;
+
+class Painter {
+  constructor(canvas) {
+    const gl = canvas.getContext('webgl2', { antialias: !drawsSlowly(), alpha: false });
+    if (!gl) throw new Unreadable('This browser offers no WebGL2, which the replay needs. Switch it on, or use another browser.');
+    this.gl = gl;
+    this.canvas = canvas;
+    // To ask for it at every picture would have the page laid out every time.
+    this.width = canvas.clientWidth;
+    this.height = canvas.clientHeight;
+    new ResizeObserver(() => {
+      this.width = canvas.clientWidth;
+      this.height = canvas.clientHeight;
+    }).observe(canvas);
+    this.cubes = program(gl, CUBE_CORNERS, CUBE_PAINT);
+    this.plain = program(gl, PLAIN_CORNERS, PLAIN_PAINT);
+    this.corners = buffer(gl, cube());
+    this.triangles = gl.createBuffer();
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.triangles);
+    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, CUBE_TRIANGLES, gl.STATIC_DRAW);
+    this.instances = gl.createBuffer();
+    this.sketch = gl.createBuffer();
+    this.fixed = new Map();
+    gl.enable(gl.DEPTH_TEST);
+    gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
+  }
+
+  /** Fits the picture to the page; `scale`: pixels of the picture for one of the screen. */
+  fit(scale) {
+    const width = Math.max(1, Math.round(this.width * scale));
+    const height = Math.max(1, Math.round(this.height * scale));
+    if (this.canvas.width !== width || this.canvas.height !== height) {
+      this.canvas.width = width;
+      this.canvas.height = height;
+    }
+    this.gl.viewport(0, 0, width, height);
+  }
+
+  begin(view, background) {
+    this.view = view;
+    const { gl } = this;
+    // Without this, the depths of the last picture would stay.
+    gl.depthMask(true);
+    gl.clearColor(...rgb(background), 1);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+  }
+
+  /** Draws cubes; the opaque ones hide what is behind them. */
+  drawCubes(numbers, count, { opaque, mark, pulled, edge, eye }) {
+    if (!count) return;
+    const { gl } = this;
+    gl.useProgram(this.cubes);
+    gl.uniformMatrix4fv(gl.getUniformLocation(this.cubes, 'view'), false, this.view);
+    gl.uniform3fv(gl.getUniformLocation(this.cubes, 'markColour'), rgb(mark));
+    gl.uniform3fv(gl.getUniformLocation(this.cubes, 'pulledColour'), rgb(pulled));
+    gl.uniform1f(gl.getUniformLocation(this.cubes, 'edgeShade'), edge);
+    gl.uniform3fv(gl.getUniformLocation(this.cubes, 'eye'), eye);
+    this.blend(!opaque);
+    attribute(gl, this.corners, 0, 3, 24, 0, 0);
+    attribute(gl, this.corners, 1, 3, 24, 12, 0);
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.instances);
+    gl.bufferData(gl.ARRAY_BUFFER, numbers.subarray(0, count * CUBE), gl.STREAM_DRAW);
+    const parts = [[2, 3, 0], [3, 4, 12], [4, 4, 28], [5, 1, 44]];
+    for (const [place, size, offset] of parts) attribute(gl, this.instances, place, size, 4 * CUBE, offset, 1);
+    gl.drawElementsInstanced(gl.TRIANGLES, CUBE_TRIANGLES.length, gl.UNSIGNED_SHORT, 0, count);
+    for (const [place] of parts) gl.vertexAttribDivisor(place, 0);
+    for (let place = 2; place < 6; place++) gl.disableVertexAttribArray(place);
+  }
+
+  /** Draws a sketch; with a name, it is kept, and later ones of that name are not looked at. */
+  drawSketch(sketch, { lines, opaque, name }) {
+    const { gl } = this;
+    let kept = name && this.fixed.get(name);
+    if (!kept) {
+      const numbers = new Float32Array(sketch().numbers);
+      kept = { buffer: name ? gl.createBuffer() : this.sketch, count: numbers.length / 7 };
+      gl.bindBuffer(gl.ARRAY_BUFFER, kept.buffer);
+      gl.bufferData(gl.ARRAY_BUFFER, numbers, gl.DYNAMIC_DRAW);
+      if (name) this.fixed.set(name, kept);
+    }
+    if (!kept.count) return;
+    gl.useProgram(this.plain);
+    gl.uniformMatrix4fv(gl.getUniformLocation(this.plain, 'view'), false, this.view);
+    this.blend(!opaque);
+    attribute(gl, kept.buffer, 0, 3, 28, 0, 0);
+    attribute(gl, kept.buffer, 1, 4, 28, 12, 0);
+    gl.drawArrays(lines ? gl.LINES : gl.TRIANGLES, 0, kept.count);
+  }
+
+  /** Forgets the sketches that were kept. */
+  forget() {
+    for (const { buffer } of this.fixed.values()) this.gl.deleteBuffer(buffer);
+    this.fixed.clear();
+  }
+
+  blend(on) {
+    const { gl } = this;
+    gl[on ? 'enable' : 'disable'](gl.BLEND);
+    gl.depthMask(!on);
+  }
+
+  /** The colour of a point of the picture, from its upper left corner. */
+  pixel(x, y) {
+    const { gl } = this;
+    const out = new Uint8Array(4);
+    gl.readPixels(x, this.canvas.height - 1 - y, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, out);
+    return [...out.subarray(0, 3)];
+  }
+}
+
+/** Whether there is no graphics processor, so that smooth edges would cost too much. */
+function drawsSlowly() {
+  const gl = document.createElement('canvas').getContext('webgl2');
+  const known = gl?.getExtension('WEBGL_debug_renderer_info');
+  const name = known ? gl.getParameter(known.UNMASKED_RENDERER_WEBGL) : '';
+  gl?.getExtension('WEBGL_lose_context')?.loseContext();
+  return /swiftshader|llvmpipe|software|basic render/i.test(name);
+}
+
+function program(gl, corners, paint) {
+  const made = gl.createProgram();
+  for (const [kind, text] of [[gl.VERTEX_SHADER, corners], [gl.FRAGMENT_SHADER, paint]]) {
+    const shader = gl.createShader(kind);
+    gl.shaderSource(shader, text);
+    gl.compileShader(shader);
+    gl.attachShader(made, shader);
+  }
+  gl.linkProgram(made);
+  if (!gl.getProgramParameter(made, gl.LINK_STATUS)) {
+    throw new Unreadable(`The graphics of this browser refuse to draw: ${gl.getProgramInfoLog(made)}`);
+  }
+  return made;
+}
+
+function buffer(gl, numbers) {
+  const made = gl.createBuffer();
+  gl.bindBuffer(gl.ARRAY_BUFFER, made);
+  gl.bufferData(gl.ARRAY_BUFFER, numbers, gl.STATIC_DRAW);
+  return made;
+}
+
+function attribute(gl, from, place, size, stride, offset, divisor) {
+  gl.bindBuffer(gl.ARRAY_BUFFER, from);
+  gl.enableVertexAttribArray(place);
+  gl.vertexAttribPointer(place, size, gl.FLOAT, false, stride, offset);
+  gl.vertexAttribDivisor(place, divisor);
+}

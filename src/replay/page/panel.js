@@ -1,0 +1,151 @@
+// What is known of one block: its name, its history, and its event table.
+
+class Panel {
+  constructor(element, history, jump) {
+    this.element = element;
+    this.history = history;
+    this.jump = jump;
+    this.key = '';
+  }
+
+  /** Shows a block at a tick; `null`: none. */
+  show(body, tick) {
+    const { history } = this;
+    const role = body === null ? null : this.roleAt(body, tick);
+    // It changes only at events.
+    const key = `${body} ${role} ${lastAtOrBefore(history.steps, tick)}`;
+    if (key === this.key) return;
+    this.key = key;
+    if (body === null) {
+      const hint = part('p', 'hint', 'Click a block to see its name, its history and its event table.');
+      this.element.replaceChildren(hint, part('h3', '', 'What has happened'), this.latest(tick));
+      return;
+    }
+    const title = part('h2', '', history.nameAt(body, tick));
+    const follows = part('p', 'state', this.words(body, tick));
+    this.element.replaceChildren(title, follows, ...this.story(body, tick), ...this.table(role, tick));
+  }
+
+  /** The latest events of the structure. */
+  latest(tick) {
+    const rows = this.history.rows.filter(row => row[0] <= tick && NOTABLE.has(row[1]));
+    const lines = rows.slice(-40).reverse();
+    return this.list(lines.map(row => ({ at: row[0], text: this.history.words(row), kind: row[1] })));
+  }
+
+  list(lines) {
+    const list = part('ol', 'story');
+    for (const { at, text, kind } of lines) {
+      const line = part('li', kind);
+      const when = part('button', 'tick', String(at));
+      when.addEventListener('click', () => this.jump(at));
+      line.append(when, ` ${text}`);
+      list.append(line);
+    }
+    return list;
+  }
+
+  roleAt(body, tick) {
+    if (body < 0) return -1 - body;
+    return this.history.holdAt(body, tick)?.role ?? null;
+  }
+
+  words(body, tick) {
+    const { history } = this;
+    if (body < 0) return 'part of the plate from the beginning';
+    const hold = history.holdAt(body, tick);
+    if (hold) {
+      const on = history.nameAt(hold.of, tick);
+      return `block ${body}, on ${on}.${hold.face} at (${hold.cell.join(', ')}) since tick ${hold.from}`;
+    }
+    const pull = history.pullsAt(tick).find(pull => pull.body === body);
+    if (pull) return `free, pulled by ${history.nameAt(pull.of, tick)}.${pull.face} since tick ${pull.from}`;
+    return 'free';
+  }
+
+  /** What has happened to it up to now, the latest first. */
+  story(body, tick) {
+    const { history } = this;
+    const lines = [];
+    const say = (at, text, kind) => at <= tick && lines.push({ at, text, kind });
+    if (body >= 0) {
+      for (const { from, to, of, face } of history.pulls.filter(pull => pull.body === body)) {
+        const name = history.nameIn(of, from);
+        say(from, `enters the field of ${name}.${face}`, 'in');
+        const docks = history.holds[body].some(hold => hold.from === to && hold.of === of && hold.face === face);
+        if (!docks && Number.isFinite(to)) say(to, `leaves the field of ${name}.${face}`, 'out');
+      }
+      for (const { from, to, role, of, face, bond } of history.holds[body]) {
+        const name = history.roles[role];
+        const origin = bond?.origin.kind === 'released' ? `; it was ${history.roles[bond.origin.role]} until ${bond.origin.tick}` : '; it was free from the beginning';
+        const wait = bond ? `, ${count(bond.docked - bond.magnetized, 'tick')} after the face was on, which saw ${count(bond.entries, 'entry', 'entries')}` : '';
+        say(from, `docks on ${history.nameIn(of, from)}.${face} as ${name}${wait}${origin}`, 'dock');
+        if (Number.isFinite(to)) say(to, `is let go as ${name}`, 'free');
+      }
+    }
+    for (const stretch of history.faces.filter(face => face.body === body)) {
+      say(stretch.from, `switches ${stretch.face} on for ${history.roles[stretch.child]}`, 'on');
+      if (stretch.took) say(stretch.to, `holds ${history.roles[stretch.child]} on ${stretch.face}`, 'dock');
+    }
+    for (const { tick: at, from, to, what, role } of history.messages) {
+      if (from === body) say(at, `tells ${history.nameIn(to, at)}: ${SAID[what](history.roles[role])}`, 'say');
+      if (to === body) say(at, `hears from ${history.nameIn(from, at)}: ${SAID[what](history.roles[role])}`, 'say');
+    }
+    const entries = lines.filter(({ kind }) => kind === 'in').length;
+    const left = lines.filter(({ kind }) => kind === 'out').length;
+    lines.sort((a, b) => b.at - a.at);
+    const list = this.list(lines.slice(0, 200));
+    const title = body < 0 ? 'History' : `History: in the field ${count(entries, 'time')}, out of it again ${count(left, 'time')}`;
+    return [part('h3', '', title), lines.length ? list : part('p', 'hint', 'Nothing has happened to it yet.')];
+  }
+
+  /** The event table of the role that it has. */
+  table(role, tick) {
+    if (role === null) return [];
+    const { about, phases } = this.history;
+    const now = phases[this.history.phaseAt(tick)];
+    const duties = about.tables.blocks[role].duties.map(duty => {
+      const body = part('tbody');
+      for (const rule of duty.rules) {
+        const row = part('tr');
+        row.append(part('td', '', rule.when.map(condition).join(' and ') || 'at once'), part('td', '', action(rule.then)));
+        body.append(row);
+      }
+      const table = part('table', duty.phase === now ? 'now' : '');
+      const trigger = duty.trigger === 'start' ? 'from its start' : 'once anchored';
+      table.append(part('caption', '', `phase ${duty.phase}, ${trigger}`), body);
+      return table;
+    });
+    const title = part('h3', '', `Event table of ${this.history.roles[role]}`);
+    return [title, ...(duties.length ? duties : [part('p', 'hint', 'It has nothing to do.')])];
+  }
+}
+
+function condition(when) {
+  const [kind, what] = Object.entries(when)[0];
+  if (kind !== 'heard') return `${what} ${kind === 'asked' ? 'asks to go' : kind}`;
+  const [news, role] = Object.entries(what)[0];
+  return `told that ${role} is ${news}`;
+}
+
+function action(then) {
+  const news = what => Object.entries(what).map(([kind, role]) => `${role} is ${kind}`)[0];
+  const words = {
+    magnetize: () => `magnetize ${then.face} for ${then.child}`,
+    ask_release: () => 'ask the parent to be let go',
+    switch_off: () => `switch ${then.face} off, and let ${then.child} go`,
+    tell: () => `tell ${then.to} that ${news(then.news)}`,
+    report: () => 'report to the plate',
+  };
+  return words[then.do] ? words[then.do]() : then.do;
+}
+
+const count = (n, one, many = `${one}s`) => `${n} ${n === 1 ? one : many}`;
+
+/** An element with a text, which is never read as HTML. */
+function part(tag, name = '', text = '') {
+  const made = document.createElement(tag);
+  if (name) made.className = name;
+  if (text) made.textContent = text;
+  return made;
+}

@@ -1,0 +1,92 @@
+// The clock of the replay, and the buttons and keys that move it.
+
+/** Times as fast as the robots are. */
+const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10, 20, 50, 100, 200];
+
+class Player {
+  /** `changed` is called when something else is to be seen. */
+  constructor(history, secondsPerTick, changed) {
+    this.history = history;
+    this.secondsPerTick = secondsPerTick;
+    this.changed = changed;
+    this.tick = 0;
+    this.playing = false;
+    // The whole run in about a minute and a half.
+    const wanted = (history.end * secondsPerTick) / 90;
+    this.speed = SPEEDS.reduce((best, speed) => (Math.abs(Math.log(speed / wanted)) < Math.abs(Math.log(best / wanted)) ? speed : best), 1);
+    this.last = null;
+  }
+
+  go(tick) {
+    this.tick = Math.min(this.history.end, Math.max(0, tick));
+    this.changed();
+  }
+
+  /** Stops, and goes to a whole tick. */
+  jump(tick) {
+    this.playing = false;
+    this.go(Math.round(tick));
+  }
+
+  toggle() {
+    if (!this.playing && this.tick >= this.history.end) this.tick = 0;
+    this.playing = !this.playing;
+    this.last = null;
+    this.changed();
+  }
+
+  faster(steps) {
+    const at = SPEEDS.indexOf(this.speed);
+    this.speed = SPEEDS[Math.min(SPEEDS.length - 1, Math.max(0, at + steps))];
+    this.changed();
+  }
+
+  /** To the next or the last event: of the structure, or any. */
+  event(direction, any) {
+    const list = any ? this.history.steps : this.history.stops;
+    const here = lastAtOrBefore(list, this.tick);
+    const before = list[here] === this.tick ? here - 1 : here;
+    const to = list[direction > 0 ? here + 1 : before];
+    if (to !== undefined) this.jump(to);
+  }
+
+  /** Time passes, if `ready` is: what is to be seen has been unpacked. */
+  pass(now, ready) {
+    if (!this.playing) return;
+    // After a pause of the browser's own, nothing is skipped.
+    const seconds = this.last === null ? 0 : Math.min(0.1, (now - this.last) / 1000);
+    this.last = now;
+    if (!ready) return;
+    this.tick = Math.min(this.history.end, this.tick + (seconds * this.speed) / this.secondsPerTick);
+    if (this.tick >= this.history.end) this.playing = false;
+  }
+}
+
+/** What keys do, by their names. */
+function keys(player, does) {
+  const actions = {
+    ' ': () => player.toggle(),
+    k: () => player.toggle(),
+    ArrowRight: event => player.jump(Math.floor(player.tick) + (event.shiftKey ? 100 : 1)),
+    ArrowLeft: event => player.jump(Math.ceil(player.tick) - (event.shiftKey ? 100 : 1)),
+    Home: () => player.jump(0),
+    End: () => player.jump(player.history.end),
+    n: () => player.event(1, false),
+    p: () => player.event(-1, false),
+    N: () => player.event(1, true),
+    P: () => player.event(-1, true),
+    '+': () => player.faster(1),
+    '=': () => player.faster(1),
+    '-': () => player.faster(-1),
+    ...does,
+  };
+  addEventListener('keydown', event => {
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    const tag = event.target.tagName;
+    if (tag === 'SELECT' || (event.key === ' ' && (tag === 'BUTTON' || tag === 'SUMMARY'))) return;
+    const act = actions[event.key];
+    if (!act) return;
+    event.preventDefault();
+    act(event);
+  });
+}

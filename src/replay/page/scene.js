@@ -1,0 +1,161 @@
+// What is to be seen at a tick, and drawing it.
+
+class Scene {
+  constructor(about, recording, history, painter, labels, camera) {
+    Object.assign(this, { about, recording, history, painter, labels, camera });
+    const { width, depth } = about.tables.plate;
+    // The centre of cell (0, 0, 0): the origin is the centre of the plate's upper side.
+    this.corner = [-(width - 1) / 2, -(depth - 1) / 2, -0.5];
+    this.seeds = about.tables.blocks.flatMap((block, role) => (block.seed ? [{ body: -1 - role, cell: block.seed }] : []));
+    const seeded = new Set(this.seeds.map(({ cell }) => cell.join()));
+    this.plain = [];
+    for (let x = 0; x < width; x++) for (let y = 0; y < depth; y++) if (!seeded.has([x, y, 0].join())) this.plain.push([x, y, 0]);
+    this.places = new Float64Array(7 * recording.bodies);
+    this.numbers = new Float32Array(CUBE * (recording.bodies + width * depth));
+    this.radius = about.radius;
+    this.cloud = new Cloud(recording.bodies);
+    this.list = new Uint32Array(recording.bodies);
+    /** How free blocks are shown: 0 faint, 1 solid, 2 not at all. */
+    this.clouds = 0;
+    this.named = true;
+    this.selected = null;
+    this.tick = 0;
+  }
+
+  centre(cell) {
+    return add(this.corner, cell);
+  }
+
+  /** The centre of a block and how it is turned. */
+  place(body) {
+    if (body < 0) {
+      const seed = this.seeds.find(seed => seed.body === body);
+      return { centre: this.centre(seed.cell), turn: [0, 0, 0, 1] };
+    }
+    const at = 7 * body;
+    return { centre: [...this.places.subarray(at, at + 3)], turn: [...this.places.subarray(at + 3, at + 7)] };
+  }
+
+  /** Moves all blocks to a tick, if their places are unpacked. */
+  go(tick) {
+    if (!this.recording.has(tick)) return false;
+    this.recording.places(tick, this.places);
+    this.tick = tick;
+    return true;
+  }
+
+  draw(scale) {
+    const { history, painter, camera, tick } = this;
+    const look = THEMES[themeName()];
+    painter.fit(scale);
+    const view = camera.matrix(painter.canvas.width, painter.canvas.height);
+    painter.begin(view, look.background);
+    const solid = (this.solid = []);
+    for (const cell of this.plain) solid.push({ body: null, centre: this.centre(cell), turn: [0, 0, 0, 1], colour: look.plate });
+    for (const { body } of this.seeds) solid.push({ body, ...this.place(body), colour: look.seed, named: true });
+    let free = 0;
+    const pulled = new Set(history.pullsAt(tick).map(({ body }) => body));
+    for (let body = 0; body < this.recording.bodies; body++) {
+      const hold = history.holdAt(body, tick);
+      if (hold) solid.push({ body, ...this.place(body), colour: phaseColour(hold.phase), named: true });
+      else if (body === this.selected) solid.push({ body, ...this.place(body), colour: look.free, named: true });
+      else if (this.clouds < 2 || pulled.has(body)) this.list[free++] = body;
+    }
+    const eye = camera.eye;
+    this.free = this.cloud.sort(this.list, free, this.places, eye);
+    const style = { mark: look.mark, pulled: look.lit, edge: look.edge, eye };
+    if (this.radius && camera.eye[2] > 0) {
+      painter.drawSketch(() => ground(this.radius, [...rgb(look.ground), 1]), { opaque: true, name: `ground ${themeName()}` });
+    }
+    painter.drawCubes(this.numbers, this.fillSolid(), { opaque: true, ...style });
+    this.drawFaces(look);
+    if (this.radius) {
+      const lines = () => wires(this.radius, [...rgb(look.rings), 1], [...rgb(look.shell), 0.45]);
+      painter.drawSketch(lines, { lines: true, name: `wires ${themeName()}` });
+    }
+    painter.drawCubes(this.numbers, this.fillFree(pulled, look), { opaque: this.clouds === 1, ...style });
+    this.labels.draw(this, view, solid, look);
+  }
+
+  /** The numbers of the structure's blocks for the painter; how many there are. */
+  fillSolid() {
+    this.solid.forEach(({ body, centre, turn, colour }, i) => {
+      const at = CUBE * i;
+      this.numbers.set(centre, at);
+      this.numbers.set(turn, at + 3);
+      this.numbers.set(rgb(colour), at + 7);
+      this.numbers[at + 10] = 1;
+      this.numbers[at + 11] = body !== null && body === this.selected ? 1 : 0;
+    });
+    return this.solid.length;
+  }
+
+  /** The same of the free blocks: there may be very many. */
+  fillFree(pulled, look) {
+    const { numbers, places, free } = this;
+    const colour = rgb(look.free);
+    for (let i = 0; i < free.length; i++) {
+      const [at, from] = [CUBE * i, 7 * free[i]];
+      for (let j = 0; j < 7; j++) numbers[at + j] = places[from + j];
+      for (let j = 0; j < 3; j++) numbers[at + 7 + j] = colour[j];
+      const isPulled = pulled.has(free[i]);
+      numbers[at + 10] = this.clouds === 1 ? 1 : isPulled ? 0.6 : look.ghost;
+      numbers[at + 11] = isPulled ? 2 : 0;
+    }
+    return free.length;
+  }
+
+  /** Lights the faces that are on, and ties what they pull to them. */
+  drawFaces(look) {
+    const centres = new Map();
+    const shapes = new Sketch();
+    const threads = new Sketch();
+    const red = rgb(look.lit);
+    for (const { body, face } of this.history.facesAt(this.tick)) {
+      const normal = NORMALS[face];
+      const middle = add(this.place(body).centre, times(normal, 0.5));
+      centres.set(`${body} ${face}`, middle);
+      shapes.square(add(middle, times(normal, 0.012)), normal, 0.46, [...red, 1]);
+      // A glow around it, and above.
+      shapes.square(add(middle, times(normal, 0.02)), normal, 0.95, [...red, 0.65], [...red, 0]);
+      const [u, v] = sides(normal);
+      for (const [a, b] of [[u, v], [v, u]]) {
+        for (const side of [-1, 1]) {
+          const foot = add(middle, times(a, 0.46 * side));
+          const [p, q] = [add(foot, times(b, 0.46)), minus(foot, times(b, 0.46))];
+          const [far, away] = [add(p, times(normal, 0.7)), add(q, times(normal, 0.7))];
+          for (const [place, glow] of [[p, 0.5], [q, 0.5], [away, 0], [p, 0.5], [away, 0], [far, 0]]) shapes.point(place, [...red, glow]);
+        }
+      }
+    }
+    for (const { body, of, face } of this.history.pullsAt(this.tick)) {
+      const to = centres.get(`${of} ${face}`);
+      if (to) threads.line(this.place(body).centre, to, [...rgb(look.lit), 1]);
+    }
+    this.painter.drawSketch(() => shapes, { opaque: false });
+    this.painter.drawSketch(() => threads, { lines: true, opaque: true });
+  }
+
+  /** The block that is seen at a point of the canvas, in pixels of the page; `null`: none. */
+  pick(x, y) {
+    const { width, height } = this.painter;
+    const { origin, direction } = this.camera.ray((2 * x) / width - 1, 1 - (2 * y) / height);
+    let [best, found] = [Infinity, null];
+    const look = (body, { centre, turn }) => {
+      const distance = meets(origin, direction, centre, turn);
+      if (distance < best) [best, found] = [distance, body];
+    };
+    for (const block of this.solid) look(block.body, block);
+    for (const body of this.free) look(body, this.place(body));
+    return found;
+  }
+
+  /** Where a place is on the canvas, in pixels of the page; `null`: behind the eye. */
+  screen(place, view = this.camera.matrix(this.painter.canvas.width, this.painter.canvas.height)) {
+    const at = row => view[row] * place[0] + view[4 + row] * place[1] + view[8 + row] * place[2] + view[12 + row];
+    const w = at(3);
+    if (w <= 0) return null;
+    const { width, height } = this.painter;
+    return { x: ((at(0) / w + 1) / 2) * width, y: ((1 - at(1) / w) / 2) * height, scale: height / (2 * w * Math.tan(this.camera.angle / 2)) };
+  }
+}

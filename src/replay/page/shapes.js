@@ -1,0 +1,86 @@
+// Corners of what is drawn.
+
+/**
+ * Three faces of a cube of side 1: those to the east, north and up, each of four corners with the
+ * normal. No more than three are ever seen; the shader puts them on the sides that face the eye.
+ */
+function cube() {
+  const corners = [];
+  for (const normal of [NORMALS.east, NORMALS.north, NORMALS.up]) {
+    const [u, v] = sides(normal);
+    for (const [a, b] of [[-1, -1], [1, -1], [1, 1], [-1, 1]]) {
+      corners.push(...times(add(normal, add(times(u, a), times(v, b))), 0.5), ...normal);
+    }
+  }
+  return new Float32Array(corners);
+}
+
+/** Its triangles. */
+const CUBE_TRIANGLES = new Uint16Array([0, 4, 8].flatMap(at => [at, at + 1, at + 2, at, at + 2, at + 3]));
+
+/** Two directions in a face, so that u x v = normal. */
+function sides(normal) {
+  const u = normal[2] ? [1, 0, 0] : [0, 0, 1];
+  return [u, cross(normal, u)];
+}
+
+/** Collects coloured lines or triangles. */
+class Sketch {
+  constructor() {
+    this.numbers = [];
+  }
+
+  point(place, colour) {
+    this.numbers.push(...place, ...colour);
+  }
+
+  line(a, b, colour) {
+    this.point(a, colour);
+    this.point(b, colour);
+  }
+
+  /** A ring about the vertical; half of one, if `arc` is half a turn. */
+  ring(radius, z, colour, parts = 96) {
+    const at = i => [radius * Math.cos((2 * Math.PI * i) / parts), radius * Math.sin((2 * Math.PI * i) / parts), z];
+    for (let i = 0; i < parts; i++) this.line(at(i), at(i + 1), colour);
+  }
+
+  /** A flat square about a point, `out` wide. */
+  square(centre, normal, half, colour, rim = colour) {
+    const [u, v] = sides(normal);
+    const corner = (a, b) => add(centre, add(times(u, a * half), times(v, b * half)));
+    const corners = [corner(-1, -1), corner(1, -1), corner(1, 1), corner(-1, 1)];
+    for (let i = 0; i < 4; i++) {
+      this.point(centre, colour);
+      this.point(corners[i], rim);
+      this.point(corners[(i + 1) % 4], rim);
+    }
+  }
+}
+
+/** The ground inside the shell, as triangles. */
+function ground(radius, colour) {
+  const sketch = new Sketch();
+  const at = i => [radius * Math.cos((Math.PI * i) / 64), radius * Math.sin((Math.PI * i) / 64), -0.02];
+  for (let i = 0; i < 128; i++) for (const place of [[0, 0, -0.02], at(i), at(i + 1)]) sketch.point(place, colour);
+  return sketch;
+}
+
+/** The shell and rings on the ground every five sides, as lines. */
+function wires(radius, rings, shell) {
+  const sketch = new Sketch();
+  for (let r = 5; r < radius; r += 5) sketch.ring(r, 0, rings);
+  for (const height of [0, 0.25, 0.5, 0.75]) {
+    const angle = (height * Math.PI) / 2;
+    sketch.ring(radius * Math.cos(angle), radius * Math.sin(angle), shell);
+  }
+  for (let i = 0; i < 12; i++) {
+    const [x, y] = [Math.cos((Math.PI * i) / 6), Math.sin((Math.PI * i) / 6)];
+    const at = j => {
+      const angle = (Math.PI * j) / 48;
+      return [radius * x * Math.cos(angle), radius * y * Math.cos(angle), radius * Math.sin(angle)];
+    };
+    for (let j = 0; j < 24; j++) sketch.line(at(j), at(j + 1), shell);
+  }
+  return sketch;
+}

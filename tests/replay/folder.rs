@@ -1,0 +1,76 @@
+//! Folders of results to look at.
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use stochc::compiler::table::Tables;
+use stochc::recording::{Recording, path};
+
+/// A program whose structure grows and is taken apart again.
+pub const PROGRAM: &str = "examples/five_tower_reconfigured.sa";
+
+/// A folder of results that is gone with this.
+pub struct Results {
+    folder: tempfile::TempDir,
+    program: String,
+}
+
+/// What a command said.
+pub struct Said {
+    pub status: i32,
+    pub out: String,
+    pub err: String,
+}
+
+/// Does the command with the words of `line`, and then `more`.
+pub fn stochc(line: &str, more: &[&Path]) -> Said {
+    let output = Command::new(env!("CARGO_BIN_EXE_stochc"))
+        .args(line.split_whitespace())
+        .args(more)
+        .stdin(Stdio::null())
+        .output()
+        .unwrap();
+    Said {
+        status: output.status.code().unwrap(),
+        out: String::from_utf8(output.stdout).unwrap(),
+        err: String::from_utf8(output.stderr).unwrap(),
+    }
+}
+
+impl Results {
+    /// Two runs of a program by the fast model, with more options.
+    pub fn of(program: &str, options: &str) -> Results {
+        let folder = tempfile::tempdir().unwrap();
+        let line = format!("simulate --model rigid --runs 2 --quiet {options} {program} --out");
+        let said = stochc(&line, &[&folder.path().join("results")]);
+        assert_eq!(said.status, 0, "{}", said.err);
+        let program = program.to_owned();
+        Results { folder, program }
+    }
+
+    pub fn path(&self) -> PathBuf {
+        self.folder.path().join("results")
+    }
+
+    /// Where the recording of a run is, or would be.
+    pub fn recording_path(&self, run: u64) -> PathBuf {
+        path(&self.path(), 0, run)
+    }
+
+    pub fn tables(&self) -> Tables {
+        let mut checked = stochc::check(&self.program);
+        checked.programs.remove(0).tables.unwrap()
+    }
+
+    pub fn recording(&self, run: u64) -> Recording {
+        let bytes = std::fs::read(self.recording_path(run)).unwrap();
+        Recording::read(&bytes[..], &self.tables()).unwrap()
+    }
+
+    /// Writes the page of a run.
+    pub fn page(&self, run: u64) -> PathBuf {
+        let page = self.folder.path().join(format!("page {run}.html"));
+        let said = stochc(&format!("replay --run {run} --out"), &[&page, &self.path()]);
+        assert_eq!(said.status, 0, "{}", said.err);
+        page
+    }
+}

@@ -1,0 +1,74 @@
+//! Whatever is in a name is text, and nothing else.
+use std::fs::File;
+
+use serde_json::json;
+
+use crate::browser::browser;
+use crate::folder::Results;
+
+/// Ends a script, begins others, and turns the text around it.
+const HOSTILE: &str = "</script><script>document.title='broken'</script><img src=x onerror=\"document.title='broken'\">'\"\u{202e}\u{2028}`${1}\\";
+
+#[test]
+fn hostile_names_are_shown_as_text() {
+    let Some(mut browser) = browser(&[]) else {
+        return;
+    };
+    let results = Results::of("tests/fixtures/dense.sa", "--record 0");
+    let page = results.page(0);
+    // The compiler takes no such names; a manifest that somebody has edited may have them.
+    let manifest = std::fs::read_to_string(results.path().join("manifest.json")).unwrap();
+    let mut manifest = stochc::ensemble::Manifest::from_json(&manifest).unwrap();
+    manifest.model = HOSTILE.to_owned();
+    let program = &mut manifest.programs[0];
+    program.name = HOSTILE.to_owned();
+    program.scene.name = HOSTILE.to_owned();
+    program.sources[0].path = HOSTILE.to_owned();
+    let mut tables = results.tables();
+    for role in &mut tables.roles {
+        role.name = format!("{HOSTILE}{}", role.name);
+    }
+    tables.phases[0].name = HOSTILE.to_owned();
+    let event = json!({ "id": 0, "event": HOSTILE, "kind": "capture", "block": format!("{HOSTILE}T[1]"), "parent": format!("{HOSTILE}M"), "face": "up", "after": [] });
+    let graph = json!({ "assembly": HOSTILE, "phases": [{ "name": HOSTILE, "events": [event], "longest_chain": [0] }] });
+    let about = stochc::replay::about(&manifest, &manifest.programs[0], &tables, &graph);
+    let recording = File::open(results.recording_path(0)).unwrap();
+    let file = File::create(&page).unwrap();
+    stochc::replay::write(HOSTILE, &about, recording, file).unwrap();
+    browser.open(&page, "#tick=100000");
+    assert_eq!(browser.value("document.body.dataset.ready"), "yes");
+    assert_eq!(
+        browser.value("document.title"),
+        HOSTILE.replace(['\u{2028}'], "\u{2028}")
+    );
+    assert_eq!(browser.value("document.querySelectorAll('img').length"), 0);
+    assert_eq!(
+        browser.value("document.querySelectorAll('script').length"),
+        3
+    );
+    let shown = stochc::replay::visible(HOSTILE);
+    assert!(shown.contains("\\u{202e}"));
+    assert_eq!(
+        browser.value("document.getElementById('name').textContent"),
+        shown
+    );
+    let facts = browser.value("document.getElementById('facts').textContent");
+    assert!(
+        facts.as_str().unwrap().contains(&format!("scene {shown}")),
+        "{facts}"
+    );
+    let graph = browser.value("document.getElementById('graph').textContent");
+    assert!(graph.as_str().unwrap().contains(&shown), "{graph}");
+    // A block in such a role, in the panel.
+    browser.value("replay.select(replay.state().structure[0][0])");
+    browser.value("replay.seek(100000)");
+    let panel = browser.value("document.getElementById('block').textContent");
+    assert!(
+        panel
+            .as_str()
+            .unwrap()
+            .contains(&format!("Event table of {shown}")),
+        "{panel}"
+    );
+    assert_eq!(browser.complaints, [""; 0]);
+}

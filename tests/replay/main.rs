@@ -1,0 +1,13 @@
+//! Recording runs, and looking at them again.
+#![allow(
+    clippy::disallowed_methods,
+    reason = "the tests write what the command is to read"
+)]
+mod browser;
+mod exported;
+mod folder;
+mod hostile;
+mod observed;
+mod page;
+mod recorded;
+mod unreadable;

@@ -1,0 +1,160 @@
+//! What an observer of a run sees.
+use std::ops::ControlFlow;
+
+use stochc::compiler::table::PhaseId;
+use stochc::runtime::observe::{Event, Observer};
+use stochc::runtime::record::{BondRecord, RunRecord};
+use stochc::runtime::world::{Arena, Body};
+use stochc::runtime::{Model, RunError, Settings, observe, run};
+
+/// Writes everything down.
+#[derive(Default)]
+struct Notes {
+    ticks: Vec<u64>,
+    events: Vec<(u64, Event)>,
+    /// For every capture, how far the block is from the cell that the event names.
+    misplaced: Vec<f64>,
+}
+
+impl Observer for Notes {
+    fn look(&mut self, arena: &impl Arena, events: &[Event]) {
+        let tick = arena.tick();
+        self.ticks.push(tick);
+        for &event in events {
+            self.events.push((tick, event));
+            if let Event::Captured { body, cell, .. } = event {
+                let place = arena.state(body).position;
+                self.misplaced.push((place - arena.centre(cell)).norm());
+            }
+        }
+    }
+}
+
+fn observed(file: &str, model: Model) -> (RunRecord, RunRecord, Notes) {
+    let program = stochc::check(file).programs.remove(0);
+    let (tables, scene) = (program.tables.unwrap(), program.scene.unwrap());
+    let settings = Settings {
+        model,
+        ..Settings::default()
+    };
+    let mut watch = |_: u64, _: PhaseId| ControlFlow::Continue(());
+    let mut notes = Notes::default();
+    let alone = run(&tables, &scene, &settings, 5, 3, &mut watch).unwrap();
+    let seen = observe(&tables, &scene, &settings, 5, 3, &mut watch, &mut notes).unwrap();
+    (alone, seen, notes)
+}
+
+#[test]
+fn a_run_is_the_same_whether_somebody_looks_on_or_not() {
+    for model in [Model::Rapier, Model::Rigid] {
+        let (alone, seen, notes) = observed("tests/fixtures/dense.sa", model);
+        assert_eq!(alone, seen);
+        assert_eq!(notes.ticks, (0..=alone.ticks).collect::<Vec<_>>());
+    }
+}
+
+#[test]
+fn the_events_tell_what_the_record_counts() {
+    let (record, _, notes) = observed("examples/five_tower_reconfigured.sa", Model::Rigid);
+    let count = |wanted: fn(&Event) -> bool| {
+        notes
+            .events
+            .iter()
+            .filter(|(_, event)| wanted(event))
+            .count()
+    };
+    assert_eq!(
+        count(|event| matches!(event, Event::Sent { .. })) as u64,
+        record.hops
+    );
+    assert_eq!(
+        count(|event| matches!(event, Event::Phase(_))),
+        record.phase_ticks.len()
+    );
+    assert!(count(|event| matches!(event, Event::Released { .. })) > 0);
+    let captures: Vec<_> = (notes.events.iter())
+        .filter_map(|&(tick, event)| match event {
+            Event::Captured {
+                body,
+                role,
+                face,
+                cell,
+                ..
+            } => Some((tick, body, role, face, cell)),
+            _ => None,
+        })
+        .collect();
+    let bonds: Vec<_> = (record.bonds.iter())
+        .map(|bond| (bond.docked, bond.body, bond.child, bond.face, bond.cell))
+        .collect();
+    assert_eq!(captures, bonds);
+    assert!(
+        notes.misplaced.iter().all(|far| *far < 1e-6),
+        "{:?}",
+        notes.misplaced
+    );
+    for bond in &record.bonds {
+        assert_eq!(entries(&notes, bond), bond.entries, "{bond:?}");
+    }
+}
+
+/// The entries into the field of a face from when it was on to when it took a block.
+fn entries(notes: &Notes, bond: &BondRecord) -> u32 {
+    let mut open = None;
+    let mut entries = 0;
+    for (tick, event) in &notes.events {
+        match *event {
+            Event::Magnetized {
+                body, child, face, ..
+            } if (*tick, child, face) == (bond.magnetized, bond.child, bond.face) => {
+                open = Some((body, face));
+                entries = 0;
+            }
+            Event::Entered { of, face, .. } if open == Some((of, face)) => entries += 1,
+            Event::Captured { body, on, face, .. }
+                if (*tick, body) == (bond.docked, bond.body) && open == Some((on, face)) =>
+            {
+                return entries;
+            }
+            _ => {}
+        }
+    }
+    panic!("the capture has not been seen");
+}
+
+#[test]
+fn whoever_leaves_had_entered() {
+    let (_, _, notes) = observed("tests/fixtures/dense.sa", Model::Rigid);
+    let mut inside: Vec<(u32, Body)> = Vec::new();
+    let mut left = 0;
+    for (_, event) in &notes.events {
+        match *event {
+            Event::Entered { body, of, .. } => {
+                assert!(!inside.contains(&(body, of)));
+                inside.push((body, of));
+            }
+            Event::Left { body, of, .. } => {
+                left += 1;
+                let at = inside.iter().position(|pair| *pair == (body, of));
+                inside.remove(at.expect("it had entered"));
+            }
+            Event::Captured { body, .. } => inside.retain(|(who, _)| *who != body),
+            _ => {}
+        }
+    }
+    assert!(left > 0, "the test needs a block that leaves");
+}
+
+#[test]
+fn a_model_without_places_has_no_observer() {
+    let program = stochc::check("tests/fixtures/dense.sa").programs.remove(0);
+    let (tables, scene) = (program.tables.unwrap(), program.scene.unwrap());
+    let settings = Settings {
+        model: Model::Shuffle,
+        ..Settings::default()
+    };
+    let mut watch = |_: u64, _: PhaseId| ControlFlow::Continue(());
+    let mut notes = Notes::default();
+    let refused = observe(&tables, &scene, &settings, 1, 0, &mut watch, &mut notes);
+    assert_eq!(refused, Err(RunError::Nowhere));
+}

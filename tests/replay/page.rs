@@ -1,0 +1,299 @@
+//! The page in a browser: it shows what was recorded.
+use serde_json::{Value, json};
+use stochc::recording::Recording;
+
+use crate::browser::{Browser, browser};
+use crate::folder::{PROGRAM, Results};
+
+/// What the page says of a tick.
+fn seek(browser: &mut Browser, tick: u64) -> Value {
+    browser.value(&format!("replay.seek({tick})"))
+}
+
+fn numbers(value: &Value) -> Vec<f64> {
+    let values = value.as_array().unwrap();
+    values.iter().map(|value| value.as_f64().unwrap()).collect()
+}
+
+/// Who is part of the structure at a tick: body and role.
+fn structure(recording: &Recording, tick: u64) -> Vec<(u32, u32)> {
+    use stochc::runtime::observe::Event;
+    let mut structure = std::collections::BTreeMap::new();
+    for happening in recording.events().iter().filter(|event| event.tick <= tick) {
+        match happening.event {
+            Event::Captured { body, role, .. } => drop(structure.insert(body, role.0)),
+            Event::Released { body, .. } => drop(structure.remove(&body)),
+            _ => {}
+        }
+    }
+    structure.into_iter().collect()
+}
+
+#[test]
+fn the_page_shows_what_was_recorded() {
+    let Some(mut browser) = browser(&[]) else {
+        return;
+    };
+    let results = Results::of(PROGRAM, "--record 0");
+    let page = results.page(0);
+    let (recording, tables) = (results.recording(0), results.tables());
+    browser.open(&page, "");
+    let frames: Vec<_> = recording.frames().collect();
+    let some = |part: usize| frames[frames.len() * part / 7].tick;
+    // Forwards, backwards, and from one end to the other.
+    let mut seen = std::collections::BTreeMap::new();
+    for part in [0, 1, 2, 3, 4, 5, 6, 3, 1, 5, 0, 6, 2] {
+        let tick = some(part);
+        let state = seek(&mut browser, tick);
+        assert_eq!(state["tick"], tick);
+        assert_eq!(state["end"], recording.record().ticks);
+        let frame = frames.iter().find(|frame| frame.tick == tick).unwrap();
+        let places = numbers(&state["places"]);
+        assert_eq!(places.len(), 7 * frame.places.len());
+        for (shown, kept) in places.iter().zip(frame.places.iter().flatten()) {
+            assert!((shown - kept).abs() < 1e-12, "{shown} and {kept} at {tick}");
+        }
+        let blocks = frame.places.len() as u64;
+        let plate = u64::from(tables.plate.width * tables.plate.depth);
+        assert_eq!(state["cubes"], blocks + plate);
+        let names: Vec<Value> = (structure(&recording, tick).into_iter())
+            .map(|(body, role)| json!([body, tables.roles[role as usize].name]))
+            .collect();
+        assert_eq!(state["structure"], json!(names), "at {tick}");
+        // Whatever has been looked at before, a tick is always the same.
+        let known = seen.entry(tick).or_insert_with(|| state.clone());
+        assert_eq!(*known, state);
+    }
+    // At the end every event has happened.
+    let state = seek(&mut browser, recording.record().ticks);
+    let graph = browser.value("JSON.parse(document.getElementById('about').textContent).graph");
+    let events: usize = (graph["phases"].as_array().unwrap().iter())
+        .map(|phase| phase["events"].as_array().unwrap().len())
+        .sum();
+    assert_eq!(state["done"].as_array().unwrap().len(), events);
+    // Between two places it is on the way from one to the other.
+    let pair = frames
+        .windows(2)
+        .find(|pair| pair[1].tick == pair[0].tick + 4)
+        .unwrap();
+    let places = numbers(&seek(&mut browser, pair[0].tick + 1)["places"]);
+    for (body, place) in pair[0].places.iter().enumerate() {
+        for axis in 0..3 {
+            let there = pair[1].places[body][axis];
+            let expected = place[axis] + (there - place[axis]) / 4.0;
+            assert!((places[7 * body + axis] - expected).abs() < 1e-9);
+        }
+    }
+    assert_eq!(browser.complaints, [""; 0]);
+    let others: Vec<_> = (browser.requests.iter())
+        .filter(|address| !address.starts_with("file://") && *address != "about:blank")
+        .collect();
+    assert_eq!(others, [""; 0]);
+    assert_eq!(
+        browser
+            .requests
+            .iter()
+            .filter(|address| address.starts_with("file://"))
+            .count(),
+        1
+    );
+}
+
+#[test]
+fn a_block_is_drawn_where_it_is_and_found_by_a_click() {
+    let Some(mut browser) = browser(&[]) else {
+        return;
+    };
+    let results = Results::of(PROGRAM, "--record 0");
+    let recording = results.recording(0);
+    browser.open(&results.page(0), "");
+    // Without the cloud and the names, nothing stands in the way.
+    for key in ["c", "c", "l"] {
+        browser.key(key);
+    }
+    let last = recording.record().bonds.last().unwrap();
+    let colours = browser.value("PHASES.map(rgb)");
+    let colour = numbers(&colours[last.phase.0 as usize]);
+    let place = format!("replay.face({}, 'up')", last.body);
+    let pixel = |browser: &mut Browser, tick: u64| {
+        seek(browser, tick);
+        let at = browser.value(&place);
+        numbers(&browser.value(&format!("replay.pixel({}, {})", at["x"], at["y"])))
+    };
+    // In the colour of its phase, under some light, from the tick of its capture on.
+    let shown = pixel(&mut browser, last.docked);
+    let light: Vec<f64> = shown
+        .iter()
+        .zip(&colour)
+        .map(|(a, b)| a / 255.0 / b)
+        .collect();
+    assert!((0.5..1.1).contains(&light[0]), "{shown:?} for {colour:?}");
+    assert!(
+        light.iter().all(|part| (part - light[0]).abs() < 0.03),
+        "{shown:?} for {colour:?}"
+    );
+    // The same place, a tick earlier, is empty: the block has not docked, and the cloud is off.
+    seek(&mut browser, last.docked);
+    let at = browser.value(&place);
+    seek(&mut browser, last.docked - 1);
+    let empty = numbers(&browser.value(&format!("replay.pixel({}, {})", at["x"], at["y"])));
+    assert!(
+        empty.iter().zip(&shown).any(|(a, b)| (a - b).abs() > 40.0),
+        "{empty:?}, {shown:?}"
+    );
+
+    seek(&mut browser, last.docked);
+    let at = browser.value(&place);
+    browser.click(at["x"].as_f64().unwrap(), at["y"].as_f64().unwrap());
+    assert_eq!(browser.value("replay.state().selected"), last.body);
+    let panel = |browser: &mut Browser| {
+        let text = "document.getElementById('block').textContent";
+        browser.value(&format!("replay.settled().then(() => {text})"))
+    };
+    let text = panel(&mut browser);
+    let text = text.as_str().unwrap();
+    let name = &results.tables().roles[last.child.0 as usize].name;
+    assert!(text.starts_with(name.as_str()), "{text}");
+    assert!(text.contains(&format!("Event table of {name}")), "{text}");
+    assert!(text.contains(&format!("as {name}")), "{text}");
+    assert!(text.contains("in the field"), "{text}");
+    // Where nothing is, nothing is chosen.
+    browser.click(20.0, 600.0);
+    assert_eq!(browser.value("replay.state().selected"), Value::Null);
+    // A block of the plate.
+    let at = browser.value("replay.face(-1, 'up')");
+    seek(&mut browser, 0);
+    browser.click(at["x"].as_f64().unwrap(), at["y"].as_f64().unwrap());
+    assert_eq!(browser.value("replay.state().selected"), -1);
+    assert_eq!(browser.complaints, [""; 0]);
+}
+
+#[test]
+fn faces_and_pulled_blocks_are_those_of_the_recording() {
+    use stochc::runtime::observe::Event;
+    let Some(mut browser) = browser(&[]) else {
+        return;
+    };
+    let results = Results::of(PROGRAM, "--record 0");
+    let recording = results.recording(0);
+    browser.open(&results.page(0), "");
+    let mut lit = std::collections::BTreeMap::new();
+    let mut pulled = std::collections::BTreeSet::new();
+    let mut looked = 0;
+    let mut events = recording.events().iter().peekable();
+    while let Some(happening) = events.next() {
+        match happening.event {
+            Event::Magnetized { body, face, .. } => drop(lit.insert((body, face), ())),
+            Event::Entered { body, of, face } => drop(pulled.insert((body, of, face))),
+            Event::Left { body, of, face } => drop(pulled.remove(&(body, of, face))),
+            Event::Captured { body, on, face, .. } => {
+                lit.remove(&(on, face));
+                pulled.retain(|&(who, of, which)| who != body && (of, which) != (on, face));
+            }
+            _ => {}
+        }
+        let is_last = events.peek().is_none_or(|next| next.tick > happening.tick);
+        if is_last && matches!(happening.event, Event::Entered { .. } | Event::Left { .. }) {
+            let state = seek(&mut browser, happening.tick);
+            assert_eq!(
+                state["lit"].as_array().unwrap().len(),
+                lit.len(),
+                "at {}",
+                happening.tick
+            );
+            let mut shown: Vec<u64> = (state["pulled"].as_array().unwrap().iter())
+                .map(|body| body.as_u64().unwrap())
+                .collect();
+            shown.sort_unstable();
+            let expected: Vec<u64> = pulled.iter().map(|&(body, ..)| u64::from(body)).collect();
+            assert_eq!(shown, expected, "at {}", happening.tick);
+            looked += 1;
+        }
+        if looked == 40 {
+            break;
+        }
+    }
+    assert_eq!(looked, 40);
+}
+
+#[test]
+fn keys_links_and_fingers_move_it() {
+    let Some(mut browser) = browser(&[]) else {
+        return;
+    };
+    let results = Results::of(PROGRAM, "--record 0");
+    let recording = results.recording(0);
+    let page = results.page(0);
+    browser.open(&page, "#tick=1234&block=3");
+    let now = |browser: &mut Browser| browser.value("replay.settled()");
+    let state = now(&mut browser);
+    assert_eq!(
+        (&state["tick"], &state["selected"]),
+        (&json!(1234), &json!(3))
+    );
+    for (key, tick) in [("ArrowRight", 1235), ("ArrowLeft", 1234), ("Home", 0)] {
+        browser.key(key);
+        assert_eq!(now(&mut browser)["tick"], tick, "{key}");
+    }
+    // From event to event of the structure, there and back.
+    use stochc::runtime::observe::Event;
+    let mut ticks: Vec<u64> = (recording.events().iter())
+        .filter(|happening| {
+            matches!(
+                happening.event,
+                Event::Phase(_)
+                    | Event::Magnetized { .. }
+                    | Event::Captured { .. }
+                    | Event::Released { .. }
+            )
+        })
+        .map(|happening| happening.tick)
+        .collect();
+    ticks.dedup();
+    for tick in &ticks[1..5] {
+        browser.key("n");
+        assert_eq!(now(&mut browser)["tick"], *tick);
+    }
+    browser.key("p");
+    assert_eq!(now(&mut browser)["tick"], ticks[3]);
+    assert_eq!(
+        browser.value("location.hash"),
+        format!("#tick={}&block=3", ticks[3])
+    );
+    browser.key("Escape");
+    assert_eq!(now(&mut browser)["selected"], Value::Null);
+    // It plays, and stops.
+    browser.key(" ");
+    browser.value("new Promise(done => setTimeout(done, 700))");
+    let state = now(&mut browser);
+    assert_eq!(state["playing"], true);
+    assert!(
+        state["tick"].as_f64().unwrap() > ticks[3] as f64,
+        "{}",
+        state["tick"]
+    );
+    browser.key(" ");
+    assert_eq!(now(&mut browser)["playing"], false);
+    // The slider.
+    browser.value("{ const bar = document.getElementById('tick'); bar.value = 77; bar.dispatchEvent(new Event('input')); 1 }");
+    assert_eq!(now(&mut browser)["tick"], 77);
+    // A finger turns the view, and does not choose a block.
+    let before = browser.value("replay.screen(0)");
+    browser.swipe((300.0, 300.0), (380.0, 300.0));
+    let state = now(&mut browser);
+    assert_ne!(browser.value("replay.screen(0)"), before);
+    assert_eq!(state["selected"], Value::Null);
+    browser.key("r");
+    now(&mut browser);
+    assert_eq!(browser.value("replay.screen(0)"), before);
+    // Whoever is followed stays in the middle.
+    browser.open(&page, "#tick=1000&block=7");
+    browser.key("f");
+    now(&mut browser);
+    seek(&mut browser, 1500);
+    let at = browser.value("(({ x, y }) => [x / document.getElementById('arena').clientWidth, y / document.getElementById('arena').clientHeight])(replay.screen(7))");
+    for part in numbers(&at) {
+        assert!((part - 0.5).abs() < 1e-3, "{at}");
+    }
+    assert_eq!(browser.complaints, [""; 0]);
+}

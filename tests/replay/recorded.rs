@@ -1,0 +1,284 @@
+//! Recordings in a folder of results, made at once or afterwards.
+use std::fs;
+
+use stochc::recording::{Happening, Recording};
+use stochc::runtime::observe::Event;
+
+use crate::folder::{PROGRAM, Results, stochc};
+
+const DENSE: &str = "tests/fixtures/dense.sa";
+
+#[test]
+fn a_recording_made_afterwards_is_the_same_to_the_bit() {
+    let [at_once, later] = ["--record all", ""].map(|options| Results::of(DENSE, options));
+    assert!(!later.recording_path(1).exists());
+    later.page(1);
+    let [first, second] = [&at_once, &later].map(|of| fs::read(of.recording_path(1)).unwrap());
+    assert!(first == second);
+    assert!(!later.recording_path(0).exists());
+    // Nor does recording change what is recorded.
+    for table in ["journal.jsonl", "runs.parquet", "bonds.parquet"] {
+        let [first, second] = [&at_once, &later].map(|of| fs::read(of.path().join(table)).unwrap());
+        if table != "journal.jsonl" {
+            assert!(first == second, "{table}");
+        }
+    }
+    // And the page is one and the same.
+    let [first, second] = [&at_once, &later].map(|of| fs::read(of.page(1)).unwrap());
+    assert!(first == second);
+}
+
+#[test]
+fn only_the_runs_that_were_asked_for_are_recorded() {
+    let results = Results::of(DENSE, "--record 1");
+    assert_eq!(
+        fs::read_dir(results.path().join("recordings"))
+            .unwrap()
+            .count(),
+        1
+    );
+    let recording = results.recording(1);
+    assert_eq!((recording.header().run, recording.header().every), (1, 4));
+    assert_eq!(recording.record().run, 1);
+}
+
+#[test]
+fn a_recording_holds_every_tick_of_note() {
+    let results = Results::of(PROGRAM, "--record 0 --record-every 10");
+    let recording = results.recording(0);
+    let ticks: Vec<u64> = recording.frames().map(|frame| frame.tick).collect();
+    let mut wanted: Vec<u64> = (recording.events().iter())
+        .filter(|Happening { event, .. }| {
+            matches!(
+                event,
+                Event::Captured { .. } | Event::Released { .. } | Event::Reported { .. }
+            )
+        })
+        .map(|happening| happening.tick)
+        .chain((0..=recording.record().ticks).step_by(10))
+        .collect();
+    wanted.sort_unstable();
+    wanted.dedup();
+    assert_eq!(ticks, wanted);
+    assert_eq!(ticks.last(), Some(&recording.record().ticks));
+    let captured = (recording.events().iter())
+        .filter(|happening| matches!(happening.event, Event::Captured { .. }));
+    assert_eq!(captured.count(), recording.record().bonds.len());
+}
+
+#[test]
+fn anchored_blocks_are_where_their_cells_are() {
+    let results = Results::of(PROGRAM, "--record 0");
+    let recording = results.recording(0);
+    let tables = results.tables();
+    for frame in recording.frames() {
+        for bond in &recording.record().bonds {
+            if bond.docked != frame.tick {
+                continue;
+            }
+            let [x, y, z, ..] = frame.places[bond.body as usize];
+            let centre = |n: i32, blocks: u32| f64::from(n) - (f64::from(blocks) - 1.0) / 2.0;
+            let cell = [
+                centre(bond.cell.x, tables.plate.width),
+                centre(bond.cell.y, tables.plate.depth),
+                f64::from(bond.cell.z) - 0.5,
+            ];
+            // Half a step of a 16-bit coordinate in an arena of 50 sides.
+            let far = [x - cell[0], y - cell[1], z - cell[2]];
+            assert!(far.iter().all(|far| far.abs() <= 1.0 / 1024.0), "{far:?}");
+        }
+    }
+}
+
+#[test]
+fn an_ensemble_that_goes_on_records_what_it_makes() {
+    let results = Results::of(DENSE, "--record 1");
+    let left = results.path().join("recordings/.stochc-partial-left");
+    fs::write(&left, "by a kill").unwrap();
+    let line =
+        format!("simulate --model rigid --runs 3 --resume --quiet --record all {DENSE} --out");
+    let said = stochc(&line, &[&results.path()]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    let note = "note: 1 of the runs to record had been made before";
+    assert!(said.err.contains(note), "{}", said.err);
+    assert_eq!(results.recording(2).record().run, 2);
+    assert!(!results.recording_path(0).exists());
+    assert!(!left.exists());
+}
+
+/// The sections of a file: name and payload.
+fn sections(bytes: &[u8]) -> Vec<(&str, &[u8])> {
+    let number = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()) as usize;
+    let mut at = 16 + number(12);
+    let mut sections = Vec::new();
+    while at < bytes.len() {
+        let name = std::str::from_utf8(&bytes[at..at + 4]).unwrap();
+        let end = at + 8 + number(at + 4);
+        sections.push((name, &bytes[at + 8..end]));
+        at = end;
+    }
+    sections
+}
+
+#[test]
+fn a_long_run_is_written_piece_by_piece() {
+    let results = Results::of(PROGRAM, "--record 0 --record-every 1");
+    let bytes = fs::read(results.recording_path(0)).unwrap();
+    let sections = sections(&bytes);
+    let ticks: Vec<usize> = (sections.iter())
+        .filter(|(name, _)| *name == "POSE")
+        .map(|(_, payload)| u32::from_le_bytes(payload[8..12].try_into().unwrap()) as usize)
+        .collect();
+    // 300 blocks of 7 numbers: half a million numbers are 250 ticks.
+    let recording = results.recording(0);
+    assert_eq!(recording.header().bodies, 300);
+    assert!(ticks.iter().all(|ticks| *ticks <= 250), "{ticks:?}");
+    assert_eq!(
+        ticks.iter().sum::<usize>() as u64,
+        recording.record().ticks + 1
+    );
+    assert_eq!(sections.last().map(|(name, _)| *name), Some("DONE"));
+}
+
+#[test]
+fn no_damage_is_more_than_a_message() {
+    let results = Results::of(DENSE, "--record 0");
+    let bytes = fs::read(results.recording_path(0)).unwrap();
+    let tables = results.tables();
+    let whole = results.recording(0);
+    let frames: Vec<_> = whole.frames().collect();
+    let mut refused = 0;
+    for at in (0..bytes.len()).step_by(bytes.len() / 199) {
+        for change in [0x01, 0x80, 0xFF] {
+            let mut bytes = bytes.clone();
+            bytes[at] ^= change;
+            match Recording::read(&bytes[..], &tables) {
+                Err(_) => refused += 1,
+                // The corner and the step of a chunk, its ticks, and the header are not checked.
+                Ok(other) => assert_eq!(other.frames().count(), frames.len()),
+            }
+        }
+        assert!(Recording::read(&bytes[..at], &tables).is_err());
+    }
+    assert!(refused > 2 * 199, "{refused}");
+}
+
+/// What `replay` says of a folder in which something has been changed.
+fn refusal(results: &Results) -> String {
+    let page = results.path().join("page.html");
+    let said = stochc("replay --run 0 --out", &[&page, &results.path()]);
+    assert_eq!((said.status, said.out.as_str()), (2, ""));
+    assert!(!page.exists());
+    said.err
+}
+
+#[test]
+fn a_recording_that_cannot_be_used_is_told_of() {
+    let results = Results::of(DENSE, "--record all");
+    let path = results.recording_path(0);
+    let whole = fs::read(&path).unwrap();
+    let with = |change: &dyn Fn(&mut Vec<u8>)| {
+        let mut bytes = whole.clone();
+        change(&mut bytes);
+        fs::write(&path, bytes).unwrap();
+        let said = refusal(&results);
+        assert!(said.contains("remove it"), "{said}");
+        said
+    };
+    let said = with(&|bytes| bytes.truncate(bytes.len() - 1));
+    assert!(said.contains("cut short after tick"), "{said}");
+    assert!(with(&|bytes| bytes.truncate(13)).contains("cut short"));
+    assert!(with(&|bytes| bytes.clear()).contains("no recording"));
+    assert!(with(&|bytes| bytes[0] = b'x').contains("no recording"));
+    assert!(with(&|bytes| bytes[8] = 9).contains("version 9"));
+    let middle = whole.len() / 2;
+    assert!(with(&|bytes| bytes[middle] ^= 0x10).contains("damaged"));
+    let other = fs::read(results.recording_path(1)).unwrap();
+    assert!(with(&|bytes| bytes.clone_from(&other)).contains("another run"));
+    // Without it, the run is made again.
+    fs::remove_file(&path).unwrap();
+    results.page(0);
+    assert!(fs::read(&path).unwrap() == whole);
+}
+
+#[test]
+fn a_program_that_has_changed_is_refused() {
+    let results = Results::of(DENSE, "");
+    let manifest = results.path().join("manifest.json");
+    let text = fs::read_to_string(&manifest).unwrap();
+    // What stands in the folder counts, and all of it belongs together.
+    fs::write(&manifest, text.replace("T[1..2]", "T[1..3]")).unwrap();
+    let said = refusal(&results);
+    assert!(
+        said.contains("does not belong to `manifest.json`"),
+        "{said}"
+    );
+    // Even where the journal says nothing against it.
+    fs::remove_file(results.path().join("journal.jsonl")).unwrap();
+    let said = refusal(&results);
+    assert!(
+        said.contains("do not give its program `dense` any more"),
+        "{said}"
+    );
+}
+
+#[test]
+fn a_run_that_does_not_come_out_as_it_did_is_refused() {
+    let results = Results::of(DENSE, "");
+    let journal = results.path().join("journal.jsonl");
+    let text = fs::read_to_string(&journal).unwrap();
+    fs::write(&journal, text.replace("\"hops\":", "\"hops\":1")).unwrap();
+    let said = refusal(&results);
+    assert!(
+        said.contains("does not come out as the folder says"),
+        "{said}"
+    );
+}
+
+#[test]
+fn what_is_asked_wrongly_is_told() {
+    let results = Results::of(DENSE, "");
+    let said = stochc("replay --run 2", &[&results.path()]);
+    assert_eq!(said.status, 2);
+    assert!(
+        said.err.contains("no run 2: its runs are 0 to 1"),
+        "{}",
+        said.err
+    );
+    let said = stochc("replay --run 0 --program tower", &[&results.path()]);
+    assert!(
+        said.err.contains("no program `tower`, but `dense`"),
+        "{}",
+        said.err
+    );
+    let said = stochc("replay --run 0 tests", &[]);
+    assert_eq!(said.status, 2);
+    assert!(said.err.contains("holds no results"), "{}", said.err);
+    for line in [
+        "replay tests",
+        "simulate tests/fixtures/dense.sa --record 0",
+        "simulate tests/fixtures/dense.sa --out nowhere --record 3..1",
+        "simulate tests/fixtures/dense.sa --out nowhere --record-every 2",
+    ] {
+        let said = stochc(line, &[]);
+        assert_eq!((said.status, said.out.as_str()), (2, ""), "{line}");
+    }
+    let line = "simulate --model shuffle tests/fixtures/dense.sa --record 0 --out nowhere";
+    let said = stochc(line, &[]);
+    assert_eq!(said.status, 2);
+    assert!(
+        said.err.contains("`--model rigid` has them"),
+        "{}",
+        said.err
+    );
+    assert!(!fs::exists("nowhere").unwrap());
+}
+
+#[test]
+fn a_folder_that_cannot_be_written_to_is_shown_too() {
+    let results = Results::of(DENSE, "");
+    // A file in the place of the folder for recordings, for those who may write everywhere.
+    fs::write(results.path().join("recordings"), "").unwrap();
+    let page = results.page(0);
+    assert!(fs::metadata(page).unwrap().len() > 10_000);
+}

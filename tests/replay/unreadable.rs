@@ -1,0 +1,86 @@
+//! A page that cannot show its recording says so.
+use std::fs;
+use std::path::Path;
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+
+use crate::browser::{Browser, browser};
+use crate::folder::Results;
+
+/// What is shown in the place of the arena.
+fn message(browser: &mut Browser, page: &Path, text: &str) -> String {
+    fs::write(page, text).unwrap();
+    browser.open(page, "");
+    let shown = browser.value(
+        "(at => at && !at.hidden && at.getBoundingClientRect().width > 100 ? at.textContent : '')(document.getElementById('message'))",
+    );
+    shown.as_str().unwrap().to_owned()
+}
+
+#[test]
+fn what_is_wrong_with_a_page_is_told() {
+    let Some(mut browser) = browser(&[]) else {
+        return;
+    };
+    let results = Results::of("tests/fixtures/dense.sa", "--record 0");
+    let page = results.page(0);
+    let text = fs::read_to_string(&page).unwrap();
+    let start = text.find("id=\"recording\">").unwrap() + "id=\"recording\">".len();
+    let end = start + text[start..].find('<').unwrap();
+    let bytes = STANDARD.decode(&text[start..end]).unwrap();
+    let with = |change: &dyn Fn(&mut Vec<u8>)| {
+        let mut bytes = bytes.clone();
+        change(&mut bytes);
+        format!(
+            "{}{}{}",
+            &text[..start],
+            STANDARD.encode(bytes),
+            &text[end..]
+        )
+    };
+    assert_eq!(message(&mut browser, &page, &text), "");
+    for (text, reason) in [
+        (with(&|bytes| bytes[8] = 7), "version 7"),
+        (with(&|bytes| bytes.truncate(bytes.len() / 2)), "cut short"),
+        (with(&|bytes| bytes.truncate(bytes.len() - 3)), "cut short"),
+        (with(&|bytes| bytes.clear()), "cut short"),
+        (with(&|bytes| bytes[0] = b'x'), "no recording"),
+        // A page that was not copied to its end: within the recording, before it, in the script.
+        (text[..start + 1000].to_owned(), "cut short"),
+        (text[..start - 40].to_owned(), "cut short"),
+        (
+            text[..text.find("class Painter").unwrap()].to_owned(),
+            "cut short",
+        ),
+        (
+            text[..text.find("<aside>").unwrap()].to_owned(),
+            "cut short",
+        ),
+    ] {
+        let said = message(&mut browser, &page, &text);
+        assert!(said.contains(reason), "{reason}: {said}");
+    }
+    // In the midst of packed places, where only the checksum tells.
+    let said = message(
+        &mut browser,
+        &page,
+        &with(&|bytes| {
+            let middle = bytes.len() / 2;
+            bytes[middle] ^= 0x10;
+        }),
+    );
+    assert!(said.contains("damaged"), "{said}");
+}
+
+#[test]
+fn a_browser_without_graphics_says_so() {
+    let Some(mut browser) = browser(&["--disable-3d-apis"]) else {
+        return;
+    };
+    let results = Results::of("tests/fixtures/dense.sa", "--record 0");
+    let page = results.page(0);
+    let text = fs::read_to_string(&page).unwrap();
+    let said = message(&mut browser, &page, &text);
+    assert!(said.contains("WebGL2"), "{said}");
+}
