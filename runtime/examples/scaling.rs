@@ -6,7 +6,7 @@
 use std::time::Instant;
 
 use nalgebra::Vector3;
-use stochc_compiler::scene::{Enclosure, Scene, built_in};
+use stochc_compiler::scene::{Bond, Enclosure, Scene, built_in};
 use stochc_compiler::table::Plate;
 use stochc_compiler::{Cell, Face};
 use stochc_runtime::world::rigid::RigidWorld;
@@ -22,13 +22,19 @@ const FEW: u32 = 1;
 const WARM_UP: u64 = 300;
 
 fn main() {
-    report("free blocks", |count| Some(setting(count, 3).1));
-    report("magnetized faces", |count| {
+    let only = std::env::args().nth(1).unwrap_or_default();
+    let report = |what: &str, make: &dyn Fn(u32) -> Option<RigidWorld>| {
+        if what.contains(&only) {
+            report(what, make);
+        }
+    };
+    report("free blocks", &|count| Some(setting(count, 3).1));
+    report("magnetized faces", &|count| {
         let (side, mut world) = setting(FEW, count.isqrt() + 1);
         seats(side, count).for_each(|(site, _)| world.magnetize(site));
         Some(world)
     });
-    report("anchored blocks", |count| {
+    report("anchored blocks", &|count| {
         let (side, mut world) = setting(FEW + count, count.isqrt() + 1);
         for (id, (site, seat)) in seats(side, count).enumerate() {
             world.magnetize(site);
@@ -42,7 +48,7 @@ fn main() {
 
 /// One table: the cost of each size, and the exponent of its growth from the size before.
 #[expect(clippy::disallowed_methods, reason = "it measures time")]
-fn report(what: &str, make: impl Fn(u32) -> Option<RigidWorld>) {
+fn report(what: &str, make: &dyn Fn(u32) -> Option<RigidWorld>) {
     println!("\n| {what} | a tick | each | exponent | memory of each |");
     println!("|---:|---:|---:|---:|---:|");
     let mut before: Option<f64> = None;
@@ -86,6 +92,10 @@ fn setting(count: u32, side: u32) -> (u32, RigidWorld) {
     if let Some(Enclosure::Hemisphere { radius, .. }) = &mut scene.enclosure {
         let plate = f64::from(side) * scene.block.side;
         *radius = (*radius * (f64::from(count) / 300.0).cbrt()).max(plate);
+    }
+    // So that a block docks where it is put, kicks and all.
+    if let Some(Bond::Attract { anchor, .. }) = &mut scene.bond {
+        anchor.within = 0.1 * scene.block.side;
     }
     let plate = Plate {
         width: side,

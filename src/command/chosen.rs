@@ -14,7 +14,7 @@ use stochc_runtime::record::RunRecord;
 use stochc_runtime::{RunError, Settings, observe};
 
 use super::check::verdict;
-use super::simulate::{Draft, Ready, recompile, settings};
+use super::simulate::{Draft, Ready, settings};
 use super::terminal::{has_colour, message_width, warn};
 use crate::cli::Exit;
 use crate::ensemble::{Folder, Manifest};
@@ -104,7 +104,7 @@ fn index(manifest: &Manifest, name: Option<&str>) -> Result<usize, String> {
 /// Compiles a program of a manifest, and holds it against what the manifest says of it.
 fn compile(manifest: &Manifest, program: usize) -> Result<(Ready, Value), Exit> {
     let entry = &manifest.programs[program];
-    let (_, checked) = recompile(entry, &Levels::default());
+    let (_, checked) = entry.recompile(&Levels::default());
     if checked.has_errors() {
         let (colour, width) = (has_colour(), message_width());
         warn(&show(&checked, Format::Graphical, colour, width));

@@ -9,7 +9,8 @@ use super::export::{draft, keep};
 use super::terminal::print;
 use crate::cli::Exit;
 use crate::ensemble::stop_on_interrupt;
-use crate::replay::{about, visible, write};
+use crate::figures::visible;
+use crate::replay::{about, write};
 
 /// What `replay` is given.
 #[derive(Debug, Args)]

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use stochc_compiler::scene::Scene;
 use stochc_compiler::table::{Action, PhaseId, RoleId, Tables};
+use stochc_compiler::{Checked, Levels, Limits, check_with};
 
 /// Version of the layout of a results folder; another one is not read.
 pub const FORMAT: u32 = 1;
@@ -203,6 +204,19 @@ impl Manifest {
 }
 
 impl Program {
+    /// Compiles the sources again, and tells the path of the first.
+    pub fn recompile(&self, levels: &Levels) -> (&str, Checked) {
+        let mut reader = |path: &str| {
+            let source = self.sources.iter().find(|source| source.path == path);
+            source
+                .map(|source| source.text.as_bytes().to_vec())
+                .ok_or("not in the manifest".to_owned())
+        };
+        let root = self.sources.first().map_or("", |source| &source.path);
+        let checked = check_with(root, &mut reader, Limits::default(), levels);
+        (root, checked)
+    }
+
     /// Describes a compiled program: its file first among `sources`, then all that it imports.
     pub fn new(name: &str, sources: Vec<Source>, scene: Scene, tables: &Tables) -> Program {
         let captures = tables

@@ -3,8 +3,8 @@ use serde_json::{Value, json};
 use stochc_compiler::emit::table_json;
 use stochc_compiler::table::Tables;
 
-use super::text::visible;
 use crate::ensemble::{Manifest, Program};
+use crate::figures::visible;
 
 /// `{ program, file, seed, model, stochc, scene, radius, tables, graph }`: the scene as the
 /// manifest has it, the radius of its hemisphere \[side\] or null, and tables and graph as

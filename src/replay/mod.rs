@@ -11,8 +11,9 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD as BASE64;
 use sha2::{Digest as _, Sha256};
 
+use crate::figures::escaped;
+
 pub use about::about;
-pub use text::visible;
 
 const PAGE: &str = include_str!("page/page.html");
 const STYLE: &str = include_str!("page/style.css");
@@ -55,7 +56,7 @@ pub fn write(
         "default-src 'none'; script-src 'sha256-{hash}'; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'"
     );
     let about = text::json(about);
-    let title = text::html(title);
+    let title = escaped(title);
     let mut rest = PAGE;
     while let Some((before, after)) = rest.split_once('@') {
         out.write_all(before.as_bytes())?;

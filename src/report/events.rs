@@ -7,7 +7,7 @@ use petgraph::visit::EdgeRef as _;
 use stochc_compiler::graph::Dependency;
 use stochc_compiler::plan::{self, EventId};
 use stochc_compiler::table::{PhaseId, RoleId};
-use stochc_compiler::{Checked, Face, Levels, Limits, emit};
+use stochc_compiler::{Checked, Face, Levels, emit};
 use stochc_runtime::record::RunRecord;
 
 use crate::ensemble::Program;
@@ -94,16 +94,7 @@ impl Events {
 
 /// `None` where the sources do not give the manifest's program any more.
 fn compiled(entry: &Program) -> Option<Events> {
-    let texts: HashMap<&str, &str> = (entry.sources.iter())
-        .map(|source| (source.path.as_str(), source.text.as_str()))
-        .collect();
-    let mut reader = |path: &str| {
-        let text = texts.get(path).map(|text| text.as_bytes().to_vec());
-        text.ok_or("not in the manifest".to_owned())
-    };
-    let root = entry.sources.first()?.path.as_str();
-    let (limits, levels) = (Limits::default(), Levels::default());
-    let checked = stochc_compiler::check_with(root, &mut reader, limits, &levels);
+    let (_, checked) = entry.recompile(&Levels::default());
     if checked.has_errors() {
         return None;
     }

@@ -1,7 +1,6 @@
 //! Files or a manifest to programs that are ready to run.
-use std::collections::HashMap;
 
-use stochc_compiler::{Checked, Levels, Limits};
+use stochc_compiler::{Checked, Levels};
 use stochc_runtime::{Model, Precision, Reduction, Settings};
 
 use super::super::check::verdict;
@@ -115,7 +114,7 @@ fn from_manifest(path: &std::path::Path, levels: &Levels) -> Result<(Manifest, V
         Manifest::from_json(&text).map_err(|reason| usage(&format!("`{shown}`: {reason}")))?;
     let mut ready = Vec::new();
     for entry in &manifest.programs {
-        let (root, checked) = recompile(entry, levels);
+        let (root, checked) = entry.recompile(levels);
         let found = accept(root, checked)?
             .into_iter()
             .find(|(_, program)| program.tables.assembly == entry.assembly);
@@ -131,24 +130,6 @@ fn from_manifest(path: &std::path::Path, levels: &Levels) -> Result<(Manifest, V
         ready.push(program);
     }
     Ok((manifest, ready))
-}
-
-/// Checks the sources that an entry of a manifest holds, and nothing else; with the name of the file.
-pub fn recompile<'a>(entry: &'a Program, levels: &Levels) -> (&'a str, Checked) {
-    let texts: HashMap<&str, &str> = (entry.sources.iter())
-        .map(|source| (source.path.as_str(), source.text.as_str()))
-        .collect();
-    let mut reader = |path: &str| {
-        let text = texts.get(path).copied();
-        text.map(|text| text.as_bytes().to_vec())
-            .ok_or("not in the manifest".to_owned())
-    };
-    let root = entry
-        .sources
-        .first()
-        .map_or("", |source| source.path.as_str());
-    let checked = stochc_compiler::check_with(root, &mut reader, Limits::default(), levels);
-    (root, checked)
 }
 
 /// The settings of the runtime that a manifest asks for.

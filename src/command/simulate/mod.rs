@@ -13,7 +13,7 @@ use stochc_compiler::scene::Scene;
 use stochc_compiler::table::Tables;
 use stochc_runtime::{Model, RunError, Settings, run as run_once};
 
-pub(super) use input::{programs, recompile, settings};
+pub(super) use input::{programs, settings};
 pub use options::Options;
 pub(super) use record::Draft;
 
