@@ -40,7 +40,7 @@ impl Results {
     /// Two runs of a program by the fast model, with more options.
     pub fn of(program: &str, options: &str) -> Results {
         let folder = tempfile::tempdir().unwrap();
-        let line = format!("simulate --model rigid --runs 2 --quiet {options} {program} --out");
+        let line = format!("simulate --substeps 1 --runs 2 --quiet {options} {program} --out");
         let said = stochc(&line, &[&folder.path().join("results")]);
         assert_eq!(said.status, 0, "{}", said.err);
         let program = program.to_owned();

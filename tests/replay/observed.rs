@@ -33,10 +33,8 @@ impl Observer for Notes {
 fn observed(file: &str, model: Model) -> (RunRecord, RunRecord, Notes) {
     let program = stochc::check(file).programs.remove(0);
     let (tables, scene) = (program.tables.unwrap(), program.scene.unwrap());
-    let settings = Settings {
-        model,
-        ..Settings::default()
-    };
+    // Who enters and leaves within a tick is seen by nobody who looks at its end.
+    let settings = Settings::of(model, 1);
     let mut watch = |_: u64, _: PhaseId| ControlFlow::Continue(());
     let mut notes = Notes::default();
     let alone = run(&tables, &scene, &settings, 5, 3, &mut watch).unwrap();

@@ -96,7 +96,7 @@ fn an_ensemble_that_goes_on_records_what_it_makes() {
     let left = results.path().join("recordings/.stochc-partial-left");
     fs::write(&left, "by a kill").unwrap();
     let line =
-        format!("simulate --model rigid --runs 3 --resume --quiet --record all {DENSE} --out");
+        format!("simulate --substeps 1 --runs 3 --resume --quiet --record all {DENSE} --out");
     let said = stochc(&line, &[&results.path()]);
     assert_eq!(said.status, 0, "{}", said.err);
     let note = "note: 1 of the runs to record had been made before";
