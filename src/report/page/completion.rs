@@ -1,0 +1,200 @@
+//! When runs completed: curves, means, differences, sweeps.
+use super::common::{figures, mean, method_text, probability, show};
+use super::{Parts, ROWS};
+use crate::ensemble::Time;
+use crate::figures::{Drawing, number};
+use crate::report::contrast::{Contrast, Verdict};
+use crate::report::html::{Cell, Html, code, name};
+use crate::report::picture;
+use crate::report::picture::Curve;
+use crate::report::subject::Subject;
+use stochc_runtime::record::Outcome;
+
+pub(super) fn completion(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawing>) {
+    out.heading(2, "completion", "Time to completion");
+    let unit = parts.clock.unit();
+    let curves: Vec<Curve> = (parts.subjects.iter())
+        .map(|subject| Curve {
+            name: subject.label.clone(),
+            times: parts.clock.times(subject),
+        })
+        .collect();
+    let axis = format!("time [{unit}]");
+    let title = "Runs that are not complete yet, over time";
+    let figure = picture::survival("survival", title, &curves, &axis);
+    let caption = "The estimate of Kaplan and Meier; bands are pointwise 95 % intervals (up to four \
+                   curves), <code>|</code> a run that was stopped before it completed.";
+    show(parts, out, drawings, figure, caption, &["survival.csv"]);
+    let times: Vec<(&str, Time)> = (parts.subjects.iter())
+        .filter_map(|subject| {
+            let time = Time::of(&parts.clock.times(subject))?;
+            Some((subject.label.as_str(), time))
+        })
+        .collect();
+    if times.len() > 1 {
+        let caption = "Dots are means, lines their 95 % intervals; ≥ a lower bound, because runs \
+                       were stopped before they completed.";
+        let figure = picture::means(&times, unit);
+        show(parts, out, drawings, figure, caption, &["means.csv"]);
+    }
+    let rows: Vec<Vec<Cell>> = (parts.subjects.iter())
+        .map(|subject| {
+            let (completed, stopped, failed) = subject.counts();
+            let time = Time::of(&parts.clock.times(subject));
+            let mut row = vec![Cell::Marked(name(&subject.label))];
+            row.extend([completed, stopped, failed].map(|n| Cell::Number(n.to_string())));
+            row.extend(figures(time.as_ref()));
+            row
+        })
+        .collect();
+    let header = [
+        "program",
+        "completed",
+        "stopped",
+        "failed",
+        "mean",
+        "median",
+        "SD",
+        "CV",
+        "min",
+        "max",
+    ];
+    let caption = format!("Times to completion in {unit}; ± is half of a 95 % interval");
+    out.table(&caption, &header, &rows);
+    for subject in parts.subjects {
+        failures(subject, out);
+    }
+}
+
+/// Runs whose physics broke down.
+pub(super) fn failures(subject: &Subject, out: &mut Html) {
+    /// Failures that are told.
+    const TOLD: usize = 5;
+    let failed: Vec<String> = (subject.runs.iter())
+        .filter_map(|run| match &run.record.outcome {
+            Outcome::Failed { phase, reason } => Some(format!(
+                "run {} in phase {}: {}",
+                run.record.run,
+                code(subject.program.phase(*phase)),
+                name(reason)
+            )),
+            _ => None,
+        })
+        .collect();
+    if failed.is_empty() {
+        return;
+    }
+    let label = name(&subject.label);
+    let n = failed.len();
+    out.paragraph(&format!(
+        "{n} runs of {label} failed, and no figure counts them:"
+    ));
+    let mut items = failed;
+    if items.len() > TOLD {
+        let more = format!("{} more", items.len() - TOLD);
+        items.truncate(TOLD);
+        items.push(more);
+    }
+    out.list("ul", &items);
+}
+
+pub(super) fn differences(parts: &Parts, out: &mut Html) {
+    if parts.contrasts.is_empty() {
+        return;
+    }
+    out.heading(2, "differences", "Differences");
+    let mut rows: Vec<&Contrast> = parts.contrasts.iter().collect();
+    let p = |contrast: &Contrast| match contrast.verdict {
+        Verdict::Known { p, .. } => p,
+        _ => 2.0,
+    };
+    if rows.len() > ROWS {
+        rows.sort_by(|a, b| p(a).total_cmp(&p(b)));
+        rows.truncate(ROWS);
+        out.note(&format!(
+            "The {ROWS} of {} pairs with the smallest p.",
+            parts.contrasts.len()
+        ));
+    }
+    let row = |contrast: &&Contrast| {
+        let label = |i: usize| name(&parts.subjects[i].label);
+        let pair = format!("{} − {}", label(contrast.first), label(contrast.second));
+        let mut cells = vec![Cell::Marked(pair)];
+        let none = || Cell::Number("–".into());
+        match &contrast.verdict {
+            Verdict::Same => {
+                cells.extend([none(), none(), none()]);
+                cells.push(Cell::Plain("the same runs".into()));
+            }
+            Verdict::Unknown => {
+                cells.extend([none(), none(), none()]);
+                cells.push(Cell::Plain("too few runs, or no spread, to tell".into()));
+            }
+            Verdict::Known {
+                method,
+                difference,
+                half_width,
+                p,
+                corrected,
+            } => {
+                let difference = format!("{} ± {}", number(*difference), number(*half_width));
+                cells.push(Cell::Number(difference));
+                cells.push(Cell::Number(probability(*p)));
+                cells.push(Cell::Number(probability(*corrected)));
+                cells.push(Cell::Plain(method_text(*method, parts.clock.unit())));
+            }
+        }
+        cells
+    };
+    let rows: Vec<_> = rows.iter().map(row).collect();
+    let caption = format!(
+        "Mean of the first less that of the second, in {}; ± is half of a 95 % interval",
+        parts.clock.unit()
+    );
+    out.table(
+        &caption,
+        &["pair", "difference", "p", "p (Holm)", "test"],
+        &rows,
+    );
+    out.note(
+        "p is the probability of a difference at least this large if there were none; p (Holm) is \
+         corrected for the number of pairs in this table. Programs with one seed meet the same \
+         kicks in runs of the same number, so that they are compared run by run where all times are \
+         known.",
+    );
+}
+
+pub(super) fn sweeps(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawing>) {
+    if parts.sweeps.is_empty() {
+        return;
+    }
+    out.heading(2, "sweeps", "What was varied");
+    for (i, sweep) in parts.sweeps.iter().enumerate() {
+        let figure = picture::sweep(i + 1, sweep, parts.clock.unit());
+        let caption = format!(
+            "These programs differ in one number of their scenes only, {}. Dots are means, lines \
+             their 95 % intervals.",
+            code(&sweep.of)
+        );
+        show(parts, out, drawings, figure, &caption, &["sweeps.csv"]);
+        let points = sweep.curves.iter().flat_map(|curve| {
+            let points = curve.points.iter();
+            points.map(|(value, _, time)| {
+                vec![
+                    Cell::Marked(name(&curve.name)),
+                    Cell::Number(number(*value)),
+                    Cell::Number(mean(time)),
+                    Cell::Number(format!(
+                        "{} of {}",
+                        time.completed,
+                        time.completed + time.censored
+                    )),
+                ]
+            })
+        });
+        let rows: Vec<_> = points.collect();
+        let caption = format!("Mean time to completion in {}", parts.clock.unit());
+        let header = ["program", sweep.of.as_str(), "mean", "completed"];
+        out.table(&caption, &header, &rows);
+    }
+}

@@ -1,0 +1,75 @@
+//! The page: sections in the order in which somebody asks.
+mod common;
+mod completion;
+mod origin;
+mod program;
+mod summary;
+mod warnings;
+
+use crate::figures::{Drawing, STYLE, escaped};
+use crate::report::contrast::{Clock, Contrast};
+use crate::report::html::{Html, name};
+use crate::report::subject::{Input, Subject};
+use crate::report::sweep::Sweep;
+use crate::report::waits::Wait;
+use crate::report::{MARK, Surroundings};
+use completion::{completion, differences, sweeps};
+use origin::{methods, origin};
+use program::program;
+use summary::in_short;
+
+/// Below this, a difference is called one.
+const SIGNIFICANT: f64 = 0.05;
+
+/// Rows of a table on the page; the data files have all of them.
+const ROWS: usize = 60;
+
+/// All that a page is made of.
+pub(super) struct Parts<'a> {
+    pub inputs: &'a [Input],
+    pub subjects: &'a [Subject<'a>],
+    pub clock: Clock,
+    pub waits: &'a [Vec<Wait>],
+    pub contrasts: &'a [Contrast],
+    pub sweeps: &'a [Sweep],
+    pub surroundings: &'a Surroundings<'a>,
+}
+
+/// Writes the page, and leaves its figures in `drawings`.
+pub(super) fn page(parts: &Parts, drawings: &mut Vec<Drawing>) -> String {
+    let mut out = Html::default();
+    head(parts, &mut out);
+    in_short(parts, &mut out);
+    completion(parts, &mut out, drawings);
+    differences(parts, &mut out);
+    sweeps(parts, &mut out, drawings);
+    for number in 0..parts.subjects.len() {
+        program(parts, number, &mut out, drawings);
+    }
+    origin(parts, &mut out);
+    methods(parts, &mut out, drawings);
+    out.raw("</main>\n</body>\n</html>\n");
+    out.finish()
+}
+
+fn head(parts: &Parts, out: &mut Html) {
+    let names: Vec<&str> = (parts.subjects.iter())
+        .map(|subject| subject.label.as_str())
+        .collect();
+    let title = match names.len() {
+        0 => "no programs".to_owned(),
+        1..=3 => names.join(", "),
+        n => format!("{n} programs"),
+    };
+    // Nothing is loaded from anywhere, and nothing in a name could run if it came through.
+    out.raw(&format!(
+        "{MARK}\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
+         <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; \
+         style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'\"/>\n\
+         <title>Report: {}</title>\n<style>\n{}{STYLE}\n</style>\n</head>\n<body>\n<main>\n",
+        escaped(&title),
+        include_str!("style.css"),
+    ));
+    out.heading(1, "top", &format!("Report: {}", name(&title)));
+}

@@ -1,0 +1,143 @@
+//! What was run, how to run it again, and how to read the page.
+use super::Parts;
+use super::common::{inside, lines, link};
+use crate::figures::{Drawing, number};
+use crate::report::html::{Cell, Html, code, command, name};
+use crate::report::{data, shell};
+use stochc_compiler::scene::describe;
+
+/// What was run, and how to run it again.
+pub(super) fn origin(parts: &Parts, out: &mut Html) {
+    out.heading(2, "origin", "What was run");
+    for input in parts.inputs {
+        let manifest = &input.manifest;
+        out.raw(&format!("<h3>{}</h3>\n", name(&input.path)));
+        let limit = manifest
+            .max_ticks
+            .map_or("none".to_owned(), |n| number(n as f64));
+        let settings = manifest.settings.iter();
+        let settings: Vec<_> = settings
+            .map(|(key, value)| format!("{key} = {value}"))
+            .collect();
+        let rows: Vec<Vec<Cell>> = [
+            ("made by", format!("stochc {}", manifest.stochc)),
+            ("model", manifest.model.clone()),
+            ("substeps", manifest.substeps.to_string()),
+            ("settings", settings.join(", ")),
+            ("seed", manifest.seed.to_string()),
+            ("runs of each program", number(manifest.runs as f64)),
+            ("limit of ticks", limit),
+            ("identity (SHA-256)", manifest.identity()),
+        ]
+        .into_iter()
+        .filter(|(_, value)| !value.is_empty())
+        .map(|(what, value)| vec![Cell::Plain(what.into()), Cell::Marked(name(&value))])
+        .collect();
+        out.table("The ensemble", &["", "value"], &rows);
+        out.paragraph("The same runs again, bit for bit:");
+        out.raw(&command(&format!(
+            "stochc simulate --manifest {} --out AGAIN",
+            shell::file(&inside(&input.path, "manifest.json"))
+        )));
+        out.paragraph("From its files, as they were then:");
+        out.raw(&command(&simulate(manifest)));
+        for program in &manifest.programs {
+            let scene = &program.scene;
+            let terms: Vec<String> = (describe::terms(scene).iter())
+                .map(|term| term.text.clone())
+                .collect();
+            out.raw(&format!(
+                "<details><summary>{}, in the scene {}: the text</summary>\n",
+                name(&program.name),
+                name(&scene.name)
+            ));
+            let scene = format!("scene {} {{\n    {}\n}}", scene.name, terms.join("\n    "));
+            out.raw(&format!("<pre><code>{}</code></pre>\n", lines(&scene)));
+            for source in &program.sources {
+                out.paragraph(&code(&source.path));
+                out.raw(&format!(
+                    "<pre><code>{}</code></pre>\n",
+                    lines(&source.text)
+                ));
+            }
+            out.raw("</details>\n");
+        }
+    }
+}
+
+/// The command line that made an ensemble, as far as its manifest knows it.
+pub(super) fn simulate(manifest: &crate::ensemble::Manifest) -> String {
+    let mut words = vec!["stochc simulate".to_owned()];
+    let mut files: Vec<&str> = Vec::new();
+    for program in &manifest.programs {
+        let path = program
+            .sources
+            .first()
+            .map_or("?", |source| source.path.as_str());
+        if files.last() != Some(&path) {
+            files.push(path);
+        }
+    }
+    words.extend(files.into_iter().map(shell::file));
+    let mut option = |name: &str, value: &str| {
+        words.push(format!("--{name} {}", shell::quoted(value)));
+    };
+    option("model", &manifest.model);
+    option("substeps", &manifest.substeps.to_string());
+    for (name, value) in &manifest.settings {
+        // What a manifest calls by another name than the command line.
+        let name = match name.as_str() {
+            "reduction" => "reduce".to_owned(),
+            name => name.replace('_', "-"),
+        };
+        option(&name, value);
+    }
+    option("runs", &manifest.runs.to_string());
+    option("seed", &manifest.seed.to_string());
+    if let Some(limit) = manifest.max_ticks {
+        option("max-ticks", &limit.to_string());
+    }
+    words.push("--out AGAIN".into());
+    words.join(" ")
+}
+
+pub(super) fn methods(parts: &Parts, out: &mut Html, drawings: &[Drawing]) {
+    out.heading(2, "methods", "How to read this, and data");
+    out.list(
+        "ul",
+        &[
+            "<strong>Ticks</strong> are the scene's clock. A face is magnetized, blocks come into \
+             the reach of its pull (<em>entries</em>), and one docks; its <em>docking</em> time \
+             counts from its last entry."
+                .to_owned(),
+            "<strong>Stopped</strong> runs are censored: their times are longer than the tick at \
+             which they were stopped, and nobody knows by how much. The curves take them into \
+             account (Kaplan and Meier; intervals by Greenwood's formula for log(−log S)); means \
+             are then those of min(time, horizon), lower bounds."
+                .to_owned(),
+            "<strong>What decided</strong> a run is found by walking back from its last event to \
+             the one that it waited for last, and so on to the beginning. These waits fill the run \
+             from end to end; <em>of all time</em> is their part of the time of all runs together."
+                .to_owned(),
+            "<strong>Tests</strong>: paired t run by run for programs with one seed, Welch's t for \
+             others, the log-rank test where times are censored; p (Holm) for all pairs together."
+                .to_owned(),
+            "Formulas with their sources, and the columns of the data files: \
+             <code>docs/report.md</code> of stochc."
+                .to_owned(),
+        ],
+    );
+    let folder = &parts.surroundings.folder;
+    let mut names: Vec<String> = drawings
+        .iter()
+        .map(|it| format!("{}.svg", it.name))
+        .collect();
+    let tables = data::names(!parts.contrasts.is_empty(), !parts.sweeps.is_empty());
+    names.extend(tables.into_iter().map(str::to_owned));
+    let links: Vec<String> = names.iter().map(|file| link(folder, file)).collect();
+    out.paragraph(&format!(
+        "The figures and their data, in {}: {}.",
+        code(folder),
+        links.join(", ")
+    ));
+}

@@ -1,0 +1,224 @@
+//! One program: its phases, captures, where its blocks came from, and single runs.
+use super::common::{coefficient, figures, mean, show};
+use super::{Parts, ROWS};
+use crate::ensemble::Time;
+use crate::figures::{Drawing, escaped, number, percent};
+use crate::report::html::{Cell, Html, code, command, name};
+use crate::report::picture::Curve;
+use crate::report::story::{heading, lead, story};
+use crate::report::subject::Subject;
+use crate::report::waits::Wait;
+use crate::report::{picture, shell};
+
+pub(super) fn program(parts: &Parts, index: usize, out: &mut Html, drawings: &mut Vec<Drawing>) {
+    let (subject, waits) = (&parts.subjects[index], &parts.waits[index]);
+    let n = index + 1;
+    out.heading(2, &format!("program-{n}"), &name(&subject.label));
+    if subject.runs.is_empty() {
+        out.paragraph("No run of it is finished.");
+        return;
+    }
+    if subject.events.tables.is_none() {
+        out.raw(
+            "<p class=\"warn\">This version of stochc does not compile the program as it was run. \
+             What waits for what is therefore unknown, and so is what decided its times.</p>\n",
+        );
+    }
+    phases(parts, n, subject, out, drawings);
+    out.heading(
+        3,
+        &format!("waits-of-{n}"),
+        "Which capture is the bottleneck",
+    );
+    let figure = picture::waits(n, &subject.label, &subject.program.phases, waits);
+    let caption = "From the magnetizing of a face to the docking of a block. Dots are means, thick \
+                   lines their 95 % intervals, thin lines hold the middle 80 % of the runs; ≥ where \
+                   a run was stopped while it waited. Captures stand in the order of the dependency \
+                   graph, a hook where one needs the one above. The bars are what counts: a wait \
+                   beside a longer one costs nothing.";
+    show(
+        parts,
+        out,
+        drawings,
+        figure,
+        caption,
+        &["waits.csv", "chains.csv"],
+    );
+    captures(subject, waits, out);
+    origins(parts, index, out, drawings);
+    let figure = picture::entries(n, subject, waits);
+    if figure.is_some() {
+        out.heading(3, &format!("entries-of-{n}"), "Arriving and docking");
+        let caption = "Discs are captures at their means, coloured by phase, and dots single ones; \
+                       the six that were waited for longest have names. To the right many blocks \
+                       come before one is caught; above, the last one takes long to dock.";
+        show(parts, out, drawings, figure, caption, &["waits.csv"]);
+    }
+    runs(parts, n, subject, out);
+}
+
+pub(super) fn phases(
+    parts: &Parts,
+    n: usize,
+    subject: &Subject,
+    out: &mut Html,
+    drawings: &mut Vec<Drawing>,
+) {
+    let phases = &subject.program.phases;
+    let times = |phase: usize| subject.phase_times(phase);
+    out.heading(3, &format!("phases-of-{n}"), "Phase by phase");
+    let curves: Vec<Curve> = (phases.iter().enumerate())
+        .map(|(phase, name)| Curve {
+            name: name.clone(),
+            times: times(phase),
+        })
+        .collect();
+    if phases.len() > 1 {
+        let title = format!("{}: phases that are not complete yet", subject.label);
+        let axis = "time since the phase began [ticks]";
+        let figure = picture::survival(&format!("phases-{n}"), &title, &curves, axis);
+        let caption = "Each phase from its own beginning, of the runs that reached it.";
+        show(parts, out, drawings, figure, caption, &["survival.csv"]);
+    }
+    let total: f64 = subject.runs.iter().map(|run| run.record.ticks as f64).sum();
+    let rows = phases.iter().enumerate().map(|(phase, phase_name)| {
+        let observed = times(phase);
+        let spent: f64 = observed.iter().map(|time| time.time).sum();
+        let time = Time::of(&observed);
+        let mut row = vec![Cell::Marked(code(phase_name))];
+        let count = |completed: bool| {
+            let count = observed
+                .iter()
+                .filter(|time| time.completed == completed)
+                .count();
+            Cell::Number(count.to_string())
+        };
+        row.extend([count(true), count(false)]);
+        row.extend(figures(time.as_ref()));
+        row.push(Cell::Number(percent(spent / total.max(1.0))));
+        row
+    });
+    let rows: Vec<_> = rows.take(ROWS).collect();
+    let header = [
+        "phase",
+        "completed",
+        "stopped",
+        "mean",
+        "median",
+        "SD",
+        "CV",
+        "min",
+        "max",
+        "of all time",
+    ];
+    out.table("Times of the phases, in ticks", &header, &rows);
+}
+
+pub(super) fn captures(subject: &Subject, waits: &[Wait], out: &mut Html) {
+    let mut shown: Vec<&Wait> = waits.iter().collect();
+    if shown.len() > ROWS {
+        let share = |wait: &Wait| wait.share.unwrap_or(0.0);
+        shown.sort_by(|a, b| share(b).total_cmp(&share(a)));
+        shown.truncate(ROWS);
+        out.note(&format!(
+            "The {ROWS} of {} captures that decided most.",
+            waits.len()
+        ));
+    }
+    let runs = subject.runs.len();
+    let row = |wait: &&Wait| {
+        let summary = |value: Option<f64>| Cell::Number(value.map_or("–".into(), number));
+        vec![
+            Cell::Marked(code(&wait.text)),
+            Cell::Marked(code(subject.program.phase(wait.phase))),
+            Cell::Number(wait.time.as_ref().map_or("–".into(), mean)),
+            Cell::Number(coefficient(wait.time.as_ref())),
+            summary(wait.entries.as_ref().map(|entries| entries.mean)),
+            summary(wait.docking.as_ref().map(|docking| docking.mean)),
+            Cell::Number(match wait.share {
+                Some(_) => format!("{} of {runs}", wait.decided),
+                None => "–".into(),
+            }),
+            Cell::Number(wait.share.map_or("–".into(), percent)),
+        ]
+    };
+    let rows: Vec<_> = shown.iter().map(row).collect();
+    let header = [
+        "capture",
+        "phase",
+        "wait",
+        "CV",
+        "entries",
+        "docking",
+        "runs it decided",
+        "of all time",
+    ];
+    out.table(
+        "The captures; waits and docking in ticks, means with half of their 95 % intervals",
+        &header,
+        &rows,
+    );
+}
+
+pub(super) fn origins(parts: &Parts, index: usize, out: &mut Html, drawings: &mut Vec<Drawing>) {
+    let (subject, waits) = (&parts.subjects[index], &parts.waits[index]);
+    let free: usize = waits.iter().map(|wait| wait.free).sum();
+    let each = waits.iter().flat_map(|wait| &wait.released);
+    let released: usize = each.map(|(_, n)| n).sum();
+    out.heading(
+        3,
+        &format!("origins-of-{}", index + 1),
+        "Where captured blocks came from",
+    );
+    if released == 0 {
+        out.paragraph(&format!(
+            "All {} captures took a block that had never been captured.",
+            number(free as f64)
+        ));
+        return;
+    }
+    let total = free + released;
+    out.paragraph(&format!(
+        "{} of {} captures ({}) took a block that had been part of the structure before.",
+        number(released as f64),
+        number(total as f64),
+        percent(released as f64 / total as f64)
+    ));
+    let label = &subject.label;
+    let figure = picture::origins(index + 1, label, subject.program, waits);
+    let caption = "Captures that ever took a released block, and the role that it had held last.";
+    show(parts, out, drawings, figure, caption, &["origins.csv"]);
+}
+
+pub(super) fn runs(parts: &Parts, n: usize, subject: &Subject, out: &mut Html) {
+    out.heading(3, &format!("runs-of-{n}"), "What decided single runs");
+    out.note(
+        "Told from the chain of waits that met end to end: every other wait of the run was over \
+         before it mattered. Shares are of the whole run; a captured block had never been captured \
+         before unless it is said.",
+    );
+    let path = &parts.inputs[subject.folder].path;
+    for (what, run) in subject.told() {
+        let number = run.record.run;
+        out.raw(&format!("<h4>{}</h4>\n", heading(subject, what, run)));
+        if let Some(lead) = lead(subject, run) {
+            out.paragraph(&lead);
+        }
+        out.list("ol", &story(subject, run));
+        let replay = parts.surroundings.replay;
+        match replay(subject.folder, subject.number, number) {
+            Some(address) => out.paragraph(&format!(
+                "<a href=\"{}\">Watch run {number}</a>",
+                escaped(&address)
+            )),
+            None => {
+                out.note("To watch it:");
+                let mut line = format!("stochc replay {} --run {number}", shell::file(path));
+                if subject.manifest.programs.len() > 1 {
+                    line += &format!(" --program {}", shell::quoted(&subject.program.name));
+                }
+                out.raw(&command(&line));
+            }
+        }
+    }
+}

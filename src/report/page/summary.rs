@@ -1,0 +1,73 @@
+//! What comes first: the page in a few sentences.
+use super::Parts;
+use super::common::{mean, sentence};
+use super::warnings::warnings;
+use crate::ensemble::Time;
+use crate::report::html::{Html, code, name};
+use crate::report::waits::Wait;
+
+pub(super) fn in_short(parts: &Parts, out: &mut Html) {
+    let unit = parts.clock.unit();
+    let mut items = Vec::new();
+    for (subject, waits) in parts.subjects.iter().zip(parts.waits) {
+        let (completed, stopped, failed) = subject.counts();
+        let mut item = format!(
+            "<strong>{}</strong>: {completed} of {} runs completed",
+            name(&subject.label),
+            subject.manifest.runs
+        );
+        for (n, what) in [(stopped, "stopped before"), (failed, "failed")] {
+            if n > 0 {
+                item += &format!(", {n} {what}");
+            }
+        }
+        if let Some(time) = Time::of(&parts.clock.times(subject)) {
+            item += &format!(", in {} {unit} on average", mean(&time));
+        }
+        item += ". ";
+        let share = |wait: &&Wait| wait.share.unwrap_or(0.0);
+        let most = waits.iter().max_by(|a, b| share(a).total_cmp(&share(b)));
+        if let Some(wait) = most.filter(|wait| share(wait) > 0.0) {
+            item += &format!(
+                "The capture that decides most of that is {}, with {:.0} % of all time.",
+                code(&wait.text),
+                100.0 * share(&wait)
+            );
+        }
+        items.push(item);
+    }
+    // Of many pairs the table tells.
+    for contrast in parts
+        .contrasts
+        .iter()
+        .filter(|_| parts.contrasts.len() <= 3)
+    {
+        items.push(sentence(parts, contrast));
+    }
+    out.list("ul", &items);
+    for input in parts.inputs {
+        for warning in warnings(input) {
+            out.raw(&format!("<p class=\"warn\">{warning}</p>\n"));
+        }
+    }
+    let mut sections = vec![("completion", "Time to completion".to_owned())];
+    if !parts.contrasts.is_empty() {
+        sections.push(("differences", "Differences".into()));
+    }
+    if !parts.sweeps.is_empty() {
+        sections.push(("sweeps", "What was varied".into()));
+    }
+    let ids: Vec<String> = (1..=parts.subjects.len())
+        .map(|n| format!("program-{n}"))
+        .collect();
+    let programs = ids.iter().zip(parts.subjects);
+    sections.extend(programs.map(|(id, subject)| (id.as_str(), subject.label.clone())));
+    sections.push(("origin", "What was run".into()));
+    sections.push(("methods", "How to read this, and data".into()));
+    let links: Vec<String> = (sections.iter())
+        .map(|(id, text)| format!("<a href=\"#{id}\">{}</a>", name(text)))
+        .collect();
+    out.raw("<nav aria-label=\"Sections\">\n");
+    out.list("ul", &links);
+    out.raw("</nav>\n");
+}
