@@ -149,9 +149,10 @@ impl<R: Real> Grid<R> {
     /// Every pair of blocks that are near each other, once, the lower number first, in rising order.
     pub fn close_pairs(&mut self, bodies: &Bodies<R>, pairs: &mut Vec<(u32, u32)>) {
         pairs.clear();
-        for (spread, near) in self.spread[1..].iter_mut().zip(self.occupied.windows(3)) {
-            let here = near[1];
-            *spread = here | here << 1 | near[0] >> (WORD - 1) | here >> 1 | near[2] << (WORD - 1);
+        let (mut before, after) = (0, self.occupied.iter().skip(1).chain(&[0]));
+        for ((spread, &here), &after) in self.spread.iter_mut().zip(&self.occupied).zip(after) {
+            *spread = here | here << 1 | before >> (WORD - 1) | here >> 1 | after << (WORD - 1);
+            before = here;
         }
         let rows = [2, 5, 8, 11].map(|middle| self.around[middle] as usize);
         for (word, &here) in self.occupied.iter().enumerate() {
@@ -238,5 +239,45 @@ fn bits(words: &[u64], first: usize) -> u64 {
     match words.get(word..word + 2) {
         Some(&[low, high]) => low >> shift | high << 1 << (WORD - 1 - shift),
         _ => 0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector3;
+    use rand::{RngExt as _, SeedableRng as _};
+    use rand_chacha::ChaCha8Rng;
+
+    use super::*;
+    use crate::world::BodyState;
+
+    /// Against every pair of blocks asked, in grids from a few cells on, some blocks outside of them.
+    #[test]
+    fn no_pair_is_lost_in_a_grid_of_any_size() {
+        let mut dice = ChaCha8Rng::seed_from_u64(1);
+        for case in 0..400 {
+            let span = [0.5, 2.0, 3.5, 5.0, 9.0, 25.0][case % 6];
+            let near = [TOUCH, TOUCH + 1.2][case / 6 % 2];
+            let floor = [0.0, -span][case / 12 % 2];
+            let wide = 1.3 * span;
+            let blocks: Vec<BodyState> = (0..40)
+                .map(|_| {
+                    let mut along = |low: f64| dice.random_range(low..wide);
+                    let place = Vector3::new(along(-wide), along(-wide), along(1.3 * floor));
+                    BodyState::at_rest(place)
+                })
+                .collect();
+            let bodies: Bodies<f64> = Bodies::new(&blocks, 1.0);
+            let mut grid = Grid::new(blocks.len(), span, floor, near);
+            let mut found = Vec::new();
+            grid.sort(&bodies);
+            grid.close_pairs(&bodies, &mut found);
+            let place = |i: u32| blocks[i as usize].position;
+            let pairs = (0..40).flat_map(|i| (i + 1..40).map(move |j| (i, j)));
+            let expected: Vec<_> = pairs
+                .filter(|&(i, j)| (place(i) - place(j)).norm_squared() < near * near)
+                .collect();
+            assert_eq!(found, expected, "span {span}, near {near}, floor {floor}");
+        }
     }
 }
