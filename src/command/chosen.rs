@@ -15,7 +15,7 @@ use stochc_runtime::{RunError, Settings, observe};
 
 use super::check::verdict;
 use super::simulate::{Draft, Ready, settings};
-use super::terminal::{has_colour, message_width, warn};
+use super::terminal::{has_colour, message_width, usage, warn};
 use crate::cli::Exit;
 use crate::ensemble::{Folder, Manifest};
 use crate::findings::{Format, show};
@@ -119,10 +119,7 @@ fn compile(manifest: &Manifest, program: usize) -> Result<(Ready, Value), Exit> 
     };
     let found = checked.programs.into_iter().find_map(|program| {
         let (tables, scene, order) = (program.tables?, program.scene?, program.order?);
-        let fits = tables.assembly == entry.assembly
-            && scene == entry.scene
-            && (tables.phases.iter().map(|phase| &phase.name)).eq(&entry.phases)
-            && (tables.roles.iter().map(|role| &role.name)).eq(&entry.roles);
+        let fits = entry.describes(&tables, &scene);
         let graph = graph_json(&program.plan, &program.graph, &order, &checked.symbols);
         fits.then_some((Ready { tables, scene }, graph))
     });
@@ -242,10 +239,4 @@ impl Chosen {
         file.rewind().map_err(|error| refuse(&error.to_string()))?;
         Ok(file)
     }
-}
-
-/// Tells of a command that cannot be carried out.
-pub fn usage(reason: &str) -> Exit {
-    warn(&format!("error: {reason}\n"));
-    Exit::Usage
 }

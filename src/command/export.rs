@@ -1,17 +1,17 @@
 //! `stochc export`.
-use std::fs::File;
 use std::io::{self, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 use clap::{Args, ValueEnum};
 
-use super::chosen::{Choice, Chosen, choose, usage};
+use super::chosen::{Choice, Chosen, choose};
 use super::simulate::Ready;
-use super::terminal::print;
+use super::terminal::{print, usage};
 use crate::cli::Exit;
 use crate::ensemble::stop_on_interrupt;
 use crate::export::{Gltf, Trajectories};
+use crate::files::atomic::draft;
 
 /// What `export` is given.
 #[derive(Debug, Args)]
@@ -103,22 +103,8 @@ fn cannot(path: &Path, error: &impl std::fmt::Display) -> Exit {
     usage(&format!("cannot write `{}`: {error}", path.display()))
 }
 
-/// A file that gets its name when it is whole.
-pub(super) fn draft(path: &Path) -> io::Result<tempfile::NamedTempFile<File>> {
-    let folder = path.parent().filter(|folder| *folder != Path::new(""));
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(crate::files::atomic::PARTIAL);
-    // A temporary file is private by default; a result is as readable as any other file.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder.tempfile_in(folder.unwrap_or(Path::new(".")))
-}
-
 /// Gives a file its name.
-pub(super) fn keep(
-    mut file: BufWriter<tempfile::NamedTempFile<File>>,
-    path: &Path,
-) -> io::Result<()> {
+pub(super) fn keep(mut file: BufWriter<tempfile::NamedTempFile>, path: &Path) -> io::Result<()> {
     file.flush()?;
     let file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
     file.persist(path).map_err(|error| error.error)?;

@@ -4,12 +4,13 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::chosen::{Choice, Chosen, choose, usage};
-use super::export::{draft, keep};
-use super::terminal::print;
+use super::chosen::{Choice, Chosen, choose};
+use super::export::keep;
+use super::terminal::{print, usage};
 use crate::cli::Exit;
 use crate::ensemble::stop_on_interrupt;
 use crate::figures::visible;
+use crate::files::atomic::draft;
 use crate::replay::{about, write};
 
 /// What `replay` is given.

@@ -35,6 +35,12 @@ pub fn output_has_colour() -> bool {
     std::io::stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty())
 }
 
+/// Tells of a command that cannot be carried out.
+pub fn usage(reason: &str) -> Exit {
+    warn(&format!("error: {reason}\n"));
+    Exit::Usage
+}
+
 /// Whether somebody looks at the output, now.
 pub fn output_is_watched() -> bool {
     std::io::stdout().is_terminal()

@@ -217,6 +217,14 @@ impl Program {
         (root, checked)
     }
 
+    /// Whether a compiled program is the one that is described here.
+    pub fn describes(&self, tables: &Tables, scene: &Scene) -> bool {
+        tables.assembly == self.assembly
+            && *scene == self.scene
+            && (tables.phases.iter().map(|phase| &phase.name)).eq(&self.phases)
+            && (tables.roles.iter().map(|role| &role.name)).eq(&self.roles)
+    }
+
     /// Describes a compiled program: its file first among `sources`, then all that it imports.
     pub fn new(name: &str, sources: Vec<Source>, scene: Scene, tables: &Tables) -> Program {
         let captures = tables

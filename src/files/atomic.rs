@@ -3,6 +3,8 @@ use std::fs::File;
 use std::io::{self, Write as _};
 use std::path::Path;
 
+use tempfile::NamedTempFile;
+
 /// How the files begin that are still being written; a crash may leave one behind.
 pub(crate) const PARTIAL: &str = ".stochc-partial-";
 
@@ -27,17 +29,7 @@ pub(crate) fn replace_if(
     content: &[u8],
     still: impl FnOnce() -> io::Result<bool>,
 ) -> io::Result<bool> {
-    // A name alone has an empty parent.
-    let folder = path
-        .parent()
-        .filter(|folder| *folder != Path::new(""))
-        .unwrap_or(Path::new("."));
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(PARTIAL);
-    // A temporary file is private by default; a result is as readable as any other file.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let mut file = builder.tempfile_in(folder)?;
+    let mut file = draft(path)?;
     file.write_all(content)?;
     if let Ok(old) = path.metadata() {
         file.as_file().set_permissions(old.permissions())?;
@@ -47,8 +39,28 @@ pub(crate) fn replace_if(
         return Ok(false);
     }
     file.persist(path).map_err(|error| error.error)?;
-    sync_folder(folder)?;
+    sync_folder(folder_of(path))?;
     Ok(true)
+}
+
+/// A file in the folder of `path`, for content that gets this name when it is whole.
+///
+/// # Errors
+/// Those of the file system.
+pub(crate) fn draft(path: &Path) -> io::Result<NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(PARTIAL);
+    // A temporary file is private by default; a result is as readable as any other file.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder.tempfile_in(folder_of(path))
+}
+
+fn folder_of(path: &Path) -> &Path {
+    // A name alone has an empty parent.
+    path.parent()
+        .filter(|folder| *folder != Path::new(""))
+        .unwrap_or(Path::new("."))
 }
 
 /// Makes the names in a folder survive a loss of power.

@@ -99,15 +99,8 @@ fn compiled(entry: &Program) -> Option<Events> {
         return None;
     }
     let found = checked.programs.iter().position(|program| {
-        let tables = program.tables.as_ref();
-        tables.is_some_and(|tables| {
-            let roles = tables.roles.iter().map(|role| &role.name);
-            let phases = tables.phases.iter().map(|phase| &phase.name);
-            tables.assembly == entry.assembly
-                && roles.eq(&entry.roles)
-                && phases.eq(&entry.phases)
-                && program.scene.as_ref() == Some(&entry.scene)
-        })
+        let compiled = program.tables.as_ref().zip(program.scene.as_ref());
+        compiled.is_some_and(|(tables, scene)| entry.describes(tables, scene))
     })?;
     from_graph(&checked, found, entry)
 }

@@ -18,7 +18,7 @@ pub use options::Options;
 pub(super) use record::Draft;
 
 use super::results::{Shown, show};
-use super::terminal::warn;
+use super::terminal::{usage, warn};
 use crate::cli::Exit;
 use crate::ensemble::{
     Cancelled, Display, Folder, Manifest, Means, Place, State, run as run_all, stop_on_interrupt,
@@ -137,10 +137,4 @@ fn ensemble(
         None => "stopped; with `--out DIR`, what was finished would have been kept\n",
     });
     Exit::Interrupted
-}
-
-/// Tells of a command that cannot be carried out.
-fn usage(reason: &str) -> Exit {
-    warn(&format!("error: {reason}\n"));
-    Exit::Usage
 }

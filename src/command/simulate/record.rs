@@ -1,5 +1,4 @@
 //! Runs of an ensemble that are recorded while they are made.
-use std::fs::File;
 use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
@@ -11,7 +10,7 @@ use super::super::terminal::warn;
 use super::{Options, Ready};
 use crate::cli::Exit;
 use crate::ensemble::{Finished, Manifest};
-use crate::files::atomic::PARTIAL;
+use crate::files::atomic::draft;
 use crate::recording::{Header, Recorder, Selection, path};
 
 /// Which runs of an ensemble are recorded, and what went wrong with that.
@@ -132,7 +131,7 @@ impl Place<'_> {
 
 /// A recording that has not got its name yet.
 pub(in crate::command) struct Draft {
-    pub recorder: Recorder<BufWriter<tempfile::NamedTempFile<File>>>,
+    pub recorder: Recorder<BufWriter<tempfile::NamedTempFile>>,
     path: PathBuf,
 }
 
@@ -141,11 +140,7 @@ impl Draft {
     pub fn new(path: &Path, header: &Header, program: &Ready) -> io::Result<Draft> {
         let folder = path.parent().unwrap_or(Path::new("."));
         std::fs::create_dir_all(folder)?;
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(PARTIAL);
-        #[cfg(unix)]
-        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        let file = BufWriter::new(builder.tempfile_in(folder)?);
+        let file = BufWriter::new(draft(path)?);
         Ok(Draft {
             recorder: Recorder::new(file, header, &program.tables)?,
             path: path.to_owned(),
