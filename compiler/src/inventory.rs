@@ -38,11 +38,14 @@ pub fn check(plan: &Plan, layout: &Layout, scene: &Scene, findings: &mut Vec<Fin
                 .help("add a clause such as `bond attract { pull 15 N within 20cm  anchor centres 1mm }`"),
         );
     }
-    let Some(Enclosure::Hemisphere { radius, .. }) = scene.enclosure else {
+    let Some(enclosure) = &scene.enclosure else {
         return;
     };
-    // Distances in sides, from the centre of the plate's upper side.
-    let radius = radius / scene.block.side;
+    // Distances in sides, from the centre of the shell over that of the plate's upper side.
+    let (Enclosure::Hemisphere { radius, .. } | Enclosure::Sphere { radius, .. }) = *enclosure;
+    let side = scene.block.side;
+    let corner = f64::from(plan.plate.width).hypot(f64::from(plan.plate.depth)) / 2.0;
+    let (radius, middle) = (radius / side, enclosure.centre_height(corner * side) / side);
     let centre = |edge: u32| (f64::from(edge) - 1.0) / 2.0;
     let (east, north) = (centre(plan.plate.width), centre(plan.plate.depth));
     let outside = plan
@@ -54,11 +57,12 @@ pub fn check(plan: &Plan, layout: &Layout, scene: &Scene, findings: &mut Vec<Fin
                 (*cell).filter(|_| event.sound && matches!(event.deed, Deed::Capture { .. }))?;
             let x = (f64::from(cell.x) - east).abs() + 0.5;
             let y = (f64::from(cell.y) - north).abs() + 0.5;
-            let distance = (x * x + y * y + f64::from(cell.z) * f64::from(cell.z)).sqrt();
+            let (top, bottom) = (f64::from(cell.z), f64::from(cell.z) - 1.0);
+            let z = (top - middle).abs().max((bottom - middle).abs());
+            let distance = (x * x + y * y + z * z).sqrt();
             (distance > radius).then_some((event, cell, distance))
         });
     if let Some((event, cell, distance)) = outside {
-        let side = scene.block.side;
         findings.push(
             Finding::new(
                 Code::OutsideEnclosure,

@@ -100,6 +100,15 @@ impl Orientation {
         parent.after(Orientation::turned(parent_face, turn).after(facing))
     }
 
+    /// The child's face and the quarter turns with which a block that docks on `parent_face` of a block
+    /// sitting in `parent` sits in this orientation: [`Orientation::docked`] backwards.
+    pub fn as_docked(self, parent: Orientation, parent_face: Face) -> Option<(Face, u8)> {
+        let child_face = self.to_own(parent.to_structure(parent_face).opposite());
+        (0..4)
+            .find(|&turn| Orientation::docked(parent, parent_face, child_face, turn) == self)
+            .map(|turn| (child_face, turn))
+    }
+
     /// As a matrix whose columns are the structure's directions of the block's own x, y and z.
     pub fn matrix(self) -> Matrix3<f64> {
         let column = |own| nalgebra::Vector3::from(self.to_structure(own).normal()).cast::<f64>();

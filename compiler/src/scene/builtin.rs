@@ -6,9 +6,12 @@ use super::{Scene, read};
 use crate::Sources;
 
 /// The built-in scenes: a name, and the text that declares it.
-pub const BUILT_IN: [(&str, &str); 2] = [
+pub const BUILT_IN: [(&str, &str); 5] = [
     ("hemisphere", include_str!("hemisphere.sa")),
     ("hemisphere_2005", include_str!("hemisphere_2005.sa")),
+    ("magnet_tank", include_str!("magnet_tank.sa")),
+    ("jet_tank", include_str!("jet_tank.sa")),
+    ("suction_tank", include_str!("suction_tank.sa")),
 ];
 
 /// The scene of an assembly that names none.
@@ -24,7 +27,11 @@ pub fn built_in(name: &str) -> Option<Scene> {
         ItemKind::Scene(scene) => Some(scene),
         _ => None,
     })?;
-    read(scene, None, file, &symbols, &mut Vec::new())
+    let base = match scene.base {
+        Some(base) => Some(built_in(symbols.word(base.symbol))?),
+        None => None,
+    };
+    read(scene, base, file, &symbols, &mut Vec::new())
 }
 
 #[cfg(test)]

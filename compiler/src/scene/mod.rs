@@ -2,20 +2,24 @@
 //!
 //! Each field of [`Scene`] is one term of the model. `None` is a term that does not exist: a
 //! runtime must not compute it, not even with a zero.
+mod bond;
 mod builtin;
 pub mod describe;
 pub mod groups;
+mod medium;
 mod read;
 mod spelling;
 mod units;
 
+pub use bond::{Anchor, Bond, BondKind, Magnets, Measure, Pump, Reach};
 pub use builtin::{BUILT_IN, DEFAULT, built_in};
+pub use medium::{Agitation, BOLTZMANN, Drag, Flow, Fluid, Jets, Stir, Strength, Turbulence};
 pub(crate) use read::read;
 pub(crate) use spelling::unit_meant;
 
 use serde::{Deserialize, Serialize};
 
-/// A world of free blocks around a seed plate.
+/// A world of free blocks around a seed plate, or without one.
 ///
 /// The ground is the plane z = 0 through the plate's upper faces, with the centre of the plate at
 /// the origin; blocks float above it.
@@ -31,7 +35,16 @@ pub struct Scene {
     pub free: Free,
     /// What keeps them together.
     pub enclosure: Option<Enclosure>,
-    /// What moves them.
+    /// What pulls them down \[m/s^2\]; a fluid with a density bears them up.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gravity: Option<f64>,
+    /// What they float in.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fluid: Option<Fluid>,
+    /// How it flows on the average.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub flow: Option<Flow>,
+    /// What moves them by chance.
     pub agitation: Option<Agitation>,
     /// What slows them between collisions.
     pub drag: Option<Drag>,
@@ -64,11 +77,17 @@ pub struct Free {
 }
 
 /// Where free blocks are at tick 0; the same in every run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Arrangement {
     /// A cubic lattice that fills the enclosure.
     Uniform,
+    /// Evenly on a level circle about the vertical axis, halfway up the enclosure, the first in the
+    /// east.
+    Ring {
+        /// Of the circle through the blocks' centres \[m\].
+        radius: f64,
+    },
 }
 
 /// What keeps the free blocks together.
@@ -82,24 +101,25 @@ pub enum Enclosure {
         /// Force per depth on the centre of a block that is outside the shell, inward \[N/m\].
         wall: f64,
     },
-}
-
-/// What moves the free blocks.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Agitation {
-    /// Once a tick every free block gets an impulse through its centre of mass.
-    Kicks {
-        /// Range of the uniformly drawn change of speed \[m/s\]; its direction is isotropic.
-        speed: (f64, f64),
+    /// A ball, cut off by the ground so that the cut just holds the plate, or that it just touches the
+    /// ground where there is none; see [`Enclosure::centre_height`].
+    Sphere {
+        /// Of the shell \[m\].
+        radius: f64,
+        /// Force per depth on a block whose inscribed ball reaches through the shell, inward \[N/m\].
+        wall: f64,
     },
 }
 
-/// Linear drag on the velocity of the centre of mass: v' = -rate v.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Drag {
-    /// \[1/s\]
-    pub rate: f64,
+impl Enclosure {
+    /// Height of the shell's centre over the ground \[m\], for a plate of which the farthest corner is
+    /// so far from the middle \[m\].
+    pub fn centre_height(&self, plate: f64) -> f64 {
+        match *self {
+            Enclosure::Hemisphere { .. } => 0.0,
+            Enclosure::Sphere { radius, .. } => (radius * radius - plate * plate).max(0.0).sqrt(),
+        }
+    }
 }
 
 /// Collisions of blocks with each other, the structure and the ground.
@@ -129,51 +149,6 @@ pub enum ContactLaw {
         /// Force per speed at which the depth grows \[N s/m\], at least 0.
         damping: f64,
     },
-}
-
-/// How a magnetized face captures a free block.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Bond {
-    /// A face is switched on to capture; distances are between the centres of two faces.
-    Attract {
-        /// Pulls the centre of the nearest face of every free block in reach.
-        pull: Reach,
-        /// Pulls each of that face's four corners to its counterpart.
-        align: Option<Reach>,
-        /// When the block is anchored.
-        anchor: Anchor,
-    },
-}
-
-/// A force of constant magnitude, within a distance.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Reach {
-    /// \[N\]
-    pub force: f64,
-    /// Between the centres of the two faces \[m\].
-    pub within: f64,
-}
-
-/// When a block is anchored.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Anchor {
-    /// What is measured.
-    pub measure: Measure,
-    /// Closer than this \[m\].
-    pub within: f64,
-    /// And the normals of the two faces less than this from opposite \[rad\].
-    pub tilt: f64,
-}
-
-/// What the anchoring distance is measured between.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Measure {
-    /// The centres of the two faces.
-    Centres,
-    /// Along the normal of the magnetized face only, with the lateral offset under half a side.
-    Gap,
 }
 
 /// What a message costs.

@@ -1,5 +1,7 @@
 //! A scene's words and values to the terms of the model.
+mod bond;
 mod contact;
+mod medium;
 
 use stochc_grammar::tree::{Name, Quantity, Term};
 use stochc_grammar::{Span, Symbols};
@@ -7,19 +9,22 @@ use stochc_grammar::{Span, Symbols};
 use super::unit_meant;
 use super::units::{Dimension, to_si};
 use super::{
-    Agitation, Anchor, Arrangement, Block, Bond, Contact, Drag, Enclosure, Free, Measure, Messages,
-    Reach, Scene,
+    Agitation, Arrangement, Block, Bond, Contact, Drag, Enclosure, Flow, Fluid, Free, Messages,
+    Scene,
 };
 use crate::finding::{Code, Finding, Fix, tell};
 use crate::suggest::nearest;
 use crate::{FileId, Site};
 
 /// The clauses that a scene may have.
-const CLAUSES: [&str; 9] = [
+const CLAUSES: [&str; 12] = [
     "tick",
     "block",
     "free",
     "enclosure",
+    "gravity",
+    "fluid",
+    "flow",
     "agitation",
     "drag",
     "contact",
@@ -28,7 +33,7 @@ const CLAUSES: [&str; 9] = [
 ];
 
 /// The words inside of clauses.
-const WORDS: [&str; 25] = [
+const WORDS: [&str; 53] = [
     "cube",
     "side",
     "mass",
@@ -54,6 +59,34 @@ const WORDS: [&str; 25] = [
     "tilt",
     "hop",
     "loss",
+    "ring",
+    "sphere",
+    "density",
+    "viscosity",
+    "stir",
+    "jets",
+    "force",
+    "follow",
+    "count",
+    "flow",
+    "nozzle",
+    "turbulence",
+    "brownian",
+    "intensity",
+    "length",
+    "time",
+    "vertical",
+    "temperature",
+    "reject",
+    "suction",
+    "hold",
+    "depth",
+    "impulse",
+    "head",
+    "supply",
+    "valve",
+    "passage",
+    "seal",
 ];
 
 /// A scene under construction: what has been said so far.
@@ -63,6 +96,9 @@ struct Draft {
     block: Option<Block>,
     free: Option<Free>,
     enclosure: Option<Enclosure>,
+    gravity: Option<f64>,
+    fluid: Option<Fluid>,
+    flow: Option<Flow>,
     agitation: Option<Agitation>,
     drag: Option<Drag>,
     contact: Option<Contact>,
@@ -77,6 +113,9 @@ impl From<Scene> for Draft {
             block: Some(scene.block),
             free: Some(scene.free),
             enclosure: scene.enclosure,
+            gravity: scene.gravity,
+            fluid: scene.fluid,
+            flow: scene.flow,
             agitation: scene.agitation,
             drag: scene.drag,
             contact: scene.contact,
@@ -110,6 +149,7 @@ pub fn read(
         reader.once(&mut seen, clause);
         reader.clause(clause, &mut draft);
     }
+    reader.medium(&draft, &seen);
     // A clause that is there but wrong has been told of.
     let said = |clause: &str| seen.iter().any(|name| symbols.word(name.symbol) == clause);
     let absent = [
@@ -146,6 +186,9 @@ pub fn read(
         block: draft.block?,
         free: draft.free?,
         enclosure: draft.enclosure,
+        gravity: draft.gravity,
+        fluid: draft.fluid,
+        flow: draft.flow,
         agitation: draft.agitation,
         drag: draft.drag,
         contact: draft.contact,
@@ -191,31 +234,37 @@ impl<'a> Reader<'a, '_> {
             }
             "free" => {
                 let count = self.count(0, 10_000_000);
-                self.keyword("uniform");
-                draft.free = count.map(|count| Free {
+                let arrangement = match self.kind(&["uniform", "ring"], "arrangement") {
+                    Some("uniform") => Some(Arrangement::Uniform),
+                    Some(_) => (self.positive(Dimension::LENGTH))
+                        .map(|radius| Arrangement::Ring { radius }),
+                    None => None,
+                };
+                draft.free = (count.zip(arrangement)).map(|(count, arrangement)| Free {
                     count: count as u32,
-                    arrangement: Arrangement::Uniform,
+                    arrangement,
                 });
             }
             "enclosure" => {
-                self.keyword("hemisphere");
+                let kind = self.kind(&["hemisphere", "sphere"], "enclosure");
                 let (mut radius, mut wall) = (None, None);
                 let all = ["radius", "wall"];
                 self.fields(clause, &all, &all, |r, field| match field {
                     "radius" => radius = r.positive(Dimension::LENGTH),
                     _ => wall = r.positive(Dimension::STIFFNESS),
                 });
-                draft.enclosure =
-                    (radius.zip(wall)).map(|(radius, wall)| Enclosure::Hemisphere { radius, wall });
+                draft.enclosure = match (kind, radius.zip(wall)) {
+                    (Some("sphere"), Some((radius, wall))) => {
+                        Some(Enclosure::Sphere { radius, wall })
+                    }
+                    (Some(_), Some((radius, wall))) => Some(Enclosure::Hemisphere { radius, wall }),
+                    _ => None,
+                };
             }
-            "agitation" => {
-                self.keyword("kicks");
-                let mut speed = None;
-                self.fields(clause, &["speed"], &["speed"], |r, _| {
-                    speed = r.range(Dimension::SPEED);
-                });
-                draft.agitation = speed.map(|speed| Agitation::Kicks { speed });
-            }
+            "gravity" => draft.gravity = self.positive(Dimension::ACCELERATION),
+            "fluid" => draft.fluid = self.fluid(clause),
+            "flow" => draft.flow = self.flow(clause),
+            "agitation" => draft.agitation = self.agitation(clause),
             "drag" => {
                 let mut rate = None;
                 self.fields(clause, &["rate"], &["rate"], |r, _| {
@@ -236,66 +285,6 @@ impl<'a> Reader<'a, '_> {
             }
             _ => {}
         }
-    }
-
-    fn bond(&mut self, clause: Name) -> Option<Bond> {
-        self.keyword("attract");
-        let (mut pull, mut align, mut anchor) = (None, None, None);
-        let all = ["pull", "align", "anchor"];
-        self.fields(clause, &all, &["pull", "anchor"], |r, field| match field {
-            "pull" => pull = r.reach(),
-            "align" => align = r.reach(),
-            _ => {
-                let Some(word) = r.head(
-                    &["centres", "gap"],
-                    "measure of the anchoring distance",
-                    &[],
-                ) else {
-                    return;
-                };
-                let measure = match r.word_of(word) {
-                    "gap" => Measure::Gap,
-                    _ => Measure::Centres,
-                };
-                let within = r.positive(Dimension::LENGTH);
-                let tilt = if r.next_is("tilt") {
-                    r.between(Dimension::NUMBER, 1e-6, std::f64::consts::FRAC_PI_2)
-                } else {
-                    Some(std::f64::consts::FRAC_PI_4)
-                };
-                anchor = (within.zip(tilt)).map(|(within, tilt)| Anchor {
-                    measure,
-                    within,
-                    tilt,
-                });
-            }
-        });
-        Some(Bond::Attract {
-            pull: pull?,
-            align,
-            anchor: anchor?,
-        })
-    }
-
-    /// `15 N within 20cm`
-    fn reach(&mut self) -> Option<Reach> {
-        let force = self.between(Dimension::FORCE, 0.0, f64::MAX);
-        if !self.next_is("within") {
-            let here = self.terms.peek().map_or(self.place, |term| span(term));
-            self.tell(
-                Code::MissingTerm,
-                "a force without its reach".to_owned(),
-                here,
-                "`within` and a length belong here",
-                "write how far it reaches, such as `15 N within 20cm`".to_owned(),
-            );
-            return None;
-        }
-        let within = self.positive(Dimension::LENGTH);
-        Some(Reach {
-            force: force?,
-            within: within?,
-        })
     }
 
     /// The fields between a clause's braces, in any order.
@@ -384,31 +373,62 @@ impl<'a> Reader<'a, '_> {
 
     /// A word that has to stand here.
     fn keyword(&mut self, word: &str) {
-        if self.next_is(word) {
-            return;
-        }
-        let help = format!("`{word}` is the only kind there is");
+        self.kind(&[word], word);
+    }
+
+    /// One of the words for the kind of something.
+    fn kind(&mut self, known: &[&str], noun: &str) -> Option<&'a str> {
+        let (expected, help) = match known {
+            [only] => (
+                format!("`{only}`"),
+                format!("`{only}` is the only kind there is"),
+            ),
+            _ => {
+                let article = if noun.starts_with(['a', 'e', 'i', 'o', 'u']) {
+                    "an"
+                } else {
+                    "a"
+                };
+                (
+                    format!("{article} {noun}"),
+                    format!("known are {}", known.join(", ")),
+                )
+            }
+        };
         let (found, span) = match self.terms.peek() {
             Some(Term::Word(name)) => {
                 let found = self.word_of(*name);
+                if known.contains(&found) {
+                    self.place = name.span;
+                    self.terms.next();
+                    return Some(found);
+                }
                 self.terms.next();
                 let site = self.site(name.span);
-                let fix = nearest(found, [word]).map_or_else(
-                    || Fix::replace(site, word, format!("write `{word}`")).unsafe_if(true),
-                    |meant| meant.fix(site),
-                );
-                let title = format!("expected `{word}`, found `{found}`");
+                let title = format!("expected {expected}, found `{found}`");
                 let finding = Finding::new(Code::UnknownTerm, title)
                     .label(site, "here")
-                    .help(help)
-                    .fix(fix);
-                return tell(self.findings, finding);
+                    .help(help);
+                let fix = match (nearest(found, known), known) {
+                    (Some(meant), _) => Some(meant.fix(site)),
+                    (None, [only]) => {
+                        Some(Fix::replace(site, *only, format!("write `{only}`")).unsafe_if(true))
+                    }
+                    _ => None,
+                };
+                let finding = match fix {
+                    Some(fix) => finding.fix(fix),
+                    None => finding,
+                };
+                tell(self.findings, finding);
+                return None;
             }
             Some(term) => ("something else", span(term)),
             None => ("nothing", self.place),
         };
-        let title = format!("expected `{word}`, found {found}");
+        let title = format!("expected {expected}, found {found}");
         self.tell(Code::UnknownTerm, title, span, "here", help);
+        None
     }
 
     fn next_is(&mut self, word: &str) -> bool {

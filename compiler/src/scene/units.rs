@@ -62,6 +62,54 @@ impl Dimension {
     };
     /// \[1/s\]
     pub const RATE: Dimension = Dimension { second: -1, ..NONE };
+    /// \[m/s^2\]
+    pub const ACCELERATION: Dimension = Dimension {
+        metre: 1,
+        second: -2,
+        ..NONE
+    };
+    /// \[kg/m^3\]
+    pub const DENSITY: Dimension = Dimension {
+        kilogram: 1,
+        metre: -3,
+        ..NONE
+    };
+    /// \[Pa\]
+    pub const PRESSURE: Dimension = Dimension {
+        kilogram: 1,
+        metre: -1,
+        second: -2,
+        ..NONE
+    };
+    /// \[Pa s\]
+    pub const VISCOSITY: Dimension = Dimension {
+        kilogram: 1,
+        metre: -1,
+        second: -1,
+        ..NONE
+    };
+    /// \[m^3/s\]
+    pub const FLOW: Dimension = Dimension {
+        metre: 3,
+        second: -1,
+        ..NONE
+    };
+    /// \[Pa s/m^3\]
+    pub const RESISTANCE: Dimension = Dimension {
+        kilogram: 1,
+        metre: -4,
+        second: -1,
+        ..NONE
+    };
+    /// \[N s\]
+    pub const IMPULSE: Dimension = Dimension {
+        kilogram: 1,
+        metre: 1,
+        second: -1,
+        ..NONE
+    };
+    /// \[K\]
+    pub const TEMPERATURE: Dimension = Dimension { kelvin: 1, ..NONE };
     /// Ticks of the scene's clock.
     pub const TICKS: Dimension = Dimension { tick: 1, ..NONE };
 
@@ -76,7 +124,15 @@ impl Dimension {
             Dimension::FORCE => "a force, such as `15 N`",
             Dimension::STIFFNESS => "a stiffness, such as `25 N/m`",
             Dimension::DAMPING => "a damping, such as `5 N s/m`",
-            Dimension::RATE => "a rate, such as `0.5 s^-1`",
+            Dimension::RATE => "a rate, such as `0.5 s^-1` or `2 rev/s`",
+            Dimension::ACCELERATION => "an acceleration, such as `9.81 m/s^2`",
+            Dimension::DENSITY => "a density, such as `920 kg/m^3`",
+            Dimension::PRESSURE => "a pressure, such as `2 kPa`",
+            Dimension::VISCOSITY => "a viscosity, such as `60 mPa s`",
+            Dimension::FLOW => "a flow, such as `94.5 L/min`",
+            Dimension::RESISTANCE => "a hydraulic resistance, such as `5 kPa s/L`",
+            Dimension::IMPULSE => "an impulse, such as `0.3 N s`",
+            Dimension::TEMPERATURE => "a temperature, such as `293 K`",
             Dimension::TICKS => "a number of ticks, such as `3 ticks`",
             _ => "a value of another kind",
         }
@@ -154,15 +210,7 @@ fn base(symbol: &str) -> Option<(f64, Dimension)> {
         "h" => (3600.0, Dimension::TIME),
         "Hz" => (1.0, Dimension::RATE),
         "N" => (1.0, Dimension::FORCE),
-        "Pa" => (
-            1.0,
-            Dimension {
-                kilogram: 1,
-                metre: -1,
-                second: -2,
-                ..NONE
-            },
-        ),
+        "Pa" => (1.0, Dimension::PRESSURE),
         "J" => (1.0, ENERGY),
         "W" => (1.0, ENERGY.times(Dimension::TIME, -1)),
         "L" => (1e-3, Dimension { metre: 3, ..NONE }),

@@ -15,6 +15,13 @@ pub enum SceneError {
         /// How many there should be.
         count: u32,
     },
+    /// Jets have no wall to come from.
+    NoWall,
+    /// Blocks on a circle stand in each other's way, or in that of the enclosure.
+    NoRoomOnRing {
+        /// How many there should be.
+        count: u32,
+    },
     /// A quantity is negative, or too large or small for single precision, or not a number.
     NotANumber {
         /// Which.
@@ -55,6 +62,12 @@ impl std::fmt::Display for SceneError {
             SceneError::NoEnclosure { count } => write!(
                 f,
                 "{count} free blocks cannot be spread uniformly without an enclosure"
+            ),
+            SceneError::NoWall => f.write_str("jets need an enclosure to come from"),
+            SceneError::NoRoomOnRing { count } => write!(
+                f,
+                "{count} free blocks on this circle touch each other or leave the enclosure; change its \
+                 radius"
             ),
             SceneError::NotANumber { what, value } => {
                 write!(

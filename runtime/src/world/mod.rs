@@ -87,6 +87,12 @@ pub trait World {
     /// Switches a face off: what it holds drifts away from rest, with all that hangs on it.
     fn switch_off(&mut self, site: Site);
 
+    /// Anchors the free block with the highest number on a face, as if it had docked there straight, and
+    /// switches the face on if it was off; `None`: there is no free block, or the face holds one.
+    ///
+    /// For what is attached by hand before the first tick.
+    fn plant(&mut self, site: Site) -> Option<Docking>;
+
     /// Advances one tick and adds what docked in it to `dockings`, in a reproducible order.
     ///
     /// # Errors
@@ -110,7 +116,7 @@ pub trait Arena: World + Sized {
         seed: u64,
         run: u64,
     ) -> Result<Self, SceneError> {
-        let blocks = start::blocks(scene)?;
+        let blocks = start::blocks(scene, plate)?;
         Self::with_blocks(scene, plate, settings, seed, run, &blocks)
     }
 
@@ -141,6 +147,9 @@ pub trait Arena: World + Sized {
 
     /// The faces that are on and hold nothing, each with the entries into its reach so far.
     fn active(&self) -> Vec<(Site, u32)>;
+
+    /// The free blocks that are bonded to each other, by group: at least two in each, all in rising order.
+    fn groups(&self) -> Vec<Vec<u32>>;
 
     /// The blocks in the reach of each face that is on and holds nothing, by face and in the order
     /// of their entries: the block, and the tick of its entry.

@@ -56,6 +56,26 @@ impl World for ShuffleWorld {
         self.lattice.switch_off(site);
     }
 
+    fn plant(&mut self, site: Site) -> Option<Docking> {
+        self.lattice.magnetize(site);
+        self.lattice.target(site)?;
+        let child = (0..self.count)
+            .rev()
+            .find(|&id| !self.lattice.is_anchored(id))?;
+        let parent = self.lattice.place(site.body)?.orientation;
+        let (child_face, turn) = Orientation::IDENTITY.as_docked(parent, site.face)?;
+        let docking = Docking {
+            site,
+            child,
+            child_face,
+            turn,
+            entries: 1,
+            entered: self.tick,
+        };
+        self.lattice.dock(&docking);
+        Some(docking)
+    }
+
     fn step(&mut self, dockings: &mut Vec<Docking>) -> Result<(), Fault> {
         let open: Vec<Site> = (self.lattice.active().iter().copied())
             .filter(|&site| self.lattice.target(site).is_some())

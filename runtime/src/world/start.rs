@@ -1,8 +1,9 @@
 //! Where the free blocks are at tick 0.
 use nalgebra::Vector3;
 use stochc_compiler::scene::{Arrangement, Scene};
+use stochc_compiler::table::Plate;
 
-use super::terms::Terms;
+use super::terms::{Shell, Terms};
 use super::{BodyState, SceneError};
 
 /// Least distance of a centre from the ground and from the shell \[side\].
@@ -12,25 +13,44 @@ const MARGIN: f64 = 1.0;
 const LEAST_SPACING: f64 = 1.1;
 
 /// The free blocks of a scene at tick 0.
-pub(super) fn blocks(scene: &Scene) -> Result<Vec<BodyState>, SceneError> {
-    let terms = Terms::new(scene)?;
-    uniform(&terms, scene.free.arrangement, scene.free.count)
-}
-
-/// `count` blocks at rest, their axes along the structure's.
-fn uniform(
-    terms: &Terms,
-    arrangement: Arrangement,
-    count: u32,
-) -> Result<Vec<BodyState>, SceneError> {
-    let Arrangement::Uniform = arrangement;
+pub(super) fn blocks(scene: &Scene, plate: &Plate) -> Result<Vec<BodyState>, SceneError> {
+    let terms = Terms::new(scene, plate)?;
+    let count = scene.free.count;
     if count == 0 {
         return Ok(Vec::new());
     }
-    let Some(hemisphere) = terms.hemisphere else {
+    let Some(shell) = terms.shell else {
         return Err(SceneError::NoEnclosure { count });
     };
-    let radius = hemisphere.radius - MARGIN;
+    match scene.free.arrangement {
+        Arrangement::Uniform => uniform(shell, count),
+        Arrangement::Ring { radius } => ring(shell, count, radius / scene.block.side),
+    }
+}
+
+/// `count` blocks at rest on a level circle halfway up, their axes along the structure's, the first in
+/// the east.
+fn ring(shell: Shell, count: u32, radius: f64) -> Result<Vec<BodyState>, SceneError> {
+    let height = shell.halfway();
+    let angle = std::f64::consts::TAU / f64::from(count);
+    let up = height - shell.height;
+    let apart = 2.0 * radius * libm::sin(angle / 2.0);
+    let touches = count > 1 && (apart < LEAST_SPACING * std::f64::consts::SQRT_2);
+    if touches || radius.hypot(up) > shell.radius || height < MARGIN {
+        return Err(SceneError::NoRoomOnRing { count });
+    }
+    let place = |i: u32| {
+        let (sin, cos) = libm::sincos(angle * f64::from(i));
+        Vector3::new(radius * cos, radius * sin, height)
+    };
+    Ok((0..count).map(place).map(BodyState::at_rest).collect())
+}
+
+/// `count` blocks at rest, their axes along the structure's.
+fn uniform(shell: Shell, count: u32) -> Result<Vec<BodyState>, SceneError> {
+    let radius = shell.radius - MARGIN;
+    let low = MARGIN - shell.height;
+    let lattice = |radius, spacing| lattice(radius, spacing, low, shell.height);
     if !is_roomy(radius, count) {
         let most = lattice(radius, LEAST_SPACING).take(count as usize).count();
         if most < count as usize {
@@ -66,14 +86,16 @@ fn is_roomy(radius: f64, count: u32) -> bool {
     along(radius).powi(2) * along(radius / 2.0 - MARGIN) > f64::from(count)
 }
 
-/// The sites of a cubic lattice in the half ball, symmetric about the vertical axis, in the order
-/// of z, y, x.
-fn lattice(radius: f64, spacing: f64) -> impl Iterator<Item = Vector3<f64>> {
+/// The sites of a cubic lattice in a ball over the ground, symmetric about the vertical axis, in the
+/// order of z, y, x; `low` is the least height over the ball's centre, which is at `height`.
+fn lattice(radius: f64, spacing: f64, low: f64, height: f64) -> impl Iterator<Item = Vector3<f64>> {
     let reach = (radius / spacing) as i64 + 1;
-    let rows = (0..=reach).flat_map(move |k| (-reach..reach).map(move |j| (j, k)));
+    let least = if low < 0.0 { -reach } else { 0 };
+    let rows = (least..=reach).flat_map(move |k| (-reach..reach).map(move |j| (j, k)));
     rows.flat_map(move |(j, k)| (-reach..reach).map(move |i| [i, j, k]))
         .map(move |site| Vector3::from(site.map(|n| n as f64 + 0.5)) * spacing)
-        .filter(move |site| site.z >= MARGIN && site.norm() <= radius)
+        .filter(move |site| site.z >= low && site.norm() <= radius)
+        .map(move |site| site + Vector3::z() * height)
 }
 
 #[cfg(test)]
@@ -87,7 +109,8 @@ mod tests {
         if let Some(Enclosure::Hemisphere { radius: own, .. }) = &mut scene.enclosure {
             *own = radius * scene.block.side;
         }
-        blocks(&scene)
+        let plate = Plate { width: 3, depth: 3 };
+        blocks(&scene, &plate)
     }
 
     #[test]

@@ -1,9 +1,5 @@
 //! The clauses of a scene, each as it is written and what it does.
-use super::super::groups::rms_of_range;
-use super::super::{
-    Agitation, Anchor, Arrangement, Bond, Contact, ContactLaw, Drag, Enclosure, Measure, Messages,
-    Reach, Scene,
-};
+use super::super::{Arrangement, Contact, ContactLaw, Enclosure, Messages, Scene};
 use super::value::{Kind, Values};
 use super::write::{self, write};
 use super::{Law, Term};
@@ -51,19 +47,32 @@ impl Values {
     }
 
     pub fn free(&self, scene: &Scene) -> Term {
-        let Arrangement::Uniform = scene.free.arrangement;
+        let mut values = vec![self.of(
+            Kind::Number,
+            "N",
+            "free blocks",
+            f64::from(scene.free.count),
+        )];
+        let (arrangement, meaning) = match scene.free.arrangement {
+            Arrangement::Uniform => (
+                "uniform".to_owned(),
+                "at the beginning blocks are at rest on a cubic lattice in the enclosure",
+            ),
+            Arrangement::Ring { radius } => {
+                values.push(self.of(Kind::Length, "s", "radius of the circle", radius));
+                (
+                    format!("ring {}", write(radius, &write::LENGTH)),
+                    "at the beginning blocks are at rest, evenly on a level circle halfway up",
+                )
+            }
+        };
         Term {
             clause: "free",
-            text: format!("free {} uniform", scene.free.count),
+            text: format!("free {} {arrangement}", scene.free.count),
             laws: vec![Law {
-                meaning: "at the beginning blocks are at rest on a cubic lattice in the enclosure",
+                meaning,
                 equation: None,
-                values: vec![self.of(
-                    Kind::Number,
-                    "N",
-                    "free blocks",
-                    f64::from(scene.free.count),
-                )],
+                values,
             }],
         }
     }
@@ -92,67 +101,37 @@ impl Values {
         }
     }
 
-    pub fn drag(&self, drag: &Drag) -> Term {
-        Term {
-            clause: "drag",
-            text: format!("drag {{ rate {} }}", write(drag.rate, &write::RATE)),
-            laws: vec![Law {
-                meaning: "slows the centre of every free block",
-                equation: Some("v' = -γ v, by v *= exp(-γ dt) in each step"),
-                values: vec![self.of(Kind::Rate, "γ", "rate", drag.rate)],
-            }],
-        }
-    }
     pub fn enclosure(&self, enclosure: &Enclosure) -> Term {
-        let Enclosure::Hemisphere { radius, wall } = *enclosure;
+        let (kind, radius, wall, meaning, equation) = match *enclosure {
+            Enclosure::Hemisphere { radius, wall } => (
+                "hemisphere",
+                radius,
+                wall,
+                "an elastic shell over the floor z = 0, felt by the centre of a block",
+                "outside R, m v' = -k (|x| - R) x / |x|",
+            ),
+            Enclosure::Sphere { radius, wall } => (
+                "sphere",
+                radius,
+                wall,
+                "an elastic ball, cut off by the floor z = 0 where the plate just fills the cut; felt by \
+                 the ball in a block",
+                "y = x - c; beyond R, m v' = -k (|y| + a / 2 - R) y / |y|",
+            ),
+        };
         Term {
             clause: "enclosure",
             text: format!(
-                "enclosure hemisphere {{ radius {}  wall {} }}",
+                "enclosure {kind} {{ radius {}  wall {} }}",
                 write(radius, &write::LENGTH),
                 write(wall, &write::STIFFNESS)
             ),
             laws: vec![Law {
-                meaning: "an elastic shell over the floor z = 0, felt by the centre of a block",
-                equation: Some("outside R, m v' = -k (|x| - R) x / |x|"),
+                meaning,
+                equation: Some(equation),
                 values: vec![
                     self.of(Kind::Length, "R", "radius", radius),
                     self.of(Kind::Stiffness, "k", "wall", wall),
-                ],
-            }],
-        }
-    }
-
-    pub fn agitation(&self, agitation: &Agitation) -> Term {
-        let Agitation::Kicks { speed: (low, high) } = *agitation;
-        let range = if low == high {
-            write(low, &write::SPEED)
-        } else {
-            // A zero has the unit of what it goes up to.
-            let unit = if low == 0.0 {
-                &write::NUMBER
-            } else {
-                &write::SPEED
-            };
-            format!("{} .. {}", write(low, unit), write(high, &write::SPEED))
-        };
-        Term {
-            clause: "agitation",
-            text: format!("agitation kicks {{ speed {range} }}"),
-            laws: vec![Law {
-                meaning: "an impulse through the centre of every free block, once a tick",
-                equation: Some(
-                    "v += s n, s uniform in [u, w], n isotropic; j² = (u² + u w + w²) / 3",
-                ),
-                values: vec![
-                    self.of(Kind::Speed, "u", "least change of speed", low),
-                    self.of(Kind::Speed, "w", "most change of speed", high),
-                    self.of(
-                        Kind::Speed,
-                        "j",
-                        "rms change of speed",
-                        rms_of_range(low, high),
-                    ),
                 ],
             }],
         }
@@ -201,74 +180,5 @@ impl Values {
             text: format!("contact {{ {fields}  friction {friction} }}"),
             laws: vec![law],
         }
-    }
-
-    pub fn bond(&self, bond: &Bond) -> Term {
-        let Bond::Attract {
-            pull,
-            align,
-            anchor,
-        } = bond;
-        let reach = |reach: &Reach| {
-            let (force, within) = (
-                write(reach.force, &write::FORCE),
-                write(reach.within, &write::LENGTH),
-            );
-            format!("{force} within {within}")
-        };
-        let mut text = format!("bond attract {{ pull {}", reach(pull));
-        let mut laws = vec![Law {
-            meaning: "pulls the nearest face of every free block in reach of a magnetized face",
-            equation: Some("|f| = F on the centre of that face, towards the magnetized one's"),
-            values: vec![
-                self.of(Kind::Force, "F", "pull", pull.force),
-                self.of(Kind::Length, "r", "its reach", pull.within),
-            ],
-        }];
-        if let Some(align) = align {
-            text.push_str(&format!("  align {}", reach(align)));
-            laws.push(Law {
-                meaning: "turns that face, once closer, into the nearest quarter turn",
-                equation: Some("|f| = f on each of its four corners, towards its counterpart"),
-                values: vec![
-                    self.of(Kind::Force, "f", "align", align.force),
-                    self.of(Kind::Length, "q", "its reach", align.within),
-                ],
-            });
-        }
-        let (measure, law) = self.anchor(anchor);
-        text.push_str(&format!(
-            "  anchor {measure} {} tilt {} }}",
-            write(anchor.within, &write::LENGTH),
-            write(anchor.tilt, &write::ANGLE)
-        ));
-        laws.push(law);
-        Term {
-            clause: "bond",
-            text,
-            laws,
-        }
-    }
-
-    fn anchor(&self, anchor: &Anchor) -> (&'static str, Law) {
-        let (measure, equation) = match anchor.measure {
-            Measure::Centres => (
-                "centres",
-                "centres of the two faces < d, normals < α from opposite",
-            ),
-            Measure::Gap => (
-                "gap",
-                "gap along the normal < d, aside < a / 2, normals < α from opposite",
-            ),
-        };
-        let law = Law {
-            meaning: "then the block is anchored, snaps onto the lattice and is fixed",
-            equation: Some(equation),
-            values: vec![
-                self.of(Kind::Length, "d", "anchoring distance", anchor.within),
-                self.of(Kind::Angle, "α", "tilt", anchor.tilt),
-            ],
-        };
-        (measure, law)
     }
 }

@@ -1,5 +1,7 @@
 //! A scene term by term: what is in force and what is not.
+mod bond;
 mod clauses;
+mod medium;
 #[cfg(test)]
 mod tests;
 mod value;
@@ -48,7 +50,10 @@ pub fn terms(scene: &Scene) -> Vec<Term> {
     let values = Values(BlockUnits::of(scene));
     let mut out = vec![values.tick(scene), values.block(scene), values.free(scene)];
     out.extend(scene.enclosure.iter().map(|it| values.enclosure(it)));
-    out.extend(scene.agitation.iter().map(|it| values.agitation(it)));
+    out.extend(scene.gravity.iter().map(|&it| values.gravity(it, scene)));
+    out.extend(scene.fluid.iter().map(|it| values.fluid(it)));
+    out.extend(scene.flow.iter().map(|it| values.flow(it)));
+    out.extend((scene.agitation.iter()).map(|it| values.agitation(it, scene)));
     out.extend(scene.drag.iter().map(|it| values.drag(it)));
     out.extend(scene.contact.iter().map(|it| values.contact(it)));
     out.extend(scene.bond.iter().map(|it| values.bond(it)));
@@ -60,7 +65,7 @@ pub fn terms(scene: &Scene) -> Vec<Term> {
 pub fn absent(scene: &Scene) -> Vec<Absent> {
     let align = match &scene.bond {
         Some(Bond::Attract { align, .. }) => align.is_some(),
-        None => true,
+        _ => true,
     };
     let loss = (scene.messages.as_ref()).is_none_or(|messages| messages.loss.is_some());
     let all = [
@@ -70,12 +75,27 @@ pub fn absent(scene: &Scene) -> Vec<Absent> {
             "nothing keeps the blocks together",
         ),
         (
-            scene.agitation.is_some(),
-            "agitation",
-            "nothing moves the blocks but magnets",
+            scene.gravity.is_some(),
+            "gravity",
+            "blocks neither sink nor rise",
         ),
         (
-            scene.drag.is_some(),
+            scene.fluid.is_some(),
+            "fluid",
+            "blocks float in nothing that could take them along",
+        ),
+        (
+            scene.flow.is_some() || scene.fluid.is_none(),
+            "flow",
+            "the fluid is at rest on the average",
+        ),
+        (
+            scene.agitation.is_some(),
+            "agitation",
+            "nothing moves the blocks by chance",
+        ),
+        (
+            scene.drag.is_some() || scene.fluid.is_some(),
             "drag",
             "between collisions blocks keep their speed",
         ),

@@ -35,6 +35,16 @@ pub enum Kind {
     Stiffness,
     Damping,
     Rate,
+    Acceleration,
+    Density,
+    Viscosity,
+    Pressure,
+    Flow,
+    Resistance,
+    Impulse,
+    Temperature,
+    Power,
+    Diffusion,
 }
 
 /// Makes values of a scene.
@@ -57,6 +67,16 @@ impl Values {
             Kind::Stiffness => ("N/m", units.stiffness(si), "m/τ²"),
             Kind::Damping => ("N s/m", units.damping(si), "m/τ"),
             Kind::Rate => ("1/s", units.rate(si), "1/τ"),
+            Kind::Acceleration => ("m/s²", units.acceleration(si), "a/τ²"),
+            Kind::Density => ("kg/m³", units.density(si), "m/a³"),
+            Kind::Viscosity => ("Pa s", units.viscosity(si), "m/(a τ)"),
+            Kind::Pressure => ("Pa", units.pressure(si), "m/(a τ²)"),
+            Kind::Flow => ("m³/s", units.flow(si), "a³/τ"),
+            Kind::Resistance => ("Pa s/m³", units.pressure(si) / units.flow(1.0), "m/(a⁴ τ)"),
+            Kind::Impulse => ("N s", units.impulse(si), "m a/τ"),
+            Kind::Temperature => ("K", si, "K"),
+            Kind::Power => ("W", units.power(si), "m a²/τ³"),
+            Kind::Diffusion => ("m²/s", units.diffusion(si), "a²/τ"),
         };
         Value {
             symbol,

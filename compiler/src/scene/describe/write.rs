@@ -84,6 +84,61 @@ pub const RATE: Units = Units {
     preferred: &[],
 };
 
+pub const TURNS: Units = Units {
+    si: ("s^-1", &[("s", -1)]),
+    preferred: &[("rev/s", &[("rev", 1), ("s", -1)])],
+};
+
+pub const ACCELERATION: Units = Units {
+    si: ("m/s^2", &[("m", 1), ("s", -2)]),
+    preferred: &[],
+};
+
+pub const DENSITY: Units = Units {
+    si: ("kg/m^3", &[("kg", 1), ("m", -3)]),
+    preferred: &[],
+};
+
+pub const VISCOSITY: Units = Units {
+    si: ("Pa s", &[("Pa", 1), ("s", 1)]),
+    preferred: &[
+        ("Pa s", &[("Pa", 1), ("s", 1)]),
+        ("mPa s", &[("mPa", 1), ("s", 1)]),
+    ],
+};
+
+pub const PRESSURE: Units = Units {
+    si: ("Pa", &[("Pa", 1)]),
+    preferred: &[("Pa", &[("Pa", 1)]), ("kPa", &[("kPa", 1)])],
+};
+
+pub const FLOW: Units = Units {
+    si: ("m^3/s", &[("m", 3), ("s", -1)]),
+    preferred: &[("L/min", &[("L", 1), ("min", -1)])],
+};
+
+pub const RESISTANCE: Units = Units {
+    si: ("Pa s/m^3", &[("Pa", 1), ("s", 1), ("m", -3)]),
+    preferred: &[
+        ("Pa s/L", &[("Pa", 1), ("s", 1), ("L", -1)]),
+        ("kPa s/L", &[("kPa", 1), ("s", 1), ("L", -1)]),
+    ],
+};
+
+pub const IMPULSE: Units = Units {
+    si: ("N s", &[("N", 1), ("s", 1)]),
+    preferred: &[
+        ("N s", &[("N", 1), ("s", 1)]),
+        ("mN s", &[("mN", 1), ("s", 1)]),
+        ("uN s", &[("uN", 1), ("s", 1)]),
+    ],
+};
+
+pub const TEMPERATURE: Units = Units {
+    si: ("K", &[("K", 1)]),
+    preferred: &[],
+};
+
 pub const ANGLE: Units = Units {
     si: ("rad", &[("rad", 1)]),
     preferred: &[("deg", &[("deg", 1)])],

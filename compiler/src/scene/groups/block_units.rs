@@ -71,4 +71,49 @@ impl BlockUnits {
     pub fn inertia(self, value: f64) -> f64 {
         value / (self.mass * self.side * self.side)
     }
+
+    /// \[m/s^2\] in sides per tick^2.
+    pub fn acceleration(self, value: f64) -> f64 {
+        value * self.tick * self.tick / self.side
+    }
+
+    /// \[kg/m^3\] in blocks per side^3.
+    pub fn density(self, value: f64) -> f64 {
+        value * self.side.powi(3) / self.mass
+    }
+
+    /// \[Pa s\] in blocks per side and tick.
+    pub fn viscosity(self, value: f64) -> f64 {
+        value * self.side * self.tick / self.mass
+    }
+
+    /// \[Pa\] in blocks per side and tick^2.
+    pub fn pressure(self, value: f64) -> f64 {
+        value * self.side * self.tick * self.tick / self.mass
+    }
+
+    /// \[m^3/s\] in sides^3 per tick.
+    pub fn flow(self, value: f64) -> f64 {
+        value * self.tick / self.side.powi(3)
+    }
+
+    /// \[N s\] in sides per tick, as a change of a block's velocity.
+    pub fn impulse(self, value: f64) -> f64 {
+        value * self.tick / (self.mass * self.side)
+    }
+
+    /// \[J\] in blocks times sides^2 per tick^2.
+    pub fn energy(self, value: f64) -> f64 {
+        value * self.tick * self.tick / (self.mass * self.side * self.side)
+    }
+
+    /// \[W\] in blocks times sides^2 per tick^3.
+    pub fn power(self, value: f64) -> f64 {
+        self.energy(value) * self.tick
+    }
+
+    /// \[m^2/s\] in sides^2 per tick.
+    pub fn diffusion(self, value: f64) -> f64 {
+        value * self.tick / (self.side * self.side)
+    }
 }

@@ -21,9 +21,11 @@ pub struct Gas {
 }
 
 impl Gas {
-    /// `None` without free blocks or without an enclosure.
+    /// `None` without free blocks or without a hemisphere around them.
     pub fn of(scene: &Scene) -> Option<Gas> {
-        let Enclosure::Hemisphere { radius, .. } = scene.enclosure.as_ref()?;
+        let Enclosure::Hemisphere { radius, .. } = scene.enclosure.as_ref()? else {
+            return None;
+        };
         if scene.free.count == 0 {
             return None;
         }

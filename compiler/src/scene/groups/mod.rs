@@ -106,7 +106,9 @@ pub fn groups(scene: &Scene) -> Vec<Group> {
             ));
         }
     }
-    if let Some(Enclosure::Hemisphere { wall, .. }) = &scene.enclosure {
+    if let Some(Enclosure::Hemisphere { wall, .. } | Enclosure::Sphere { wall, .. }) =
+        &scene.enclosure
+    {
         out.push(
             Group::new(
                 "k τ² / m, shell",

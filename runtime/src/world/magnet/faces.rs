@@ -117,6 +117,35 @@ impl<R: Real> Faces<R> {
         Some(at)
     }
 
+    /// Captures a block by hand on a face that is on; `None`: it is off, or holds something.
+    pub fn plant(&mut self, site: Site, body: u32, tick: u64) -> Option<(Held<R>, Docking)> {
+        let at = (self.active)
+            .binary_search_by_key(&site, |on| on.site)
+            .ok()?;
+        let active = self.active.remove(at);
+        let orientation = Orientation::IDENTITY;
+        let (child_face, turn) = orientation.as_docked(active.parent, site.face)?;
+        let docking = Docking {
+            site,
+            child: body,
+            child_face,
+            turn,
+            entries: 1,
+            entered: tick,
+        };
+        let seat = active.seat;
+        self.holds.insert(site, body);
+        self.seen = false;
+        Some((
+            Held {
+                body,
+                seat,
+                orientation,
+            },
+            docking,
+        ))
+    }
+
     /// Switches a face off: what it held, if it held something.
     pub fn switch_off(&mut self, site: Site) -> Option<u32> {
         self.seen = false;
@@ -159,7 +188,7 @@ impl<R: Real> Faces<R> {
 
     /// Farther from the centre of a face than this, a block's centre is not in its reach \[side\].
     pub fn horizon(&self) -> R {
-        R::of((self.magnet.pull.within + INSIDE) * 1.001)
+        R::of((self.magnet.reach() + INSIDE) * 1.001)
     }
 
     /// Says which blocks may be in reach of an active face from now on, in rising order.
@@ -176,7 +205,7 @@ impl<R: Real> Faces<R> {
         }
         self.seen = true;
         self.sightings.clear();
-        let reach = R::of(self.magnet.pull.within);
+        let reach = R::of(self.magnet.reach());
         let far = self.horizon() * self.horizon();
         for (i, active) in self.active.iter_mut().enumerate() {
             let before = self.sightings.len();
@@ -214,7 +243,7 @@ impl<R: Real> Faces<R> {
                 let rotation = blocks.rotation(id);
                 push(
                     id,
-                    target.push(&sighting.near, position, rotation, &self.magnet),
+                    target.push(&sighting.near, position, rotation, &self.magnet, R::zero()),
                 );
             }
         }

@@ -5,7 +5,7 @@ use stochc_compiler::scene::Measure;
 
 use crate::orientation::Orientation;
 use crate::world::real::{Real, normal};
-use crate::world::terms::{Magnet, Pull};
+use crate::world::terms::{Attraction, Magnet, Passive, Pull, Suction};
 
 /// Below this distance \[side\] a pull has no direction.
 const COINCIDENT: f64 = 1e-6;
@@ -44,12 +44,16 @@ pub(crate) struct Push<R: Real> {
 impl<R: Real> Target<R> {
     /// Of the structure's face `face` of the block whose centre is `centre`.
     pub fn new(centre: Vector3<R>, face: Face) -> Target<R> {
-        let out = normal::<R>(face.normal());
-        let corners = corners(UnitQuaternion::identity(), face).map(|corner| centre + corner);
+        Target::turned(centre, UnitQuaternion::identity(), face)
+    }
+
+    /// Of the own face `face` of a block that may be turned anyhow.
+    pub fn turned(centre: Vector3<R>, rotation: UnitQuaternion<R>, face: Face) -> Target<R> {
+        let out = rotation * normal::<R>(face.normal());
         Target {
             centre: centre + out * R::of(0.5),
             normal: out,
-            corners,
+            corners: corners(rotation, face).map(|corner| centre + corner),
         }
     }
 
@@ -81,35 +85,74 @@ impl<R: Real> Target<R> {
         })
     }
 
-    /// What the magnet does to a block within its reach.
+    /// What the face does to a block within its reach.
+    ///
+    /// `drop` is the pressure drop on a face that draws fluid, as the acceleration of a block; 0 for others.
     pub fn push(
         &self,
         near: &Near<R>,
         position: Vector3<R>,
         rotation: UnitQuaternion<R>,
         magnet: &Magnet,
+        drop: R,
     ) -> Push<R> {
         let mut push = Push {
             linear: Vector3::zeros(),
             angular: Vector3::zeros(),
         };
-        let mut pull = |from: Vector3<R>, to: Vector3<R>, force: f64| {
+        let mut pull = |from: Vector3<R>, to: Vector3<R>, force: &dyn Fn(R) -> R| {
             let way = to - from;
             let length = way.norm();
             if length > R::of(COINCIDENT) {
-                let force = way * (R::of(force) / length);
+                let force = way * (force(length) / length);
                 push.linear += force;
                 push.angular += (from - position).cross(&force) * R::of(INVERSE_INERTIA);
             }
         };
-        pull(near.centre, self.centre, magnet.pull.force);
-        if let Some(Pull { force, within }) = magnet.align
-            && near.distance < R::of(within)
-        {
-            let own = corners(rotation, near.face).map(|corner| position + corner);
-            let turn = self.pairing(&own);
-            for (i, &corner) in own.iter().enumerate() {
-                pull(corner, self.counterpart(turn, i), force);
+        let own = || corners(rotation, near.face).map(|corner| position + corner);
+        match magnet.law {
+            Attraction::Switched {
+                pull: to_centre,
+                align,
+            } => {
+                let force = R::of(to_centre.force);
+                pull(near.centre, self.centre, &|_| force);
+                if let Some(Pull { force, within }) = align
+                    && near.distance < R::of(within)
+                {
+                    let (own, force) = (own(), R::of(force));
+                    let turn = self.pairing(&own);
+                    for (i, &corner) in own.iter().enumerate() {
+                        pull(corner, self.counterpart(turn, i), &|_| force);
+                    }
+                }
+            }
+            Attraction::Passive(Passive { hold, depth, .. }) => {
+                let half = |corner: Vector3<R>, centre: Vector3<R>| {
+                    centre + (corner - centre) * R::of(0.5)
+                };
+                let (hold, depth) = (R::of(hold / 4.0), R::of(depth));
+                let dipoles = |length: R| {
+                    let closeness = depth / (depth + length);
+                    let square = closeness * closeness;
+                    hold * square * square
+                };
+                let own = own();
+                let turn = self.pairing(&own);
+                for (i, &corner) in own.iter().enumerate() {
+                    let to = half(self.counterpart(turn, i), self.centre);
+                    pull(half(corner, near.centre), to, &dipoles);
+                }
+            }
+            Attraction::Suction(Suction { seal, .. }) => {
+                if near.distance < R::of(seal) {
+                    let own = own();
+                    let turn = self.pairing(&own);
+                    pull(near.centre, self.centre, &|_| drop * R::of(0.5));
+                    for (i, &corner) in own.iter().enumerate() {
+                        pull(corner, self.counterpart(turn, i), &|_| drop * R::of(0.125));
+                    }
+                }
             }
         }
         push

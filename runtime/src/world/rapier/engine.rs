@@ -13,7 +13,7 @@ use super::convert::{quat, vec3};
 use crate::settings::Settings;
 use crate::world::magnet::INVERSE_INERTIA;
 use crate::world::real::cast;
-use crate::world::terms::{Contact, Hemisphere, Terms};
+use crate::world::terms::{Contact, Shell, Terms};
 use crate::world::{BodyState, SceneError};
 
 /// Thickness of the ground \[side\]: so much that nothing is ever pushed out below it.
@@ -62,7 +62,7 @@ pub(super) fn engine(
         ..PhysicsWorld::default()
     });
     if let Some(contact) = contact {
-        let ground = ground(terms.hemisphere, plate);
+        let ground = ground(terms.shell, plate);
         engine.insert(
             RigidBodyBuilder::fixed().translation(Vec3::new(0.0, 0.0, -ground.z)),
             contact.of(ColliderBuilder::cuboid(ground.x, ground.y, ground.z)),
@@ -133,10 +133,10 @@ pub(super) fn ground_reach(radius: f64) -> f64 {
 ///
 /// A slab, because an endless plane would meet every block in every step. It reaches as far as
 /// the shell lets blocks go. Without an enclosure there is no floor, only the plate.
-fn ground(hemisphere: Option<Hemisphere>, plate: &Plate) -> Vector3<f32> {
-    match hemisphere {
-        Some(Hemisphere { radius, .. }) => {
-            let half = ground_reach(radius) as f32 + 1.0;
+fn ground(shell: Option<Shell>, plate: &Plate) -> Vector3<f32> {
+    match shell {
+        Some(Shell { radius, height, .. }) => {
+            let half = ground_reach(radius + height) as f32 + 1.0;
             Vector3::new(half, half, GROUND / 2.0)
         }
         None => Vector3::new(plate.width as f32 / 2.0, plate.depth as f32 / 2.0, 0.5),

@@ -119,12 +119,14 @@ impl Arena for RapierWorld {
         if settings.reduction.is_some() {
             return Err(cannot("term that can be left out"));
         }
-        let terms = Terms::new(scene)?;
+        let terms = Terms::new(scene, plate)?;
         terms.check(settings)?;
         let (engine, handles) = engine::engine(&terms, plate, settings, blocks)?;
         let limits = Limits::new(settings.substeps.max(1), terms.contact.is_some());
-        let limits = match (&terms.contact, terms.hemisphere) {
-            (Some(_), Some(shell)) => limits.within(engine::ground_reach(shell.radius)),
+        let limits = match (&terms.contact, terms.shell) {
+            (Some(_), Some(shell)) => {
+                limits.within(engine::ground_reach(shell.radius + shell.height))
+            }
             _ => limits,
         };
         Ok(RapierWorld {
@@ -182,6 +184,10 @@ impl Arena for RapierWorld {
         self.faces.iter().flat_map(Faces::in_reach).collect()
     }
 
+    fn groups(&self) -> Vec<Vec<u32>> {
+        Vec::new()
+    }
+
     fn centre(&self, cell: Cell) -> Vector3<f64> {
         self.seats.centre(cell)
     }
@@ -237,6 +243,15 @@ impl World for RapierWorld {
                 self.switch_off(Site { body, face });
             }
         }
+    }
+
+    fn plant(&mut self, site: Site) -> Option<Docking> {
+        self.magnetize(site);
+        let free = |&id: &u32| self.blocks.0[id as usize].anchored.is_none();
+        let id = (0..self.count()).rev().find(free)?;
+        let (held, docking) = self.faces.as_mut()?.plant(site, id, self.tick)?;
+        self.hold(held);
+        Some(docking)
     }
 
     fn step(&mut self, dockings: &mut Vec<Docking>) -> Result<(), Fault> {

@@ -20,12 +20,13 @@ impl RapierWorld {
             if block.anchored.is_some() {
                 continue;
             }
-            if let Some(shell) = self.terms.hemisphere {
-                let distance = block.position.norm();
+            if let Some(shell) = self.terms.shell {
+                let way = block.position - Vector3::z() * shell.height as f32;
+                let distance = way.norm();
                 let depth = distance - shell.radius as f32;
                 if depth > 0.0 {
                     let stiffness = shell.stiffness as f32;
-                    block.velocity -= block.position * (stiffness * depth / distance * dt);
+                    block.velocity -= way * (stiffness * depth / distance * dt);
                 }
             }
             if let Some(((low, high), step)) = &mut draws {

@@ -5,7 +5,7 @@ use super::bodies::Bodies;
 use super::lanes::{LANES, Lane, Wide};
 use crate::draw::{Step, WORDS};
 use crate::world::limits::Limits;
-use crate::world::terms::{Hemisphere, Kicks, built};
+use crate::world::terms::{self, Kicks, built};
 
 /// Groups of blocks after which speeds and distances are looked at.
 const CHECKED: usize = 8;
@@ -22,15 +22,23 @@ pub(super) struct Flight<R: Lane> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Shell<R> {
     radius: R,
+    /// Of its centre.
+    height: R,
     /// Change of velocity per depth in a substep.
     pull: R,
 }
 
 impl<R: Lane> Flight<R> {
-    pub fn new(shell: Option<Hemisphere>, drag: Option<f64>, limits: Limits, dt: f64) -> Flight<R> {
+    pub fn new(
+        shell: Option<terms::Shell>,
+        drag: Option<f64>,
+        limits: Limits,
+        dt: f64,
+    ) -> Flight<R> {
         Flight {
             shell: shell.map(|shell| Shell {
                 radius: R::of(shell.radius),
+                height: R::of(shell.height),
                 pull: R::of(shell.stiffness * dt),
             }),
             drag: drag.map(|rate| R::of(libm::exp(-rate * dt))),
@@ -95,6 +103,7 @@ impl<R: Lane> Flight<R> {
         let kick = kicks.unwrap_or(Kick::none());
         let shell = self.shell.unwrap_or(Shell {
             radius: R::zero(),
+            height: R::zero(),
             pull: R::zero(),
         });
         let drag = self.drag.unwrap_or(R::one());
@@ -128,9 +137,10 @@ impl<R: Lane> Flight<R> {
                 let mut v = [load(&vx[group]), load(&vy[group]), load(&vz[group])];
                 let mobility = load(&mobility[group]);
                 if SHELL {
-                    let by = shell.factor(&x) * mobility;
+                    let way = [x[0], x[1], x[2] - R::Wide::splat(shell.height)];
+                    let by = shell.factor(&way) * mobility;
                     for axis in 0..3 {
-                        v[axis] -= x[axis] * by;
+                        v[axis] -= way[axis] * by;
                     }
                 }
                 if KICKS {
@@ -165,16 +175,17 @@ fn square<R: Lane>([x, y, z]: &[R::Wide; 3]) -> R::Wide {
 impl<R: Lane> Shell<R> {
     /// Half of what the velocity of a block there is changed by in a substep.
     pub fn half_push(&self, place: Vector3<R>) -> Vector3<R> {
-        let distance = place.norm();
+        let way = place - Vector3::z() * self.height;
+        let distance = way.norm();
         let depth = distance - self.radius;
         if depth > R::zero() {
-            place * (-self.pull * depth / distance * R::of(0.5))
+            way * (-self.pull * depth / distance * R::of(0.5))
         } else {
             Vector3::zeros()
         }
     }
 
-    /// What the velocity changes by, per distance from the origin and inward.
+    /// What the velocity changes by, per distance from the centre and inward.
     #[inline(always)]
     fn factor(&self, x: &[R::Wide; 3]) -> R::Wide {
         let distance = square::<R>(x).sqrt();

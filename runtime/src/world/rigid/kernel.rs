@@ -89,11 +89,7 @@ impl<R: Lane> Kernel<R> {
                 ..contact
             };
             Contacts {
-                shape: Shape::new(
-                    terms.hemisphere.is_some(),
-                    plate,
-                    without(Reduction::Spheres),
-                ),
+                shape: Shape::new(terms.shell.is_some(), plate, without(Reduction::Spheres)),
                 solver: Solver::new(&contact, blocks.len(), rounds, turns),
                 mutual: !without(Reduction::NoBlockContact),
                 close: Vec::new(),
@@ -102,8 +98,8 @@ impl<R: Lane> Kernel<R> {
         let faces = terms.bond.map(Faces::new);
         let neighbours = (contacts.is_some() || faces.is_some()).then(|| {
             let farthest = blocks.iter().map(|b| b.position.amax()).fold(0.0, f64::max);
-            let (span, floor) = match terms.hemisphere {
-                Some(shell) => (shell.radius, 0.0),
+            let (span, floor) = match terms.shell {
+                Some(shell) => (shell.radius + shell.height, 0.0),
                 None => (farthest, -farthest),
             };
             Neighbours::new(blocks.len(), span + 2.0, floor, skin(substeps))
@@ -112,7 +108,7 @@ impl<R: Lane> Kernel<R> {
             tick: 0,
             substeps,
             bodies: Bodies::new(blocks, R::of(dt)),
-            flight: Flight::new(terms.hemisphere, terms.drag, limits, dt),
+            flight: Flight::new(terms.shell, terms.drag, limits, dt),
             kicks: terms
                 .kicks
                 .map(|kicks| (kicks, Draws::new(seed, run, Stream::Kick))),
@@ -162,6 +158,10 @@ impl<R: Lane> Kernel<R> {
         self.faces.iter().flat_map(Faces::in_reach).collect()
     }
 
+    pub fn groups(&self) -> Vec<Vec<u32>> {
+        Vec::new()
+    }
+
     pub fn centre(&self, cell: Cell) -> Vector3<f64> {
         self.seats.centre(cell)
     }
@@ -182,6 +182,15 @@ impl<R: Lane> Kernel<R> {
         {
             (self.stale, self.blind) = (true, true);
         }
+    }
+
+    pub fn plant(&mut self, site: Site) -> Option<Docking> {
+        self.magnetize(site);
+        let id = (0..self.count()).rev().find(|&i| self.bodies.is_free(i))? as u32;
+        let (held, docking) = self.faces.as_mut()?.plant(site, id, self.tick)?;
+        (self.bodies).anchor(id as usize, held.seat, held.orientation);
+        self.disturb();
+        Some(docking)
     }
 
     pub fn switch_off(&mut self, site: Site) {

@@ -58,7 +58,7 @@ impl Arena for RigidWorld {
         run: u64,
         blocks: &[BodyState],
     ) -> Result<RigidWorld, SceneError> {
-        let terms = Terms::new(scene)?;
+        let terms = Terms::new(scene, plate)?;
         terms.check(settings)?;
         Ok(RigidWorld(match settings.precision {
             Precision::Single => Inner::Single(Box::new(Kernel::new(
@@ -90,6 +90,10 @@ impl Arena for RigidWorld {
         either!(&self.0, kernel => kernel.active())
     }
 
+    fn groups(&self) -> Vec<Vec<u32>> {
+        either!(&self.0, kernel => kernel.groups())
+    }
+
     fn in_reach(&self) -> Vec<(Site, u32, u64)> {
         either!(&self.0, kernel => kernel.in_reach())
     }
@@ -110,6 +114,10 @@ impl World for RigidWorld {
 
     fn switch_off(&mut self, site: Site) {
         either!(&mut self.0, kernel => kernel.switch_off(site));
+    }
+
+    fn plant(&mut self, site: Site) -> Option<Docking> {
+        either!(&mut self.0, kernel => kernel.plant(site))
     }
 
     fn step(&mut self, dockings: &mut Vec<Docking>) -> Result<(), Fault> {

@@ -1,0 +1,195 @@
+//! The clauses of what is around the blocks: `fluid`, `flow` and `agitation`.
+use stochc_grammar::tree::Name;
+
+use super::super::units::Dimension;
+use super::super::{Agitation, Flow, Fluid, Jets, Stir, Strength, Turbulence};
+use super::{Draft, Reader};
+use crate::finding::{Code, Finding, tell};
+
+impl Reader<'_, '_> {
+    /// `{ density 920 kg/m^3  viscosity 60 mPa s }`, one of them at least
+    pub(super) fn fluid(&mut self, clause: Name) -> Option<Fluid> {
+        let before = self.findings.len();
+        let (mut density, mut viscosity) = (None, None);
+        self.fields(
+            clause,
+            &["density", "viscosity"],
+            &[],
+            |r, field| match field {
+                "density" => density = r.positive(Dimension::DENSITY),
+                _ => viscosity = r.positive(Dimension::VISCOSITY),
+            },
+        );
+        if density.is_none() && viscosity.is_none() {
+            if self.findings.len() == before {
+                let finding = self.without(clause, "viscosity");
+                tell(
+                    self.findings,
+                    finding.help("add it, or `density`: a fluid with neither does nothing"),
+                );
+            }
+            return None;
+        }
+        Some(Fluid { density, viscosity })
+    }
+
+    /// `stir { radius 8.5cm  rate 0.455 rev/s  force 0.795 N  follow 30% }`, or
+    /// `jets { count 5  flow 94.5 L/min  nozzle 2cm }`
+    pub(super) fn flow(&mut self, clause: Name) -> Option<Flow> {
+        if self.kind(&["stir", "jets"], "flow")? == "jets" {
+            let (mut count, mut flow, mut nozzle) = (None, None, None);
+            let all = ["count", "flow", "nozzle"];
+            self.fields(clause, &all, &all, |r, field| match field {
+                "count" => count = r.count(1, 64),
+                "flow" => flow = r.positive(Dimension::FLOW),
+                _ => nozzle = r.positive(Dimension::LENGTH),
+            });
+            return Some(Flow::Jets(Jets {
+                count: count? as u8,
+                flow: flow?,
+                nozzle: nozzle?,
+            }));
+        }
+        let (mut radius, mut rate, mut force, mut follow) = (None, None, None, None);
+        let all = ["radius", "rate", "force", "follow"];
+        let needed = ["radius", "rate", "follow"];
+        self.fields(clause, &all, &needed, |r, field| match field {
+            "radius" => radius = r.positive(Dimension::LENGTH),
+            "rate" => rate = r.between(Dimension::RATE, 0.0, f64::MAX),
+            "force" => force = r.positive(Dimension::FORCE),
+            _ => follow = r.between(Dimension::NUMBER, 0.0, 1.0),
+        });
+        Some(Flow::Stir(Stir {
+            radius: radius?,
+            rate: rate?,
+            force,
+            follow: follow?,
+        }))
+    }
+
+    /// `kicks { ... }`, `turbulence { ... }` or `brownian { ... }`
+    pub(super) fn agitation(&mut self, clause: Name) -> Option<Agitation> {
+        match self.kind(&["kicks", "turbulence", "brownian"], "agitation")? {
+            "kicks" => {
+                let mut speed = None;
+                self.fields(clause, &["speed"], &["speed"], |r, _| {
+                    speed = r.range(Dimension::SPEED);
+                });
+                speed.map(|speed| Agitation::Kicks { speed })
+            }
+            "brownian" => {
+                let mut temperature = None;
+                self.fields(clause, &["temperature"], &["temperature"], |r, _| {
+                    temperature = r.positive(Dimension::TEMPERATURE);
+                });
+                temperature.map(|temperature| Agitation::Brownian { temperature })
+            }
+            _ => self.turbulence(clause),
+        }
+    }
+
+    /// `{ speed 4 cm/s  length 8cm  time 0.5 s  vertical 50% }`, or `intensity 20%` instead of a speed
+    fn turbulence(&mut self, clause: Name) -> Option<Agitation> {
+        let (mut speed, mut intensity, mut length, mut time, mut vertical) =
+            (None, None, None, None, None);
+        let all = ["speed", "intensity", "length", "time", "vertical"];
+        let before = self.findings.len();
+        self.fields(clause, &all, &["length"], |r, field| {
+            let place = r.place;
+            match field {
+                "speed" => speed = Some((place, r.positive(Dimension::SPEED))),
+                "intensity" => {
+                    intensity = Some((place, r.between(Dimension::NUMBER, 0.0, f64::MAX)));
+                }
+                "length" => length = r.positive(Dimension::LENGTH),
+                "time" => time = r.positive(Dimension::TIME),
+                _ => vertical = r.between(Dimension::NUMBER, 0.01, 100.0),
+            }
+        });
+        let strength = match (speed, intensity) {
+            (Some((speed, _)), Some((intensity, _))) => {
+                let title = "turbulence with a speed and an intensity";
+                let finding = Finding::new(Code::ConflictingTerms, title)
+                    .label(self.site(intensity), "a part of the speed of the flow")
+                    .label(self.site(speed), "a speed of its own")
+                    .help("remove one of the two");
+                tell(self.findings, finding);
+                return None;
+            }
+            (Some((_, speed)), None) => Strength::Speed(speed?),
+            (None, Some((_, intensity))) => Strength::Intensity(intensity?),
+            (None, None) => {
+                if self.findings.len() == before {
+                    let finding = self.without(clause, "speed");
+                    let help = "add it, or `intensity` as a part of the speed of a `flow`";
+                    tell(self.findings, finding.help(help));
+                }
+                return None;
+            }
+        };
+        Some(Agitation::Turbulence(Turbulence {
+            strength,
+            length: length?,
+            time,
+            vertical: vertical.unwrap_or(1.0),
+        }))
+    }
+
+    /// Whether what moves the fluid has a fluid to move.
+    pub(super) fn medium(&mut self, draft: &Draft, seen: &[Name]) {
+        let viscosity = draft.fluid.as_ref().and_then(|fluid| fluid.viscosity);
+        let symbols = self.symbols;
+        let said =
+            |clause: &str| (seen.iter().find(|name| symbols.word(name.symbol) == clause)).copied();
+        let (fluid, flow) = (
+            (said("fluid"), draft.fluid.is_none()),
+            (said("flow"), draft.flow.is_none()),
+        );
+        // A clause that is there but wrong has been told of.
+        let lacks = |(said, none): (Option<Name>, bool)| none && said.is_none();
+        let mut wrong: Vec<(&str, &str, &str, &str)> = Vec::new();
+        match &draft.agitation {
+            Some(Agitation::Brownian { .. }) if viscosity.is_none() && (lacks(fluid) || draft.fluid.is_some()) => {
+                wrong.push((
+                    "agitation",
+                    "Brownian motion without a viscous fluid",
+                    "the molecules of what?",
+                    "add `fluid { viscosity 1 mPa s }`, whose drag the fluctuations balance",
+                ));
+            }
+            Some(Agitation::Turbulence(_)) if lacks(fluid) => wrong.push((
+                "agitation",
+                "turbulence without a fluid",
+                "moves nothing",
+                "add `fluid { density 1000 kg/m^3  viscosity 1 mPa s }`, which takes the blocks along",
+            )),
+            Some(Agitation::Turbulence(Turbulence { strength: Strength::Intensity(_), .. })) if lacks(flow) => {
+                wrong.push((
+                    "agitation",
+                    "an intensity of turbulence without a flow",
+                    "a part of which speed?",
+                    "add a `flow`, or say `speed` instead of `intensity`",
+                ));
+            }
+            _ => {}
+        }
+        if draft.flow.is_some() && lacks(fluid) {
+            wrong.push((
+                "flow",
+                "a flow without a fluid",
+                "moves nothing",
+                "add `fluid { density 1000 kg/m^3  viscosity 1 mPa s }`, which takes the blocks along",
+            ));
+        }
+        for (clause, title, label, help) in wrong {
+            let span = said(clause).map_or(self.place, |name| name.span);
+            self.tell(
+                Code::MissingTerm,
+                title.to_owned(),
+                span,
+                label,
+                help.to_owned(),
+            );
+        }
+    }
+}
