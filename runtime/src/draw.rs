@@ -22,6 +22,10 @@ pub enum Stream {
     Loss = 2,
     /// Exploration by chance: which of the possible steps is made.
     Schedule = 3,
+    /// Turbulence: the amplitudes of one wave in one tick.
+    Eddy = 4,
+    /// Brownian motion: two blocks of words for one block of the scene in one step of the model.
+    Heat = 5,
 }
 
 /// The draws of one stream of one run.
@@ -82,6 +86,17 @@ impl Step<'_> {
 /// A number in the open interval (0, 1), evenly spread: `word` is the midpoint of one of 2^32 bins.
 pub fn unit(word: u32) -> f64 {
     (f64::from(word) + 0.5) / 4_294_967_296.0
+}
+
+/// Four independent numbers of mean 0 and variance 1, normally distributed (G. E. P. Box and M. E. Muller 1958).
+pub fn gaussians(words: [u32; WORDS as usize]) -> [f64; 4] {
+    let pair = |radius: u32, angle: u32| {
+        let radius = (-2.0 * libm::log(unit(radius))).sqrt();
+        let (sin, cos) = libm::sincos(std::f64::consts::TAU * unit(angle));
+        (radius * cos, radius * sin)
+    };
+    let ((a, b), (c, d)) = (pair(words[0], words[1]), pair(words[2], words[3]));
+    [a, b, c, d]
 }
 
 /// One of `0..n`, each within 2^-32 of equally likely.

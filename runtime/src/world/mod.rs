@@ -1,5 +1,8 @@
 //! Where free blocks move, and what the control of a structure can do to them.
+mod ambient;
 mod error;
+mod free_bonds;
+mod groups;
 pub(crate) mod lattice;
 mod limits;
 mod magnet;

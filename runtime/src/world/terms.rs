@@ -171,6 +171,20 @@ pub(crate) struct Suction {
     pub seal: f64,
 }
 
+impl Contact {
+    /// Its law where a force leaves only this part of its effect in a step: what drag takes is not there to
+    /// be parted.
+    pub fn law_with(&self, response: f64) -> ContactLaw {
+        match self.law {
+            ContactLaw::Rigid { restitution } => ContactLaw::Rigid { restitution },
+            ContactLaw::Compliant { stiffness, damping } => ContactLaw::Compliant {
+                stiffness: stiffness * response,
+                damping: damping * response,
+            },
+        }
+    }
+}
+
 impl Magnet {
     /// Beyond this distance between the centres of two faces, nothing is felt \[side\].
     pub fn reach(&self) -> f64 {

@@ -3,11 +3,14 @@ use std::collections::BTreeMap;
 
 use nalgebra::{UnitQuaternion, Vector3};
 
+use super::hydraulics::Pressures;
+use super::placed::Placed;
 use super::target::{Near, Push, Target, best_turn};
 use crate::orientation::Orientation;
-use crate::world::real::{Real, normal};
-use crate::world::terms::Magnet;
-use crate::world::{Docking, Site};
+use crate::world::ambient::Sink;
+use crate::world::real::{Real, cast, normal};
+use crate::world::terms::{Attraction, Magnet, Suction};
+use crate::world::{Body, Docking, Site};
 
 /// From the centre of a block to its faces \[side\].
 const INSIDE: f64 = 0.5;
@@ -32,6 +35,20 @@ pub(crate) struct Faces<R: Real> {
     sightings: Vec<Sighting<R>>,
     /// Whether the sightings are those of the blocks' present places.
     seen: bool,
+    /// Where all blocks of the structure sit whose faces attract by themselves.
+    placed: Placed<R>,
+    /// Blocks that a face has rejected, and that still are where it would anchor them.
+    rejected: Vec<(Site, u32)>,
+    /// In the chambers of the blocks, if faces draw fluid; `None`: not known yet.
+    pressures: Option<Pressures>,
+}
+
+/// A block that a face lets go.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Release<R: Real> {
+    pub body: u32,
+    /// What it leaves with.
+    pub velocity: Vector3<R>,
 }
 
 /// A face that is on and holds nothing.
@@ -93,28 +110,57 @@ impl<R: Real> Faces<R> {
             holds: BTreeMap::new(),
             sightings: Vec::new(),
             seen: false,
+            placed: Placed::default(),
+            rejected: Vec::new(),
+            pressures: None,
         }
     }
 
-    /// Switches a face on, unless it is or holds something; the block it belongs to is at `centre`.
+    /// Switches a face on, unless it is or holds something; the block it belongs to is at `centre`. Where all
+    /// faces attract by themselves, those of the block do from now on.
     ///
-    /// The index of the face, if it is new: see [`Faces::set_nearby`].
-    pub fn magnetize(
-        &mut self,
-        site: Site,
-        centre: Vector3<R>,
-        parent: Orientation,
-    ) -> Option<usize> {
-        if self.holds.contains_key(&site) {
-            return None;
+    /// Whether faces are on that were not: see [`Faces::set_nearby`].
+    pub fn magnetize(&mut self, site: Site, centre: Vector3<R>, parent: Orientation) -> bool {
+        if let Attraction::Passive(_) = self.magnet.law {
+            self.placed.insert(site.body, centre, parent);
+            return self.expose();
         }
-        let at = self
-            .active
-            .binary_search_by_key(&site, |on| on.site)
-            .err()?;
+        if self.holds.contains_key(&site) {
+            return false;
+        }
+        let Err(at) = self.active.binary_search_by_key(&site, |on| on.site) else {
+            return false;
+        };
         self.active.insert(at, Active::new(site, centre, parent));
+        self.change();
+        true
+    }
+
+    /// Which faces are on has changed, or which hold something.
+    fn change(&mut self) {
         self.seen = false;
-        Some(at)
+        self.pressures = None;
+    }
+
+    /// Has all faces on that attract by themselves and have a free cell before them; whether some were not.
+    fn expose(&mut self) -> bool {
+        self.change();
+        let mut old = std::mem::take(&mut self.active);
+        let mut is_new = false;
+        for (site, centre, parent) in self.placed.open_faces() {
+            if self.holds.contains_key(&site) {
+                continue;
+            }
+            // Both lists are in the order of sites.
+            match old.binary_search_by_key(&site, |on| on.site) {
+                Ok(at) => self.active.push(old.remove(at)),
+                Err(_) => {
+                    is_new = true;
+                    self.active.push(Active::new(site, centre, parent));
+                }
+            }
+        }
+        is_new
     }
 
     /// Captures a block by hand on a face that is on; `None`: it is off, or holds something.
@@ -134,25 +180,72 @@ impl<R: Real> Faces<R> {
             entered: tick,
         };
         let seat = active.seat;
-        self.holds.insert(site, body);
-        self.seen = false;
-        Some((
-            Held {
-                body,
-                seat,
-                orientation,
-            },
-            docking,
-        ))
+        let held = Held {
+            body,
+            seat,
+            orientation,
+        };
+        self.hold(site, &held);
+        Some((held, docking))
     }
 
-    /// Switches a face off: what it held, if it held something.
-    pub fn switch_off(&mut self, site: Site) -> Option<u32> {
-        self.seen = false;
-        if let Ok(at) = self.active.binary_search_by_key(&site, |on| on.site) {
-            self.active.remove(at);
+    /// A face holds a block from now on.
+    fn hold(&mut self, site: Site, held: &Held<R>) {
+        self.holds.insert(site, held.body);
+        self.change();
+        if let Attraction::Passive(_) = self.magnet.law {
+            let body = Body::Free(held.body);
+            self.placed.insert(body, held.seat, held.orientation);
+            self.expose();
         }
-        self.holds.remove(&site)
+    }
+
+    /// Switches a face off: what it held, if it held something. A face that attracts by itself stays on, and
+    /// rejects what it held.
+    pub fn switch_off(&mut self, site: Site) -> Option<Release<R>> {
+        self.change();
+        let Attraction::Passive(passive) = self.magnet.law else {
+            if let Ok(at) = self.active.binary_search_by_key(&site, |on| on.site) {
+                self.active.remove(at);
+            }
+            return Some(Release {
+                body: self.holds.remove(&site)?,
+                velocity: Vector3::zeros(),
+            });
+        };
+        let body = self.holds.remove(&site)?;
+        self.placed.remove(Body::Free(body));
+        let out = self.placed.outward(site);
+        self.rejected.push((site, body));
+        self.expose();
+        Some(Release {
+            body,
+            velocity: out * R::of(passive.impulse),
+        })
+    }
+
+    /// The faces that draw fluid.
+    pub fn sinks(&mut self) -> Vec<Sink> {
+        let Attraction::Suction(suction) = self.magnet.law else {
+            return Vec::new();
+        };
+        let pressures = self.pressures(&suction);
+        let flows: Vec<f64> = (self.active.iter())
+            .map(|active| pressures.at(active.site.body) / suction.valve)
+            .collect();
+        let sink = |(active, flow): (&Active<R>, f64)| Sink {
+            centre: cast(active.target.centre),
+            normal: cast(active.target.normal),
+            flow,
+        };
+        self.active.iter().zip(flows).map(sink).collect()
+    }
+
+    fn pressures(&mut self, suction: &Suction) -> Pressures {
+        let open = self.active.iter().map(|active| active.site);
+        let holds = &self.holds;
+        let solve = || Pressures::of(suction, open, holds);
+        self.pressures.get_or_insert_with(solve).clone()
     }
 
     /// The blocks have been moved by something other than a step.
@@ -198,6 +291,13 @@ impl<R: Real> Faces<R> {
         list.extend(nearby);
     }
 
+    /// Any of so many blocks may be in reach of any face.
+    pub fn set_nearby_all(&mut self, count: u32) {
+        for active in 0..self.count() {
+            self.set_nearby(active, 0..count);
+        }
+    }
+
     /// Finds who is in reach of what, and counts entries as of `tick`.
     pub fn survey(&mut self, tick: u64, blocks: &mut impl Cloud<R>) {
         if self.seen {
@@ -235,15 +335,24 @@ impl<R: Real> Faces<R> {
     }
 
     /// What the magnets do to the blocks in reach, in the order of faces and numbers.
-    pub fn pull(&self, blocks: &mut impl Cloud<R>, mut push: impl FnMut(u32, Push<R>)) {
+    pub fn pull(&mut self, blocks: &mut impl Cloud<R>, mut push: impl FnMut(u32, Push<R>)) {
+        let pressures = match self.magnet.law {
+            Attraction::Suction(suction) => Some(self.pressures(&suction)),
+            _ => None,
+        };
+        let drop = |site: Site| {
+            let drop = pressures.as_ref().map(|pressures| pressures.at(site.body));
+            R::of(drop.unwrap_or(0.0))
+        };
         for sighting in &self.sightings {
             let id = sighting.body;
             if let Some(position) = blocks.position(id) {
-                let target = &self.active[sighting.active].target;
-                let rotation = blocks.rotation(id);
+                let Active { target, site, .. } = &self.active[sighting.active];
+                let (rotation, drop) = (blocks.rotation(id), drop(*site));
+                let near = &sighting.near;
                 push(
                     id,
-                    target.push(&sighting.near, position, rotation, &self.magnet, R::zero()),
+                    target.push(near, position, rotation, &self.magnet, drop),
                 );
             }
         }
@@ -269,6 +378,14 @@ impl<R: Real> Faces<R> {
                 ready.push(*sighting);
             }
         }
+        if !self.rejected.is_empty() {
+            let active = &self.active;
+            let is = |s: &Sighting<R>, (site, body): (Site, u32)| {
+                s.body == body && active[s.active].site == site
+            };
+            (self.rejected).retain(|&pair| ready.iter().any(|s| is(s, pair)));
+            ready.retain(|s| !self.rejected.iter().any(|&pair| is(s, pair)));
+        }
         if ready.is_empty() {
             return;
         }
@@ -284,6 +401,7 @@ impl<R: Real> Faces<R> {
         });
         let mut taken: Vec<Site> = Vec::new();
         let mut anchored: Vec<u32> = Vec::new();
+        let mut docked = Vec::new();
         for sighting in ready {
             let active = &self.active[sighting.active];
             if anchored.contains(&sighting.body) || taken.contains(&active.site) {
@@ -311,9 +429,12 @@ impl<R: Real> Faces<R> {
                 seat: active.seat,
                 orientation,
             };
-            self.holds.insert(active.site, sighting.body);
-            hold(held, docking);
+            docked.push((held, docking));
         }
         self.active.retain(|active| !taken.contains(&active.site));
+        for (held, docking) in docked {
+            self.hold(docking.site, &held);
+            hold(held, docking);
+        }
     }
 }

@@ -1,6 +1,9 @@
 //! Magnetized faces: the same in every world of rigid blocks.
 mod faces;
+mod hydraulics;
+pub(crate) mod pairs;
+mod placed;
 mod target;
 
-pub(crate) use faces::{Cloud, Faces, Held};
+pub(crate) use faces::{Cloud, Faces, Held, Release};
 pub(crate) use target::INVERSE_INERTIA;

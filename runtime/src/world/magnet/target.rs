@@ -64,25 +64,36 @@ impl<R: Real> Target<R> {
         rotation: UnitQuaternion<R>,
         reach: R,
     ) -> Option<Near<R>> {
-        let own = rotation.inverse_transform_vector(&(self.centre - position));
+        let face = Target::facing(position, rotation, self.centre);
+        let near = self.at(position, rotation, face);
+        let distance = near.distance;
+        // Not a number must not pass either.
+        (distance < reach).then_some(near)
+    }
+
+    /// A face of a block, seen from here.
+    pub fn at(&self, position: Vector3<R>, rotation: UnitQuaternion<R>, face: Face) -> Near<R> {
+        let centre = position + rotation * (normal::<R>(face.normal()) * R::of(0.5));
+        Near {
+            face,
+            centre,
+            distance: (self.centre - centre).norm(),
+        }
+    }
+
+    /// The face of a block that points most towards a place.
+    pub fn facing(position: Vector3<R>, rotation: UnitQuaternion<R>, to: Vector3<R>) -> Face {
+        let own = rotation.inverse_transform_vector(&(to - position));
         let size = own.abs();
         let positive = |axis: usize| own[axis] >= R::zero();
         let pick = |axis, up, down| if positive(axis) { up } else { down };
-        let face = if size.x >= size.y && size.x >= size.z {
+        if size.x >= size.y && size.x >= size.z {
             pick(0, Face::East, Face::West)
         } else if size.y >= size.z {
             pick(1, Face::North, Face::South)
         } else {
             pick(2, Face::Up, Face::Down)
-        };
-        let centre = position + rotation * (normal::<R>(face.normal()) * R::of(0.5));
-        let distance = (self.centre - centre).norm();
-        // Not a number must not pass either.
-        (distance < reach).then_some(Near {
-            face,
-            centre,
-            distance,
-        })
+        }
     }
 
     /// What the face does to a block within its reach.

@@ -13,6 +13,7 @@
 mod convert;
 mod engine;
 mod fault;
+mod joints;
 mod push;
 
 use nalgebra::{UnitQuaternion, Vector3};
@@ -23,8 +24,12 @@ use stochc_compiler::scene::Scene;
 use stochc_compiler::table::Plate;
 use stochc_compiler::{Cell, Face};
 
+use super::ambient::{Ambient, Motion, Response};
+use super::free_bonds::FreeBonds;
+use super::groups::Flock;
 use super::limits::Limits;
-use super::magnet::{Cloud, Faces, Held};
+use super::magnet::pairs::Pose;
+use super::magnet::{Cloud, Faces, Held, Release};
 use super::plate::Seats;
 use super::real::cast;
 use super::terms::Terms;
@@ -33,6 +38,7 @@ use crate::draw::{Draws, Stream};
 use crate::orientation::Orientation;
 use crate::settings::{Precision, Settings};
 use convert::{quat, vec3};
+use joints::Joints;
 
 /// A world of rigid cubes.
 pub struct RapierWorld {
@@ -45,6 +51,15 @@ pub struct RapierWorld {
     blocks: Blocks,
     seats: Seats,
     faces: Option<Faces<f32>>,
+    /// `None` where nothing is around the blocks.
+    ambient: Option<Ambient>,
+    /// `None` where free blocks do not bond to each other.
+    free_bonds: Option<FreeBonds>,
+    /// The free blocks, kept to be used again.
+    free: Vec<u32>,
+    joints: Joints,
+    /// Steps that have been made.
+    steps: u64,
     limits: Limits,
 }
 
@@ -59,6 +74,8 @@ struct Block {
     spin: Vector3<f32>,
     /// How it sits in the structure; `None`: it is free.
     anchored: Option<Orientation>,
+    /// The engine does not know its place yet.
+    moved: bool,
 }
 
 impl RapierWorld {
@@ -83,19 +100,81 @@ impl RapierWorld {
             velocity: Vector3::zeros(),
             spin: Vector3::zeros(),
             anchored: Some(held.orientation),
+            moved: false,
         };
         let body = &mut self.engine.bodies[self.handles[held.body as usize]];
         body.set_body_type(RigidBodyType::Fixed, false);
         body.set_position(Pose3::from_parts(vec3(held.seat), quat(rotation)), false);
     }
 
-    /// Sets a block free, at rest.
-    fn release(&mut self, id: u32) {
-        self.blocks.0[id as usize].anchored = None;
+    /// Sets a block free.
+    fn release(&mut self, id: u32, velocity: Vector3<f32>) {
+        let block = &mut self.blocks.0[id as usize];
+        (block.anchored, block.velocity) = (None, velocity);
         let body = &mut self.engine.bodies[self.handles[id as usize]];
         body.set_body_type(RigidBodyType::Dynamic, false);
-        body.set_linvel(Vec3::ZERO, false);
+        body.set_linvel(vec3(velocity), false);
         body.set_angvel(Vec3::ZERO, false);
+    }
+
+    /// What free blocks do to each other from afar, and what becomes of groups.
+    fn settle(&mut self, dt: f64, response: Response) {
+        let Some(bonds) = &mut self.free_bonds else {
+            return;
+        };
+        self.blocks.list_free(&mut self.free);
+        bonds.pull(&self.free, &mut self.blocks, dt, response);
+        bonds.settle(&mut self.blocks, dt, response);
+        self.joints
+            .follow(&mut self.engine, &self.handles, bonds.groups.bonds());
+    }
+}
+
+impl Flock for Blocks {
+    fn pose(&mut self, id: u32) -> Pose {
+        let block = &self.0[id as usize];
+        Pose {
+            position: cast(block.position),
+            rotation: convert::double(block.rotation),
+        }
+    }
+
+    fn motion(&self, id: u32) -> Motion {
+        let block = &self.0[id as usize];
+        Motion {
+            position: cast(block.position),
+            velocity: cast(block.velocity),
+            spin: cast(block.spin),
+        }
+    }
+
+    fn set_pose(&mut self, id: u32, pose: &Pose) {
+        let block = &mut self.0[id as usize];
+        (block.position, block.rotation) = (cast(pose.position), pose.rotation.cast());
+        block.moved = true;
+    }
+
+    fn set_velocity(&mut self, id: u32, velocity: Vector3<f64>, spin: Vector3<f64>) {
+        let block = &mut self.0[id as usize];
+        (block.velocity, block.spin) = (cast(velocity), cast(spin));
+    }
+}
+
+impl Blocks {
+    /// Tells the engine of the blocks that have been moved by something else.
+    fn show_moved(&mut self, engine: &mut PhysicsWorld, handles: &[RigidBodyHandle]) {
+        for (block, &handle) in self.0.iter_mut().zip(handles) {
+            if std::mem::take(&mut block.moved) {
+                let pose = Pose3::from_parts(vec3(block.position), quat(block.rotation));
+                engine.bodies[handle].set_position(pose, false);
+            }
+        }
+    }
+
+    fn list_free(&self, free: &mut Vec<u32>) {
+        free.clear();
+        let is_free = |id: &u32| self.0[*id as usize].anchored.is_none();
+        free.extend((0..self.0.len() as u32).filter(is_free));
     }
 }
 
@@ -133,6 +212,11 @@ impl Arena for RapierWorld {
             tick: 0,
             substeps: settings.substeps.max(1),
             faces: terms.bond.map(Faces::new),
+            ambient: Ambient::new(&terms, settings.substeps.max(1), seed, run),
+            free_bonds: terms.bond.as_ref().and_then(FreeBonds::new),
+            free: Vec::new(),
+            joints: Joints::default(),
+            steps: 0,
             terms,
             kicks: Draws::new(seed, run, Stream::Kick),
             engine,
@@ -185,7 +269,8 @@ impl Arena for RapierWorld {
     }
 
     fn groups(&self) -> Vec<Vec<u32>> {
-        Vec::new()
+        let groups = self.free_bonds.as_ref().map(|bonds| bonds.groups.list());
+        groups.unwrap_or_default()
     }
 
     fn centre(&self, cell: Cell) -> Vector3<f64> {
@@ -201,6 +286,7 @@ impl Block {
             velocity: cast(state.velocity),
             spin: cast(state.spin),
             anchored: None,
+            moved: false,
         }
     }
 }
@@ -226,9 +312,9 @@ impl World for RapierWorld {
             return;
         };
         if let Some(faces) = &mut self.faces
-            && let Some(new) = faces.magnetize(site, centre, orientation)
+            && faces.magnetize(site, centre, orientation)
         {
-            faces.set_nearby(new, 0..count);
+            faces.set_nearby_all(count);
         }
     }
 
@@ -236,8 +322,10 @@ impl World for RapierWorld {
         let Some(faces) = &mut self.faces else {
             return;
         };
-        if let Some(id) = faces.switch_off(site) {
-            self.release(id);
+        let count = self.blocks.0.len() as u32;
+        if let Some(Release { body: id, velocity }) = faces.switch_off(site) {
+            faces.set_nearby_all(count);
+            self.release(id, velocity);
             for face in Face::ALL {
                 let body = Body::Free(id);
                 self.switch_off(Site { body, face });
@@ -259,8 +347,9 @@ impl World for RapierWorld {
             if let Some(faces) = &mut self.faces {
                 faces.survey(self.tick, &mut self.blocks);
             }
-            self.push(substep == 0);
+            self.push(substep);
             self.engine.step();
+            self.steps += 1;
             self.read()?;
             if let Some(faces) = &mut self.faces {
                 let mut held = Vec::new();
@@ -268,9 +357,23 @@ impl World for RapierWorld {
                     held.push(block);
                     dockings.push(docking);
                 });
+                let count = self.count();
                 for block in held {
+                    if let Some(bonds) = &mut self.free_bonds {
+                        bonds.leave(block.body, &mut self.blocks);
+                    }
                     self.hold(block);
+                    if let Some(faces) = &mut self.faces {
+                        faces.set_nearby_all(count);
+                    }
                 }
+            }
+            if let Some(bonds) = &mut self.free_bonds {
+                self.blocks.list_free(&mut self.free);
+                bonds.join(&self.free, &mut self.blocks);
+                (self.blocks).show_moved(&mut self.engine, &self.handles);
+                self.joints
+                    .follow(&mut self.engine, &self.handles, bonds.groups.bonds());
             }
         }
         self.tick += 1;

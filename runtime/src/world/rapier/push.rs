@@ -4,12 +4,18 @@ use nalgebra::Vector3;
 use super::RapierWorld;
 use super::convert::{vec3, vector};
 use crate::draw::{direction, unit};
+use crate::world::ambient::Response;
+use crate::world::groups::Flock;
+use crate::world::magnet::Faces;
 
 impl RapierWorld {
-    /// Magnets, shell, kicks if it is time for them, and drag, over one substep.
-    pub(super) fn push(&mut self, kick: bool) {
+    /// Surroundings, magnets, groups, shell, kicks if it is time for them, and drag, over one substep.
+    pub(super) fn push(&mut self, substep: u32) {
+        let kick = substep == 0;
         let dt = 1.0 / self.substeps as f32;
-        self.pull(dt);
+        let response = self.surround(substep);
+        self.pull(dt, response);
+        self.settle(f64::from(dt), response);
         let drag = self
             .terms
             .drag
@@ -25,7 +31,7 @@ impl RapierWorld {
                 let distance = way.norm();
                 let depth = distance - shell.radius as f32;
                 if depth > 0.0 {
-                    let stiffness = shell.stiffness as f32;
+                    let stiffness = (shell.stiffness * response.linear) as f32;
                     block.velocity -= way * (stiffness * depth / distance * dt);
                 }
             }
@@ -49,17 +55,35 @@ impl RapierWorld {
         }
     }
 
+    /// What is around the blocks, for each of them alone.
+    fn surround(&mut self, substep: u32) -> Response {
+        let Some(ambient) = &mut self.ambient else {
+            return Response::FREE;
+        };
+        let sinks = self.faces.as_mut().map(Faces::sinks).unwrap_or_default();
+        ambient.begin(self.tick, substep, self.steps);
+        for id in 0..self.blocks.0.len() as u32 {
+            if self.blocks.0[id as usize].anchored.is_none() {
+                let mut motion = self.blocks.motion(id);
+                ambient.act(id, &mut motion, &sinks);
+                self.blocks.set_velocity(id, motion.velocity, motion.spin);
+            }
+        }
+        ambient.response()
+    }
+
     /// The magnets' part, on every block in reach.
-    fn pull(&mut self, dt: f32) {
-        let Some(faces) = &self.faces else {
+    fn pull(&mut self, dt: f32, response: Response) {
+        let Some(faces) = &mut self.faces else {
             return;
         };
+        let (linear, angular) = (response.linear as f32, response.angular as f32);
         let mut pushes = Vec::new();
         faces.pull(&mut self.blocks, |id, push| pushes.push((id, push)));
         for (id, push) in pushes {
             let block = &mut self.blocks.0[id as usize];
-            block.velocity += push.linear * dt;
-            block.spin += push.angular * dt;
+            block.velocity += push.linear * (dt * linear);
+            block.spin += push.angular * (dt * angular);
         }
     }
 }

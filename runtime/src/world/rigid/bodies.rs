@@ -3,7 +3,10 @@ use nalgebra::{Quaternion, Rotation3, UnitQuaternion, Vector3};
 
 use super::lanes::LANES;
 use crate::orientation::Orientation;
+use crate::world::ambient::Motion;
+use crate::world::groups::Flock;
 use crate::world::magnet::Cloud;
+use crate::world::magnet::pairs::Pose;
 use crate::world::real::{Real, cast};
 use crate::world::state::BodyState;
 
@@ -152,6 +155,24 @@ impl<R: Real> Bodies<R> {
         self.mobility[i] = R::one();
     }
 
+    /// The free blocks, in rising order.
+    pub fn list_free(&self, free: &mut Vec<u32>) {
+        free.clear();
+        free.extend((0..self.count() as u32).filter(|&id| self.is_free(id as usize)));
+    }
+
+    /// Sets a free block's velocity and spin.
+    pub fn set_velocity_of(&mut self, id: u32, velocity: Vector3<f64>, spin: Vector3<f64>) {
+        let i = id as usize;
+        self.set_velocity(i, cast(velocity));
+        let spin = cast(spin);
+        if self.spin[i] != spin {
+            // What it is turned by now, it was turned to before its spin changes.
+            self.rotation_now(i);
+            self.spin[i] = spin;
+        }
+    }
+
     fn set_rotation(&mut self, i: usize, rotation: UnitQuaternion<f64>) {
         let rotation = rotation.coords.map(R::of);
         self.rotation[i] = UnitQuaternion::from_quaternion(rotation.into());
@@ -168,6 +189,35 @@ impl<R: Real> Cloud<R> for Bodies<R> {
 
     fn rotation(&mut self, id: u32) -> UnitQuaternion<R> {
         self.rotation_now(id as usize)
+    }
+}
+
+impl<R: Real> Flock for Bodies<R> {
+    fn pose(&mut self, id: u32) -> Pose {
+        let i = id as usize;
+        let rotation = self.rotation_now(i).coords.map(Real::double);
+        Pose {
+            position: cast(self.centre(i)),
+            rotation: UnitQuaternion::from_quaternion(rotation.into()),
+        }
+    }
+
+    fn motion(&self, id: u32) -> Motion {
+        let i = id as usize;
+        Motion {
+            position: cast(self.centre(i)),
+            velocity: cast(self.velocity(i)),
+            spin: cast(self.spin[i]),
+        }
+    }
+
+    fn set_pose(&mut self, id: u32, pose: &Pose) {
+        self.set_centre(id as usize, cast(pose.position));
+        self.set_rotation(id as usize, pose.rotation);
+    }
+
+    fn set_velocity(&mut self, id: u32, velocity: Vector3<f64>, spin: Vector3<f64>) {
+        self.set_velocity_of(id, velocity, spin);
     }
 }
 

@@ -95,6 +95,11 @@ impl<R: Lane> Kernel<R> {
             if free == (false, false) || (free == (true, true) && !contacts.mutual) {
                 continue;
             }
+            if let Some(bonds) = &self.free_bonds
+                && bonds.groups.same(a, b)
+            {
+                continue;
+            }
             if let Some(patch) = contacts.shape.overlap(bodies, i, j) {
                 contacts.solver.add(bodies, a, Some(b), &patch);
             }

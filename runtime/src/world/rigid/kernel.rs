@@ -13,11 +13,14 @@ use super::solver::Solver;
 use crate::draw::{Draws, Stream};
 use crate::orientation::Orientation;
 use crate::settings::{ROUNDS, Reduction, Settings};
+use crate::world::ambient::{Ambient, Response};
+use crate::world::free_bonds::FreeBonds;
+use crate::world::groups::Flock;
 use crate::world::limits::Limits;
-use crate::world::magnet::Faces;
+use crate::world::magnet::{Faces, Release};
 use crate::world::plate::Seats;
 use crate::world::real::cast;
-use crate::world::terms::{Contact, Kicks, Terms, built};
+use crate::world::terms::{Contact, Kicks, Shell, Terms, built};
 use crate::world::{Body, BodyState, Docking, Fault, Site};
 
 /// A world in one precision.
@@ -31,6 +34,13 @@ pub(super) struct Kernel<R: Lane> {
     words: Vec<u8>,
     pub(super) contacts: Option<Contacts<R>>,
     faces: Option<Faces<R>>,
+    /// `None` where nothing is around the blocks.
+    ambient: Option<Ambient>,
+    response: Response,
+    /// `None` where free blocks do not bond to each other.
+    pub(super) free_bonds: Option<FreeBonds>,
+    /// The free blocks, kept to be used again.
+    free: Vec<u32>,
     /// `None` where nobody asks who is near whom.
     pub(super) neighbours: Option<Neighbours<R>>,
     /// Somebody has set a block in motion by hand.
@@ -79,8 +89,11 @@ impl<R: Lane> Kernel<R> {
         let rounds = settings.solver_iterations.unwrap_or(ROUNDS);
         let turns = !without(Reduction::NoRotation);
         let limits = Limits::new(substeps, terms.contact.is_some());
-        let contacts = terms.contact.map(|contact| {
+        let ambient = Ambient::new(&terms, substeps, seed, run);
+        let response = ambient.as_ref().map_or(Response::FREE, Ambient::response);
+        let contacts = terms.contact.clone().map(|contact| {
             let contact = Contact {
+                law: contact.law_with(response.linear),
                 friction: if without(Reduction::NoFriction) {
                     0.0
                 } else {
@@ -96,6 +109,11 @@ impl<R: Lane> Kernel<R> {
             }
         });
         let faces = terms.bond.map(Faces::new);
+        let free_bonds = terms.bond.as_ref().and_then(FreeBonds::new);
+        let shell = terms.shell.map(|shell| Shell {
+            stiffness: shell.stiffness * response.linear,
+            ..shell
+        });
         let neighbours = (contacts.is_some() || faces.is_some()).then(|| {
             let farthest = blocks.iter().map(|b| b.position.amax()).fold(0.0, f64::max);
             let (span, floor) = match terms.shell {
@@ -108,13 +126,17 @@ impl<R: Lane> Kernel<R> {
             tick: 0,
             substeps,
             bodies: Bodies::new(blocks, R::of(dt)),
-            flight: Flight::new(terms.shell, terms.drag, limits, dt),
+            flight: Flight::new(shell, terms.drag, limits, dt),
             kicks: terms
                 .kicks
                 .map(|kicks| (kicks, Draws::new(seed, run, Stream::Kick))),
             words: Vec::new(),
             contacts,
             faces,
+            ambient,
+            response,
+            free_bonds,
+            free: Vec::new(),
             neighbours,
             doubtful: true,
             stale: true,
@@ -159,7 +181,8 @@ impl<R: Lane> Kernel<R> {
     }
 
     pub fn groups(&self) -> Vec<Vec<u32>> {
-        Vec::new()
+        let groups = self.free_bonds.as_ref().map(|bonds| bonds.groups.list());
+        groups.unwrap_or_default()
     }
 
     pub fn centre(&self, cell: Cell) -> Vector3<f64> {
@@ -178,7 +201,7 @@ impl<R: Lane> Kernel<R> {
             }
         };
         if let Some(faces) = &mut self.faces
-            && faces.magnetize(site, centre, orientation).is_some()
+            && faces.magnetize(site, centre, orientation)
         {
             (self.stale, self.blind) = (true, true);
         }
@@ -190,6 +213,7 @@ impl<R: Lane> Kernel<R> {
         let (held, docking) = self.faces.as_mut()?.plant(site, id, self.tick)?;
         (self.bodies).anchor(id as usize, held.seat, held.orientation);
         self.disturb();
+        self.blind = true;
         Some(docking)
     }
 
@@ -197,9 +221,11 @@ impl<R: Lane> Kernel<R> {
         let Some(faces) = &mut self.faces else {
             return;
         };
-        if let Some(id) = faces.switch_off(site) {
+        if let Some(Release { body: id, velocity }) = faces.switch_off(site) {
             self.bodies.release(id as usize);
+            self.bodies.set_velocity(id as usize, velocity);
             self.disturb();
+            self.blind = true;
             for face in Face::ALL {
                 let body = Body::Free(id);
                 self.switch_off(Site { body, face });
@@ -219,7 +245,9 @@ impl<R: Lane> Kernel<R> {
                 faces.survey(self.tick, &mut self.bodies);
             }
             self.detect();
+            self.surround(substep)?;
             self.pull()?;
+            self.settle();
             let kicks = self.kicks.as_mut().filter(|_| substep == 0);
             let kicks = kicks.map(|(kicks, draws)| (&*kicks, draws.step(self.tick)));
             let sound = self.flight.fly(&mut self.bodies, kicks, &mut self.words);
@@ -228,6 +256,7 @@ impl<R: Lane> Kernel<R> {
             }
             self.collide()?;
             self.bodies.now += 1;
+            self.carry();
             self.stale = true;
             self.refresh();
             self.capture(dockings);
@@ -263,21 +292,69 @@ impl<R: Lane> Kernel<R> {
         }
     }
 
+    /// What is around the blocks, for each of them alone.
+    fn surround(&mut self, substep: u32) -> Result<(), Fault> {
+        let (true, Some(ambient)) = (built::FLUID || built::GRAVITY, &mut self.ambient) else {
+            return Ok(());
+        };
+        let sinks = self
+            .faces
+            .as_mut()
+            .filter(|_| built::BOND)
+            .map(Faces::sinks);
+        let sinks = sinks.unwrap_or_default();
+        ambient.begin(self.tick, substep, self.bodies.now);
+        for i in 0..self.bodies.count() {
+            if !self.bodies.is_free(i) {
+                continue;
+            }
+            let id = i as u32;
+            let mut motion = self.bodies.motion(id);
+            ambient.act(id, &mut motion, &sinks);
+            if !self.turns {
+                motion.spin = Vector3::zeros();
+            }
+            (self.bodies).set_velocity_of(id, motion.velocity, motion.spin);
+            fault::check(&self.bodies, &self.limits, i)?;
+        }
+        Ok(())
+    }
+
+    /// What free blocks do to each other from afar, and what becomes of groups.
+    fn settle(&mut self) {
+        let (true, Some(bonds)) = (built::BOND, &mut self.free_bonds) else {
+            return;
+        };
+        let (dt, response) = (self.bodies.dt.double(), self.response);
+        self.bodies.list_free(&mut self.free);
+        bonds.pull(&self.free, &mut self.bodies, dt, response);
+        bonds.settle(&mut self.bodies, dt, response);
+    }
+
+    /// Keeps groups together after their blocks have been moved one by one.
+    fn carry(&mut self) {
+        if let (true, Some(bonds)) = (built::BOND, &mut self.free_bonds) {
+            let dt = self.bodies.dt.double();
+            bonds.carry(&mut self.bodies, dt);
+        }
+    }
+
     /// The magnets' part.
     fn pull(&mut self) -> Result<(), Fault> {
-        let (true, Some(faces)) = (built::BOND, &self.faces) else {
+        let (true, Some(faces)) = (built::BOND, &mut self.faces) else {
             return Ok(());
         };
         let mut pushes = Vec::new();
         faces.pull(&mut self.bodies, |id, push| pushes.push((id, push)));
         for (id, push) in pushes {
             let i = id as usize;
-            let velocity = self.bodies.velocity(i) + push.linear * self.bodies.dt;
+            let (linear, angular) = (R::of(self.response.linear), R::of(self.response.angular));
+            let velocity = self.bodies.velocity(i) + push.linear * (self.bodies.dt * linear);
             self.bodies.set_velocity(i, velocity);
             if self.turns {
                 // What it is turned by now, it was turned to before its spin changes.
                 self.bodies.rotation_now(i);
-                let change = push.angular * self.bodies.dt;
+                let change = push.angular * (self.bodies.dt * angular);
                 self.bodies.spin[i] += change;
             }
             fault::check(&self.bodies, &self.limits, i)?;
@@ -311,9 +388,17 @@ impl<R: Lane> Kernel<R> {
             dockings.push(docking);
         });
         for block in held {
+            if let Some(bonds) = &mut self.free_bonds {
+                bonds.leave(block.body, &mut self.bodies);
+            }
             self.bodies
                 .anchor(block.body as usize, block.seat, block.orientation);
             self.disturb();
+            self.blind = true;
+        }
+        if let Some(bonds) = &mut self.free_bonds {
+            self.bodies.list_free(&mut self.free);
+            bonds.join(&self.free, &mut self.bodies);
         }
     }
 }

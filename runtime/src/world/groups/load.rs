@@ -1,0 +1,63 @@
+//! What the bonds of a group have to hold.
+use nalgebra::Vector3;
+
+use super::Group;
+use super::compound::Compound;
+use crate::world::ambient::{Motion, Response};
+use crate::world::magnet::INVERSE_INERTIA;
+
+/// The bond that is loaded most, and its load \[side / tick^2\]; `None` without bonds.
+///
+/// A bond passes on what the blocks behind it need, beyond what acts on them, to move with the group. Two faces that
+/// attract each other with a force F part when the tension, together with a moment over half a side that
+/// tips one about the other's edge, is more than F. The pattern of the faces holds what would shift or twist them.
+pub(super) fn worst(
+    group: &Group,
+    before: &[Motion],
+    compound: &Compound,
+    response: Response,
+    dt: f64,
+) -> Option<(usize, f64)> {
+    let at = |id: u32| (group.members).binary_search_by_key(&id, |member| member.id);
+    let mut worst: Option<(usize, f64)> = None;
+    for (bond, &(a, b)) in group.bonds.iter().enumerate() {
+        let (Ok(first), Ok(second)) = (at(a), at(b)) else {
+            continue;
+        };
+        let joint = (before[first].position + before[second].position) / 2.0;
+        let way = (before[second].position - before[first].position).normalize();
+        let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
+        for id in behind(group, bond) {
+            let Ok(member) = at(id) else { continue };
+            let motion = &before[member];
+            let (velocity, spin) = compound.at(motion.position);
+            let push = (velocity - motion.velocity) / (dt * response.linear);
+            let turn = (spin - motion.spin) / (dt * response.angular * INVERSE_INERTIA);
+            force += push;
+            moment += (motion.position - joint).cross(&push) + turn;
+        }
+        let tension = -force.dot(&way);
+        let bending = (moment - way * moment.dot(&way)).norm();
+        let load = tension + 2.0 * bending;
+        if worst.is_none_or(|(_, most)| load > most) {
+            worst = Some((bond, load));
+        }
+    }
+    worst
+}
+
+/// The members on the second block's side of a bond.
+fn behind(group: &Group, bond: usize) -> Vec<u32> {
+    let mut side = vec![group.bonds[bond].1];
+    let mut next = 0;
+    while let Some(&at) = side.get(next) {
+        next += 1;
+        for (i, &(a, b)) in group.bonds.iter().enumerate() {
+            let other = if a == at { b } else { a };
+            if i != bond && (a == at || b == at) && !side.contains(&other) {
+                side.push(other);
+            }
+        }
+    }
+    side
+}

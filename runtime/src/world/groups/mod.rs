@@ -1,0 +1,285 @@
+//! Free blocks that are bonded to each other and move as one body.
+//!
+//! A group is a tree of bonds, and its blocks keep their places in its own frame. Forces act on each block as if
+//! it were alone; then the group takes the motion of a rigid body that has its momentum and its angular
+//! momentum. What a bond has to pass on for that is its load.
+mod compound;
+mod load;
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use nalgebra::{UnitQuaternion, Vector3};
+
+use super::ambient::{Motion, Response};
+use super::magnet::pairs::Pose;
+use compound::Compound;
+pub(crate) use compound::lost;
+
+/// The blocks, as groups see them.
+pub(crate) trait Flock {
+    fn pose(&mut self, id: u32) -> Pose;
+    fn motion(&self, id: u32) -> Motion;
+    fn set_pose(&mut self, id: u32, pose: &Pose);
+    fn set_velocity(&mut self, id: u32, velocity: Vector3<f64>, spin: Vector3<f64>);
+}
+
+/// All groups.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Groups {
+    /// The key of the group that a block is in.
+    of: BTreeMap<u32, u32>,
+    /// By key: a number that some member has, or had.
+    groups: BTreeMap<u32, Group>,
+    /// Pairs that have been parted, and may not bond before they are out of each other's way.
+    parted: BTreeSet<(u32, u32)>,
+}
+
+#[derive(Clone, Debug)]
+struct Group {
+    /// In rising order.
+    members: Vec<Member>,
+    bonds: Vec<(u32, u32)>,
+    /// Of its own frame.
+    rotation: UnitQuaternion<f64>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Member {
+    id: u32,
+    /// From the middle of the group, in its frame.
+    offset: Vector3<f64>,
+    /// Relative to its frame.
+    turn: UnitQuaternion<f64>,
+}
+
+impl Groups {
+    /// The members of every group, by their lowest number.
+    pub fn list(&self) -> Vec<Vec<u32>> {
+        let ids = |group: &Group| group.members.iter().map(|member| member.id).collect();
+        let mut all: Vec<Vec<u32>> = self.groups.values().map(ids).collect();
+        all.sort_unstable();
+        all
+    }
+
+    /// The pairs that are bonded.
+    pub fn bonds(&self) -> impl Iterator<Item = (u32, u32)> + '_ {
+        self.groups
+            .values()
+            .flat_map(|group| group.bonds.iter().copied())
+    }
+
+    /// Whether two blocks are in one group.
+    pub fn same(&self, a: u32, b: u32) -> bool {
+        self.of
+            .get(&a)
+            .is_some_and(|key| self.of.get(&b) == Some(key))
+    }
+
+    /// The blocks that move with this one, itself included.
+    pub fn with(&self, id: u32) -> Vec<u32> {
+        let group = self.of.get(&id).and_then(|key| self.groups.get(key));
+        group.map_or_else(
+            || vec![id],
+            |group| group.members.iter().map(|member| member.id).collect(),
+        )
+    }
+
+    /// Whether two blocks have been parted and are still in each other's way.
+    pub fn are_parted(&self, a: u32, b: u32) -> bool {
+        self.parted.contains(&(a.min(b), a.max(b)))
+    }
+
+    /// Lets those bond again that are out of each other's way: all pairs but these.
+    pub fn forgive(&mut self, touching: &BTreeSet<(u32, u32)>) {
+        self.parted.retain(|pair| touching.contains(pair));
+    }
+
+    /// Bonds two blocks of different groups. `b` and all that moves with it comes to `seat`, its place on `a`.
+    pub fn join(&mut self, a: u32, b: u32, seat: &Pose, flock: &mut impl Flock) {
+        let was = flock.pose(b);
+        let turn = seat.rotation * was.rotation.inverse();
+        let (mut members, mut bonds) = self.take(a);
+        let (moved, others) = self.take(b);
+        for &id in &moved {
+            let pose = flock.pose(id);
+            flock.set_pose(
+                id,
+                &Pose {
+                    position: seat.position + turn * (pose.position - was.position),
+                    rotation: turn * pose.rotation,
+                },
+            );
+        }
+        members.extend(moved);
+        bonds.extend(others);
+        bonds.push((a, b));
+        self.add(members, bonds, flock);
+    }
+
+    /// Takes a block out of its group, which may fall to pieces: those that it was bonded to.
+    pub fn remove(&mut self, id: u32, flock: &mut impl Flock) -> Vec<u32> {
+        if !self.of.contains_key(&id) {
+            return Vec::new();
+        }
+        let (members, bonds) = self.take(id);
+        let other = |&(a, b): &(u32, u32)| match id {
+            _ if a == id => Some(b),
+            _ if b == id => Some(a),
+            _ => None,
+        };
+        let neighbours: Vec<u32> = bonds.iter().filter_map(other).collect();
+        let bonds: Vec<_> = bonds
+            .into_iter()
+            .filter(|bond| other(bond).is_none())
+            .collect();
+        for part in parts(members.into_iter().filter(|&member| member != id), &bonds) {
+            self.add(part.0, part.1, flock);
+        }
+        neighbours
+    }
+
+    /// Gives each group the motion of a rigid body, and tears the bonds whose load \[side / tick^2\] is more than
+    /// they hold; how many.
+    pub fn settle(
+        &mut self,
+        flock: &mut impl Flock,
+        hold: f64,
+        response: Response,
+        dt: f64,
+    ) -> usize {
+        let mut torn = 0;
+        let mut todo: Vec<u32> = self.groups.keys().copied().collect();
+        while let Some(key) = todo.pop() {
+            let Some(group) = self.groups.get(&key) else {
+                continue;
+            };
+            let before: Vec<Motion> = (group.members.iter())
+                .map(|member| flock.motion(member.id))
+                .collect();
+            let compound = Compound::of(&before);
+            let worst = load::worst(group, &before, &compound, response, dt);
+            if let Some((bond, load)) = worst
+                && load > hold
+            {
+                torn += 1;
+                let (a, b) = group.bonds[bond];
+                self.parted.insert((a.min(b), a.max(b)));
+                let (members, mut bonds) = self.take(a);
+                bonds.remove(bond);
+                for (members, bonds) in parts(members.into_iter(), &bonds) {
+                    todo.extend(self.add(members, bonds, flock));
+                }
+                continue;
+            }
+            for (member, motion) in group.members.iter().zip(&before) {
+                let (velocity, spin) = compound.at(motion.position);
+                flock.set_velocity(member.id, velocity, spin);
+            }
+        }
+        torn
+    }
+
+    /// After all blocks have been moved by themselves, and perhaps pushed by others: puts each where its
+    /// group is, which turns by its spin for this time.
+    pub fn carry(&mut self, flock: &mut impl Flock, dt: f64) {
+        for group in self.groups.values_mut() {
+            let motions: Vec<Motion> = (group.members.iter())
+                .map(|member| flock.motion(member.id))
+                .collect();
+            // Flying straight keeps the angular momentum; the shape is that of the group.
+            let (mut compound, turning) = Compound::momenta(&motions);
+            let spin = |rotation: UnitQuaternion<f64>, members: &[Member]| {
+                compound::spin(
+                    turning,
+                    members.iter().map(|member| rotation * member.offset),
+                )
+            };
+            let way = spin(group.rotation, &group.members) * dt;
+            let turned = UnitQuaternion::from_scaled_axis(way) * group.rotation;
+            group.rotation = UnitQuaternion::new_normalize(turned.into_inner());
+            compound.spin = spin(group.rotation, &group.members);
+            for member in &group.members {
+                let position = compound.middle + group.rotation * member.offset;
+                let rotation = group.rotation * member.turn;
+                flock.set_pose(member.id, &Pose { position, rotation });
+                let (velocity, spin) = compound.at(position);
+                flock.set_velocity(member.id, velocity, spin);
+            }
+        }
+    }
+
+    /// Dissolves the group of a block: its members and bonds; a lone block is one with itself.
+    fn take(&mut self, id: u32) -> (Vec<u32>, Vec<(u32, u32)>) {
+        let Some(group) = self.of.get(&id).and_then(|key| self.groups.remove(key)) else {
+            return (vec![id], Vec::new());
+        };
+        for member in &group.members {
+            self.of.remove(&member.id);
+        }
+        let ids = group.members.iter().map(|member| member.id).collect();
+        (ids, group.bonds)
+    }
+
+    /// Makes a group of blocks where they are, and gives it the momenta that they have; its key, unless it is
+    /// a lone block.
+    fn add(
+        &mut self,
+        mut ids: Vec<u32>,
+        bonds: Vec<(u32, u32)>,
+        flock: &mut impl Flock,
+    ) -> Option<u32> {
+        ids.sort_unstable();
+        let &[key, _, ..] = &ids[..] else {
+            return None;
+        };
+        let motions: Vec<Motion> = ids.iter().map(|&id| flock.motion(id)).collect();
+        let compound = Compound::of(&motions);
+        let members = ids.iter().map(|&id| {
+            let pose = flock.pose(id);
+            Member {
+                id,
+                offset: pose.position - compound.middle,
+                turn: pose.rotation,
+            }
+        });
+        let group = Group {
+            members: members.collect(),
+            bonds,
+            rotation: UnitQuaternion::identity(),
+        };
+        for &id in &ids {
+            self.of.insert(id, key);
+        }
+        self.groups.insert(key, group);
+        Some(key)
+    }
+}
+
+/// The connected parts of a forest of bonds.
+fn parts(
+    members: impl Iterator<Item = u32>,
+    bonds: &[(u32, u32)],
+) -> Vec<(Vec<u32>, Vec<(u32, u32)>)> {
+    let mut left: BTreeSet<u32> = members.collect();
+    let mut out = Vec::new();
+    while let Some(first) = left.pop_first() {
+        let mut part = vec![first];
+        let mut next = 0;
+        while let Some(&at) = part.get(next) {
+            next += 1;
+            for &(a, b) in bonds {
+                let other = if a == at { b } else { a };
+                if (a == at || b == at) && left.remove(&other) {
+                    part.push(other);
+                }
+            }
+        }
+        let own = |bond: &&(u32, u32)| part.contains(&bond.0);
+        let bonds = bonds.iter().filter(own).copied().collect();
+        out.push((part, bonds));
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,186 @@
+use super::*;
+
+const INERTIA: f64 = 1.0 / 6.0;
+
+/// Blocks in a list.
+struct Blocks(Vec<(Pose, Motion)>);
+
+impl Flock for Blocks {
+    fn pose(&mut self, id: u32) -> Pose {
+        self.0[id as usize].0
+    }
+
+    fn motion(&self, id: u32) -> Motion {
+        self.0[id as usize].1
+    }
+
+    fn set_pose(&mut self, id: u32, pose: &Pose) {
+        let block = &mut self.0[id as usize];
+        block.0 = *pose;
+        block.1.position = pose.position;
+    }
+
+    fn set_velocity(&mut self, id: u32, velocity: Vector3<f64>, spin: Vector3<f64>) {
+        let motion = &mut self.0[id as usize].1;
+        (motion.velocity, motion.spin) = (velocity, spin);
+    }
+}
+
+impl Blocks {
+    /// At rest at these places.
+    fn at(places: &[[f64; 3]]) -> Blocks {
+        let block = |&place: &[f64; 3]| {
+            let position = Vector3::from(place);
+            let pose = Pose {
+                position,
+                rotation: UnitQuaternion::identity(),
+            };
+            let motion = Motion {
+                position,
+                velocity: Vector3::zeros(),
+                spin: Vector3::zeros(),
+            };
+            (pose, motion)
+        };
+        Blocks(places.iter().map(block).collect())
+    }
+
+    fn momenta(&self) -> (Vector3<f64>, Vector3<f64>) {
+        let momentum = self.0.iter().map(|(_, m)| m.velocity).sum();
+        let turning = |(_, m): &(Pose, Motion)| m.position.cross(&m.velocity) + m.spin * INERTIA;
+        (momentum, self.0.iter().map(turning).sum())
+    }
+
+    fn fly(&mut self, dt: f64) {
+        for (pose, motion) in &mut self.0 {
+            motion.position += motion.velocity * dt;
+            pose.position = motion.position;
+        }
+    }
+}
+
+/// Blocks side by side along x, bonded in a row.
+fn row(count: u32) -> (Groups, Blocks) {
+    let places: Vec<[f64; 3]> = (0..count).map(|i| [f64::from(i), 0.0, 0.0]).collect();
+    let (mut groups, mut blocks) = (Groups::default(), Blocks::at(&places));
+    for b in 1..count {
+        let seat = blocks.pose(b);
+        groups.join(b - 1, b, &seat, &mut blocks);
+    }
+    (groups, blocks)
+}
+
+#[test]
+fn a_group_moves_as_one_and_keeps_its_momenta() {
+    let (mut groups, mut blocks) = row(3);
+    assert_eq!(groups.list(), [[0, 1, 2]]);
+    blocks.set_velocity(2, Vector3::new(0.1, 0.3, -0.2), Vector3::new(0.1, 0.0, 0.4));
+    let before = blocks.momenta();
+    assert_eq!(groups.settle(&mut blocks, 1e9, Response::FREE, 1.0), 0);
+    for _ in 0..1000 {
+        blocks.fly(0.1);
+        groups.carry(&mut blocks, 0.1);
+        for (a, b) in [(0, 1), (1, 2)] {
+            let way = blocks.0[b].1.position - blocks.0[a].1.position;
+            assert!((way.norm() - 1.0).abs() < 1e-9);
+        }
+    }
+    let after = blocks.momenta();
+    assert!((before.0 - after.0).norm() < 1e-12);
+    assert!((before.1 - after.1).norm() < 1e-9, "{before:?} {after:?}");
+}
+
+#[test]
+fn a_bond_holds_what_the_blocks_behind_it_need() {
+    // A force on the first of n equal blocks leaves the last bond the n-th part of it.
+    for count in 2..6_u32 {
+        let (force, dt) = (0.6, 0.25);
+        let tear = |hold: f64| {
+            let (mut groups, mut blocks) = row(count);
+            blocks.set_velocity(0, Vector3::x() * (-force * dt), Vector3::zeros());
+            groups.settle(&mut blocks, hold, Response::FREE, dt)
+        };
+        // The first bond pulls all others.
+        let load = force * f64::from(count - 1) / f64::from(count);
+        assert_eq!(tear(load * 1.001), 0, "{count}");
+        assert!(tear(load * 0.999) > 0, "{count}");
+    }
+}
+
+#[test]
+fn a_moment_tips_a_face_about_its_edge() {
+    let (torque, dt) = (0.12, 0.5);
+    let tear = |hold: f64| {
+        let (mut groups, mut blocks) = row(2);
+        blocks.set_velocity(0, Vector3::zeros(), Vector3::z() * (torque * dt / INERTIA));
+        let (mut other, opposite) = (blocks.motion(1), Vector3::z() * (-torque * dt / INERTIA));
+        other.spin = opposite;
+        blocks.set_velocity(1, other.velocity, other.spin);
+        groups.settle(&mut blocks, hold, Response::FREE, dt)
+    };
+    // Opposite torques leave the pair at rest, and the bond holds one of them on half a side.
+    assert_eq!(tear(2.0 * torque * 1.001), 0);
+    assert_eq!(tear(2.0 * torque * 0.999), 1);
+}
+
+#[test]
+fn a_squeezed_bond_holds() {
+    let (mut groups, mut blocks) = row(2);
+    blocks.set_velocity(0, Vector3::x(), Vector3::zeros());
+    blocks.set_velocity(1, -Vector3::x(), Vector3::zeros());
+    assert_eq!(groups.settle(&mut blocks, 1e-9, Response::FREE, 1.0), 0);
+    assert!(blocks.momenta().0.norm() < 1e-12);
+}
+
+#[test]
+fn what_is_torn_does_not_bond_before_it_is_out_of_the_way() {
+    let (mut groups, mut blocks) = row(4);
+    blocks.set_velocity(3, Vector3::x() * 0.5, Vector3::zeros());
+    assert_eq!(groups.settle(&mut blocks, 0.2, Response::FREE, 1.0), 1);
+    assert_eq!(groups.list(), [[0, 1, 2]]);
+    assert_eq!((groups.with(0), groups.with(3)), (vec![0, 1, 2], vec![3]));
+    assert!((blocks.motion(3).velocity.x - 0.5).abs() < 1e-12);
+    assert!(groups.are_parted(3, 2));
+    groups.forgive(&BTreeSet::from([(2, 3)]));
+    assert!(groups.are_parted(2, 3));
+    groups.forgive(&BTreeSet::new());
+    assert!(!groups.are_parted(2, 3));
+}
+
+#[test]
+fn who_leaves_from_the_middle_leaves_two_groups() {
+    let (mut groups, mut blocks) = row(5);
+    assert_eq!(groups.remove(2, &mut blocks), [1, 3]);
+    assert_eq!(groups.list(), [vec![0, 1], vec![3, 4]]);
+    assert!(groups.remove(2, &mut blocks).is_empty());
+    assert_eq!(groups.remove(0, &mut blocks), [1]);
+    assert_eq!(groups.list(), [[3, 4]]);
+    assert!(!groups.same(0, 1) && groups.same(3, 4));
+}
+
+#[test]
+fn a_group_that_joins_another_comes_along_as_it_is() {
+    let places = [
+        [0.0; 3],
+        [1.0, 0.0, 0.0],
+        [2.02, 0.0, 0.0],
+        [2.02, 1.0, 0.0],
+    ];
+    let (mut groups, mut blocks) = (Groups::default(), Blocks::at(&places));
+    let seat = blocks.pose(1);
+    groups.join(0, 1, &seat, &mut blocks);
+    let seat = blocks.pose(3);
+    groups.join(2, 3, &seat, &mut blocks);
+    // Block 2 comes to its place on block 1 a quarter turn about x further.
+    let seat = Pose {
+        position: Vector3::new(2.0, 0.0, 0.0),
+        rotation: UnitQuaternion::from_scaled_axis(Vector3::x() * std::f64::consts::FRAC_PI_2),
+    };
+    groups.join(1, 2, &seat, &mut blocks);
+    assert_eq!(groups.list(), [[0, 1, 2, 3]]);
+    let last = blocks.pose(3).position;
+    assert!(
+        (last - Vector3::new(2.0, 0.0, 1.0)).norm() < 1e-12,
+        "{last}"
+    );
+}
