@@ -337,7 +337,10 @@ impl World for RapierWorld {
         self.magnetize(site);
         let free = |&id: &u32| self.blocks.0[id as usize].anchored.is_none();
         let id = (0..self.count()).rev().find(free)?;
-        let (held, docking) = self.faces.as_mut()?.plant(site, id, self.tick)?;
+        let count = self.count();
+        let faces = self.faces.as_mut()?;
+        let (held, docking) = faces.plant(site, id, self.tick)?;
+        faces.set_nearby_all(count);
         self.hold(held);
         Some(docking)
     }

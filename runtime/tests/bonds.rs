@@ -1,0 +1,347 @@
+//! Bonds by magnets that always attract, and by suction, in both worlds.
+mod scenes;
+
+use nalgebra::{UnitQuaternion, Vector3};
+use scenes::{at, contact, empty, hemisphere, states};
+use stochc_compiler::scene::{Anchor, Bond, Flow, Fluid, Jets, Magnets, Measure, Pump, Scene};
+use stochc_compiler::{Cell, Face};
+use stochc_runtime::world::{Arena, Body, BodyState, Docking, Site};
+use stochc_runtime::{Model, Settings};
+
+in_every_world!(
+    two_blocks_find_each_other_and_bond,
+    a_bonded_pair_moves_as_one_body,
+    blocks_that_are_too_fast_do_not_bond,
+    a_pair_is_torn_by_a_flow_that_pulls_harder_than_it_holds,
+    every_face_of_a_planted_block_attracts,
+    a_rejected_block_leaves_with_the_impulse_and_may_come_back_later,
+    a_docked_block_rejects_what_hangs_on_it,
+    an_open_face_draws_a_block_and_holds_it,
+    a_second_open_face_halves_what_the_first_draws,
+    planting_needs_a_free_block,
+);
+
+const ANCHOR: Anchor = Anchor {
+    measure: Measure::Centres,
+    within: 0.05,
+    tilt: 0.25,
+};
+
+fn reject(hold: f64, impulse: f64) -> Scene {
+    Scene {
+        bond: Some(Bond::Reject {
+            magnets: Magnets {
+                hold,
+                depth: 0.2,
+                within: 1.5,
+            },
+            anchor: ANCHOR,
+            impulse,
+        }),
+        ..empty()
+    }
+}
+
+fn suction() -> Scene {
+    Scene {
+        fluid: Some(Fluid {
+            density: None,
+            viscosity: Some(0.05),
+        }),
+        bond: Some(Bond::Suction {
+            pump: Pump {
+                head: 0.02,
+                supply: 0.01,
+                valve: 0.05,
+                passage: 0.0,
+            },
+            seal: 0.2,
+            anchor: ANCHOR,
+        }),
+        ..empty()
+    }
+}
+
+fn world<W: Arena>(scene: &Scene, blocks: &[BodyState]) -> W {
+    scenes::world(scene, &Settings::of(Model::Rapier, 4), blocks)
+}
+
+/// Lets ticks pass; what docked.
+fn dockings(world: &mut impl Arena, ticks: u64) -> Vec<Docking> {
+    let mut dockings = Vec::new();
+    for _ in 0..ticks {
+        world.step(&mut dockings).expect("sound physics");
+    }
+    dockings
+}
+
+fn moving(position: Vector3<f64>, velocity: Vector3<f64>) -> BodyState {
+    BodyState {
+        velocity,
+        ..BodyState::at_rest(position)
+    }
+}
+
+fn momenta(world: &impl Arena) -> (Vector3<f64>, Vector3<f64>) {
+    let blocks = states(world);
+    let turning = |b: &BodyState| b.position.cross(&b.velocity) + b.spin / 6.0;
+    let momentum = blocks.iter().map(|b| b.velocity).sum();
+    (momentum, blocks.iter().map(turning).sum())
+}
+
+const SEED: Site = Site {
+    body: Body::Seed(Cell { x: 1, y: 1, z: 0 }),
+    face: Face::Up,
+};
+
+fn two_blocks_find_each_other_and_bond<W: Arena>() {
+    let turned = UnitQuaternion::from_scaled_axis(at(0.1, 0.05, 1.65));
+    let blocks = [
+        BodyState::at_rest(at(0.0, 0.0, 10.0)),
+        BodyState {
+            orientation: turned,
+            ..BodyState::at_rest(at(1.25, 0.1, 10.05))
+        },
+    ];
+    // Weak enough that all the work of the magnets does not make them too fast to bond.
+    let mut scene = reject(0.002, 0.0);
+    scene.fluid = Some(Fluid {
+        density: None,
+        viscosity: Some(0.01),
+    });
+    let mut world: W = world(&scene, &blocks);
+    assert!(world.groups().is_empty());
+    assert!(dockings(&mut world, 600).is_empty());
+    assert_eq!(world.groups(), [[0, 1]]);
+    let (a, b) = (world.state(0), world.state(1));
+    assert!(((b.position - a.position).norm() - 1.0).abs() < 1e-3);
+    let east = a.orientation * Vector3::x();
+    assert!((b.position - a.position - east).norm() < 2e-3);
+}
+
+/// Two blocks that have just bonded, and then move like this.
+fn pair<W: Arena>(scene: &Scene, first: Vector3<f64>, second: Vector3<f64>) -> W {
+    let places = [at(0.0, 0.0, 10.0), at(1.01, 0.0, 10.0)];
+    let mut world: W = world(scene, &places.map(BodyState::at_rest));
+    dockings(&mut world, 2);
+    assert_eq!(world.groups(), [[0, 1]]);
+    for (id, velocity) in [(0, first), (1, second)] {
+        let state = moving(world.state(id).position, velocity);
+        world.set_state(id, &state);
+    }
+    world
+}
+
+fn a_bonded_pair_moves_as_one_body<W: Arena>() {
+    let mut world: W = pair(&reject(0.5, 0.0), at(0.0, 0.02, 0.01), at(0.03, -0.01, 0.0));
+    let before = momenta(&world);
+    dockings(&mut world, 200);
+    let after = momenta(&world);
+    assert!((before.0 - after.0).norm() < 1e-4, "{before:?} {after:?}");
+    assert!(
+        (before.1 - after.1).norm() < 0.02 * before.1.norm(),
+        "{before:?} {after:?}"
+    );
+    let (a, b) = (world.state(0), world.state(1));
+    assert!(((b.position - a.position).norm() - 1.0).abs() < 1e-3);
+    assert!(a.orientation.angle_to(&b.orientation) < 1e-2);
+    assert!((a.spin - b.spin).norm() < 1e-3);
+    assert!(a.spin.norm() > 1e-3);
+}
+
+fn blocks_that_are_too_fast_do_not_bond<W: Arena>() {
+    // What two blocks lose when they stop each other is m v^2 / 4; the bond takes up hold depth / 3.
+    let hold = 0.3;
+    let fast = (4.0 * hold * 0.2 / 3.0_f64).sqrt();
+    for (speed, bonds) in [(0.5 * fast, true), (1.5 * fast, false)] {
+        // So near that magnets have no time to matter.
+        let blocks = [
+            BodyState::at_rest(at(0.0, 0.0, 10.0)),
+            moving(at(1.02, 0.0, 10.0), at(-speed, 0.0, 0.0)),
+        ];
+        let settings = Settings::of(Model::Rapier, 40);
+        let mut world: W = scenes::world(&reject(hold, 0.0), &settings, &blocks);
+        dockings(&mut world, 1);
+        assert_eq!(world.groups().is_empty(), !bonds, "{speed}");
+    }
+}
+
+fn a_pair_is_torn_by_a_flow_that_pulls_harder_than_it_holds<W: Arena>() {
+    // A wide jet from the east, of which one block feels more than the other, and a shear that turns one.
+    let (rate, speed, nozzle) = (0.5, 2.0, 0.2);
+    for (hold, holds) in [(0.1, true), (0.004, false)] {
+        let mut scene = reject(hold, 0.0);
+        scene.enclosure = hemisphere(20.0, 0.01);
+        scene.fluid = Some(Fluid {
+            density: None,
+            viscosity: Some(rate / Fluid::friction(1.0, 1.0)),
+        });
+        let touching = [at(0.0, 0.9, 10.0), at(0.0, -0.1, 10.0)].map(BodyState::at_rest);
+        let mut still: W = world(&scene, &touching);
+        dockings(&mut still, 20);
+        assert_eq!(still.groups(), [[0, 1]]);
+        scene.flow = Some(Flow::Jets(Jets {
+            count: 1,
+            flow: speed * std::f64::consts::FRAC_PI_4 * nozzle * nozzle,
+            nozzle,
+        }));
+        let mut pulled: W = world(&scene, &touching);
+        dockings(&mut pulled, 20);
+        assert_eq!(!pulled.groups().is_empty(), holds, "{hold}");
+    }
+}
+
+fn every_face_of_a_planted_block_attracts<W: Arena>() {
+    let blocks = [
+        BodyState::at_rest(at(6.0, 0.0, 3.0)),
+        BodyState::at_rest(at(3.0, 0.0, 3.0)),
+    ];
+    let mut world: W = world(&reject(0.1, 0.0), &blocks);
+    let docking = world.plant(SEED).expect("a free block");
+    assert_eq!((docking.child, docking.site), (1, SEED));
+    assert!((world.state(1).position - at(0.0, 0.0, 0.5)).norm() < 1e-6);
+    let body = Body::Free(1);
+    let mut on: Vec<Face> = world
+        .active()
+        .into_iter()
+        .map(|(site, _)| site.face)
+        .collect();
+    on.sort();
+    // Its lower face sits on the plate.
+    let mut faces: Vec<Face> = Face::ALL
+        .into_iter()
+        .filter(|&face| face != Face::Down)
+        .collect();
+    faces.sort();
+    assert_eq!(on, faces);
+    assert!(world.active().iter().all(|(site, _)| site.body == body));
+}
+
+/// A planted block, number 1, and another one before its east face.
+fn planted<W: Arena>(scene: &Scene, gap: f64) -> W {
+    let blocks = [
+        BodyState::at_rest(at(1.0 + gap, 0.0, 0.5)),
+        BodyState::at_rest(at(0.0, 5.0, 5.0)),
+    ];
+    let mut world: W = world(scene, &blocks);
+    world.plant(SEED).expect("a free block");
+    world
+}
+
+fn a_rejected_block_leaves_with_the_impulse_and_may_come_back_later<W: Arena>() {
+    let east = Site {
+        body: Body::Free(1),
+        face: Face::East,
+    };
+    let mut world: W = planted(&reject(0.01, 0.028), 0.03);
+    let docked = dockings(&mut world, 1);
+    assert_eq!(docked.len(), 1);
+    assert_eq!((docked[0].site, docked[0].child), (east, 0));
+    world.switch_off(east);
+    assert!(world.anchored(0).is_none());
+    assert!((world.state(0).velocity - at(0.028, 0.0, 0.0)).norm() < 1e-6);
+    // It stays where it could dock for two more ticks, and does not: its energy of 3.9e-4 is more than the work of the
+    // magnets until there, 3.3e-4.
+    assert!(dockings(&mut world, 4).is_empty());
+    let away = world.state(0);
+    assert!(away.position.x > 1.05, "{away:?}");
+    // All their work, 0.01 * 0.2 / 3, is more than its energy: it comes back and docks.
+    let again = dockings(&mut world, 400);
+    assert_eq!(again.len(), 1);
+    assert_eq!(again[0].site, east);
+}
+
+fn a_docked_block_rejects_what_hangs_on_it<W: Arena>() {
+    let blocks = [
+        BodyState::at_rest(at(1.08, 0.0, 0.5)),
+        BodyState::at_rest(at(2.09, 0.0, 0.5)),
+        BodyState::at_rest(at(0.0, 5.0, 5.0)),
+    ];
+    let mut world: W = world(&reject(0.002, 0.05), &blocks);
+    dockings(&mut world, 2);
+    assert_eq!(world.groups(), [[0, 1]]);
+    world.plant(SEED).expect("a free block");
+    let docked = dockings(&mut world, 60);
+    assert_eq!(docked.len(), 1);
+    assert_eq!(docked[0].child, 0);
+    assert!(world.groups().is_empty());
+    let other = world.state(1);
+    assert!(
+        other.position.x > 2.0 && other.velocity.x > 0.01,
+        "{other:?}"
+    );
+}
+
+fn an_open_face_draws_a_block_and_holds_it<W: Arena>() {
+    let start = [BodyState::at_rest(at(0.0, 0.0, 2.0))];
+    let mut world: W = world(&suction(), &start);
+    dockings(&mut world, 50);
+    assert_eq!(
+        world.state(0).velocity,
+        Vector3::zeros(),
+        "the valve is closed"
+    );
+    world.magnetize(SEED);
+    // The flow is head / (supply + valve), a sink before a wall, and the block follows the fluid: d^2 d' = -Q / 2 pi.
+    let flow = 0.02 / 0.06;
+    let rate = Fluid::friction(0.05, 1.0);
+    dockings(&mut world, 3);
+    let block = world.state(0);
+    let (height, speed) = (block.position.z, -block.velocity.z);
+    let drawn = flow / (std::f64::consts::TAU * height * height);
+    let follows = 1.0 - (-rate * 3.0_f64).exp();
+    assert!(
+        (speed / drawn / follows - 1.0).abs() < 0.1,
+        "{speed} {drawn} {follows}"
+    );
+    let docked = dockings(&mut world, 100);
+    assert_eq!(docked.len(), 1);
+    world.switch_off(SEED);
+    assert!(world.anchored(0).is_none());
+    assert!(dockings(&mut world, 20).is_empty());
+}
+
+fn a_second_open_face_halves_what_the_first_draws<W: Arena>() {
+    let draw = |open: &[i32]| {
+        let scene = Scene {
+            // All of the head is lost before the plate.
+            bond: suction().bond.map(|bond| match bond {
+                Bond::Suction { pump, seal, anchor } => Bond::Suction {
+                    pump: Pump {
+                        supply: 1000.0 * pump.valve,
+                        head: 1000.0 * pump.head,
+                        ..pump
+                    },
+                    seal,
+                    anchor,
+                },
+                other => other,
+            }),
+            ..suction()
+        };
+        let start = [BodyState::at_rest(at(-1.0, 0.0, 2.0))];
+        let mut world: W = world(&scene, &start);
+        for &x in open {
+            let body = Body::Seed(Cell { x, y: 1, z: 0 });
+            world.magnetize(Site {
+                body,
+                face: Face::Up,
+            });
+        }
+        dockings(&mut world, 1);
+        world.state(0).velocity
+    };
+    let (alone, other, both) = (draw(&[0]), draw(&[2]), draw(&[0, 2]));
+    // Half of each, as long as the block has not moved much.
+    assert!(
+        (both - (alone + other) / 2.0).norm() < 0.02 * both.norm(),
+        "{alone} {other} {both}"
+    );
+}
+
+fn planting_needs_a_free_block<W: Arena>() {
+    let mut scene = reject(0.1, 0.0);
+    scene.contact = contact(0.0, 0.3);
+    let mut world: W = world(&scene, &[]);
+    assert_eq!(world.plant(SEED), None);
+}

@@ -1,0 +1,320 @@
+//! Gravity, fluids and heat against closed forms, in both worlds.
+mod scenes;
+
+use nalgebra::Vector3;
+use scenes::{at, empty, pass, states, world};
+use stochc_compiler::scene::{
+    Agitation, BOLTZMANN, Enclosure, Flow, Fluid, Jets, Scene, Stir, Strength, Turbulence,
+};
+use stochc_runtime::world::{Arena, BodyState};
+use stochc_runtime::{Model, Settings};
+
+in_every_world!(
+    a_block_falls_freely_without_a_fluid,
+    a_block_sinks_at_its_terminal_speed_whatever_the_step,
+    a_lighter_block_rises,
+    viscous_drag_slows_exponentially,
+    a_wake_slows_algebraically,
+    a_turning_block_is_slowed_too,
+    a_neutral_block_stays_on_its_circle_in_a_vortex,
+    brownian_blocks_diffuse_as_einstein_says_at_every_step,
+    brownian_blocks_have_the_energy_of_their_temperature,
+    blocks_follow_eddies_and_disperse_as_taylor_says,
+    a_jet_carries_a_block_to_the_middle,
+    a_sphere_keeps_its_blocks,
+);
+
+/// SI units and block units are the same.
+fn fluid(density: Option<f64>, viscosity: Option<f64>) -> Scene {
+    Scene {
+        fluid: Some(Fluid { density, viscosity }),
+        ..empty()
+    }
+}
+
+fn settings(substeps: u32) -> Settings {
+    Settings::of(Model::Rapier, substeps)
+}
+
+/// A viscosity at which the velocity decays at this rate.
+fn viscosity(rate: f64) -> f64 {
+    rate / Fluid::friction(1.0, 1.0)
+}
+
+fn moving(velocity: Vector3<f64>, spin: Vector3<f64>) -> BodyState {
+    BodyState {
+        velocity,
+        spin,
+        ..BodyState::at_rest(at(0.0, 0.0, 100.0))
+    }
+}
+
+fn still() -> BodyState {
+    moving(Vector3::zeros(), Vector3::zeros())
+}
+
+fn a_block_falls_freely_without_a_fluid<W: Arena>() {
+    let scene = Scene {
+        gravity: Some(0.002),
+        ..empty()
+    };
+    let mut world: W = world(&scene, &settings(2), &[still()]);
+    pass(&mut world, 50);
+    let block = world.state(0);
+    assert!((block.velocity.z + 0.1).abs() < 1e-6, "{block:?}");
+    // Symplectic Euler in steps of h: g h^2 n (n + 1) / 2.
+    let fall = 0.002 * 0.25 * 100.0 * 101.0 / 2.0;
+    assert!((100.0 - block.position.z - fall).abs() < 1e-4, "{block:?}");
+}
+
+fn a_block_sinks_at_its_terminal_speed_whatever_the_step<W: Arena>() {
+    for (rate, substeps) in [(0.1, 1), (0.1, 4), (3.0, 1), (30.0, 1), (30.0, 7)] {
+        let mut scene = fluid(None, Some(viscosity(rate)));
+        scene.gravity = Some(0.02);
+        let mut world: W = world(&scene, &settings(substeps), &[still()]);
+        pass(&mut world, 400);
+        let speed = -world.state(0).velocity.z;
+        assert!((speed * rate / 0.02 - 1.0).abs() < 1e-4, "{rate}: {speed}");
+    }
+    // With a wake alone, m g (1 - rho) = rho v^2 / 2.
+    let mut scene = fluid(Some(0.4), None);
+    scene.gravity = Some(0.001);
+    let mut world: W = world(&scene, &settings(4), &[still()]);
+    pass(&mut world, 1000);
+    let speed = -world.state(0).velocity.z;
+    let terminal = (2.0 * 0.6 * 0.001 / 0.4_f64).sqrt();
+    assert!((speed / terminal - 1.0).abs() < 0.005, "{speed} {terminal}");
+}
+
+fn a_lighter_block_rises<W: Arena>() {
+    let mut scene = fluid(Some(1.5), Some(viscosity(0.5)));
+    scene.gravity = Some(1e-4);
+    let mut world: W = world(&scene, &settings(1), &[still()]);
+    pass(&mut world, 100);
+    let speed = world.state(0).velocity.z;
+    assert!((speed / (0.5e-4 / 0.5) - 1.0).abs() < 1e-3, "{speed}");
+}
+
+fn viscous_drag_slows_exponentially<W: Arena>() {
+    let start = moving(at(0.3, -0.2, 0.1), Vector3::zeros());
+    for substeps in [1, 3] {
+        let scene = fluid(None, Some(viscosity(0.05)));
+        let mut world: W = world(&scene, &settings(substeps), &[start]);
+        pass(&mut world, 20);
+        let left = world.state(0).velocity.norm() / start.velocity.norm();
+        assert!((left - (-1.0_f64).exp()).abs() < 1e-5, "{left}");
+    }
+}
+
+fn a_wake_slows_algebraically<W: Arena>() {
+    let start = moving(at(0.4, 0.0, 0.0), Vector3::zeros());
+    let mut world: W = world(&fluid(Some(0.8), None), &settings(2), &[start]);
+    pass(&mut world, 30);
+    // v' = -rho v^2 / 2
+    let exact = 0.4 / (1.0 + 0.4 * 0.4 * 30.0);
+    let speed = world.state(0).velocity.x;
+    assert!((speed / exact - 1.0).abs() < 1e-5, "{speed} {exact}");
+}
+
+fn a_turning_block_is_slowed_too<W: Arena>() {
+    let start = moving(Vector3::zeros(), at(0.0, 0.3, 0.0));
+    let viscosity = 0.002;
+    let mut slow: W = world(&fluid(None, Some(viscosity)), &settings(2), &[start]);
+    pass(&mut slow, 10);
+    // 6 eta a^3 over I = 1 / 6.
+    let exact = 0.3 * (-36.0 * viscosity * 10.0_f64).exp();
+    let spin = slow.state(0).spin.y;
+    assert!((spin / exact - 1.0).abs() < 1e-5, "{spin} {exact}");
+    let mut wake: W = world(&fluid(Some(0.9), None), &settings(2), &[start]);
+    pass(&mut wake, 40);
+    // rho / 32 over 1 / 6.
+    let exact = 0.3 / (1.0 + 0.3 * 0.9 * 6.0 / 32.0 * 40.0);
+    let spin = wake.state(0).spin.y;
+    assert!((spin / exact - 1.0).abs() < 1e-5, "{spin} {exact}");
+}
+
+fn a_neutral_block_stays_on_its_circle_in_a_vortex<W: Arena>() {
+    for (radius, distance) in [(5.0, 2.0), (1.5, 3.0)] {
+        let mut scene = fluid(Some(1.0), Some(viscosity(0.3)));
+        scene.flow = Some(Flow::Stir(Stir {
+            radius,
+            rate: 0.04,
+            force: None,
+            follow: 0.5,
+        }));
+        let turning = if distance < radius {
+            0.02
+        } else {
+            0.02 * (radius / distance).powi(2)
+        };
+        let start = BodyState {
+            velocity: at(0.0, turning * distance, 0.0),
+            ..BodyState::at_rest(at(distance, 0.0, 50.0))
+        };
+        let mut world: W = world(&scene, &settings(4), &[start]);
+        pass(&mut world, 1000);
+        let block = world.state(0);
+        let across = block.position.xy().norm();
+        assert!(
+            (across / distance - 1.0).abs() < 0.01,
+            "{distance}: {across}"
+        );
+        let speed = block.velocity.norm() / (turning * distance);
+        assert!((speed - 1.0).abs() < 0.01, "{speed}");
+        // Inside it turns with the fluid, outside not at all.
+        let spin = if distance < radius { turning } else { 0.0 };
+        assert!((block.spin.z - spin).abs() < 1e-4, "{}", block.spin);
+    }
+}
+
+/// So many blocks at rest, too far from each other to matter.
+fn many(count: usize) -> Vec<BodyState> {
+    vec![BodyState::at_rest(at(0.0, 0.0, 0.0)); count]
+}
+
+/// A temperature at which k T is this, in block units.
+fn hot(energy: f64) -> Option<Agitation> {
+    Some(Agitation::Brownian {
+        temperature: energy / BOLTZMANN,
+    })
+}
+
+fn brownian_blocks_diffuse_as_einstein_says_at_every_step<W: Arena>() {
+    let count = 2000;
+    for (rate, energy, substeps) in [
+        (0.2, 1e-4, 1),
+        (2.0, 1e-2, 1),
+        (2.0, 1e-2, 4),
+        (50.0, 1.0, 1),
+    ] {
+        let mut scene = fluid(None, Some(viscosity(rate)));
+        scene.agitation = hot(energy);
+        let mut world: W = world(&scene, &settings(substeps), &many(count));
+        // Until the beginning at rest is forgotten.
+        pass(&mut world, 50);
+        let start = states(&world);
+        let ticks = 200;
+        pass(&mut world, ticks);
+        let end = states(&world);
+        let squares = (end.iter().zip(&start))
+            .map(|(end, start)| (end.position - start.position).norm_squared());
+        let mean = squares.sum::<f64>() / count as f64;
+        // <x^2> of Ornstein and Uhlenbeck: 6 D (t - (1 - exp(-rate t)) / rate).
+        let (t, diffusion) = (ticks as f64, energy / rate);
+        let exact = 6.0 * diffusion * (t - (1.0 - (-rate * t).exp()) / rate);
+        // 6000 independent squares: 1.8 % each, so four standard errors. The last term is no more than 3 %.
+        assert!(
+            (mean / exact - 1.0).abs() < 0.075,
+            "{rate} {substeps}: {mean} {exact}"
+        );
+    }
+}
+
+fn brownian_blocks_have_the_energy_of_their_temperature<W: Arena>() {
+    let (count, energy) = (4000, 1e-4);
+    let rate = 0.05;
+    let mut scene = fluid(None, Some(viscosity(rate)));
+    scene.agitation = hot(energy);
+    let mut world: W = world(&scene, &settings(2), &many(count));
+    pass(&mut world, 150);
+    let (mut moving, mut turning) = (0.0, 0.0);
+    for block in states(&world) {
+        moving += block.velocity.norm_squared() / 3.0 / count as f64;
+        turning += block.spin.norm_squared() / 6.0 / 3.0 / count as f64;
+    }
+    // 12,000 squares: 1.3 % each, four standard errors; steps of rate dt = 0.025 and 0.09 shift them by far less.
+    assert!((moving / energy - 1.0).abs() < 0.052, "{moving}");
+    assert!((turning / energy - 1.0).abs() < 0.052, "{turning}");
+}
+
+fn blocks_follow_eddies_and_disperse_as_taylor_says<W: Arena>() {
+    // So viscous that a block is taken along, and so short a memory that it hardly leaves its eddy: then a place
+    // diffuses with sigma^2 times the memory.
+    let (speed, memory, runs) = (0.02, 8.0, 400);
+    let mut scene = fluid(None, Some(viscosity(40.0)));
+    scene.agitation = Some(Agitation::Turbulence(Turbulence {
+        strength: Strength::Speed(speed),
+        length: 30.0,
+        time: Some(memory),
+        vertical: 0.5,
+    }));
+    let ticks = 240;
+    let (mut level, mut upright) = (0.0, 0.0);
+    for run in 0..runs {
+        let start = [BodyState::at_rest(at(0.0, 0.0, 0.0))];
+        let plate = scenes::PLATE;
+        let mut world =
+            W::with_blocks(&scene, &plate, &settings(1), 7, run, &start).expect("sound");
+        pass(&mut world, ticks);
+        let place = world.state(0).position;
+        level += (place.x * place.x + place.y * place.y) / 2.0 / runs as f64;
+        upright += place.z * place.z / runs as f64;
+    }
+    // In ticks, an amplitude keeps exp(-1 / memory): sum of a geometric row instead of the integral.
+    let left = (-1.0 / memory).exp();
+    let t = ticks as f64;
+    let steps =
+        t * (1.0 + left) / (1.0 - left) - 2.0 * left * (1.0 - left.powf(t)) / (1.0 - left).powi(2);
+    let exact = speed * speed * steps;
+    // 800 squares: 5 %, four standard errors; 400 of them: 7 %.
+    assert!((level / exact - 1.0).abs() < 0.2, "{level} {exact}");
+    assert!(
+        (upright / exact / 0.25 - 1.0).abs() < 0.28,
+        "{upright} {exact}"
+    );
+}
+
+fn a_jet_carries_a_block_to_the_middle<W: Arena>() {
+    let mut scene = fluid(None, Some(viscosity(20.0)));
+    scene.enclosure = Some(Enclosure::Sphere {
+        radius: 6.0,
+        wall: 0.01,
+    });
+    let (flow, nozzle) = (0.02, 0.4);
+    scene.flow = Some(Flow::Jets(Jets {
+        count: 1,
+        flow,
+        nozzle,
+    }));
+    // The middle of a ball over a plate of 3 x 3.
+    let height = (36.0_f64 - 4.5).sqrt();
+    let from = 4.0;
+    let mut world: W = world(
+        &scene,
+        &settings(8),
+        &[BodyState::at_rest(at(from, 0.0, height))],
+    );
+    let ticks = 40;
+    pass(&mut world, ticks);
+    let x = world.state(0).position.x;
+    // On the axis s s' = 6.2 D U from the tube at 6 sides on.
+    let speed = flow / (std::f64::consts::FRAC_PI_4 * nozzle * nozzle);
+    let way = 6.0 - from;
+    let exact = 6.0 - (way * way + 2.0 * 6.2 * nozzle * speed * ticks as f64).sqrt();
+    assert!((x - exact).abs() < 0.03 * (from - exact), "{x} {exact}");
+}
+
+fn a_sphere_keeps_its_blocks<W: Arena>() {
+    let wall = 0.01;
+    let scene = Scene {
+        enclosure: Some(Enclosure::Sphere { radius: 5.0, wall }),
+        ..empty()
+    };
+    let height = (25.0_f64 - 4.5).sqrt();
+    // A swing through the wall is half an oscillation on the ball of 4.5 sides.
+    for way in [at(0.0, 0.0, 1.0), at(0.6, 0.0, -0.8), at(0.0, -1.0, 0.0)] {
+        let start = BodyState {
+            velocity: way * 0.05,
+            ..BodyState::at_rest(way * 4.5 + Vector3::z() * height)
+        };
+        let mut world: W = world(&scene, &settings(16), &[start]);
+        let half = std::f64::consts::PI / f64::sqrt(wall);
+        pass(&mut world, half.round() as u64);
+        let block = world.state(0);
+        assert!(
+            (block.velocity + start.velocity).norm() < 0.002,
+            "{block:?}"
+        );
+        assert!((block.position - start.position).norm() < 0.05, "{block:?}");
+    }
+}
