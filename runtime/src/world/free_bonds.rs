@@ -63,18 +63,22 @@ impl FreeBonds {
     /// take up.
     pub fn join(&mut self, free: &[u32], flock: &mut impl Flock) {
         let places = places(free, flock);
-        let mut touching = BTreeSet::new();
+        let mut parting = BTreeSet::new();
         let mut ready = Vec::new();
-        for (a, b) in close(&places, self.magnet.within) {
-            let (a, b) = (places[a].0, places[b].0);
+        for (i, j) in close(&places, self.magnet.within) {
+            let (a, b) = (places[i].0, places[j].0);
             if let Some(met) = meet(&self.magnet, &flock.pose(a), &flock.pose(b))
                 && met.bonds
             {
-                touching.insert((a, b));
+                // A pair that has been torn is let bond again when nothing draws it apart any more.
+                let way = places[j].1 - places[i].1;
+                if (flock.motion(b).velocity - flock.motion(a).velocity).dot(&way) > 0.0 {
+                    parting.insert((a, b));
+                }
                 ready.push((a, b, met));
             }
         }
-        self.groups.forgive(&touching);
+        self.groups.forgive(&parting);
         for (a, b, met) in ready {
             if self.groups.same(a, b) || self.groups.are_parted(a, b) {
                 continue;

@@ -30,7 +30,7 @@ pub(crate) struct Groups {
     of: BTreeMap<u32, u32>,
     /// By key: a number that some member has, or had.
     groups: BTreeMap<u32, Group>,
-    /// Pairs that have been parted, and may not bond before they are out of each other's way.
+    /// Pairs that have been torn, and are on the way apart.
     parted: BTreeSet<(u32, u32)>,
 }
 
@@ -84,17 +84,18 @@ impl Groups {
         )
     }
 
-    /// Whether two blocks have been parted and are still in each other's way.
+    /// Whether two blocks have been torn apart and are still on the way.
     pub fn are_parted(&self, a: u32, b: u32) -> bool {
         self.parted.contains(&(a.min(b), a.max(b)))
     }
 
-    /// Lets those bond again that are out of each other's way: all pairs but these.
-    pub fn forgive(&mut self, touching: &BTreeSet<(u32, u32)>) {
-        self.parted.retain(|pair| touching.contains(pair));
+    /// Lets all pairs bond again but those that are still on the way apart.
+    pub fn forgive(&mut self, parting: &BTreeSet<(u32, u32)>) {
+        self.parted.retain(|pair| parting.contains(pair));
     }
 
-    /// Bonds two blocks of different groups. `b` and all that moves with it comes to `seat`, its place on `a`.
+    /// Bonds two blocks of different groups. `b` and all that moves with it comes to `seat`, its place on `a`, and
+    /// all move as one body at once.
     pub fn join(&mut self, a: u32, b: u32, seat: &Pose, flock: &mut impl Flock) {
         let was = flock.pose(b);
         let turn = seat.rotation * was.rotation.inverse();
@@ -114,6 +115,18 @@ impl Groups {
         bonds.extend(others);
         bonds.push((a, b));
         self.add(members, bonds, flock);
+        self.stiffen(a, flock);
+    }
+
+    /// Gives the group of a block the motion of a rigid body, whatever its bonds would have to hold for that.
+    fn stiffen(&self, id: u32, flock: &mut impl Flock) {
+        let members = self.with(id);
+        let motions: Vec<Motion> = members.iter().map(|&id| flock.motion(id)).collect();
+        let compound = Compound::of(&motions);
+        for (&id, motion) in members.iter().zip(&motions) {
+            let (velocity, spin) = compound.at(motion.position);
+            flock.set_velocity(id, velocity, spin);
+        }
     }
 
     /// Takes a block out of its group, which may fall to pieces: those that it was bonded to.

@@ -91,6 +91,19 @@ fn a_group_moves_as_one_and_keeps_its_momenta() {
 }
 
 #[test]
+fn what_bonds_moves_as_one_at_once() {
+    let (mut groups, mut blocks) = (Groups::default(), Blocks::at(&[[0.0; 3], [1.0, 0.0, 0.0]]));
+    blocks.set_velocity(1, Vector3::new(-0.4, 0.2, 0.0), Vector3::z() * 0.1);
+    let before = blocks.momenta();
+    let seat = blocks.pose(1);
+    groups.join(0, 1, &seat, &mut blocks);
+    let after = blocks.momenta();
+    assert!((before.0 - after.0).norm() + (before.1 - after.1).norm() < 1e-12);
+    // Nothing is left for the bond to hold.
+    assert_eq!(groups.settle(&mut blocks, 1e-9, Response::FREE, 1e-3), 0);
+}
+
+#[test]
 fn a_bond_holds_what_the_blocks_behind_it_need() {
     // A force on the first of n equal blocks leaves the last bond the n-th part of it.
     for count in 2..6_u32 {
@@ -133,7 +146,7 @@ fn a_squeezed_bond_holds() {
 }
 
 #[test]
-fn what_is_torn_does_not_bond_before_it_is_out_of_the_way() {
+fn what_is_torn_does_not_bond_while_it_is_on_the_way_apart() {
     let (mut groups, mut blocks) = row(4);
     blocks.set_velocity(3, Vector3::x() * 0.5, Vector3::zeros());
     assert_eq!(groups.settle(&mut blocks, 0.2, Response::FREE, 1.0), 1);
