@@ -8,7 +8,7 @@ use crate::graph::{Dependency, DependencyGraph};
 use crate::layout::Layout;
 use crate::plan::{Deed, EventId, Plan};
 use crate::presence::Presence;
-use crate::scene::Scene;
+use crate::scene::{BondKind, Scene};
 use crate::table::{Action, Condition, News, Phase, PhaseId, Role, RoleId, Tables, Trigger};
 
 /// Lowers a program in which nothing is wrong.
@@ -256,9 +256,11 @@ impl Lowering<'_> {
         // Stable: within a duty the rules keep the order of the source.
         self.rules
             .sort_by_key(|rule| (rule.role, rule.phase, rule.trigger));
+        let bond = BondKind::of(scene);
         let mut tables = Tables {
             assembly: self.plan.name.clone(),
-            faces: scene.block.faces,
+            bond,
+            faces: bond.faces(scene.block.faces),
             plate: self.plan.plate.clone(),
             phases: (self.plan.phases.iter().zip(&self.reports))
                 .map(|(phase, &reports)| Phase {
