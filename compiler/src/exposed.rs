@@ -87,6 +87,10 @@ impl Survey<'_> {
                 self.settle(id, standing);
             }
         }
+        // What is attached by hand is not waited for.
+        if self.plan.phases[number].planted {
+            return 0;
+        }
         let waits = |(cell, on): (Cell, Face)| {
             !standing.blocks.contains_key(&cell)
                 && (cell.across(on.opposite())).is_some_and(|at| standing.blocks.contains_key(&at))

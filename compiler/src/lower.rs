@@ -87,8 +87,10 @@ impl Lowering<'_> {
                     cell,
                 };
                 self.push(parent, phase, trigger, when, action);
-                // A terminal block: it has nothing more to do, and says so.
-                if !self.duties[id.0 as usize] {
+                // A terminal block: it has nothing more to do, and says so, unless somebody has put it
+                // there.
+                let is_planted = self.plan.phases[phase.0 as usize].planted;
+                if !self.duties[id.0 as usize] && !is_planted {
                     self.reports[phase.0 as usize] += 1;
                     self.push(event.role, phase, Trigger::Anchored, [], Action::Report);
                 }
@@ -267,6 +269,7 @@ impl Lowering<'_> {
                     name: phase.name.clone(),
                     timeout: phase.timeout.map(|timeout| timeout.ticks(scene.tick)),
                     reports,
+                    planted: phase.planted,
                 })
                 .collect(),
             roles: (0..self.plan.roles.count() as u32)

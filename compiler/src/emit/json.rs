@@ -104,7 +104,8 @@ fn news(tables: &Tables, news: News) -> Value {
 }
 
 /// The graph: `{ assembly, phases: [{ name, events: [{ id, event, kind, block, parent, face,
-/// after: [{ event, why }] }], longest_chain: [id] }] }`.
+/// after: [{ event, why }] }], longest_chain: [id] }] }`. A phase of blocks that are attached by hand has
+/// `planted: true` as well, here and in the tables, and no chain.
 pub fn graph_json(plan: &Plan, graph: &DependencyGraph, order: &Order, symbols: &Symbols) -> Value {
     let phases: Vec<Value> = (plan.phases.iter().zip(&order.chains))
         .map(|(phase, chain)| {
@@ -136,7 +137,11 @@ pub fn graph_json(plan: &Plan, graph: &DependencyGraph, order: &Order, symbols: 
                 })
                 .collect();
             let chain: Vec<u32> = chain.iter().map(|id| id.0).collect();
-            json!({ "name": phase.name, "events": events, "longest_chain": chain })
+            let mut value = json!({ "name": phase.name, "events": events, "longest_chain": chain });
+            if phase.planted {
+                value["planted"] = json!(true);
+            }
+            value
         })
         .collect();
     json!({ "assembly": plan.name, "phases": phases })

@@ -28,6 +28,14 @@ pub fn table_text(tables: &Tables) -> String {
     }
     out.push('\n');
     for phase in &tables.phases {
+        if phase.planted {
+            let _ = writeln!(
+                out,
+                "phase {}: attached by hand, before the first tick",
+                phase.name
+            );
+            continue;
+        }
         let plural = if phase.reports == 1 { "" } else { "s" };
         let _ = write!(
             out,

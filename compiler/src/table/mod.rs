@@ -55,6 +55,10 @@ pub struct Plate {
     pub depth: u32,
 }
 
+/// The name of the phase of blocks that are attached by hand: a word of the language, so that
+/// no other phase has it.
+pub const PLANTED: &str = "seed";
+
 /// One building stage.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Phase {
@@ -64,6 +68,10 @@ pub struct Phase {
     pub timeout: Option<u64>,
     /// Reports after which the plate starts the next phase, in the very next tick.
     pub reports: u32,
+    /// Whether its blocks are attached by hand before the first tick, rather than captured. Such a
+    /// phase comes first, takes no time, and has only captures, of which nobody reports.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub planted: bool,
 }
 
 /// A name of the program.
