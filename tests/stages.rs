@@ -52,3 +52,49 @@ fn the_longest_serial_chains_are_those_of_the_paper() {
         assert_eq!(lengths.sum::<usize>(), serial, "{file}");
     }
 }
+
+#[test]
+fn one_program_is_lowered_for_three_kinds_of_hardware() {
+    let scene = |base: &str| {
+        format!(
+            "scene here from {base} {{ block cube {{ side 5cm  mass 115g  faces 2 }}  free 9 uniform  enclosure hemisphere {{ radius 50cm  wall 200 N/m }} }}"
+        )
+    };
+    let text = "
+        assembly tower in here {
+            allow unplanned-bond \"each kind in turn\"
+            seed plate 2 x 1 { A at (0, 0)  B at (1, 0) }
+            phase grow timeout 100 ticks {
+                A.up -> C
+                C.up -> D
+                C.west -> E
+                C.north -> F
+                B.up -> G after D
+            }
+            phase change { release F, D  G.up -> D }
+        }";
+    let compiled = |base: &str| {
+        let text = format!("{}{text}", scene(base));
+        let mut reader = |_: &str| Ok(text.clone().into_bytes());
+        let checked = stochc::compiler::check("tower.sa", &mut reader, Default::default());
+        assert!(!checked.has_errors(), "{:?}", checked.findings);
+        let tables = checked.programs[0].tables.clone().unwrap();
+        (table_text(&tables), table_json(&tables))
+    };
+    let mut settings = insta::Settings::clone_current();
+    settings.set_omit_expression(true);
+    settings.bind(|| {
+        for (kind, base) in [
+            ("attract", "hemisphere"),
+            ("suction", "suction_tank"),
+            ("reject", "magnet_tank"),
+        ] {
+            let (text, json) = compiled(base);
+            insta::assert_snapshot!(format!("kind_{kind}"), text);
+            insta::assert_snapshot!(format!("kind_{kind}_json"), format!("{json:#}"));
+            // What is as ever has no word for it.
+            assert_eq!(json.get("bond").is_none(), kind == "attract");
+            assert_eq!(json.get("otherwise").is_some(), kind == "reject");
+        }
+    });
+}

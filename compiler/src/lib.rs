@@ -10,6 +10,7 @@ mod cell;
 pub mod cost;
 pub mod emit;
 mod expand;
+mod exposed;
 pub mod finding;
 pub mod graph;
 mod inventory;

@@ -8,7 +8,7 @@ use crate::graph::{Dependency, DependencyGraph};
 use crate::layout::Layout;
 use crate::plan::{Deed, EventId, Plan};
 use crate::presence::Presence;
-use crate::scene::Scene;
+use crate::scene::{BondKind, Scene};
 use crate::table::{Action, Condition, News, Phase, PhaseId, Role, RoleId, Tables, Trigger};
 
 /// Lowers a program in which nothing is wrong.
@@ -87,8 +87,10 @@ impl Lowering<'_> {
                     cell,
                 };
                 self.push(parent, phase, trigger, when, action);
-                // A terminal block: it has nothing more to do, and says so.
-                if !self.duties[id.0 as usize] {
+                // A terminal block: it has nothing more to do, and says so, unless somebody has put it
+                // there.
+                let is_planted = self.plan.phases[phase.0 as usize].planted;
+                if !self.duties[id.0 as usize] && !is_planted {
                     self.reports[phase.0 as usize] += 1;
                     self.push(event.role, phase, Trigger::Anchored, [], Action::Report);
                 }
@@ -256,15 +258,18 @@ impl Lowering<'_> {
         // Stable: within a duty the rules keep the order of the source.
         self.rules
             .sort_by_key(|rule| (rule.role, rule.phase, rule.trigger));
+        let bond = BondKind::of(scene);
         let mut tables = Tables {
             assembly: self.plan.name.clone(),
-            faces: scene.block.faces,
+            bond,
+            faces: bond.faces(scene.block.faces),
             plate: self.plan.plate.clone(),
             phases: (self.plan.phases.iter().zip(&self.reports))
                 .map(|(phase, &reports)| Phase {
                     name: phase.name.clone(),
                     timeout: phase.timeout.map(|timeout| timeout.ticks(scene.tick)),
                     reports,
+                    planted: phase.planted,
                 })
                 .collect(),
             roles: (0..self.plan.roles.count() as u32)

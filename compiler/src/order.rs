@@ -16,7 +16,8 @@ pub struct Order {
     /// Every event that makes sense, each behind all it waits for.
     pub events: Vec<EventId>,
     /// The longest serial chain of each phase: captures that have to follow one another, with the
-    /// releases between them. Its length is its number of captures.
+    /// releases between them. Its length is its number of captures. A planted phase has none: nothing
+    /// in it has to be waited for.
     pub chains: Vec<Vec<EventId>>,
 }
 
@@ -81,7 +82,10 @@ pub fn sort(
         return None;
     }
     order.chains = (plan.phases.iter())
-        .map(|phase| longest_chain(phase.events.clone(), plan, &best))
+        .map(|phase| match phase.planted {
+            true => Vec::new(),
+            false => longest_chain(phase.events.clone(), plan, &best),
+        })
         .collect();
     Some(order)
 }

@@ -50,6 +50,8 @@ pub struct PlanPhase {
     pub timeout: Option<Timeout>,
     /// Its events, a range of [`Plan::events`].
     pub events: std::ops::Range<u32>,
+    /// Whether its blocks are attached by hand before anything moves; only the first phase may be.
+    pub planted: bool,
     /// The shape it claims, with the place of the claim.
     pub claims: Vec<(Symbol, Site)>,
 }

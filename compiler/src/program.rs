@@ -11,10 +11,10 @@ use crate::levels::{Allowed, FileLevels, Levels};
 use crate::load::{Loaded, Module, Reader, load};
 use crate::order::{self, Order};
 use crate::plan::Plan;
-use crate::scene::Scene;
+use crate::scene::{BondKind, Scene};
 use crate::scenes::Scenes;
 use crate::table::Tables;
-use crate::{FileId, Site, Sources, inventory, layout, lower, presence, reach, shape};
+use crate::{FileId, Site, Sources, exposed, inventory, layout, lower, presence, reach, shape};
 
 /// Everything that is known of a file after looking at all of it.
 #[derive(Debug)]
@@ -310,7 +310,8 @@ impl<'a> Input<'a> {
         let mut later = Vec::new();
         let layout = layout::lay_out(&mut plan, &presence, symbols, &mut later);
         done(Stage::Layout);
-        let faces = scene.as_ref().map_or(1, |scene| scene.block.faces);
+        let faces =
+            (scene.as_ref()).map_or(1, |scene| BondKind::of(scene).faces(scene.block.faces));
         let graph = graph::build(&plan, &presence, &layout, faces);
         done(Stage::Graph);
         let order = order::sort(&plan, &graph, symbols, &mut later);
@@ -342,6 +343,10 @@ impl<'a> Input<'a> {
             reach::check(subject, self.limits.search, &mut later);
         }
         done(Stage::Reach);
+        let is_passive = (scene.as_ref()).is_some_and(|scene| BondKind::of(scene).is_passive());
+        if let (Some(order), true, true) = (&order, is_whole, is_passive) {
+            exposed::check(&plan, &layout, order, symbols, &mut later);
+        }
         if is_sound {
             shape::check(&plan, &layout, &shapes, symbols, &mut later);
             if let Some(scene) = &scene {

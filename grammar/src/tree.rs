@@ -230,7 +230,7 @@ pub struct Phase {
 pub struct Seed {
     /// Blocks from west to east, and from south to north.
     pub size: (Expr, Expr),
-    /// The seats.
+    /// The seats, and captures of blocks that are attached by hand.
     pub body: Vec<Item>,
 }
 

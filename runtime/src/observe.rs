@@ -65,6 +65,17 @@ pub enum Event {
         /// Where it sits.
         cell: Cell,
     },
+    /// A block has docked where none is expected, and is rejected at once.
+    Unplanned {
+        /// The number of the block.
+        body: u32,
+        /// The block on which it docked.
+        on: Body,
+        /// On which face.
+        face: Face,
+        /// The role of that block.
+        by: RoleId,
+    },
     /// A block is let go, and with it the faces that it had on.
     Released {
         /// The number of the block.

@@ -18,8 +18,20 @@ pub struct RunRecord {
     pub blocks_used: u32,
     /// Hops of messages from a block to its parent or child.
     pub hops: u64,
+    /// Blocks that docked where nobody expected them, and were rejected at once; 0 where faces have to
+    /// be switched on to capture.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub unplanned: u64,
     /// Every capture, in the order of docking.
     pub bonds: Vec<BondRecord>,
+}
+
+#[allow(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "serde asks for a reference"
+)]
+fn is_zero(number: &u64) -> bool {
+    *number == 0
 }
 
 /// How a run ended.

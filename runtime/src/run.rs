@@ -1,5 +1,4 @@
 //! One run, from the first tick to its record.
-use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 
 use stochc_compiler::scene::{Messages, Scene};
@@ -13,6 +12,9 @@ use crate::world::rapier::RapierWorld;
 use crate::world::rigid::RigidWorld;
 use crate::world::shuffle::ShuffleWorld;
 use crate::world::{Arena, SceneError, World};
+
+/// Chance of an unplanned bond per tick in a world without physics, where faces always attract.
+const STRAYS: f64 = 0.25;
 
 /// Looks on while a run goes, and may end it.
 ///
@@ -87,7 +89,12 @@ pub fn run(
             drive(tables, messages, &mut world, limit, (seed, run), watch)
         }
         Model::Shuffle => {
-            let mut world = ShuffleWorld::new(scene.free.count, seed, run);
+            let strays = if tables.bond.is_passive() {
+                STRAYS
+            } else {
+                0.0
+            };
+            let mut world = ShuffleWorld::new(scene.free.count, seed, run).with_strays(strays);
             drive(tables, messages, &mut world, limit, (seed, run), watch)
         }
     }
@@ -185,6 +192,10 @@ fn follow<'t, W: World>(
         let Some(phase) = controller.phase() else {
             break Outcome::Completed;
         };
+        if let Some(reason) = controller.fault() {
+            let reason = reason.to_owned();
+            break Outcome::Failed { phase, reason };
+        }
         let tick = world.tick();
         if controller.timed_out() || max_ticks.is_some_and(|limit| tick >= limit) {
             break Outcome::TimedOut { phase };
@@ -202,15 +213,5 @@ fn follow<'t, W: World>(
         controller.advance(&dockings, world);
         look(world, &mut controller);
     };
-    let (phase_ticks, hops, bonds) = controller.into_parts();
-    let used: BTreeSet<u32> = bonds.iter().map(|bond| bond.body).collect();
-    Ok(RunRecord {
-        run,
-        outcome,
-        ticks: world.tick(),
-        phase_ticks,
-        blocks_used: used.len() as u32,
-        hops,
-        bonds,
-    })
+    Ok(controller.into_record(run, outcome, world.tick()))
 }

@@ -5,7 +5,7 @@ mod tables;
 use std::ops::ControlFlow;
 
 use proptest::prelude::*;
-use stochc_compiler::scene::Messages;
+use stochc_compiler::scene::{BondKind, Messages};
 use stochc_compiler::table::{Action, Condition, News, PhaseId, RoleId, Tables};
 use stochc_compiler::{Cell, Face};
 use stochc_runtime::control::Controller;
@@ -358,6 +358,110 @@ fn a_run_ends_at_its_limit_or_when_it_is_cancelled() {
     assert_eq!(cancelled, Err(RunError::Cancelled));
     assert_eq!(world.tick(), 3);
     assert!(world.orientation(Body::Seed(Cell::new(0, 0, 0))).is_some());
+}
+
+/// The same tables for hardware whose faces always attract.
+fn passive(mut tables: Tables) -> Tables {
+    tables.bond = BondKind::Reject;
+    tables
+}
+
+#[test]
+fn a_block_that_docks_where_nobody_expects_it_is_rejected_at_once() {
+    let (tables, roles) = chain(&SNAKE);
+    let tables = passive(tables);
+    let mut all = 0;
+    for run in 0..200 {
+        let mut world = ShuffleWorld::new(30, 5, run).with_strays(0.5);
+        let record = drive(&tables, None, &mut world, Some(1000), (5, run), &mut go)
+            .expect("nobody cancels");
+        assert_eq!(record.outcome, Outcome::Completed);
+        // What stands is what the tables say, and nothing else.
+        assert_eq!(world.cells().len(), SNAKE.len());
+        for (bond, &(role, cell)) in record.bonds.iter().zip(&roles[1..]) {
+            assert_eq!((bond.child, bond.cell), (role, cell));
+            assert_eq!(world.cells().get(&cell), Some(&bond.body));
+        }
+        assert_eq!(record.hops, SNAKE.len() as u64, "nobody speaks of it");
+        all += record.unplanned;
+    }
+    // Half of the ticks, of which each run has eight at least, but for the first.
+    assert!((500..1200).contains(&all), "{all}");
+}
+
+#[test]
+fn a_stray_where_faces_are_switched_on_is_no_unplanned_bond() {
+    let (tables, _) = chain(&SNAKE);
+    let mut world = ShuffleWorld::new(30, 5, 0).with_strays(0.5);
+    let record =
+        drive(&tables, None, &mut world, Some(1000), (5, 0), &mut go).expect("nobody cancels");
+    assert_eq!(record.outcome, Outcome::Completed);
+    assert_eq!((record.unplanned, world.cells().len()), (0, SNAKE.len()));
+}
+
+/// A chain whose first blocks are attached by hand, and the roles of all.
+fn planted(by_hand: usize) -> (Tables, Vec<(RoleId, Cell)>) {
+    let mut draft = Draft::default();
+    let (first, second) = (draft.phase(0), draft.phase(1));
+    draft.plant(first);
+    let mut cell = Cell::new(1, 1, 0);
+    let mut roles = vec![(draft.seed("T0", 1, 1), cell)];
+    for (i, &face) in SNAKE.iter().enumerate() {
+        let (parent, child) = (roles[i].0, draft.role(&format!("T{}", i + 1)));
+        cell = cell.across(face).expect("a short chain");
+        let rules = vec![at_once(magnetize(face, child, cell))];
+        match (i < by_hand, i == 0 || i == by_hand) {
+            (true, true) => draft.start(parent, first, rules),
+            (true, false) => draft.anchored(parent, first, rules),
+            (false, true) => draft.start(parent, second, rules),
+            (false, false) => draft.anchored(parent, second, rules),
+        }
+        roles.push((child, cell));
+    }
+    let last = roles[SNAKE.len()].0;
+    draft.anchored(last, second, vec![at_once(Action::Report)]);
+    (draft.tables(), roles)
+}
+
+#[test]
+fn what_is_attached_by_hand_is_there_at_tick_0() {
+    let (tables, roles) = planted(3);
+    let mut world = ShuffleWorld::new(9, 5, 1);
+    let mut controller = Controller::new(&tables, None, 5, 1);
+    controller.start(&mut world);
+    assert_eq!(controller.phase(), Some(PhaseId(1)));
+    assert_eq!((controller.phase_ticks(), world.tick()), (&[0][..], 0));
+    // The free blocks with the highest numbers, one after the other, and none is turned.
+    let cells: Vec<_> = world
+        .cells()
+        .iter()
+        .map(|(&cell, &id)| (cell, id))
+        .collect();
+    let expected: Vec<_> = (1..=3).map(|i| (roles[i].1, 9 - i as u32)).collect();
+    assert_eq!(cells.len(), 3);
+    assert!(expected.iter().all(|one| cells.contains(one)), "{cells:?}");
+    for (_, body, orientation) in controller.structure() {
+        assert_eq!(Some(orientation), world.orientation(body));
+    }
+    for hop in [None, Some(3)] {
+        let (record, world) = shuffle(&tables, hop, 1);
+        assert_eq!(record.outcome, Outcome::Completed);
+        assert_eq!((record.phase_ticks[0], record.phase_ticks.len()), (0, 2));
+        assert_eq!(record.hops, SNAKE.len() as u64, "nobody reports it");
+        assert_eq!(world.cells().len(), SNAKE.len());
+    }
+}
+
+#[test]
+fn without_a_block_to_attach_the_run_fails() {
+    let (tables, _) = planted(3);
+    let mut world = ShuffleWorld::new(2, 5, 1);
+    let record =
+        drive(&tables, None, &mut world, Some(1000), (5, 1), &mut go).expect("nobody cancels");
+    let reason = "no free block is left to attach as T3".to_owned();
+    let phase = PhaseId(0);
+    assert_eq!(record.outcome, Outcome::Failed { phase, reason });
+    assert_eq!((record.ticks, record.phase_ticks.len()), (0, 0));
 }
 
 /// A chain, built where transfers are lost.

@@ -1,5 +1,6 @@
 //! The figures that compare programs: what `--format json` says, and [`Comparison::to_text`] draws.
 use serde::Serialize;
+use stochc_compiler::table::PLANTED;
 use stochc_runtime::record::{Outcome, RunRecord};
 
 use super::{Finished, Manifest, Program};
@@ -171,11 +172,13 @@ fn column(manifest: &Manifest, program: &Program, records: &[&RunRecord]) -> Col
         records.iter().filter(completed).count(),
         records.iter().filter(timed_out).count(),
     );
+    // What is attached by hand takes no time.
     let phases = program.phases.iter().enumerate();
+    let phases: Vec<_> = phases.filter(|(_, name)| *name != PLANTED).collect();
     Column {
         name: program.name.clone(),
         tick: program.scene.tick,
-        phases: program.phases.len(),
+        phases: phases.len(),
         captures: program.captures,
         blocks_used: Summary::of(&blocks).map(|summary| summary.mean),
         runs: manifest.runs,
@@ -185,6 +188,7 @@ fn column(manifest: &Manifest, program: &Program, records: &[&RunRecord]) -> Col
         failed: count(records.len() - done - late),
         time: Time::of(&whole(records)),
         phase_times: phases
+            .into_iter()
             .map(|(i, name)| PhaseTime {
                 name: name.clone(),
                 time: Time::of(&of_phase(records, i)),

@@ -2,7 +2,7 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
-use stochc_compiler::table::{PhaseId, RoleId};
+use stochc_compiler::table::{PLANTED, PhaseId, RoleId};
 use stochc_runtime::record::{BondRecord, Origin, Outcome};
 
 use super::layout::Layout;
@@ -43,9 +43,11 @@ pub struct Edge {
 /// Sums up the captures of the manifest's program number `program`, sorted by phase and roles.
 pub fn edges(manifest: &Manifest, finished: &[Finished], program: usize) -> Vec<Edge> {
     let mut captures = BTreeMap::<(PhaseId, RoleId, RoleId), Vec<&BondRecord>>::new();
+    // What is attached by hand was not waited for.
+    let is_planted = |phase| manifest.programs[program].phase(phase) == PLANTED;
     for done in finished {
         if done.program == program && !matches!(done.record.outcome, Outcome::Failed { .. }) {
-            for bond in &done.record.bonds {
+            for bond in (done.record.bonds.iter()).filter(|bond| !is_planted(bond.phase)) {
                 let key = (bond.phase, bond.parent, bond.child);
                 captures.entry(key).or_default().push(bond);
             }

@@ -116,6 +116,7 @@ fn attempt(
                 phase_ticks: Vec::new(),
                 blocks_used: 0,
                 hops: 0,
+                unplanned: 0,
                 bonds: Vec::new(),
             }
         }

@@ -71,6 +71,7 @@ impl Seeds {
                 role,
                 cell,
             } => json!([tick, "dock", body, n(on), face, role, cell]),
+            Event::Unplanned { body, on, face, by } => json!([tick, "shed", body, n(on), face, by]),
             Event::Released { body, role, by } => json!([tick, "free", body, role, by]),
             Event::Sent { from, to, said } => {
                 let (what, role) = match said {
@@ -119,6 +120,12 @@ impl Seeds {
                 face: face(4)?,
                 role: role(5)?,
                 cell: cell(6)?,
+            },
+            "shed" => Event::Unplanned {
+                body: number(2)?,
+                on: body(3)?,
+                face: face(4)?,
+                by: role(5)?,
             },
             "free" => Event::Released {
                 body: number(2)?,

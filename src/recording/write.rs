@@ -98,7 +98,10 @@ impl<W: Write> Observer for Recorder<W> {
         let is_notable = events.iter().any(|event| {
             matches!(
                 event,
-                Event::Captured { .. } | Event::Released { .. } | Event::Reported { .. }
+                Event::Captured { .. }
+                    | Event::Unplanned { .. }
+                    | Event::Released { .. }
+                    | Event::Reported { .. }
             )
         });
         if !is_notable && !tick.is_multiple_of(self.every) {

@@ -295,6 +295,7 @@ mod tests {
             phase_ticks: phases.to_vec(),
             blocks_used: 0,
             hops: 0,
+            unplanned: 0,
             bonds,
         }
     }

@@ -123,9 +123,13 @@ fn from_graph(checked: &Checked, found: usize, entry: &Program) -> Option<Events
         waits.sort_by_key(|&(first, _)| first);
         waits
     };
-    let order = side_by_side(plan.events.len(), |id| {
+    let mut order = side_by_side(plan.events.len(), |id| {
         waits(EventId(id)).into_iter().map(|(first, _)| first.0)
     });
+    // What is attached by hand never waited.
+    let by_hand = plan.phases.iter().filter(|phase| phase.planted);
+    let by_hand: Vec<_> = by_hand.map(|phase| phase.events.clone()).collect();
+    order.retain(|id| !by_hand.iter().any(|events| events.contains(id)));
     let mut place = vec![0; plan.events.len()];
     for (i, &id) in order.iter().enumerate() {
         place[id as usize] = i;

@@ -8,6 +8,7 @@ mod compile;
 mod explain;
 mod fix;
 mod fmt;
+mod hardware;
 #[cfg(unix)]
 mod interrupted;
 mod levels;

@@ -21,6 +21,7 @@ fn record(run: usize, outcome: Outcome, phase_ticks: Vec<u64>, ticks: u64) -> Ru
         phase_ticks,
         blocks_used: 12 + run as u32 % 3,
         hops: 40,
+        unplanned: 0,
         bonds: Vec::new(),
     }
 }

@@ -50,6 +50,7 @@ pub fn program(name: &str) -> Program {
         name: name.into(),
         timeout: None,
         reports: 1,
+        planted: false,
     };
     let catch = |child, z| Action::Magnetize {
         face: Face::Up,
@@ -140,6 +141,7 @@ pub fn simulate(program: usize, run: u64, watch: &Watch) -> Result<RunRecord, Ca
         phase_ticks: vec![waits[0], waits[1]],
         blocks_used: 2,
         hops: draw(program, run, 3) % 20,
+        unplanned: 0,
         bonds: vec![bond(0, 0, Origin::Free), bond(1, waits[0], released)],
     };
     if late {

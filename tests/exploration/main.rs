@@ -2,6 +2,7 @@
 mod faults;
 mod mutants;
 mod orders;
+mod physical;
 mod programs;
 #[path = "../random/mod.rs"]
 mod random;

@@ -108,6 +108,7 @@ pub fn record(manifest: &Manifest, run: u64, waits: &Waits) -> Finished {
         phase_ticks: [Some(first), second].into_iter().flatten().collect(),
         blocks_used: 4,
         hops: 9,
+        unplanned: 0,
         bonds,
     };
     Finished { program: 0, record }

@@ -51,7 +51,8 @@ pub fn exposures(program: &Program, levels: &[u32]) -> Vec<Option<f64>> {
             }
         }
         for (id, cell) in events() {
-            if plan.event(id).deed != Deed::Release {
+            // What is attached by hand does not wait.
+            if plan.event(id).deed != Deed::Release && !phase.planted {
                 let level = levels[id.0 as usize];
                 let is_full = |cell: Cell| {
                     cell.z < 1

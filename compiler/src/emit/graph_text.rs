@@ -21,12 +21,20 @@ pub fn graph_text(
     // Writing to a string cannot fail.
     let _ = writeln!(out, "assembly {}", plan.name);
     for (phase, chain) in plan.phases.iter().zip(&order.chains) {
-        let _ = writeln!(out, "\nphase {}", phase.name);
+        let planted = if phase.planted {
+            ", attached by hand"
+        } else {
+            ""
+        };
+        let _ = writeln!(out, "\nphase {}{planted}", phase.name);
         for id in plan.events_of(phase) {
             let _ = writeln!(out, "    {}", plan.describe(id, symbols));
             for (why, first) in waits(graph, id) {
                 let _ = writeln!(out, "        {why}: {}", plan.describe(first, symbols));
             }
+        }
+        if phase.planted {
+            continue;
         }
         let _ = writeln!(
             out,

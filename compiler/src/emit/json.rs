@@ -6,6 +6,7 @@ use super::graph_text::waits;
 use crate::graph::DependencyGraph;
 use crate::order::Order;
 use crate::plan::{Deed, Plan};
+use crate::scene::BondKind;
 use crate::table::{Action, Condition, News, Tables, Trigger};
 
 /// Event tables with every name written out.
@@ -13,6 +14,10 @@ use crate::table::{Action, Condition, News, Tables, Trigger};
 /// `{ assembly, faces, plate: { width, depth }, phases: [{ name, reports, timeout }],
 /// blocks: [{ name, seed, duties: [{ phase, trigger, rules: [{ when, then }] }] }] }`; a cell is
 /// `[x, y, z]`, a timeout is in ticks.
+///
+/// What a rule does to capture and to let go is `magnetize` and `switch_off`, `open` and `close`, or
+/// `expect` and `reject`, by the kind of bond. That is said in `bond` if it is not `attract`; where every
+/// face always attracts, `otherwise` says what becomes of a block on a face that expects none.
 pub fn table_json(tables: &Tables) -> Value {
     let mut blocks: Vec<Value> = (tables.roles.iter())
         .map(|role| json!({ "name": role.name, "seed": role.seed, "duties": [] }))
@@ -40,13 +45,29 @@ pub fn table_json(tables: &Tables) -> Value {
             duties.push(value);
         }
     }
-    json!({
+    let mut value = json!({
         "assembly": tables.assembly,
         "faces": tables.faces,
         "plate": tables.plate,
         "phases": tables.phases,
         "blocks": blocks,
-    })
+    });
+    if tables.bond != BondKind::default() {
+        value["bond"] = json!(tables.bond);
+    }
+    if tables.bond.is_passive() {
+        value["otherwise"] = json!({ "do": "reject", "face": "any other" });
+    }
+    value
+}
+
+/// The verbs of a kind of bond: to capture, and to let go.
+fn verbs(bond: BondKind) -> (&'static str, &'static str) {
+    match bond {
+        BondKind::Attract => ("magnetize", "switch_off"),
+        BondKind::Suction => ("open", "close"),
+        BondKind::Reject => ("expect", "reject"),
+    }
 }
 
 fn condition(tables: &Tables, condition: Condition) -> Value {
@@ -59,13 +80,14 @@ fn condition(tables: &Tables, condition: Condition) -> Value {
 }
 
 fn action(tables: &Tables, action: Action) -> Value {
+    let (capture, release) = verbs(tables.bond);
     match action {
         Action::Magnetize { face, child, cell } => {
-            json!({ "do": "magnetize", "face": face, "child": tables.name(child), "cell": cell })
+            json!({ "do": capture, "face": face, "child": tables.name(child), "cell": cell })
         }
         Action::AskRelease => json!({ "do": "ask_release" }),
         Action::SwitchOff { face, child } => {
-            json!({ "do": "switch_off", "face": face, "child": tables.name(child) })
+            json!({ "do": release, "face": face, "child": tables.name(child) })
         }
         Action::Tell { to, news: what } => {
             json!({ "do": "tell", "to": tables.name(to), "news": news(tables, what) })
@@ -82,7 +104,8 @@ fn news(tables: &Tables, news: News) -> Value {
 }
 
 /// The graph: `{ assembly, phases: [{ name, events: [{ id, event, kind, block, parent, face,
-/// after: [{ event, why }] }], longest_chain: [id] }] }`.
+/// after: [{ event, why }] }], longest_chain: [id] }] }`. A phase of blocks that are attached by hand has
+/// `planted: true` as well, here and in the tables, and no chain.
 pub fn graph_json(plan: &Plan, graph: &DependencyGraph, order: &Order, symbols: &Symbols) -> Value {
     let phases: Vec<Value> = (plan.phases.iter().zip(&order.chains))
         .map(|(phase, chain)| {
@@ -114,7 +137,11 @@ pub fn graph_json(plan: &Plan, graph: &DependencyGraph, order: &Order, symbols: 
                 })
                 .collect();
             let chain: Vec<u32> = chain.iter().map(|id| id.0).collect();
-            json!({ "name": phase.name, "events": events, "longest_chain": chain })
+            let mut value = json!({ "name": phase.name, "events": events, "longest_chain": chain });
+            if phase.planted {
+                value["planted"] = json!(true);
+            }
+            value
         })
         .collect();
     json!({ "assembly": plan.name, "phases": phases })

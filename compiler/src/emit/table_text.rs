@@ -1,23 +1,41 @@
 //! Event tables as text: stable, sorted and made for comparing line by line.
 use std::fmt::Write as _;
 
+use crate::scene::BondKind;
 use crate::table::{Action, Condition, Duty, News, PhaseId, RoleId, Rule, Tables, Trigger};
 
 /// The text form of event tables.
 pub fn table_text(tables: &Tables) -> String {
     let mut out = String::new();
-    let faces = match tables.faces {
-        1 => "one face".to_owned(),
-        n => format!("{n} faces"),
+    let count = |noun: &str| match tables.faces {
+        1 => format!("one {noun}"),
+        n => format!("{n} {noun}s"),
+    };
+    let bond = match tables.bond {
+        BondKind::Attract => format!("blocks magnetize {} at a time", count("face")),
+        BondKind::Suction => format!("blocks open {} at a time", count("valve")),
+        BondKind::Reject => "every face always attracts".to_owned(),
     };
     // Writing to a string cannot fail.
     let _ = writeln!(out, "assembly {}", tables.assembly);
     let _ = writeln!(
         out,
-        "plate {} x {}, blocks magnetize {faces} at a time\n",
+        "plate {} x {}, {bond}",
         tables.plate.width, tables.plate.depth
     );
+    if tables.bond.is_passive() {
+        let _ = writeln!(out, "otherwise: reject what docks on any other face");
+    }
+    out.push('\n');
     for phase in &tables.phases {
+        if phase.planted {
+            let _ = writeln!(
+                out,
+                "phase {}: attached by hand, before the first tick",
+                phase.name
+            );
+            continue;
+        }
         let plural = if phase.reports == 1 { "" } else { "s" };
         let _ = write!(
             out,
@@ -92,11 +110,21 @@ fn rule_text(tables: &Tables, rule: Rule<'_>) -> String {
     let name = |role| tables.name(role);
     let _ = match rule.then {
         Action::Magnetize { face, child, cell } => {
-            write!(text, "magnetize {face} for {} at {cell}", name(child))
+            let child = name(child);
+            match tables.bond {
+                BondKind::Attract => write!(text, "magnetize {face} for {child} at {cell}"),
+                BondKind::Suction => write!(text, "open {face} for {child} at {cell}"),
+                BondKind::Reject => write!(text, "expect {face} -> {child} at {cell}"),
+            }
         }
         Action::AskRelease => write!(text, "ask to be released"),
         Action::SwitchOff { face, child } => {
-            write!(text, "switch {face} off, which frees {}", name(child))
+            let child = name(child);
+            match tables.bond {
+                BondKind::Attract => write!(text, "switch {face} off, which frees {child}"),
+                BondKind::Suction => write!(text, "close {face}, which frees {child}"),
+                BondKind::Reject => write!(text, "reject {face}, which frees {child}"),
+            }
         }
         Action::Tell { to, news } => {
             write!(text, "tell {} that {}", name(to), news_text(tables, news))

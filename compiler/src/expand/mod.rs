@@ -110,6 +110,7 @@ pub fn expand_probed<'a>(
         plate: None,
         phase_sites: FxHashMap::default(),
         in_phase: false,
+        seeding: None,
         sources,
         symbols,
         findings,
@@ -122,6 +123,15 @@ pub fn expand_probed<'a>(
     expander.file = file;
     expander.assembly(assembly);
     (expander.plan, expander.shapes)
+}
+
+/// The two passes through a seed plate: seeds have the first numbers.
+#[derive(Clone, Copy, PartialEq)]
+enum Seeding {
+    /// The seeds.
+    Seats,
+    /// What is attached to them by hand.
+    Captures,
 }
 
 struct Expander<'a, 'f> {
@@ -143,6 +153,8 @@ struct Expander<'a, 'f> {
     plate: Option<Site>,
     phase_sites: FxHashMap<String, Site>,
     in_phase: bool,
+    /// What of the seed plate is being written out.
+    seeding: Option<Seeding>,
     sources: &'f Sources,
     symbols: &'f mut Symbols,
     findings: &'f mut Vec<Finding>,
@@ -268,6 +280,17 @@ impl<'a> Expander<'a, '_> {
     }
 
     fn item(&mut self, item: &'a Item) {
+        let is_chain = matches!(item.kind, ItemKind::Chain(_));
+        let belongs = match self.seeding {
+            None => true,
+            Some(Seeding::Seats) => !is_chain,
+            Some(Seeding::Captures) => {
+                is_chain || matches!(item.kind, ItemKind::For(_) | ItemKind::Let(_))
+            }
+        };
+        if !belongs {
+            return;
+        }
         match &item.kind {
             ItemKind::Chain(chain) => self.chain(chain),
             ItemKind::Release(release) => self.release(release),
@@ -346,6 +369,7 @@ impl<'a> Expander<'a, '_> {
             site,
             timeout,
             events: start..start,
+            planted: false,
             claims: Vec::new(),
         });
         self.in_phase = true;

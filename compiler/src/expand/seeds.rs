@@ -1,12 +1,21 @@
 //! The seed plate.
 use stochc_grammar::Span;
-use stochc_grammar::tree::{Expr, Item, Seat};
+use stochc_grammar::tree::{Expr, Item, ItemKind, Seat};
 
-use super::{Expander, duplicate};
+use super::{Expander, Seeding, duplicate};
 use crate::finding::{Code, Finding};
-use crate::plan::Seed;
-use crate::table::Plate;
+use crate::plan::{PlanPhase, Seed};
+use crate::table::{PLANTED, Plate};
 use crate::{Cell, Site};
+
+/// Whether anything is attached by hand; loops are as deep as the parser lets them be.
+fn has_captures(items: &[Item]) -> bool {
+    (items.iter()).any(|item| match &item.kind {
+        ItemKind::Chain(_) => true,
+        ItemKind::For(block) => has_captures(&block.body),
+        _ => false,
+    })
+}
 
 /// Blocks along one edge of a plate, at most.
 const MAX_EDGE: i64 = 100_000;
@@ -45,7 +54,33 @@ impl<'a> Expander<'a, '_> {
             width: width.unwrap_or(u32::MAX),
             depth: depth.unwrap_or(u32::MAX),
         };
+        let outer = self.seeding.replace(Seeding::Seats);
         self.items(&seed.body);
+        if has_captures(&seed.body) {
+            self.seeding = Some(Seeding::Captures);
+            self.planted(seed, site);
+        }
+        self.seeding = outer;
+    }
+
+    /// What is attached by hand, as a phase before the first.
+    fn planted(&mut self, seed: &'a stochc_grammar::tree::Seed, site: Site) {
+        let start = self.plan.events.len() as u32;
+        self.in_phase = true;
+        self.items(&seed.body);
+        self.in_phase = false;
+        let end = self.plan.events.len() as u32;
+        if start == end {
+            return;
+        }
+        self.plan.phases.push(PlanPhase {
+            name: PLANTED.to_owned(),
+            site,
+            timeout: None,
+            events: start..end,
+            planted: true,
+            claims: Vec::new(),
+        });
     }
 
     fn edge(&mut self, expr: &Expr) -> Option<u32> {

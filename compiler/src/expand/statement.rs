@@ -128,6 +128,12 @@ impl<'a> Expander<'a, '_> {
     }
 
     fn after(&mut self, event: EventId, subjects: &'a [Subject]) {
+        // An order among blocks that are attached by hand has been told of.
+        let subjects = if self.seeding.is_some() {
+            &[]
+        } else {
+            subjects
+        };
         for subject in subjects {
             let site = self.site(subject.place.span);
             let Some(blocks) = self.place(&subject.place) else {

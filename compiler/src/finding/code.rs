@@ -97,6 +97,9 @@ codes! {
     Error ShapeMismatch "shape-mismatch"
     Error ShapeMalformed "shape-malformed"
 
+    Warning UnplannedBond "unplanned-bond"
+    Warning BlockedRelease "blocked-release"
+
     Error TooFewBlocks "too-few-blocks"
     Error OutsideEnclosure "outside-enclosure"
 

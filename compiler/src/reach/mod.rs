@@ -158,6 +158,10 @@ impl Survey<'_> {
                 self.standing.fill(cell, id);
             }
         }
+        // What is attached by hand needs no way.
+        if self.subject.plan.phases[number].planted {
+            return;
+        }
         self.trails.iter_mut().for_each(Trail::begin_phase);
         let stuck = self.stuck(events, descent);
         self.tell_sealed(events, descent, &stuck, findings);

@@ -7,10 +7,13 @@
 //! it. A duty is a list of [`Rule`]s. A rule fires once, as soon as the duty has begun and all its
 //! conditions have come true, and only speaks of what its block can see: its own faces, and
 //! messages. The runtime needs nothing else, and holds no script.
+mod hardware;
+
 use serde::{Deserialize, Serialize};
 use stochc_grammar::Face;
 
 use crate::Cell;
+use crate::scene::BondKind;
 
 /// A name that blocks take in turn; an index into [`Tables::roles`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
@@ -25,6 +28,8 @@ pub struct PhaseId(pub u32);
 pub struct Tables {
     /// The name of the assembly.
     pub assembly: String,
+    /// How the hardware bonds: what to capture and to release mean for a face.
+    pub bond: BondKind,
     /// Faces that one block magnetizes at the same time, at most.
     pub faces: u8,
     /// What the seed plate knows.
@@ -50,6 +55,10 @@ pub struct Plate {
     pub depth: u32,
 }
 
+/// The name of the phase of blocks that are attached by hand: a word of the language, so that
+/// no other phase has it.
+pub const PLANTED: &str = "seed";
+
 /// One building stage.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Phase {
@@ -59,6 +68,10 @@ pub struct Phase {
     pub timeout: Option<u64>,
     /// Reports after which the plate starts the next phase, in the very next tick.
     pub reports: u32,
+    /// Whether its blocks are attached by hand before the first tick, rather than captured. Such a
+    /// phase comes first, takes no time, and has only captures, of which nobody reports.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub planted: bool,
 }
 
 /// A name of the program.
@@ -108,7 +121,11 @@ pub enum News {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Action {
-    /// Magnetize a face, and give the role to the block that docks there.
+    /// Make a face capture, and give the role to the block that docks there.
+    ///
+    /// What that is depends on the [bond](Tables::bond): the face's magnet is switched on, or its
+    /// valve is opened; a face that always attracts is expected to, and from then on what docks
+    /// there is kept.
     Magnetize {
         /// In the structure's frame: the block turns it into its own by its orientation.
         face: Face,
@@ -119,7 +136,8 @@ pub enum Action {
     },
     /// Ask the parent to let this block go.
     AskRelease,
-    /// Switch off the face that holds a child, which drifts away.
+    /// Let the child go that a face holds: switch the magnet off, close the valve, or reject it with
+    /// an impulse.
     SwitchOff {
         /// In the structure's frame.
         face: Face,
@@ -198,7 +216,8 @@ pub type LooseDuty = (RoleId, PhaseId, Trigger, Vec<(Vec<Condition>, Action)>);
 impl Tables {
     /// Puts tables together from loose duties, for tools and tests that write them by hand.
     ///
-    /// `duties` may come in any order; an empty list of rules is left out.
+    /// `duties` may come in any order; an empty list of rules is left out. The bond is the default
+    /// one; [`Tables::bond`] may be set afterwards.
     pub fn assemble(
         assembly: impl Into<String>,
         faces: u8,
@@ -210,6 +229,7 @@ impl Tables {
         duties.sort_by_key(|&(role, phase, trigger, _)| (role, phase, trigger));
         let mut tables = Tables {
             assembly: assembly.into(),
+            bond: BondKind::default(),
             faces,
             plate,
             phases,

@@ -174,7 +174,8 @@ impl Layout<'_, '_> {
                 let inside = open.last_mut()?;
                 let gap = match *inside {
                     None => 1,
-                    Some(Rule::seat) if piece.rule == Rule::seat => SEAT_GAP,
+                    // What hangs on a seed may stand beside it.
+                    Some(Rule::seat) if matches!(piece.rule, Rule::seat | Rule::chain) => SEAT_GAP,
                     Some(_) => return None,
                 };
                 if first.newlines > 0 {

@@ -81,6 +81,8 @@ impl Parser<'_, '_> {
         };
         use ItemKind as K;
         let (fits, belongs) = match (&item.kind, outer.map(|outer| &outer.kind)) {
+            // What is attached by hand.
+            (K::Chain(_), Some(K::Seed(_))) => (true, ""),
             (K::Chain(_) | K::Release(_) | K::Instance(_), outer) => (
                 matches!(outer, Some(K::Phase(_) | K::Pattern(_))),
                 "a phase or a pattern",
@@ -100,8 +102,14 @@ impl Parser<'_, '_> {
                 (outer.is_none(), "the file, outside of every block")
             }
         };
-        if !fits {
-            let what = item.noun();
+        let mut wrong = (!fits).then(|| (item.noun(), item.span, belongs));
+        if let (K::Chain(chain), Some(K::Seed(_))) = (&item.kind, outer.map(|outer| &outer.kind))
+            && let Some(first) = chain.after.first()
+        {
+            // All of it is there before anything happens.
+            wrong = Some(("an `after`", first.place.span, "a phase"));
+        }
+        if let Some((what, span, belongs)) = wrong {
             let within = self.frames.last().map_or("the file", |frame| frame.noun());
             self.error(
                 SyntaxErrorKind::Misplaced {
@@ -109,7 +117,7 @@ impl Parser<'_, '_> {
                     within,
                     belongs,
                 },
-                item.span,
+                span,
             );
         }
     }

@@ -66,7 +66,12 @@ pub fn beginnings(frame: Option<&Frame>) -> &'static [&'static str] {
     match &frame.content {
         Content::Items(item) => match item.kind {
             ItemKind::Assembly(_) => &["`seed`", "`phase`", "`let`", "`for`", "`}`"],
-            ItemKind::Seed(_) => &["a seed such as `A at (0, 0)`", "`for`", "`}`"],
+            ItemKind::Seed(_) => &[
+                "a seed such as `A at (0, 0)`",
+                "a block attached by hand such as `A.up -> E`",
+                "`for`",
+                "`}`",
+            ],
             _ => &[
                 "a capture such as `A.up -> E`",
                 "`release`",

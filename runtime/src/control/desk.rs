@@ -1,6 +1,7 @@
 //! The books of a run: the clock, the post, and the record of what happened when.
 use std::collections::BTreeMap;
 
+use stochc_compiler::Face;
 use stochc_compiler::table::{PhaseId, RoleId};
 
 use super::block::Open;
@@ -21,6 +22,8 @@ pub(super) struct Desk {
     /// Where released blocks come from.
     released: BTreeMap<u32, Origin>,
     pub bonds: Vec<BondRecord>,
+    /// Blocks that docked where nobody expected them.
+    pub unplanned: u64,
     pub log: Log,
 }
 
@@ -32,6 +35,7 @@ impl Desk {
             since: BTreeMap::new(),
             released: BTreeMap::new(),
             bonds: Vec::new(),
+            unplanned: 0,
             log: Log::default(),
         }
     }
@@ -121,6 +125,16 @@ impl<W: World> Medium for Beside<'_, W> {
             docking: *tick - docking.entered,
             body: docking.child,
             origin: (released.get(&docking.child).cloned()).unwrap_or(Origin::Free),
+        });
+    }
+
+    fn unplanned(&mut self, by: RoleId, face: Face, docking: &Docking) {
+        self.desk.unplanned += 1;
+        self.desk.log.note(Event::Unplanned {
+            body: docking.child,
+            on: docking.site.body,
+            face,
+            by,
         });
     }
 

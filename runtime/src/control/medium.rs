@@ -11,10 +11,12 @@ use crate::world::{Body, Docking, Site};
 /// A structure has neither time nor chance; whoever drives it brings them: the
 /// [`Controller`](super::Controller) with a clock, the [explorer](crate::explore) in every order.
 pub(crate) trait Medium {
-    /// Switches a face on, for the role `by` to capture what `open` says.
+    /// Switches a face on, for the role `by` to capture what `open` says; where every face always
+    /// attracts, nothing has to be switched.
     fn magnetize(&mut self, site: Site, by: RoleId, open: &Open);
 
-    /// Switches a face off, and lets go what it holds.
+    /// Switches a face off, and lets go what it holds; where every face always attracts, that is an
+    /// impulse.
     fn switch_off(&mut self, site: Site);
 
     /// Takes a message for a neighbour: one hop. It comes back by
@@ -29,6 +31,10 @@ pub(crate) trait Medium {
 
     /// A block has been captured.
     fn captured(&mut self, _capture: &Capture, _docking: &Docking) {}
+
+    /// A block has docked on a face of the block with the role `by` that expects none; its face is
+    /// switched off next. `face` is in the structure's frame.
+    fn unplanned(&mut self, _by: RoleId, _face: Face, _docking: &Docking) {}
 
     /// The block with the role `by` has let another one go, on which `orphans` others still hung.
     fn released(&mut self, _by: RoleId, _role: RoleId, _body: Body, _orphans: usize) {}

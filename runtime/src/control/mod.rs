@@ -20,13 +20,15 @@ mod post;
 mod route;
 pub(crate) mod structure;
 
+use std::collections::BTreeSet;
+
 use stochc_compiler::Cell;
 use stochc_compiler::scene::Messages;
 use stochc_compiler::table::{PhaseId, RoleId, Tables};
 
 use crate::observe::{Event, Log};
 use crate::orientation::Orientation;
-use crate::record::BondRecord;
+use crate::record::{BondRecord, Outcome, RunRecord};
 use crate::world::{Body, Docking, World};
 use desk::Desk;
 use post::Post;
@@ -40,6 +42,8 @@ pub struct Controller<'t> {
     desk: Desk,
     phase_began: u64,
     phase_ticks: Vec<u64>,
+    /// Why the run cannot go on.
+    fault: Option<String>,
 }
 
 impl<'t> Controller<'t> {
@@ -59,6 +63,7 @@ impl<'t> Controller<'t> {
             desk: Desk::new(Post::new(messages, seed, run)),
             phase_began: 0,
             phase_ticks: Vec::new(),
+            fault: None,
         }
     }
 
@@ -72,13 +77,18 @@ impl<'t> Controller<'t> {
         self.desk.log.take()
     }
 
-    /// Begins the first phase.
+    /// Attaches what is planted by hand, and begins the first phase after that.
+    ///
+    /// A world without enough free blocks for it leaves a [`Controller::fault`].
     pub fn start(&mut self, world: &mut impl World) {
         self.desk.tick = world.tick();
         self.phase_began = self.desk.tick;
         self.desk.note_phase(self.structure.phase());
         self.structure.start(&mut self.desk.beside(world));
-        self.settle(world);
+        self.plant(world);
+        if self.fault.is_none() {
+            self.settle(world);
+        }
     }
 
     /// Takes in what docked in the world's last step, and does all that this tick brings.
@@ -103,7 +113,12 @@ impl<'t> Controller<'t> {
         timeout.is_some_and(|timeout| self.desk.tick - self.phase_began >= timeout)
     }
 
-    /// Ticks that each completed phase took.
+    /// Why the run cannot go on, if so.
+    pub fn fault(&self) -> Option<&str> {
+        self.fault.as_deref()
+    }
+
+    /// Ticks that each completed phase took; 0 for a planted one.
     pub fn phase_ticks(&self) -> &[u64] {
         &self.phase_ticks
     }
@@ -111,6 +126,11 @@ impl<'t> Controller<'t> {
     /// Every capture so far, in the order of docking.
     pub fn bonds(&self) -> &[BondRecord] {
         &self.desk.bonds
+    }
+
+    /// Blocks so far that docked where nobody expected them.
+    pub fn unplanned(&self) -> u64 {
+        self.desk.unplanned
     }
 
     /// Hops that messages have made so far.
@@ -140,18 +160,48 @@ impl<'t> Controller<'t> {
             if !self.structure.is_phase_reported() {
                 return;
             }
-            self.phase_ticks.push(self.desk.tick - self.phase_began);
-            self.phase_began = self.desk.tick;
-            let next = self.structure.phase().map(|phase| PhaseId(phase.0 + 1));
-            let next = next.filter(|phase| (phase.0 as usize) < self.tables.phases.len());
-            self.desk.note_phase(next);
-            self.structure.next_phase(&mut self.desk.beside(world));
+            self.next_phase(world);
+        }
+    }
+
+    fn next_phase(&mut self, world: &mut impl World) {
+        self.phase_ticks.push(self.desk.tick - self.phase_began);
+        self.phase_began = self.desk.tick;
+        let next = self.structure.phase().map(|phase| PhaseId(phase.0 + 1));
+        let next = next.filter(|phase| (phase.0 as usize) < self.tables.phases.len());
+        self.desk.note_phase(next);
+        self.structure.next_phase(&mut self.desk.beside(world));
+    }
+
+    /// Attaches by hand what the planted phases at the beginning capture, in this very tick.
+    fn plant(&mut self, world: &mut impl World) {
+        while self.structure.is_planting() {
+            while let Some((site, child)) = self.structure.next_open() {
+                let Some(docking) = world.plant(site) else {
+                    let name = self.tables.name(child);
+                    self.fault = Some(format!("no free block is left to attach as {name}"));
+                    return;
+                };
+                (self.structure).dock(&docking, &mut self.desk.beside(world));
+            }
+            self.next_phase(world);
         }
     }
 
     /// Everything that is kept, once the run has ended.
-    pub(crate) fn into_parts(self) -> (Vec<u64>, u64, Vec<BondRecord>) {
-        (self.phase_ticks, self.desk.post.hops, self.desk.bonds)
+    pub(crate) fn into_record(self, run: u64, outcome: Outcome, ticks: u64) -> RunRecord {
+        let bonds = self.desk.bonds;
+        let used: BTreeSet<u32> = bonds.iter().map(|bond| bond.body).collect();
+        RunRecord {
+            run,
+            outcome,
+            ticks,
+            phase_ticks: self.phase_ticks,
+            blocks_used: used.len() as u32,
+            hops: self.desk.post.hops,
+            unplanned: self.desk.unplanned,
+            bonds,
+        }
     }
 
     /// A block dies where it is anchored: from now on it neither acts nor passes anything on.

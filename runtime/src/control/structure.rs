@@ -68,6 +68,22 @@ impl<'t> Structure<'t> {
         self.holders[role.0 as usize]
     }
 
+    /// Whether what the running phase captures is attached by hand.
+    pub fn is_planting(&self) -> bool {
+        let phase = self.tables.phases.get(self.phase as usize);
+        phase.is_some_and(|phase| phase.planted)
+    }
+
+    /// A face that is on and holds nothing, with the role for what docks there: the next one to attach
+    /// a block to.
+    pub fn next_open(&self) -> Option<(Site, RoleId)> {
+        self.blocks.iter().find_map(|(&body, block)| {
+            let open = block.open().first()?;
+            let face = open.own;
+            Some((Site { body, face }, open.child))
+        })
+    }
+
     /// Begins the first phase.
     pub fn start(&mut self, medium: &mut impl Medium) {
         self.begin_phase(medium);
@@ -101,8 +117,14 @@ impl<'t> Structure<'t> {
         let Some(parent) = (self.blocks.get_mut(&body)).filter(|parent| !parent.is_dead) else {
             return;
         };
-        // A block on a face that is off, or has just been switched off, is shaken off.
+        // A block on a face that is off, or has just been switched off, is shaken off. Where faces
+        // always attract, that is what the tables say: *otherwise, reject what docks on any other
+        // face*. Nothing has been noted yet, so nothing but the world has changed.
         let Some(open) = parent.close(face) else {
+            if self.tables.bond.is_passive() {
+                let face = parent.orientation.to_structure(face);
+                medium.unplanned(parent.role, face, docking);
+            }
             return medium.switch_off(docking.site);
         };
         let orientation =

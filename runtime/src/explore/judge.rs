@@ -52,6 +52,18 @@ impl Judge<'_> {
         Some((Property::NoHang, format!("{phase} never ends: {waits}")))
     }
 
+    /// What is wrong with a state in which a block may dock where nobody expects it.
+    pub fn unplanned(&self, setting: &Setting<'_>, state: &State<'_>) -> Option<Wrong> {
+        // Faults bring strays of their own.
+        if !setting.tables.bond.is_passive() || !setting.faults.is_none() {
+            return None;
+        }
+        let site = state.unsettled(setting)?;
+        let face = self.story.face_of(state, site);
+        let what = format!("an unplanned bond on {face} is not undone");
+        Some((Property::Unplanned, what))
+    }
+
     /// The verdict on something wrong, with the steps that led there.
     pub fn violated(
         &self,

@@ -77,6 +77,9 @@ pub enum Property {
     OneHolder,
     /// No block magnetizes more faces than its hardware allows.
     Faces,
+    /// A block that docks where nobody expects it is rejected, and changes nothing: at any moment and
+    /// on any face, where every face always attracts.
+    Unplanned,
 }
 
 impl Property {
@@ -90,6 +93,7 @@ impl Property {
             Property::ReportsOnce => "every report comes to the plate once",
             Property::NoneAdrift => "no block is let go that holds another one",
             Property::OneHolder => "no name is held by two blocks",
+            Property::Unplanned => "no unplanned bond changes anything",
             Property::Faces => "no block magnetizes more faces than it has to spare",
         }
     }

@@ -63,6 +63,7 @@ fn follow(
             Some(before) => judge.step(before, step, &effects),
             None => judge.effects(&effects),
         };
+        let wrong = wrong.or_else(|| judge.unplanned(&setting, &state));
         if let Some(wrong) = wrong {
             return Some(judge.violated(&setting, wrong, phase, &made));
         }

@@ -105,6 +105,7 @@ impl<'s, 't> Search<'s, 't> {
         if self.work > bounds.work {
             return Some(Verdict::Unfinished(Bound::Work));
         }
+        let unplanned = self.judge.unplanned(&self.setting, &state);
         let mut todo = state.steps(&self.setting);
         self.work += todo.len() as u64 + state.structure.blocks().len() as u64;
         if let Some(reducer) = &mut self.reducer {
@@ -123,6 +124,9 @@ impl<'s, 't> Search<'s, 't> {
             todo,
             tried: None,
         });
+        if let Some(wrong) = unplanned {
+            return Some(self.violated(wrong));
+        }
         if let Some(wrong) = stuck {
             if !self.exploration.hangs_allowed {
                 return Some(self.violated(wrong));

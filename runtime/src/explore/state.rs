@@ -84,8 +84,49 @@ impl<'t> State<'t> {
             done: Done::default(),
             strayed: BTreeSet::new(),
         };
-        let effects = state.at_bench(setting, |structure, bench| structure.start(bench));
+        let mut effects = state.at_bench(setting, |structure, bench| structure.start(bench));
+        // What is attached by hand is there when anything begins to happen.
+        while state.structure.is_planting() {
+            while let Some((site, _)) = state.structure.next_open() {
+                effects
+                    .faults
+                    .append(&mut state.capture(setting, site, 0).faults);
+            }
+            let mut ended = state.make(setting, Step::EndPhase);
+            effects.faults.append(&mut ended.faults);
+        }
         (state, effects)
+    }
+
+    /// A face on which an unplanned bond would change something; `None`: wherever a block docks that
+    /// nobody expects, it is rejected, and everything is as it was.
+    ///
+    /// Every exposed face is tried, one after the other.
+    pub fn unsettled(&self, setting: &Setting<'t>) -> Option<Site> {
+        let mut state = self.clone();
+        let mut first = None;
+        for (&body, block) in self.structure.blocks() {
+            for face in Face::ALL {
+                let site = Site { body, face };
+                let is_open = block.open().iter().any(|open| open.own == face);
+                if is_open || block.is_dead || self.lattice.target(site).is_none() {
+                    continue;
+                }
+                first = first.or(Some(site));
+                let docking = docking(site, setting.first_stray(), 0);
+                state.lattice.dock(&docking);
+                let effects =
+                    state.at_bench(setting, |structure, bench| structure.dock(&docking, bench));
+                let is_told = !effects.sent.is_empty()
+                    || !effects.faults.is_empty()
+                    || !effects.captured.is_empty()
+                    || !effects.opened.is_empty();
+                if is_told || effects.closed != [site] {
+                    return Some(site);
+                }
+            }
+        }
+        first.filter(|_| state != *self)
     }
 
     /// Whether all phases have ended.

@@ -76,10 +76,8 @@ impl Story<'_> {
                 format!("{from} sends {what} to {to} again")
             }
             Step::Stray(site) => {
-                let face = before.lattice.place(site.body).map(|p| p.orientation);
-                let face = face.map_or("", |seat| seat.to_structure(site.face).word());
-                let at = self.body(before, site.body);
-                format!("a block docks on {at}.{face}, which is off")
+                let face = self.face_of(before, site);
+                format!("a block docks on {face}, which is off")
             }
             Step::Die(role) => format!("{} dies", self.name(role)),
             Step::EndPhase => format!("the plate ends {}", self.phase(before)),
@@ -88,6 +86,13 @@ impl Story<'_> {
             line.push_str(&format!(", {} lets {} go", self.name(by), self.name(role)));
         }
         line
+    }
+
+    /// A face by the name of its block: `A.up`.
+    pub fn face_of(&self, state: &State<'_>, site: Site) -> String {
+        let face = state.lattice.place(site.body).map(|p| p.orientation);
+        let face = face.map_or("", |seat| seat.to_structure(site.face).word());
+        format!("{}.{face}", self.body(state, site.body))
     }
 
     /// What is on its way, from whom and to whom.

@@ -2,13 +2,13 @@
 //!
 //! It has the structure's geometry and no other: good for testing a protocol under many orders of
 //! events, useless for times.
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use stochc_compiler::{Cell, Face};
 
 use super::lattice::Lattice;
 use super::{Body, Docking, Fault, Site, World};
-use crate::draw::{Draws, Stream, below};
+use crate::draw::{Draws, Stream, below, unit};
 use crate::orientation::Orientation;
 
 /// A world of cells.
@@ -19,6 +19,10 @@ pub struct ShuffleWorld {
     /// Blocks that were free at the beginning.
     count: u32,
     lattice: Lattice,
+    /// Chance per tick that a block docks on a face that is off.
+    strays: f64,
+    /// The blocks of the plate whose faces have been on.
+    seeds: BTreeSet<Cell>,
 }
 
 impl ShuffleWorld {
@@ -29,6 +33,17 @@ impl ShuffleWorld {
             draws: Draws::new(seed, run, Stream::Shuffle),
             count,
             lattice: Lattice::default(),
+            strays: 0.0,
+            seeds: BTreeSet::new(),
+        }
+    }
+
+    /// The same, where with this chance per tick a block also docks on a face that nobody has
+    /// switched on, of those to which a block can come: as where every face always attracts.
+    pub fn with_strays(self, probability: f64) -> ShuffleWorld {
+        ShuffleWorld {
+            strays: probability,
+            ..self
         }
     }
 
@@ -43,12 +58,63 @@ impl ShuffleWorld {
     }
 }
 
+impl ShuffleWorld {
+    /// The faces that are off and hold nothing, and to which a block can come.
+    fn exposed(&self) -> Vec<Site> {
+        let seeds = self.seeds.iter().map(|&cell| Body::Seed(cell));
+        let blocks = self.lattice.cells().values().map(|&id| Body::Free(id));
+        let sites = seeds.chain(blocks).flat_map(|body| {
+            let faces = match body {
+                Body::Seed(_) => &[Face::Up][..],
+                Body::Free(_) => &Face::ALL,
+            };
+            faces.iter().map(move |&face| Site { body, face })
+        });
+        sites
+            .filter(|site| !self.lattice.active().contains(site))
+            .filter(|&site| self.lattice.target(site).is_some())
+            .collect()
+    }
+
+    /// By chance, a block docks where nobody expects it.
+    fn stray(&mut self, dockings: &mut Vec<Docking>) {
+        if self.strays <= 0.0 {
+            return;
+        }
+        let [whether, which, who, how] = self.draws.step(self.tick).block(1);
+        if unit(whether) >= self.strays {
+            return;
+        }
+        let exposed = self.exposed();
+        let free: Vec<u32> = (0..self.count)
+            .filter(|&id| !self.lattice.is_anchored(id))
+            .collect();
+        if exposed.is_empty() || free.is_empty() {
+            return;
+        }
+        let pose = below(how, 24) as u8;
+        let docking = Docking {
+            site: exposed[below(which, exposed.len() as u32) as usize],
+            child: free[below(who, free.len() as u32) as usize],
+            child_face: Face::ALL[usize::from(pose / 4)],
+            turn: pose % 4,
+            entries: 1,
+            entered: self.tick,
+        };
+        self.lattice.dock(&docking);
+        dockings.push(docking);
+    }
+}
+
 impl World for ShuffleWorld {
     fn tick(&self) -> u64 {
         self.tick
     }
 
     fn magnetize(&mut self, site: Site) {
+        if let Body::Seed(cell) = site.body {
+            self.seeds.insert(cell);
+        }
         self.lattice.magnetize(site);
     }
 
@@ -57,7 +123,7 @@ impl World for ShuffleWorld {
     }
 
     fn plant(&mut self, site: Site) -> Option<Docking> {
-        self.lattice.magnetize(site);
+        self.magnetize(site);
         self.lattice.target(site)?;
         let child = (0..self.count)
             .rev()
@@ -77,6 +143,7 @@ impl World for ShuffleWorld {
     }
 
     fn step(&mut self, dockings: &mut Vec<Docking>) -> Result<(), Fault> {
+        self.stray(dockings);
         let open: Vec<Site> = (self.lattice.active().iter().copied())
             .filter(|&site| self.lattice.target(site).is_some())
             .collect();

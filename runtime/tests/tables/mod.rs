@@ -35,8 +35,14 @@ impl Draft {
             name: format!("phase {}", self.phases.len()),
             timeout: None,
             reports,
+            planted: false,
         });
         PhaseId(self.phases.len() as u32 - 1)
+    }
+
+    /// What a phase captures is attached by hand.
+    pub fn plant(&mut self, phase: PhaseId) {
+        self.phases[phase.0 as usize].planted = true;
     }
 
     pub fn timeout(&mut self, phase: PhaseId, ticks: u64) {

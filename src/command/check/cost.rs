@@ -37,7 +37,8 @@ fn table(program: &Program, symbols: &Symbols, cost: &Cost, most: usize) -> Stri
         .unwrap_or(0)
         .max(5);
     let mut out = format!("\n  {:phase_width$}  depth  width  time\n", "phase");
-    for (phase, cost) in plan.phases.iter().zip(&cost.phases) {
+    let phases = plan.phases.iter().zip(&cost.phases);
+    for (phase, cost) in phases.filter(|(phase, _)| !phase.planted) {
         out.push_str(&format!(
             "  {:phase_width$}  {:5}  {:5}  {:>4}\n",
             phase.name,

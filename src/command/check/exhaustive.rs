@@ -38,6 +38,12 @@ pub fn explore(file: &str, checked: &Checked, states: u64) -> (String, Exit) {
         }
         let _ = write!(told, "{file}: assembly {}: ", tables.assembly);
         told.push_str(&describe(&reports, &bounds));
+        let holds = reports[0].verdict == Verdict::Holds;
+        if holds && tables.bond.is_passive() {
+            told.push_str(
+                "  and a block that docks where nobody expects it changes nothing, at any moment\n",
+            );
+        }
         if let Some(wrong) = reports
             .iter()
             .find_map(|report| go_wrong(file, tables, report))

@@ -158,11 +158,13 @@ fn describe(program: &Program, checked: &Checked) -> String {
         return format!("{}\n", plan.name);
     };
     let (captures, releases) = plan.counts();
+    let by_hand = plan.phases.iter().filter(|phase| phase.planted);
+    let planted = by_hand.map(|phase| phase.events.len()).sum::<usize>();
     let mut out = format!(
         "assembly {} in {scene}: {}, {}, {}; {}\n",
         plan.name,
-        count(plan.phases.len(), "phase"),
-        count(captures, "capture"),
+        count(plan.phases.len() - usize::from(planted > 0), "phase"),
+        count(captures - planted, "capture"),
         count(releases, "release"),
         judgement(checked),
     );
@@ -172,7 +174,15 @@ fn describe(program: &Program, checked: &Checked) -> String {
         .map(|phase| phase.name.len())
         .max()
         .unwrap_or(0);
-    for (phase, chain) in plan.phases.iter().zip(&order.chains) {
+    if planted > 0 {
+        out.push_str(&format!("  {} attached by hand\n", count(planted, "block")));
+    }
+    for (phase, chain) in plan
+        .phases
+        .iter()
+        .zip(&order.chains)
+        .filter(|(phase, _)| !phase.planted)
+    {
         out.push_str(&format!(
             "  phase {:width$}  longest serial chain {}: {}\n",
             phase.name,
@@ -185,7 +195,9 @@ fn describe(program: &Program, checked: &Checked) -> String {
         .iter()
         .map(|chain| Order::length(plan, chain))
         .sum();
-    if let Some((number, chain)) = order.longest(plan) {
+    if let Some((number, chain)) = order.longest(plan)
+        && !plan.phases[number].planted
+    {
         out.push_str(&format!(
             "  the program's longest serial chain is {} (phase {}); one phase after the other, {all}\n",
             Order::length(plan, chain),

@@ -96,6 +96,10 @@ fn story(record: &RunRecord, program: &Program) -> String {
         ),
         count(record.hops, "message hop", "message hops"),
     );
+    if record.unplanned > 0 {
+        let bonds = count(record.unplanned, "unplanned bond", "unplanned bonds");
+        let _ = writeln!(out, "  {bonds}, undone at once");
+    }
     out
 }
 

@@ -130,13 +130,14 @@ class History {
     if (kind === 'out') return `block ${row[2]} leaves the reach of ${name(row[3])}.${row[4]}`;
     if (kind === 'dock') return `${name(row[3])}.${row[4]} captures ${this.roles[row[5]]}: block ${row[2]}`;
     if (kind === 'free') return `${this.roles[row[4]]} releases ${this.roles[row[3]]}: block ${row[2]}`;
+    if (kind === 'shed') return `${this.roles[row[5]]}.${row[4]} rejects block ${row[2]}, which nobody expects`;
     if (kind === 'say') return `${name(row[2])} to ${name(row[3])}: ${SAID[row[4]](this.roles[row[5]])}`;
     return `the plate counts the report of ${this.roles[row[2]]}`;
   }
 }
 
 /** What one jumps to. */
-const NOTABLE = new Set(['phase', 'on', 'dock', 'free']);
+const NOTABLE = new Set(['phase', 'on', 'dock', 'shed', 'free']);
 
 const SAID = {
   report: role => `${role} is done`,

@@ -1,0 +1,311 @@
+//! What hardware does whose faces always attract: blocks dock where nobody expects them, and what
+//! is let go is pushed away.
+use rustc_hash::{FxHashMap, FxHashSet};
+use stochc_grammar::{Face, Symbols};
+
+use crate::Cell;
+use crate::finding::{Code, Finding, tell};
+use crate::layout::Layout;
+use crate::order::Order;
+use crate::plan::{Deed, EventId, Plan};
+use crate::table::RoleId;
+
+/// Faces that a message names.
+const NAMED: usize = 3;
+
+/// Tells of the phase in which most faces are exposed, and of blocks that are pushed into others.
+///
+/// A face is exposed if its block is anchored, the cell before it is empty, and nothing is expected
+/// there. A phase waits longest, as far as the order goes, for the last of its captures: what is
+/// exposed then is counted, with everything else of the phase done.
+pub fn check(
+    plan: &Plan,
+    layout: &Layout,
+    order: &Order,
+    symbols: &Symbols,
+    findings: &mut Vec<Finding>,
+) {
+    let last = last_captures(plan, order);
+    let survey = Survey {
+        plan,
+        layout,
+        last: &last,
+    };
+    let mut standing = Standing::of_seeds(plan);
+    // The first of the phases with the most.
+    let mut worst: Option<(usize, usize)> = None;
+    for number in 0..plan.phases.len() {
+        survey.blocked(number, &standing, symbols, findings);
+        let exposed = survey.before_last(number, &mut standing);
+        if exposed > worst.map_or(0, |(_, most)| most) {
+            worst = Some((number, exposed));
+        }
+        survey.end(number, &mut standing);
+    }
+    if let Some((number, exposed)) = worst {
+        findings.push(survey.tell(number, exposed, symbols));
+    }
+}
+
+/// For every phase, the capture that comes last in an order of the program; `None`: it has none.
+fn last_captures(plan: &Plan, order: &Order) -> Vec<Option<EventId>> {
+    let mut place = vec![usize::MAX; plan.events.len()];
+    for (i, id) in order.events.iter().enumerate() {
+        place[id.0 as usize] = i;
+    }
+    let captures = |id: &EventId| matches!(plan.event(*id).deed, Deed::Capture { .. });
+    (plan.phases.iter())
+        .map(|phase| {
+            let captures = plan.events_of(phase).filter(captures);
+            captures.max_by_key(|id| place[id.0 as usize])
+        })
+        .collect()
+}
+
+struct Survey<'a> {
+    plan: &'a Plan,
+    layout: &'a Layout,
+    last: &'a [Option<EventId>],
+}
+
+impl Survey<'_> {
+    /// Brings all of a phase about but its last capture, and counts the exposed faces; 0 if the
+    /// phase has no captures to wait for.
+    fn before_last(&self, number: usize, standing: &mut Standing) -> usize {
+        let (emptied, _) = &self.layout.changes[number];
+        for cell in emptied {
+            standing.leave(*cell);
+        }
+        let Some(last) = self.last[number] else {
+            return 0;
+        };
+        let filled: FxHashSet<Cell> = self.layout.changes[number].1.iter().copied().collect();
+        for id in self.plan.events_of(&self.plan.phases[number]) {
+            let cell = self.layout.cells[id.0 as usize];
+            // Some have gone again by the end of the phase.
+            if id != last && cell.is_some_and(|cell| filled.contains(&cell)) {
+                self.settle(id, standing);
+            }
+        }
+        // What is attached by hand is not waited for.
+        if self.plan.phases[number].planted {
+            return 0;
+        }
+        let waits = |(cell, on): (Cell, Face)| {
+            !standing.blocks.contains_key(&cell)
+                && (cell.across(on.opposite())).is_some_and(|at| standing.blocks.contains_key(&at))
+        };
+        // The face that waits is expected to be docked on.
+        let face = self.layout.parents[last.0 as usize].map(|on| on.face);
+        let awaited = self.layout.cells[last.0 as usize]
+            .zip(face)
+            .is_some_and(waits);
+        standing.exposed - usize::from(awaited)
+    }
+
+    /// Brings the last capture of a phase about.
+    fn end(&self, number: usize, standing: &mut Standing) {
+        let last = self.last[number];
+        let cell = last.and_then(|id| self.layout.cells[id.0 as usize]);
+        if let (Some(last), Some(cell)) = (last, cell)
+            && self.layout.changes[number].1.contains(&cell)
+        {
+            self.settle(last, standing);
+        }
+    }
+
+    /// Adds the block of a capture.
+    fn settle(&self, id: EventId, standing: &mut Standing) {
+        let event = self.plan.event(id);
+        let (Some(cell), Some(on)) = (
+            self.layout.cells[id.0 as usize],
+            self.layout.parents[id.0 as usize],
+        ) else {
+            return;
+        };
+        if matches!(event.deed, Deed::Capture { .. }) {
+            standing.enter(cell, event.role, Some(on.face.opposite()));
+        }
+    }
+
+    /// Tells of blocks that are let go towards another block, or towards the ground.
+    fn blocked(
+        &self,
+        number: usize,
+        standing: &Standing,
+        symbols: &Symbols,
+        findings: &mut Vec<Finding>,
+    ) {
+        let emptied: FxHashSet<Cell> = self.layout.changes[number].0.iter().copied().collect();
+        for id in self.plan.events_of(&self.plan.phases[number]) {
+            let event = self.plan.event(id);
+            let (Deed::Release, Some(cell), Some(on)) = (
+                event.deed,
+                self.layout.cells[id.0 as usize],
+                self.layout.parents[id.0 as usize],
+            ) else {
+                continue;
+            };
+            let Some(before) = cell.across(on.face).filter(|before| before.z >= 1) else {
+                continue;
+            };
+            let Some(&(role, _)) = standing.blocks.get(&before) else {
+                continue;
+            };
+            if emptied.contains(&before) {
+                continue;
+            }
+            let name = self.plan.roles.name(event.role, symbols);
+            let there = self.plan.roles.name(role, symbols);
+            let finding = Finding::new(
+                Code::BlockedRelease,
+                format!("`{name}` has nowhere to go when it is rejected"),
+            )
+            .label(
+                event.site,
+                format!("its parent pushes it {}", towards(on.face)),
+            )
+            .label(
+                self.plan.event(on.capture).site,
+                format!("captured by that face; `{there}` is behind it"),
+            )
+            .help(format!(
+                "release `{there}` before it, or capture `{name}` through another face"
+            ));
+            tell(findings, finding);
+        }
+    }
+
+    fn tell(&self, number: usize, exposed: usize, symbols: &Symbols) -> Finding {
+        let mut standing = Standing::of_seeds(self.plan);
+        for earlier in 0..number {
+            self.before_last(earlier, &mut standing);
+            self.end(earlier, &mut standing);
+        }
+        self.before_last(number, &mut standing);
+        let awaited = self.last[number].and_then(|id| self.layout.parents[id.0 as usize]);
+        let mut faces: Vec<(RoleId, Face)> = standing.faces().collect();
+        faces.retain(|face| awaited.is_none_or(|on| *face != (on.parent, on.face)));
+        faces.sort_unstable();
+        let mut named: Vec<String> = (faces.iter().take(NAMED))
+            .map(|&(role, face)| format!("`{}.{face}`", self.plan.roles.name(role, symbols)))
+            .collect();
+        if faces.len() > NAMED {
+            named.push(format!("{} more", faces.len() - NAMED));
+        }
+        let last = named.pop().unwrap_or_default();
+        let named = match named.len() {
+            0 => last,
+            _ => format!("{} and {last}", named.join(", ")),
+        };
+        let phase = &self.plan.phases[number];
+        let (title, where_) = match exposed {
+            1 => ("a face attracts blocks that nobody expects", "exposed is"),
+            _ => ("faces attract blocks that nobody expects", "exposed are"),
+        };
+        let count = if exposed == 1 {
+            String::new()
+        } else {
+            format!("{exposed} ")
+        };
+        Finding::new(Code::UnplannedBond, format!("{count}{title}"))
+            .label(
+                phase.site,
+                format!("{where_} {named}, while this phase waits for its last block"),
+            )
+            .help(
+                "what docks there is rejected at once, which takes its time; write `allow \
+                 unplanned-bond \"reason\"` if that is meant, or build so that fewer faces are exposed",
+            )
+    }
+}
+
+/// A direction in words.
+fn towards(face: Face) -> String {
+    match face {
+        Face::Up => "upwards".to_owned(),
+        Face::Down => "downwards".to_owned(),
+        face => format!("to the {face}"),
+    }
+}
+
+/// The modules of a structure, and how many of their faces are exposed.
+struct Standing {
+    /// Who is where, and by which of its faces it is anchored.
+    blocks: FxHashMap<Cell, (RoleId, Option<Face>)>,
+    exposed: usize,
+}
+
+impl Standing {
+    /// Blocks of the plate without a name are no modules: nothing docks on them.
+    fn of_seeds(plan: &Plan) -> Standing {
+        let mut standing = Standing {
+            blocks: FxHashMap::default(),
+            exposed: 0,
+        };
+        for seed in &plan.seeds {
+            standing.enter(seed.cell, seed.role, None);
+        }
+        standing
+    }
+
+    fn enter(&mut self, cell: Cell, role: RoleId, anchor: Option<Face>) {
+        if self.blocks.contains_key(&cell) {
+            return;
+        }
+        self.exposed -= self.facing(cell);
+        self.blocks.insert(cell, (role, anchor));
+        self.exposed += self.exposed_of(cell);
+    }
+
+    fn leave(&mut self, cell: Cell) {
+        self.exposed -= self.exposed_of(cell);
+        if self.blocks.remove(&cell).is_some() {
+            self.exposed += self.facing(cell);
+        }
+    }
+
+    /// Faces of neighbours that look at a cell, their anchors aside.
+    fn facing(&self, cell: Cell) -> usize {
+        let looks = |face: &Face| {
+            let neighbour = cell
+                .across(*face)
+                .and_then(|cell| Some((cell, self.blocks.get(&cell)?)));
+            neighbour.is_some_and(|(at, &(_, anchor))| bonds(at, anchor, face.opposite()))
+        };
+        Face::ALL.iter().filter(|face| looks(face)).count()
+    }
+
+    /// Exposed faces of the block in a cell.
+    fn exposed_of(&self, cell: Cell) -> usize {
+        let Some(&(_, anchor)) = self.blocks.get(&cell) else {
+            return 0;
+        };
+        let exposed = |face: &Face| bonds(cell, anchor, *face) && self.is_open(cell, *face);
+        Face::ALL.iter().filter(|face| exposed(face)).count()
+    }
+
+    /// Whether a block can come before a face.
+    fn is_open(&self, cell: Cell, face: Face) -> bool {
+        let before = cell.across(face);
+        before.is_some_and(|cell| cell.z >= 1 && !self.blocks.contains_key(&cell))
+    }
+
+    /// Every exposed face.
+    fn faces(&self) -> impl Iterator<Item = (RoleId, Face)> + '_ {
+        self.blocks
+            .iter()
+            .flat_map(move |(&cell, &(role, anchor))| {
+                let faces = Face::ALL.into_iter();
+                let exposed = faces
+                    .filter(move |&face| bonds(cell, anchor, face) && self.is_open(cell, face));
+                exposed.map(move |face| (role, face))
+            })
+    }
+}
+
+/// Whether a block in a cell, anchored by one of its faces, has another one free; of the plate only upper
+/// faces show.
+fn bonds(cell: Cell, anchor: Option<Face>, face: Face) -> bool {
+    Some(face) != anchor && (cell.z >= 1 || face == Face::Up)
+}

@@ -1,0 +1,152 @@
+//! Programs for hardware that always attracts, or sucks, and blocks that are attached by hand.
+use std::fs;
+
+use crate::stochc::{path, stochc, stochc_with};
+
+const ATTACHED: &str = "tests/fixtures/attached.sa";
+
+#[test]
+fn what_is_attached_is_summed_up_apart() {
+    let said = stochc("check --exhaustive --cost=9 tests/fixtures/attached.sa");
+    assert_eq!((said.status, said.err.as_str()), (0, ""));
+    let (reject, suction) = said.out.split_once("assembly sucked in sink: ").unwrap();
+    let first = "assembly attached in tank: 2 phases, 2 captures, 1 release; all is well, 1 warning \
+                 allowed\n  1 block attached by hand\n";
+    assert!(reject.contains(first), "{reject}");
+    assert!(
+        !reject.contains("P.up -> A"),
+        "it is not waited for: {reject}"
+    );
+    let strays = "a block that docks where nobody expects it changes nothing, at any moment\n";
+    assert!(
+        said.out.matches("holds in every order of events").count() == 2,
+        "{}",
+        said.out
+    );
+    assert_eq!(said.out.matches(strays).count(), 1, "{}", said.out);
+    assert!(
+        suction.starts_with("2 phases, 2 captures, 1 release; all is well, 1 warning allowed\n"),
+        "{suction}"
+    );
+}
+
+#[test]
+fn runs_count_what_docks_where_nobody_expects_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = path(folder.path(), "runs");
+    let arguments = [ATTACHED, "--runs", "20", "--out", &out, "--bonds"];
+    let said = stochc_with("simulate --model shuffle --quiet", &arguments);
+    assert_eq!((said.status, said.err.as_str()), (0, ""));
+    assert_eq!(said.row("Construction phases"), ["2", "2"]);
+    assert_eq!(said.row("Total units involved"), ["3", "3"]);
+    assert!(said.out.contains("assemble: A -> B"), "{}", said.out);
+    assert!(!said.out.contains("P -> A"), "{}", said.out);
+    let journal = fs::read_to_string(path(folder.path(), "runs/journal.jsonl")).unwrap();
+    let mut counted = [0, 0];
+    for line in journal.lines().skip(1) {
+        let value: serde_json::Value = serde_json::from_str(line).unwrap();
+        let record = &value["record"];
+        assert_eq!(record["outcome"]["kind"], "completed");
+        assert_eq!(record["phase_ticks"][0], 0);
+        assert_eq!(record["bonds"][0]["body"], 5, "the last of six");
+        let program = usize::try_from(value["program"].as_u64().unwrap()).unwrap();
+        // Zero is not written.
+        counted[program] += record.get("unplanned").map_or(0, |n| n.as_u64().unwrap());
+        assert!(record["unplanned"] != 0);
+    }
+    assert!(counted[0] > 5, "{counted:?}");
+    assert_eq!(counted[1], 0, "suction has to be switched on");
+    // Read again, it is what it was.
+    let again = stochc_with("results --bonds", &[&out]);
+    assert_eq!((again.status, again.out), (0, said.out));
+    let page = stochc_with(
+        "report",
+        &[&out, "--out", &path(folder.path(), "page.html")],
+    );
+    assert_eq!(page.status, 0, "{}", page.err);
+    let told = (0..20).map(|run| {
+        let run = run.to_string();
+        stochc_with("simulate --model shuffle --run", &[&run, ATTACHED]).out
+    });
+    let told: String = told.collect();
+    assert!(told.contains(" unplanned bond, undone at once\n"), "{told}");
+    assert!(
+        told.contains(" unplanned bonds, undone at once\n"),
+        "{told}"
+    );
+}
+
+#[test]
+fn tables_say_how_to_capture_and_to_let_go() {
+    let said = stochc("compile tests/fixtures/attached.sa");
+    for line in [
+        "plate 1 x 1, every face always attracts\notherwise: reject what docks on any other face\n",
+        "phase seed: attached by hand, before the first tick\nphase assemble: ends after 1 report\n",
+        "    at the start of seed\n        expect up -> A at (0, 0, 1)\n",
+        "expect east -> B at (1, 0, 1)\n",
+        "once B asks: reject east, which frees B\n",
+        "plate 1 x 1, blocks open 5 valves at a time\n",
+        "open north for C at (0, 1, 1)\n",
+        "once B asks: close east, which frees B\n",
+    ] {
+        assert!(said.out.contains(line), "{line} in {}", said.out);
+    }
+}
+
+#[test]
+fn blocks_attached_by_hand_grow_in_a_physical_world() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(folder.path(), "planted.sa");
+    let text = "import \"dense.sa\"\n\nassembly planted in dense {\n    seed plate 2 x 1 {\n        \
+                for i in 0..1 {\n            M[i] at (i, 0)\n            M[i].up ->> T[i, 1..2]\n        \
+                }\n    }\n    phase grow { T[0, 2].up -> A }\n}\n";
+    fs::write(&file, text).unwrap();
+    fs::copy("tests/fixtures/dense.sa", path(folder.path(), "dense.sa")).unwrap();
+    let formatted = stochc_with("fmt --check", &[&file]);
+    assert_eq!(formatted.status, 0, "{}", formatted.out);
+    let out = path(folder.path(), "runs");
+    let said = stochc_with("simulate --runs 1 --record 0 --out", &[&out, &file]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    let journal = fs::read_to_string(path(folder.path(), "runs/journal.jsonl")).unwrap();
+    let line: serde_json::Value = serde_json::from_str(journal.lines().nth(1).unwrap()).unwrap();
+    let record = &line["record"];
+    assert_eq!(record["outcome"]["kind"], "completed");
+    assert!(
+        record.get("unplanned").is_none(),
+        "faces are switched on here"
+    );
+    let docked: Vec<u64> = (record["bonds"].as_array().unwrap().iter())
+        .map(|bond| bond["docked"].as_u64().unwrap())
+        .collect();
+    assert_eq!((docked.len(), &docked[..4]), (5, &[0; 4][..]));
+    assert!(docked[4] > 0, "{docked:?}");
+    assert_eq!(record["blocks_used"], 5);
+    let page = path(folder.path(), "run.html");
+    let replayed = stochc_with("replay", &[&out, "--run", "0", "--out", &page]);
+    assert_eq!(replayed.status, 0, "{}", replayed.err);
+}
+
+#[test]
+fn nothing_else_is_done_by_hand() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(folder.path(), "wrong.sa");
+    for (seed, part) in [
+        ("P.up -> A  release A", "misplaced"),
+        (
+            "P.up -> A.up -> B after A",
+            "an `after` does not belong in a seed plate",
+        ),
+        ("P.east -> A", "embedded-face"),
+        ("P.up -> A  P.up -> B", "occupied-cell"),
+        ("P.up ->> T[1..301]", "too-few-blocks"),
+        ("Q.up -> A", "unknown-name"),
+    ] {
+        let text = format!(
+            "assembly a {{ seed plate 1 x 1 {{ P at (0, 0)  {seed} }} phase p {{ }} }}\n"
+        );
+        fs::write(&file, text).unwrap();
+        let said = stochc_with("check", &[&file]);
+        assert_eq!(said.status, 1, "{seed}: {}", said.out);
+        assert!(said.err.contains(part), "{seed}: {}", said.err);
+    }
+}
