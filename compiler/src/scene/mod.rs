@@ -6,6 +6,7 @@ mod builtin;
 pub mod describe;
 pub mod groups;
 mod read;
+pub mod scalars;
 mod spelling;
 mod units;
 
