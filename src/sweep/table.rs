@@ -37,7 +37,7 @@ impl Sweep {
             column("per capture", &|point| {
                 maybe(point.time_per_capture.map(time))
             }),
-            column("released before", &|point| share(point.released)),
+            column("released", &|point| share(point.released)),
         ];
         if self.points.iter().any(|point| point.failed > 0) {
             let failed = column("failed", &|point| point.failed.to_string());
@@ -58,7 +58,7 @@ impl Sweep {
     fn notes(&self) -> Vec<String> {
         let mut notes = vec![format!(
             "Times in {}; ± is half of a 95 % interval. Per capture: the time of all runs over the \
-             captures they made; released before: the part of these that took a block which had been \
+             captures they made; released: the part of these that took a block which had been \
              let go.",
             match self.unit {
                 "s" => "seconds, because the points differ in the length of a tick",

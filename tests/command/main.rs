@@ -20,4 +20,5 @@ mod scene;
 mod simulate;
 mod stochc;
 mod streams;
+mod sweep;
 mod trade;

@@ -10,6 +10,11 @@ pub(super) const RIGHT: f64 = WIDTH - 24.0;
 /// Height of a line of the legend.
 const ROW: f64 = 19.0;
 
+/// How far curve number `i` of `n` is moved aside, so that its intervals hide no others.
+pub(super) fn aside(i: usize, n: usize) -> f64 {
+    4.0 * (i as f64 - (n as f64 - 1.0) / 2.0)
+}
+
 /// The points of one figure.
 pub(super) struct Panel<'a> {
     pub sweep: &'a Sweep,

@@ -1,5 +1,5 @@
 //! The share of runs that completed over a number that was varied.
-use super::frame::{BOTTOM, LEFT, Panel, RIGHT, TOP, told};
+use super::frame::{BOTTOM, LEFT, Panel, RIGHT, TOP, aside, told};
 use crate::figures::{DASHES, Drawing, Scale, class};
 use crate::sweep::Point;
 
@@ -24,8 +24,9 @@ pub(super) fn share(panel: &Panel) -> Option<Drawing> {
         percent,
     );
     for (i, curve) in curves.iter().enumerate() {
+        let place = |value: f64| x.at(value) + aside(i, curves.len());
         let known = (curve.points.iter())
-            .filter_map(|(value, point)| Some((x.at(*value), point.share?, point)));
+            .filter_map(|(value, point)| Some((place(*value), point.share?, point)));
         let known: Vec<_> = known.collect();
         let places: Vec<_> = known
             .iter()

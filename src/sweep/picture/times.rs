@@ -1,5 +1,5 @@
 //! Mean times over a number that was varied.
-use super::frame::{BOTTOM, LEFT, Panel, RIGHT, TOP, told};
+use super::frame::{BOTTOM, LEFT, Panel, RIGHT, TOP, aside, told};
 use crate::ensemble::Time;
 use crate::figures::{DASHES, Drawing, Scale, class, number};
 use crate::sweep::Point;
@@ -28,19 +28,21 @@ pub(super) fn times(panel: &Panel) -> Option<Drawing> {
     let title = format!("Mean time to completion over {of}");
     let words = told(&curves, |point| described(point, unit));
     let (mut out, x) = panel.drawing(&panel.name, &title, &words, &curves, &notes);
-    let y = Scale::linear((0.0, last), (BOTTOM, TOP));
+    // Room for a sign above the highest dot.
+    let y = Scale::linear((0.0, 1.06 * last), (BOTTOM, TOP));
     let axis = format!("mean time to completion [{unit}]");
     out.upward(&y, (BOTTOM, TOP), LEFT, RIGHT, &axis, number);
     for (i, curve) in curves.iter().enumerate() {
+        let place = |value: f64| x.at(value) + aside(i, curves.len());
         let mean = |(value, point): &(f64, &Point)| {
             let time = point.time.as_ref()?;
-            Some((x.at(*value), y.at(time.mean)))
+            Some((place(*value), y.at(time.mean)))
         };
         let places: Vec<_> = curve.points.iter().filter_map(mean).collect();
         out.curve(class(i), &places, DASHES[i % DASHES.len()]);
         for (value, point) in &curve.points {
             let (at, told) = (
-                x.at(*value),
+                place(*value),
                 format!("{}: {}", point.name, described(point, unit)),
             );
             let Some(time) = &point.time else {
