@@ -65,7 +65,7 @@ fn a_number_is_swept_in_one_folder() {
     let page = text(&out, "report.html");
     assert!(page.contains("What was varied"), "{page}");
     assert!(
-        page.contains("--sweep &#39;free=50,100,150&#39;"),
+        page.contains("--sweep free=50,100,150 --out"),
         "the command"
     );
     assert!(text(&out, "report-figures/sweep-1.svg").contains("over free"));

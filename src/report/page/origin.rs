@@ -106,7 +106,7 @@ pub(super) fn simulate(manifest: &crate::ensemble::Manifest) -> String {
     if let Some(limit) = manifest.max_ticks {
         option("max-ticks", &limit.to_string());
     }
-    for (number, axis) in axes(manifest).into_iter().enumerate() {
+    for (number, axis) in axes(manifest).iter().enumerate() {
         let mut values: Vec<String> = Vec::new();
         for varied in manifest
             .programs

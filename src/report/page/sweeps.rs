@@ -16,8 +16,14 @@ pub(super) fn sweeps(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawing>)
             "These programs differ in nothing but {} of their scenes.",
             numbers.join(", ")
         ));
-        let caption = "A bound (≥) is a mean of min(time, horizon), because runs were stopped.";
         for figure in pictures(sweep, &format!("sweep-{}", i + 1)) {
+            let caption = match figure.name.ends_with("-completed") {
+                true => "Dots are parts of the finished runs, lines their 95 % intervals.",
+                false => {
+                    "With 95 % intervals; ≥ a lower bound, because runs were stopped before they \
+                     completed."
+                }
+            };
             show(parts, out, drawings, Some(figure), caption, &["sweeps.csv"]);
         }
         table(sweep, out);
