@@ -2,7 +2,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::Value;
-use stochc_grammar::tree::{ItemKind, Quantity, Scene as Tree, Term};
+use stochc_grammar::tree::{ItemKind, Scene as Tree, Term};
 use stochc_grammar::{Symbols, parse};
 
 use super::super::read;
@@ -85,20 +85,18 @@ fn put(terms: &mut [Term], words: &[&str], value: f64, symbols: &Symbols) -> Opt
     let next = behind
         .iter_mut()
         .position(|term| !matches!(term, Term::Word(_)))?;
-    match (&mut behind[next], rest) {
-        (Term::Block(inner, _), [_, ..]) => put(inner, rest, value, symbols),
-        (Term::Quantity(quantity), []) => Some(rewrite(quantity, value)),
-        (Term::Range(_, high), []) => Some(rewrite(high, value)),
-        (Term::Range(low, _), ["low"]) => Some(rewrite(low, value)),
-        (Term::Quantity(_), [_, ..]) => put(&mut behind[next..], rest, value, symbols),
-        _ => None,
-    }
-}
-
-fn rewrite(quantity: &mut Quantity, si: f64) {
+    let quantity = match (&mut behind[next], rest) {
+        (Term::Block(inner, _), [_, ..]) => return put(inner, rest, value, symbols),
+        (Term::Quantity(_), [_, ..]) => return put(&mut behind[next..], rest, value, symbols),
+        (Term::Quantity(quantity), []) => quantity,
+        (Term::Range(_, high), []) => high,
+        (Term::Range(low, _), ["low"]) => low,
+        _ => return None,
+    };
     quantity.value = 1.0;
     let (unit, _) = crate::scene::units::to_si(quantity);
-    quantity.value = si / unit;
+    quantity.value = value / unit;
+    Some(())
 }
 
 fn texts() -> impl Iterator<Item = Text> {
