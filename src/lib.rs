@@ -21,6 +21,7 @@ pub mod recording;
 pub mod replay;
 pub mod report;
 pub mod statistics;
+pub mod sweep;
 pub mod trade;
 mod wrong;
 

@@ -36,6 +36,6 @@ pub use cell::Cell;
 pub use expand::{Limits, MAX_NESTING};
 pub use levels::{Allowed, Level, Levels};
 pub use load::{Module, Reader, join as join_import};
-pub use program::{Checked, Program, Stage, check, check_observed, check_with};
+pub use program::{Checked, Program, Stage, check, check_changed, check_observed, check_with};
 pub use source::{FileId, Site, SourceFile, Sources};
 pub use stochc_grammar::{Face, Span, Symbols};

@@ -11,6 +11,7 @@ use crate::levels::{Allowed, FileLevels, Levels};
 use crate::load::{Loaded, Module, Reader, load};
 use crate::order::{self, Order};
 use crate::plan::Plan;
+use crate::scene::scalars::{self, Change};
 use crate::scene::{BondKind, Scene};
 use crate::scenes::Scenes;
 use crate::table::Tables;
@@ -100,7 +101,21 @@ pub fn check(path: &str, reader: &mut dyn Reader, limits: Limits) -> Checked {
 
 /// [`check`], with levels for the warnings that the files say nothing of.
 pub fn check_with(path: &str, reader: &mut dyn Reader, limits: Limits, levels: &Levels) -> Checked {
-    check_observed(path, reader, limits, levels, &mut |_| {})
+    check_changed(path, reader, limits, levels, "", &[])
+}
+
+/// [`check_with`], with other numbers in the scene of one of the file's assemblies, as if they had
+/// been written there.
+pub fn check_changed(
+    path: &str,
+    reader: &mut dyn Reader,
+    limits: Limits,
+    levels: &Levels,
+    assembly: &str,
+    changes: &[Change],
+) -> Checked {
+    let changes = (assembly, changes);
+    check_all(path, reader, limits, levels, changes, &mut |_| {})
 }
 
 /// [`check_with`], telling when each stage is complete, once for every assembly; the compiler itself
@@ -112,6 +127,17 @@ pub fn check_observed(
     levels: &Levels,
     done: &mut dyn FnMut(Stage),
 ) -> Checked {
+    check_all(path, reader, limits, levels, ("", &[]), done)
+}
+
+fn check_all(
+    path: &str,
+    reader: &mut dyn Reader,
+    limits: Limits,
+    levels: &Levels,
+    changes: (&str, &[Change]),
+    done: &mut dyn FnMut(Stage),
+) -> Checked {
     let mut sources = Sources::default();
     let mut findings = Vec::new();
     let mut loaded = load(path, reader, &mut sources, &mut findings);
@@ -119,7 +145,13 @@ pub fn check_observed(
     let syntax = findings.len();
     let file_levels = FileLevels::of(&loaded.modules, &sources, &loaded.symbols, &mut findings);
     done(Stage::Parse);
-    let mut programs = programs(&mut loaded, &sources, readable, limits, &mut findings, done);
+    let about = About {
+        sources: &sources,
+        readable,
+        limits,
+        changes,
+    };
+    let mut programs = programs(&mut loaded, &about, &mut findings, done);
     doubt_fixes(&mut findings, syntax);
     let tree = loaded
         .modules
@@ -166,11 +198,19 @@ fn doubt_fixes(findings: &mut [Finding], syntax: usize) {
     }
 }
 
-fn programs(
-    loaded: &mut Loaded,
-    sources: &Sources,
+/// What holds for every assembly of a file.
+struct About<'a> {
+    sources: &'a Sources,
+    /// All files could be read.
     readable: bool,
     limits: Limits,
+    /// Other numbers for the scene of the one of this name.
+    changes: (&'a str, &'a [Change]),
+}
+
+fn programs(
+    loaded: &mut Loaded,
+    about: &About,
     findings: &mut Vec<Finding>,
     done: &mut dyn FnMut(Stage),
 ) -> Vec<Program> {
@@ -200,13 +240,21 @@ fn programs(
             tell(findings, duplicate(name, old, site, "an assembly"));
         }
         let scene = scenes.get(assembly.scene, own.file, symbols, findings);
+        let (changed, changes) = about.changes;
+        let scene = match scene {
+            Some(scene) if symbols.word(assembly.name.symbol) == changed => {
+                let wrong = |error| tell(findings, scalars::finding(&error, site));
+                scalars::changed(scene, changes).map_err(wrong).ok()
+            }
+            scene => scene,
+        };
         let input = Input {
             declarations: &declarations,
             file: own.file,
             assembly,
-            sources,
-            limits,
-            readable,
+            sources: about.sources,
+            limits: about.limits,
+            readable: about.readable,
         };
         programs.push(input.compile(scene, symbols, doubtful, findings, done));
     }

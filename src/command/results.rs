@@ -7,6 +7,7 @@ use serde_json::json;
 use super::terminal::{output_width, print, warn};
 use crate::cli::Exit;
 use crate::ensemble::{Comparison, Finished, Folder, Manifest, edges, edges_to_text};
+use crate::sweep::Sweep;
 
 /// What `results` is given.
 #[derive(Debug, Args)]
@@ -73,7 +74,11 @@ pub fn show(manifest: &Manifest, finished: &[Finished], shown: &Shown) -> Exit {
     let programs = 0..manifest.programs.len();
     match shown.form {
         Form::Text => {
-            print(&comparison.to_text(output_width()));
+            let width = output_width();
+            print(&match Sweep::of(manifest, finished) {
+                None => comparison.to_text(width),
+                Some(sweep) => sweep.to_text(width) + &comparison.pairs_to_text(width),
+            });
             if shown.bonds {
                 for program in programs {
                     print(&format!(

@@ -11,7 +11,8 @@ use crate::statistics::{Difference, KaplanMeier, Observation, Summary, compare};
 pub struct Comparison {
     /// One for each program, in the order of the manifest.
     pub programs: Vec<Column>,
-    /// One for each pair of programs, in the same order.
+    /// One for each pair of programs, in the same order; of a sweep, only for different programs at
+    /// the same values.
     pub pairs: Vec<Pair>,
 }
 
@@ -99,17 +100,18 @@ impl Comparison {
         let records: Vec<_> = (0..manifest.programs.len()).map(records).collect();
         let programs = manifest.programs.iter().zip(&records);
         let times: Vec<_> = records.iter().map(|records| whole(records)).collect();
-        let names = || manifest.programs.iter().map(|p| &p.name).zip(&times);
+        let all = || manifest.programs.iter().zip(&times);
         Comparison {
             programs: programs
                 .map(|(program, records)| column(manifest, program, records))
                 .collect(),
-            pairs: names()
+            pairs: all()
                 .enumerate()
-                .flat_map(|(i, first)| names().skip(i + 1).map(move |second| (first, second)))
+                .flat_map(|(i, first)| all().skip(i + 1).map(move |second| (first, second)))
+                .filter(|((first, _), (second, _))| first.varied == second.varied)
                 .map(|((first, ours), (second, theirs))| Pair {
-                    first: first.clone(),
-                    second: second.clone(),
+                    first: first.name.clone(),
+                    second: second.name.clone(),
                     difference: compare(ours, theirs),
                 })
                 .collect(),

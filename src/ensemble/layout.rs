@@ -10,7 +10,7 @@ const TIE: char = '~';
 const GAP: &str = "   ";
 
 /// Columns that are put side by side until a line is full, and then below.
-pub(super) struct Layout {
+pub(crate) struct Layout {
     /// Of the column on the left, which every block of columns repeats.
     pub labels: Vec<String>,
     /// Each with its header and one cell for each label.

@@ -5,8 +5,9 @@ use std::fmt::Write as _;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use stochc_compiler::scene::Scene;
+use stochc_compiler::scene::scalars::Change;
 use stochc_compiler::table::{Action, PhaseId, RoleId, Tables};
-use stochc_compiler::{Checked, Levels, Limits, check_with};
+use stochc_compiler::{Checked, Levels, Limits, check_changed};
 
 /// Version of the layout of a results folder; another one is not read.
 pub const FORMAT: u32 = 1;
@@ -45,12 +46,29 @@ pub struct Program {
     pub captures: u64,
     /// The world it runs in.
     pub scene: Scene,
+    /// The numbers of this world that are not those of the sources, in the order of the sweep that
+    /// chose them; empty: all are.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub varied: Vec<Varied>,
     /// The names of its phases, by [`PhaseId`].
     pub phases: Vec<String>,
     /// The names of its roles, by [`RoleId`].
     pub roles: Vec<String>,
     /// Its file, followed by every file that it imports.
     pub sources: Vec<Source>,
+}
+
+/// A number of a scene that a sweep has chosen.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Varied {
+    /// Its name, such as `bond.pull`.
+    pub of: String,
+    /// Its value in SI units.
+    pub value: f64,
+    /// Its value in `unit`.
+    pub said: f64,
+    /// The unit that the user has given it in; empty: none.
+    pub unit: String,
 }
 
 /// A file that a program was read from.
@@ -203,8 +221,32 @@ impl Manifest {
     }
 }
 
+impl Varied {
+    /// Its value as the user has given it, such as `4.5 N`.
+    pub fn value(&self) -> String {
+        match &*self.unit {
+            "" => self.said.to_string(),
+            unit => format!("{} {unit}", self.said),
+        }
+    }
+
+    /// Name and value, such as `bond.pull=4.5 N`.
+    pub fn text(&self) -> String {
+        format!("{}={}", self.of, self.value())
+    }
+}
+
 impl Program {
-    /// Compiles the sources again, and tells the path of the first.
+    /// What a sweep has chosen, as it is told behind the program's name: ` [free=50, tick=10 ms]`.
+    pub fn point(&self) -> String {
+        let values: Vec<String> = self.varied.iter().map(Varied::text).collect();
+        match values.is_empty() {
+            true => String::new(),
+            false => format!(" [{}]", values.join(", ")),
+        }
+    }
+
+    /// Compiles the sources again, with the numbers that are varied, and tells the path of the first.
     pub fn recompile(&self, levels: &Levels) -> (&str, Checked) {
         let mut reader = |path: &str| {
             let source = self.sources.iter().find(|source| source.path == path);
@@ -213,7 +255,14 @@ impl Program {
                 .ok_or("not in the manifest".to_owned())
         };
         let root = self.sources.first().map_or("", |source| &source.path);
-        let checked = check_with(root, &mut reader, Limits::default(), levels);
+        let changes: Vec<Change> = (self.varied.iter())
+            .map(|varied| Change {
+                of: varied.of.clone(),
+                value: varied.value,
+            })
+            .collect();
+        let limits = Limits::default();
+        let checked = check_changed(root, &mut reader, limits, levels, &self.assembly, &changes);
         (root, checked)
     }
 
@@ -237,6 +286,7 @@ impl Program {
             assembly: tables.assembly.clone(),
             captures: captures as u64,
             scene,
+            varied: Vec::new(),
             phases: tables.phases.iter().map(|p| p.name.clone()).collect(),
             roles: tables.roles.iter().map(|r| r.name.clone()).collect(),
             sources,

@@ -46,10 +46,17 @@ impl Comparison {
         }
         let mut text = rows.layout.text(width);
         text.push('\n');
-        let pairs = self.pairs.iter().map(sentence);
-        for sentence in self.notes().into_iter().chain(pairs) {
-            text += &paragraph(&sentence, width);
+        for note in self.notes() {
+            text += &paragraph(&note, width);
         }
+        text += &self.pairs_to_text(width);
+        text
+    }
+
+    /// A sentence for each pair of programs that are compared.
+    pub fn pairs_to_text(&self, width: usize) -> String {
+        let sentences = self.pairs.iter().map(sentence);
+        let mut text: String = (sentences.map(|it| paragraph(&it, width))).collect();
         if self.pairs.len() > 1 {
             let note = "Each p stands for itself: none is corrected for the number of pairs.";
             text += &paragraph(note, width);
@@ -108,7 +115,8 @@ impl<'a> Rows<'a> {
     }
 }
 
-fn mean(time: Option<&Time>) -> String {
+/// A mean with half of its interval; `≥` before a lower bound.
+pub(crate) fn mean(time: Option<&Time>) -> String {
     let Some(time) = time else {
         return NONE.to_owned();
     };

@@ -100,6 +100,23 @@ impl Drawing {
         self.shape(&shape, "rect", told);
     }
 
+    /// A field of some strength, 0 to 1, from its upper left corner.
+    pub fn shade(
+        &mut self,
+        class: &str,
+        corner: (f64, f64),
+        size: (f64, f64),
+        strength: f64,
+        told: &str,
+    ) {
+        let shape = format!(
+            "<rect class=\"{class}\" x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\" \
+             stroke-opacity=\"0.4\" fill-opacity=\"{strength:.2}\"",
+            corner.0, corner.1, size.0, size.1
+        );
+        self.shape(&shape, "rect", told);
+    }
+
     /// A disc; `told` is what a pointer over it shows.
     pub fn disc(&mut self, class: &str, centre: (f64, f64), radius: f64, told: &str) {
         let shape = format!(

@@ -5,6 +5,7 @@
 mod drawing;
 mod palette;
 mod scale;
+mod short;
 mod strip;
 mod svg;
 mod visible;
@@ -12,6 +13,7 @@ mod visible;
 pub(crate) use drawing::Drawing;
 pub(crate) use palette::{DASHES, STYLE, class};
 pub(crate) use scale::{Scale, number, percent};
+pub(crate) use short::short;
 pub(crate) use strip::{Strip, strips};
 pub(crate) use svg::{line, text};
 pub(crate) use visible::{escaped, visible};

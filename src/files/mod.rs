@@ -1,5 +1,6 @@
 //! Reading programs from the disk, and writing whole files.
 pub mod atomic;
+pub(crate) mod csv;
 
 use std::io::{self, Read as _};
 use std::path::Path;

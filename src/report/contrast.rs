@@ -86,11 +86,13 @@ impl Clock {
     }
 }
 
-/// Compares every program with every other one.
+/// Compares every program with every other one; of a sweep, only different programs at the same
+/// values.
 pub(super) fn contrasts(subjects: &[Subject], clock: Clock) -> Vec<Contrast> {
     let mut found = Vec::new();
     for (i, first) in subjects.iter().enumerate() {
-        for (j, second) in subjects.iter().enumerate().skip(i + 1) {
+        let others = subjects.iter().enumerate().skip(i + 1);
+        for (j, second) in others.filter(|(_, it)| it.program.varied == first.program.varied) {
             found.push(Contrast {
                 first: i,
                 second: j,

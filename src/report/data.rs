@@ -1,35 +1,11 @@
-//! The figures as tables of comma-separated values (RFC 4180), for other programs.
+//! The figures as tables of comma-separated values, for other programs.
 use super::contrast::{Clock, Contrast, Method, Verdict};
 use super::subject::Subject;
-use super::sweep::Sweep;
 use super::waits::Wait;
 use crate::ensemble::Time;
+use crate::files::csv::Table;
 use crate::statistics::{KaplanMeier, Observation};
-
-/// A table that grows row by row.
-struct Table(String);
-
-impl Table {
-    fn new(columns: &[&str]) -> Table {
-        let mut table = Table(String::new());
-        table.row(columns.iter().map(|&name| name.to_owned()));
-        table
-    }
-
-    fn row(&mut self, cells: impl IntoIterator<Item = String>) {
-        let cells: Vec<String> = cells.into_iter().map(|cell| field(&cell)).collect();
-        self.0 += &cells.join(",");
-        self.0 += "\r\n";
-    }
-}
-
-fn field(text: &str) -> String {
-    if text.contains([',', '"', '\r', '\n']) {
-        format!("\"{}\"", text.replace('"', "\"\""))
-    } else {
-        text.to_owned()
-    }
-}
+use crate::sweep::Sweep;
 
 fn maybe(value: Option<f64>) -> String {
     value.map_or(String::new(), |value| value.to_string())
@@ -72,14 +48,14 @@ pub(super) fn files(
         tables.push(differences(subjects, contrasts, clock));
     }
     if !sweeps.is_empty() {
-        tables.push(swept(subjects, sweeps, clock));
+        tables.push(swept(sweeps));
     }
     let names = names(!contrasts.is_empty(), !sweeps.is_empty());
     names.into_iter().map(str::to_owned).zip(tables).collect()
 }
 
 fn survival(subjects: &[Subject]) -> String {
-    let mut table = Table::new(&[
+    let mut table = Table::new([
         "program",
         "phase",
         "ticks",
@@ -112,11 +88,11 @@ fn survival(subjects: &[Subject]) -> String {
             add(&subject.label, phase, &subject.phase_times(i));
         }
     }
-    table.0
+    table.finish()
 }
 
 fn means(subjects: &[Subject]) -> String {
-    let mut table = Table::new(&[
+    let mut table = Table::new([
         "program",
         "phase",
         "completed",
@@ -153,11 +129,11 @@ fn means(subjects: &[Subject]) -> String {
             add(&subject.label, phase, &subject.phase_times(i));
         }
     }
-    table.0
+    table.finish()
 }
 
 fn captures(subjects: &[Subject], waits: &[Vec<Wait>]) -> String {
-    let mut table = Table::new(&[
+    let mut table = Table::new([
         "program",
         "phase",
         "capture",
@@ -192,11 +168,11 @@ fn captures(subjects: &[Subject], waits: &[Vec<Wait>]) -> String {
             ]);
         }
     }
-    table.0
+    table.finish()
 }
 
 fn origins(subjects: &[Subject], waits: &[Vec<Wait>]) -> String {
-    let mut table = Table::new(&["program", "phase", "capture", "origin", "role", "captured"]);
+    let mut table = Table::new(["program", "phase", "capture", "origin", "role", "captured"]);
     for (subject, waits) in subjects.iter().zip(waits) {
         for wait in waits {
             let released = wait.released.iter();
@@ -214,11 +190,11 @@ fn origins(subjects: &[Subject], waits: &[Vec<Wait>]) -> String {
             }
         }
     }
-    table.0
+    table.finish()
 }
 
 fn chains(subjects: &[Subject]) -> String {
-    let mut table = Table::new(&["program", "run", "phase", "event", "from", "to"]);
+    let mut table = Table::new(["program", "run", "phase", "event", "from", "to"]);
     for subject in subjects {
         for run in &subject.runs {
             for link in &run.chain {
@@ -236,11 +212,11 @@ fn chains(subjects: &[Subject]) -> String {
             }
         }
     }
-    table.0
+    table.finish()
 }
 
 fn differences(subjects: &[Subject], contrasts: &[Contrast], clock: Clock) -> String {
-    let mut table = Table::new(&[
+    let mut table = Table::new([
         "first",
         "second",
         "test",
@@ -274,42 +250,49 @@ fn differences(subjects: &[Subject], contrasts: &[Contrast], clock: Clock) -> St
         let words = [test.to_owned(), clock.unit().to_owned()];
         table.row(names.into_iter().chain(words).chain(figures));
     }
-    table.0
+    table.finish()
 }
 
-fn swept(subjects: &[Subject], sweeps: &[Sweep], clock: Clock) -> String {
-    let mut table = Table::new(&[
+fn swept(sweeps: &[Sweep]) -> String {
+    let mut table = Table::new([
         "of",
         "value",
+        "at",
         "program",
         "unit",
         "completed",
         "stopped",
+        "failed",
         "mean",
         "half_width",
+        "median",
+        "released",
+        "time_per_capture",
     ]);
     for sweep in sweeps {
-        for (value, subject, time) in sweep.curves.iter().flat_map(|curve| &curve.points) {
+        for point in &sweep.points {
+            let (Some(axis), Some(value)) = (sweep.axes.first(), point.values.first()) else {
+                continue;
+            };
+            let further = sweep.axes.iter().zip(&point.values).skip(1);
+            let further: Vec<String> = further.map(|(axis, value)| axis.at(*value)).collect();
+            let time = point.time.as_ref();
             table.row([
-                sweep.of.clone(),
-                value.to_string(),
-                subjects[*subject].label.clone(),
-                clock.unit().to_owned(),
-                time.completed.to_string(),
-                time.censored.to_string(),
-                time.mean.to_string(),
-                maybe(time.half_width),
+                axis.of.clone(),
+                value.si.to_string(),
+                further.join("; "),
+                point.name.clone(),
+                sweep.unit.to_owned(),
+                point.completed.to_string(),
+                point.stopped.to_string(),
+                point.failed.to_string(),
+                maybe(time.map(|time| time.mean)),
+                maybe(time.and_then(|time| time.half_width)),
+                maybe(time.and_then(|time| time.median)),
+                maybe(point.released),
+                maybe(point.time_per_capture),
             ]);
         }
     }
-    table.0
-}
-
-#[cfg(test)]
-mod tests {
-    #[test]
-    fn a_field_may_hold_anything() {
-        assert_eq!(super::field("plain"), "plain");
-        assert_eq!(super::field("a,\"b\"\n"), "\"a,\"\"b\"\"\n\"");
-    }
+    table.finish()
 }

@@ -64,7 +64,7 @@ pub fn report(inputs: &[Input], surroundings: &Surroundings) -> Report {
     let clock = contrast::Clock::of(&subjects);
     let waits: Vec<_> = subjects.iter().map(waits::waits).collect();
     let contrasts = contrast::contrasts(&subjects, clock);
-    let sweeps = sweep::sweeps(&subjects, clock);
+    let sweeps = sweep::sweeps(inputs, &subjects, clock);
     let mut files = data::files(&subjects, &waits, &contrasts, &sweeps, clock);
     let parts = page::Parts {
         inputs,

@@ -1,32 +1,15 @@
-//! Programs that are the same but for one number of their scenes.
+//! Numbers of scenes that were varied: by `simulate --sweep`, or from one folder to the next.
 use std::collections::{BTreeMap, BTreeSet};
 
-use serde_json::Value;
+use serde_json::Value as Json;
+use stochc_compiler::scene::scalars::scalars;
 
 use super::contrast::Clock;
-use super::subject::Subject;
-use crate::ensemble::Time;
+use super::subject::{Input, Subject};
+use crate::sweep::{Dial, Point, Sweep, Value};
 
-/// A number of a scene that was varied, and what became of the times.
-#[derive(Clone, Debug)]
-pub(super) struct Sweep {
-    /// Which number, such as `contact.friction`; values are in SI units.
-    pub of: String,
-    /// One for each program that was run with several values.
-    pub curves: Vec<Curve>,
-}
-
-/// One program at several values.
-#[derive(Clone, Debug)]
-pub(super) struct Curve {
-    /// Its name.
-    pub name: String,
-    /// Value, number of the program in the report, time to completion; by value.
-    pub points: Vec<(f64, usize, Time)>,
-}
-
-/// A program's number in the report, and the numbers of its scene by where they stand.
-type Member = (usize, BTreeMap<String, f64>);
+/// A program's number in the report, and the numbers of its scene by their names.
+type Member = (usize, BTreeMap<&'static str, f64>);
 
 /// What has to be the same for a number to be all that differs.
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
@@ -39,16 +22,27 @@ struct Kind<'a> {
     words: BTreeMap<String, String>,
 }
 
-/// Finds what was varied, a sweep for each number.
-pub(super) fn sweeps(subjects: &[Subject], clock: Clock) -> Vec<Sweep> {
+/// The sweeps that folders were made by, and one for each number in which programs of several
+/// folders differ.
+pub(super) fn sweeps(inputs: &[Input], subjects: &[Subject], clock: Clock) -> Vec<Sweep> {
+    let asked = inputs.iter();
+    let asked = asked.filter_map(|input| Sweep::of(&input.manifest, &input.finished));
+    asked.chain(found(subjects, clock)).collect()
+}
+
+/// Programs that are the same but for one number of their scenes; their values are in SI units.
+fn found(subjects: &[Subject], clock: Clock) -> Vec<Sweep> {
     let mut groups: BTreeMap<Kind, Vec<Member>> = BTreeMap::new();
-    for (i, subject) in subjects.iter().enumerate() {
+    let plain = subjects.iter().enumerate();
+    let plain = plain.filter(|(_, subject)| subject.program.varied.is_empty());
+    for (i, subject) in plain {
         let Some(tables) = &subject.events.tables else {
             continue;
         };
-        let (mut numbers, mut words) = (BTreeMap::new(), BTreeMap::new());
-        let scene = serde_json::to_value(&subject.program.scene).unwrap_or_default();
-        leaves(String::new(), &scene, &mut numbers, &mut words);
+        let mut words = BTreeMap::new();
+        let scene = &subject.program.scene;
+        let json = serde_json::to_value(scene).unwrap_or_default();
+        leaves(String::new(), &json, &mut words);
         // What a scene is called makes no difference.
         words.remove("name");
         let kind = Kind {
@@ -59,68 +53,79 @@ pub(super) fn sweeps(subjects: &[Subject], clock: Clock) -> Vec<Sweep> {
             max_ticks: subject.manifest.max_ticks,
             words,
         };
-        groups.entry(kind).or_default().push((i, numbers));
+        let numbers = scalars(scene).filter_map(|it| Some((it.name(), it.get(scene)?)));
+        let member = (i, numbers.collect());
+        groups.entry(kind).or_default().push(member);
     }
-    let mut sweeps: BTreeMap<String, Vec<Curve>> = BTreeMap::new();
+    let mut sweeps: BTreeMap<&'static str, Vec<Point>> = BTreeMap::new();
     for group in groups.values() {
         let Some(of) = difference(group) else {
             continue;
         };
+        let program = &subjects[group[0].0].program.name;
         let point = |(i, numbers): &Member| {
-            let time = Time::of(&clock.times(&subjects[*i]))?;
-            Some((*numbers.get(&of)?, *i, time))
+            let (subject, value) = (&subjects[*i], *numbers.get(of)?);
+            let records: Vec<_> = subject.runs.iter().map(|run| &run.record).collect();
+            Some(Point::of(
+                (subject.label.clone(), program.clone()),
+                vec![Value { value, si: value }],
+                subject.manifest.runs,
+                &records,
+                clock.tick(subject),
+            ))
         };
-        let mut points: Vec<_> = group.iter().filter_map(point).collect();
-        points.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let name = subjects[group[0].0].program.name.clone();
-        sweeps.entry(of).or_default().push(Curve { name, points });
+        let mut points: Vec<Point> = group.iter().filter_map(point).collect();
+        points.sort_by(|a, b| a.values[0].si.total_cmp(&b.values[0].si));
+        sweeps.entry(of).or_default().extend(points);
     }
-    let sweeps = sweeps.into_iter();
-    sweeps.map(|(of, curves)| Sweep { of, curves }).collect()
+    let sweep = |(of, points): (&str, Vec<Point>)| Sweep {
+        axes: vec![Dial {
+            of: of.to_owned(),
+            unit: "SI".to_owned(),
+        }],
+        unit: clock.unit(),
+        points,
+    };
+    sweeps.into_iter().map(sweep).collect()
 }
 
 /// The one number in which a group differs; `None`: none, or several.
-fn difference(group: &[Member]) -> Option<String> {
+fn difference(group: &[Member]) -> Option<&'static str> {
     let (_, first) = group.first()?;
     let mut found = BTreeSet::new();
     for (_, numbers) in group {
-        if numbers.len() != first.len() {
+        if !numbers.keys().eq(first.keys()) {
             return None;
         }
         let differing = numbers.iter();
         let differing = differing.filter(|(name, value)| first.get(*name) != Some(value));
-        found.extend(differing.map(|(name, _)| name));
+        found.extend(differing.map(|(name, _)| *name));
     }
     match found.len() {
-        1 => found.pop_first().cloned(),
+        1 => found.pop_first(),
         _ => None,
     }
 }
 
-/// The numbers and the words of a value, by where they stand.
-fn leaves(
-    at: String,
-    value: &Value,
-    numbers: &mut BTreeMap<String, f64>,
-    words: &mut BTreeMap<String, String>,
-) {
+/// What a scene says in words, by where it stands; numbers count as there.
+fn leaves(at: String, value: &Json, words: &mut BTreeMap<String, String>) {
     let below = |name: &str| match at.as_str() {
         "" => name.to_owned(),
         _ => format!("{at}.{name}"),
     };
     match value {
-        Value::Object(fields) => {
+        Json::Object(fields) => {
             for (name, value) in fields {
-                leaves(below(name), value, numbers, words);
+                leaves(below(name), value, words);
             }
         }
-        Value::Array(values) => {
+        Json::Array(values) => {
             for (i, value) in values.iter().enumerate() {
-                leaves(below(&i.to_string()), value, numbers, words);
+                leaves(below(&i.to_string()), value, words);
             }
         }
-        Value::Number(number) => {
-            numbers.insert(at, number.as_f64().unwrap_or(f64::NAN));
+        Json::Number(_) => {
+            words.insert(at, "a number".to_owned());
         }
         other => {
             words.insert(at, other.to_string());

@@ -11,6 +11,7 @@ mod kolmogorov;
 mod paired;
 mod quantile;
 mod ratio;
+mod share;
 mod summary;
 mod survival;
 
@@ -20,6 +21,7 @@ pub use kolmogorov::{Distance, distance};
 pub use paired::{Paired, paired};
 pub use quantile::quantile;
 pub use ratio::{Relative, relative};
+pub use share::share_interval;
 pub use summary::{Summary, median};
 pub use survival::{KaplanMeier, Point, RestrictedMean};
 

@@ -21,4 +21,5 @@ mod scene;
 mod simulate;
 mod stochc;
 mod streams;
+mod sweep;
 mod trade;

@@ -57,6 +57,15 @@ impl Bond {
         }
     }
 
+    /// The same, to be changed.
+    pub(super) const fn anchor_mut(&mut self) -> &mut Anchor {
+        match self {
+            Bond::Attract { anchor, .. }
+            | Bond::Reject { anchor, .. }
+            | Bond::Suction { anchor, .. } => anchor,
+        }
+    }
+
     /// When a block is anchored.
     pub const fn anchor(&self) -> &Anchor {
         match self {

@@ -8,6 +8,7 @@ pub mod describe;
 pub mod groups;
 mod medium;
 mod read;
+pub mod scalars;
 mod spelling;
 mod units;
 

@@ -5,7 +5,7 @@ use stochc_runtime::{Model, Precision, Reduction, Settings};
 
 use super::super::check::verdict;
 use super::super::terminal::{has_colour, message_width, warn};
-use super::{Options, Ready, usage};
+use super::{Options, Ready, swept, usage};
 use crate::cli::Exit;
 use crate::ensemble::{Manifest, Program, Source};
 use crate::findings::{Format, show};
@@ -46,7 +46,10 @@ pub fn programs(files: &[String], levels: &Levels) -> Result<(Vec<Program>, Vec<
 }
 
 fn from_files(options: &Options) -> Result<(Manifest, Vec<Ready>), Exit> {
-    let (entries, ready) = programs(&options.files, &options.levels.levels)?;
+    let (mut entries, mut ready) = programs(&options.files, &options.levels.levels)?;
+    if !options.sweep.is_empty() {
+        (entries, ready) = swept::points(options, &entries)?;
+    }
     let settings = Settings {
         model: options.model.into(),
         substeps: options.substeps,

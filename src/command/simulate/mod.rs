@@ -5,6 +5,7 @@ mod input;
 mod options;
 mod record;
 mod single;
+mod swept;
 
 use std::num::NonZeroUsize;
 use std::sync::atomic::AtomicBool;
@@ -58,9 +59,9 @@ pub fn run(options: &Options) -> Exit {
     if options.record.is_some() && settings.model == Model::Shuffle {
         return usage(&format!("nothing to record: {}", RunError::Nowhere));
     }
-    for program in &programs {
+    for (program, entry) in programs.iter().zip(&manifest.programs) {
         if let Err(error) = try_out(program, &settings) {
-            warn(&format!("error: {}: {error}\n", program.tables.assembly));
+            warn(&format!("error: {}: {error}\n", entry.name));
             return Exit::WrongProgram;
         }
     }
@@ -128,6 +129,11 @@ fn ensemble(
         bonds: options.bonds,
     };
     let exit = show(manifest, &results.finished, &shown);
+    if let Some(out) = &options.out
+        && let Err(exit) = swept::keep(out, manifest, &results.finished)
+    {
+        return exit;
+    }
     closing::close(options, manifest, &results.finished);
     if results.complete {
         return unrecorded.unwrap_or(exit);

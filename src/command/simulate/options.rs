@@ -9,6 +9,7 @@ use super::super::results::Form;
 use super::super::trade::time;
 use super::accuracy::accuracy;
 use crate::recording::{EVERY, Selection};
+use crate::sweep::Axis;
 
 /// What `simulate` is given.
 #[derive(Debug, Args)]
@@ -22,6 +23,10 @@ pub struct Options {
     /// Runs of each program
     #[arg(long, default_value_t = 50, value_parser = clap::value_parser!(u64).range(1..=10_000_000))]
     pub runs: u64,
+    /// Vary a number of the scene: `free=50..600/6`, `bond.pull=2..12 N/5 log` or `tick=10,20 ms`;
+    /// several are combined, each with each
+    #[arg(long, value_name = "NAME=VALUES", value_parser = Axis::parse, conflicts_with_all = ["manifest", "accuracy"])]
+    pub sweep: Vec<Axis>,
     /// The seed of all chance
     #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
     pub seed: u64,

@@ -1,5 +1,5 @@
-//! When runs completed: curves, means, differences, sweeps.
-use super::common::{figures, mean, method_text, probability, show};
+//! When runs completed: curves, means, differences.
+use super::common::{figures, method_text, probability, show};
 use super::{Parts, ROWS};
 use crate::ensemble::Time;
 use crate::figures::{Drawing, number};
@@ -13,8 +13,8 @@ use stochc_runtime::record::Outcome;
 pub(super) fn completion(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawing>) {
     out.heading(2, "completion", "Time to completion");
     let unit = parts.clock.unit();
-    let curves: Vec<Curve> = (parts.subjects.iter())
-        .map(|subject| Curve {
+    let curves: Vec<Curve> = (parts.detailed())
+        .map(|(_, subject)| Curve {
             name: subject.label.clone(),
             times: parts.clock.times(subject),
         })
@@ -25,8 +25,8 @@ pub(super) fn completion(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawi
     let caption = "The estimate of Kaplan and Meier; bands are pointwise 95 % intervals (up to four \
                    curves), <code>|</code> a run that was stopped before it completed.";
     show(parts, out, drawings, figure, caption, &["survival.csv"]);
-    let times: Vec<(&str, Time)> = (parts.subjects.iter())
-        .filter_map(|subject| {
+    let times: Vec<(&str, Time)> = (parts.detailed())
+        .filter_map(|(_, subject)| {
             let time = Time::of(&parts.clock.times(subject))?;
             Some((subject.label.as_str(), time))
         })
@@ -162,39 +162,4 @@ pub(super) fn differences(parts: &Parts, out: &mut Html) {
          kicks in runs of the same number, so that they are compared run by run where all times are \
          known.",
     );
-}
-
-pub(super) fn sweeps(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawing>) {
-    if parts.sweeps.is_empty() {
-        return;
-    }
-    out.heading(2, "sweeps", "What was varied");
-    for (i, sweep) in parts.sweeps.iter().enumerate() {
-        let figure = picture::sweep(i + 1, sweep, parts.clock.unit());
-        let caption = format!(
-            "These programs differ in one number of their scenes only, {}. Dots are means, lines \
-             their 95 % intervals.",
-            code(&sweep.of)
-        );
-        show(parts, out, drawings, figure, &caption, &["sweeps.csv"]);
-        let points = sweep.curves.iter().flat_map(|curve| {
-            let points = curve.points.iter();
-            points.map(|(value, _, time)| {
-                vec![
-                    Cell::Marked(name(&curve.name)),
-                    Cell::Number(number(*value)),
-                    Cell::Number(mean(time)),
-                    Cell::Number(format!(
-                        "{} of {}",
-                        time.completed,
-                        time.completed + time.censored
-                    )),
-                ]
-            })
-        });
-        let rows: Vec<_> = points.collect();
-        let caption = format!("Mean time to completion in {}", parts.clock.unit());
-        let header = ["program", sweep.of.as_str(), "mean", "completed"];
-        out.table(&caption, &header, &rows);
-    }
 }

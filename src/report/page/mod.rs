@@ -4,25 +4,30 @@ mod completion;
 mod origin;
 mod program;
 mod summary;
+mod sweeps;
 mod warnings;
 
 use crate::figures::{Drawing, STYLE, escaped};
 use crate::report::contrast::{Clock, Contrast};
 use crate::report::html::{Html, name};
 use crate::report::subject::{Input, Subject};
-use crate::report::sweep::Sweep;
 use crate::report::waits::Wait;
 use crate::report::{MARK, Surroundings};
-use completion::{completion, differences, sweeps};
+use crate::sweep::Sweep;
+use completion::{completion, differences};
 use origin::{methods, origin};
 use program::program;
 use summary::in_short;
+use sweeps::sweeps;
 
 /// Below this, a difference is called one.
 const SIGNIFICANT: f64 = 0.05;
 
 /// Rows of a table on the page; the data files have all of them.
 const ROWS: usize = 60;
+
+/// Points of sweeps that have a section of their own each; of more there is the sweep.
+const POINTS: usize = 12;
 
 /// All that a page is made of.
 pub(super) struct Parts<'a> {
@@ -35,6 +40,18 @@ pub(super) struct Parts<'a> {
     pub surroundings: &'a Surroundings<'a>,
 }
 
+impl<'a> Parts<'a> {
+    /// The programs that are told of one by one, with their numbers: all but the points of a sweep
+    /// with many of them.
+    fn detailed(&self) -> impl Iterator<Item = (usize, &'a Subject<'a>)> {
+        let is_point = |subject: &Subject| !subject.program.varied.is_empty();
+        let points = self.subjects.iter().filter(|subject| is_point(subject));
+        let are_many = points.count() > POINTS;
+        let all = self.subjects.iter().enumerate();
+        all.filter(move |(_, subject)| !(are_many && is_point(subject)))
+    }
+}
+
 /// Writes the page, and leaves its figures in `drawings`.
 pub(super) fn page(parts: &Parts, drawings: &mut Vec<Drawing>) -> String {
     let mut out = Html::default();
@@ -43,7 +60,7 @@ pub(super) fn page(parts: &Parts, drawings: &mut Vec<Drawing>) -> String {
     completion(parts, &mut out, drawings);
     differences(parts, &mut out);
     sweeps(parts, &mut out, drawings);
-    for number in 0..parts.subjects.len() {
+    for (number, _) in parts.detailed() {
         program(parts, number, &mut out, drawings);
     }
     origin(parts, &mut out);

@@ -1,6 +1,7 @@
 //! What was run, how to run it again, and how to read the page.
 use super::Parts;
 use super::common::{inside, lines, link};
+use crate::ensemble::{Program, Varied};
 use crate::figures::{Drawing, number};
 use crate::report::html::{Cell, Html, code, command, name};
 use crate::report::{data, shell};
@@ -41,7 +42,15 @@ pub(super) fn origin(parts: &Parts, out: &mut Html) {
         )));
         out.paragraph("From its files, as they were then:");
         out.raw(&command(&simulate(manifest)));
-        for program in &manifest.programs {
+        let programs = manifest.programs.iter().enumerate();
+        // The points of a sweep have one text, and its table has their values.
+        let first = |(number, program): &(usize, &Program)| {
+            let before = &manifest.programs[..*number];
+            program.varied.is_empty()
+                || !(before.iter())
+                    .any(|it| it.assembly == program.assembly && it.sources == program.sources)
+        };
+        for (_, program) in programs.filter(first) {
             let scene = &program.scene;
             let terms: Vec<String> = (describe::terms(scene).iter())
                 .map(|term| term.text.clone())
@@ -97,8 +106,31 @@ pub(super) fn simulate(manifest: &crate::ensemble::Manifest) -> String {
     if let Some(limit) = manifest.max_ticks {
         option("max-ticks", &limit.to_string());
     }
+    for (number, axis) in axes(manifest).iter().enumerate() {
+        let mut values: Vec<String> = Vec::new();
+        for varied in manifest
+            .programs
+            .iter()
+            .filter_map(|it| it.varied.get(number))
+        {
+            let value = varied.said.to_string();
+            if !values.contains(&value) {
+                values.push(value);
+            }
+        }
+        let text = format!("{}={} {}", axis.of, values.join(","), axis.unit);
+        words.push(format!("--sweep {}", shell::quoted(text.trim_end())));
+    }
     words.push("--out AGAIN".into());
     words.join(" ")
+}
+
+/// The numbers that the programs of a manifest differ in.
+fn axes(manifest: &crate::ensemble::Manifest) -> &[Varied] {
+    let mut programs = manifest.programs.iter().map(|program| &program.varied[..]);
+    programs
+        .find(|varied| !varied.is_empty())
+        .unwrap_or_default()
 }
 
 pub(super) fn methods(parts: &Parts, out: &mut Html, drawings: &[Drawing]) {

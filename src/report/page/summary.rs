@@ -9,7 +9,8 @@ use crate::report::waits::Wait;
 pub(super) fn in_short(parts: &Parts, out: &mut Html) {
     let unit = parts.clock.unit();
     let mut items = Vec::new();
-    for (subject, waits) in parts.subjects.iter().zip(parts.waits) {
+    for (number, subject) in parts.detailed() {
+        let waits = &parts.waits[number];
         let (completed, stopped, failed) = subject.counts();
         let mut item = format!(
             "<strong>{}</strong>: {completed} of {} runs completed",
@@ -44,6 +45,12 @@ pub(super) fn in_short(parts: &Parts, out: &mut Html) {
     {
         items.push(sentence(parts, contrast));
     }
+    let left_out = parts.subjects.len() - parts.detailed().count();
+    if left_out > 0 {
+        items.push(format!(
+            "{left_out} points of sweeps are told together: <a href=\"#sweeps\">What was varied</a>."
+        ));
+    }
     out.list("ul", &items);
     for input in parts.inputs {
         for warning in warnings(input) {
@@ -57,11 +64,10 @@ pub(super) fn in_short(parts: &Parts, out: &mut Html) {
     if !parts.sweeps.is_empty() {
         sections.push(("sweeps", "What was varied".into()));
     }
-    let ids: Vec<String> = (1..=parts.subjects.len())
-        .map(|n| format!("program-{n}"))
+    let ids: Vec<(String, String)> = (parts.detailed())
+        .map(|(number, subject)| (format!("program-{}", number + 1), subject.label.clone()))
         .collect();
-    let programs = ids.iter().zip(parts.subjects);
-    sections.extend(programs.map(|(id, subject)| (id.as_str(), subject.label.clone())));
+    sections.extend(ids.iter().map(|(id, label)| (id.as_str(), label.clone())));
     sections.push(("origin", "What was run".into()));
     sections.push(("methods", "How to read this, and data".into()));
     let links: Vec<String> = (sections.iter())

@@ -47,7 +47,7 @@ fn clauses_are_written_in_units_in_which_they_are_short() {
         ]
     );
     let clauses: Vec<&str> = absent(&hemisphere).iter().map(|it| it.clause).collect();
-    assert_eq!(clauses, ["drag", "messages"]);
+    assert_eq!(clauses, ["gravity", "fluid", "drag", "messages"]);
 }
 
 #[test]
@@ -64,6 +64,8 @@ fn what_is_absent_is_told_down_to_the_fields() {
     assert_eq!(
         clauses(&bare),
         [
+            "gravity",
+            "fluid",
             "agitation",
             "drag",
             "contact",
@@ -75,7 +77,15 @@ fn what_is_absent_is_told_down_to_the_fields() {
     bare.messages = None;
     assert_eq!(
         clauses(&bare),
-        ["agitation", "drag", "contact", "bond", "messages"],
+        [
+            "gravity",
+            "fluid",
+            "agitation",
+            "drag",
+            "contact",
+            "bond",
+            "messages"
+        ],
         "nothing is said of the fields of a clause that is absent itself"
     );
 }

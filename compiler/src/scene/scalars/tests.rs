@@ -1,0 +1,408 @@
+//! The table against the scenes it is about, and against the reader of the language.
+use std::collections::{BTreeMap, BTreeSet};
+
+use serde_json::Value;
+use stochc_grammar::tree::{ItemKind, Scene as Tree, Term};
+use stochc_grammar::{Symbols, parse};
+
+use super::super::read;
+use super::*;
+use crate::finding::Code;
+use crate::scene::{BUILT_IN, built_in};
+use crate::{FileId, Sources};
+
+/// Scenes that between them have every term of the model; a new term belongs in one of them.
+const FULL: [&str; 4] = [
+    "scene soft {
+        tick 20ms
+        block cube { side 20cm  mass 1kg  faces 2 }
+        free 300 uniform
+        enclosure hemisphere { radius 5m  wall 25 N/m }
+        agitation kicks { speed 0.1 .. 0.4 m/s }
+        drag { rate 0.5 s^-1 }
+        contact { stiffness 250 N/m  damping 6 N s/m  friction 1 }
+        bond attract {
+            pull 7.5 N within 20cm
+            align 0.375 N within 10cm
+            anchor centres 1mm tilt 26 deg
+        }
+        messages { hop 3 ticks  loss 0.1 }
+    }",
+    "scene hard {
+        tick 20ms
+        block cube { side 20cm  mass 1kg  faces 1 }
+        free 300 uniform
+        enclosure hemisphere { radius 5m  wall 25 N/m }
+        agitation kicks { speed 0.2 m/s }
+        contact { restitution 0.5  friction 1 }
+        bond attract { pull 7.5 N within 20cm  anchor gap 1mm }
+    }",
+    "scene eddies {
+        tick 20ms
+        block cube { side 10cm  mass 1kg  faces 1 }
+        free 2 ring 20cm
+        enclosure sphere { radius 33cm  wall 200 N/m }
+        fluid { density 920 kg/m^3  viscosity 60 mPa s }
+        agitation turbulence { speed 4 cm/s  length 8cm  time 2 s  vertical 0.5 }
+        bond reject { hold 2 N  depth 2cm  within 15cm  impulse 0.1 N s  anchor centres 5mm }
+    }",
+    "scene warm {
+        tick 1 s
+        block cube { side 10um  mass 1ug  faces 1 }
+        free 50 uniform
+        enclosure hemisphere { radius 200um  wall 1 nN/m }
+        fluid { viscosity 1 mPa s }
+        agitation brownian { temperature 293 K }
+    }",
+];
+
+/// A scene's text as a tree.
+struct Text {
+    tree: Tree,
+    symbols: Symbols,
+    file: FileId,
+}
+
+impl Text {
+    fn new(text: &str) -> Text {
+        let mut symbols = Symbols::new();
+        let parsed = parse(text, &mut symbols);
+        assert_eq!(parsed.errors, [], "{text}");
+        let mut items = parsed.tree.items.into_iter();
+        let tree = items.find_map(|item| match item.kind {
+            ItemKind::Scene(scene) => Some(scene),
+            _ => None,
+        });
+        Text {
+            tree: *tree.unwrap(),
+            symbols,
+            file: Sources::default().add("s.sa", text),
+        }
+    }
+
+    /// What the reader of scenes makes of it.
+    fn scene(&self) -> Option<Scene> {
+        let base = self.tree.base.map(|base| self.symbols.word(base.symbol));
+        let base = base.map(|name| built_in(name).unwrap());
+        read(&self.tree, base, self.file, &self.symbols, &mut Vec::new())
+    }
+
+    /// Writes a value, in the SI unit of the one that is there, to where a name leads to; `None`:
+    /// the text does not say it.
+    fn write(&mut self, name: &str, value: f64) -> Option<()> {
+        let words: Vec<&str> = name.split('.').collect();
+        put(&mut self.tree.terms, &words, value, &self.symbols)
+    }
+}
+
+/// Follows words through terms: into the braces behind a word, or to a later word beside it.
+fn put(terms: &mut [Term], words: &[&str], value: f64, symbols: &Symbols) -> Option<()> {
+    let (word, rest) = words.split_first()?;
+    let is = |term: &Term| matches!(term, Term::Word(name) if symbols.word(name.symbol) == *word);
+    let place = terms.iter().position(is)?;
+    let behind = &mut terms[place + 1..];
+    let next = behind
+        .iter_mut()
+        .position(|term| !matches!(term, Term::Word(_)))?;
+    let quantity = match (&mut behind[next], rest) {
+        (Term::Block(inner, _), [_, ..]) => return put(inner, rest, value, symbols),
+        (Term::Quantity(_), [_, ..]) => return put(&mut behind[next..], rest, value, symbols),
+        (Term::Quantity(quantity), []) => quantity,
+        (Term::Range(_, high), []) => high,
+        (Term::Range(low, _), ["low"]) => low,
+        _ => return None,
+    };
+    quantity.value = 1.0;
+    let (unit, _) = crate::scene::units::to_si(quantity);
+    quantity.value = value / unit;
+    Some(())
+}
+
+fn texts() -> impl Iterator<Item = Text> {
+    let built_in = BUILT_IN.into_iter().map(|(_, text)| text);
+    built_in.chain(FULL).map(Text::new)
+}
+
+/// The leaves of a scene's JSON, by where they stand.
+fn leaves(at: String, value: &Value, out: &mut BTreeMap<String, Value>) {
+    match value {
+        Value::Object(fields) => {
+            for (name, value) in fields {
+                leaves(format!("{at}.{name}"), value, out);
+            }
+        }
+        Value::Array(values) => {
+            for (i, value) in values.iter().enumerate() {
+                leaves(format!("{at}.{i}"), value, out);
+            }
+        }
+        leaf => {
+            out.insert(at, leaf.clone());
+        }
+    }
+}
+
+fn leaves_of(scene: &Scene) -> BTreeMap<String, Value> {
+    let mut out = BTreeMap::new();
+    leaves(
+        String::new(),
+        &serde_json::to_value(scene).unwrap(),
+        &mut out,
+    );
+    out
+}
+
+#[test]
+fn every_number_of_every_scene_is_in_the_table() {
+    for scene in texts().map(|text| text.scene().unwrap()) {
+        let before = leaves_of(&scene);
+        let numbers = before.iter().filter(|(_, value)| value.is_number());
+        let mut missing: BTreeSet<&String> = numbers.map(|(at, _)| at).collect();
+        for scalar in scalars(&scene) {
+            let mut other = scene.clone();
+            let value = scalar.get(&scene).unwrap_or(0.5);
+            // Of these, one is another value within every range.
+            let set = [
+                2.0 * value,
+                0.5 * value,
+                value + 0.1,
+                value + 1.0,
+                value - 1.0,
+            ]
+            .into_iter();
+            let changed = set.filter(|new| *new != value);
+            assert!(
+                changed
+                    .into_iter()
+                    .any(|new| scalar.set(&mut other, new).is_ok()),
+                "{}",
+                scalar.name()
+            );
+            let after = leaves_of(&other);
+            missing.retain(|at| after.get(*at) == before.get(*at));
+        }
+        assert!(
+            missing.is_empty(),
+            "numbers of `{}` that no line of SCALARS leads to: {missing:?}",
+            scene.name
+        );
+    }
+}
+
+#[test]
+fn the_scenes_of_this_test_have_every_term() {
+    let all: Vec<_> = texts()
+        .map(|text| leaves_of(&text.scene().unwrap()))
+        .collect();
+    let said = |at: &str| {
+        let prefix = format!("{at}.");
+        let here = |leaves: &BTreeMap<String, Value>| {
+            (leaves.iter())
+                .any(|(name, value)| (name == at || name.starts_with(&prefix)) && !value.is_null())
+        };
+        all.iter().any(here)
+    };
+    for at in all.iter().flat_map(|leaves| leaves.keys()) {
+        assert!(
+            said(at),
+            "no scene of this test says `{at}`: add it to FULL"
+        );
+    }
+    for scalar in SCALARS {
+        let has = |scene: &Scene| scalar.get(scene).is_some();
+        assert!(
+            texts().any(|text| has(&text.scene().unwrap())),
+            "no scene of this test has `{}`: add it to FULL",
+            scalar.name()
+        );
+    }
+}
+
+/// The same value, written into the text or set by the table, gives the same scene, and what one
+/// refuses the other does.
+#[test]
+fn names_and_ranges_are_those_of_the_language() {
+    const DEFAULTS: [&str; 6] = [
+        "bond.anchor.tilt",
+        "agitation.speed.low",
+        "agitation.time",
+        "agitation.vertical",
+        "flow.force",
+        "messages.loss",
+    ];
+    const PROBES: [f64; 14] = [
+        -1.0,
+        0.0,
+        1e-7,
+        0.05,
+        0.5,
+        1.0,
+        1.5,
+        2.0,
+        5.0,
+        6.0,
+        1e6,
+        1_000_001.0,
+        1e7,
+        10_000_001.0,
+    ];
+    for (number, mut text) in texts().enumerate() {
+        let scene = text.scene().unwrap();
+        for scalar in scalars(&scene) {
+            let name = scalar.name();
+            let kept = text.tree.clone();
+            for value in PROBES {
+                if text.write(name, value).is_none() {
+                    // Only what the text leaves to a default.
+                    assert!(
+                        DEFAULTS.contains(&name),
+                        "`{name}` leads nowhere in text {number}"
+                    );
+                    continue;
+                }
+                let read = text.scene();
+                let mut set = scene.clone();
+                let taken = scalar.set(&mut set, value);
+                match read {
+                    None if name == "agitation.speed" => {
+                        // The reader keeps the lower end, the table its share.
+                        assert!(value < 0.1, "{value}");
+                    }
+                    None => assert!(taken.is_err(), "{name} = {value} is refused in a scene"),
+                    Some(read) => {
+                        assert_eq!(taken, Ok(()), "{name} = {value} is taken in a scene");
+                        let si = scalar.get(&read).unwrap();
+                        assert!((si - value).abs() <= 1e-12 * value.abs(), "{name}: {si}");
+                        assert_eq!(scalar.get(&set), Some(value), "{name}");
+                    }
+                }
+                text.tree = kept.clone();
+            }
+        }
+    }
+}
+
+fn scene(number: usize) -> Scene {
+    Text::new(FULL[number]).scene().unwrap()
+}
+
+fn with(scene: Scene, changes: &[(&str, f64)]) -> Result<Scene, ScalarError> {
+    let changes: Vec<Change> = (changes.iter())
+        .map(|&(of, value)| Change {
+            of: of.to_owned(),
+            value,
+        })
+        .collect();
+    changed(scene, &changes)
+}
+
+#[test]
+fn a_range_is_swept_by_its_upper_end() {
+    let speed = |changes: &[(&str, f64)], number| {
+        let Some(Agitation::Kicks { speed }) = with(scene(number), changes).unwrap().agitation
+        else {
+            panic!("no kicks");
+        };
+        speed
+    };
+    assert_eq!(speed(&[("agitation.speed", 0.8)], 0), (0.2, 0.8));
+    assert_eq!(speed(&[("agitation", 0.3)], 1), (0.3, 0.3), "one value");
+    // In whatever order they are given.
+    let both = [("agitation.speed.low", 0.6), ("agitation.speed", 0.8)];
+    assert_eq!(speed(&both, 0), (0.6, 0.8));
+    let told = with(scene(0), &[("agitation.speed.low", 0.5)]).unwrap_err();
+    assert_eq!(
+        told.to_string(),
+        "`agitation.speed.low` must be at most the upper end, 0.4, and is 0.5"
+    );
+}
+
+#[test]
+fn names_that_a_scene_does_not_have_are_told_with_those_it_has() {
+    let told = |number, name| {
+        let error = find(&scene(number), name).unwrap_err();
+        assert!(error.has().contains(&"bond.pull"), "{error:?}");
+        error.to_string()
+    };
+    assert_eq!(
+        told(0, "bond.pul"),
+        "the scene `soft` has no number `bond.pul`; did you mean `bond.pull`?"
+    );
+    assert_eq!(
+        told(0, "friction"),
+        "the scene `soft` has no number `friction`; did you mean `contact.friction`?"
+    );
+    assert_eq!(told(0, "zeal"), "the scene `soft` has no number `zeal`");
+    assert_eq!(
+        told(1, "drag"),
+        "the scene `hard` declares no `drag`, so that there is no `drag.rate` to change"
+    );
+    assert_eq!(
+        told(1, "contact.damping"),
+        "the scene `hard` does not say `contact.damping`"
+    );
+}
+
+#[test]
+fn a_value_of_another_dimension_is_told_with_the_right_one() {
+    let of = |name, text| {
+        let scalar = find(&scene(0), name).unwrap();
+        scalar.si(&quantity(text).unwrap())
+    };
+    assert_eq!(of("block.side", "20cm"), Ok(0.2));
+    let told = |name, text| of(name, text).unwrap_err().to_string();
+    assert_eq!(
+        told("bond.pull", "3 m"),
+        "`bond.pull` is a force, such as `15 N`, not a length"
+    );
+    assert_eq!(
+        told("tick", "3"),
+        "`tick` is a time, such as `20ms`, not a number without a unit"
+    );
+    assert_eq!(
+        told("free", "2.5"),
+        "`free` must be a whole number from 0 to 10000000, and is 2.5"
+    );
+}
+
+/// Timeouts in seconds follow the tick, and inventories the free blocks.
+#[test]
+fn a_changed_scene_is_compiled_like_one_that_was_written() {
+    let text = "assembly a {
+        seed plate 3 x 3 { M at (1, 1) }
+        phase p timeout 10 s { M.up ->> T[1..3] }
+    }";
+    let checked = |changes: &[(&str, f64)]| {
+        let changes: Vec<Change> = (changes.iter())
+            .map(|&(of, value)| Change {
+                of: of.to_owned(),
+                value,
+            })
+            .collect();
+        let mut reader = |_: &str| Ok(text.as_bytes().to_vec());
+        let limits = crate::Limits::default();
+        let levels = crate::Levels::default();
+        crate::check_changed("a.sa", &mut reader, limits, &levels, "a", &changes)
+    };
+    let timeout = |changes: &[(&str, f64)]| {
+        let checked = checked(changes);
+        assert_eq!(checked.findings, [], "{changes:?}");
+        checked.programs[0].tables.as_ref().unwrap().phases[0].timeout
+    };
+    assert_eq!(timeout(&[]), Some(500));
+    assert_eq!(timeout(&[("tick", 0.1)]), Some(100));
+    let codes = |changes: &[(&str, f64)]| {
+        let checked = checked(changes);
+        assert!(checked.programs[0].tables.is_none(), "{changes:?}");
+        let codes = checked.findings.iter().map(|finding| finding.code);
+        codes.collect::<Vec<_>>()
+    };
+    assert_eq!(codes(&[("free", 2.0)]), [Code::TooFewBlocks]);
+    assert_eq!(
+        codes(&[("enclosure.radius", 0.5)]),
+        [Code::OutsideEnclosure]
+    );
+    assert_eq!(codes(&[("free", 2.5)]), [Code::WrongValue]);
+    assert_eq!(codes(&[("fre", 2.0)]), [Code::UnknownTerm]);
+    assert_eq!(codes(&[("drag", 2.0)]), [Code::MissingTerm]);
+}

@@ -1,0 +1,16 @@
+//! Ensembles over numbers of the scene: `simulate --sweep 'bond.pull=2..12 N/5'`.
+//!
+//! An [`Axis`] is what the user says of one number; [`points`] makes all combinations of the values
+//! of several, each of which is a program of the ensemble. What came of them is a [`Sweep`], which
+//! `table.rs`, `data.rs` and `picture/` write down. `docs/sweep.md` says what each figure means.
+mod axis;
+mod data;
+mod outcome;
+mod picture;
+mod points;
+mod table;
+
+pub use axis::Axis;
+pub use outcome::{Dial, Point, Sweep, Value};
+pub(crate) use picture::pictures;
+pub use points::{MOST_POINTS, points};

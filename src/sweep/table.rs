@@ -1,0 +1,81 @@
+//! A sweep as text, a row for each point.
+use super::{Point, Sweep};
+use crate::ensemble::{Layout, mean, paragraph, ticks};
+use crate::figures::{number, percent};
+
+/// In place of a figure that does not exist.
+const NONE: &str = "-";
+
+impl Sweep {
+    /// The table, and what its figures mean; `width` is that of the terminal, in characters.
+    pub fn to_text(&self, width: usize) -> String {
+        let seconds = self.unit != "ticks";
+        let time = |value: f64| match seconds {
+            true => number(value),
+            false => ticks(value),
+        };
+        let column = |header: &str, cell: &dyn Fn(&Point) -> String| {
+            (header.to_owned(), self.points.iter().map(cell).collect())
+        };
+        let maybe = |value: Option<String>| value.unwrap_or(NONE.to_owned());
+        let share = |share: Option<f64>| maybe(share.map(percent));
+        let mut columns = vec![
+            column("completed", &|point| {
+                format!("{} of {}", point.completed, point.finished())
+            }),
+            column("mean time", &|point| match seconds {
+                true => maybe(point.time.as_ref().map(|it| {
+                    let half = it.half_width.map(|half| format!(" ± {}", number(half)));
+                    let bound = if it.censored > 0 { "≥ " } else { "" };
+                    format!("{bound}{}{}", number(it.mean), half.unwrap_or_default())
+                })),
+                false => mean(point.time.as_ref()),
+            }),
+            column("median", &|point| {
+                maybe(point.time.as_ref().and_then(|it| it.median).map(time))
+            }),
+            column("per capture", &|point| {
+                maybe(point.time_per_capture.map(time))
+            }),
+            column("released", &|point| share(point.released)),
+        ];
+        if self.points.iter().any(|point| point.failed > 0) {
+            let failed = column("failed", &|point| point.failed.to_string());
+            columns.insert(1, failed);
+        }
+        let layout = Layout {
+            labels: self.points.iter().map(|point| point.name.clone()).collect(),
+            columns,
+        };
+        let mut text = layout.text(width);
+        text.push('\n');
+        for note in self.notes() {
+            text += &paragraph(&note, width);
+        }
+        text
+    }
+
+    fn notes(&self) -> Vec<String> {
+        let mut notes = vec![format!(
+            "Times in {}; ± is half of a 95 % interval. Per capture: the time of all runs over the \
+             captures they made; released: the part of these that took a block which had been \
+             let go.",
+            match self.unit {
+                "s" => "seconds, because the points differ in the length of a tick",
+                unit => unit,
+            }
+        )];
+        let points = || self.points.iter();
+        if points().any(|point| (point.finished() as u64) < point.runs) {
+            let note = "Not all runs are finished; those under way longest are missing, so that times \
+                        are too short.";
+            notes.push(note.to_owned());
+        }
+        if points().any(|point| point.stopped > 0) {
+            let note = "≥: some runs were stopped before they completed, so that the mean is one of \
+                        min(time, horizon), a lower bound; the median is Kaplan and Meier's.";
+            notes.push(note.to_owned());
+        }
+        notes
+    }
+}

@@ -1,0 +1,383 @@
+//! Ensembles over numbers of the scene.
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::stochc::{path, stochc, stochc_with, tables};
+
+const TOWER: &str = "simulate --model shuffle --quiet --runs 3 tests/fixtures/tower.sa";
+
+fn text(folder: &str, name: &str) -> String {
+    fs::read_to_string(Path::new(folder).join(name)).unwrap()
+}
+
+fn json(folder: &str, name: &str) -> Value {
+    serde_json::from_str(&text(folder, name)).unwrap()
+}
+
+#[test]
+fn a_number_is_swept_in_one_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = path(folder.path(), "out");
+    let sweep = ["--sweep", "free=50..150/3", "--out", &out];
+    let said = stochc_with(TOWER, &sweep);
+    assert_eq!((said.status, said.err.as_str()), (0, ""));
+    insta::assert_snapshot!(said.out);
+    // Each point is a program with a scene of its own.
+    let manifest = json(&out, "manifest.json");
+    let programs = manifest["programs"].as_array().unwrap();
+    let of = |i: usize| (&programs[i]["name"], &programs[i]["scene"]["free"]["count"]);
+    assert_eq!(of(0), (&"tower [free=50]".into(), &50.into()));
+    assert_eq!(of(2), (&"tower [free=150]".into(), &150.into()));
+    // And what came of it is there for people and programs.
+    let data = json(&out, "sweep.json");
+    let point = &data["points"][1];
+    assert_eq!(data["axes"][0]["of"], "free");
+    assert_eq!(point["values"][0]["value"], 100.0);
+    assert_eq!(
+        (&point["completed"], &point["time"]["mean"]),
+        (&3.into(), &3.0.into())
+    );
+    let csv = text(&out, "sweep.csv");
+    let mut lines = csv.split_terminator("\r\n");
+    assert!(
+        lines
+            .next()
+            .unwrap()
+            .starts_with("program,free,runs,completed,")
+    );
+    assert!(
+        lines.next().unwrap().starts_with("tower,50,3,3,0,0,1,"),
+        "{csv}"
+    );
+    for name in ["sweep.svg", "sweep-completed.svg"] {
+        let picture = text(&out, name);
+        let marks = picture.matches("<circle").count();
+        assert_eq!(marks, 3, "a mark for each point of {name}");
+        roxmltree::Document::parse(&picture).unwrap();
+    }
+    // The folder tells the same again, and its points can be watched and reported.
+    assert_eq!(stochc_with("results", &[&out]).out, said.out);
+    let again = stochc_with(TOWER, &sweep);
+    assert_eq!((again.status, again.out), (0, said.out), "finished already");
+    assert_eq!(stochc_with("report", &[&out]).status, 0);
+    let page = text(&out, "report.html");
+    assert!(page.contains("What was varied"), "{page}");
+    assert!(
+        page.contains("--sweep free=50,100,150 --out"),
+        "the command"
+    );
+    assert!(text(&out, "report-figures/sweep-1.svg").contains("over free"));
+}
+
+#[test]
+fn two_numbers_meet_each_other() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = path(folder.path(), "out");
+    let axes = ["--sweep", "bond.pull=2..12 N/3", "--sweep", "free=50,80"];
+    let said = stochc_with(TOWER, &[&axes[..], &["--out", &out]].concat());
+    assert_eq!(said.status, 0, "{}", said.err);
+    for point in [
+        "bond.pull=2 N, free=50",
+        "bond.pull=2 N, free=80",
+        "bond.pull=12 N, free=80",
+    ] {
+        assert!(
+            said.out.contains(&format!("tower [{point}]")),
+            "{}",
+            said.out
+        );
+    }
+    // A curve for each value of the second, over the first.
+    let picture = text(&out, "sweep.svg");
+    assert!(picture.contains("bond.pull [N]"));
+    assert!(
+        picture.contains(">free=50<") && picture.contains(">free=80<"),
+        "{picture}"
+    );
+    let scene = &json(&out, "manifest.json")["programs"][4]["scene"];
+    assert_eq!(scene["bond"]["attract"]["pull"]["force"], 12.0);
+    assert_eq!(scene["free"]["count"], 50);
+    // Many values of the second make a map.
+    let out = path(folder.path(), "map");
+    let axes = ["--sweep", "bond.pull=2..12 N/3", "--sweep", "free=50..57/8"];
+    let said = stochc_with(TOWER, &[&axes[..], &["--out", &out]].concat());
+    assert_eq!(said.status, 0, "{}", said.err);
+    assert_eq!(
+        text(&out, "sweep.svg").matches("<title>tower [").count(),
+        24
+    );
+    let said = stochc_with("report", &[&out]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    let page = text(&out, "report.html");
+    assert!(page.contains("24 points of sweeps are told together"));
+    assert!(
+        !page.contains("id=\"program-1\""),
+        "no section for each of many points"
+    );
+}
+
+/// Each value of a third number has figures of its own, and many of them have none.
+#[test]
+fn a_third_number_makes_more_figures() {
+    let folder = tempfile::tempdir().unwrap();
+    let figures = |name: &str, ticks: &str| {
+        let out = path(folder.path(), name);
+        let axes = [
+            "--sweep",
+            "free=50,60",
+            "--sweep",
+            "bond.pull=2,4 N",
+            "--sweep",
+            ticks,
+        ];
+        let said = stochc_with(TOWER, &[&axes[..], &["--out", &out]].concat());
+        assert_eq!(said.status, 0, "{}", said.err);
+        let files = fs::read_dir(&out).unwrap();
+        let names = files.map(|file| file.unwrap().file_name().into_string().unwrap());
+        let mut names: Vec<String> = names.filter(|name| name.ends_with(".svg")).collect();
+        names.sort();
+        (out, names)
+    };
+    let (out, names) = figures("few", "tick=10,20 ms");
+    let expected = [
+        "sweep-1-completed",
+        "sweep-1",
+        "sweep-2-completed",
+        "sweep-2",
+    ];
+    assert_eq!(names, expected.map(|name| format!("{name}.svg")));
+    assert!(text(&out, "sweep-2.svg").contains("over free at tick=20 ms</title>"));
+    let (out, names) = figures("many", "tick=10..16 ms/7");
+    assert!(names.is_empty(), "{names:?}");
+    assert_eq!(text(&out, "sweep.csv").lines().count(), 1 + 2 * 2 * 7);
+}
+
+/// Two programs are compared at the same values, and a program with itself never.
+#[test]
+fn programs_are_compared_at_the_same_point() {
+    let more = ["tests/fixtures/importing.sa", "--sweep", "free=50,80"];
+    let said = stochc_with(TOWER, &[&more[..], &["--format", "json"]].concat());
+    let figures = said.json();
+    let pairs = figures["pairs"].as_array().unwrap().iter();
+    let pairs: Vec<_> = pairs
+        .map(|pair| (&pair["first"], &pair["second"]))
+        .collect();
+    let pair = |n| {
+        (
+            Value::from(format!("tower [free={n}]")),
+            Value::from(format!("importing [free={n}]")),
+        )
+    };
+    let (first, second) = (pair(50), pair(80));
+    assert_eq!(pairs, [(&first.0, &first.1), (&second.0, &second.1)]);
+}
+
+#[test]
+fn timeouts_follow_the_tick_and_are_shown_as_bounds() {
+    let folder = tempfile::tempdir().unwrap();
+    let program = path(folder.path(), "timed.sa");
+    let source = fs::read_to_string("tests/fixtures/late.sa").unwrap();
+    fs::write(&program, source.replace("2 ticks", "40 ms")).unwrap();
+    let out = path(folder.path(), "out");
+    let said = stochc_with(
+        "simulate --model shuffle --quiet --runs 3 --sweep",
+        &["tick=10,20 ms", &program, "--out", &out],
+    );
+    // Four ticks are enough for the three captures, two are not.
+    assert_eq!(said.status, 3, "{}", said.err);
+    let data = json(&out, "sweep.json");
+    let (early, late) = (&data["points"][0], &data["points"][1]);
+    assert_eq!(data["unit"], "s", "the ticks are not those of one clock");
+    assert_eq!(
+        (&early["completed"], &early["stopped"]),
+        (&3.into(), &0.into())
+    );
+    assert_eq!(
+        (&late["completed"], &late["stopped"]),
+        (&0.into(), &3.into())
+    );
+    assert_eq!(late["share"], 0.0);
+    assert_eq!(late["time"]["median"], Value::Null);
+    assert!(said.out.contains("late [tick=20 ms]"), "{}", said.out);
+    assert!(
+        said.out.contains("0 of 3") && said.out.contains("≥ 0.04"),
+        "{}",
+        said.out
+    );
+    assert!(
+        text(&out, "sweep.svg").contains(">≥<"),
+        "the bound is marked"
+    );
+}
+
+#[test]
+fn a_swept_folder_is_made_again_and_goes_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let [whole, torn, again] = ["whole", "torn", "again"].map(|name| path(folder.path(), name));
+    // Ratios of three make numbers with many digits.
+    let sweep = [
+        "--sweep",
+        "agitation=0.1..0.3 m/s/4 log",
+        "--sweep",
+        "free=50,60",
+    ];
+    let with = |more: &[&str]| stochc_with(TOWER, &[&sweep[..], more].concat());
+    let said = with(&["--out", &whole]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    // From its manifest alone.
+    let manifest = path(whole.as_ref(), "manifest.json");
+    let rerun = stochc_with("simulate --quiet --manifest", &[&manifest, "--out", &again]);
+    assert_eq!((rerun.status, rerun.err.as_str()), (0, ""));
+    assert_eq!(rerun.out, said.out);
+    assert!(tables(&whole) == tables(&again));
+    assert_eq!(text(&whole, "sweep.json"), text(&again, "sweep.json"));
+    // After a kill.
+    fs::create_dir(&torn).unwrap();
+    fs::copy(&manifest, path(torn.as_ref(), "manifest.json")).unwrap();
+    let journal = text(&whole, "journal.jsonl");
+    let half = &journal[..journal.len() / 2];
+    fs::write(path(torn.as_ref(), "journal.jsonl"), half).unwrap();
+    let results = stochc_with("results", &[&torn]);
+    assert!(
+        results.err.ends_with("of 24 runs are still to do\n"),
+        "{}",
+        results.err
+    );
+    assert!(
+        results.out.contains("Not all runs are finished"),
+        "{}",
+        results.out
+    );
+    let refused = with(&["--out", &torn]);
+    assert_eq!(refused.status, 2);
+    assert!(refused.err.contains("`--resume`"), "{}", refused.err);
+    let resumed = with(&["--out", &torn, "--resume"]);
+    assert_eq!((resumed.status, resumed.out), (0, said.out));
+    assert!(tables(&whole) == tables(&torn));
+    assert_eq!(text(&whole, "sweep.csv"), text(&torn, "sweep.csv"));
+    // Other values are another ensemble.
+    let other = [
+        "--sweep",
+        "agitation=0.1..0.3 m/s/4",
+        "--sweep",
+        "free=50,60",
+    ];
+    let said = stochc_with(TOWER, &[&other[..], &["--out", &torn, "--resume"]].concat());
+    assert_eq!(said.status, 2);
+    assert!(said.err.contains("the list of programs is"), "{}", said.err);
+}
+
+#[test]
+fn a_point_can_be_watched() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = path(folder.path(), "out");
+    let simulate = "simulate --quiet --runs 2 tests/fixtures/dense.sa";
+    let said = stochc_with(simulate, &["--sweep", "free=10,12", "--out", &out]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    let replay = ["--run", "1", "--program", "dense [free=10]"];
+    let said = stochc_with("replay", &[&[&*out], &replay[..]].concat());
+    assert_eq!(said.status, 0, "{}", said.err);
+    let said = stochc_with("replay --run 1", &[&out]);
+    assert_eq!(said.status, 2);
+    assert!(
+        said.err.contains("`dense [free=10]`, `dense [free=12]`"),
+        "{}",
+        said.err
+    );
+}
+
+#[test]
+fn what_a_scene_does_not_have_is_told() {
+    for (sweep, reason) in [
+        (
+            "fre=50",
+            "the scene `hemisphere` has no number `fre`; did you mean `free`?\n  it has tick, block.side,",
+        ),
+        ("drag=1 s^-1", "the scene `hemisphere` declares no `drag`"),
+        (
+            "contact.restitution=0",
+            "the scene `hemisphere` does not say `contact.restitution`",
+        ),
+        (
+            "bond.pull=3 m",
+            "`bond.pull` is a force, such as `15 N`, not a length",
+        ),
+        (
+            "bond.pull=3",
+            "`bond.pull` is a force, such as `15 N`, not a number without a unit",
+        ),
+        (
+            "free=50..600/7",
+            "`free` is a whole number, and 7 values from 50 to 600 are not all",
+        ),
+        (
+            "block.faces=0,1",
+            "`block.faces` must be a whole number from 1 to 5, and is 0",
+        ),
+    ] {
+        let said = stochc_with(TOWER, &["--sweep", sweep]);
+        assert_eq!((said.status, said.out.as_str()), (2, ""), "{sweep}");
+        let reason = format!("error: --sweep: {reason}");
+        assert!(said.err.contains(&reason), "{sweep}: {}", said.err);
+    }
+    for sweep in [
+        "free",
+        "free=",
+        "free=50..600",
+        "free=1..2/1000000",
+        "bond.pull=3 newton",
+    ] {
+        let said = stochc_with(TOWER, &["--sweep", sweep]);
+        assert_eq!((said.status, said.out.as_str()), (2, ""), "{sweep}");
+        assert!(said.err.contains("for '--sweep"), "{sweep}: {}", said.err);
+    }
+    let said = stochc("simulate --sweep free=5 --manifest nothing.json");
+    assert_eq!(said.status, 2, "the manifest says the scene");
+}
+
+#[test]
+fn a_sweep_that_would_never_end_is_refused() {
+    let axes = ["--sweep", "free=100..199/100", "--sweep", "tick=1..5 ms/5"];
+    let said = stochc_with(TOWER, &axes);
+    assert_eq!(said.status, 2);
+    assert!(
+        said.err.contains("500 points or more, and 400 is the most"),
+        "{}",
+        said.err
+    );
+    let many = TOWER.replace("--runs 3", "--runs 5000000");
+    let said = stochc_with(&many, &["--sweep", "free=50,60,70"]);
+    assert_eq!(said.status, 2);
+    assert!(
+        said.err.contains("more than 10000000; lower `--runs`"),
+        "{}",
+        said.err
+    );
+}
+
+#[test]
+fn a_point_at_which_the_program_is_wrong_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = path(folder.path(), "out");
+    let said = stochc_with(TOWER, &["--sweep", "free=1,2,3", "--out", &out]);
+    assert_eq!((said.status, said.out.as_str()), (1, ""));
+    assert!(
+        said.err
+            .starts_with("error: `tower [free=1]` cannot be run:\n"),
+        "{}",
+        said.err
+    );
+    assert!(
+        said.err.contains("needs 3 free blocks, the scene has 1"),
+        "{}",
+        said.err
+    );
+    assert!(
+        said.err.ends_with("nor can these be run: tower [free=2]\n"),
+        "{}",
+        said.err
+    );
+    assert!(!Path::new(&out).exists(), "nothing is begun");
+}
