@@ -141,9 +141,8 @@ fn nothing_else_is_done_by_hand() {
         ("P.up ->> T[1..301]", "too-few-blocks"),
         ("Q.up -> A", "unknown-name"),
     ] {
-        let text = format!(
-            "assembly a {{ seed plate 1 x 1 {{ P at (0, 0)  {seed} }} phase p {{ }} }}\n"
-        );
+        let text =
+            format!("assembly a {{ seed plate 1 x 1 {{ P at (0, 0)  {seed} }} phase p {{ }} }}\n");
         fs::write(&file, text).unwrap();
         let said = stochc_with("check", &[&file]);
         assert_eq!(said.status, 1, "{seed}: {}", said.out);
