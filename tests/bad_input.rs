@@ -19,8 +19,12 @@ const EXAMPLES: [&str; 8] = [
 ];
 
 /// Words and signs of the language, right and wrong ones, to make texts of.
-const TOKENS: [&str; 75] = [
+const TOKENS: [&str; 79] = [
     "assembly",
+    "aggregate",
+    "aggregate a in magnet_tank to",
+    "to",
+    "reject",
     "phase",
     "seed",
     "plate",

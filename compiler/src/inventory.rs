@@ -2,7 +2,53 @@
 use crate::finding::{Code, Finding};
 use crate::layout::Layout;
 use crate::plan::{Deed, Plan};
-use crate::scene::{Enclosure, Scene};
+use crate::scene::{BondKind, Enclosure, Scene};
+
+/// Compares an aggregate with its scene: blocks have to bond to each other unasked, and there have to be enough.
+pub fn check_aggregate(plan: &Plan, scene: &Scene, findings: &mut Vec<Finding>) {
+    if !BondKind::of(scene).is_passive() {
+        let (said, what) = match &scene.bond {
+            Some(bond) => (
+                format!("has `bond {}`", bond.kind().name()),
+                "not free ones",
+            ),
+            None => ("has no `bond`".to_owned(), "nothing bonds"),
+        };
+        findings.push(
+            Finding::new(
+                Code::CannotAggregate,
+                format!(
+                    "free blocks do not bond to each other in the scene `{}`",
+                    scene.name
+                ),
+            )
+            .label(plan.site, format!("the scene {said}: {what}"))
+            .help(
+                "name a scene with `bond reject`, where every face always attracts, such as \
+                 `in magnet_tank`",
+            ),
+        );
+    }
+    let free = scene.free.count;
+    if let (Some(size), Some(phase)) = (
+        plan.aggregate.filter(|size| *size > free),
+        plan.phases.first(),
+    ) {
+        findings.push(
+            Finding::new(
+                Code::TooFewBlocks,
+                format!("the aggregate needs {size} free blocks, the scene has {free}"),
+            )
+            .label(
+                phase.site,
+                format!("more than the {free} of `{}`", scene.name),
+            )
+            .help(format!(
+                "a scene with `free {size}` or more, or a smaller aggregate"
+            )),
+        );
+    }
+}
 
 /// Compares a program with its scene.
 pub fn check(plan: &Plan, layout: &Layout, scene: &Scene, findings: &mut Vec<Finding>) {

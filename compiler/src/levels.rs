@@ -104,7 +104,8 @@ impl FileLevels {
         let own = modules.last().map(|module| module.file);
         for module in modules {
             let items = &module.tree.items;
-            let has_program = |item: &Item| matches!(item.kind, ItemKind::Assembly(_));
+            let has_program =
+                |item: &Item| matches!(item.kind, ItemKind::Assembly(_) | ItemKind::Aggregate(_));
             let place = Place {
                 file: module.file,
                 outer: None,

@@ -35,10 +35,13 @@ pub fn blocks_at(checked: &Checked, file: FileId, at: u32) -> Vec<Located> {
         .items
         .iter()
         .filter_map(|item| match &item.kind {
-            ItemKind::Assembly(assembly) => Some(assembly),
+            ItemKind::Assembly(assembly) => Some(Some(assembly)),
+            // It is one of the programs, and has no blocks with names.
+            ItemKind::Aggregate(_) => Some(None),
             _ => None,
         });
     for (program, assembly) in assemblies.enumerate() {
+        let Some(assembly) = assembly else { continue };
         let Some(known) = checked.programs.get(program) else {
             break;
         };

@@ -263,6 +263,7 @@ impl Lowering<'_> {
             assembly: self.plan.name.clone(),
             bond,
             faces: bond.faces(scene.block.faces),
+            aggregate: self.plan.aggregate,
             plate: self.plan.plate.clone(),
             phases: (self.plan.phases.iter().zip(&self.reports))
                 .map(|(phase, &reports)| Phase {

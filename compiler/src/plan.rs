@@ -24,6 +24,9 @@ pub struct Plan {
     pub events: Vec<Event>,
     /// The orders that `after` adds, sorted by the event that waits.
     pub afters: Vec<After>,
+    /// Of an aggregate, the blocks of a group with which it is complete. It has no plate, no seeds and
+    /// no events, and a phase for each size from two on.
+    pub aggregate: Option<u32>,
 }
 
 /// A block of the plate that has a name.

@@ -3,7 +3,7 @@ use rustc_hash::FxHashMap;
 use stochc_grammar::Symbols;
 use stochc_grammar::tree::{Assembly, ItemKind, Tree};
 
-use crate::expand::{Declarations, Limits, duplicate, expand};
+use crate::expand::{Declarations, Limits, duplicate, expand, expand_aggregate};
 use crate::finding::{Code, Finding, tell};
 use crate::graph::{self, DependencyGraph};
 use crate::layout::Layout;
@@ -32,11 +32,11 @@ pub struct Checked {
     pub imports: Vec<Module>,
     /// The words of the trees and plans.
     pub symbols: Symbols,
-    /// The assemblies of the file itself, in source order.
+    /// The assemblies and aggregates of the file itself, in source order.
     pub programs: Vec<Program>,
 }
 
-/// One assembly, as far as it makes sense.
+/// One assembly or aggregate, as far as it makes sense.
 #[derive(Debug)]
 pub struct Program {
     /// Written out.
@@ -228,37 +228,87 @@ fn programs(
     let mut seen = FxHashMap::default();
     let mut programs = Vec::new();
     for item in &own.tree.items {
-        let ItemKind::Assembly(assembly) = &item.kind else {
-            continue;
+        let (name, scene) = match &item.kind {
+            ItemKind::Assembly(assembly) => (assembly.name, assembly.scene),
+            ItemKind::Aggregate(aggregate) => (aggregate.name, aggregate.scene),
+            _ => continue,
         };
         let site = Site {
             file: own.file,
-            span: assembly.name.span,
+            span: name.span,
         };
-        if let Some(old) = seen.insert(assembly.name.symbol, site) {
-            let name = symbols.word(assembly.name.symbol);
-            tell(findings, duplicate(name, old, site, "an assembly"));
+        if let Some(old) = seen.insert(name.symbol, site) {
+            let name = symbols.word(name.symbol);
+            tell(findings, duplicate(name, old, site, item.noun()));
         }
-        let scene = scenes.get(assembly.scene, own.file, symbols, findings);
+        let scene = scenes.get(scene, own.file, symbols, findings);
         let (changed, changes) = about.changes;
         let scene = match scene {
-            Some(scene) if symbols.word(assembly.name.symbol) == changed => {
+            Some(scene) if symbols.word(name.symbol) == changed => {
                 let wrong = |error| tell(findings, scalars::finding(&error, site));
                 scalars::changed(scene, changes).map_err(wrong).ok()
             }
             scene => scene,
         };
+        let About {
+            sources, readable, ..
+        } = *about;
+        let assembly = match &item.kind {
+            ItemKind::Assembly(assembly) => assembly,
+            ItemKind::Aggregate(aggregate) => {
+                let mut errors = Vec::new();
+                let written = (own.file, &**aggregate);
+                let plan = expand_aggregate(&declarations, written, sources, symbols, &mut errors);
+                let wrong = !readable || findings.iter().any(Finding::is_error);
+                let program = compile_aggregate(plan, scene, wrong, symbols, sources, &mut errors);
+                findings.append(&mut errors);
+                programs.push(program);
+                continue;
+            }
+            _ => continue,
+        };
         let input = Input {
             declarations: &declarations,
             file: own.file,
             assembly,
-            sources: about.sources,
+            sources,
             limits: about.limits,
-            readable: about.readable,
+            readable,
         };
         programs.push(input.compile(scene, symbols, doubtful, findings, done));
     }
     programs
+}
+
+/// An aggregate: most of the pipeline has nothing to do.
+fn compile_aggregate(
+    mut plan: Plan,
+    scene: Option<Scene>,
+    wrong: bool,
+    symbols: &Symbols,
+    sources: &Sources,
+    findings: &mut Vec<Finding>,
+) -> Program {
+    if let Some(scene) = &scene {
+        inventory::check_aggregate(&plan, scene, findings);
+    }
+    let doubtful = Default::default();
+    let presence = presence::check(&mut plan, sources, symbols, &doubtful, findings);
+    let layout = layout::lay_out(&mut plan, &presence, symbols, findings);
+    let graph = graph::build(&plan, &presence, &layout, 1);
+    let order = order::sort(&plan, &graph, symbols, findings);
+    let is_right = !wrong && !findings.iter().any(Finding::is_error);
+    let tables = (scene.as_ref().filter(|_| is_right))
+        .map(|scene| lower::lower(&plan, &presence, &layout, &graph, scene, symbols));
+    Program {
+        plan,
+        scene,
+        layout,
+        graph,
+        order,
+        tables,
+        stuck: None,
+    }
 }
 
 /// What the files declare at top level.

@@ -122,6 +122,15 @@ impl Writer<'_> {
                     "body": self.items(&assembly.body),
                 }),
             ),
+            ItemKind::Aggregate(aggregate) => (
+                "aggregate",
+                json!({
+                    "name": self.word(aggregate.name.symbol),
+                    "scene": aggregate.scene.map(|scene| self.word(scene.symbol)),
+                    "size": self.expr(&aggregate.size),
+                    "timeout": aggregate.timeout.as_ref().map(quantity),
+                }),
+            ),
             ItemKind::Shape(shape) => {
                 let layers: Value = (shape.layers.iter())
                     .map(|layer| {

@@ -130,6 +130,18 @@ impl Printer<'_> {
                 }
                 self.body(&assembly.body);
             }
+            ItemKind::Aggregate(aggregate) => {
+                put!(self, "aggregate {}", self.word(aggregate.name.symbol));
+                if let Some(scene) = aggregate.scene {
+                    put!(self, " in {}", self.word(scene.symbol));
+                }
+                self.out.push_str(" to ");
+                self.expr(&aggregate.size, 0);
+                if let Some(timeout) = &aggregate.timeout {
+                    self.out.push_str(" timeout ");
+                    self.quantity(timeout);
+                }
+            }
             ItemKind::Shape(shape) => self.shape(shape),
             ItemKind::Scene(scene) => {
                 put!(self, "scene {}", self.word(scene.name.symbol));

@@ -52,6 +52,8 @@ pub enum ItemKind {
     Pattern(Box<Pattern>),
     /// `assembly five_tower { ... }`
     Assembly(Box<Assembly>),
+    /// `aggregate four in tank to 4`
+    Aggregate(Box<Aggregate>),
     /// `shape bridge { ... }`
     Shape(Box<Shape>),
     /// `scene tank { ... }`
@@ -256,6 +258,19 @@ pub struct Assembly {
     pub body: Vec<Item>,
 }
 
+/// Free blocks that bond to each other.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Aggregate {
+    /// Its name.
+    pub name: Name,
+    /// The scene it runs in.
+    pub scene: Option<Name>,
+    /// The blocks of a group with which it is complete.
+    pub size: Expr,
+    /// The time after which the next size has failed.
+    pub timeout: Option<Quantity>,
+}
+
 /// A target, as layers of text.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shape {
@@ -451,6 +466,7 @@ impl Item {
             ItemKind::Seed(_) => "a seed plate",
             ItemKind::Pattern(_) => "a pattern",
             ItemKind::Assembly(_) => "an assembly",
+            ItemKind::Aggregate(_) => "an aggregate",
             ItemKind::Shape(_) => "a shape",
             ItemKind::Scene(_) => "a scene",
             ItemKind::Import(_) => "an import",

@@ -3,6 +3,7 @@
 //! [`run()`] is the whole of it: a pure function from tables, scene, settings, seed and number of
 //! the run to a [record](record::RunRecord). Inside, a [`Controller`](control::Controller) runs
 //! the tables and a [`World`](world::World) moves the blocks; neither knows the other's business.
+mod aggregate;
 pub mod control;
 pub mod draw;
 pub mod explore;

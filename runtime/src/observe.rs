@@ -2,7 +2,6 @@
 use stochc_compiler::table::{PhaseId, RoleId};
 use stochc_compiler::{Cell, Face};
 
-use crate::control::Controller;
 use crate::orientation::Orientation;
 use crate::world::{Arena, Body};
 
@@ -150,8 +149,8 @@ impl<'o, O: Observer> Lookout<'o, O> {
         Lookout { observer, inside }
     }
 
-    pub fn look(&mut self, arena: &impl Arena, controller: &mut Controller) {
-        let log = controller.take_log();
+    /// `log` is what the structure has done since the last time.
+    pub fn look(&mut self, arena: &impl Arena, log: Vec<Event>) {
         let mut inside: Vec<_> = (arena.in_reach().into_iter())
             .filter_map(|(site, body, entered)| {
                 let sits = match site.body {

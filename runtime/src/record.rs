@@ -12,9 +12,10 @@ pub struct RunRecord {
     pub outcome: Outcome,
     /// Ticks until it ended.
     pub ticks: u64,
-    /// Ticks that each phase took, for the phases that were completed.
+    /// Ticks that each phase took, for the phases that were completed: 0 for one that is planted. Of an
+    /// aggregate, those until the first bond, and then from each size to the next.
     pub phase_ticks: Vec<u64>,
-    /// Different bodies that were captured at least once.
+    /// Different bodies that were captured at least once; of an aggregate, blocks of the largest group.
     pub blocks_used: u32,
     /// Hops of messages from a block to its parent or child.
     pub hops: u64,

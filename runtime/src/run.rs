@@ -4,8 +4,9 @@ use std::ops::ControlFlow;
 use stochc_compiler::scene::{Messages, Scene};
 use stochc_compiler::table::{PhaseId, Tables};
 
+use crate::aggregate::gather;
 use crate::control::Controller;
-use crate::observe::{Lookout, Observer};
+use crate::observe::{Event, Lookout, Observer};
 use crate::record::{Outcome, RunRecord};
 use crate::settings::{Model, Settings};
 use crate::world::rapier::RapierWorld;
@@ -95,6 +96,9 @@ pub fn run(
                 0.0
             };
             let mut world = ShuffleWorld::new(scene.free.count, seed, run).with_strays(strays);
+            if tables.aggregate.is_some() {
+                world = world.with_groups();
+            }
             drive(tables, messages, &mut world, limit, (seed, run), watch)
         }
     }
@@ -138,10 +142,14 @@ fn look(
     watch: &mut (impl Watch + ?Sized),
     observer: &mut impl Observer,
 ) -> Result<RunRecord, RunError> {
-    let mut controller = Controller::new(tables, scene.messages.as_ref(), seed, run);
-    controller.keep_log();
     let mut lookout = Lookout::new(observer);
     let limit = settings.max_ticks;
+    if tables.aggregate.is_some() {
+        let look = |world: &_, events: &[Event]| lookout.look(world, events.to_vec());
+        return gather(tables, &mut world, limit, run, watch, look);
+    }
+    let mut controller = Controller::new(tables, scene.messages.as_ref(), seed, run);
+    controller.keep_log();
     follow(
         controller,
         &mut world,
@@ -149,7 +157,7 @@ fn look(
         run,
         watch,
         |world, controller| {
-            lookout.look(world, controller);
+            lookout.look(world, controller.take_log());
         },
     )
 }
@@ -172,6 +180,9 @@ pub fn drive(
     (seed, run): (u64, u64),
     watch: &mut (impl Watch + ?Sized),
 ) -> Result<RunRecord, RunError> {
+    if tables.aggregate.is_some() {
+        return gather(tables, world, max_ticks, run, watch, |_, _| {});
+    }
     let controller = Controller::new(tables, messages, seed, run);
     follow(controller, world, max_ticks, run, watch, |_, _| {})
 }

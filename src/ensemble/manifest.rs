@@ -42,7 +42,7 @@ pub struct Program {
     pub name: String,
     /// The name of its assembly.
     pub assembly: String,
-    /// Captures in the program: the paper's "total units involved".
+    /// Captures in the program, or blocks of an aggregate: the paper's "total units involved".
     pub captures: u64,
     /// The world it runs in.
     pub scene: Scene,
@@ -284,7 +284,7 @@ impl Program {
         Program {
             name: name.to_owned(),
             assembly: tables.assembly.clone(),
-            captures: captures as u64,
+            captures: tables.aggregate.map_or(captures as u64, u64::from),
             scene,
             varied: Vec::new(),
             phases: tables.phases.iter().map(|p| p.name.clone()).collect(),

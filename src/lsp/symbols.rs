@@ -17,6 +17,7 @@ fn symbol(item: &Item, words: &Symbols, lines: &Lines<'_>) -> Option<DocumentSym
     let word = |name: &stochc_grammar::tree::Name| (words.word(name.symbol).to_owned(), name.span);
     let ((name, span), kind, detail) = match &item.kind {
         ItemKind::Assembly(it) => (word(&it.name), SymbolKind::Module, "assembly"),
+        ItemKind::Aggregate(it) => (word(&it.name), SymbolKind::Module, "aggregate"),
         ItemKind::Pattern(it) => (word(&it.name), SymbolKind::Function, "pattern"),
         ItemKind::Shape(it) => (word(&it.name), SymbolKind::Object, "shape"),
         ItemKind::Scene(it) => (word(&it.name), SymbolKind::Namespace, "scene"),

@@ -3,6 +3,7 @@
     clippy::disallowed_methods,
     reason = "the tests read what the command has written"
 )]
+mod aggregate;
 mod check;
 mod compile;
 mod explain;

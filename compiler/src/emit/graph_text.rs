@@ -19,6 +19,10 @@ pub fn graph_text(
 ) -> String {
     let mut out = String::new();
     // Writing to a string cannot fail.
+    if plan.aggregate.is_some() {
+        let _ = writeln!(out, "aggregate {}: nothing is ordered", plan.name);
+        return out;
+    }
     let _ = writeln!(out, "assembly {}", plan.name);
     for (phase, chain) in plan.phases.iter().zip(&order.chains) {
         let planted = if phase.planted {

@@ -55,7 +55,9 @@ pub fn table_json(tables: &Tables) -> Value {
     if tables.bond != BondKind::default() {
         value["bond"] = json!(tables.bond);
     }
-    if tables.bond.is_passive() {
+    if let Some(size) = tables.aggregate {
+        value["aggregate"] = json!(size);
+    } else if tables.bond.is_passive() {
         value["otherwise"] = json!({ "do": "reject", "face": "any other" });
     }
     value

@@ -51,6 +51,12 @@ fn structures(plan: &Plan, layout: &Layout) -> Vec<BTreeMap<Cell, Standing>> {
 /// The structure after each phase in the syntax of a `shape`, the cells in use only.
 pub fn structure_text(plan: &Plan, layout: &Layout) -> String {
     let mut out = String::new();
+    if plan.aggregate.is_some() {
+        return format!(
+            "// aggregate {}: chance decides what it looks like\n",
+            plan.name
+        );
+    }
     for (phase, blocks) in plan.phases.iter().zip(structures(plan, layout)) {
         let bounds = |axis: fn(&Cell) -> i32| {
             let values = || blocks.keys().map(axis);

@@ -7,6 +7,9 @@ use crate::table::{Action, Condition, Duty, News, PhaseId, RoleId, Rule, Tables,
 /// The text form of event tables.
 pub fn table_text(tables: &Tables) -> String {
     let mut out = String::new();
+    if let Some(size) = tables.aggregate {
+        return aggregate_text(tables, size);
+    }
     let count = |noun: &str| match tables.faces {
         1 => format!("one {noun}"),
         n => format!("{n} {noun}s"),
@@ -62,6 +65,28 @@ pub fn table_text(tables: &Tables) -> String {
             }
         }
         write_duty(tables, duty, &mut out);
+    }
+    out
+}
+
+/// Blocks that only attract have nothing to know.
+fn aggregate_text(tables: &Tables, size: u32) -> String {
+    let mut out = format!(
+        "aggregate {}\nno plate: every face always attracts, until {size} free blocks are bonded\n\n",
+        tables.assembly
+    );
+    for phase in &tables.phases {
+        let _ = write!(
+            out,
+            "phase {0}: ends when a group has {0} blocks",
+            phase.name
+        );
+        match phase.timeout {
+            Some(ticks) => {
+                let _ = writeln!(out, ", fails after {ticks} ticks");
+            }
+            None => out.push('\n'),
+        }
     }
     out
 }

@@ -1,4 +1,5 @@
 //! Patterns, loops and arithmetic written out.
+mod aggregate;
 mod arithmetic;
 mod place;
 mod probe;
@@ -7,7 +8,9 @@ mod seeds;
 mod statement;
 
 use rustc_hash::FxHashMap;
-use stochc_grammar::tree::{Assembly, Item, ItemKind, Pattern, Phase, Shape};
+use stochc_grammar::tree::{
+    Aggregate, Assembly, Item, ItemKind, Name, Pattern, Phase, Quantity, Shape,
+};
 use stochc_grammar::{Span, Symbol, Symbols};
 
 use crate::finding::{Code, Finding, Fix, LONG, MOST_FINDINGS, removal, tell};
@@ -83,46 +86,39 @@ pub fn expand_probed<'a>(
     findings: &mut Vec<Finding>,
     probe: &mut Probe,
 ) -> (Plan, FxHashMap<Symbol, (FileId, &'a Shape)>) {
-    let mut expander = Expander {
-        plan: Plan {
-            name: symbols.word(assembly.name.symbol).to_owned(),
-            site: Site {
-                file,
-                span: assembly.name.span,
-            },
-            plate: Plate { width: 0, depth: 0 },
-            seeds: Vec::new(),
-            roles: Roles::default(),
-            phases: Vec::new(),
-            events: Vec::new(),
-            afters: Vec::new(),
-        },
-        patterns: declarations.patterns.clone(),
-        shapes: declarations.shapes.clone(),
-        scope: Scope::default(),
-        file,
-        instances: Vec::new(),
-        anonymous: 0,
-        nesting: 0,
-        steps: 0,
-        limits,
-        exhausted: false,
-        plate: None,
-        phase_sites: FxHashMap::default(),
-        in_phase: false,
-        seeding: None,
+    let mut expander = Expander::new(
+        declarations,
+        (file, assembly.name),
         sources,
         symbols,
+        limits,
         findings,
         probe,
-    };
-    for &(file, item) in &declarations.lets {
-        expander.file = file;
-        expander.declaration(item);
-    }
-    expander.file = file;
+    );
     expander.assembly(assembly);
     (expander.plan, expander.shapes)
+}
+
+/// The sizes that an aggregate reaches, as phases of a program without a plate.
+pub fn expand_aggregate(
+    declarations: &Declarations<'_>,
+    (file, aggregate): (FileId, &Aggregate),
+    sources: &Sources,
+    symbols: &mut Symbols,
+    findings: &mut Vec<Finding>,
+) -> Plan {
+    let (limits, mut nowhere) = (Limits::default(), Probe::default());
+    let mut expander = Expander::new(
+        declarations,
+        (file, aggregate.name),
+        sources,
+        symbols,
+        limits,
+        findings,
+        &mut nowhere,
+    );
+    expander.aggregate(aggregate);
+    expander.plan
 }
 
 /// The two passes through a seed plate: seeds have the first numbers.
@@ -159,6 +155,60 @@ struct Expander<'a, 'f> {
     symbols: &'f mut Symbols,
     findings: &'f mut Vec<Finding>,
     probe: &'f mut Probe,
+}
+
+impl<'a, 'f> Expander<'a, 'f> {
+    /// Knows what the files declare, and nothing of the program yet.
+    fn new(
+        declarations: &Declarations<'a>,
+        (file, name): (FileId, Name),
+        sources: &'f Sources,
+        symbols: &'f mut Symbols,
+        limits: Limits,
+        findings: &'f mut Vec<Finding>,
+        probe: &'f mut Probe,
+    ) -> Expander<'a, 'f> {
+        let mut expander = Expander {
+            plan: Plan {
+                name: symbols.word(name.symbol).to_owned(),
+                site: Site {
+                    file,
+                    span: name.span,
+                },
+                plate: Plate { width: 0, depth: 0 },
+                seeds: Vec::new(),
+                roles: Roles::default(),
+                phases: Vec::new(),
+                events: Vec::new(),
+                afters: Vec::new(),
+                aggregate: None,
+            },
+            patterns: declarations.patterns.clone(),
+            shapes: declarations.shapes.clone(),
+            scope: Scope::default(),
+            file,
+            instances: Vec::new(),
+            anonymous: 0,
+            nesting: 0,
+            steps: 0,
+            limits,
+            exhausted: false,
+            plate: None,
+            phase_sites: FxHashMap::default(),
+            in_phase: false,
+            seeding: None,
+            sources,
+            symbols,
+            findings,
+            probe,
+        };
+        for &(file, item) in &declarations.lets {
+            expander.file = file;
+            expander.declaration(item);
+        }
+        expander.file = file;
+        expander
+    }
 }
 
 impl<'a> Expander<'a, '_> {
@@ -311,6 +361,7 @@ impl<'a> Expander<'a, '_> {
             | ItemKind::Shape(_)
             | ItemKind::Scene(_)
             | ItemKind::Assembly(_)
+            | ItemKind::Aggregate(_)
             | ItemKind::Import(_)
             | ItemKind::Level(_) => {}
         }
@@ -352,17 +403,7 @@ impl<'a> Expander<'a, '_> {
             self.findings.push(duplicate(&name, old, site, "a phase"));
         }
         self.phase_sites.insert(name.clone(), site);
-        let timeout = phase.timeout.as_ref().and_then(|quantity| {
-            let timeout = Timeout::of(quantity);
-            if timeout.is_none() {
-                self.findings.push(
-                    Finding::new(Code::WrongDimension, "a timeout is a positive time")
-                        .label(self.site(quantity.span), "not a positive time")
-                        .help("write a number of ticks such as `40000 ticks`, or seconds"),
-                );
-            }
-            timeout
-        });
+        let timeout = self.timeout(phase.timeout.as_ref());
         let start = self.plan.events.len() as u32;
         self.plan.phases.push(PlanPhase {
             name,
@@ -389,6 +430,19 @@ impl<'a> Expander<'a, '_> {
                 self.findings.push(finding);
             }
         }
+    }
+
+    fn timeout(&mut self, quantity: Option<&Quantity>) -> Option<Timeout> {
+        let quantity = quantity?;
+        let timeout = Timeout::of(quantity);
+        if timeout.is_none() {
+            self.findings.push(
+                Finding::new(Code::WrongDimension, "a timeout is a positive time")
+                    .label(self.site(quantity.span), "not a positive time")
+                    .help("write a number of ticks such as `40000 ticks`, or seconds"),
+            );
+        }
+        timeout
     }
 
     /// The removal of a block, if not even a comment stands in it.

@@ -102,6 +102,7 @@ codes! {
 
     Error TooFewBlocks "too-few-blocks"
     Error OutsideEnclosure "outside-enclosure"
+    Error CannotAggregate "cannot-aggregate"
 
     Error UnknownScene "unknown-scene"
     Error UnknownTerm "unknown-term"

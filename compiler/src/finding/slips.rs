@@ -19,9 +19,23 @@ pub struct Slip<'a> {
 }
 
 /// Words that begin something, and one that goes on with it.
-const FIRST: [&str; 15] = [
-    "after", "allow", "assembly", "deny", "for", "import", "layer", "let", "pattern", "phase",
-    "release", "scene", "seed", "shape", "yields",
+const FIRST: [&str; 16] = [
+    "after",
+    "aggregate",
+    "allow",
+    "assembly",
+    "deny",
+    "for",
+    "import",
+    "layer",
+    "let",
+    "pattern",
+    "phase",
+    "release",
+    "scene",
+    "seed",
+    "shape",
+    "yields",
 ];
 
 impl Slip<'_> {

@@ -54,6 +54,8 @@ pub enum Kind {
     Scene,
     /// An assembly.
     Assembly,
+    /// An aggregate.
+    Aggregate,
     /// Phases of an assembly.
     Phase,
 }
@@ -71,6 +73,7 @@ impl Kind {
             Kind::Shape => "shape",
             Kind::Scene => "scene",
             Kind::Assembly => "assembly",
+            Kind::Aggregate => "aggregate",
             Kind::Phase => "phase",
         }
     }

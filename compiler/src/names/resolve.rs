@@ -180,6 +180,15 @@ impl Resolver {
                 *number += 1;
                 self.items(&assembly.body);
             }
+            ItemKind::Aggregate(aggregate) => {
+                let thing = (self.things).new_thing(Kind::Aggregate, aggregate.name.symbol);
+                self.occur(thing, aggregate.name.span, true);
+                if let Some(scene) = aggregate.scene {
+                    let thing = self.scene(scene);
+                    self.occur(thing, scene.span, false);
+                }
+                self.expr(&aggregate.size);
+            }
             ItemKind::Pattern(pattern) => self.pattern(pattern, Within::Pattern),
             ItemKind::Scene(scene) => {
                 if let Some(base) = scene.base {
@@ -280,6 +289,7 @@ impl Resolver {
             | ItemKind::Shape(_)
             | ItemKind::Assembly(_)
             | ItemKind::Scene(_)
+            | ItemKind::Aggregate(_)
             | ItemKind::Import(_) => {}
         }
     }

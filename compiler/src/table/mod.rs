@@ -32,6 +32,9 @@ pub struct Tables {
     pub bond: BondKind,
     /// Faces that one block magnetizes at the same time, at most.
     pub faces: u8,
+    /// Of an aggregate, the blocks of a group with which it is complete: free blocks bond to each other,
+    /// there is no plate and nobody acts, and phase i ends as soon as some group has i + 2 blocks.
+    pub aggregate: Option<u32>,
     /// What the seed plate knows.
     pub plate: Plate,
     /// The phases, in the order in which they run.
@@ -231,6 +234,7 @@ impl Tables {
             assembly: assembly.into(),
             bond: BondKind::default(),
             faces,
+            aggregate: None,
             plate,
             phases,
             roles,

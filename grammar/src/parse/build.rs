@@ -7,8 +7,8 @@ use super::frame::{Content, Mode};
 use super::{Parser, Rule, span_of};
 use crate::error::SyntaxErrorKind;
 use crate::tree::{
-    Argument, Arrow, Assembly, Chain, Expr, For, Import, Instance, Item, ItemKind, Let, Level,
-    Link, Name, Pattern, Phase, Place, Release, Scene, Seat, Seed, Segment, Shape, Subject,
+    Aggregate, Argument, Arrow, Assembly, Chain, Expr, For, Import, Instance, Item, ItemKind, Let,
+    Level, Link, Name, Pattern, Phase, Place, Release, Scene, Seat, Seed, Segment, Shape, Subject,
     Verdict,
 };
 use crate::{Face, Span};
@@ -33,6 +33,7 @@ impl Parser<'_, '_> {
             Rule::level => ItemKind::Level(Box::new(self.level(pair, base))),
             Rule::yields => ItemKind::Yields(self.first_name(pair, base)),
             Rule::let_ => ItemKind::Let(Box::new(self.let_(pair, base))),
+            Rule::aggregate => ItemKind::Aggregate(Box::new(self.aggregate(pair, base))),
             Rule::import => ItemKind::Import(Box::new(import(pair, base))),
             Rule::for_head => ItemKind::For(Box::new(self.for_head(pair, base))),
             Rule::phase_head => ItemKind::Phase(Box::new(self.phase_head(pair, base))),
@@ -98,7 +99,7 @@ impl Parser<'_, '_> {
                 matches!(outer, None | Some(K::Assembly(_))),
                 "the file or an assembly, outside of phases",
             ),
-            (K::Assembly(_) | K::Scene(_) | K::Import(_), outer) => {
+            (K::Assembly(_) | K::Aggregate(_) | K::Scene(_) | K::Import(_), outer) => {
                 (outer.is_none(), "the file, outside of every block")
             }
         };
@@ -440,6 +441,17 @@ impl Parser<'_, '_> {
             name: self.first_name_of(&names, &pair, base),
             scene: names.get(1).copied(),
             body: Vec::new(),
+        }
+    }
+
+    fn aggregate(&mut self, pair: Pair<'_, Rule>, base: usize) -> Aggregate {
+        let names = self.names(pair.clone(), base);
+        let timeout = (pair.clone().into_inner()).find(|part| part.as_rule() == Rule::quantity);
+        Aggregate {
+            name: self.first_name_of(&names, &pair, base),
+            scene: names.get(1).copied(),
+            timeout: timeout.map(|quantity| self.quantity(quantity, base)),
+            size: two(self.exprs(pair, base)).0,
         }
     }
 

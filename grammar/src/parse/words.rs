@@ -34,6 +34,8 @@ pub fn word(rule: Rule) -> Option<&'static str> {
         Rule::kw_in => "`in`",
         Rule::kw_plate => "`plate`",
         Rule::kw_timeout => "`timeout`",
+        Rule::aggregate | Rule::kw_aggregate => "`aggregate`",
+        Rule::kw_to => "`to`",
         Rule::assembly_head | Rule::kw_assembly => "`assembly`",
         Rule::for_head | Rule::kw_for => "`for`",
         Rule::import | Rule::kw_import => "`import`",
@@ -56,6 +58,7 @@ pub fn beginnings(frame: Option<&Frame>) -> &'static [&'static str] {
     let Some(frame) = frame else {
         return &[
             "`assembly`",
+            "`aggregate`",
             "`pattern`",
             "`shape`",
             "`scene`",

@@ -2,9 +2,10 @@
 use proptest::prelude::*;
 use proptest::sample::select;
 use stochc_grammar::tree::{
-    Argument, Arrow, Assembly, Chain, Docs, Entry, Expr, ExprKind, For, Import, Instance, Item,
-    ItemKind, Layer, Let, Level, Link, Name, Operator, Pattern, Phase, Place, Quantity, Release,
-    Row, Scene, Seat, Seed, Segment, Shape, Subject, Term, Tree, UnitFactor, Verdict,
+    Aggregate, Argument, Arrow, Assembly, Chain, Docs, Entry, Expr, ExprKind, For, Import,
+    Instance, Item, ItemKind, Layer, Let, Level, Link, Name, Operator, Pattern, Phase, Place,
+    Quantity, Release, Row, Scene, Seat, Seed, Segment, Shape, Subject, Term, Tree, UnitFactor,
+    Verdict,
 };
 use stochc_grammar::{Face, Span, Symbols};
 
@@ -253,15 +254,18 @@ fn repeated(inner: BoxedStrategy<Item>) -> BoxedStrategy<Item> {
         .boxed()
 }
 
-/// What stands in a pattern.
-fn growth() -> BoxedStrategy<Item> {
+fn chain(after: impl Strategy<Value = Vec<Subject>>) -> impl Strategy<Value = ItemKind> {
     let arrow = select(vec![Arrow::One, Arrow::Row]);
     let links = prop::collection::vec(
         (arrow, place()).prop_map(|(arrow, place)| Link { arrow, place }),
         1..4,
     );
-    let chain = (place(), links, after())
-        .prop_map(|(head, links, after)| ItemKind::Chain(Chain { head, links, after }));
+    (place(), links, after)
+        .prop_map(|(head, links, after)| ItemKind::Chain(Chain { head, links, after }))
+}
+
+/// What stands in a pattern.
+fn growth() -> BoxedStrategy<Item> {
     let release = (prop::collection::vec(block(), 1..3), after())
         .prop_map(|(places, after)| ItemKind::Release(Release { places, after }));
     let arguments = prop::collection::vec(argument(), 0..4);
@@ -275,7 +279,7 @@ fn growth() -> BoxedStrategy<Item> {
         });
     repeated(
         prop_oneof![
-            3 => item(chain),
+            3 => item(chain(after())),
             1 => item(release),
             2 => item(instance),
             1 => let_(),
@@ -320,7 +324,10 @@ fn assembly() -> BoxedStrategy<Item> {
     let seat = item(
         (block(), range()).prop_map(|(place, at)| ItemKind::Seat(Box::new(Seat { place, at }))),
     );
-    let seats = prop::collection::vec(repeated(prop_oneof![seat, let_(), level()].boxed()), 0..4);
+    // What is attached by hand waits for nothing.
+    let by_hand = item(chain(Just(Vec::new())));
+    let part = prop_oneof![3 => seat, 1 => by_hand, 1 => let_(), 1 => level()];
+    let seats = prop::collection::vec(repeated(part.boxed()), 0..4);
     let seed = item(
         (range(), seats).prop_map(|(size, body)| ItemKind::Seed(Box::new(Seed { size, body }))),
     );
@@ -363,7 +370,24 @@ pub fn tree() -> impl Strategy<Value = Tree> {
             path_span: Span::default(),
         }))
     }));
+    let aggregate = item(
+        (
+            name(),
+            prop::option::of(name()),
+            expr(),
+            prop::option::of(quantity()),
+        )
+            .prop_map(|(name, scene, size, timeout)| {
+                ItemKind::Aggregate(Box::new(Aggregate {
+                    name,
+                    scene,
+                    size,
+                    timeout,
+                }))
+            }),
+    );
     let top = prop_oneof![
+        1 => aggregate,
         2 => assembly(),
         1 => pattern(),
         1 => shape(),

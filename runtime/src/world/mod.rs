@@ -96,6 +96,11 @@ pub trait World {
     /// For what is attached by hand before the first tick.
     fn plant(&mut self, site: Site) -> Option<Docking>;
 
+    /// Blocks of the largest group of free blocks that are bonded to each other; 1: none are.
+    fn largest_group(&self) -> u32 {
+        1
+    }
+
     /// Advances one tick and adds what docked in it to `dockings`, in a reproducible order.
     ///
     /// # Errors

@@ -23,6 +23,8 @@ pub struct ShuffleWorld {
     strays: f64,
     /// The blocks of the plate whose faces have been on.
     seeds: BTreeSet<Cell>,
+    /// The group of each free block, by a number that its members share; `None`: free blocks do not bond.
+    groups: Option<Vec<u32>>,
 }
 
 impl ShuffleWorld {
@@ -35,6 +37,15 @@ impl ShuffleWorld {
             lattice: Lattice::default(),
             strays: 0.0,
             seeds: BTreeSet::new(),
+            groups: None,
+        }
+    }
+
+    /// The same, where in about every other tick two free blocks drawn at random bond to each other.
+    pub fn with_groups(self) -> ShuffleWorld {
+        ShuffleWorld {
+            groups: Some((0..self.count).collect()),
+            ..self
         }
     }
 
@@ -74,6 +85,22 @@ impl ShuffleWorld {
             .filter(|site| !self.lattice.active().contains(site))
             .filter(|&site| self.lattice.target(site).is_some())
             .collect()
+    }
+
+    /// By chance, two blocks bond, and with them their groups.
+    fn gather(&mut self) {
+        let Some(groups) = &mut self.groups else {
+            return;
+        };
+        let [whether, one, other, _] = self.draws.step(self.tick).block(2);
+        if groups.is_empty() || unit(whether) < 0.5 {
+            return;
+        }
+        let of = |word| groups[below(word, self.count) as usize];
+        let (one, other) = (of(one), of(other));
+        for group in groups.iter_mut().filter(|group| **group == other) {
+            *group = one;
+        }
     }
 
     /// By chance, a block docks where nobody expects it.
@@ -142,7 +169,16 @@ impl World for ShuffleWorld {
         Some(docking)
     }
 
+    fn largest_group(&self) -> u32 {
+        let mut sizes: BTreeMap<u32, u32> = BTreeMap::new();
+        for &group in self.groups.iter().flatten() {
+            *sizes.entry(group).or_default() += 1;
+        }
+        sizes.into_values().max().unwrap_or(1)
+    }
+
     fn step(&mut self, dockings: &mut Vec<Docking>) -> Result<(), Fault> {
+        self.gather();
         self.stray(dockings);
         let open: Vec<Site> = (self.lattice.active().iter().copied())
             .filter(|&site| self.lattice.target(site).is_some())

@@ -25,6 +25,14 @@ pub fn explore(file: &str, checked: &Checked, states: u64) -> (String, Exit) {
         let Some(tables) = &program.tables else {
             continue;
         };
+        if tables.aggregate.is_some() {
+            let name = &tables.assembly;
+            let _ = writeln!(
+                told,
+                "{file}: aggregate {name}: nobody acts, so there are no orders to try"
+            );
+            continue;
+        }
         let expected = Expected::of(tables);
         let bounds = Bounds {
             states,

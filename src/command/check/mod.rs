@@ -129,7 +129,7 @@ fn worse(a: Exit, b: Exit) -> Exit {
 fn summary(file: &str, checked: &Checked, cost: Option<usize>) -> String {
     if checked.programs.is_empty() {
         let verdict = judgement(checked);
-        return format!("{file}: {verdict}; it declares no assembly\n");
+        return format!("{file}: {verdict}; it declares no assembly or aggregate\n");
     }
     let mut out = String::new();
     for program in &checked.programs {
@@ -157,6 +157,14 @@ fn describe(program: &Program, checked: &Checked) -> String {
     let Some(order) = &program.order else {
         return format!("{}\n", plan.name);
     };
+    if let Some(size) = plan.aggregate {
+        let free = program.scene.as_ref().map_or(0, |scene| scene.free.count);
+        return format!(
+            "aggregate {} in {scene}: complete when {size} of {free} free blocks are bonded; {}\n",
+            plan.name,
+            judgement(checked),
+        );
+    }
     let (captures, releases) = plan.counts();
     let by_hand = plan.phases.iter().filter(|phase| phase.planted);
     let planted = by_hand.map(|phase| phase.events.len()).sum::<usize>();

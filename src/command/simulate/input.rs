@@ -91,7 +91,9 @@ fn accept(file: &str, checked: Checked) -> Result<Vec<(Program, Ready)>, Exit> {
         return Err(verdict(&checked));
     }
     if checked.programs.is_empty() {
-        return Err(usage(&format!("`{file}` declares no assembly to run")));
+        return Err(usage(&format!(
+            "`{file}` declares no assembly or aggregate to run"
+        )));
     }
     let sources: Vec<Source> = (checked.sources.files().iter())
         .map(|file| Source {

@@ -345,6 +345,13 @@ impl World for RapierWorld {
         Some(docking)
     }
 
+    fn largest_group(&self) -> u32 {
+        (self.groups().iter())
+            .map(|group| group.len() as u32)
+            .max()
+            .unwrap_or(1)
+    }
+
     fn step(&mut self, dockings: &mut Vec<Docking>) -> Result<(), Fault> {
         for substep in 0..self.substeps {
             if let Some(faces) = &mut self.faces {

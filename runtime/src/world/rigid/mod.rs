@@ -120,6 +120,13 @@ impl World for RigidWorld {
         either!(&mut self.0, kernel => kernel.plant(site))
     }
 
+    fn largest_group(&self) -> u32 {
+        (self.groups().iter())
+            .map(|group| group.len() as u32)
+            .max()
+            .unwrap_or(1)
+    }
+
     fn step(&mut self, dockings: &mut Vec<Docking>) -> Result<(), Fault> {
         either!(&mut self.0, kernel => kernel.step(dockings))
     }

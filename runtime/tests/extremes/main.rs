@@ -3,7 +3,9 @@
 //! The page of the results is written anew with
 //! `STOCHC_WRITE_DOCS=1 cargo test -p stochc-runtime --test extremes`.
 #![allow(clippy::disallowed_methods, reason = "tests read and write files")]
+#[path = "../scenes/mod.rs"]
 mod scenes;
+mod tanks;
 
 use std::fmt::Write as _;
 
@@ -81,15 +83,25 @@ fn base() -> Scene {
     scene
 }
 
-fn fate<W: Arena>(scene: &Scene, ticks: u64, setup: impl Fn(&mut W)) -> Fate {
-    let mut world = match W::new(scene, &PLATE, &Settings::of(Model::Rapier, 1), 1, 0) {
+fn fate<W: Arena>(
+    scene: &Scene,
+    plate: &Plate,
+    substeps: u32,
+    ticks: u64,
+    setup: impl Fn(&mut W),
+) -> Fate {
+    let settings = Settings::of(Model::Rapier, substeps);
+    let mut world = match W::new(scene, plate, &settings, 1, 0) {
         Ok(world) => world,
         Err(error) => return Fate::Refused(error.to_string()),
     };
     setup(&mut world);
-    let Some(Enclosure::Hemisphere { radius, wall }) = scene.enclosure else {
-        panic!("a hemisphere");
+    let Some(enclosure) = &scene.enclosure else {
+        panic!("an enclosure");
     };
+    let (Enclosure::Hemisphere { radius, wall } | Enclosure::Sphere { radius, wall }) = *enclosure;
+    let corner = f64::from(plate.width).hypot(f64::from(plate.depth)) / 2.0;
+    let middle = enclosure.centre_height(corner * scene.block.side) / scene.block.side;
     let radius = radius / scene.block.side;
     let swing = (wall * scene.tick * scene.tick / scene.block.mass).sqrt();
     let mut dockings = Vec::new();
@@ -108,7 +120,8 @@ fn fate<W: Arena>(scene: &Scene, ticks: u64, setup: impl Fn(&mut W)) -> Fate {
                 samples += 1.0;
             }
             let lowest = state.position.z;
-            let out = state.position.norm() - radius - 1.0 - fastest * (1.0 + 1.0 / swing);
+            let from = state.position - Vector3::z() * middle;
+            let out = from.norm() - radius - 1.0 - fastest * (1.0 + 1.0 / swing);
             let unit = (state.orientation.coords.norm() - 1.0).abs();
             let deepest = match scene.contact.as_ref().map(|contact| &contact.law) {
                 None => f64::INFINITY,
@@ -313,13 +326,15 @@ fn every_extreme_has_the_outcome_that_the_page_states() {
     page.push_str("| changed | `rigid` | `rapier` |\n|---|---|---|\n");
     let mut unsound = Vec::new();
     for (name, scene, ticks) in cases() {
-        let rigid = fate::<RigidWorld>(&scene, ticks, |world| world.magnetize(middle()));
-        let rapier = fate::<RapierWorld>(&scene, ticks, |world| world.magnetize(middle()));
+        let rigid = fate::<RigidWorld>(&scene, &PLATE, 1, ticks, |world| world.magnetize(middle()));
+        let rapier =
+            fate::<RapierWorld>(&scene, &PLATE, 1, ticks, |world| world.magnetize(middle()));
         writeln!(page, "| {name} | {rigid} | {rapier} |").unwrap();
         if let Fate::Unsound(what) = &rigid {
             unsound.push(format!("{name}: {what}"));
         }
     }
+    unsound.extend(tanks::table(&mut page));
     page.push_str(TAIL);
     if std::env::var_os("STOCHC_WRITE_DOCS").is_some() {
         std::fs::write(PAGE, &page).unwrap();

@@ -1,0 +1,40 @@
+//! Aggregates: a phase for each size that a group of free blocks reaches.
+use stochc_grammar::tree::Aggregate;
+
+use super::Expander;
+use crate::finding::{Code, Finding};
+use crate::plan::PlanPhase;
+
+/// Blocks of the group with which an aggregate is complete, at most.
+const MAX_SIZE: i64 = 10_000;
+
+impl Expander<'_, '_> {
+    /// The phases of an aggregate, named by the size that ends them.
+    pub fn aggregate(&mut self, aggregate: &Aggregate) {
+        let timeout = self.timeout(aggregate.timeout.as_ref());
+        let Some(value) = self.evaluate(&aggregate.size) else {
+            return;
+        };
+        let site = self.site(aggregate.size.span);
+        let size = u32::try_from(value).ok();
+        let Some(size) = size.filter(|_| (2..=MAX_SIZE).contains(&value)) else {
+            self.findings.push(
+                Finding::new(Code::WrongValue, format!("an aggregate of {value} blocks"))
+                    .label(site, format!("must be from 2 to {MAX_SIZE}"))
+                    .help("an aggregate is complete when so many blocks are bonded to each other"),
+            );
+            return;
+        };
+        self.plan.aggregate = Some(size);
+        self.plan.phases = (2..=size)
+            .map(|size| PlanPhase {
+                name: size.to_string(),
+                site,
+                timeout,
+                events: 0..0,
+                planted: false,
+                claims: Vec::new(),
+            })
+            .collect();
+    }
+}

@@ -1,0 +1,186 @@
+//! Free blocks that bond to each other, without a plate.
+use std::fs;
+
+use crate::stochc::{path, stochc, stochc_with};
+
+const FILE: &str = "tests/fixtures/aggregate.sa";
+
+#[test]
+fn an_aggregate_is_summed_up_in_a_line() {
+    let said = stochc("check --exhaustive --cost=3 tests/fixtures/aggregate.sa");
+    assert_eq!((said.status, said.err.as_str()), (0, ""));
+    for line in [
+        "aggregate two in pool: complete when 2 of 6 free blocks are bonded; all is well\n",
+        "aggregate four in pool: complete when 4 of 6 free blocks are bonded; all is well\n",
+        "assembly tower in pool: 1 phase, 1 capture, 0 releases; all is well\n",
+        "aggregate two: nobody acts, so there are no orders to try\n",
+    ] {
+        let line = format!("{FILE}: {line}");
+        assert!(said.out.contains(&line), "{line} in {}", said.out);
+    }
+    assert_eq!(stochc("fmt --check tests/fixtures/aggregate.sa").status, 0);
+    assert_eq!(
+        stochc("check --scene tests/fixtures/aggregate.sa").status,
+        0
+    );
+}
+
+#[test]
+fn every_stage_of_it_can_be_shown() {
+    for (emit, format) in [
+        ("ast", "text"),
+        ("ast", "json"),
+        ("graph", "text"),
+        ("graph", "json"),
+        ("graph", "dot"),
+        ("structure", "text"),
+        ("structure", "json"),
+        ("structure", "svg"),
+        ("table", "json"),
+    ] {
+        let said = stochc(&format!("compile --emit {emit} --format {format} {FILE}"));
+        assert_eq!((said.status, said.err.as_str()), (0, ""), "{emit} {format}");
+        assert!(!said.out.is_empty(), "{emit} {format}");
+    }
+    let table = stochc(&format!("compile {FILE}")).out;
+    let two = "aggregate two\nno plate: every face always attracts, until 2 free blocks are bonded\n\n\
+               phase 2: ends when a group has 2 blocks, fails after 15000 ticks\n";
+    assert!(table.starts_with(two), "{table}");
+    assert!(
+        table.contains("phase 4: ends when a group has 4 blocks\n"),
+        "{table}"
+    );
+    let json = stochc(&format!("compile --format json {FILE}")).json();
+    let program = &json["programs"][1];
+    assert_eq!(program["aggregate"], 4);
+    assert_eq!(program["plate"]["width"], 0);
+    assert_eq!(program["blocks"].as_array().unwrap().len(), 0);
+}
+
+#[test]
+fn its_phases_are_the_sizes_that_it_reaches() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = path(folder.path(), "runs");
+    let arguments = [FILE, "--runs", "30", "--out", &out, "--bonds"];
+    let said = stochc_with("simulate --model shuffle --quiet", &arguments);
+    assert_eq!((said.status, said.err.as_str()), (0, ""));
+    assert_eq!(said.row("Construction phases"), ["1", "3", "1"]);
+    assert_eq!(said.row("Total units involved"), ["2", "4", "1"]);
+    let journal = fs::read_to_string(path(folder.path(), "runs/journal.jsonl")).unwrap();
+    let mut largest = Vec::new();
+    for line in journal.lines().skip(1) {
+        let value: serde_json::Value = serde_json::from_str(line).unwrap();
+        let record = &value["record"];
+        assert_eq!(record["outcome"]["kind"], "completed");
+        let ticks: Vec<u64> = serde_json::from_value(record["phase_ticks"].clone()).unwrap();
+        assert_eq!(record["ticks"], ticks.iter().sum::<u64>());
+        if value["program"] == 1 {
+            assert_eq!(ticks.len(), 3);
+            assert!(ticks[0] > 0, "nobody is bonded at the beginning");
+            assert_eq!(record["bonds"].as_array().unwrap().len(), 0);
+            largest.push(record["blocks_used"].as_u64().unwrap());
+        }
+    }
+    assert_eq!(largest.len(), 30);
+    // Two groups may make a larger one than was asked for.
+    assert!(
+        largest.iter().all(|size| (4..=6).contains(size)),
+        "{largest:?}"
+    );
+    let again = stochc_with("results --bonds", &[&out]);
+    assert_eq!((again.status, again.out), (0, said.out));
+    let page = path(folder.path(), "page");
+    let report = stochc_with("report", &[&out, "--out", &page]);
+    assert_eq!(report.status, 0, "{}", report.err);
+    // The same alone, in words.
+    let told = stochc_with("simulate --model shuffle --run 3", &[FILE]);
+    assert!(
+        told.out.contains("four, run 3\n  phase 2, from tick 0\n"),
+        "{}",
+        told.out
+    );
+}
+
+#[test]
+fn a_size_that_is_not_reached_in_time_is_censored() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(folder.path(), "late.sa");
+    let text = fs::read_to_string(FILE).unwrap();
+    fs::write(&file, text.replace("timeout 300 s", "timeout 1 tick")).unwrap();
+    let arguments = [file.as_str(), "--runs", "40", "--format", "json"];
+    let said = stochc_with("simulate --model shuffle --quiet", &arguments);
+    assert_eq!(said.status, 3);
+    let two = &said.json()["programs"][0];
+    let late = two["timed_out"].as_u64().unwrap();
+    assert!(
+        (10..40).contains(&late),
+        "every other tick two blocks are drawn: {late}"
+    );
+    assert_eq!(two["completed"], 40 - late);
+    let limited = ["--max-ticks", "1", "--run", "0", "--format", "json", FILE];
+    let said = stochc_with("simulate --model shuffle", &limited);
+    assert_eq!(said.json()[1]["outcome"]["phase"], 1, "{}", said.out);
+}
+
+#[test]
+fn it_goes_through_the_worlds_of_bodies() {
+    let folder = tempfile::tempdir().unwrap();
+    for (model, substeps) in [("rigid", "4"), ("rapier", "1")] {
+        let out = path(folder.path(), model);
+        let arguments = [
+            "--model",
+            model,
+            "--substeps",
+            substeps,
+            "--out",
+            &out,
+            FILE,
+        ];
+        let line = "simulate --quiet --runs 1 --max-ticks 20 --record all";
+        let said = stochc_with(line, &arguments);
+        // In so few ticks nothing meets.
+        assert_eq!(said.status, 3, "{model}: {}", said.err);
+        let page = path(folder.path(), &format!("{model}.html"));
+        let program = ["--program", "four", "--run", "0", "--out", &page];
+        let replayed = stochc_with("replay", &[&[out.as_str()], &program[..]].concat());
+        assert_eq!(replayed.status, 0, "{model}: {}", replayed.err);
+    }
+}
+
+#[test]
+fn what_cannot_be_one_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(folder.path(), "wrong.sa");
+    for (text, code) in [
+        ("aggregate a to 2", "cannot-aggregate"),
+        ("aggregate a in suction_tank to 2", "cannot-aggregate"),
+        ("aggregate a in magnet_tank to 1", "wrong-value"),
+        ("aggregate a in magnet_tank to 10001", "wrong-value"),
+        ("aggregate a in magnet_tank to 9000", "too-few-blocks"),
+        ("aggregate a in nowhere to 2", "unknown-scene"),
+        ("aggregate a in magnet_tank to n", "unknown-name"),
+        (
+            "aggregate a in magnet_tank to 2 timeout 3 m",
+            "wrong-dimension",
+        ),
+        (
+            "aggregate a in magnet_tank to 2 aggregate a in magnet_tank to 2",
+            "duplicate-name",
+        ),
+        ("aggregate a in magnet_tank", "syntax"),
+        ("aggregate phase in magnet_tank to 2", "reserved-word"),
+        (
+            "assembly b { aggregate a in magnet_tank to 2 }",
+            "misplaced",
+        ),
+    ] {
+        fs::write(&file, format!("{text}\n")).unwrap();
+        let said = stochc_with("check", &[&file]);
+        assert_eq!(said.status, 1, "{text}: {}", said.out);
+        assert!(said.err.contains(code), "{text}: {}", said.err);
+    }
+    // Its words are no reserved ones.
+    let text = "assembly a {\n    seed plate 1 x 1 { to at (0, 0) }\n    phase p { to.up -> aggregate }\n}\n";
+    fs::write(&file, text).unwrap();
+    assert_eq!(stochc_with("check", &[&file]).status, 0);
+}
