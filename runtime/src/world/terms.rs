@@ -7,6 +7,7 @@ use stochc_compiler::scene::{
 use stochc_compiler::table::Plate;
 
 use super::SceneError;
+use super::ambient::response;
 use crate::settings::Settings;
 
 /// The terms that this build can compute: without one, its code is unreachable and left out.
@@ -480,15 +481,28 @@ impl Terms {
     /// Whether the steps are short enough.
     ///
     /// # Errors
-    /// If a spring would turn by more than one radian in a step: from two on it gains energy.
+    /// If a spring would turn by more than one radian in a step, or, slowed by drag, swing back by more than it
+    /// was out: from twice as much on it gains energy.
     pub fn check(&self, settings: &Settings) -> Result<(), SceneError> {
-        let substeps = f64::from(settings.substeps.max(1));
+        let substeps = settings.substeps.max(1);
         let Some(shell) = self.shell else {
             return Ok(());
         };
-        let radians = shell.stiffness.sqrt();
-        if radians > substeps {
-            let (what, substeps) = ("the wall", radians.ceil() as u64);
+        // Drag takes up what it can of a step that is longer than it needs to slow a block.
+        let drag = self.fluid.map_or(0.0, |fluid| fluid.viscous.0);
+        let swings =
+            |substeps: f64| shell.stiffness * response(drag / substeps) > substeps * substeps;
+        if swings(f64::from(substeps)) {
+            let (mut few, mut enough) = (f64::from(substeps), shell.stiffness.sqrt().ceil());
+            while enough - few > 1.0 {
+                let middle = ((few + enough) / 2.0).floor();
+                if swings(middle) {
+                    few = middle;
+                } else {
+                    enough = middle;
+                }
+            }
+            let (what, substeps) = ("the wall", enough as u64);
             return Err(SceneError::TooStiff { what, substeps });
         }
         Ok(())

@@ -12,6 +12,7 @@ use std::fmt::Write as _;
 use nalgebra::Vector3;
 use scenes::{PLATE, contact, hemisphere, paper};
 use stochc_compiler::scene::{Agitation, Bond, Contact, ContactLaw, Enclosure, Scene};
+use stochc_compiler::table::Plate;
 use stochc_compiler::{Cell, Face};
 use stochc_runtime::world::rapier::RapierWorld;
 use stochc_runtime::world::rigid::RigidWorld;

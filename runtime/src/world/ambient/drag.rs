@@ -53,8 +53,8 @@ impl Decay {
     }
 }
 
-/// (1 - exp(-x)) / x
-pub(super) fn mean(x: f64) -> f64 {
+/// (1 - exp(-x)) / x: the mean over a step of what a drag leaves that takes x in it.
+pub(crate) fn mean(x: f64) -> f64 {
     if x < 1e-8 {
         1.0 - x / 2.0
     } else {

@@ -12,7 +12,7 @@ mod thermal;
 use nalgebra::Vector3;
 
 use drag::Drag;
-pub(crate) use drag::Response;
+pub(crate) use drag::{Response, mean as response};
 use eddies::EddyField;
 use thermal::Heat;
 
