@@ -23,12 +23,17 @@ fn examples_compile_as_before() {
                 let order = program.order.as_ref().unwrap();
                 let tables = program.tables.as_ref().unwrap();
                 let (plan, graph) = (&program.plan, &program.graph);
-                insta::assert_snapshot!("graph", graph_text(plan, graph, order, symbols));
-                insta::assert_snapshot!("graph_dot", graph_dot(plan, graph, order, symbols));
+                // Of several programs in a file, each has its own.
+                let name = |stage: &str| match &checked.programs[..] {
+                    [_] => stage.to_owned(),
+                    _ => format!("{stage}_{}", tables.assembly),
+                };
+                insta::assert_snapshot!(name("graph"), graph_text(plan, graph, order, symbols));
+                insta::assert_snapshot!(name("graph_dot"), graph_dot(plan, graph, order, symbols));
                 let json = graph_json(plan, graph, order, symbols);
-                insta::assert_snapshot!("graph_json", format!("{json:#}"));
-                insta::assert_snapshot!("table", table_text(tables));
-                insta::assert_snapshot!("table_json", format!("{:#}", table_json(tables)));
+                insta::assert_snapshot!(name("graph_json"), format!("{json:#}"));
+                insta::assert_snapshot!(name("table"), table_text(tables));
+                insta::assert_snapshot!(name("table_json"), format!("{:#}", table_json(tables)));
             }
         });
     });

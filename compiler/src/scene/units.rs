@@ -183,6 +183,8 @@ fn factor(symbol: &str) -> (f64, Dimension) {
         return (1.0, dimension);
     }
     let power = match prefix {
+        'f' => 1e-15,
+        'p' => 1e-12,
         'n' => 1e-9,
         'u' | 'µ' => 1e-6,
         'm' => 1e-3,
