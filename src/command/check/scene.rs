@@ -171,7 +171,7 @@ impl InForce<'_> {
 
     fn expected(&self) -> String {
         let from = match self.speed.from {
-            SpeedFrom::Rest => "nothing kicks the blocks",
+            SpeedFrom::Rest => "nothing moves the blocks by chance",
             SpeedFrom::Drag => "kicks against drag, exact",
             SpeedFrom::Collisions if self.scene.drag.is_some() => {
                 "kicks against drag and inelastic collisions, an estimate (docs/model.md)"
@@ -179,6 +179,8 @@ impl InForce<'_> {
             SpeedFrom::Collisions => {
                 "kicks against inelastic collisions, an estimate (docs/model.md)"
             }
+            SpeedFrom::Eddies => "eddies that take the blocks along, at most",
+            SpeedFrom::Heat => "the heat of the fluid, as the mean of a tick, exact",
             SpeedFrom::Nothing => {
                 "it never stops growing: nothing takes energy away from the blocks"
             }

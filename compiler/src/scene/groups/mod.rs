@@ -13,7 +13,7 @@ pub use gas::Gas;
 pub(super) use speed::rms_of_range;
 pub use speed::{Speed, SpeedFrom, speed};
 
-use super::{Bond, ContactLaw, Enclosure, Scene};
+use super::{Agitation, BOLTZMANN, Bond, ContactLaw, Enclosure, Fluid, Scene};
 
 /// A number without a dimension.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -78,11 +78,39 @@ pub fn groups(scene: &Scene) -> Vec<Group> {
             ),
         );
         let kick = speed::kick(scene);
-        out.push(Group::new("j / v", "a kick against the speed", kick / v));
+        if kick > 0.0 {
+            out.push(Group::new("j / v", "a kick against the speed", kick / v));
+        }
     }
     if let Some(drag) = &scene.drag {
         let meaning = "what drag takes from a speed in a tick";
         out.push(Group::new("γ τ", meaning, units.rate(drag.rate)));
+    }
+    fluid(scene, v, &mut out);
+    if let Some(Bond::Reject {
+        magnets, anchor, ..
+    }) = &scene.bond
+    {
+        let (hold, depth) = (units.force(magnets.hold), units.length(magnets.depth));
+        out.push(
+            Group::new(
+                "F τ² / (m d)",
+                "anchoring distances that the magnets move a block in a tick",
+                hold / units.length(anchor.within),
+            )
+            .limited(
+                1.0,
+                2,
+                "a pulled block jumps over the place where it would be anchored",
+            ),
+        );
+        if let Some(v) = v {
+            out.push(Group::new(
+                "F δ / (3 m v² / 2)",
+                "energy of a bond against that of two blocks' motion to each other",
+                hold * depth / 3.0 / (v * v / 2.0),
+            ));
+        }
     }
     if let Some(Bond::Attract { pull, anchor, .. }) = &scene.bond {
         let (force, reach) = (units.force(pull.force), units.length(pull.within));
@@ -125,6 +153,36 @@ pub fn groups(scene: &Scene) -> Vec<Group> {
     contact(scene, &mut out);
     gas(scene, v, &mut out);
     out
+}
+
+fn fluid(scene: &Scene, v: Option<f64>, out: &mut Vec<Group>) {
+    let Some(fluid) = &scene.fluid else {
+        return;
+    };
+    let (units, side) = (BlockUnits::of(scene), scene.block.side);
+    let Some(viscosity) = fluid.viscosity else {
+        return;
+    };
+    let friction = Fluid::friction(viscosity, side);
+    out.push(Group::new(
+        "6 π η 0.6607 a τ / m",
+        "what viscous drag takes from a speed in a tick; exact for any step",
+        units.damping(friction),
+    ));
+    if let Some((density, v)) = fluid.density.zip(v) {
+        out.push(Group::new(
+            "ρ v a / η",
+            "Reynolds number of a block at the speed v",
+            units.density(density) * v / units.viscosity(viscosity),
+        ));
+    }
+    if let Some(Agitation::Brownian { temperature }) = scene.agitation {
+        out.push(Group::new(
+            "D τ / a²",
+            "diffusion in a tick",
+            units.diffusion(BOLTZMANN * temperature / friction),
+        ));
+    }
 }
 
 /// A spring is resolved when its angle in a step, √(k/m) τ, is less than half a radian.

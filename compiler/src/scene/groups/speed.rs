@@ -1,7 +1,7 @@
 //! How fast free blocks are in the long run.
 use serde::Serialize;
 
-use super::super::{Agitation, Contact, ContactLaw, Scene};
+use super::super::{Agitation, BOLTZMANN, Contact, ContactLaw, Fluid, Scene};
 use super::{BlockUnits, Gas};
 
 /// The speed that a free block is expected to have in the long run, away from magnets.
@@ -25,11 +25,18 @@ pub enum SpeedFrom {
     Collisions,
     /// Kicks, and nothing to take their energy away again.
     Nothing,
+    /// Eddies that take the blocks along: that of the fluid, which heavy blocks do not quite reach.
+    Eddies,
+    /// The heat of a viscous fluid: the mean velocity of a tick, exact.
+    Heat,
 }
 
 /// The speed that the terms of a scene lead to.
 pub fn speed(scene: &Scene) -> Speed {
     let units = BlockUnits::of(scene);
+    if let Some(speed) = of_fluid(scene) {
+        return speed;
+    }
     let kick = kick(scene);
     let told = |rms: f64, from| Speed {
         rms: Some(units.speed_si(rms)),
@@ -49,6 +56,33 @@ pub fn speed(scene: &Scene) -> Speed {
         Speed {
             rms: None,
             from: SpeedFrom::Nothing,
+        }
+    }
+}
+
+/// The speed that a fluid gives its blocks by chance.
+fn of_fluid(scene: &Scene) -> Option<Speed> {
+    let fluid = scene.fluid.as_ref()?;
+    match scene.agitation.as_ref()? {
+        Agitation::Kicks { .. } => None,
+        Agitation::Turbulence(turbulence) => {
+            let level = turbulence.speed(scene.flow.as_ref());
+            let all = level * (2.0 + turbulence.vertical * turbulence.vertical).sqrt();
+            Some(Speed {
+                rms: Some(all),
+                from: SpeedFrom::Eddies,
+            })
+        }
+        Agitation::Brownian { temperature } => {
+            let (mass, tick) = (scene.block.mass, scene.tick);
+            let friction = Fluid::friction(fluid.viscosity?, scene.block.side);
+            // Of the mean of a tick: k T / m times tanh(x) / x, x = rate tick / 2.
+            let half = friction / mass * tick / 2.0;
+            let part = if half < 1e-6 { 1.0 } else { half.tanh() / half };
+            Some(Speed {
+                rms: Some((3.0 * BOLTZMANN * temperature / mass * part).sqrt()),
+                from: SpeedFrom::Heat,
+            })
         }
     }
 }
