@@ -11,8 +11,8 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-TERMS = ["agitation", "bond", "contact", "drag", "enclosure"]
-IDLE = ["agitation", "bond", "drag"]  # those that can be there and do next to nothing
+TERMS = ["agitation", "bond", "contact", "drag", "enclosure", "fluid", "gravity"]
+IDLE = ["agitation", "bond", "drag", "fluid", "gravity"]  # those that can be there and do next to nothing
 BLOCKS = 300
 TICKS = (100, 500)  # instructions are those of the ticks between
 

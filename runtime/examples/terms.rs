@@ -3,7 +3,9 @@
 //! `cargo run --release -p stochc-runtime --example terms -- WITHOUT TICKS` moves 300 blocks with all terms
 //! but one, or with one that does next to nothing (`idle-drag`), and prints a number that depends on every bit of where
 //! they end.
-use stochc_compiler::scene::{Agitation, Arrangement, Bond, Drag, Scene, built_in};
+use stochc_compiler::scene::{
+    Agitation, Arrangement, Bond, Drag, Flow, Fluid, Scene, Stir, built_in,
+};
 use stochc_compiler::table::Plate;
 use stochc_compiler::{Cell, Face};
 use stochc_runtime::world::rigid::RigidWorld;
@@ -44,6 +46,17 @@ fn scene(without: &str) -> Scene {
     let mut scene = built_in("hemisphere").expect("built in");
     scene.free.arrangement = Arrangement::Uniform;
     scene.drag = Some(Drag { rate: 0.5 });
+    scene.gravity = Some(0.1);
+    scene.fluid = Some(Fluid {
+        density: None,
+        viscosity: Some(0.1),
+    });
+    scene.flow = Some(Flow::Stir(Stir {
+        radius: 1.0,
+        rate: 0.1,
+        force: None,
+        follow: 0.5,
+    }));
     match without {
         "nothing" => {}
         "idle-agitation" => {
@@ -67,6 +80,16 @@ fn scene(without: &str) -> Scene {
         "contact" => scene.contact = None,
         "drag" => scene.drag = None,
         "enclosure" => scene.enclosure = None,
+        "fluid" => (scene.fluid, scene.flow) = (None, None),
+        "gravity" => scene.gravity = None,
+        "idle-fluid" => {
+            scene.flow = None;
+            scene.fluid = Some(Fluid {
+                density: None,
+                viscosity: Some(1e-30),
+            });
+        }
+        "idle-gravity" => scene.gravity = Some(1e-30),
         _ => panic!("no such term: {without}"),
     }
     scene
