@@ -171,11 +171,18 @@ fn equal_findings_in_two_places_are_two() {
 fn misplaced_seeds_are_misplaced_and_nothing_worse() {
     let no_plate = "assembly a { phase p { A at (0, 0) } }";
     assert!(codes(&text(no_plate)).contains(&Code::Misplaced));
-    let capture_first = "assembly a {
-        seed plate 2 x 1 { M at (0, 0)  M.up -> X  N at (1, 0) }
+    let release_first = "assembly a {
+        seed plate 2 x 1 { M at (0, 0)  M.up -> X  release X  N at (1, 0) }
         phase p { M.up -> N }
     }";
-    assert!(codes(&text(capture_first)).contains(&Code::Misplaced));
+    assert!(codes(&text(release_first)).contains(&Code::Misplaced));
+    // A block that is attached by hand may stand between seeds, and does not change who they are.
+    let captured_twice = "assembly a {
+        seed plate 2 x 1 { M at (0, 0)  M.up -> X  N at (1, 0) }
+        phase p { X.up -> N }
+    }";
+    let found = codes(&text(captured_twice));
+    assert_eq!(found, [Code::UnusedSeed, Code::CapturedTwice]);
 }
 
 #[test]

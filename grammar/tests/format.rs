@@ -489,8 +489,40 @@ let m = 2
 }
 
 #[test]
+fn what_is_attached_by_hand_may_stand_beside_its_seed() {
+    becomes(
+        "aggregate  four in\ntank to 2*2 timeout 317  s // c
+aggregate two to(2)
+assembly a { seed plate 1 x 1 { P at (0,0) P.up->A }
+seed plate 1 x 1 { P at (0,0) Q at (1, 0)  P.up->A.up->>B[1..2]
+Q.up -> C Q.west -> D } }",
+        "aggregate four in tank to 2 * 2 timeout 317 s // c
+aggregate two to (2)
+
+assembly a {
+    seed plate 1 x 1 { P at (0, 0)   P.up -> A }
+    seed plate 1 x 1 {
+        P at (0, 0)   Q at (1, 0)
+        P.up -> A.up ->> B[1..2]
+        Q.up -> C
+        Q.west -> D
+    }
+}
+",
+    );
+}
+
+#[test]
 fn a_wrong_text_is_refused() {
-    for wrong in ["assembly a {", "let n = ;", "phase p { }", "/// alone"] {
+    for wrong in [
+        "assembly a {",
+        "let n = ;",
+        "phase p { }",
+        "/// alone",
+        "aggregate a",
+        "assembly a { seed plate 1 x 1 { P at (0, 0) P.up -> A after B } }",
+        "assembly a { seed plate 1 x 1 { P at (0, 0) P.up -> A release A } }",
+    ] {
         assert!(
             matches!(format(wrong), Err(Refusal::Wrong(errors)) if !errors.is_empty()),
             "{wrong}"

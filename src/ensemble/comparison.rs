@@ -29,6 +29,10 @@ pub struct Column {
     pub captures: u64,
     /// How many different blocks a completed run captured, on average; `None`: none completed.
     pub blocks_used: Option<f64>,
+    /// Mean of the blocks that docked where nobody expected them, in completed runs; `None`: none did in
+    /// any run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unplanned: Option<f64>,
     /// Runs asked for.
     pub runs: u64,
     /// Runs finished, the sum of the next three.
@@ -169,6 +173,11 @@ fn column(manifest: &Manifest, program: &Program, records: &[&RunRecord]) -> Col
         .filter(completed)
         .map(|record| record.blocks_used.into())
         .collect();
+    let unplanned: Vec<f64> = records
+        .iter()
+        .filter(completed)
+        .map(|record| record.unplanned as f64)
+        .collect();
     let count = |runs: usize| runs as u64;
     let (done, late) = (
         records.iter().filter(completed).count(),
@@ -183,6 +192,9 @@ fn column(manifest: &Manifest, program: &Program, records: &[&RunRecord]) -> Col
         phases: phases.len(),
         captures: program.captures,
         blocks_used: Summary::of(&blocks).map(|summary| summary.mean),
+        unplanned: Summary::of(&unplanned)
+            .map(|summary| summary.mean)
+            .filter(|_| records.iter().any(|record| record.unplanned > 0)),
         runs: manifest.runs,
         finished: count(records.len()),
         completed: count(done),

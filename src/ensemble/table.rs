@@ -20,6 +20,11 @@ impl Comparison {
         rows.add("Different blocks used", |c| {
             c.blocks_used.map_or(NONE.into(), |n| format!("{n:.1}"))
         });
+        if self.programs.iter().any(|c| c.unplanned.is_some()) {
+            rows.add("Unplanned bonds", |c| {
+                c.unplanned.map_or(NONE.into(), |n| format!("{n:.1}"))
+            });
+        }
         rows.add("Runs", |c| match c.finished == c.runs {
             true => c.runs.to_string(),
             false => format!("{} of {}", c.finished, c.runs),

@@ -89,12 +89,15 @@ fn block(analysis: &Analysis, program: &Program, ancestry: &Ancestry<'_>, role: 
         let cell = cell.map_or_else(String::new, |cell| format!(" at {cell}"));
         let depth = ancestry.depth(capture);
         let depth = depth.map_or_else(String::new, |depth| format!(", depth {depth}"));
-        let _ = writeln!(
-            text,
-            "- captured in phase `{}` by `{}.{face}`{cell}{depth}",
-            phase_name(program, capture),
-            name(parent),
-        );
+        let parent = name(parent);
+        let how = match phase_of(plan, capture) {
+            Some(phase) if phase.planted => format!("attached by hand to `{parent}.{face}`"),
+            _ => {
+                let phase = phase_name(program, capture);
+                format!("captured in phase `{phase}` by `{parent}.{face}`")
+            }
+        };
+        let _ = writeln!(text, "- {how}{cell}{depth}");
     }
     let releases = plan
         .events

@@ -117,9 +117,23 @@ fn a_size_that_is_not_reached_in_time_is_censored() {
         "every other tick two blocks are drawn: {late}"
     );
     assert_eq!(two["completed"], 40 - late);
-    let limited = ["--max-ticks", "1", "--run", "0", "--format", "json", FILE];
-    let said = stochc_with("simulate --model shuffle", &limited);
-    assert_eq!(said.json()[1]["outcome"]["phase"], 1, "{}", said.out);
+    // The limit of the command ends a run in the size that it had not reached.
+    let mut sizes = std::collections::BTreeSet::new();
+    for run in 0..12 {
+        let run = run.to_string();
+        let limited = ["--max-ticks", "3", "--run", &run, "--format", "json", FILE];
+        let said = stochc_with("simulate --model shuffle", &limited);
+        let record = &said.json()[1];
+        let reached = record["phase_ticks"].as_array().unwrap().len() as u64;
+        if record["outcome"]["kind"] == "timed_out" {
+            assert_eq!(
+                (&record["outcome"]["phase"], &record["ticks"]),
+                (&reached.into(), &3.into())
+            );
+            sizes.insert(reached);
+        }
+    }
+    assert!(sizes.len() > 1, "{sizes:?}");
 }
 
 #[test]

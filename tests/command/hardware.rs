@@ -39,6 +39,9 @@ fn runs_count_what_docks_where_nobody_expects_it() {
     assert_eq!((said.status, said.err.as_str()), (0, ""));
     assert_eq!(said.row("Construction phases"), ["2", "2"]);
     assert_eq!(said.row("Total units involved"), ["3", "3"]);
+    let unplanned = said.row("Unplanned bonds");
+    assert!(unplanned[0].parse::<f64>().unwrap() > 0.2, "{unplanned:?}");
+    assert_eq!(unplanned[1], "-");
     assert!(said.out.contains("assemble: A -> B"), "{}", said.out);
     assert!(!said.out.contains("P -> A"), "{}", said.out);
     let journal = fs::read_to_string(path(folder.path(), "runs/journal.jsonl")).unwrap();

@@ -123,6 +123,59 @@ fn what_is_no_block_is_shown_as_declared() {
     assert_eq!(ask(&mut client(), "hover", "release", 0), Value::Null);
 }
 
+/// A plate with a block attached by hand, behind an aggregate.
+const TANK: &str = "\
+let many = 2
+
+/// Two that meet.
+aggregate pair in magnet_tank to many
+
+assembly hook in magnet_tank {
+    allow unplanned-bond \"it has sides\"
+    seed plate 1 x 1 { P at (0, 0)   P.up -> A }
+    phase grow { A.up -> B }
+}
+";
+
+#[test]
+fn aggregates_and_blocks_attached_by_hand_are_known() {
+    let mut client = Client::new(&["utf-16"]);
+    client.open(URI, TANK);
+    let mut ask = |method: &str, words: &str| {
+        let params = place(URI, TANK, words, 0);
+        let answer = client.ask(&format!("textDocument/{method}"), params);
+        assert!(answer.get("error").is_none(), "{answer}");
+        answer["result"].clone()
+    };
+    for (words, parts) in [
+        ("pair", ["**`pair`**, aggregate", "Two that meet."]),
+        ("many\n\nassembly", ["**`many`**, number", "let many = 2"]),
+        (
+            "A }",
+            [
+                "**`A`**, block of `hook`",
+                "- attached by hand to `P.up` at (0, 0, 1), depth 1",
+            ],
+        ),
+        (
+            "A.up",
+            ["at the start of grow", "expect up -> B at (0, 0, 2)"],
+        ),
+    ] {
+        let text = ask("hover", words)["contents"]["value"].clone();
+        for part in parts {
+            assert!(text.as_str().unwrap().contains(part), "{part} in\n{text}");
+        }
+    }
+    assert_eq!(places(&ask("definition", "A.up")).len(), 1);
+    let mut names = Vec::new();
+    outline(&ask("documentSymbol", "pair"), 0, &mut names);
+    assert_eq!(
+        names,
+        ["many", "pair", "hook", " seed plate", "  P", " grow"]
+    );
+}
+
 fn places(answer: &Value) -> Vec<String> {
     let places = answer.as_array().unwrap().iter();
     places.map(|place| shown(&place["range"])).collect()
@@ -160,15 +213,17 @@ fn references_are_all_places_or_all_but_the_declarations() {
     assert_eq!(places(&found), ["5:4-5:8", "11:17-11:21"]);
 }
 
+/// The names of an outline, by depth.
+fn outline(symbols: &Value, depth: usize, out: &mut Vec<String>) {
+    for symbol in symbols.as_array().into_iter().flatten() {
+        let name = symbol["name"].as_str().unwrap();
+        out.push(format!("{}{name}", " ".repeat(depth)));
+        outline(&symbol["children"], depth + 1, out);
+    }
+}
+
 #[test]
 fn the_outline_has_what_is_declared() {
-    fn outline(symbols: &Value, depth: usize, out: &mut Vec<String>) {
-        for symbol in symbols.as_array().into_iter().flatten() {
-            let name = symbol["name"].as_str().unwrap();
-            out.push(format!("{}{name}", " ".repeat(depth)));
-            outline(&symbol["children"], depth + 1, out);
-        }
-    }
     let params = json!({ "textDocument": { "uri": URI } });
     let answer = client().ask("textDocument/documentSymbol", params);
     let mut names = Vec::new();

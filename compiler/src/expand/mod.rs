@@ -414,7 +414,10 @@ impl<'a> Expander<'a, '_> {
             claims: Vec::new(),
         });
         self.in_phase = true;
+        // Also in a plate, where it does not belong, which has been told.
+        let seeding = self.seeding.take();
         self.items(&phase.body);
+        self.seeding = seeding;
         self.in_phase = false;
         let end = self.plan.events.len() as u32;
         if let Some(planned) = self.plan.phases.last_mut() {
