@@ -57,7 +57,7 @@ fn scenes_come_as_json_beside_the_findings() {
         ),
         (&"γ".into(), &"1/s".into(), Some(0.5), Some(0.01))
     );
-    assert_eq!(hemisphere["absent"][0]["clause"], "drag");
+    assert_eq!(hemisphere["absent"][0]["clause"], "gravity");
     let pull = find(&hemisphere["groups"], "symbol", "F τ² / (m d)");
     assert_eq!(
         (&pull["most"], &pull["exceeded"], &pull["substeps"]),
