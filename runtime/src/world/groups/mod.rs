@@ -222,7 +222,7 @@ impl Groups {
     }
 
     /// Dissolves the group of a block: its members and bonds; a lone block is one with itself.
-    fn take(&mut self, id: u32) -> (Vec<u32>, Vec<(u32, u32)>) {
+    fn take(&mut self, id: u32) -> Part {
         let Some(group) = self.of.get(&id).and_then(|key| self.groups.remove(key)) else {
             return (vec![id], Vec::new());
         };
@@ -268,11 +268,11 @@ impl Groups {
     }
 }
 
+/// Members, and the bonds between them.
+type Part = (Vec<u32>, Vec<(u32, u32)>);
+
 /// The connected parts of a forest of bonds.
-fn parts(
-    members: impl Iterator<Item = u32>,
-    bonds: &[(u32, u32)],
-) -> Vec<(Vec<u32>, Vec<(u32, u32)>)> {
+fn parts(members: impl Iterator<Item = u32>, bonds: &[(u32, u32)]) -> Vec<Part> {
     let mut left: BTreeSet<u32> = members.collect();
     let mut out = Vec::new();
     while let Some(first) = left.pop_first() {

@@ -99,7 +99,6 @@ impl<R: Lane> Kernel<R> {
                 } else {
                     contact.friction
                 },
-                ..contact
             };
             Contacts {
                 shape: Shape::new(terms.shell.is_some(), plate, without(Reduction::Spheres)),
