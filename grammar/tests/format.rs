@@ -496,7 +496,7 @@ aggregate two to(2)
 assembly a { seed plate 1 x 1 { P at (0,0) P.up->A }
 seed plate 1 x 1 { P at (0,0) Q at (1, 0)  P.up->A.up->>B[1..2]
 Q.up -> C Q.west -> D } }",
-        "aggregate four in tank to 2 * 2 timeout 317 s // c
+        "aggregate four in tank to 2 * 2 timeout 317 s   // c
 aggregate two to (2)
 
 assembly a {
