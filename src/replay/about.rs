@@ -1,18 +1,25 @@
 //! What a page has to know besides the recording.
 use serde_json::{Value, json};
 use stochc_compiler::emit::table_json;
+use stochc_compiler::scene::Enclosure;
 use stochc_compiler::table::Tables;
 
 use crate::ensemble::{Manifest, Program};
 use crate::figures::visible;
 
-/// `{ program, file, seed, model, stochc, scene, radius, tables, graph }`: the scene as the
-/// manifest has it, the radius of its hemisphere \[side\] or null, and tables and graph as
-/// `compile --format json` shows them.
+/// `{ program, file, seed, model, stochc, scene, radius, lift, tables, graph }`: the scene as the
+/// manifest has it, the radius of its shell \[side\] or null and the height of the shell's centre, and tables and
+/// graph as `compile --format json` shows them.
 pub fn about(manifest: &Manifest, program: &Program, tables: &Tables, graph: &Value) -> Value {
     let scene = json!(program.scene);
-    // A scene may come to have another enclosure, which the page then does not draw.
-    let radius = scene["enclosure"]["hemisphere"]["radius"].as_f64();
+    let side = program.scene.block.side;
+    let (width, depth) = (tables.plate.width, tables.plate.depth);
+    let corner = f64::from(width).hypot(f64::from(depth)) / 2.0 * side;
+    let enclosure = program.scene.enclosure.as_ref();
+    let radius = enclosure.map(|enclosure| match enclosure {
+        Enclosure::Hemisphere { radius, .. } | Enclosure::Sphere { radius, .. } => radius / side,
+    });
+    let lift = enclosure.map_or(0.0, |enclosure| enclosure.centre_height(corner) / side);
     let file = program.sources.first().map_or("", |source| &source.path);
     let substeps = match manifest.substeps {
         1 => "1 substep".to_owned(),
@@ -25,7 +32,8 @@ pub fn about(manifest: &Manifest, program: &Program, tables: &Tables, graph: &Va
         "model": format!("{}, {substeps}", manifest.model),
         "stochc": manifest.stochc,
         "scene": scene,
-        "radius": radius.map(|radius| radius / program.scene.block.side),
+        "radius": radius,
+        "lift": lift,
         "tables": table_json(tables),
         "graph": graph,
     });

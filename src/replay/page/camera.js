@@ -13,6 +13,11 @@ class Camera {
     }
     this.middle = [0, 0, high / 2];
     this.reach = 8 + 2.2 * Math.max(wide, high);
+    // Without a plate nothing grows: the shell is what there is to be seen.
+    if (!width && about.radius) {
+      this.middle = [0, 0, about.lift];
+      this.reach = 2.8 * about.radius;
+    }
     this.reset();
   }
 

@@ -13,6 +13,7 @@ class Scene {
     this.places = new Float64Array(7 * recording.bodies);
     this.numbers = new Float32Array(CUBE * (recording.bodies + width * depth));
     this.radius = about.radius;
+    this.lift = about.lift;
     this.cloud = new Cloud(recording.bodies);
     this.list = new Uint32Array(recording.bodies);
     /** How free blocks are shown: 0 faint, 1 solid, 2 not at all. */
@@ -65,12 +66,12 @@ class Scene {
     this.free = this.cloud.sort(this.list, free, this.places, eye);
     const style = { mark: look.mark, pulled: look.lit, edge: look.edge, eye };
     if (this.radius && camera.eye[2] > 0) {
-      painter.drawSketch(() => ground(this.radius, [...rgb(look.ground), 1]), { opaque: true, name: `ground ${themeName()}` });
+      painter.drawSketch(() => ground(Math.sqrt(this.radius ** 2 - this.lift ** 2), [...rgb(look.ground), 1]), { opaque: true, name: `ground ${themeName()}` });
     }
     painter.drawCubes(this.numbers, this.fillSolid(), { opaque: true, ...style });
     this.drawFaces(look);
     if (this.radius) {
-      const lines = () => wires(this.radius, [...rgb(look.rings), 1], [...rgb(look.shell), 0.45]);
+      const lines = () => wires(this.radius, this.lift, [...rgb(look.rings), 1], [...rgb(look.shell), 0.45]);
       painter.drawSketch(lines, { lines: true, name: `wires ${themeName()}` });
     }
     painter.drawCubes(this.numbers, this.fillFree(pulled, look), { opaque: this.clouds === 1, ...style });

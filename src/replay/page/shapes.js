@@ -66,19 +66,21 @@ function ground(radius, colour) {
   return sketch;
 }
 
-/** The shell and rings on the ground every five sides, as lines. */
-function wires(radius, rings, shell) {
+/** The shell, whose centre is `lift` over the ground, and rings on the ground every five sides, as lines. */
+function wires(radius, lift, rings, shell) {
   const sketch = new Sketch();
-  for (let r = 5; r < radius; r += 5) sketch.ring(r, 0, rings);
-  for (const height of [0, 0.25, 0.5, 0.75]) {
-    const angle = (height * Math.PI) / 2;
-    sketch.ring(radius * Math.cos(angle), radius * Math.sin(angle), shell);
+  // Where the ground cuts the shell, as an angle below its middle.
+  const low = Math.asin(lift / radius);
+  for (let r = 5; r < radius * Math.cos(low); r += 5) sketch.ring(r, 0, rings);
+  for (let part = Math.ceil((-8 * low) / Math.PI); part < 4; part++) {
+    const angle = (part * Math.PI) / 8;
+    sketch.ring(radius * Math.cos(angle), lift + radius * Math.sin(angle), shell);
   }
   for (let i = 0; i < 12; i++) {
     const [x, y] = [Math.cos((Math.PI * i) / 6), Math.sin((Math.PI * i) / 6)];
     const at = j => {
-      const angle = (Math.PI * j) / 48;
-      return [radius * x * Math.cos(angle), radius * y * Math.cos(angle), radius * Math.sin(angle)];
+      const angle = -low + ((Math.PI / 2 + low) * j) / 24;
+      return [radius * x * Math.cos(angle), radius * y * Math.cos(angle), lift + radius * Math.sin(angle)];
     };
     for (let j = 0; j < 24; j++) sketch.line(at(j), at(j + 1), shell);
   }

@@ -1,6 +1,6 @@
 //! The numbers of a scene by their names, to read and to change one by one.
 //!
-//! A new term of the model is a line in [`SCALARS`] for each of its numbers; the tests fail for a
+//! A new term of the model is a line in `SCALARS` for each of its numbers; the tests fail for a
 //! number of a scene that has none, and for one that goes by another name or rule than in the
 //! language.
 mod change;
