@@ -23,4 +23,5 @@ mod simulate;
 mod stochc;
 mod streams;
 mod sweep;
+mod tanks;
 mod trade;

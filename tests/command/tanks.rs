@@ -1,0 +1,66 @@
+//! The physical experiments, as far as a few seconds go.
+use crate::stochc::{path, stochc_with};
+
+const EXAMPLES: [&str; 5] = [
+    "experiment_1",
+    "experiment_2",
+    "experiment_3",
+    "microns",
+    "suction_growth",
+];
+
+#[test]
+fn every_physical_example_runs_in_both_models() {
+    for example in EXAMPLES {
+        for model in ["rigid", "rapier"] {
+            let file = format!("examples/{example}.sa");
+            let arguments = [&*file, "--model", model, "--max-ticks", "150"];
+            let said = stochc_with("simulate --runs 2 --quiet", &arguments);
+            // Hardly any is done so soon; none may break down.
+            assert!([0, 3].contains(&said.status), "{example}: {}", said.err);
+            assert_eq!(said.err, "", "{example}");
+            assert!(
+                said.row("Failed").iter().all(|failed| *failed == "0"),
+                "{example}, {model}: {}",
+                said.out
+            );
+        }
+    }
+}
+
+#[test]
+fn units_that_find_each_other_do_so_alike_at_any_number_of_threads() {
+    let run = |threads| {
+        let arguments = ["--threads", threads, "--format", "json"];
+        let said = stochc_with(
+            "simulate examples/experiment_2.sa --runs 3 --quiet --max-ticks 1500",
+            &arguments,
+        );
+        said.out
+    };
+    let out = run("1");
+    assert_eq!(out, run("3"));
+    assert!(out.contains("completed"), "{out}");
+}
+
+#[test]
+fn a_tank_is_recorded_and_shown_with_its_shell() {
+    let folder = tempfile::tempdir().unwrap();
+    let (out, page) = (path(folder.path(), "runs"), path(folder.path(), "run.html"));
+    let arguments = ["--out", &out, "--record", "0"];
+    let said = stochc_with(
+        "simulate examples/experiment_1.sa --runs 1 --quiet --max-ticks 40",
+        &arguments,
+    );
+    assert_eq!(said.err, "");
+    let said = stochc_with("replay --run 0", &[&out, "--out", &page]);
+    assert_eq!((said.status, &*said.err), (0, ""));
+    let written = std::fs::read_to_string(page).unwrap();
+    // 33 cm in sides, and the height at which a ball of that size holds a plate of 3 x 3.
+    assert!(written.contains(r#""radius":3.3"#), "no radius");
+    let lift = (3.3f64 * 3.3 - 4.5).sqrt();
+    assert!(
+        written.contains(&format!(r#""lift":{:.6}"#, lift)[..13]),
+        "no lift"
+    );
+}
