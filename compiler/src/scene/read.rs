@@ -431,6 +431,15 @@ impl<'a> Reader<'a, '_> {
         None
     }
 
+    /// The same, of a clause whose fields depend on it: those of an unknown kind are passed over.
+    fn kind_of_clause(&mut self, known: &[&str], noun: &str) -> Option<&'a str> {
+        let kind = self.kind(known, noun);
+        if kind.is_none() && matches!(self.terms.peek(), Some(Term::Block(..))) {
+            self.terms.next();
+        }
+        kind
+    }
+
     fn next_is(&mut self, word: &str) -> bool {
         let Some(&&Term::Word(name)) = self.terms.peek() else {
             return false;

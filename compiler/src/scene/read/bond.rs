@@ -9,7 +9,7 @@ use crate::finding::Code;
 impl Reader<'_, '_> {
     /// `attract { ... }`, `reject { ... }` or `suction { ... }`
     pub(super) fn bond(&mut self, clause: Name) -> Option<Bond> {
-        match self.kind(&["attract", "reject", "suction"], "bond")? {
+        match self.kind_of_clause(&["attract", "reject", "suction"], "bond")? {
             "reject" => self.reject(clause),
             "suction" => self.suction(clause),
             _ => self.attract(clause),
