@@ -60,25 +60,32 @@ impl FreeBonds {
     }
 
     /// Bonds the blocks that are close and straight enough, unless more energy would have to go than the bond can
-    /// take up.
-    pub fn join(&mut self, free: &[u32], flock: &mut impl Flock) {
+    /// take up; whether some did, and were moved into their places.
+    pub fn join(&mut self, free: &[u32], flock: &mut impl Flock, dt: f64) -> bool {
         let places = places(free, flock);
         let mut parting = BTreeSet::new();
         let mut ready = Vec::new();
-        for (i, j) in close(&places, self.magnet.within) {
+        for (i, j) in close(&places, self.magnet.anchoring()) {
             let (a, b) = (places[i].0, places[j].0);
             if let Some(met) = meet(&self.magnet, &flock.pose(a), &flock.pose(b))
                 && met.bonds
             {
-                // A pair that has been torn is let bond again when nothing draws it apart any more.
-                let way = places[j].1 - places[i].1;
-                if (flock.motion(b).velocity - flock.motion(a).velocity).dot(&way) > 0.0 {
+                // A pair that has been torn is let bond again when it parts no faster than its magnets can stop
+                // in a step.
+                let way = (places[j].1 - places[i].1).normalize();
+                let (one, other) = (flock.motion(a), flock.motion(b));
+                let turning = other.spin - one.spin;
+                // Their middles, or two of their edges.
+                let opening = (other.velocity - one.velocity).dot(&way)
+                    + 0.5 * (turning - way * turning.dot(&way)).norm();
+                if opening > self.passive.hold * dt {
                     parting.insert((a, b));
                 }
                 ready.push((a, b, met));
             }
         }
         self.groups.forgive(&parting);
+        let mut joined = false;
         for (a, b, met) in ready {
             if self.groups.same(a, b) || self.groups.are_parted(a, b) {
                 continue;
@@ -91,14 +98,17 @@ impl FreeBonds {
             if lost(&motions) < energy(&self.passive) {
                 let seat = seat(&flock.pose(a), met.face, &flock.pose(b), met.other);
                 self.groups.join(a, b, &seat, flock);
+                joined = true;
             }
         }
+        joined
     }
 
-    /// A structure has taken a block, which rejects what hangs on it.
-    pub fn leave(&mut self, id: u32, flock: &mut impl Flock) {
+    /// A structure has taken a block, which rejects what hangs on it: who that is.
+    pub fn leave(&mut self, id: u32, flock: &mut impl Flock) -> Vec<u32> {
         let from = flock.pose(id).position;
-        for neighbour in self.groups.remove(id, flock) {
+        let neighbours = self.groups.remove(id, flock);
+        for &neighbour in &neighbours {
             let Motion {
                 position,
                 velocity,
@@ -108,6 +118,7 @@ impl FreeBonds {
             let kick = way * (self.passive.impulse / way.norm().max(1e-9));
             flock.set_velocity(neighbour, velocity + kick, spin);
         }
+        neighbours
     }
 }
 

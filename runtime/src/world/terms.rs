@@ -192,7 +192,15 @@ impl Magnet {
         match self.law {
             Attraction::Switched { pull, .. } => pull.within,
             Attraction::Passive(passive) => passive.within,
-            Attraction::Suction(suction) => suction.seal.max(self.within),
+            Attraction::Suction(suction) => suction.seal.max(self.anchoring()),
+        }
+    }
+
+    /// Beyond this distance between the centres of two faces, no block is anchored \[side\].
+    pub fn anchoring(&self) -> f64 {
+        match self.measure {
+            Measure::Centres => self.within,
+            Measure::Gap => self.within.hypot(0.5),
         }
     }
 }
@@ -496,6 +504,10 @@ impl Terms {
             let (mut few, mut enough) = (f64::from(substeps), shell.stiffness.sqrt().ceil());
             while enough - few > 1.0 {
                 let middle = ((few + enough) / 2.0).floor();
+                // So large that there is no number between them.
+                if middle <= few || middle >= enough {
+                    break;
+                }
                 if swings(middle) {
                     few = middle;
                 } else {

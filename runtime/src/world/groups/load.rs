@@ -31,7 +31,9 @@ pub(super) fn worst(
             let Ok(member) = at(id) else { continue };
             let motion = &before[member];
             let (velocity, spin) = compound.at(motion.position);
-            let push = (velocity - motion.velocity) / (dt * response.linear);
+            let arm = motion.position - compound.middle;
+            let push = (velocity - motion.velocity) / (dt * response.linear)
+                + compound.spin.cross(&compound.spin.cross(&arm));
             let turn = (spin - motion.spin) / (dt * response.angular * INVERSE_INERTIA);
             force += push;
             moment += (motion.position - joint).cross(&push) + turn;

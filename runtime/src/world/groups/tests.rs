@@ -99,8 +99,12 @@ fn what_bonds_moves_as_one_at_once() {
     groups.join(0, 1, &seat, &mut blocks);
     let after = blocks.momenta();
     assert!((before.0 - after.0).norm() + (before.1 - after.1).norm() < 1e-12);
-    // Nothing is left for the bond to hold.
-    assert_eq!(groups.settle(&mut blocks, 1e-9, Response::FREE, 1e-3), 0);
+    // Nothing is left for the bond to hold but the circles on which they turn.
+    let turning = blocks.motion(0).spin.norm_squared() / 2.0;
+    assert_eq!(
+        groups.settle(&mut blocks, 1.001 * turning, Response::FREE, 1e-3),
+        0
+    );
 }
 
 #[test]
@@ -134,6 +138,21 @@ fn a_moment_tips_a_face_about_its_edge() {
     // Opposite torques leave the pair at rest, and the bond holds one of them on half a side.
     assert_eq!(tear(2.0 * torque * 1.001), 0);
     assert_eq!(tear(2.0 * torque * 0.999), 1);
+}
+
+#[test]
+fn a_spinning_row_is_torn_by_its_own_weight() {
+    // Of five blocks, the bond beside the middle keeps two on their circles: 1 + 2 times the spin squared.
+    for (spin, tears) in [(0.10, false), (0.12, true)] {
+        let (mut groups, mut blocks) = row(5);
+        for id in 0..5 {
+            let arm = Vector3::x() * (f64::from(id) - 2.0);
+            let turning = Vector3::z() * spin;
+            blocks.set_velocity(id, turning.cross(&arm), turning);
+        }
+        let torn = groups.settle(&mut blocks, 3.0 * 0.11 * 0.11, Response::FREE, 0.25);
+        assert_eq!(torn > 0, tears, "{spin}");
+    }
 }
 
 #[test]

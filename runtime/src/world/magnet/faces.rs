@@ -37,8 +37,8 @@ pub(crate) struct Faces<R: Real> {
     seen: bool,
     /// Where all blocks of the structure sit whose faces attract by themselves.
     placed: Placed<R>,
-    /// Blocks that a face has rejected, and that still are where it would anchor them.
-    rejected: Vec<(Site, u32)>,
+    /// Blocks that have been rejected, and still are where some face would anchor them.
+    rejected: Vec<u32>,
     /// In the chambers of the blocks, if faces draw fluid; `None`: not known yet.
     pressures: Option<Pressures>,
 }
@@ -216,12 +216,17 @@ impl<R: Real> Faces<R> {
         let body = self.holds.remove(&site)?;
         self.placed.remove(Body::Free(body));
         let out = self.placed.outward(site);
-        self.rejected.push((site, body));
+        self.rejected.push(body);
         self.expose();
         Some(Release {
             body,
             velocity: out * R::of(passive.impulse),
         })
+    }
+
+    /// No face anchors a block before it has been where none would.
+    pub fn reject(&mut self, body: u32) {
+        self.rejected.push(body);
     }
 
     /// The faces that draw fluid.
@@ -379,12 +384,8 @@ impl<R: Real> Faces<R> {
             }
         }
         if !self.rejected.is_empty() {
-            let active = &self.active;
-            let is = |s: &Sighting<R>, (site, body): (Site, u32)| {
-                s.body == body && active[s.active].site == site
-            };
-            (self.rejected).retain(|&pair| ready.iter().any(|s| is(s, pair)));
-            ready.retain(|s| !self.rejected.iter().any(|&pair| is(s, pair)));
+            (self.rejected).retain(|&body| ready.iter().any(|s| s.body == body));
+            ready.retain(|s| !self.rejected.contains(&s.body));
         }
         if ready.is_empty() {
             return;

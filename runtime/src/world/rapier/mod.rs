@@ -1,7 +1,7 @@
 //! Full rigid bodies by the engine Rapier: the reference model.
 //!
-//! All cubes with rotation, contacts and friction, in single precision. It leaves out the fluid:
-//! a block feels kicks and linear drag, none of its neighbours' wakes. Contacts are as soft as the
+//! All cubes with rotation, contacts and friction, in single precision. A fluid
+//! acts on each block alone: none feels its neighbours' wakes. Contacts are as soft as the
 //! engine makes them, and with one substep a tick that is soft: see [`Settings`].
 //!
 //! Inside and in [`BodyState`], everything is in block units: the side of a block is 1, its mass 1,
@@ -369,18 +369,25 @@ impl World for RapierWorld {
                 });
                 let count = self.count();
                 for block in held {
-                    if let Some(bonds) = &mut self.free_bonds {
-                        bonds.leave(block.body, &mut self.blocks);
-                    }
+                    let hanging = match &mut self.free_bonds {
+                        Some(bonds) => bonds.leave(block.body, &mut self.blocks),
+                        None => Vec::new(),
+                    };
                     self.hold(block);
                     if let Some(faces) = &mut self.faces {
+                        hanging.into_iter().for_each(|body| faces.reject(body));
                         faces.set_nearby_all(count);
                     }
                 }
             }
             if let Some(bonds) = &mut self.free_bonds {
                 self.blocks.list_free(&mut self.free);
-                bonds.join(&self.free, &mut self.blocks);
+                let dt = 1.0 / f64::from(self.substeps);
+                if bonds.join(&self.free, &mut self.blocks, dt)
+                    && let Some(faces) = &mut self.faces
+                {
+                    faces.disturb();
+                }
                 (self.blocks).show_moved(&mut self.engine, &self.handles);
                 self.joints
                     .follow(&mut self.engine, &self.handles, bonds.groups.bonds());

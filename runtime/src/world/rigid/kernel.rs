@@ -387,8 +387,9 @@ impl<R: Lane> Kernel<R> {
             dockings.push(docking);
         });
         for block in held {
-            if let Some(bonds) = &mut self.free_bonds {
-                bonds.leave(block.body, &mut self.bodies);
+            if let (Some(bonds), Some(faces)) = (&mut self.free_bonds, &mut self.faces) {
+                let hanging = bonds.leave(block.body, &mut self.bodies);
+                hanging.into_iter().for_each(|body| faces.reject(body));
             }
             self.bodies
                 .anchor(block.body as usize, block.seat, block.orientation);
@@ -397,7 +398,10 @@ impl<R: Lane> Kernel<R> {
         }
         if let Some(bonds) = &mut self.free_bonds {
             self.bodies.list_free(&mut self.free);
-            bonds.join(&self.free, &mut self.bodies);
+            let dt = self.bodies.dt.double();
+            if bonds.join(&self.free, &mut self.bodies, dt) {
+                self.disturb();
+            }
         }
     }
 }
