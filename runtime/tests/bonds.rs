@@ -15,6 +15,7 @@ in_every_world!(
     a_pair_is_torn_by_a_flow_that_pulls_harder_than_it_holds,
     every_face_of_a_planted_block_attracts,
     a_rejected_block_leaves_with_the_impulse_and_may_come_back_later,
+    a_block_that_is_rejected_from_a_corner_is_not_taken_by_the_other_side,
     a_docked_block_rejects_what_hangs_on_it,
     an_open_face_draws_a_block_and_holds_it,
     a_second_open_face_halves_what_the_first_draws,
@@ -249,6 +250,29 @@ fn a_rejected_block_leaves_with_the_impulse_and_may_come_back_later<W: Arena>() 
     let again = dockings(&mut world, 400);
     assert_eq!(again.len(), 1);
     assert_eq!(again[0].site, east);
+}
+
+fn a_block_that_is_rejected_from_a_corner_is_not_taken_by_the_other_side<W: Arena>() {
+    // Its cell lies before the east face of one block and before the south face of another.
+    let blocks = [
+        BodyState::at_rest(at(1.03, 0.0, 0.5)),
+        BodyState::at_rest(at(-5.0, 0.0, 5.0)),
+        BodyState::at_rest(at(0.0, 5.0, 5.0)),
+    ];
+    let mut world: W = world(&reject(0.005, 0.1), &blocks);
+    let other = Site {
+        body: Body::Seed(Cell::new(2, 2, 0)),
+        face: Face::Up,
+    };
+    for seed in [SEED, other] {
+        world.plant(seed).expect("a free block");
+    }
+    let docked = dockings(&mut world, 1);
+    assert_eq!(docked.len(), 1);
+    world.switch_off(docked[0].site);
+    assert!(dockings(&mut world, 10).is_empty());
+    let away = world.state(0).position - at(1.0, 0.0, 0.5);
+    assert!(away.norm() > 0.2, "{away}");
 }
 
 fn a_docked_block_rejects_what_hangs_on_it<W: Arena>() {

@@ -292,6 +292,11 @@ fn cases() -> Vec<(&'static str, Scene, u64)> {
             t,
         ),
         (
+            "wall of 1e36 N/m",
+            with(|s| s.enclosure = hemisphere(2.9, 1e36)),
+            t,
+        ),
+        (
             "wall of 0 N/m",
             with(|s| s.enclosure = hemisphere(2.9, 0.0)),
             t,
