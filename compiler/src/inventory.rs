@@ -2,7 +2,7 @@
 use crate::finding::{Code, Finding};
 use crate::layout::Layout;
 use crate::plan::{Deed, Plan};
-use crate::scene::{BondKind, Enclosure, Scene};
+use crate::scene::{BondKind, Scene};
 
 /// Compares an aggregate with its scene: blocks have to bond to each other unasked, and there have to be enough.
 pub fn check_aggregate(plan: &Plan, scene: &Scene, findings: &mut Vec<Finding>) {
@@ -88,10 +88,9 @@ pub fn check(plan: &Plan, layout: &Layout, scene: &Scene, findings: &mut Vec<Fin
         return;
     };
     // Distances in sides, from the centre of the shell over that of the plate's upper side.
-    let (Enclosure::Hemisphere { radius, .. } | Enclosure::Sphere { radius, .. }) = *enclosure;
     let side = scene.block.side;
-    let corner = f64::from(plan.plate.width).hypot(f64::from(plan.plate.depth)) / 2.0;
-    let (radius, middle) = (radius / side, enclosure.centre_height(corner * side) / side);
+    let radius = enclosure.radius() / side;
+    let middle = enclosure.centre_height(&plan.plate, side) / side;
     let centre = |edge: u32| (f64::from(edge) - 1.0) / 2.0;
     let (east, north) = (centre(plan.plate.width), centre(plan.plate.depth));
     let outside = plan

@@ -56,10 +56,8 @@ pub(crate) fn gather<W: World>(
         }
         dockings.clear();
         if let Err(fault) = world.step(&mut dockings) {
-            break Outcome::Failed {
-                phase,
-                reason: format!("block {}: {}", fault.body, fault.what),
-            };
+            let reason = fault.to_string();
+            break Outcome::Failed { phase, reason };
         }
     };
     Ok(RunRecord {

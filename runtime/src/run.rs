@@ -216,10 +216,8 @@ fn follow<'t, W: World>(
         }
         dockings.clear();
         if let Err(fault) = world.step(&mut dockings) {
-            break Outcome::Failed {
-                phase,
-                reason: format!("block {}: {}", fault.body, fault.what),
-            };
+            let reason = fault.to_string();
+            break Outcome::Failed { phase, reason };
         }
         controller.advance(&dockings, world);
         look(world, &mut controller);

@@ -1,7 +1,6 @@
 //! What a page has to know besides the recording.
 use serde_json::{Value, json};
 use stochc_compiler::emit::table_json;
-use stochc_compiler::scene::Enclosure;
 use stochc_compiler::table::Tables;
 
 use crate::ensemble::{Manifest, Program};
@@ -13,13 +12,9 @@ use crate::figures::visible;
 pub fn about(manifest: &Manifest, program: &Program, tables: &Tables, graph: &Value) -> Value {
     let scene = json!(program.scene);
     let side = program.scene.block.side;
-    let (width, depth) = (tables.plate.width, tables.plate.depth);
-    let corner = f64::from(width).hypot(f64::from(depth)) / 2.0 * side;
     let enclosure = program.scene.enclosure.as_ref();
-    let radius = enclosure.map(|enclosure| match enclosure {
-        Enclosure::Hemisphere { radius, .. } | Enclosure::Sphere { radius, .. } => radius / side,
-    });
-    let lift = enclosure.map_or(0.0, |enclosure| enclosure.centre_height(corner) / side);
+    let radius = enclosure.map(|enclosure| enclosure.radius() / side);
+    let lift = enclosure.map_or(0.0, |it| it.centre_height(&tables.plate, side) / side);
     let file = program.sources.first().map_or("", |source| &source.path);
     let substeps = match manifest.substeps {
         1 => "1 substep".to_owned(),

@@ -20,6 +20,8 @@ pub(crate) use spelling::unit_meant;
 
 use serde::{Deserialize, Serialize};
 
+use crate::table::Plate;
+
 /// A world of free blocks around a seed plate, or without one.
 ///
 /// The ground is the plane z = 0 through the plate's upper faces, with the centre of the plate at
@@ -113,12 +115,20 @@ pub enum Enclosure {
 }
 
 impl Enclosure {
-    /// Height of the shell's centre over the ground \[m\], for a plate of which the farthest corner is
-    /// so far from the middle \[m\].
-    pub fn centre_height(&self, plate: f64) -> f64 {
+    /// Of the shell \[m\].
+    pub fn radius(&self) -> f64 {
+        let (Enclosure::Hemisphere { radius, .. } | Enclosure::Sphere { radius, .. }) = *self;
+        radius
+    }
+
+    /// Height of the shell's centre over the ground \[m\], around a plate of blocks of this side \[m\].
+    pub fn centre_height(&self, plate: &Plate, side: f64) -> f64 {
         match *self {
             Enclosure::Hemisphere { .. } => 0.0,
-            Enclosure::Sphere { radius, .. } => (radius * radius - plate * plate).max(0.0).sqrt(),
+            Enclosure::Sphere { radius, .. } => {
+                let corner = f64::from(plate.width).hypot(f64::from(plate.depth)) / 2.0 * side;
+                (radius * radius - corner * corner).max(0.0).sqrt()
+            }
         }
     }
 }

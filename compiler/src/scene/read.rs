@@ -2,6 +2,8 @@
 mod bond;
 mod contact;
 mod medium;
+#[cfg(test)]
+mod sample;
 
 use stochc_grammar::tree::{Name, Quantity, Term};
 use stochc_grammar::{Span, Symbols};

@@ -75,6 +75,12 @@ pub struct Fault {
     pub what: String,
 }
 
+impl std::fmt::Display for Fault {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "block {}: {}", self.body, self.what)
+    }
+}
+
 /// A place where free blocks move and magnetized faces capture them.
 ///
 /// A world counts ticks from 0. What is asked of it between two steps holds from the next one on.

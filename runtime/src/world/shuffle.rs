@@ -113,15 +113,25 @@ impl ShuffleWorld {
             return;
         }
         let exposed = self.exposed();
+        self.dock_one(&exposed, [which, who, how], dockings);
+    }
+
+    /// Docks a free block on one of these faces, both and the way it is turned drawn by these words.
+    fn dock_one(
+        &mut self,
+        sites: &[Site],
+        [which, who, how]: [u32; 3],
+        dockings: &mut Vec<Docking>,
+    ) {
         let free: Vec<u32> = (0..self.count)
             .filter(|&id| !self.lattice.is_anchored(id))
             .collect();
-        if exposed.is_empty() || free.is_empty() {
+        if sites.is_empty() || free.is_empty() {
             return;
         }
         let pose = below(how, 24) as u8;
         let docking = Docking {
-            site: exposed[below(which, exposed.len() as u32) as usize],
+            site: sites[below(which, sites.len() as u32) as usize],
             child: free[below(who, free.len() as u32) as usize],
             child_face: Face::ALL[usize::from(pose / 4)],
             turn: pose % 4,
@@ -183,25 +193,9 @@ impl World for ShuffleWorld {
         let open: Vec<Site> = (self.lattice.active().iter().copied())
             .filter(|&site| self.lattice.target(site).is_some())
             .collect();
-        let free: Vec<u32> = (0..self.count)
-            .filter(|&id| !self.lattice.is_anchored(id))
-            .collect();
         let [which, who, how, _] = self.draws.step(self.tick).block(0);
         self.tick += 1;
-        if open.is_empty() || free.is_empty() {
-            return Ok(());
-        }
-        let pose = below(how, 24) as u8;
-        let docking = Docking {
-            site: open[below(which, open.len() as u32) as usize],
-            child: free[below(who, free.len() as u32) as usize],
-            child_face: Face::ALL[usize::from(pose / 4)],
-            turn: pose % 4,
-            entries: 1,
-            entered: self.tick,
-        };
-        self.lattice.dock(&docking);
-        dockings.push(docking);
+        self.dock_one(&open, [which, who, how], dockings);
         Ok(())
     }
 }

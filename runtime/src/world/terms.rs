@@ -325,7 +325,6 @@ impl Units {
     }
 
     fn shell(self, enclosure: &Enclosure, plate: &Plate) -> Made<Shell> {
-        let corner = f64::from(plate.width).hypot(f64::from(plate.depth)) / 2.0 * self.side;
         let (radius, wall, inside) = match *enclosure {
             Enclosure::Hemisphere { radius, wall } => (radius, wall, 0.0),
             Enclosure::Sphere { radius, wall } => (radius, wall, self.side / 2.0),
@@ -334,7 +333,7 @@ impl Units {
             radius: self.length("the radius of the enclosure", radius - inside)?,
             height: self.length(
                 "the height of the enclosure",
-                enclosure.centre_height(corner),
+                enclosure.centre_height(plate, self.side),
             )?,
             stiffness: number("the wall", wall * self.tick * self.tick / self.mass)?,
         })

@@ -101,15 +101,14 @@ fn fate<W: Arena>(
         panic!("an enclosure");
     };
     let (Enclosure::Hemisphere { radius, wall } | Enclosure::Sphere { radius, wall }) = *enclosure;
-    let corner = f64::from(plate.width).hypot(f64::from(plate.depth)) / 2.0;
-    let middle = enclosure.centre_height(corner * scene.block.side) / scene.block.side;
+    let middle = enclosure.centre_height(plate, scene.block.side) / scene.block.side;
     let radius = radius / scene.block.side;
     let swing = (wall * scene.tick * scene.tick / scene.block.mass).sqrt();
     let mut dockings = Vec::new();
     let (mut fastest, mut sum, mut samples) = (0.0f64, 0.0, 0.0);
     for tick in 0..ticks {
         if let Err(fault) = world.step(&mut dockings) {
-            let what = format!("block {}: {}", fault.body, fault.what);
+            let what = fault.to_string();
             return Fate::Failed { tick, what };
         }
         for id in (0..world.count()).filter(|&id| world.anchored(id).is_none()) {

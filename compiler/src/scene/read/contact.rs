@@ -100,29 +100,8 @@ impl Reader<'_, '_> {
 
 #[cfg(test)]
 mod tests {
-    use stochc_grammar::tree::ItemKind;
-    use stochc_grammar::{Symbols, parse, print};
-
+    use super::super::sample::scene;
     use super::*;
-    use crate::Sources;
-    use crate::scene::{Scene, built_in, read};
-
-    /// A scene from `hemisphere` with this clause instead, and what is found in it.
-    fn scene(clause: &str) -> (Option<Scene>, Vec<Finding>) {
-        let text = format!("scene s from hemisphere {{ {clause} }}");
-        let mut symbols = Symbols::new();
-        let parsed = parse(&text, &mut symbols);
-        assert_eq!(parsed.errors, [], "{clause}");
-        let printed = print(&parsed.tree, &symbols);
-        assert_eq!(parse(&printed, &mut symbols).tree, parsed.tree, "{printed}");
-        let ItemKind::Scene(tree) = &parsed.tree.items[0].kind else {
-            panic!("{clause} is no scene");
-        };
-        let mut findings = Vec::new();
-        let file = Sources::default().add("s.sa", text.as_str());
-        let scene = read(tree, built_in("hemisphere"), file, &symbols, &mut findings);
-        (scene, findings)
-    }
 
     fn contact(fields: &str) -> Option<Contact> {
         let (scene, findings) = scene(&format!("contact {{ {fields} }}"));

@@ -196,30 +196,15 @@ impl Reader<'_, '_> {
 
 #[cfg(test)]
 mod tests {
-    use stochc_grammar::tree::ItemKind;
-    use stochc_grammar::{Symbols, parse};
-
+    use super::super::sample;
     use super::*;
-    use crate::Sources;
-    use crate::scene::{Scene, built_in, read};
+    use crate::scene::Scene;
 
-    /// A scene from `hemisphere` with these clauses, and what is found in it.
+    /// A scene from `hemisphere` with these clauses, and what is told of it.
     fn scene(clauses: &str) -> (Option<Scene>, Vec<(Code, String)>) {
-        let text = format!("scene s from hemisphere {{ {clauses} }}");
-        let mut symbols = Symbols::new();
-        let parsed = parse(&text, &mut symbols);
-        assert_eq!(parsed.errors, [], "{clauses}");
-        let ItemKind::Scene(tree) = &parsed.tree.items[0].kind else {
-            panic!("{clauses} is no scene");
-        };
-        let mut findings = Vec::new();
-        let file = Sources::default().add("s.sa", text.as_str());
-        let scene = read(tree, built_in("hemisphere"), file, &symbols, &mut findings);
+        let (scene, findings) = sample::scene(clauses);
         let told = findings.into_iter();
-        (
-            scene,
-            told.map(|finding| (finding.code, finding.title)).collect(),
-        )
+        (scene, told.map(|it| (it.code, it.title)).collect())
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! What the bonds of a group have to hold.
 use nalgebra::Vector3;
 
-use super::Group;
 use super::compound::Compound;
+use super::{Group, connected};
 use crate::world::ambient::{Motion, Response};
 use crate::world::magnet::INVERSE_INERTIA;
 
@@ -50,16 +50,7 @@ pub(super) fn worst(
 
 /// The members on the second block's side of a bond.
 fn behind(group: &Group, bond: usize) -> Vec<u32> {
-    let mut side = vec![group.bonds[bond].1];
-    let mut next = 0;
-    while let Some(&at) = side.get(next) {
-        next += 1;
-        for (i, &(a, b)) in group.bonds.iter().enumerate() {
-            let other = if a == at { b } else { a };
-            if i != bond && (a == at || b == at) && !side.contains(&other) {
-                side.push(other);
-            }
-        }
-    }
-    side
+    let mut others = group.bonds.clone();
+    let (_, second) = others.remove(bond);
+    connected(second, &others)
 }

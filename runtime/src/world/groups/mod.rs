@@ -114,18 +114,11 @@ impl Groups {
         members.extend(moved);
         bonds.extend(others);
         bonds.push((a, b));
-        self.add(members, bonds, flock);
-        self.stiffen(a, flock);
-    }
-
-    /// Gives the group of a block the motion of a rigid body, whatever its bonds would have to hold for that.
-    fn stiffen(&self, id: u32, flock: &mut impl Flock) {
-        let members = self.with(id);
-        let motions: Vec<Motion> = members.iter().map(|&id| flock.motion(id)).collect();
-        let compound = Compound::of(&motions);
-        for (&id, motion) in members.iter().zip(&motions) {
-            let (velocity, spin) = compound.at(motion.position);
-            flock.set_velocity(id, velocity, spin);
+        if let Some(key) = self.add(members, bonds, flock) {
+            // Whatever its bonds would have to hold for that.
+            let group = &self.groups[&key];
+            let motions = group.motions(flock);
+            group.stiffen(&Compound::of(&motions), &motions, flock);
         }
     }
 
@@ -166,9 +159,7 @@ impl Groups {
             let Some(group) = self.groups.get(&key) else {
                 continue;
             };
-            let before: Vec<Motion> = (group.members.iter())
-                .map(|member| flock.motion(member.id))
-                .collect();
+            let before = group.motions(flock);
             let compound = Compound::of(&before);
             let worst = load::worst(group, &before, &compound, response, dt);
             if let Some((bond, load)) = worst
@@ -184,10 +175,7 @@ impl Groups {
                 }
                 continue;
             }
-            for (member, motion) in group.members.iter().zip(&before) {
-                let (velocity, spin) = compound.at(motion.position);
-                flock.set_velocity(member.id, velocity, spin);
-            }
+            group.stiffen(&compound, &before, flock);
         }
         torn
     }
@@ -196,9 +184,7 @@ impl Groups {
     /// group is, which turns by its spin for this time.
     pub fn carry(&mut self, flock: &mut impl Flock, dt: f64) {
         for group in self.groups.values_mut() {
-            let motions: Vec<Motion> = (group.members.iter())
-                .map(|member| flock.motion(member.id))
-                .collect();
+            let motions = group.motions(flock);
             // Flying straight keeps the angular momentum; the shape is that of the group.
             let (mut compound, turning) = Compound::momenta(&motions);
             let spin = |rotation: UnitQuaternion<f64>, members: &[Member]| {
@@ -233,8 +219,7 @@ impl Groups {
         (ids, group.bonds)
     }
 
-    /// Makes a group of blocks where they are, and gives it the momenta that they have; its key, unless it is
-    /// a lone block.
+    /// Makes a group of blocks where they are; its key, unless it is a lone block.
     fn add(
         &mut self,
         mut ids: Vec<u32>,
@@ -246,12 +231,12 @@ impl Groups {
             return None;
         };
         let motions: Vec<Motion> = ids.iter().map(|&id| flock.motion(id)).collect();
-        let compound = Compound::of(&motions);
+        let (Compound { middle, .. }, _) = Compound::momenta(&motions);
         let members = ids.iter().map(|&id| {
             let pose = flock.pose(id);
             Member {
                 id,
-                offset: pose.position - compound.middle,
+                offset: pose.position - middle,
                 turn: pose.rotation,
             }
         });
@@ -268,6 +253,22 @@ impl Groups {
     }
 }
 
+impl Group {
+    /// How its members move, in their order.
+    fn motions(&self, flock: &impl Flock) -> Vec<Motion> {
+        let motion = |member: &Member| flock.motion(member.id);
+        self.members.iter().map(motion).collect()
+    }
+
+    /// Gives its members, which are there, the motion of a rigid body.
+    fn stiffen(&self, body: &Compound, there: &[Motion], flock: &mut impl Flock) {
+        for (member, motion) in self.members.iter().zip(there) {
+            let (velocity, spin) = body.at(motion.position);
+            flock.set_velocity(member.id, velocity, spin);
+        }
+    }
+}
+
 /// Members, and the bonds between them.
 type Part = (Vec<u32>, Vec<(u32, u32)>);
 
@@ -276,22 +277,29 @@ fn parts(members: impl Iterator<Item = u32>, bonds: &[(u32, u32)]) -> Vec<Part> 
     let mut left: BTreeSet<u32> = members.collect();
     let mut out = Vec::new();
     while let Some(first) = left.pop_first() {
-        let mut part = vec![first];
-        let mut next = 0;
-        while let Some(&at) = part.get(next) {
-            next += 1;
-            for &(a, b) in bonds {
-                let other = if a == at { b } else { a };
-                if (a == at || b == at) && left.remove(&other) {
-                    part.push(other);
-                }
-            }
-        }
+        let part = connected(first, bonds);
+        left.retain(|id| !part.contains(id));
         let own = |bond: &&(u32, u32)| part.contains(&bond.0);
         let bonds = bonds.iter().filter(own).copied().collect();
         out.push((part, bonds));
     }
     out
+}
+
+/// A block and all that hang together with it by these bonds, the nearest first.
+fn connected(first: u32, bonds: &[(u32, u32)]) -> Vec<u32> {
+    let mut found = vec![first];
+    let mut next = 0;
+    while let Some(&at) = found.get(next) {
+        next += 1;
+        for &(a, b) in bonds {
+            let other = if a == at { b } else { a };
+            if (a == at || b == at) && !found.contains(&other) {
+                found.push(other);
+            }
+        }
+    }
+    found
 }
 
 #[cfg(test)]

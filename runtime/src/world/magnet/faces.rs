@@ -9,7 +9,7 @@ use super::target::{Near, Push, Target, best_turn};
 use crate::orientation::Orientation;
 use crate::world::ambient::Sink;
 use crate::world::real::{Real, cast, normal};
-use crate::world::terms::{Attraction, Magnet, Suction};
+use crate::world::terms::{Attraction, Magnet};
 use crate::world::{Body, Docking, Site};
 
 /// From the centre of a block to its faces \[side\].
@@ -234,23 +234,27 @@ impl<R: Real> Faces<R> {
         let Attraction::Suction(suction) = self.magnet.law else {
             return Vec::new();
         };
-        let pressures = self.pressures(&suction);
-        let flows: Vec<f64> = (self.active.iter())
-            .map(|active| pressures.at(active.site.body) / suction.valve)
-            .collect();
-        let sink = |(active, flow): (&Active<R>, f64)| Sink {
+        self.solve();
+        let sink = |active: &Active<R>| Sink {
             centre: cast(active.target.centre),
             normal: cast(active.target.normal),
-            flow,
+            flow: self.drop(active.site) / suction.valve,
         };
-        self.active.iter().zip(flows).map(sink).collect()
+        self.active.iter().map(sink).collect()
     }
 
-    fn pressures(&mut self, suction: &Suction) -> Pressures {
-        let open = self.active.iter().map(|active| active.site);
-        let holds = &self.holds;
-        let solve = || Pressures::of(suction, open, holds);
-        self.pressures.get_or_insert_with(solve).clone()
+    /// Finds the pressures again, if faces draw fluid and something has changed.
+    fn solve(&mut self) {
+        if let (Attraction::Suction(suction), None) = (self.magnet.law, &self.pressures) {
+            let open = self.active.iter().map(|active| active.site);
+            self.pressures = Some(Pressures::of(&suction, open, &self.holds));
+        }
+    }
+
+    /// Pressure drop on a face, as the acceleration of a block; none where faces draw no fluid.
+    fn drop(&self, site: Site) -> f64 {
+        let pressures = self.pressures.as_ref();
+        pressures.map_or(0.0, |pressures| pressures.at(site.body))
     }
 
     /// The blocks have been moved by something other than a step.
@@ -341,19 +345,12 @@ impl<R: Real> Faces<R> {
 
     /// What the magnets do to the blocks in reach, in the order of faces and numbers.
     pub fn pull(&mut self, blocks: &mut impl Cloud<R>, mut push: impl FnMut(u32, Push<R>)) {
-        let pressures = match self.magnet.law {
-            Attraction::Suction(suction) => Some(self.pressures(&suction)),
-            _ => None,
-        };
-        let drop = |site: Site| {
-            let drop = pressures.as_ref().map(|pressures| pressures.at(site.body));
-            R::of(drop.unwrap_or(0.0))
-        };
+        self.solve();
         for sighting in &self.sightings {
             let id = sighting.body;
             if let Some(position) = blocks.position(id) {
                 let Active { target, site, .. } = &self.active[sighting.active];
-                let (rotation, drop) = (blocks.rotation(id), drop(*site));
+                let (rotation, drop) = (blocks.rotation(id), R::of(self.drop(*site)));
                 let near = &sighting.near;
                 push(
                     id,

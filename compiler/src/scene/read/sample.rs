@@ -1,0 +1,25 @@
+//! Scenes for tests of the reader.
+use stochc_grammar::tree::ItemKind;
+use stochc_grammar::{Symbols, parse, print};
+
+use super::read;
+use crate::Sources;
+use crate::finding::Finding;
+use crate::scene::{Scene, built_in};
+
+/// A scene from `hemisphere` with these clauses instead, and what is found in it.
+pub fn scene(clauses: &str) -> (Option<Scene>, Vec<Finding>) {
+    let text = format!("scene s from hemisphere {{ {clauses} }}");
+    let mut symbols = Symbols::new();
+    let parsed = parse(&text, &mut symbols);
+    assert_eq!(parsed.errors, [], "{clauses}");
+    let printed = print(&parsed.tree, &symbols);
+    assert_eq!(parse(&printed, &mut symbols).tree, parsed.tree, "{printed}");
+    let ItemKind::Scene(tree) = &parsed.tree.items[0].kind else {
+        panic!("{clauses} is no scene");
+    };
+    let mut findings = Vec::new();
+    let file = Sources::default().add("s.sa", text.as_str());
+    let scene = read(tree, built_in("hemisphere"), file, &symbols, &mut findings);
+    (scene, findings)
+}
