@@ -1,7 +1,8 @@
 //! Where every block is and how it moves, in arrays.
-use nalgebra::{Quaternion, Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 
-use super::lanes::LANES;
+use super::lanes::{ABREAST, LANES, Lane, Wide, sum};
+use super::turn::{SMALL, columns, large, small, turned};
 use crate::orientation::Orientation;
 use crate::world::ambient::Motion;
 use crate::world::groups::Flock;
@@ -19,7 +20,7 @@ const NEVER: u64 = u64::MAX;
 /// Orientations are brought up to date only when somebody looks: between two changes of its spin
 /// a cube turns at a constant rate, whatever its motion, as its inertia is the same about all axes.
 #[derive(Clone, Debug)]
-pub(super) struct Bodies<R: Real> {
+pub(super) struct Bodies<R: Lane> {
     pub position: [Vec<R>; 3],
     pub velocity: [Vec<R>; 3],
     /// 1 if the block is free, 0 if it is anchored.
@@ -42,7 +43,7 @@ pub(super) struct Bodies<R: Real> {
     pub dt: R,
 }
 
-impl<R: Real> Bodies<R> {
+impl<R: Lane> Bodies<R> {
     pub fn new(blocks: &[BodyState], dt: R) -> Bodies<R> {
         let zeros = vec![R::zero(); blocks.len().next_multiple_of(LANES)];
         let mut mobility = zeros.clone();
@@ -106,12 +107,64 @@ impl<R: Real> Bodies<R> {
         self.rotation[i]
     }
 
-    /// The same as a matrix: own directions to the world's.
-    pub fn axes_now(&mut self, i: usize) -> &Rotation3<R> {
-        if self.shown[i] != self.now {
-            self.shown[i] = self.now;
-            self.axes[i] = self.rotation_now(i).to_rotation_matrix();
+    /// Brings the matrices of these blocks up to date, several side by side.
+    pub fn show(&mut self, ids: impl Iterator<Item = u32>) {
+        let mut late = [0; ABREAST];
+        let mut count = 0;
+        for id in ids {
+            let i = id as usize;
+            if self.shown[i] != self.now {
+                self.shown[i] = self.now;
+                late[count] = i;
+                count += 1;
+                if count == ABREAST {
+                    self.show_abreast(&late);
+                    count = 0;
+                }
+            }
         }
+        self.show_abreast(&late[..count]);
+    }
+
+    /// At most [`ABREAST`] of them.
+    fn show_abreast(&mut self, blocks: &[usize]) {
+        let zero = [R::zero(); ABREAST];
+        let (mut rotation, mut angle) = ([zero; 4], [zero; 3]);
+        for (lane, &i) in blocks.iter().enumerate() {
+            let since = self.dt * R::of((self.now - self.turned[i]) as f64);
+            self.turned[i] = self.now;
+            let (coords, by) = (self.rotation[i].coords, self.spin[i] * since);
+            (0..4).for_each(|axis| rotation[axis][lane] = coords[axis]);
+            (0..3).for_each(|axis| angle[axis][lane] = by[axis]);
+        }
+        let of = |value: f64| R::Quad::splat(R::of(value));
+        let rotation = rotation.map(|lanes| R::Quad::load(&lanes));
+        let angle = angle.map(|lanes| R::Quad::load(&lanes));
+        let s = sum(angle.map(|angle| angle * angle)) * of(0.25);
+        let mut half = small(s, of);
+        if of(SMALL).above(s).bits() != (1 << ABREAST) - 1 {
+            let (mut cos, mut over) = (half.0.store(), half.1.store());
+            for (lane, s) in s.store().into_iter().enumerate() {
+                if s >= R::of(SMALL) {
+                    (cos[lane], over[lane]) = large(s);
+                }
+            }
+            half = (R::Quad::load(&cos), R::Quad::load(&over));
+        }
+        let turned = turned(rotation, angle, half, of);
+        let rests = s.above(of(0.0));
+        let rotation = [0, 1, 2, 3].map(|axis| rests.choose(turned[axis], rotation[axis]));
+        let columns = columns(rotation, of).map(|column| column.map(Wide::store));
+        let rotation = rotation.map(Wide::store);
+        for (lane, &i) in blocks.iter().enumerate() {
+            self.rotation[i].as_mut_unchecked().coords = rotation.map(|lanes| lanes[lane]).into();
+            let columns = columns.map(|column| column.map(|lanes| lanes[lane]));
+            self.axes[i] = Rotation3::from_matrix_unchecked(Matrix3::from(columns));
+        }
+    }
+
+    /// The same as a matrix, own directions to the world's, as of the last time that it was shown.
+    pub fn axes(&self, i: usize) -> &Rotation3<R> {
         &self.axes[i]
     }
 
@@ -161,6 +214,22 @@ impl<R: Real> Bodies<R> {
         free.extend((0..self.count() as u32).filter(|&id| self.is_free(id as usize)));
     }
 
+    /// The free blocks whose centres are below a height, in rising order.
+    pub fn list_below(&self, height: R, found: &mut Vec<u32>) {
+        found.clear();
+        let height = R::Wide::splat(height);
+        for (group, z) in self.position[2].as_chunks::<LANES>().0.iter().enumerate() {
+            let mut low = height.above(R::Wide::load(z)).bits();
+            while low != 0 {
+                let i = group * LANES + low.trailing_zeros() as usize;
+                low &= low - 1;
+                if i < self.count() && self.is_free(i) {
+                    found.push(i as u32);
+                }
+            }
+        }
+    }
+
     /// Sets a free block's velocity and spin.
     pub fn set_velocity_of(&mut self, id: u32, velocity: Vector3<f64>, spin: Vector3<f64>) {
         let i = id as usize;
@@ -181,7 +250,7 @@ impl<R: Real> Bodies<R> {
     }
 }
 
-impl<R: Real> Cloud<R> for Bodies<R> {
+impl<R: Lane> Cloud<R> for Bodies<R> {
     fn position(&self, id: u32) -> Option<Vector3<R>> {
         let i = id as usize;
         self.is_free(i).then(|| self.centre(i))
@@ -192,7 +261,7 @@ impl<R: Real> Cloud<R> for Bodies<R> {
     }
 }
 
-impl<R: Real> Flock for Bodies<R> {
+impl<R: Lane> Flock for Bodies<R> {
     fn pose(&mut self, id: u32) -> Pose {
         let i = id as usize;
         let rotation = self.rotation_now(i).coords.map(Real::double);
@@ -237,24 +306,11 @@ fn turn<R: Real>(angle: Vector3<R>, rotation: UnitQuaternion<R>) -> UnitQuaterni
     if s == R::zero() {
         return rotation;
     }
-    // Half the angle: cosine, and sine over the angle itself.
-    let (cos, over) = if s < R::of(0.04) {
-        // Both series are cut where the next term is below 1e-10.
-        let nest = |s: R, by: [f64; 4]| {
-            let term = |sum, &by| R::one() - s * R::of(1.0 / by) * sum;
-            by.iter().rev().fold(R::one(), term)
-        };
-        let cos = nest(s, [2.0, 12.0, 30.0, 56.0]);
-        let sinc = nest(s, [6.0, 20.0, 42.0, 72.0]);
-        (cos, sinc * R::of(0.5))
+    let half = if s < R::of(SMALL) {
+        small(s, R::of)
     } else {
-        let half = s.double().sqrt();
-        let (sin, cos) = libm::sincos(half);
-        (R::of(cos), R::of(sin / half / 2.0))
+        large(s)
     };
-    let by = Quaternion::from_parts(cos, angle * over);
-    let turned = by * rotation.into_inner();
-    // It is so close to one that one step of Newton's for the root will do.
-    let factor = (R::of(3.0) - turned.norm_squared()) * R::of(0.5);
-    UnitQuaternion::new_unchecked(turned * factor)
+    let turned = turned(rotation.coords.into(), angle.into(), half, R::of);
+    UnitQuaternion::new_unchecked(Quaternion::from(turned))
 }

@@ -1,12 +1,14 @@
 //! Who touches whom at the beginning of a substep.
 use nalgebra::Vector3;
+use smallvec::SmallVec;
 use stochc_compiler::table::Plate;
 
 use super::bodies::Bodies;
 use super::grid::TOUCH;
-use super::kernel::Kernel;
-use super::lanes::Lane;
+use super::kernel::{Contacts, Kernel};
+use super::lanes::{ABREAST, Lane};
 use super::overlap::{Cuboid, Patch, ball_on_ground, balls, boxes, cube_on_ground};
+use crate::world::free_bonds::FreeBonds;
 use crate::world::real::Real;
 use crate::world::terms::built;
 
@@ -25,7 +27,7 @@ enum Ground<R: Real> {
     Plate(Cuboid<R>),
 }
 
-impl<R: Real> Shape<R> {
+impl<R: Lane> Shape<R> {
     /// Without an enclosure there is no floor.
     pub fn new(floor: bool, plate: &Plate, spheres: bool) -> Shape<R> {
         let half = |blocks: u32| R::of(f64::from(blocks) / 2.0);
@@ -41,32 +43,26 @@ impl<R: Real> Shape<R> {
         Shape { spheres, ground }
     }
 
-    fn cube(bodies: &mut Bodies<R>, i: usize) -> Cuboid<R> {
-        let axes = *bodies.axes_now(i);
-        Cuboid::cube(bodies.centre(i), axes)
-    }
-
     /// How block `i` and the ground overlap.
-    fn on_ground(&self, bodies: &mut Bodies<R>, i: usize) -> Option<Patch<R>> {
+    fn on_ground(&self, bodies: &Bodies<R>, i: usize) -> Option<Patch<R>> {
         match &self.ground {
             Ground::Plane if self.spheres => ball_on_ground(bodies.centre(i)),
-            Ground::Plane => {
-                let cube = Shape::cube(bodies, i);
-                cube_on_ground(cube.centre, &cube.axes)
-            }
+            Ground::Plane => cube_on_ground(bodies.centre(i), bodies.axes(i)),
             // A ball on an edge of the plate is a rare thing that is not worth a rule of its own.
-            Ground::Plate(plate) => boxes(&Shape::cube(bodies, i), plate),
+            Ground::Plate(plate) => boxes(&[(cube(bodies, i), *plate)]).next().flatten(),
         }
     }
 
-    /// How two blocks overlap.
-    fn overlap(&self, bodies: &mut Bodies<R>, a: usize, b: usize) -> Option<Patch<R>> {
-        if self.spheres {
-            balls(bodies.centre(a), bodies.centre(b))
-        } else {
-            boxes(&Shape::cube(bodies, a), &Shape::cube(bodies, b))
-        }
+    /// Whether it matters how blocks are turned that touch the ground, and those that touch each other.
+    fn has_edges(&self) -> [bool; 2] {
+        let balls_only = self.spheres && matches!(self.ground, Ground::Plane);
+        [!balls_only, !self.spheres]
     }
+}
+
+/// A block.
+fn cube<R: Lane>(bodies: &Bodies<R>, id: usize) -> Cuboid<R> {
+    Cuboid::cube(bodies.centre(id), *bodies.axes(id))
 }
 
 impl<R: Lane> Kernel<R> {
@@ -78,30 +74,49 @@ impl<R: Lane> Kernel<R> {
             return;
         };
         let bodies = &mut self.bodies;
-        contacts.solver.clear();
-        let low = R::of(TOUCH / 2.0);
-        for i in 0..bodies.count() {
-            if bodies.position[2][i] < low
-                && bodies.is_free(i)
-                && let Some(patch) = contacts.shape.on_ground(bodies, i)
-            {
-                contacts.solver.add(bodies, i as u32, None, &patch);
+        let Contacts {
+            shape,
+            solver,
+            mutual,
+            low,
+            close,
+        } = contacts;
+        solver.clear();
+        bodies.list_below(R::of(TOUCH / 2.0), low);
+        neighbours.close_pairs(bodies, close);
+        close.retain(|&(a, b)| {
+            let apart = |bonds: &FreeBonds| !bonds.groups.same(a, b);
+            let free = [a, b].map(|id| bodies.is_free(id as usize));
+            free != [false, false]
+                && (free != [true, true] || *mutual)
+                && self.free_bonds.as_ref().is_none_or(apart)
+        });
+        let [on_ground, mutually] = shape.has_edges();
+        bodies.show(low.iter().copied().filter(|_| on_ground));
+        bodies.show(close.iter().flat_map(|&(a, b)| [a, b]).filter(|_| mutually));
+        for &id in &*low {
+            if let Some(patch) = shape.on_ground(bodies, id as usize) {
+                solver.add(bodies, id, None, &patch);
             }
         }
-        neighbours.close_pairs(bodies, &mut contacts.close);
-        for &(a, b) in &contacts.close {
-            let (i, j) = (a as usize, b as usize);
-            let free = (bodies.is_free(i), bodies.is_free(j));
-            if free == (false, false) || (free == (true, true) && !contacts.mutual) {
-                continue;
-            }
-            if let Some(bonds) = &self.free_bonds
-                && bonds.groups.same(a, b)
-            {
-                continue;
-            }
-            if let Some(patch) = contacts.shape.overlap(bodies, i, j) {
-                contacts.solver.add(bodies, a, Some(b), &patch);
+        for pairs in close.chunks(ABREAST) {
+            let mut add = |(a, b): (u32, u32), patch: Option<Patch<R>>| {
+                if let Some(patch) = patch {
+                    solver.add(bodies, a, Some(b), &patch);
+                }
+            };
+            if shape.spheres {
+                for &(a, b) in pairs {
+                    let patch = balls(bodies.centre(a as usize), bodies.centre(b as usize));
+                    add((a, b), patch);
+                }
+            } else {
+                let cubes: SmallVec<[_; ABREAST]> = (pairs.iter())
+                    .map(|&(a, b)| (cube(bodies, a as usize), cube(bodies, b as usize)))
+                    .collect();
+                for (&pair, patch) in pairs.iter().zip(boxes(&cubes)) {
+                    add(pair, patch);
+                }
             }
         }
     }

@@ -176,6 +176,9 @@ impl<R: Lane> Shell<R> {
     /// Half of what the velocity of a block there is changed by in a substep.
     pub fn half_push(&self, place: Vector3<R>) -> Vector3<R> {
         let way = place - Vector3::z() * self.height;
+        if way.norm_squared() < R::of(0.99) * self.radius * self.radius {
+            return Vector3::zeros();
+        }
         let distance = way.norm();
         let depth = distance - self.radius;
         if depth > R::zero() {

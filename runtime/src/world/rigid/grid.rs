@@ -1,245 +1,249 @@
-//! Which blocks are near each other: cells of a grid, one bit each.
+//! Which blocks are near each other: blocks sorted by cells of a grid.
 //!
-//! A dilute suspension leaves nearly all cells empty. One bit per cell is little enough to stay in
-//! the cache, and 64 cells of a row are asked at once whether anything is next to them: a block
-//! that is alone costs next to nothing.
+//! Cells are long in x, and numbered along y first, so that the neighbours of a cell lie side by
+//! side in the sorted list: of all cells that touch it, half are two stretches of that list, and
+//! three more where a block is close to the end of its cell in x. Stretches are short, and asked
+//! four blocks at once, whether or not anybody is there: a guess that fails would cost more.
 use super::bodies::Bodies;
-use crate::world::real::Real;
+use super::lanes::{ABREAST, LANES, Lane, Wide};
 
 /// Farther apart than this \[side\], the centres of two cubes: they do not touch.
 pub(super) const TOUCH: f64 = 1.732_050_9;
 
-/// Edge of a cell, in units of the distance that counts as near, unless there would be too many.
+/// Thickness of a cell, in units of the distance that counts as near, unless there would be too many.
 const MARGIN: f64 = 1.005;
 
 /// At most so many cells per block; with more, the cells grow.
-const CELLS_PER_BLOCK: f64 = 64.0;
+const CELLS_PER_BLOCK: f64 = 2.0;
 
-/// At least so many cells are allowed.
-const FEW: f64 = 65_536.0;
-
-/// The end of a chain of blocks.
-const NONE: u32 = u32::MAX;
-
-/// Cells in a word.
-const WORD: usize = 64;
+/// At least so many cells are allowed, and at most so many: they are numbered by floating point
+/// numbers, too.
+const FEW: f64 = 1024.0;
+const MANY: f64 = 4_000_000.0;
 
 /// The blocks by cells.
 ///
-/// Cells are numbered along x, then y, then z, with an empty one between two rows, an empty row
-/// between two layers, and an empty layer below and above: a neighbour is a fixed number away.
-/// Blocks outside of the grid count as inside of its outermost cells, which loses no neighbours.
+/// An empty cell is between two rows, and an empty row below and above each slab of cells: a
+/// neighbour is a fixed number away. Blocks outside of the grid count as inside of its outermost
+/// cells, which loses no neighbours.
 #[derive(Clone, Debug)]
-pub(super) struct Grid<R: Real> {
+pub(super) struct Grid<R: Lane> {
     /// The middle of the first cell.
     low: [R; 3],
     /// Cells per side.
-    scale: R,
+    scale: [R; 3],
     /// Closer than this is near \[side\].
     near: R,
     /// The last cell along each axis.
     last: [R; 3],
-    /// From a cell to the next one behind and above.
-    stride: [u32; 2],
-    /// To half of the cells around: the next one, the row behind, the layer above.
-    around: [u32; HALF],
-    /// Whether a cell holds a block.
-    occupied: Vec<u64>,
-    /// Whether it holds several.
-    crowded: Vec<u64>,
-    /// Whether it or a neighbour in its row is occupied.
-    spread: Vec<u64>,
-    /// The last block that came into a cell; says nothing of an empty one.
-    head: Vec<u32>,
-    /// The one that came before.
-    next: Vec<u32>,
+    /// Cells in a row along y, and in a slab of rows, with the empty ones.
+    stride: [usize; 2],
+    /// Where the blocks of a cell begin in the sorted list; the next one begins where they end.
+    start: Vec<u32>,
+    /// The cell of each block by number.
+    cells: Vec<u32>,
+    /// The blocks, sorted by cell and then by number: cell, number, and place.
+    ///
+    /// Places go on for [`ABREAST`] blocks that are nowhere.
+    sorted: Vec<(u32, u32)>,
+    places: [Vec<R>; 3],
 }
 
-/// Half of the cells around a cell.
-const HALF: usize = 13;
-
-impl<R: Real> Grid<R> {
+impl<R: Lane> Grid<R> {
     /// For blocks that mostly stay within `span` of the origin, and above `floor`, and of which
     /// those closer than `near` are looked for \[side\].
     pub fn new(count: usize, span: f64, floor: f64, near: f64) -> Grid<R> {
         let mut edge = near * MARGIN;
         let span = span.max(edge);
-        let most = (count as f64 * CELLS_PER_BLOCK).max(FEW);
-        let wide = |edge: f64| 2.0 * span / edge + 2.0;
-        let high = |edge: f64| (span - floor) / edge + 2.0;
-        while wide(edge).powi(2) * high(edge) > most {
+        let most = (count as f64 * CELLS_PER_BLOCK).clamp(FEW, MANY);
+        let along = |length: f64, edge: f64| length / edge + 2.0;
+        let rows = |edge: f64| along(2.0 * span, edge) * along(span - floor, edge);
+        while rows(edge) > most {
             edge *= 1.1;
         }
-        let size = [wide(edge), wide(edge), high(edge)].map(|cells| cells as u32);
-        let behind = size[0] + 1;
-        let above = behind * (size[1] + 1);
-        let triple = |middle: u32| [middle - 1, middle, middle + 1];
-        let rows = [behind, above - behind, above, above + behind].map(triple);
-        let mut around = [1; HALF];
-        around[1..].copy_from_slice(rows.as_flattened());
-        let cells = (above * (size[2] + 2)) as usize + 1;
-        // Two words more, so that the neighbours of the last cell are in some word.
-        let words = cells / WORD + 2;
+        let slabs = (most / rows(edge)).min(2.0 * span / edge).max(1.0).floor();
+        let length = 2.0 * span / slabs;
+        let [wide, high] =
+            [2.0 * span, span - floor].map(|length| along(length, edge).floor() as usize);
+        let stride = [wide + 1, (wide + 1) * (high + 2)];
+        let last = [slabs, wide as f64, high as f64].map(|cells| R::of(cells - 1.0));
         Grid {
-            low: [-span, -span, floor].map(R::of),
-            scale: R::of(1.0 / edge),
+            // In x cells end where slabs do; elsewhere it does not matter.
+            low: [length / 2.0 - span, -span, floor].map(R::of),
+            scale: [length, edge, edge].map(|edge| R::of(1.0 / edge)),
             near: R::of(near),
-            last: size.map(|cells| R::of(f64::from(cells - 1))),
-            stride: [behind, above],
-            around,
-            occupied: vec![0; words],
-            crowded: vec![0; words],
-            spread: vec![0; words],
-            head: vec![NONE; cells],
-            next: vec![NONE; count],
+            last,
+            stride,
+            // With the cells after the last one, and what counting needs.
+            start: vec![0; stride[1] * slabs as usize + 4],
+            cells: vec![0; count.next_multiple_of(LANES)],
+            sorted: vec![(0, 0); count],
+            places: [(); 3].map(|()| vec![R::of(f64::NAN); count + ABREAST]),
         }
     }
 
     /// Takes in where the blocks are now.
     pub fn sort(&mut self, bodies: &Bodies<R>) {
-        self.occupied.fill(0);
-        self.crowded.fill(0);
-        let count = self.next.len();
-        let [x, y, z] = [0, 1, 2].map(|axis| &bodies.position[axis][..count]);
-        for i in 0..count {
-            let cell = self.cell([
-                self.along(0, x[i]),
-                self.along(1, y[i]),
-                self.along(2, z[i]),
-            ]);
-            let (word, mask) = (cell / WORD, 1 << (cell % WORD));
-            let head = &mut self.head[cell];
-            if self.occupied[word] & mask == 0 {
-                self.occupied[word] |= mask;
-                self.next[i] = NONE;
-            } else {
-                self.crowded[word] |= mask;
-                self.next[i] = *head;
+        self.look_up_cells(bodies);
+        let cells = &self.cells[..self.sorted.len()];
+        // Two further on are counted: then places are given out one further on, and in the end
+        // each number is where it belongs.
+        self.start.fill(0);
+        for &cell in cells {
+            self.start[cell as usize + 2] += 1;
+        }
+        let mut sum = 0;
+        for start in &mut self.start {
+            sum += *start;
+            *start = sum;
+        }
+        let [x, y, z] = [0, 1, 2].map(|axis| &bodies.position[axis][..cells.len()]);
+        let [to_x, to_y, to_z] = self
+            .places
+            .each_mut()
+            .map(|places| &mut places[..cells.len()]);
+        for (i, &cell) in cells.iter().enumerate() {
+            let place = &mut self.start[cell as usize + 1];
+            let at = *place as usize;
+            *place += 1;
+            self.sorted[at] = (cell, i as u32);
+            (to_x[at], to_y[at], to_z[at]) = (x[i], y[i], z[i]);
+        }
+    }
+
+    /// Finds the cell of each block.
+    fn look_up_cells(&mut self, bodies: &Bodies<R>) {
+        let [x, y, z] = [0, 1, 2].map(|axis| bodies.position[axis].as_chunks::<LANES>().0);
+        let [row, slab] = self.stride.map(|cells| R::Wide::splat(R::of(cells as f64)));
+        let first = R::Wide::splat(R::of(self.cell([0; 3]) as f64));
+        let zero = R::Wide::splat(R::zero());
+        // So large a number has no fractions.
+        let large = R::Wide::splat(R::one() / R::default_epsilon());
+        let (low, scale) = (self.low.map(R::Wide::splat), self.scale.map(R::Wide::splat));
+        let last = self.last.map(R::Wide::splat);
+        let (groups, _) = self.cells.as_chunks_mut::<LANES>();
+        for (group, cells) in groups.iter_mut().enumerate() {
+            let along = |axis: usize, x: &[R; LANES]| {
+                let cell = (R::Wide::load(x) - low[axis]) * scale[axis];
+                // What is not a number is in the first cell.
+                let cell = cell.above(zero).choose(cell, zero);
+                cell.least(last[axis]) + large - large
+            };
+            let [x, y, z] = [
+                along(0, &x[group]),
+                along(1, &y[group]),
+                along(2, &z[group]),
+            ];
+            let all = (x * slab + z * row + y + first).store();
+            for (cell, number) in cells.iter_mut().zip(all) {
+                *cell = number.round_small();
             }
-            *head = i as u32;
         }
     }
 
     /// The number of the cell that a coordinate is in.
     #[inline(always)]
-    fn along(&self, axis: usize, x: R) -> u32 {
-        let cell = (x - self.low[axis]) * self.scale;
+    fn along(&self, axis: usize, x: R) -> usize {
+        let cell = (x - self.low[axis]) * self.scale[axis];
         let last = self.last[axis];
         // What is not a number is in the first cell.
         let cell = if cell > R::zero() { cell } else { R::zero() };
         let cell = if cell < last { cell } else { last };
-        cell.round_small()
+        cell.round_small() as usize
     }
 
     /// The number of a cell among all.
     #[inline(always)]
-    fn cell(&self, [x, y, z]: [u32; 3]) -> usize {
-        let [behind, above] = self.stride;
-        ((z + 1) * above + (y + 1) * behind + x + 1) as usize
+    fn cell(&self, [x, y, z]: [usize; 3]) -> usize {
+        let [row, slab] = self.stride;
+        x * slab + (z + 1) * row + y + 1
     }
 
-    /// The blocks of an occupied cell, the last first.
-    fn blocks_of(&self, cell: usize) -> impl Iterator<Item = u32> + '_ {
-        std::iter::successors(Some(self.head[cell]), |&i| {
-            let next = self.next[i as usize];
-            (next != NONE).then_some(next)
-        })
+    /// Only from so far on in x, blocks of a slab may be near one of the next slab.
+    fn edge(&self, slab: usize, slabs: usize) -> R {
+        if slab + 1 < slabs {
+            R::of(slab as f64 + 0.5) / self.scale[0] + self.low[0] - self.near * R::of(MARGIN)
+        } else {
+            R::of(f64::INFINITY)
+        }
     }
 
     /// Every pair of blocks that are near each other, once, the lower number first, in rising order.
-    pub fn close_pairs(&mut self, bodies: &Bodies<R>, pairs: &mut Vec<(u32, u32)>) {
+    pub fn close_pairs(&self, pairs: &mut Vec<(u32, u32)>) {
         pairs.clear();
-        let (mut before, after) = (0, self.occupied.iter().skip(1).chain(&[0]));
-        for ((spread, &here), &after) in self.spread.iter_mut().zip(&self.occupied).zip(after) {
-            *spread = here | here << 1 | before >> (WORD - 1) | here >> 1 | after << (WORD - 1);
-            before = here;
-        }
-        let rows = [2, 5, 8, 11].map(|middle| self.around[middle] as usize);
-        for (word, &here) in self.occupied.iter().enumerate() {
-            if here == 0 {
-                continue;
+        let count = self.sorted.len();
+        let [row, slab] = self.stride;
+        let slabs = self.start.len() / slab;
+        let start = &self.start[..];
+        let places = [0, 1, 2].map(|axis| &self.places[axis][..count + ABREAST]);
+        let near = R::Quad::splat(self.near * self.near);
+        let mut edge = self.edge(0, slabs);
+        let mut end = slab;
+        for (k, &(cell, own)) in self.sorted.iter().enumerate() {
+            let cell = cell as usize;
+            if cell >= end {
+                edge = self.edge(cell / slab, slabs);
+                end = (cell / slab + 1) * slab;
             }
-            let first = word * WORD;
-            let near = rows
-                .iter()
-                .fold(bits(&self.occupied, first + 1), |near, row| {
-                    near | bits(&self.spread, first + row)
-                });
-            let mut busy = here & (near | self.crowded[word]);
-            while busy != 0 {
-                let bit = busy.trailing_zeros() as usize;
-                busy &= busy - 1;
-                self.meet_around(bodies, first + bit, pairs);
+            let here = places.map(|x| R::Quad::splat(x[k]));
+            let mut meet = |from: u32, to: u32| {
+                let (mut from, to) = (from as usize, to as usize);
+                loop {
+                    let mut hits = near.above(squares(places, &here, from)).bits();
+                    // Whoever is near beyond the end of the stretch is met twice.
+                    while hits != 0 {
+                        let other = self.sorted[from + hits.trailing_zeros() as usize].1;
+                        hits &= hits - 1;
+                        pairs.push((own.min(other), own.max(other)));
+                    }
+                    from += ABREAST;
+                    if from >= to {
+                        break;
+                    }
+                }
+            };
+            meet(k as u32 + 1, start[cell + 2]);
+            let above = &start[cell + row - 1..][..4];
+            meet(above[0], above[3]);
+            if places[0][k] > edge {
+                for other in [cell + slab - row, cell + slab, cell + slab + row] {
+                    meet(start[other - 1], start[other + 2]);
+                }
             }
         }
         pairs.sort_unstable();
-    }
-
-    /// Keeps the close pairs of a cell's blocks, and theirs with those of half of the cells around.
-    #[inline(always)]
-    fn meet_around(&self, bodies: &Bodies<R>, cell: usize, pairs: &mut Vec<(u32, u32)>) {
-        let mut around = bits(&self.occupied, cell + 1) & 1;
-        for row in 0..4 {
-            let first = cell + self.around[3 * row + 1] as usize;
-            around |= (bits(&self.occupied, first) & 7) << (3 * row + 1);
-        }
-        let mut i = self.head[cell];
-        while i != NONE {
-            let next = self.next[i as usize];
-            self.meet_chain(bodies, i, next, pairs);
-            let mut rest = around;
-            while rest != 0 {
-                let which = rest.trailing_zeros() as usize;
-                rest &= rest - 1;
-                let other = cell + self.around[which] as usize;
-                self.meet_chain(bodies, i, self.head[other], pairs);
-            }
-            i = next;
-        }
-    }
-
-    /// Keeps the close pairs of a block with others of one cell.
-    #[inline(always)]
-    fn meet_chain(&self, bodies: &Bodies<R>, i: u32, first: u32, pairs: &mut Vec<(u32, u32)>) {
-        let mut j = first;
-        while j != NONE {
-            let way = bodies.centre(i as usize) - bodies.centre(j as usize);
-            if way.norm_squared() < self.near * self.near {
-                pairs.push((i.min(j), i.max(j)));
-            }
-            j = self.next[j as usize];
-        }
+        pairs.dedup();
     }
 
     /// The blocks that may be within `reach` of a place, in rising order.
     pub fn around(&self, centre: [R; 3], reach: R, found: &mut Vec<u32>) {
         found.clear();
-        let range = |axis: usize| {
-            self.along(axis, centre[axis] - reach)..=self.along(axis, centre[axis] + reach)
-        };
-        for z in range(2) {
-            for y in range(1) {
-                for x in range(0) {
-                    let cell = self.cell([x, y, z]);
-                    if bits(&self.occupied, cell) & 1 != 0 {
-                        found.extend(self.blocks_of(cell));
-                    }
-                }
+        let range =
+            |axis: usize| [centre[axis] - reach, centre[axis] + reach].map(|x| self.along(axis, x));
+        let [xs, ys, zs] = [0, 1, 2].map(range);
+        for x in xs[0]..=xs[1] {
+            for z in zs[0]..=zs[1] {
+                let [from, to] =
+                    [ys[0], ys[1] + 1].map(|y| self.start[self.cell([x, y, z])] as usize);
+                let blocks = (from..to).filter(|&k| {
+                    (0..3).all(|axis| (self.places[axis][k] - centre[axis]).abs() <= reach)
+                });
+                found.extend(blocks.map(|k| self.sorted[k].1));
             }
         }
         found.sort_unstable();
     }
 }
 
-/// 64 bits from any bit on.
+/// How far a group of blocks is from a place, squared.
 #[inline(always)]
-fn bits(words: &[u64], first: usize) -> u64 {
-    let (word, shift) = (first / WORD, first % WORD);
-    // Beyond the end there is nothing, and a word cannot be shifted by all of its bits.
-    match words.get(word..word + 2) {
-        Some(&[low, high]) => low >> shift | high << 1 << (WORD - 1 - shift),
-        _ => 0,
-    }
+fn squares<R: Lane>([x, y, z]: [&[R]; 3], here: &[R::Quad; 3], from: usize) -> R::Quad {
+    let square = |places: &[R], here: R::Quad| {
+        let group = &places[from..from + ABREAST];
+        let way = R::Quad::load(&std::array::from_fn(|lane| group[lane])) - here;
+        way * way
+    };
+    square(x, here[0]) + square(y, here[1]) + square(z, here[2])
 }
 
 #[cfg(test)]
@@ -271,7 +275,7 @@ mod tests {
             let mut grid = Grid::new(blocks.len(), span, floor, near);
             let mut found = Vec::new();
             grid.sort(&bodies);
-            grid.close_pairs(&bodies, &mut found);
+            grid.close_pairs(&mut found);
             let place = |i: u32| blocks[i as usize].position;
             let pairs = (0..40).flat_map(|i| (i + 1..40).map(move |j| (i, j)));
             let expected: Vec<_> = pairs

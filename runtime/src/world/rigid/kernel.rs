@@ -62,7 +62,8 @@ pub(super) struct Contacts<R: Lane> {
     pub solver: Solver<R>,
     /// Free blocks touch each other, and not only what does not move.
     pub mutual: bool,
-    /// Kept to be used again.
+    /// Who may touch the ground, and who each other; kept to be used again.
+    pub low: Vec<u32>,
     pub close: Vec<(u32, u32)>,
 }
 
@@ -104,6 +105,7 @@ impl<R: Lane> Kernel<R> {
                 shape: Shape::new(terms.shell.is_some(), plate, without(Reduction::Spheres)),
                 solver: Solver::new(&contact, blocks.len(), rounds, turns),
                 mutual: !without(Reduction::NoBlockContact),
+                low: Vec::new(),
                 close: Vec::new(),
             }
         });

@@ -1,5 +1,5 @@
 //! Numbers side by side, in either precision: eight of different blocks, or a vector.
-use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Sub, SubAssign};
+use std::ops::{Add, AddAssign, BitAnd, Div, Mul, MulAssign, Sub, SubAssign};
 
 use nalgebra::Vector3;
 use wide::{f32x4, f32x8, f64x4, f64x8};
@@ -9,25 +9,56 @@ use crate::world::real::Real;
 /// How many numbers are computed side by side.
 pub(super) const LANES: usize = 8;
 
+/// The same where they have to be looked up one by one, and some lanes stay empty.
+pub(super) const ABREAST: usize = 4;
+
 /// A number that is computed with side by side.
 pub(crate) trait Lane: Real {
     /// Eight of it.
-    type Wide: Wide<Self>;
-    /// A vector in space, and a zero.
+    type Wide: Wide<Self, LANES>;
+    /// Four of it, or a vector in space and a zero.
     type Quad: Quad<Self>;
 }
 
-/// A vector in space whose components are computed side by side.
-pub(crate) trait Quad<R>:
+/// `N` numbers.
+///
+/// What is greater than something is told by a mask: a pattern of bits in the place of a number.
+pub(crate) trait Wide<R, const N: usize>:
     Copy
-    + Default
     + std::fmt::Debug
+    + BitAnd<Output = Self>
     + Add<Output = Self>
     + Sub<Output = Self>
     + Mul<Output = Self>
+    + Div<Output = Self>
     + AddAssign
     + SubAssign
+    + MulAssign
 {
+    /// From memory.
+    fn load(lanes: &[R; N]) -> Self;
+    /// To memory.
+    fn store(self) -> [R; N];
+    /// The same number everywhere.
+    fn splat(value: R) -> Self;
+    /// Square roots.
+    fn sqrt(self) -> Self;
+    /// The greater ones, where both are numbers.
+    fn most(self, other: Self) -> Self;
+    /// The lesser ones, where both are numbers.
+    fn least(self, other: Self) -> Self;
+    /// Without their signs.
+    fn abs(self) -> Self;
+    /// Where it is greater than the other, as a mask; what is not a number is not.
+    fn above(self, other: Self) -> Self;
+    /// By a mask: the first number where it says so, and the second one elsewhere.
+    fn choose(self, yes: Self, no: Self) -> Self;
+    /// A mask with a bit for each number.
+    fn bits(self) -> u32;
+}
+
+/// A vector in space whose components are computed side by side.
+pub(crate) trait Quad<R>: Wide<R, ABREAST> + Default {
     /// The same vector.
     fn pack(vector: Vector3<R>) -> Self;
     /// The same vector.
@@ -38,27 +69,67 @@ pub(crate) trait Quad<R>:
     fn sum(self) -> R;
 }
 
-/// Eight numbers.
-pub(crate) trait Wide<R>:
-    Copy
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + Div<Output = Self>
-    + AddAssign
-    + SubAssign
-    + MulAssign
-{
-    /// From memory.
-    fn load(lanes: &[R; LANES]) -> Self;
-    /// To memory.
-    fn store(self) -> [R; LANES];
-    /// The same number eight times.
-    fn splat(value: R) -> Self;
-    /// Square roots.
-    fn sqrt(self) -> Self;
-    /// The greater ones, where both are numbers.
-    fn most(self, other: Self) -> Self;
+/// Of vectors, each in its lane.
+#[inline(always)]
+pub(super) fn cross<W: Copy + Mul<Output = W> + Sub<Output = W>>(a: [W; 3], b: [W; 3]) -> [W; 3] {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+/// Of the components.
+#[inline(always)]
+pub(super) fn sum<W: Add<Output = W>>([x, y, z]: [W; 3]) -> W {
+    x + y + z
+}
+
+macro_rules! wide {
+    ($real:ty, $wide:ty, $lanes:expr) => {
+        impl Wide<$real, $lanes> for $wide {
+            #[inline(always)]
+            fn load(lanes: &[$real; $lanes]) -> $wide {
+                <$wide>::new(*lanes)
+            }
+            #[inline(always)]
+            fn store(self) -> [$real; $lanes] {
+                self.to_array()
+            }
+            #[inline(always)]
+            fn splat(value: $real) -> $wide {
+                <$wide>::splat(value)
+            }
+            #[inline(always)]
+            fn sqrt(self) -> $wide {
+                self.sqrt()
+            }
+            #[inline(always)]
+            fn most(self, other: $wide) -> $wide {
+                self.fast_max(other)
+            }
+            #[inline(always)]
+            fn least(self, other: $wide) -> $wide {
+                self.fast_min(other)
+            }
+            #[inline(always)]
+            fn abs(self) -> $wide {
+                self.abs()
+            }
+            #[inline(always)]
+            fn above(self, other: $wide) -> $wide {
+                self.simd_gt(other)
+            }
+            #[inline(always)]
+            fn choose(self, yes: $wide, no: $wide) -> $wide {
+                self.select(yes, no)
+            }
+            #[inline(always)]
+            fn bits(self) -> u32 {
+                self.to_bitmask()
+            }
+        }
+    };
 }
 
 macro_rules! lanes {
@@ -67,6 +138,9 @@ macro_rules! lanes {
             type Wide = $wide;
             type Quad = $quad;
         }
+
+        wide!($real, $wide, LANES);
+        wide!($real, $quad, ABREAST);
 
         impl Quad<$real> for $quad {
             #[inline(always)]
@@ -84,30 +158,8 @@ macro_rules! lanes {
             }
             #[inline(always)]
             fn sum(self) -> $real {
-                self.reduce_add()
-            }
-        }
-
-        impl Wide<$real> for $wide {
-            #[inline(always)]
-            fn load(lanes: &[$real; LANES]) -> $wide {
-                <$wide>::new(*lanes)
-            }
-            #[inline(always)]
-            fn store(self) -> [$real; LANES] {
-                self.to_array()
-            }
-            #[inline(always)]
-            fn splat(value: $real) -> $wide {
-                <$wide>::splat(value)
-            }
-            #[inline(always)]
-            fn sqrt(self) -> $wide {
-                self.sqrt()
-            }
-            #[inline(always)]
-            fn most(self, other: $wide) -> $wide {
-                self.fast_max(other)
+                let [x, y, z, _] = self.to_array();
+                x + y + z
             }
         }
     };

@@ -19,6 +19,7 @@ mod lanes;
 mod neighbours;
 mod overlap;
 mod solver;
+mod turn;
 
 use nalgebra::Vector3;
 use stochc_compiler::Cell;

@@ -35,7 +35,7 @@ impl<R: Lane> Neighbours<R> {
             for (kept, now) in self.places.iter_mut().zip(&bodies.position) {
                 kept.clone_from(now);
             }
-            self.grid.close_pairs(bodies, &mut self.pairs);
+            self.grid.close_pairs(&mut self.pairs);
         }
         true
     }
@@ -59,7 +59,7 @@ impl<R: Lane> Neighbours<R> {
     /// Every pair of blocks that may touch, once, the lower number first, in rising order.
     pub fn close_pairs(&mut self, bodies: &Bodies<R>, pairs: &mut Vec<(u32, u32)>) {
         if self.skin == 0.0 {
-            self.grid.close_pairs(bodies, pairs);
+            self.grid.close_pairs(pairs);
             return;
         }
         let touch = R::of(TOUCH * TOUCH);

@@ -1,17 +1,12 @@
-//! Two boxes: the fifteen separating axes (Gottschalk, Lin, Manocha 1996).
+//! Two boxes: where they touch.
 use nalgebra::{Rotation3, Vector3};
 use smallvec::smallvec;
 
 use super::clip::face_points;
+use super::least::{Direction, Least, least};
 use super::{Patch, Point};
 use crate::world::real::Real;
-
-/// Edges count as parallel when the sine of their angle is below this.
-const PARALLEL: f64 = 1e-3;
-
-/// A face is preferred to an edge that is not shallower by more than this \[side\]: several points
-/// hold better than one.
-const PREFER_FACE: f64 = 1e-3;
+use crate::world::rigid::lanes::Lane;
 
 /// A box in space.
 #[derive(Clone, Copy, Debug)]
@@ -21,14 +16,6 @@ pub struct Cuboid<R: Real> {
     pub axes: Rotation3<R>,
     /// Half of its edges.
     pub half: Vector3<R>,
-}
-
-/// The direction in which two boxes overlap least.
-enum Least {
-    /// Normal to a face of the first or second box.
-    Face { first: bool, axis: usize },
-    /// Normal to an edge of each.
-    Edges { own: usize, other: usize },
 }
 
 impl<R: Real> Cuboid<R> {
@@ -46,88 +33,43 @@ impl<R: Real> Cuboid<R> {
     }
 }
 
-/// How two boxes overlap; `None`: they do not. The normal points from `b` to `a`.
-pub fn boxes<R: Real>(a: &Cuboid<R>, b: &Cuboid<R>) -> Option<Patch<R>> {
+/// How each of at most [`ABREAST`] pairs of boxes overlaps; `None`: they do not. Normals point from
+/// the second box to the first.
+///
+/// [`ABREAST`]: crate::world::rigid::lanes::ABREAST
+pub fn boxes<R: Lane>(pairs: &[(Cuboid<R>, Cuboid<R>)]) -> impl Iterator<Item = Option<Patch<R>>> {
+    let all = pairs.iter().zip(least(pairs));
+    all.map(|((a, b), least)| least.and_then(|least| patch(a, b, &least)))
+}
+
+/// Where two boxes touch that overlap least like this.
+fn patch<R: Lane>(a: &Cuboid<R>, b: &Cuboid<R>, least: &Least<R>) -> Option<Patch<R>> {
     let offset = b.centre - a.centre;
-    let in_a = a.axes.inverse_transform_vector(&offset);
-    let turn = a.axes.matrix().tr_mul(b.axes.matrix());
-    let size = turn.abs();
-    let mut least = Least::Face {
-        first: true,
-        axis: 0,
-    };
-    let mut depth = R::of(f64::from(f32::MAX));
-    for axis in 0..3 {
-        let reach = a.half[axis] + size.row(axis).transpose().dot(&b.half);
-        let overlap = reach - in_a[axis].abs();
-        if overlap <= R::zero() {
-            return None;
-        }
-        if overlap < depth {
-            depth = overlap;
-            least = Least::Face { first: true, axis };
-        }
-    }
-    let in_b = turn.tr_mul(&in_a);
-    for axis in 0..3 {
-        let reach = b.half[axis] + size.column(axis).dot(&a.half);
-        let overlap = reach - in_b[axis].abs();
-        if overlap <= R::zero() {
-            return None;
-        }
-        if overlap < depth {
-            depth = overlap;
-            least = Least::Face { first: false, axis };
-        }
-    }
-    let face = depth;
-    for own in 0..3 {
-        let (own1, own2) = ((own + 1) % 3, (own + 2) % 3);
-        for other in 0..3 {
-            let (other1, other2) = ((other + 1) % 3, (other + 2) % 3);
-            // The cross product of the two edges, in the frame of `a`.
-            let square = R::one() - turn[(own, other)] * turn[(own, other)];
-            if square < R::of(PARALLEL * PARALLEL) {
-                continue;
-            }
-            let reach = a.half[own1] * size[(own2, other)]
-                + a.half[own2] * size[(own1, other)]
-                + b.half[other1] * size[(own, other2)]
-                + b.half[other2] * size[(own, other1)];
-            let apart = in_a[own2] * turn[(own1, other)] - in_a[own1] * turn[(own2, other)];
-            let overlap = reach - apart.abs();
-            if overlap <= R::zero() {
-                return None;
-            }
-            let overlap = overlap / square.sqrt();
-            if overlap < depth && overlap < face - R::of(PREFER_FACE) {
-                depth = overlap;
-                least = Least::Edges { own, other };
-            }
-        }
-    }
-    match least {
-        Least::Face { first: true, axis } => {
+    match least.direction {
+        Direction::Face { first: true, axis } => {
             let out = outward(a.axis(axis), offset);
             face_points(a, b, out, axis).map(|points| Patch {
                 normal: -out,
                 points,
             })
         }
-        Least::Face { first: false, axis } => {
+        Direction::Face { first: false, axis } => {
             let out = outward(b.axis(axis), -offset);
             face_points(b, a, out, axis).map(|points| Patch {
                 normal: out,
                 points,
             })
         }
-        Least::Edges { own, other } => {
+        Direction::Edges { own, other } => {
             let across = a.axis(own).cross(&b.axis(other));
             let out = outward(across / across.norm(), offset);
             let place = between(a, own, b, other, out);
             Some(Patch {
                 normal: -out,
-                points: smallvec![Point { place, depth }],
+                points: smallvec![Point {
+                    place,
+                    depth: least.depth,
+                }],
             })
         }
     }

@@ -2,6 +2,7 @@
 mod boxes;
 mod clip;
 mod ground;
+mod least;
 
 use nalgebra::Vector3;
 use smallvec::SmallVec;
