@@ -91,6 +91,17 @@ impl<R: Lane> Bodies<R> {
         scatter(&mut self.velocity, i, velocity);
     }
 
+    /// The greatest speed \[side / tick\].
+    pub fn fastest(&self) -> R {
+        let [x, y, z] = [0, 1, 2].map(|axis| self.velocity[axis].as_chunks::<LANES>().0.iter());
+        let mut most = R::Wide::splat(R::zero());
+        for ((x, y), z) in x.zip(y).zip(z) {
+            most = sum([x, y, z].map(R::Wide::load).map(|v| v * v)).most(most);
+        }
+        let squares = most.store().into_iter();
+        squares.fold(R::zero(), R::max).sqrt()
+    }
+
     /// How a block was turned when somebody looked last.
     pub fn rotation(&self, i: usize) -> &UnitQuaternion<R> {
         &self.rotation[i]

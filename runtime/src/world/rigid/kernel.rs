@@ -67,14 +67,6 @@ pub(super) struct Contacts<R: Lane> {
     pub close: Vec<(u32, u32)>,
 }
 
-/// So far apart blocks may be that are on the list of neighbours, beyond touching \[side\].
-///
-/// They move about a quarter of their side in a tick: a list that lasts for one step costs more
-/// than it saves, and one that lasts for a tick saves most of the looking.
-fn skin(substeps: u32) -> f64 {
-    if substeps == 1 { 0.0 } else { 1.2 }
-}
-
 impl<R: Lane> Kernel<R> {
     pub fn new(
         terms: Terms,
@@ -121,7 +113,7 @@ impl<R: Lane> Kernel<R> {
                 Some(shell) => (shell.radius + shell.height, 0.0),
                 None => (farthest, -farthest),
             };
-            Neighbours::new(blocks.len(), span + 2.0, floor, skin(substeps))
+            Neighbours::new(blocks.len(), span + 2.0, floor)
         });
         Kernel {
             tick: 0,

@@ -3,30 +3,51 @@ use super::bodies::Bodies;
 use super::grid::{Grid, TOUCH};
 use super::lanes::{LANES, Lane, Wide};
 
+/// So much farther apart than touching \[side\], pairs are on a list that is to last.
+const SKIN: f64 = 1.2;
+
+/// A list has to last for so many steps, or it costs more than it saves.
+const LASTING: f64 = 2.5;
+
+/// Steps until it is looked again how long a list would last.
+const REVIEW: u32 = 64;
+
 /// The blocks near each other and near places.
 #[derive(Clone, Debug)]
 pub(super) struct Neighbours<R: Lane> {
+    /// The blocks mostly stay within this of the origin, and above `floor` \[side\].
+    span: f64,
+    floor: f64,
     grid: Grid<R>,
-    /// So much farther apart than touching \[side\], pairs are on the list.
+    /// [`SKIN`], or 0: there is no list, and everybody is looked up in every step.
     skin: f64,
     pairs: Vec<(u32, u32)>,
     /// Where the blocks were when the list was made; empty: there is none.
     places: [Vec<R>; 3],
+    /// Steps until the next review.
+    due: u32,
 }
 
 impl<R: Lane> Neighbours<R> {
     /// For blocks that mostly stay within `span` of the origin, and above `floor` \[side\].
-    pub fn new(count: usize, span: f64, floor: f64, skin: f64) -> Neighbours<R> {
+    pub fn new(count: usize, span: f64, floor: f64) -> Neighbours<R> {
         Neighbours {
-            grid: Grid::new(count, span, floor, TOUCH + skin),
-            skin,
+            span,
+            floor,
+            grid: Grid::new(count, span, floor, TOUCH + SKIN),
+            skin: SKIN,
             pairs: Vec::new(),
             places: [const { Vec::new() }; 3],
+            due: 0,
         }
     }
 
-    /// Takes in where the blocks are now; whether the list had to be made anew.
+    /// Takes in where the blocks are now; whether they had to be looked up anew.
     pub fn follow(&mut self, bodies: &Bodies<R>) -> bool {
+        match self.due.checked_sub(1) {
+            Some(due) => self.due = due,
+            None => self.review(bodies),
+        }
         if !self.places[0].is_empty() && self.holds(bodies) {
             return false;
         }
@@ -38,6 +59,22 @@ impl<R: Lane> Neighbours<R> {
             self.grid.close_pairs(&mut self.pairs);
         }
         true
+    }
+
+    /// Decides whether there is to be a list.
+    fn review(&mut self, bodies: &Bodies<R>) {
+        self.due = REVIEW;
+        let step = bodies.fastest().double() * bodies.dt.double();
+        let skin = if step * LASTING < SKIN / 2.0 {
+            SKIN
+        } else {
+            0.0
+        };
+        if skin != self.skin {
+            self.skin = skin;
+            self.grid = Grid::new(bodies.count(), self.span, self.floor, TOUCH + skin);
+            self.places.iter_mut().for_each(Vec::clear);
+        }
     }
 
     /// Whether no block has moved by half of the skin.
@@ -75,5 +112,45 @@ impl<R: Lane> Neighbours<R> {
     pub fn around(&self, centre: [R; 3], reach: R, found: &mut Vec<u32>) {
         self.grid
             .around(centre, reach + R::of(self.skin / 2.0), found);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector3;
+    use rand::{RngExt as _, SeedableRng as _};
+    use rand_chacha::ChaCha8Rng;
+
+    use super::*;
+    use crate::world::BodyState;
+
+    /// Against every pair asked, while blocks are slow enough for a list by times.
+    #[test]
+    fn no_pair_is_lost_when_blocks_get_faster_and_slower() {
+        let mut dice = ChaCha8Rng::seed_from_u64(1);
+        let mut vector = |size: f64| Vector3::from_fn(|_, _| dice.random_range(-size..size));
+        let blocks: Vec<BodyState> = (0..60).map(|_| BodyState::at_rest(vector(5.0))).collect();
+        let mut bodies = Bodies::<f32>::new(&blocks, 1.0);
+        let mut neighbours = Neighbours::new(blocks.len(), 6.0, -6.0);
+        let (mut found, mut lists, mut without) = (Vec::new(), 0, 0);
+        for step in 0..1000 {
+            let speed = [0.02, 0.6][step / 200 % 2];
+            for i in 0..blocks.len() {
+                let home = bodies.centre(i) * -0.01;
+                bodies.set_velocity(i, vector(speed).map(|v| v as f32) + home);
+                bodies.set_centre(i, bodies.centre(i) + bodies.velocity(i));
+            }
+            let anew = neighbours.follow(&bodies);
+            lists += u32::from(!anew);
+            without += u32::from(neighbours.skin == 0.0);
+            neighbours.close_pairs(&bodies, &mut found);
+            let all = (0..60).flat_map(|i| (i + 1..60).map(move |j| (i, j)));
+            let near = |&(i, j): &(u32, u32)| {
+                let way = bodies.centre(i as usize) - bodies.centre(j as usize);
+                way.norm_squared() < (TOUCH * TOUCH) as f32
+            };
+            assert_eq!(found, all.filter(near).collect::<Vec<_>>(), "step {step}");
+        }
+        assert!(lists > 300 && without > 200, "{lists} {without}");
     }
 }
