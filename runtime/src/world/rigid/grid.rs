@@ -42,11 +42,29 @@ pub(super) struct Grid<R: Lane> {
     start: Vec<u32>,
     /// The cell of each block by number.
     cells: Vec<u32>,
-    /// The blocks, sorted by cell and then by number: cell, number, and place.
+    /// The blocks, sorted by cell and then by number: cell, who it is, and place.
     ///
     /// Places go on for [`ABREAST`] blocks that are nowhere.
-    sorted: Vec<(u32, u32)>,
+    sorted: Vec<(u32, Tag)>,
     places: [Vec<R>; 3],
+}
+
+/// A block's number, and whether it is anchored.
+#[derive(Clone, Copy, Debug, Default)]
+struct Tag(u32);
+
+impl Tag {
+    fn new(id: usize, anchored: bool) -> Tag {
+        Tag((id as u32) << 1 | u32::from(anchored))
+    }
+
+    fn id(self) -> u32 {
+        self.0 >> 1
+    }
+
+    fn are_anchored(self, other: Tag) -> bool {
+        self.0 & other.0 & 1 == 1
+    }
 }
 
 impl<R: Lane> Grid<R> {
@@ -77,7 +95,7 @@ impl<R: Lane> Grid<R> {
             // With the cells after the last one, and what counting needs.
             start: vec![0; stride[1] * slabs as usize + 4],
             cells: vec![0; count.next_multiple_of(LANES)],
-            sorted: vec![(0, 0); count],
+            sorted: vec![(0, Tag::default()); count],
             places: [(); 3].map(|()| vec![R::of(f64::NAN); count + ABREAST]),
         }
     }
@@ -106,7 +124,7 @@ impl<R: Lane> Grid<R> {
             let place = &mut self.start[cell as usize + 1];
             let at = *place as usize;
             *place += 1;
-            self.sorted[at] = (cell, i as u32);
+            self.sorted[at] = (cell, Tag::new(i, !bodies.is_free(i)));
             (to_x[at], to_y[at], to_z[at]) = (x[i], y[i], z[i]);
         }
     }
@@ -168,7 +186,8 @@ impl<R: Lane> Grid<R> {
         }
     }
 
-    /// Every pair of blocks that are near each other, once, the lower number first, in rising order.
+    /// Every pair of blocks that are near each other, but those of which both are anchored; once,
+    /// the lower number first, in rising order.
     pub fn close_pairs(&self, pairs: &mut Vec<(u32, u32)>) {
         pairs.clear();
         let count = self.sorted.len();
@@ -194,7 +213,10 @@ impl<R: Lane> Grid<R> {
                     while hits != 0 {
                         let other = self.sorted[from + hits.trailing_zeros() as usize].1;
                         hits &= hits - 1;
-                        pairs.push((own.min(other), own.max(other)));
+                        if !own.are_anchored(other) {
+                            let (i, j) = (own.id(), other.id());
+                            pairs.push((i.min(j), i.max(j)));
+                        }
                     }
                     from += ABREAST;
                     if from >= to {
@@ -228,7 +250,7 @@ impl<R: Lane> Grid<R> {
                 let blocks = (from..to).filter(|&k| {
                     (0..3).all(|axis| (self.places[axis][k] - centre[axis]).abs() <= reach)
                 });
-                found.extend(blocks.map(|k| self.sorted[k].1));
+                found.extend(blocks.map(|k| self.sorted[k].1.id()));
             }
         }
         found.sort_unstable();
@@ -253,6 +275,7 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
 
     use super::*;
+    use crate::orientation::Orientation;
     use crate::world::BodyState;
 
     /// Against every pair of blocks asked, in grids from a few cells on, some blocks outside of them.
@@ -271,7 +294,12 @@ mod tests {
                     BodyState::at_rest(place)
                 })
                 .collect();
-            let bodies: Bodies<f64> = Bodies::new(&blocks, 1.0);
+            let mut bodies: Bodies<f64> = Bodies::new(&blocks, 1.0);
+            let anchored = |i: u32| i.is_multiple_of(4);
+            for i in (0..40).filter(|&i| anchored(i)) {
+                let place = blocks[i as usize].position;
+                bodies.anchor(i as usize, place, Orientation::IDENTITY);
+            }
             let mut grid = Grid::new(blocks.len(), span, floor, near);
             let mut found = Vec::new();
             grid.sort(&bodies);
@@ -280,6 +308,7 @@ mod tests {
             let pairs = (0..40).flat_map(|i| (i + 1..40).map(move |j| (i, j)));
             let expected: Vec<_> = pairs
                 .filter(|&(i, j)| (place(i) - place(j)).norm_squared() < near * near)
+                .filter(|&(i, j)| !anchored(i) || !anchored(j))
                 .collect();
             assert_eq!(found, expected, "span {span}, near {near}, floor {floor}");
         }

@@ -216,6 +216,9 @@ impl<R: Lane> Kernel<R> {
         };
         if let Some(Release { body: id, velocity }) = faces.switch_off(site) {
             self.bodies.release(id as usize);
+            if let Some(neighbours) = &mut self.neighbours {
+                neighbours.forget();
+            }
             self.bodies.set_velocity(id as usize, velocity);
             self.disturb();
             self.blind = true;

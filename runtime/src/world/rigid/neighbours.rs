@@ -61,6 +61,11 @@ impl<R: Lane> Neighbours<R> {
         true
     }
 
+    /// A block that was anchored is free: its pairs with others that still are may not be listed.
+    pub fn forget(&mut self) {
+        self.places.iter_mut().for_each(Vec::clear);
+    }
+
     /// Decides whether there is to be a list.
     fn review(&mut self, bodies: &Bodies<R>) {
         self.due = REVIEW;
@@ -73,7 +78,7 @@ impl<R: Lane> Neighbours<R> {
         if skin != self.skin {
             self.skin = skin;
             self.grid = Grid::new(bodies.count(), self.span, self.floor, TOUCH + skin);
-            self.places.iter_mut().for_each(Vec::clear);
+            self.forget();
         }
     }
 
@@ -93,7 +98,8 @@ impl<R: Lane> Neighbours<R> {
         farthest.store().iter().all(|&square| square < most)
     }
 
-    /// Every pair of blocks that may touch, once, the lower number first, in rising order.
+    /// Every pair of blocks that may touch, but those of which both are anchored; once, the lower
+    /// number first, in rising order.
     pub fn close_pairs(&mut self, bodies: &Bodies<R>, pairs: &mut Vec<(u32, u32)>) {
         if self.skin == 0.0 {
             self.grid.close_pairs(pairs);
