@@ -371,7 +371,7 @@ fn quiet(count: u32) -> Scene {
 
 fn a_block_released_under_another<W: Arena>() {
     let mut world =
-        W::new(&quiet(4), &PLATE, &Settings::of(Model::Rapier, 1), 1, 0).expect("it fits");
+        W::new(&quiet(5), &PLATE, &Settings::of(Model::Rapier, 1), 1, 0).expect("it fits");
     let up = |body| Site {
         body,
         face: Face::Up,
@@ -391,6 +391,9 @@ fn a_block_released_under_another<W: Arena>() {
         ),
     ];
     build(&mut world, &sites);
+    // Far from all others, so that everybody is looked up again while those are anchored.
+    world.set_state(4, &BodyState::at_rest(Vector3::new(3.0, 3.0, 5.0)));
+    world.step(&mut Vec::new()).expect("sound physics");
     world.switch_off(sites[0].0);
     assert_eq!(world.anchored(0), None);
     for _ in 0..200 {
@@ -403,6 +406,14 @@ fn a_block_released_under_another<W: Arena>() {
         (state.position - Vector3::new(-1.0, 0.0, 0.5)).norm() < 0.1,
         "{state:?}"
     );
+    // Nor does it leave through the block above, which it did not touch while both were anchored.
+    let velocity = Vector3::z() * 0.1;
+    world.set_state(0, &BodyState { velocity, ..state });
+    for _ in 0..5 {
+        world.step(&mut Vec::new()).expect("sound physics");
+        let height = world.state(0).position.z;
+        assert!((0.4..0.65).contains(&height), "{height}");
+    }
 }
 
 fn two_magnets_fight_for_one_block<W: Arena>() {
