@@ -25,9 +25,11 @@ ENGINES = [
     ("MuJoCo, Newton", "mujoco", "newton"),
 ]
 
-KICK = 0.044  # greatest change of speed of the first engine [side / tick]: 0.44 m/s of `hemisphere_2005`
+# Greatest change of speed of the first engine [side / tick]: blocks move in a step as far as those of
+# `hemisphere` do in one of their four steps a tick.
+KICK = 0.0128
 DRAG = 0.01  # [1 / tick]
-WARM_UP = 300  # ticks; speeds forget their past in 50
+WARM_UP = 300  # ticks; speeds forget their past in 100
 BLOCK_STEPS = 600_000  # in one round of one engine
 CALIBRATION = 6000  # ticks, at 300 blocks
 AGREEMENT = 0.03  # of rms speeds with the first engine's
@@ -234,7 +236,7 @@ def table(engines, sizes, kicks, results, caption):
     lowest = min(min(result[2]) for result in results)
     print(
         f"\nns of thread CPU time per block-step at {of_sizes} blocks, {caption}. Without collisions,"
-        f" kicks of {kicks[0]} give an rms speed of {rms_without_collisions(kicks[0]):.4f} sides a tick."
+        f" kicks of {kicks[0]:.4f} give an rms speed of {rms_without_collisions(kicks[0]):.4f} sides a tick."
         f" The lowest corner seen was at z = {lowest:.2f}."
     )
     return wrong
