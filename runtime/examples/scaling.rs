@@ -18,6 +18,9 @@ const SIZES: [u32; 5] = [100, 1_000, 10_000, 100_000, 1_000_000];
 /// Free blocks beside many faces or a large structure: what these cost by themselves.
 const FEW: u32 = 1;
 
+/// So many blocks dock at once while a structure is set up.
+const AT_ONCE: usize = 1000;
+
 /// Ticks until blocks move as they always will.
 const WARM_UP: u64 = 300;
 
@@ -36,12 +39,15 @@ fn main() {
     });
     report("anchored blocks", &|count| {
         let (side, mut world) = setting(FEW + count, count.isqrt() + 1);
-        for (id, (site, seat)) in seats(side, count).enumerate() {
-            world.magnetize(site);
-            world.set_state(id as u32, &BodyState::at_rest(seat));
-        }
+        let seats: Vec<_> = (0..).zip(seats(side, count)).collect();
         let mut dockings = Vec::new();
-        world.step(&mut dockings).ok()?;
+        for some in seats.chunks(AT_ONCE) {
+            for &(id, (site, seat)) in some {
+                world.magnetize(site);
+                world.set_state(id, &BodyState::at_rest(seat));
+            }
+            world.step(&mut dockings).ok()?;
+        }
         (dockings.len() == count as usize).then_some(world)
     });
 }

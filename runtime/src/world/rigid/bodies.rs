@@ -102,6 +102,12 @@ impl<R: Lane> Bodies<R> {
         squares.fold(R::zero(), R::max).sqrt()
     }
 
+    /// How many blocks have a coordinate beyond this \[side\].
+    pub fn count_beyond(&self, span: R) -> usize {
+        let beyond = |i: &usize| self.centre(*i).amax() > span;
+        (0..self.count()).filter(beyond).count()
+    }
+
     /// How a block was turned when somebody looked last.
     pub fn rotation(&self, i: usize) -> &UnitQuaternion<R> {
         &self.rotation[i]

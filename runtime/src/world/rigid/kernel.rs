@@ -110,8 +110,8 @@ impl<R: Lane> Kernel<R> {
         let neighbours = (contacts.is_some() || faces.is_some()).then(|| {
             let farthest = blocks.iter().map(|b| b.position.amax()).fold(0.0, f64::max);
             let (span, floor) = match terms.shell {
-                Some(shell) => (shell.radius + shell.height, 0.0),
-                None => (farthest, -farthest),
+                Some(shell) => (shell.radius + shell.height, Some(0.0)),
+                None => (farthest, None),
             };
             Neighbours::new(blocks.len(), span + 2.0, floor)
         });

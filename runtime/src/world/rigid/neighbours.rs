@@ -9,15 +9,21 @@ const SKIN: f64 = 1.2;
 /// A list has to last for so many steps, or it costs more than it saves.
 const LASTING: f64 = 2.5;
 
-/// Steps until it is looked again how long a list would last.
+/// Steps until it is looked again how long a list would last, and how far blocks have spread.
 const REVIEW: u32 = 64;
+
+/// At most one block in so many may be outside of the grid, where cells are crowded.
+const OUTSIDE: usize = 8;
+
+/// The grid does not reach farther than blocks may be \[side\].
+const FARTHEST: f64 = 2e5;
 
 /// The blocks near each other and near places.
 #[derive(Clone, Debug)]
 pub(super) struct Neighbours<R: Lane> {
-    /// The blocks mostly stay within this of the origin, and above `floor` \[side\].
+    /// The blocks mostly stay within this of the origin, and above the floor if there is one \[side\].
     span: f64,
-    floor: f64,
+    floor: Option<f64>,
     grid: Grid<R>,
     /// [`SKIN`], or 0: there is no list, and everybody is looked up in every step.
     skin: f64,
@@ -29,12 +35,12 @@ pub(super) struct Neighbours<R: Lane> {
 }
 
 impl<R: Lane> Neighbours<R> {
-    /// For blocks that mostly stay within `span` of the origin, and above `floor` \[side\].
-    pub fn new(count: usize, span: f64, floor: f64) -> Neighbours<R> {
+    /// For blocks that mostly stay within `span` of the origin so far, and above `floor` \[side\].
+    pub fn new(count: usize, span: f64, floor: Option<f64>) -> Neighbours<R> {
         Neighbours {
             span,
             floor,
-            grid: Grid::new(count, span, floor, TOUCH + SKIN),
+            grid: Grid::new(count, span, floor.unwrap_or(-span), TOUCH + SKIN),
             skin: SKIN,
             pairs: Vec::new(),
             places: [const { Vec::new() }; 3],
@@ -66,7 +72,7 @@ impl<R: Lane> Neighbours<R> {
         self.places.iter_mut().for_each(Vec::clear);
     }
 
-    /// Decides whether there is to be a list.
+    /// Decides whether there is to be a list, and how far the grid reaches.
     fn review(&mut self, bodies: &Bodies<R>) {
         self.due = REVIEW;
         let step = bodies.fastest().double() * bodies.dt.double();
@@ -75,9 +81,14 @@ impl<R: Lane> Neighbours<R> {
         } else {
             0.0
         };
-        if skin != self.skin {
-            self.skin = skin;
-            self.grid = Grid::new(bodies.count(), self.span, self.floor, TOUCH + skin);
+        let mut span = self.span;
+        while span < FARTHEST && bodies.count_beyond(R::of(span)) > bodies.count() / OUTSIDE {
+            span *= 1.5;
+        }
+        if (skin, span) != (self.skin, self.span) {
+            (self.skin, self.span) = (skin, span);
+            let floor = self.floor.unwrap_or(-span);
+            self.grid = Grid::new(bodies.count(), span, floor, TOUCH + skin);
             self.forget();
         }
     }
@@ -137,7 +148,7 @@ mod tests {
         let mut vector = |size: f64| Vector3::from_fn(|_, _| dice.random_range(-size..size));
         let blocks: Vec<BodyState> = (0..60).map(|_| BodyState::at_rest(vector(5.0))).collect();
         let mut bodies = Bodies::<f32>::new(&blocks, 1.0);
-        let mut neighbours = Neighbours::new(blocks.len(), 6.0, -6.0);
+        let mut neighbours = Neighbours::new(blocks.len(), 2.0, None);
         let (mut found, mut lists, mut without) = (Vec::new(), 0, 0);
         for step in 0..1000 {
             let speed = [0.02, 0.6][step / 200 % 2];

@@ -167,13 +167,18 @@ mod tests {
         let bodies = Bodies::<f32>::new(&blocks, 0.5);
         let mut solver = Solver::new(contact, blocks.len(), 50, true);
         solver.clear();
+        // By rounding, a corner that is below the ground may seem to be level with it.
+        let least = match contact.law {
+            ContactLaw::Rigid { .. } => 0.0,
+            ContactLaw::Compliant { .. } => 0.01,
+        };
         let mut id = 0;
         while id + 1 < BLOCKS {
             let single = id % 5 < 2;
             let middle = bodies.centre(id as usize) + vector(0.5);
             let points = (0..=id % 4).map(|n| Point {
                 place: middle + vector(0.5),
-                depth: 0.01 * (n + 1) as f32,
+                depth: least + 0.01 * n as f32,
             });
             let points = points.collect();
             let normal = vector(1.0).normalize();

@@ -177,9 +177,11 @@ impl<R: Lane, const N: usize> Pairs<R, N> {
         self.spots.clear();
         for nth in 0..most {
             let mut arms = [[[R::zero(); ABREAST]; 3]; N];
+            let mut real = [R::zero(); ABREAST];
             let mut depth = [R::zero(); ABREAST];
             for (lane, &number) in numbers.iter().enumerate() {
                 if let Some(point) = touches.points_of(&touches.list[number]).get(nth) {
+                    real[lane] = R::one();
                     depth[lane] = point.depth;
                     for (to, from) in arms.iter_mut().zip(&point.arms) {
                         (0..3).for_each(|axis| to[axis][lane] = from[axis]);
@@ -187,11 +189,9 @@ impl<R: Lane, const N: usize> Pairs<R, N> {
                 }
             }
             let arms = arms.map(|vector| vector.map(|lanes| R::Quad::load(&lanes)));
-            let depth = R::Quad::load(&depth);
             self.spots.push(Spot {
-                // Where bodies touch, they overlap.
-                real: depth.above(all::<R>(0.0)),
-                depth,
+                real: R::Quad::load(&real).above(all::<R>(0.0)),
+                depth: R::Quad::load(&depth),
                 target: all::<R>(0.0),
                 recovery: all::<R>(0.0),
                 torques: (self.frame).map(|direction| arms.map(|arm| cross(arm, direction))),
