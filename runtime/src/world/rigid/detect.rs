@@ -43,6 +43,16 @@ impl<R: Lane> Shape<R> {
         Shape { spheres, ground }
     }
 
+    /// Leaves out blocks, low enough for it, that cannot touch the ground.
+    fn keep_near_ground(&self, bodies: &Bodies<R>, low: &mut Vec<u32>) {
+        if let Ground::Plate(plate) = &self.ground {
+            low.retain(|&id| {
+                let way = (bodies.centre(id as usize) - plate.centre).abs() - plate.half;
+                way.max() < R::of(TOUCH / 2.0)
+            });
+        }
+    }
+
     /// How block `i` and the ground overlap.
     fn on_ground(&self, bodies: &Bodies<R>, i: usize) -> Option<Patch<R>> {
         match &self.ground {
@@ -83,6 +93,7 @@ impl<R: Lane> Kernel<R> {
         } = contacts;
         solver.clear();
         bodies.list_below(R::of(TOUCH / 2.0), low);
+        shape.keep_near_ground(bodies, low);
         neighbours.close_pairs(bodies, close);
         close.retain(|&(a, b)| {
             let apart = |bonds: &FreeBonds| !bonds.groups.same(a, b);
