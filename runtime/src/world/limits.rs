@@ -8,7 +8,7 @@ const MOST_SPEED: f64 = 100.0;
 const FARTHEST_STEP: f64 = 2.0;
 
 /// A block farther from the plate \[side\] is a fault: single precision resolves its place no more.
-const FARTHEST: f64 = 1e5;
+pub(crate) const FARTHEST: f64 = 1e5;
 
 /// The greatest sound speed and spin \[side / tick, rad / tick\].
 #[derive(Clone, Copy, Debug)]

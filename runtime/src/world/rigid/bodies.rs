@@ -1,7 +1,7 @@
 //! Where every block is and how it moves, in arrays.
 use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 
-use super::lanes::{ABREAST, LANES, Lane, Wide, sum};
+use super::lanes::{ABREAST, LANES, Lane, Wide, square, transposed};
 use super::turn::{SMALL, columns, large, small, turned};
 use crate::orientation::Orientation;
 use crate::world::ambient::Motion;
@@ -96,7 +96,7 @@ impl<R: Lane> Bodies<R> {
         let [x, y, z] = [0, 1, 2].map(|axis| self.velocity[axis].as_chunks::<LANES>().0.iter());
         let mut most = R::Wide::splat(R::zero());
         for ((x, y), z) in x.zip(y).zip(z) {
-            most = sum([x, y, z].map(R::Wide::load).map(|v| v * v)).most(most);
+            most = square([x, y, z].map(R::Wide::load)).most(most);
         }
         let squares = most.store().into_iter();
         squares.fold(R::zero(), R::max).sqrt()
@@ -145,19 +145,13 @@ impl<R: Lane> Bodies<R> {
 
     /// At most [`ABREAST`] of them.
     fn show_abreast(&mut self, blocks: &[usize]) {
-        let zero = [R::zero(); ABREAST];
-        let (mut rotation, mut angle) = ([zero; 4], [zero; 3]);
-        for (lane, &i) in blocks.iter().enumerate() {
-            let since = self.dt * R::of((self.now - self.turned[i]) as f64);
-            self.turned[i] = self.now;
-            let (coords, by) = (self.rotation[i].coords, self.spin[i] * since);
-            (0..4).for_each(|axis| rotation[axis][lane] = coords[axis]);
-            (0..3).for_each(|axis| angle[axis][lane] = by[axis]);
-        }
+        let rotation = transposed(blocks.iter().map(|&i| self.rotation[i].coords.into()));
+        let angle = transposed(blocks.iter().map(|&i| {
+            let late = R::of((self.now - self.turned[i]) as f64);
+            (self.spin[i] * (self.dt * late)).into()
+        }));
         let of = |value: f64| R::Quad::splat(R::of(value));
-        let rotation = rotation.map(|lanes| R::Quad::load(&lanes));
-        let angle = angle.map(|lanes| R::Quad::load(&lanes));
-        let s = sum(angle.map(|angle| angle * angle)) * of(0.25);
+        let s = square(angle) * of(0.25);
         let mut half = small(s, of);
         if of(SMALL).above(s).bits() != (1 << ABREAST) - 1 {
             let (mut cos, mut over) = (half.0.store(), half.1.store());
@@ -174,6 +168,7 @@ impl<R: Lane> Bodies<R> {
         let columns = columns(rotation, of).map(|column| column.map(Wide::store));
         let rotation = rotation.map(Wide::store);
         for (lane, &i) in blocks.iter().enumerate() {
+            self.turned[i] = self.now;
             self.rotation[i].as_mut_unchecked().coords = rotation.map(|lanes| lanes[lane]).into();
             let columns = columns.map(|column| column.map(|lanes| lanes[lane]));
             self.axes[i] = Rotation3::from_matrix_unchecked(Matrix3::from(columns));

@@ -2,7 +2,7 @@
 use nalgebra::Vector3;
 
 use super::bodies::Bodies;
-use super::lanes::{LANES, Lane, Wide};
+use super::lanes::{LANES, Lane, Wide, square};
 use crate::draw::{Step, WORDS};
 use crate::world::limits::Limits;
 use crate::world::terms::{self, Kicks, built};
@@ -155,7 +155,7 @@ impl<R: Lane> Flight<R> {
                     }
                     x[axis] += v[axis] * dt;
                 }
-                excess += square::<R>(&v) * speeds + square::<R>(&x) * ways;
+                excess += square(v) * speeds + square(x) * ways;
                 [px[group], py[group], pz[group]] = x.map(Wide::store);
                 [vx[group], vy[group], vz[group]] = v.map(Wide::store);
             }
@@ -164,12 +164,6 @@ impl<R: Lane> Flight<R> {
         }
         sound
     }
-}
-
-/// Of a vector's length.
-#[inline(always)]
-fn square<R: Lane>([x, y, z]: &[R::Wide; 3]) -> R::Wide {
-    *x * *x + *y * *y + *z * *z
 }
 
 impl<R: Lane> Shell<R> {
@@ -191,7 +185,7 @@ impl<R: Lane> Shell<R> {
     /// What the velocity changes by, per distance from the centre and inward.
     #[inline(always)]
     fn factor(&self, x: &[R::Wide; 3]) -> R::Wide {
-        let distance = square::<R>(x).sqrt();
+        let distance = square(*x).sqrt();
         let zero = R::Wide::splat(R::zero());
         let depth = (distance - R::Wide::splat(self.radius)).most(zero);
         // In the middle the distance is 0, and so is the depth.

@@ -85,6 +85,33 @@ pub(super) fn sum<W: Add<Output = W>>([x, y, z]: [W; 3]) -> W {
     x + y + z
 }
 
+/// Of vectors, each in its lane: their lengths squared.
+#[inline(always)]
+pub(super) fn square<W: Copy + Add<Output = W> + Mul<Output = W>>(vector: [W; 3]) -> W {
+    sum(vector.map(|part| part * part))
+}
+
+/// At most [`ABREAST`] vectors, each in its lane; 0 in the lanes that are left.
+#[inline(always)]
+pub(super) fn transposed<R: Lane, const K: usize>(
+    vectors: impl Iterator<Item = [R; K]>,
+) -> [R::Quad; K] {
+    let mut lanes = [[R::zero(); ABREAST]; K];
+    for (lane, vector) in vectors.enumerate() {
+        for (to, from) in lanes.iter_mut().zip(vector) {
+            to[lane] = from;
+        }
+    }
+    lanes.map(|lanes| R::Quad::load(&lanes))
+}
+
+/// So many lanes from the first on, as a mask.
+#[inline(always)]
+pub(super) fn first<R: Lane>(count: usize) -> R::Quad {
+    let lanes = std::array::from_fn(|lane| if lane < count { R::one() } else { R::zero() });
+    R::Quad::load(&lanes).above(R::Quad::splat(R::zero()))
+}
+
 macro_rules! wide {
     ($real:ty, $wide:ty, $lanes:expr) => {
         impl Wide<$real, $lanes> for $wide {

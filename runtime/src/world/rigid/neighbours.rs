@@ -1,7 +1,8 @@
 //! Which blocks are near each other, looked up once for several substeps (Verlet 1967).
 use super::bodies::Bodies;
 use super::grid::{Grid, TOUCH};
-use super::lanes::{LANES, Lane, Wide};
+use super::lanes::{LANES, Lane, Wide, square};
+use crate::world::limits::FARTHEST;
 
 /// So much farther apart than touching \[side\], pairs are on a list that is to last.
 const SKIN: f64 = 1.2;
@@ -14,9 +15,6 @@ const REVIEW: u32 = 64;
 
 /// At most one block in so many may be outside of the grid, where cells are crowded.
 const OUTSIDE: usize = 8;
-
-/// The grid does not reach farther than blocks may be \[side\].
-const FARTHEST: f64 = 2e5;
 
 /// The blocks near each other and near places.
 #[derive(Clone, Debug)]
@@ -103,7 +101,7 @@ impl<R: Lane> Neighbours<R> {
         let mut farthest = R::Wide::splat(R::zero());
         for ((x, y), z) in x.zip(y).zip(z) {
             let way = [x, y, z].map(|(now, then)| load(now) - load(then));
-            farthest = (way[0] * way[0] + way[1] * way[1] + way[2] * way[2]).most(farthest);
+            farthest = square(way).most(farthest);
         }
         let most = R::of(self.skin * self.skin / 4.0);
         farthest.store().iter().all(|&square| square < most)

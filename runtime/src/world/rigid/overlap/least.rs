@@ -2,7 +2,7 @@
 //! by side: most pairs that are near each other do not touch, and which axis says so is hard to
 //! guess.
 use super::Cuboid;
-use crate::world::rigid::lanes::{ABREAST, Lane, Wide, sum};
+use crate::world::rigid::lanes::{ABREAST, Lane, Wide, first, sum, transposed};
 
 /// Edges count as parallel when the sine of their angle is below this.
 const PARALLEL: f64 = 1e-3;
@@ -88,9 +88,8 @@ pub(super) fn least<R: Lane>(pairs: &[(Cuboid<R>, Cuboid<R>)]) -> [Option<Least<
 
 impl<R: Lane> Search<R> {
     fn new(pairs: usize) -> Search<R> {
-        let lanes = std::array::from_fn(|lane| if lane < pairs { R::one() } else { R::zero() });
         Search {
-            meet: R::Quad::load(&lanes).above(R::Quad::splat(R::zero())),
+            meet: first::<R>(pairs),
             depth: R::Quad::splat(R::of(f64::from(f32::MAX))),
             axis: R::Quad::splat(R::zero()),
         }
@@ -160,15 +159,10 @@ fn gather<R: Lane>(
     }
 }
 
-/// A vector of each pair; that of the first one where there is none.
+/// A vector of each pair.
 fn vector<R: Lane>(
     pairs: &[(Cuboid<R>, Cuboid<R>)],
     of: impl Fn(&(Cuboid<R>, Cuboid<R>)) -> nalgebra::Vector3<R>,
 ) -> Vector<R> {
-    let mut lanes = [[R::zero(); ABREAST]; 3];
-    for (lane, pair) in pairs.iter().enumerate() {
-        let vector = of(pair);
-        (0..3).for_each(|axis| lanes[axis][lane] = vector[axis]);
-    }
-    lanes.map(|lanes| R::Quad::load(&lanes))
+    transposed(pairs.iter().map(|pair| of(pair).into()))
 }

@@ -6,7 +6,7 @@
 use super::law::{FASTEST, Kind, Law, RECOVERY, SLOP};
 use super::motion::{Motion, Moving};
 use super::touch::Touches;
-use crate::world::rigid::lanes::{ABREAST, Lane, Wide, cross, sum};
+use crate::world::rigid::lanes::{ABREAST, Lane, Wide, cross, first, sum, transposed};
 
 /// Contacts of `N` bodies that move: two, or one with something that does not.
 #[derive(Clone, Debug)]
@@ -125,7 +125,7 @@ impl<R: Lane, const N: usize> Abreast<R, N> {
 impl<R: Lane, const N: usize> Pairs<R, N> {
     /// No contacts.
     fn new() -> Pairs<R, N> {
-        let nothing = Body::gather(&[]);
+        let nothing = Body::gather(all::<R>(0.0), std::iter::empty());
         Pairs {
             places: [[0; N]; ABREAST],
             real: all::<R>(0.0),
@@ -137,8 +137,8 @@ impl<R: Lane, const N: usize> Pairs<R, N> {
         }
     }
 
-    /// Takes the contacts with these numbers, in the place of those that it had; how fast their
-    /// points approach at most.
+    /// Takes the contacts with these numbers, those with most points first, in the place of those
+    /// that it had; how fast their points approach at most.
     fn load(
         &mut self,
         touches: &Touches<R>,
@@ -147,27 +147,15 @@ impl<R: Lane, const N: usize> Pairs<R, N> {
         law: &Law<R>,
         dt: R,
     ) -> R {
-        let mut real = [R::zero(); ABREAST];
-        let mut frame = [[[R::zero(); ABREAST]; 3]; 3];
-        let mut most = 0;
-        for (lane, &number) in numbers.iter().enumerate() {
-            let touch = &touches.list[number];
-            real[lane] = R::one();
-            self.places[lane].copy_from_slice(&touch.bodies[..N]);
-            for (to, from) in frame.iter_mut().zip(&touch.frame) {
-                (0..3).for_each(|axis| to[axis][lane] = from[axis]);
-            }
-            most = most.max(touch.points.len());
+        let list = || numbers.iter().map(|&number| &touches.list[number]);
+        self.real = first::<R>(numbers.len());
+        for (places, touch) in self.places.iter_mut().zip(list()) {
+            places.copy_from_slice(&touch.bodies[..N]);
         }
-        self.real = R::Quad::load(&real).above(all::<R>(0.0));
-        self.frame = frame.map(|vector| vector.map(|lanes| R::Quad::load(&lanes)));
+        self.frame = [0, 1, 2].map(|row| transposed(list().map(|touch| touch.frame[row].into())));
         for which in 0..N {
-            let motion = |places: &[usize; N]| moving.motions[places[which]];
-            let mut motions = [moving.motions[0]; ABREAST];
-            for (to, from) in motions.iter_mut().zip(&self.places[..numbers.len()]) {
-                *to = motion(from);
-            }
-            self.bodies[which] = Body::gather(&motions[..numbers.len()]);
+            let motions = list().map(|touch| &moving.motions[touch.bodies[which]]);
+            self.bodies[which] = Body::gather(self.real, motions);
             self.shifts[which] = Body {
                 velocity: [all::<R>(0.0); 3],
                 spin: [all::<R>(0.0); 3],
@@ -175,23 +163,17 @@ impl<R: Lane, const N: usize> Pairs<R, N> {
             };
         }
         self.spots.clear();
+        // Contacts with most points come first.
+        let most = list().next().map_or(0, |touch| touch.points.len());
         for nth in 0..most {
-            let mut arms = [[[R::zero(); ABREAST]; 3]; N];
-            let mut real = [R::zero(); ABREAST];
-            let mut depth = [R::zero(); ABREAST];
-            for (lane, &number) in numbers.iter().enumerate() {
-                if let Some(point) = touches.points_of(&touches.list[number]).get(nth) {
-                    real[lane] = R::one();
-                    depth[lane] = point.depth;
-                    for (to, from) in arms.iter_mut().zip(&point.arms) {
-                        (0..3).for_each(|axis| to[axis][lane] = from[axis]);
-                    }
-                }
-            }
-            let arms = arms.map(|vector| vector.map(|lanes| R::Quad::load(&lanes)));
+            let points = || list().map_while(|touch| touches.points_of(touch).get(nth));
+            let [depth] = transposed(points().map(|point| [point.depth]));
+            let arms: [Vector<R>; N] = std::array::from_fn(|which| {
+                transposed(points().map(|point| point.arms[which].into()))
+            });
             self.spots.push(Spot {
-                real: R::Quad::load(&real).above(all::<R>(0.0)),
-                depth: R::Quad::load(&depth),
+                real: first::<R>(points().count()),
+                depth,
                 target: all::<R>(0.0),
                 recovery: all::<R>(0.0),
                 torques: (self.frame).map(|direction| arms.map(|arm| cross(arm, direction))),
@@ -368,24 +350,17 @@ impl<R: Lane, const N: usize> Spot<R, N> {
 }
 
 impl<R: Lane> Body<R> {
-    fn gather(motions: &[Motion<R>]) -> Body<R> {
-        let mut lanes = [[R::zero(); ABREAST]; 8];
-        // What nobody is in has a mass, so that nothing is divided by zero.
-        lanes[6] = [R::one(); ABREAST];
-        for (lane, motion) in motions.iter().enumerate() {
-            let (velocity, spin) = (motion.velocity.store(), motion.spin.store());
-            for axis in 0..3 {
-                lanes[axis][lane] = velocity[axis];
-                lanes[3 + axis][lane] = spin[axis];
-            }
-            lanes[6][lane] = motion.inverse_mass;
-            lanes[7][lane] = motion.inverse_inertia;
-        }
-        let [x, y, z, u, v, w, mass, inertia] = lanes.map(|lanes| R::Quad::load(&lanes));
+    fn gather<'a>(real: R::Quad, motions: impl Iterator<Item = &'a Motion<R>>) -> Body<R> {
+        let [x, y, z, u, v, w, mass, inertia] = transposed(motions.map(|motion| {
+            let ([x, y, z, _], [u, v, w, _]) = (motion.velocity.store(), motion.spin.store());
+            let (mass, inertia) = (motion.inverse_mass, motion.inverse_inertia);
+            [x, y, z, u, v, w, mass, inertia]
+        }));
         Body {
             velocity: [x, y, z],
             spin: [u, v, w],
-            inverse_mass: mass,
+            // What nobody is in has a mass, so that nothing is divided by zero.
+            inverse_mass: real.choose(mass, all::<R>(1.0)),
             inverse_inertia: inertia,
         }
     }
