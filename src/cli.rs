@@ -16,37 +16,37 @@ pub struct Cli {
 }
 
 const EXIT_STATUS: &str = "\
-Exit status: 0 all is well, 1 the program is wrong, 2 the command line is wrong or a file cannot \
-be read or written, 3 a run was unsuccessful, 4 no setting is known to be accurate enough, 130 interrupted.";
+Exit status: 0 success, 1 the program has errors, 2 the command line is wrong or a file cannot be \
+read or written, 3 a run did not complete, 4 no setting is known to be accurate enough, 130 interrupted.";
 
 /// The subcommands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Say all that can be said about programs before anything moves
+    /// Check programs and report their errors and warnings, without simulating them
     Check(check::Options),
-    /// Lay out programs in the one canonical way
+    /// Format programs
     Fmt(fmt::Options),
-    /// Show a stage of the compilation: the syntax tree, the dependency graph, or the event tables
+    /// Print a stage of the compilation: syntax tree, structure, dependency graph or event tables
     Compile(compile::Options),
-    /// Run programs many times in their physical world, and compare them
+    /// Simulate programs many times and compare their times to completion
     Simulate(Box<simulate::Options>),
-    /// Measure what accuracy costs: programs at many settings, against a converged reference
+    /// Measure what accuracy costs: compare many settings with a converged reference
     Trade(trade::Options),
-    /// Show the table of a folder that `simulate` has filled
+    /// Print the table of a results folder again
     Results(results::Options),
-    /// Write a page on folders that `simulate` has filled: curves, bottlenecks, what decided a run
+    /// Write an HTML report on results folders: completion curves, waits, critical paths, tests
     Report(report::Options),
-    /// Show a run: a page to watch it in, tick by tick
+    /// Write an HTML page that replays a run tick by tick
     Replay(replay::Options),
-    /// Write the ways of a run's blocks for other programs: a table, or an animation
+    /// Export the trajectories of a run as a Parquet table or a glTF animation
     Export(export::Options),
-    /// Explain a finding by its code
+    /// Explain an error or a warning by its code
     Explain(explain::Options),
-    /// Serve an editor: findings as you type, definitions, renaming (the Language Server Protocol)
+    /// Start the language server for editors: findings as you type, definitions, renaming
     Lsp(lsp::Options),
-    /// Print a script that lets a shell complete the command line
+    /// Print a completion script for a shell
     Completions(completions::Options),
-    /// Print the manual, in the form that `man` reads
+    /// Print the manual in the format of `man`
     Man(man::Options),
 }
 

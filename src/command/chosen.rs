@@ -24,13 +24,13 @@ use crate::recording::{EVERY, Header, Recorder, Recording, RecordingError, path}
 /// Which run.
 #[derive(Debug, Args)]
 pub struct Choice {
-    /// A folder that `simulate --out` has filled
+    /// Results folder of `simulate --out`
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
-    /// The number of the run
+    /// Number of the run, from 0
     #[arg(long, value_name = "N")]
     pub run: u64,
-    /// The program, where the folder holds several
+    /// Name of the program; needed if the folder holds several
     #[arg(long, value_name = "NAME")]
     pub program: Option<String>,
 }

@@ -16,13 +16,13 @@ use crate::findings;
 /// What `compile` is given.
 #[derive(Debug, Args)]
 pub struct Options {
-    /// The program
+    /// Program to compile
     #[arg(value_name = "FILE")]
     file: String,
-    /// The stage to show
+    /// Stage to print
     #[arg(long, value_name = "STAGE", default_value = "table")]
     emit: Stage,
-    /// Its form; `dot` is for the graph only, `svg` for the structure only
+    /// Output format; `dot` for the graph only, `svg` for the structure only
     #[arg(long, value_name = "FORM", default_value = "text")]
     format: Form,
     #[command(flatten)]
@@ -34,24 +34,24 @@ pub struct Options {
 enum Stage {
     /// The syntax tree
     Ast,
-    /// What stands at the end of each phase
+    /// The blocks that stand at the end of each phase
     Structure,
-    /// What waits for what
+    /// The dependency graph: which event waits for which
     Graph,
-    /// What every block knows
+    /// The event table of each block
     Table,
 }
 
 /// A form to show it in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Form {
-    /// To read and to compare
+    /// For people
     Text,
-    /// To process
+    /// For programs
     Json,
-    /// To draw, with Graphviz: the graph
+    /// The graph, for Graphviz
     Dot,
-    /// A picture: the structure
+    /// A picture of the structure
     Svg,
 }
 

@@ -9,7 +9,7 @@ use crate::cli::{Cli, Exit};
 /// What `completions` is given.
 #[derive(Debug, Args)]
 pub struct Options {
-    /// The shell that is to complete
+    /// Shell to print the script for
     shell: Shell,
 }
 

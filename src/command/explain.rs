@@ -9,7 +9,7 @@ use crate::cli::Exit;
 /// What `explain` is given.
 #[derive(Debug, Args)]
 pub struct Options {
-    /// The code of a finding, such as `cycle`; without one, all codes are listed
+    /// Code of an error or a warning, such as `cycle`; without one, all codes are listed
     #[arg(value_parser = CodeParser, hide_possible_values = true)]
     code: Option<String>,
 }

@@ -18,27 +18,27 @@ use crate::files::atomic::draft;
 pub struct Options {
     #[command(flatten)]
     choice: Choice,
-    /// The form of the file
+    /// File format
     #[arg(long, value_name = "FORM")]
     format: Form,
-    /// Ticks from one place of a block to the next [default: 1 for parquet, 8 for gltf]
+    /// Export positions every so many ticks [default: 1 for parquet, 8 for gltf]
     #[arg(long, value_name = "TICKS", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     every: Option<u32>,
-    /// The file to write; `DIR/PROGRAM-N.parquet` or `.glb` if left out
+    /// File to write [default: `DIR/PROGRAM-N.parquet` or `.glb`]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }
 
-/// A form of the ways of blocks.
+/// A form of trajectories.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Form {
     /// A table for DuckDB, Polars or pandas
     Parquet,
-    /// An animation for Blender and other programs that show scenes
+    /// An animation for Blender and other 3D programs
     Gltf,
 }
 
-/// Makes a run again and writes the ways of its blocks.
+/// Makes a run again and writes its trajectories.
 pub fn run(options: &Options) -> Exit {
     let stop = match stop_on_interrupt() {
         Ok(stop) => stop,

@@ -16,10 +16,10 @@ use crate::files;
 /// What `fmt` is given.
 #[derive(Debug, Args)]
 pub struct Options {
-    /// Programs, or folders with programs (`*.sa`) in them; `-` lays out the standard input
+    /// Programs, or folders with programs (`*.sa`) in them; `-` formats standard input
     #[arg(required = true, value_name = "FILE")]
     files: Vec<String>,
-    /// Show what would change, and change nothing; the exit status is 1 if anything would
+    /// Show what would change without writing it; exit with status 1 if anything would
     #[arg(long)]
     check: bool,
 }

@@ -19,13 +19,13 @@ const OPTIONS: [(&str, Level, &str); 3] = [
     (
         "allow",
         Level::Allow,
-        "Do not tell of this warning; `warnings` are all of them",
+        "Do not report this warning; `warnings` stands for all of them",
     ),
-    ("warn", Level::Warn, "Tell of this warning, as by default"),
+    ("warn", Level::Warn, "Report this warning (the default)"),
     (
         "deny",
         Level::Deny,
-        "Make this warning an error; what a file says itself counts more",
+        "Report this warning as an error; `allow` and `deny` in the file take precedence",
     ),
 ];
 

@@ -11,7 +11,7 @@ use crate::cli::{Cli, Exit};
 /// What `man` is given.
 #[derive(Debug, Args)]
 pub struct Options {
-    /// Write a page for every subcommand into a folder, instead of printing the first one
+    /// Write one page for each subcommand into DIR instead of printing the main page
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }

@@ -18,7 +18,7 @@ use crate::replay::{about, write};
 pub struct Options {
     #[command(flatten)]
     choice: Choice,
-    /// The page to write; `DIR/replay-PROGRAM-N.html` if left out
+    /// File to write [default: `DIR/replay-PROGRAM-N.html`]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }

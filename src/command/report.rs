@@ -13,13 +13,13 @@ use crate::report::{Input, MARK, Report, Surroundings, address, report};
 /// What `report` is given.
 #[derive(Debug, Args)]
 pub struct Options {
-    /// Folders that `simulate --out` has filled; several are compared
+    /// Results folders of `simulate --out`; several are compared
     #[arg(value_name = "DIR", required = true)]
     folders: Vec<PathBuf>,
-    /// The page to write; `report.html` in the folder if left out, or here for several folders
+    /// File to write [default: `report.html` in DIR, or in the current folder for several]
     #[arg(long, value_name = "FILE.html")]
     out: Option<PathBuf>,
-    /// Do not tell where the report is
+    /// Do not print the path of the report
     #[arg(long, short)]
     quiet: bool,
 }

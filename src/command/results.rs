@@ -12,13 +12,13 @@ use crate::sweep::Sweep;
 /// What `results` is given.
 #[derive(Debug, Args)]
 pub struct Options {
-    /// A folder that `simulate --out` has filled
+    /// Results folder of `simulate --out`
     #[arg(value_name = "DIR")]
     folder: PathBuf,
-    /// The form of the table
+    /// Output format of the table
     #[arg(long, value_name = "FORM", default_value = "text")]
     format: Form,
-    /// Show the captures as well: waits, entries, where the blocks came from
+    /// Also print every capture: waits, entries into the field, origin of the blocks
     #[arg(long)]
     bonds: bool,
 }
@@ -26,9 +26,9 @@ pub struct Options {
 /// A form of the table of results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Form {
-    /// To read
+    /// For people
     Text,
-    /// To process
+    /// For programs
     Json,
 }
 

@@ -19,35 +19,35 @@ use crate::trade::{Extent, FINEST, Setup, Subject, Trade, measure, svg};
 #[derive(Debug, Args)]
 #[command(group = ArgGroup::new("extent").args(["runs", "budget"]))]
 pub struct Options {
-    /// Programs to run; of several, it is also asked whether their order survives
+    /// Programs to simulate; with several, their ranking at each setting is compared as well
     #[arg(value_name = "FILE", required = true)]
     files: Vec<String>,
-    /// Time for all of it, with its unit: 90s, 10m, 2h; 10m if left out
+    /// Time limit of the whole measurement, such as 90s, 10m or 2h [default: 10m]
     #[arg(long, value_name = "TIME", value_parser = time)]
     budget: Option<Duration>,
-    /// Runs of each program at each setting, however long they take
+    /// Make N runs of each program at each setting instead, however long they take
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(2..=10_000_000))]
     runs: Option<u64>,
-    /// The seed of all chance, the same at every setting
+    /// Seed of the random numbers, the same at every setting
     #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
     seed: u64,
-    /// Ticks after which a run is given up, and its time censored; 20 times the mean of the first
-    /// runs if left out
+    /// Stop a run after this many ticks; its time is then censored [default: 20 times the mean of the
+    /// first runs]
     #[arg(long, value_name = "TICKS", value_parser = clap::value_parser!(u64).range(1..))]
     max_ticks: Option<u64>,
-    /// Most substeps that the reference is refined to
+    /// Refine the reference up to this many substeps
     #[arg(long, value_name = "SUBSTEPS", default_value_t = FINEST, value_parser = clap::value_parser!(u32).range(1..=1000))]
     finest: u32,
-    /// Runs at the same time; all cores if left out
+    /// Number of runs at the same time [default: number of cores]
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
-    /// A folder for `trade.json` and `trade.svg`, which must be new or empty
+    /// Folder for `trade.json` and `trade.svg`; it must be new or empty
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// The form of the table
+    /// Output format of the table
     #[arg(long, value_name = "FORM", default_value = "text")]
     format: Form,
-    /// No progress
+    /// Do not show progress
     #[arg(long, short)]
     quiet: bool,
     /// What becomes of warnings

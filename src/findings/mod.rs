@@ -13,9 +13,9 @@ pub use sarif::Log;
 /// How findings are shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Format {
-    /// Over the text they speak of.
+    /// Drawn over the source text.
     Graphical,
-    /// `file:line:column: severity[code]: message`, one to a line.
+    /// One line each: `file:line:column: severity[code]: message`.
     Short,
     /// One JSON document.
     Json,

@@ -20,6 +20,8 @@ mod refused;
 mod results;
 mod scene;
 mod simulate;
+#[path = "../skipped/mod.rs"]
+mod skipped;
 mod stochc;
 mod streams;
 mod sweep;

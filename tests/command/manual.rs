@@ -5,6 +5,7 @@ use clap::CommandFactory as _;
 use stochc::cli::Cli;
 use stochc::compiler::finding::Code;
 
+use crate::skipped::skipped;
 use crate::stochc::{stochc, stochc_with};
 
 fn subcommands() -> Vec<String> {
@@ -23,9 +24,8 @@ fn tool(command: &str, input: &str) -> Option<(bool, String)> {
         .stderr(Stdio::piped())
         .spawn()
         .inspect_err(|_| {
-            // Past the test's own capture, so that it is seen.
-            let note = format!("skipped 1 check: `{command}` cannot be run\n");
-            let _ = std::io::stderr().write_all(note.as_bytes());
+            let package = command.split(' ').next().unwrap();
+            skipped(package, command);
         })
         .ok()?;
     let mut to = child.stdin.take().unwrap();

@@ -37,10 +37,7 @@ fn on_a_terminal(arguments: &str) -> Option<String> {
         .args(["-qec", &line, "/dev/null"])
         .stdin(Stdio::null());
     let output = script.env("TERM", "xterm").output();
-    let output = output.inspect_err(|_| {
-        let note = b"skipped 1 check: `script` cannot be run\n";
-        let _ = std::io::Write::write_all(&mut std::io::stderr(), note);
-    });
+    let output = output.inspect_err(|_| crate::skipped::skipped("bsdutils", "script"));
     Some(String::from_utf8(output.ok()?.stdout).unwrap())
 }
 

@@ -8,3 +8,5 @@ mod neovim;
 mod programs;
 mod protocol;
 mod rename;
+#[path = "../skipped/mod.rs"]
+mod skipped;

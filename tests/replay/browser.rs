@@ -8,8 +8,7 @@ use std::time::Duration;
 
 use serde_json::{Value, json};
 
-/// Set where the browser has to be there: a test that is passed over would go unnoticed.
-const REQUIRED: &str = "STOCHC_REQUIRE_CHROMIUM";
+use crate::skipped::skipped;
 
 /// Longer than anything takes on a slow machine.
 const PATIENCE: Duration = Duration::from_secs(120);
@@ -29,6 +28,7 @@ pub struct Browser {
 }
 
 /// A browser; `None`, with a note, where there is none and none is required.
+#[track_caller]
 pub fn browser(more: &[&str]) -> Option<Browser> {
     let name = ["chromium", "chromium-browser", "google-chrome"]
         .into_iter()
@@ -40,13 +40,7 @@ pub fn browser(more: &[&str]) -> Option<Browser> {
             version.is_ok_and(|output| output.status.success())
         });
     let Some(name) = name else {
-        assert!(
-            std::env::var_os(REQUIRED).is_none(),
-            "`chromium` cannot be run, and {REQUIRED} is set"
-        );
-        // Past the test's own capture, so that it is seen.
-        let note = "skipped 1 test: `chromium` cannot be run (apt-get install chromium)\n";
-        let _ = std::io::stderr().write_all(note.as_bytes());
+        skipped("chromium", "chromium");
         return None;
     };
     Some(Browser::start(name, more))

@@ -10,4 +10,6 @@ mod hostile;
 mod observed;
 mod page;
 mod recorded;
+#[path = "../skipped/mod.rs"]
+mod skipped;
 mod unreadable;

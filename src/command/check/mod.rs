@@ -22,27 +22,27 @@ pub struct Options {
     /// Programs to check
     #[arg(required = true, value_name = "FILE")]
     files: Vec<String>,
-    /// How to show findings; all but `graphical` write them to the standard output
+    /// Output format of the findings; all but `graphical` write to standard output
     #[arg(long, value_name = "FORM", default_value = "graphical")]
     format: Format,
-    /// Show what will take the time, capture by capture: the first N, or 10
+    /// List the N captures that are likely to take longest [default: 10]
     #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "10")]
     cost: Option<usize>,
-    /// Show the physics that is in force: the terms of the scenes of right programs, what is absent,
-    /// and whether one step a tick is short enough. Its warnings are no findings and change no exit
-    /// status. With `--format json` the document is `{ findings, scenes }`
+    /// Print the physics of the scenes of programs without errors: terms, values, absent terms, and
+    /// whether the default number of steps in a tick resolves them. Its warnings do not change the
+    /// exit status. With `--format json` the document is `{ findings, scenes }`
     #[arg(long)]
     scene: bool,
-    /// Apply the changes that are safe, shown as a diff first, until none is left
+    /// Apply all safe fixes, and show them as a diff
     #[arg(long)]
     fix: bool,
-    /// Show what `--fix` would change, and write nothing
+    /// Show what `--fix` would change without writing it
     #[arg(long, requires = "fix")]
     dry_run: bool,
     #[command(flatten)]
     levels: LevelOptions,
-    /// Run the event tables of right programs in every order of messages and captures, through
-    /// at most so many states [default: 1000000]; what is too much is tried in random orders
+    /// Also execute the event tables in every order of messages and captures, up to STATES states
+    /// [default: 1000000]; larger programs are executed in random orders
     #[arg(
         long,
         value_name = "STATES",

@@ -14,75 +14,76 @@ use crate::sweep::Axis;
 /// What `simulate` is given.
 #[derive(Debug, Args)]
 pub struct Options {
-    /// Programs to run; several are compared with each other
+    /// Programs to simulate; several are compared with each other
     #[arg(value_name = "FILE", required_unless_present = "manifest")]
     pub files: Vec<String>,
-    /// Rerun what a manifest says, sources and settings included
+    /// Repeat the runs of a `manifest.json`, with the sources and settings in it
     #[arg(long, value_name = "FILE", conflicts_with_all = ["files", "runs", "seed", "model", "substeps", "solver_iterations", "precision", "reduce", "max_ticks"])]
     pub manifest: Option<PathBuf>,
-    /// Runs of each program
+    /// Number of runs of each program
     #[arg(long, default_value_t = 50, value_parser = clap::value_parser!(u64).range(1..=10_000_000))]
     pub runs: u64,
     /// Vary a number of the scene: `free=50..600/6`, `bond.pull=2..12 N/5 log` or `tick=10,20 ms`;
-    /// several are combined, each with each
+    /// with several, every combination is simulated
     #[arg(long, value_name = "NAME=VALUES", value_parser = Axis::parse, conflicts_with_all = ["manifest", "accuracy"])]
     pub sweep: Vec<Axis>,
-    /// The seed of all chance
+    /// Seed of the random numbers
     #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
     pub seed: u64,
-    /// What moves the blocks
+    /// Physical model
     #[arg(long, default_value = "rigid")]
     pub model: ModelName,
-    /// Steps of the model within a tick: more are more accurate and slower
+    /// Steps of the model in each tick: more are more accurate and slower
     #[arg(long, default_value_t = SUBSTEPS, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub substeps: u32,
-    /// Work on contacts in a substep: internal steps of Rapier's solver (4 if left out), or the most
-    /// rounds of `rigid` (10)
+    /// Iterations of the contact solver in each substep [default: 4 for `rapier`, at most 10 for
+    /// `rigid`]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub solver_iterations: Option<u32>,
-    /// Digits of the physics; `double` with `--model rigid` only
+    /// Floating-point precision; `double` needs `--model rigid`
     #[arg(long, default_value = "single")]
     pub precision: PrecisionName,
-    /// Leave out something that the scene has, to see what it is worth; with `--model rigid` only
+    /// Leave out a part of the physics, to see what it contributes; needs `--model rigid`
     #[arg(long, value_name = "HOW")]
     pub reduce: Option<ReductionName>,
-    /// Choose the cheapest setting that is known to be this close to a converged one, such as 5%
+    /// Use the cheapest setting whose mean times are known to be within PERCENT of a converged
+    /// reference, such as 5%
     #[arg(long, value_name = "PERCENT", value_parser = accuracy, conflicts_with_all = ["manifest", "model", "substeps", "solver_iterations", "precision", "reduce"])]
     pub accuracy: Option<f64>,
-    /// What `stochc trade --out` has measured, for `--accuracy` or to be told about a setting
+    /// Folder of `stochc trade --out`: measurements for `--accuracy`, or to report on the setting in use
     #[arg(long, value_name = "DIR", conflicts_with = "manifest")]
     pub trade: Option<PathBuf>,
-    /// Time for the measurement that `--accuracy` needs without `--trade`
+    /// Time limit of the measurement that `--accuracy` makes if there is no `--trade`
     #[arg(long, value_name = "TIME", value_parser = time, default_value = "2m", requires = "accuracy", conflicts_with = "trade")]
     pub budget: Duration,
-    /// Ticks after which a run is given up, and its time censored
+    /// Stop a run after this many ticks; its time is then censored
     #[arg(long, default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(1..))]
     pub max_ticks: u64,
-    /// Runs at the same time; all cores if left out
+    /// Number of runs at the same time [default: number of cores]
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
-    /// A folder for the results, which must be new
+    /// Folder for the results; it must be new or empty
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Go on with an ensemble that was interrupted, or with more runs of it
+    /// Continue an interrupted ensemble in `--out`, or add runs to a finished one
     #[arg(long, requires = "out")]
     pub resume: bool,
-    /// Record these runs, for `stochc replay`: 17, 0..4, 0,5,10..12 or all
+    /// Record the trajectories of these runs for `stochc replay`: 17, 0..4, 0,5,10..12 or all
     #[arg(long, value_name = "RUNS", requires = "out")]
     pub record: Option<Selection>,
-    /// Ticks from one recorded place of a block to the next
+    /// Record positions every so many ticks
     #[arg(long, value_name = "TICKS", default_value_t = EVERY, requires = "record", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub record_every: u32,
-    /// Do run number N alone, and tell all that happens in it
+    /// Simulate run N alone and print every event of it
     #[arg(long, value_name = "N", conflicts_with_all = ["runs", "out", "threads", "bonds"])]
     pub run: Option<u64>,
-    /// The form of the table
+    /// Output format of the table
     #[arg(long, value_name = "FORM", default_value = "text")]
     pub format: Form,
-    /// Show the captures as well: waits, entries, where the blocks came from
+    /// Also print every capture: waits, entries into the field, origin of the blocks
     #[arg(long)]
     pub bonds: bool,
-    /// No progress
+    /// Do not show progress
     #[arg(long, short)]
     pub quiet: bool,
     /// What becomes of warnings
@@ -93,20 +94,20 @@ pub struct Options {
 /// A model of the physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ModelName {
-    /// Full rigid bodies, by the engine Rapier
+    /// Rigid bodies by the general engine Rapier
     Rapier,
-    /// Full rigid bodies, by a kernel made for many blocks that fly far
+    /// Rigid bodies by our own kernel, fast for many blocks that rarely touch
     Rigid,
-    /// No physics: one random capture a tick, for looking at tables at work
+    /// No physics: one random capture in each tick, to try out event tables
     Shuffle,
 }
 
 /// Digits of the physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum PrecisionName {
-    /// 24 bits
+    /// 32-bit floating point
     Single,
-    /// 53 bits
+    /// 64-bit floating point
     Double,
 }
 
@@ -115,9 +116,9 @@ pub enum PrecisionName {
 pub enum ReductionName {
     /// Blocks never turn
     NoRotation,
-    /// Blocks touch as balls
+    /// Blocks collide as spheres
     Spheres,
-    /// Contacts do not hold sideways
+    /// Contacts have no friction
     NoFriction,
     /// Free blocks pass through each other
     NoBlockContact,

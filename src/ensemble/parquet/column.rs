@@ -1,7 +1,7 @@
 //! Columns in memory to a Parquet file in memory.
 use std::sync::Arc;
 
-use ::parquet::basic::{Compression, ZstdLevel};
+use ::parquet::basic::{Compression, GzipLevel};
 use ::parquet::data_type::{ByteArray, ByteArrayType, Int32Type, Int64Type};
 use ::parquet::errors::ParquetError;
 use ::parquet::file::metadata::KeyValue;
@@ -36,7 +36,7 @@ pub(super) fn file(name: &str, ensemble: &str, columns: &[(&str, Column)]) -> Ve
     schema.push('}');
     let schema = parse_message_type(&schema).expect("every declaration is one of a few");
     let properties = WriterProperties::builder()
-        .set_compression(Compression::ZSTD(ZstdLevel::default()))
+        .set_compression(Compression::GZIP(GzipLevel::default()))
         .set_key_value_metadata(Some(vec![KeyValue::new(
             "stochc.ensemble".to_owned(),
             ensemble.to_owned(),

@@ -1,0 +1,194 @@
+//! The documents can be followed: every command in them is run, in their order, as a reader would who has just cloned
+//! the project, and shows what the documents show.
+#![allow(
+    clippy::disallowed_methods,
+    reason = "the tests read documents and prepare folders for the commands in them"
+)]
+#![cfg(unix)]
+mod page;
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+use page::{Block, blocks, commands};
+
+/// What a document may hold besides commands (`sh`).
+const NOT_COMMANDS: [&str; 5] = ["lua", "sa", "sa,fragment", "text", "toml"];
+
+/// The README and all of `docs/`, by name.
+fn documents() -> BTreeMap<String, String> {
+    let docs = std::fs::read_dir("docs").unwrap();
+    let pages = docs
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|it| it == "md"));
+    pages
+        .chain([PathBuf::from("README.md")])
+        .map(|path| (path.to_str().unwrap().to_owned(), std::fs::read_to_string(&path).unwrap()))
+        .collect()
+}
+
+/// A folder as after a fresh clone, a home of its own, and in front of all other commands a `stochc`, which is the one
+/// under test, and a `cargo` that runs it.
+struct Reader {
+    folder: tempfile::TempDir,
+    path: std::ffi::OsString,
+}
+
+impl Reader {
+    fn new() -> Reader {
+        let folder = tempfile::tempdir().unwrap();
+        let [clone, bin, home] = ["clone", "bin", "home"].map(|name| folder.path().join(name));
+        for folder in [&clone.join("examples"), &bin, &home] {
+            std::fs::create_dir_all(folder).unwrap();
+        }
+        for example in std::fs::read_dir("examples").unwrap() {
+            let example = example.unwrap();
+            let to = clone.join("examples").join(example.file_name());
+            std::fs::copy(example.path(), to).unwrap();
+        }
+        std::os::unix::fs::symlink(env!("CARGO_BIN_EXE_stochc"), bin.join("stochc")).unwrap();
+        let cargo = "#!/bin/sh\n[ \"$1 $2 $3\" = 'run --release --' ] || exit 127\nshift 3\nexec stochc \"$@\"\n";
+        executable(&bin.join("cargo"), cargo);
+        let inherited = std::env::var_os("PATH").unwrap();
+        let paths = [bin].into_iter().chain(std::env::split_paths(&inherited));
+        let path = std::env::join_paths(paths).unwrap();
+        Reader { folder, path }
+    }
+
+    /// What a shell does with a command.
+    fn run(&self, command: &str) -> Output {
+        let mut shell = Command::new("bash");
+        shell
+            .args(["-c", command])
+            .current_dir(self.folder.path().join("clone"))
+            .env("HOME", self.folder.path().join("home"))
+            .env("PATH", &self.path)
+            .stdin(Stdio::null());
+        shell.output().unwrap()
+    }
+}
+
+fn executable(path: &Path, script: &str) {
+    use std::os::unix::fs::PermissionsExt as _;
+    std::fs::write(path, script).unwrap();
+    std::fs::set_permissions(path, PermissionsExt::from_mode(0o755)).unwrap();
+}
+
+/// Whether a shell can do with a text what it says, so that no further line belongs to it.
+fn is_whole(text: &str) -> bool {
+    let parsed = Command::new("bash").args(["-nc", text]).output().unwrap();
+    parsed.status.success()
+}
+
+/// What goes wrong when a reader follows a document.
+fn follow(name: &str, page: &str) -> Vec<String> {
+    let reader = Reader::new();
+    let blocks = blocks(page);
+    let mut wrong = Vec::new();
+    for (at, block) in blocks.iter().enumerate() {
+        if block.language != "sh" || block.not_run.is_some() {
+            continue;
+        }
+        let mut said = String::new();
+        for command in commands(block.text, is_whole) {
+            let output = reader.run(command.text);
+            let (out, err) = (lossy(&output.stdout), lossy(&output.stderr));
+            if output.status.code() != Some(command.status) {
+                let status = output.status;
+                wrong.push(format!("{name}:{}: {status}: {}\n{err}", block.line, command.text));
+            }
+            said += &out;
+            said += &err;
+        }
+        if let Some(shown) = shown_behind(&blocks[at + 1..])
+            && !said.contains(&tidy(shown.text))
+        {
+            wrong.push(format!("{name}:{}: shows something else than\n{said}", shown.line));
+        }
+    }
+    wrong
+}
+
+/// The block that shows what the commands before it say: the next one, of `text` and in the same section.
+fn shown_behind<'a>(blocks: &'a [Block<'a>]) -> Option<&'a Block<'a>> {
+    let next = blocks.first()?;
+    (next.language == "text" && !next.begins_section).then_some(next)
+}
+
+fn lossy(bytes: &[u8]) -> String {
+    tidy(&String::from_utf8_lossy(bytes))
+}
+
+/// A text without blanks at the ends of lines.
+fn tidy(text: &str) -> String {
+    text.lines().fold(String::new(), |mut tidied, line| {
+        tidied += line.trim_end();
+        tidied.push('\n');
+        tidied
+    })
+}
+
+#[test]
+fn every_document_can_be_followed() {
+    let wrong: Vec<String> = (documents().iter())
+        .flat_map(|(name, page)| follow(name, page))
+        .collect();
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn what_is_not_run_is_known() {
+    let (mut list, mut run) = (String::new(), 0);
+    for (name, page) in &documents() {
+        for block in blocks(page) {
+            let Block { line, language, .. } = block;
+            let known = language == "sh" || NOT_COMMANDS.contains(&language);
+            assert!(known, "{name}:{line}: `{language}` may hold commands that nobody runs");
+            if language != "sh" {
+                continue;
+            }
+            let Some(reason) = block.not_run else {
+                run += 1;
+                continue;
+            };
+            writeln!(list, "{name}: {reason}").unwrap();
+            for command in commands(block.text, is_whole) {
+                writeln!(list, "    {}", command.text.replace('\n', "\n    ")).unwrap();
+            }
+        }
+    }
+    let left_out = list.lines().filter(|line| !line.starts_with(' ')).count();
+    insta::assert_snapshot!(format!("{run} blocks are run, {left_out} are not:\n\n{list}"));
+}
+
+#[test]
+fn a_command_goes_on_until_a_shell_understands_it() {
+    let block = "# a note\nfor i in 1 2; do\n    echo $i\ndone\necho a \\\n    b   # exit status 3: why\n";
+    let found = commands(block, is_whole);
+    let found: Vec<_> = found.iter().map(|it| (it.text, it.status)).collect();
+    let expected = [
+        ("for i in 1 2; do\n    echo $i\ndone", 0),
+        ("echo a \\\n    b   # exit status 3: why", 3),
+    ];
+    assert_eq!(found[..], expected[..]);
+}
+
+#[test]
+fn a_command_that_fails_or_shows_something_else_is_told() {
+    let wrong = follow(
+        "page",
+        "```sh\nfalse\n```\n```sh\necho one\n```\nsays\n```text\ntwo\n```\n```sh\nfalse   # exit status 1\n```\n\
+         # More\n```text\nno output\n```\n<!-- not run: too long -->\n```sh\nexit 7\n```\n",
+    );
+    assert_eq!(wrong.len(), 2, "{wrong:#?}");
+    assert!(wrong[0].starts_with("page:1: exit status: 1: false"), "{wrong:#?}");
+    assert!(wrong[1].starts_with("page:8: shows something else than\none"), "{wrong:#?}");
+}
+
+#[test]
+#[should_panic(expected = "`not run` stands above no block")]
+fn a_mark_without_its_block_is_told() {
+    blocks("<!-- not run: too long -->\nA sentence.\n");
+}

@@ -1,0 +1,95 @@
+//! The fenced blocks of a document, and what is said of them.
+
+/// A fenced block of a page.
+pub struct Block<'a> {
+    /// The line of its opening fence, from 1.
+    pub line: usize,
+    /// What it is written in: what stands behind the fence.
+    pub language: &'a str,
+    /// What stands between the fences.
+    pub text: &'a str,
+    /// The reason of an HTML comment `<!-- not run: REASON -->` on the line above.
+    pub not_run: Option<&'a str>,
+    /// Whether a heading stands between this block and the one before.
+    pub begins_section: bool,
+}
+
+/// All fenced blocks of a page, in their order. Panics at a fence that is not closed, and at a `not run` that no block
+/// of commands follows.
+pub fn blocks(page: &str) -> Vec<Block<'_>> {
+    let mut blocks = Vec::new();
+    let mut open: Option<(usize, &str, usize, Option<&str>)> = None;
+    let (mut at, mut begins_section, mut not_run) = (0, false, None);
+    for (number, line) in (1..).zip(page.split_inclusive('\n')) {
+        let start = at;
+        at += line.len();
+        let line = line.trim();
+        if let Some(language) = line.strip_prefix("```") {
+            match open.take() {
+                None => open = Some((number, language, at, not_run.take())),
+                Some((line, language, from, not_run)) => {
+                    blocks.push(Block {
+                        line,
+                        language,
+                        text: &page[from..start],
+                        not_run,
+                        begins_section,
+                    });
+                    begins_section = false;
+                }
+            }
+        } else if open.is_none() {
+            assert!(not_run.is_none(), "line {number}: `not run` stands above no block");
+            not_run = line
+                .strip_prefix("<!-- not run: ")
+                .and_then(|line| line.strip_suffix(" -->"));
+            begins_section |= line.starts_with('#');
+        }
+    }
+    assert!(open.is_none() && not_run.is_none(), "the page ends too early");
+    for block in &blocks {
+        let commands = block.language == "sh";
+        assert!(
+            commands || block.not_run.is_none(),
+            "line {}: `not run` of what is not run anyway",
+            block.line
+        );
+    }
+    blocks
+}
+
+/// A command of a block, as a shell takes it.
+pub struct Command<'a> {
+    /// Its line or lines.
+    pub text: &'a str,
+    /// The exit status that its comment names, else 0.
+    pub status: i32,
+}
+
+/// The commands of a block: as many lines at a time as a shell needs. `is_whole` says whether a shell understands
+/// a text as it is.
+pub fn commands(block: &str, is_whole: impl Fn(&str) -> bool) -> Vec<Command<'_>> {
+    let mut commands = Vec::new();
+    let (mut from, mut at) = (0, 0);
+    for line in block.split_inclusive('\n') {
+        at += line.len();
+        let text = block[from..at].trim();
+        let goes_on = text.ends_with('\\') || !is_whole(text);
+        if goes_on && at < block.len() {
+            continue;
+        }
+        from = at;
+        if !text.is_empty() && !text.starts_with('#') {
+            let comment = text.rsplit_once(" # ").map_or("", |(_, comment)| comment);
+            let status = comment.split_once("exit status ").map(|(_, rest)| {
+                let digits = rest.split(|it: char| !it.is_ascii_digit()).next();
+                digits.unwrap_or_default().parse().expect("a number")
+            });
+            commands.push(Command {
+                text,
+                status: status.unwrap_or(0),
+            });
+        }
+    }
+    commands
+}
