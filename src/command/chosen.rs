@@ -171,7 +171,7 @@ impl Chosen {
                 false => format!("it was made by version {}", self.manifest.stochc),
             };
             return Err(usage(&format!(
-                "run {run} does not come out as the folder says: {by}; use the `stochc` that made it, \
+                "the result of run {run} differs from the one in the folder: {by}; use the `stochc` that made it, \
                  or simulate anew into another folder"
             )));
         }

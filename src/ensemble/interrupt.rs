@@ -27,7 +27,7 @@ pub fn stop_on_interrupt() -> io::Result<&'static AtomicBool> {
         if STOP.swap(true, Ordering::Relaxed) {
             std::process::exit(INTERRUPTED);
         }
-        let message = "\nstopping; again to leave at once";
+        let message = "\nstopping; press Ctrl-C again to quit at once";
         let _ = writeln!(io::stderr(), "{message}");
     })
     .map_err(io::Error::other)?;

@@ -213,7 +213,7 @@ impl Manifest {
             format: u32,
         }
         let Version { format } =
-            serde_json::from_str(json).map_err(|_| "it is no manifest of an ensemble")?;
+            serde_json::from_str(json).map_err(|_| "it is not the manifest of an ensemble")?;
         if format != FORMAT {
             return Err(format!("its format is {format}, and this is {FORMAT}"));
         }

@@ -8,10 +8,10 @@ use super::journal::JournalError;
 #[derive(Debug, thiserror::Error)]
 pub enum FolderError {
     /// Somebody's other files.
-    #[error("`{0}` holds files that are no results; choose an empty or a new folder")]
+    #[error("`{0}` holds other files than results; choose an empty or a new folder")]
     NotResults(PathBuf),
     /// It is to be read, and holds no results.
-    #[error("`{0}` holds no results; give the folder that `simulate --out` was told")]
+    #[error("`{0}` holds no results; give a folder that `simulate --out` has written")]
     Absent(PathBuf),
     /// A file of that name stands in the way.
     #[error("`{0}` is a file; choose another name for the folder")]

@@ -38,7 +38,7 @@ fn content(path: &Path) -> Vec<(String, Vec<u8>)> {
 fn other_files_are_not_touched() {
     let folder = tempfile::tempdir().unwrap();
     put(&folder.path().join("thesis.tex"), "precious");
-    assert_snapshot!(refusal(folder.path(), &manifest(2), true), @"`DIR` holds files that are no results; choose an empty or a new folder");
+    assert_snapshot!(refusal(folder.path(), &manifest(2), true), @"`DIR` holds other files than results; choose an empty or a new folder");
     assert_snapshot!(refusal(&folder.path().join("thesis.tex"), &manifest(2), true), @"`DIR` is a file; choose another name for the folder");
 }
 
@@ -46,7 +46,7 @@ fn other_files_are_not_touched() {
 fn a_manifest_of_something_else_is_not_touched() {
     let folder = tempfile::tempdir().unwrap();
     put(&folder.path().join("manifest.json"), "{\"icons\": []}");
-    assert_snapshot!(refusal(folder.path(), &manifest(2), true), @"cannot read `manifest.json` in `DIR`: it is no manifest of an ensemble; choose another folder, or read this one with the version that made it");
+    assert_snapshot!(refusal(folder.path(), &manifest(2), true), @"cannot read `manifest.json` in `DIR`: it is not the manifest of an ensemble; choose another folder, or read this one with the version that made it");
     put(&folder.path().join("manifest.json"), "{\"format\": 99}");
     assert_snapshot!(refusal(folder.path(), &manifest(2), true), @"cannot read `manifest.json` in `DIR`: its format is 99, and this is 1; choose another folder, or read this one with the version that made it");
 }

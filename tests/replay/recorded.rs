@@ -230,7 +230,7 @@ fn a_run_that_does_not_come_out_as_it_did_is_refused() {
     fs::write(&journal, text.replace("\"hops\":", "\"hops\":1")).unwrap();
     let said = refusal(&results);
     assert!(
-        said.contains("does not come out as the folder says"),
+        said.contains("differs from the one in the folder"),
         "{said}"
     );
 }

@@ -72,7 +72,7 @@ impl std::fmt::Display for SceneError {
             SceneError::NotANumber { what, value } => {
                 write!(
                     f,
-                    "{what} is {value:e} in block units, which makes no sense"
+                    "{what} is {value:e} in block units, which cannot be simulated"
                 )
             }
             SceneError::NotBuilt { term } => write!(
@@ -81,8 +81,8 @@ impl std::fmt::Display for SceneError {
             ),
             SceneError::TooStiff { what, substeps } => write!(
                 f,
-                "{what} swings back within less than a step; take `--substeps {substeps}`, or a \
-                 tick that is shorter by as much"
+                "{what} is too stiff for steps this long; use `--substeps {substeps}`, or a tick \
+                 shorter by that factor"
             ),
             SceneError::NotInModel {
                 what,

@@ -49,8 +49,8 @@ impl Limits {
             Some(format!("its speed is {speed} sides per tick"))
         } else if !sound(speed, self.speed) {
             Some(format!(
-                "its speed is {speed:.2} sides per tick, too fast to see what it hits; more \
-                 substeps would"
+                "its speed is {speed:.2} sides per tick, too fast to detect collisions; use more \
+                 substeps"
             ))
         } else if !sound(spin, self.spin) {
             Some(format!("its spin is {spin} radians per tick"))

@@ -24,7 +24,7 @@ pub fn close(options: &Options, manifest: &Manifest, finished: &[Finished]) {
     }
     if let Some(out) = &options.out {
         let folder = shell_file(&visible(&out.to_string_lossy()));
-        text += &format!("\nA page on these runs: stochc report {folder}\n");
+        text += &format!("\nFor a report: stochc report {folder}\n");
     }
     print(&text);
 }

@@ -139,8 +139,8 @@ fn ensemble(
         return unrecorded.unwrap_or(exit);
     }
     warn(match &options.out {
-        Some(_) => "stopped; what was finished is kept, and `--resume` goes on from there\n",
-        None => "stopped; with `--out DIR`, what was finished would have been kept\n",
+        Some(_) => "stopped; finished runs are kept, and `--resume` continues\n",
+        None => "stopped; with `--out DIR`, finished runs are kept\n",
     });
     Exit::Interrupted
 }
