@@ -17,12 +17,12 @@ const SWITCH: &str = "STOCHC_WRITE_DOCS";
 const HEAD: &str = "\
 # Every finding
 
-What `stochc` has to say about programs: each finding with a program that has it and the message that is
-shown. `stochc explain CODE` says more about each, and shows how it is done right. Errors keep a program
-from being run; warnings can be [allowed or denied](language.md#warnings).
+Every error and warning of `stochc`, each with a program that causes it and the message. `stochc explain CODE`
+explains one in more detail, and shows a program without it. A program with errors cannot be run; warnings can
+be [allowed or denied](language.md#warnings).
 
-Where a message says that `stochc check --fix` can do something, it can: it shows the change first. What
-comes after *perhaps* is for you to decide.
+If a message says that `stochc check --fix` can change something, the change is safe. A suggestion that begins with
+*perhaps* is for you to decide.
 
 *This page is written by a test, from the pages of `explain` and from what the compiler answers.*
 ";
