@@ -17,6 +17,7 @@ pub mod files;
 pub mod findings;
 pub mod lsp;
 pub mod mend;
+pub mod orders;
 pub mod recording;
 pub mod replay;
 pub mod report;
@@ -39,6 +40,10 @@ pub fn check(path: &str) -> Checked {
 }
 
 /// [`check`], with levels for the warnings that the files say nothing of.
+///
+/// Small programs are tried [in every order of events](orders) as well.
 pub fn check_with(path: &str, levels: &Levels) -> Checked {
-    compiler::check_with(path, &mut files::read, Limits::default(), levels)
+    let mut checked = compiler::check_with(path, &mut files::read, Limits::default(), levels);
+    orders::try_out(&mut checked);
+    checked
 }

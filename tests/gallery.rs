@@ -6,6 +6,7 @@
 use std::fmt::Write as _;
 
 use stochc::compiler::finding::{Code, Finding, Renderer, Severity};
+use stochc::compiler::table::{Action, Tables};
 use stochc::compiler::{Checked, FileId, Limits, Sources, Span, check};
 use stochc_grammar::{SyntaxError, SyntaxErrorKind};
 
@@ -35,6 +36,8 @@ struct Sample {
     shown: Option<&'static str>,
     /// Those that it is checked with.
     limits: Limits,
+    /// Whether its tables are spoilt before they are tried out.
+    spoilt: bool,
 }
 
 impl Sample {
@@ -43,6 +46,7 @@ impl Sample {
             files: vec![("tower.sa", text.into())],
             shown: None,
             limits: Limits::default(),
+            spoilt: false,
         }
     }
 
@@ -57,7 +61,14 @@ impl Sample {
             file.map(|(_, text)| text.clone())
                 .ok_or("No such file or directory (os error 2)".to_owned())
         };
-        check(self.files[0].0, &mut reader, self.limits)
+        let mut checked = check(self.files[0].0, &mut reader, self.limits);
+        if self.spoilt {
+            for program in &mut checked.programs {
+                program.tables = program.tables.as_ref().map(without_news);
+            }
+            stochc::orders::try_out(&mut checked);
+        }
+        checked
     }
 
     fn text(&self) -> String {
@@ -95,6 +106,23 @@ assembly tunnel {
     phase core { M.up -> CORE }
 }
 ";
+
+/// The same tables, but that nobody tells anybody anything: a mistake.
+fn without_news(tables: &Tables) -> Tables {
+    let duties = tables.duties().map(|duty| {
+        let rules = duty.rules().map(|rule| (rule.when.to_vec(), rule.then));
+        let rules = rules.filter(|(_, then)| !matches!(then, Action::Tell { .. }));
+        (duty.role, duty.phase, duty.trigger, rules.collect())
+    });
+    Tables::assemble(
+        tables.assembly.clone(),
+        tables.faces,
+        tables.plate.clone(),
+        tables.phases.clone(),
+        tables.roles.clone(),
+        duties.collect(),
+    )
+}
 
 /// The program that shows a code; `None`: no program can.
 fn sample(code: Code) -> Option<Sample> {
@@ -135,6 +163,15 @@ fn sample(code: Code) -> Option<Sample> {
             sample.limits.search = 0;
             sample
         }
+        Code::InternalError => {
+            let mut sample = Sample::of(
+                "// shown for tables from which all news has been taken out\n\
+                 assembly relay {\n    seed plate 2 x 1 { M at (0, 0)  N at (1, 0) }\n    \
+                 phase grow {\n        M.up -> A\n        N.up -> B after A\n    }\n}\n",
+            );
+            sample.spoilt = true;
+            sample
+        }
         Code::ImportMissing => Sample::of("import \"towers.sa\"\n"),
         Code::ImportCycle => Sample {
             files: vec![
@@ -143,6 +180,7 @@ fn sample(code: Code) -> Option<Sample> {
             ],
             shown: None,
             limits: Limits::default(),
+            spoilt: false,
         },
         other => panic!("`{other}` has no wrong program on its page, and none here"),
     })

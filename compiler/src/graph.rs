@@ -17,8 +17,14 @@ pub type DependencyGraph = DiGraph<EventId, Dependency, u32>;
 pub enum Dependency {
     /// A block captures, or is released, only once it is anchored.
     Anchored,
-    /// A block magnetizes so many faces at a time; the next one waits in source order.
-    Face,
+    /// A block magnetizes so many faces at a time, in source order: of the `of` edges of this kind that lead to a capture,
+    /// `needed` are enough.
+    Face {
+        /// Captures of the block that have to have docked.
+        needed: u8,
+        /// Those that count.
+        of: u8,
+    },
     /// The program says `after`, there.
     After(Site),
     /// A block is let go only once its own children are.
@@ -30,11 +36,16 @@ pub enum Dependency {
 }
 
 impl Dependency {
+    /// Whether others will do as well.
+    pub fn is_choice(self) -> bool {
+        matches!(self, Dependency::Face { needed, of } if needed < of)
+    }
+
     /// The reason, as text forms show it.
     pub fn word(self) -> &'static str {
         match self {
             Dependency::Anchored => "anchored",
-            Dependency::Face => "face",
+            Dependency::Face { .. } => "face",
             Dependency::After(_) => "after",
             Dependency::Emptied => "emptied",
             Dependency::Vacated => "vacated",
@@ -66,8 +77,8 @@ pub fn build(plan: &Plan, presence: &Presence, layout: &Layout, faces: u8) -> De
             add(first, id, Dependency::Freed);
         }
     }
-    for (first, then) in face_turns(plan, faces) {
-        add(first, then, Dependency::Face);
+    for (first, then, why) in face_turns(plan, faces) {
+        add(first, then, why);
     }
     for (after, subject) in plan.afters.iter().zip(&presence.subjects) {
         if let Some(first) = *subject {
@@ -83,17 +94,15 @@ pub fn build(plan: &Plan, presence: &Presence, layout: &Layout, faces: u8) -> De
     graph
 }
 
-/// Captures of one block that wait for each other: the one `faces` places before in source order.
-fn face_turns(plan: &Plan, faces: u8) -> Vec<(EventId, EventId)> {
+/// Captures of one block that wait for those written before them: each until fewer than `faces` of these are
+/// still to come.
+fn face_turns(plan: &Plan, faces: u8) -> Vec<(EventId, EventId, Dependency)> {
     let mut turns = Vec::new();
-    // The last captures of each block, in rings of `faces`, forgotten at the end of a phase.
-    let faces = usize::from(faces.max(1));
-    let mut last: Vec<(u32, u32)> = vec![(0, 0); plan.roles.count()];
-    let mut rings: Vec<EventId> = Vec::new();
-    for (number, phase) in plan.phases.iter().enumerate() {
-        let stamp = number as u32 + 1;
-        rings.clear();
-        let mut heads: rustc_hash::FxHashMap<u32, usize> = rustc_hash::FxHashMap::default();
+    let faces = faces.max(1);
+    // The last capture of each block, with the phase, from 1, and the one before each capture.
+    let mut last: Vec<(u32, Option<EventId>)> = vec![(0, None); plan.roles.count()];
+    let mut previous: Vec<Option<EventId>> = vec![None; plan.events.len()];
+    for (phase, stamp) in plan.phases.iter().zip(1..) {
         for id in plan.events_of(phase) {
             let event = plan.event(id);
             let Deed::Capture { parent, .. } = event.deed else {
@@ -104,32 +113,26 @@ fn face_turns(plan: &Plan, faces: u8) -> Vec<(EventId, EventId)> {
             }
             let slot = &mut last[parent.0 as usize];
             if slot.0 != stamp {
-                *slot = (stamp, 0);
+                *slot = (stamp, None);
             }
-            let turn = slot.1 as usize;
-            slot.1 += 1;
-            if faces == 1 {
-                // One face at a time: the ring is the last capture alone.
-                let head = heads.entry(parent.0).or_insert_with(|| {
-                    rings.push(id);
-                    rings.len() - 1
-                });
-                if turn > 0 {
-                    turns.push((rings[*head], id));
-                    rings[*head] = id;
-                }
+            previous[id.0 as usize] = slot.1.replace(id);
+            // A block has six faces, and each captures once in a phase; what makes no sense may have more.
+            let before =
+                std::iter::successors(previous[id.0 as usize], |id| previous[id.0 as usize]);
+            let before = before.take(6);
+            let of = before.clone().count() as u8;
+            if of < faces {
                 continue;
             }
-            let head = *heads.entry(parent.0).or_insert_with(|| {
-                let head = rings.len();
-                rings.extend(std::iter::repeat_n(id, faces));
-                head
-            });
-            let place = head + turn % faces;
-            if turn >= faces {
-                turns.push((rings[place], id));
+            let needed = of + 1 - faces;
+            if needed == of {
+                // The one before has waited for all the others.
+                let why = Dependency::Face { needed: 1, of: 1 };
+                turns.extend(before.take(1).map(|first| (first, id, why)));
+            } else {
+                let why = Dependency::Face { needed, of };
+                turns.extend(before.map(|first| (first, id, why)));
             }
-            rings[place] = id;
         }
     }
     turns

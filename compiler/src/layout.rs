@@ -5,7 +5,7 @@ use stochc_grammar::{Face, Symbols};
 use crate::Cell;
 use crate::finding::{Code, Finding, tell};
 use crate::plan::{Deed, EventId, Plan};
-use crate::presence::Presence;
+use crate::presence::{Holder, Presence};
 use crate::table::RoleId;
 
 /// The geometry of a program.
@@ -110,11 +110,11 @@ impl Surveyor<'_> {
     fn phase(&mut self, number: usize) {
         let events: Vec<EventId> = self.plan.events_of(&self.plan.phases[number]).collect();
         // Releases of this phase, by the block that goes.
-        let mut leaving: FxHashMap<RoleId, EventId> = FxHashMap::default();
+        let mut leaving: FxHashMap<Holder, EventId> = FxHashMap::default();
         for &id in &events {
             let event = self.plan.event(id);
             if event.sound && event.deed == Deed::Release {
-                leaving.insert(event.role, id);
+                leaving.insert(self.presence.actor(self.plan, id), id);
             }
         }
         let arrivals = self.captures(&events, &leaving);
@@ -144,7 +144,7 @@ impl Surveyor<'_> {
     fn captures(
         &mut self,
         events: &[EventId],
-        leaving: &FxHashMap<RoleId, EventId>,
+        leaving: &FxHashMap<Holder, EventId>,
     ) -> FxHashMap<Cell, EventId> {
         let mut arrivals: FxHashMap<Cell, EventId> = FxHashMap::default();
         // Captures whose parent is captured by an event that has not been placed yet.
@@ -175,7 +175,7 @@ impl Surveyor<'_> {
     fn place(
         &mut self,
         id: EventId,
-        leaving: &FxHashMap<RoleId, EventId>,
+        leaving: &FxHashMap<Holder, EventId>,
         arrivals: &mut FxHashMap<Cell, EventId>,
     ) {
         let event = *self.plan.event(id);
@@ -221,7 +221,7 @@ impl Surveyor<'_> {
             return;
         }
         if let Some(&there) = self.taken.get(&cell) {
-            match leaving.get(&there) {
+            match leaving.get(&Holder::standing(there)) {
                 Some(&release) => self.layout.vacated.push((release, id)),
                 None => {
                     let site = match self.seats[there.0 as usize].and_then(|seat| seat.on) {
@@ -312,7 +312,7 @@ impl Surveyor<'_> {
     fn adrift(
         &mut self,
         events: &[EventId],
-        leaving: &FxHashMap<RoleId, EventId>,
+        leaving: &FxHashMap<Holder, EventId>,
         arrivals: &FxHashMap<Cell, EventId>,
     ) {
         for &id in events {
@@ -323,64 +323,58 @@ impl Surveyor<'_> {
             if !event.sound || event.deed != Deed::Release {
                 continue;
             }
+            let parent = self.presence.actor(self.plan, id);
             for face in Face::ALL {
                 let Some(neighbour) = cell.across(face) else {
                     continue;
                 };
-                let child = self.child_of(event.role, neighbour, id, arrivals);
-                let Some((child, capture)) = child else {
-                    continue;
-                };
-                if let Some(&release) = leaving.get(&child) {
-                    self.layout.emptied.push((release, id));
-                    continue;
+                for (child, capture) in self.children(parent, neighbour, arrivals) {
+                    if let Some(&release) = leaving.get(&child) {
+                        self.layout.emptied.push((release, id));
+                        continue;
+                    }
+                    let name = self.plan.roles.name(event.role, self.symbols);
+                    let child = self.plan.roles.name(child.role, self.symbols);
+                    let site = self.plan.event(capture).site;
+                    self.reject(
+                        id,
+                        Finding::new(
+                            Code::Adrift,
+                            format!("releasing `{name}` sets `{child}` adrift"),
+                        )
+                        .label(event.site, format!("`{name}` is let go"))
+                        .label(site, format!("`{child}` hangs on it"))
+                        .help(format!(
+                            "release `{child}` as well, in this phase or before it"
+                        )),
+                    );
                 }
-                let name = self.plan.roles.name(event.role, self.symbols);
-                let child = self.plan.roles.name(child, self.symbols);
-                let site = self.plan.event(capture).site;
-                self.reject(
-                    id,
-                    Finding::new(
-                        Code::Adrift,
-                        format!("releasing `{name}` sets `{child}` adrift"),
-                    )
-                    .label(event.site, format!("`{name}` is let go"))
-                    .label(site, format!("`{child}` hangs on it"))
-                    .help(format!(
-                        "release `{child}` as well, in this phase or before it"
-                    )),
-                );
             }
         }
     }
 
-    /// The block in a cell that hangs on `parent` when `release` happens, with its capture.
-    fn child_of(
+    /// The blocks that hang on `parent` in a cell at some time of the phase, with their captures: one
+    /// that is there when it begins, and one that takes its place.
+    fn children(
         &self,
-        parent: RoleId,
+        parent: Holder,
         cell: Cell,
-        release: EventId,
         arrivals: &FxHashMap<Cell, EventId>,
-    ) -> Option<(RoleId, EventId)> {
-        let anchored_by = self.presence.contexts[release.0 as usize].anchored_by;
-        let standing = self.taken.get(&cell).filter(|_| anchored_by.is_none());
-        if let Some(&child) = standing
-            && let Some(on) = self.seats[child.0 as usize].and_then(|seat| seat.on)
-            && on.parent == parent
-        {
-            return Some((child, on.capture));
-        }
-        let &capture = arrivals.get(&cell)?;
-        let Deed::Capture { parent: by, .. } = self.plan.event(capture).deed else {
-            return None;
-        };
-        // The same incarnation of the parent: both anchored in this phase, or both before it.
-        let same = self.presence.contexts[capture.0 as usize].anchored_by == anchored_by;
-        (by == parent && same).then(|| (self.plan.event(capture).role, capture))
+    ) -> impl Iterator<Item = (Holder, EventId)> + use<> {
+        let there = self.taken.get(&cell).filter(|_| parent.since.is_none());
+        let there = there.and_then(|&child| {
+            let on = self.seats[child.0 as usize].and_then(|seat| seat.on)?;
+            (on.parent == parent.role).then_some((Holder::standing(child), on.capture))
+        });
+        let arrives = arrivals.get(&cell).and_then(|&capture| {
+            let child = Holder::captured(self.plan.event(capture).role, capture);
+            (self.presence.actor(self.plan, capture) == parent).then_some((child, capture))
+        });
+        there.into_iter().chain(arrives)
     }
 
     /// The structure at the end of the phase.
-    fn settle(&mut self, events: &[EventId], leaving: &FxHashMap<RoleId, EventId>) {
+    fn settle(&mut self, events: &[EventId], leaving: &FxHashMap<Holder, EventId>) {
         let (mut emptied, mut filled) = (Vec::new(), Vec::new());
         for &id in events {
             let event = *self.plan.event(id);
@@ -399,10 +393,8 @@ impl Surveyor<'_> {
             let (Some(cell), Deed::Capture { .. }) = (self.layout.cells[i], event.deed) else {
                 continue;
             };
-            let gone_again = leaving.get(&event.role).is_some_and(|release| {
-                self.presence.contexts[release.0 as usize].anchored_by == Some(id)
-            });
-            if event.sound && !gone_again {
+            let is_brief = leaving.contains_key(&Holder::captured(event.role, id));
+            if event.sound && !is_brief {
                 self.taken.insert(cell, event.role);
                 filled.push(cell);
                 self.seats[event.role.0 as usize] = Some(Seat {

@@ -31,6 +31,7 @@ mod shape;
 mod source;
 mod suggest;
 pub mod table;
+pub mod turns;
 
 pub use cell::Cell;
 pub use expand::{Limits, MAX_NESTING};

@@ -7,7 +7,7 @@ use stochc_grammar::Symbols;
 use crate::graph::{Dependency, DependencyGraph};
 use crate::layout::Layout;
 use crate::plan::{Deed, EventId, Plan};
-use crate::presence::Presence;
+use crate::presence::{Holder, Presence};
 use crate::scene::{BondKind, Scene};
 use crate::table::{Action, Condition, News, Phase, PhaseId, Role, RoleId, Tables, Trigger};
 
@@ -73,78 +73,53 @@ struct Lowering<'a> {
 impl Lowering<'_> {
     fn event(&mut self, id: EventId, phase: PhaseId) {
         let event = *self.plan.event(id);
+        let actor = self.presence.actor(self.plan, id);
         match event.deed {
-            Deed::Capture { parent, face } => {
+            Deed::Capture { face, .. } => {
                 let Some(cell) = self.layout.cells[id.0 as usize] else {
                     return;
                 };
-                let anchored_by = self.presence.contexts[id.0 as usize].anchored_by;
-                let trigger = trigger(anchored_by);
-                let when = self.conditions_of(id, parent);
+                let when = self.conditions_of(id, actor);
                 let action = Action::Magnetize {
                     face,
                     child: event.role,
                     cell,
                 };
-                self.push(parent, phase, trigger, when, action);
+                self.push(actor, phase, when, action);
                 // A terminal block: it has nothing more to do, and says so, unless somebody has put it
                 // there.
                 let is_planted = self.plan.phases[phase.0 as usize].planted;
                 if !self.duties[id.0 as usize] && !is_planted {
                     self.reports[phase.0 as usize] += 1;
-                    self.push(event.role, phase, Trigger::Anchored, [], Action::Report);
+                    self.push(Holder::captured(event.role, id), phase, [], Action::Report);
                 }
             }
             Deed::Release => {
                 let Some(on) = self.layout.parents[id.0 as usize] else {
                     return;
                 };
-                let context = self.presence.contexts[id.0 as usize];
-                let when = self.conditions_of(id, event.role);
-                self.push(
-                    event.role,
-                    phase,
-                    trigger(context.anchored_by),
-                    when,
-                    Action::AskRelease,
-                );
-                let parent_trigger = self.parent_trigger(id);
+                let when = self.conditions_of(id, actor);
+                self.push(actor, phase, when, Action::AskRelease);
+                let parent = self.witness(id);
                 let off = Action::SwitchOff {
                     face: on.face,
                     child: event.role,
                 };
-                self.push(
-                    on.parent,
-                    phase,
-                    parent_trigger,
-                    [Condition::Asked(event.role)],
-                    off,
-                );
+                self.push(parent, phase, [Condition::Asked(event.role)], off);
                 let node = NodeIndex::new(id.0 as usize);
                 let goes_on = (self.graph.edges_directed(node, Outgoing))
                     .any(|edge| *edge.weight() == Dependency::Emptied);
                 if !goes_on {
                     self.reports[phase.0 as usize] += 1;
-                    let when = [Condition::Released(event.role)];
-                    self.push(on.parent, phase, parent_trigger, when, Action::Report);
+                    self.push(parent, phase, [self.seen(id)], Action::Report);
                 }
             }
         }
         self.tell(id, phase);
     }
 
-    /// When the duty begins of the block that holds the released one.
-    fn parent_trigger(&self, release: EventId) -> Trigger {
-        let context = self.presence.contexts[release.0 as usize];
-        match context.anchored_by {
-            // Captured in this phase: its parent's duty is the one that captured it.
-            Some(capture) => trigger(self.presence.contexts[capture.0 as usize].anchored_by),
-            None => Trigger::Start,
-        }
-    }
-
     /// What an event waits for, as the acting block sees it.
-    fn conditions_of(&self, id: EventId, actor: RoleId) -> Vec<Condition> {
+    fn conditions_of(&self, id: EventId, actor: Holder) -> Vec<Condition> {
         let node = NodeIndex::new(id.0 as usize);
         let mut conditions: Vec<Condition> = (self.graph.edges_directed(node, Incoming))
             .filter_map(|edge| {
@@ -155,14 +130,15 @@ impl Lowering<'_> {
                     // The world sees to it, but for a face that has to be switched off before it
                     // can be switched on again.
                     Dependency::Vacated => (self.witness(first) == actor).then(|| self.seen(first)),
-                    Dependency::Face | Dependency::Emptied => Some(self.seen(first)),
+                    Dependency::Face { needed, of } if needed < of => {
+                        Some(Condition::Turn(*needed))
+                    }
+                    Dependency::Face { .. } | Dependency::Emptied => Some(self.seen(first)),
+                    Dependency::After(_) | Dependency::Freed if self.witness(first) == actor => {
+                        Some(self.seen(first))
+                    }
                     Dependency::After(_) | Dependency::Freed => {
-                        if self.witness(first) == actor {
-                            return Some(self.seen(first));
-                        }
-                        let news = self.news(first);
-                        // A block knows of its own anchoring.
-                        (news != News::Anchored(actor)).then_some(Condition::Heard(news))
+                        (actor.since != Some(first)).then(|| Condition::Heard(self.news(first)))
                     }
                 }
             })
@@ -173,12 +149,16 @@ impl Lowering<'_> {
     }
 
     /// The block that sees an event happen at its own face.
-    fn witness(&self, id: EventId) -> RoleId {
-        match self.plan.event(id).deed {
-            Deed::Capture { parent, .. } => parent,
-            Deed::Release => {
+    fn witness(&self, id: EventId) -> Holder {
+        if let Deed::Capture { .. } = self.plan.event(id).deed {
+            return self.presence.actor(self.plan, id);
+        }
+        match self.presence.contexts[id.0 as usize].anchored_by {
+            Some(capture) => self.presence.actor(self.plan, capture),
+            None => {
                 let on = self.layout.parents[id.0 as usize];
-                on.map_or(self.plan.event(id).role, |on| on.parent)
+                let role = on.map_or(self.plan.event(id).role, |on| on.parent);
+                Holder::standing(role)
             }
         }
     }
@@ -206,14 +186,10 @@ impl Lowering<'_> {
         let witness = self.witness(id);
         let mut receivers: Vec<RoleId> = (self.graph.edges_directed(node, Outgoing))
             .filter(|edge| matches!(edge.weight(), Dependency::After(_) | Dependency::Freed))
-            .map(|edge| {
-                let then = self.plan.event(self.graph[edge.target()]);
-                match then.deed {
-                    Deed::Capture { parent, .. } => parent,
-                    Deed::Release => then.role,
-                }
-            })
-            .filter(|&actor| actor != witness && News::Anchored(actor) != self.news(id))
+            .map(|edge| self.presence.actor(self.plan, self.graph[edge.target()]))
+            // A block knows of its own anchoring.
+            .filter(|actor| *actor != witness && actor.since != Some(id))
+            .map(|actor| actor.role)
             .collect();
         receivers.sort_unstable();
         receivers.dedup();
@@ -224,21 +200,17 @@ impl Lowering<'_> {
             };
             match event.deed {
                 Deed::Capture { .. } => {
-                    self.push(event.role, phase, Trigger::Anchored, [], action);
+                    self.push(Holder::captured(event.role, id), phase, [], action)
                 }
-                Deed::Release => {
-                    let when = [Condition::Released(event.role)];
-                    self.push(witness, phase, self.parent_trigger(id), when, action);
-                }
+                Deed::Release => self.push(witness, phase, [self.seen(id)], action),
             }
         }
     }
 
     fn push(
         &mut self,
-        role: RoleId,
+        block: Holder,
         phase: PhaseId,
-        trigger: Trigger,
         when: impl IntoIterator<Item = Condition>,
         then: Action,
     ) {
@@ -246,9 +218,9 @@ impl Lowering<'_> {
         self.conditions.extend(when);
         let when = (start, self.conditions.len() as u32);
         self.rules.push(Loose {
-            role,
+            role: block.role,
             phase,
-            trigger,
+            trigger: block.trigger(),
             when,
             then,
         });
@@ -294,13 +266,5 @@ impl Lowering<'_> {
             tables.push_rule(when.iter().copied(), rule.then);
         }
         tables
-    }
-}
-
-/// When the duty begins of a block that is, or is not, anchored during the phase.
-fn trigger(anchored_by: Option<EventId>) -> Trigger {
-    match anchored_by {
-        Some(_) => Trigger::Anchored,
-        None => Trigger::Start,
     }
 }

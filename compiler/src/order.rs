@@ -1,7 +1,7 @@
 //! Cycles, and the longest serial chain.
-use petgraph::Direction::{Incoming, Outgoing};
+use petgraph::Direction::{self, Incoming, Outgoing};
 use petgraph::algo::kosaraju_scc;
-use petgraph::graph::NodeIndex;
+use petgraph::graph::{EdgeIndex, EdgeReference, NodeIndex};
 use petgraph::visit::EdgeRef;
 use rustc_hash::{FxHashMap, FxHashSet};
 use stochc_grammar::Symbols;
@@ -9,6 +9,7 @@ use stochc_grammar::Symbols;
 use crate::finding::{Code, Finding};
 use crate::graph::{Dependency, DependencyGraph};
 use crate::plan::{Deed, EventId, Plan};
+use crate::turns;
 
 /// An order in which everything can happen, and how much of it one after the other.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -19,13 +20,15 @@ pub struct Order {
     /// releases between them. Its length is its number of captures. A planted phase has none: nothing
     /// in it has to be waited for.
     pub chains: Vec<Vec<EventId>>,
+    /// Edges that this order does without, because a capture of the same block comes sooner: none, unless blocks
+    /// magnetize several faces at a time.
+    pub unneeded: FxHashSet<EdgeIndex>,
 }
 
 impl Order {
     /// Captures in a chain.
     pub fn length(plan: &Plan, chain: &[EventId]) -> usize {
-        let capture = |id: &&EventId| matches!(plan.event(**id).deed, Deed::Capture { .. });
-        chain.iter().filter(capture).count()
+        chain.iter().filter(|id| is_capture(plan, **id)).count()
     }
 
     /// The phase with the longest chain of the program, and that chain.
@@ -46,9 +49,16 @@ pub fn sort(
     symbols: &Symbols,
     findings: &mut Vec<Finding>,
 ) -> Option<Order> {
+    let mut unneeded = FxHashSet::default();
+    if turns::has_choice(graph) {
+        // In captures, one after the other.
+        let length = |i: usize| f64::from(is_capture(plan, EventId(i as u32)));
+        unneeded = turns::unneeded(graph, &turns::earliest(graph, length));
+    }
+    let edges = |node, way| needed(graph, &unneeded, node, way);
     // Kahn's algorithm, so that events without a reason to wait keep their source order.
     let mut missing: Vec<u32> = (graph.node_indices())
-        .map(|node| graph.edges_directed(node, Incoming).count() as u32)
+        .map(|node| edges(node, Incoming).count() as u32)
         .collect();
     let mut order = Order::default();
     order.events.reserve(graph.node_count());
@@ -59,12 +69,11 @@ pub fn sort(
     let mut best: Vec<(u32, u32)> = vec![(0, u32::MAX); graph.node_count()];
     while let Some(node) = queue.pop_front() {
         let id = graph[node];
-        let is_capture = matches!(plan.event(id).deed, Deed::Capture { .. });
-        best[node.index()].0 += u32::from(is_capture);
+        best[node.index()].0 += u32::from(is_capture(plan, id));
         let length = best[node.index()].0;
         order.events.push(id);
         // petgraph lists the newest edge first.
-        for edge in graph.edges_directed(node, Outgoing) {
+        for edge in edges(node, Outgoing) {
             let next = edge.target().index();
             if best[next].1 == u32::MAX || length > best[next].0 {
                 best[next] = (length, id.0);
@@ -78,7 +87,11 @@ pub fn sort(
     let sound = plan.events.iter().filter(|event| event.sound).count();
     if order.events.len() < sound {
         let done: FxHashSet<EventId> = order.events.into_iter().collect();
-        tell_cycles(plan, graph, &done, symbols, findings);
+        let rest = graph.filter_map(
+            |_, &id| (!done.contains(&id) && plan.event(id).sound).then_some(id),
+            |edge, &why| (!unneeded.contains(&edge)).then_some(why),
+        );
+        tell_cycles(plan, &rest, symbols, findings);
         return None;
     }
     order.chains = (plan.phases.iter())
@@ -87,7 +100,23 @@ pub fn sort(
             false => longest_chain(phase.events.clone(), plan, &best),
         })
         .collect();
+    order.unneeded = unneeded;
     Some(order)
+}
+
+/// The edges from or to an event, but for those that nothing needs.
+fn needed<'a>(
+    graph: &'a DependencyGraph,
+    unneeded: &'a FxHashSet<EdgeIndex>,
+    node: NodeIndex,
+    way: Direction,
+) -> impl Iterator<Item = EdgeReference<'a, Dependency>> {
+    let edges = graph.edges_directed(node, way);
+    edges.filter(|edge| !unneeded.contains(&edge.id()))
+}
+
+fn is_capture(plan: &Plan, id: EventId) -> bool {
+    matches!(plan.event(id).deed, Deed::Capture { .. })
 }
 
 fn longest_chain(events: std::ops::Range<u32>, plan: &Plan, best: &[(u32, u32)]) -> Vec<EventId> {
@@ -104,26 +133,22 @@ fn longest_chain(events: std::ops::Range<u32>, plan: &Plan, best: &[(u32, u32)])
     chain
 }
 
+/// Tells of the circles in what is left of a graph when all that can happen has.
 fn tell_cycles(
     plan: &Plan,
-    graph: &DependencyGraph,
-    done: &FxHashSet<EventId>,
+    rest: &DependencyGraph,
     symbols: &Symbols,
     findings: &mut Vec<Finding>,
 ) {
-    let rest = graph.filter_map(
-        |_, &id| (!done.contains(&id) && plan.event(id).sound).then_some(id),
-        |_, &why| Some(why),
-    );
-    let mut knots: Vec<Vec<NodeIndex>> = kosaraju_scc(&rest);
+    let mut knots: Vec<Vec<NodeIndex>> = kosaraju_scc(rest);
     knots.retain(|knot| knot.len() > 1 || rest.contains_edge(knot[0], knot[0]));
     for knot in &mut knots {
         knot.sort_unstable();
     }
     knots.sort_unstable();
     for knot in knots.iter().take(MOST_CYCLES) {
-        let cycle = shortest_cycle(&rest, knot);
-        findings.push(describe(plan, &rest, &cycle, symbols));
+        let cycle = shortest_cycle(rest, knot);
+        findings.push(describe(plan, rest, &cycle, symbols));
     }
 }
 
@@ -191,7 +216,7 @@ fn describe(
                     format!("`{waits}` needs `{name}`, which `{before}` anchors"),
                 )
             }
-            Dependency::Face => (
+            Dependency::Face { .. } => (
                 event.site,
                 format!("`{waits}` waits for a free face: `{before}` is written before it"),
             ),
@@ -217,7 +242,7 @@ fn describe(
             "{} more are not shown; break the circle in one place",
             count - MOST_LABELS
         )
-    } else if why(|why| matches!(why, Dependency::Face)) {
+    } else if why(|why| matches!(why, Dependency::Face { .. })) {
         "a block captures in the order in which its captures are written: swap the two, or drop \
          the `after`"
             .to_owned()

@@ -5,7 +5,7 @@ use stochc_grammar::{Symbol, Symbols};
 use crate::finding::{Code, Finding, Fix, MOST_FINDINGS, entry, named, removal, tell};
 use crate::plan::{Deed, EventId, Plan};
 use crate::suggest::nearest;
-use crate::table::RoleId;
+use crate::table::{RoleId, Trigger};
 use crate::{Site, Sources};
 
 /// Who holds the names, and what becomes of them in each phase.
@@ -26,11 +26,55 @@ pub struct Context {
     pub freed_by: Option<EventId>,
 }
 
+/// A block in one phase. A name may have two holders in a phase, one after the other: the one that has it
+/// when the phase begins, and the one that is captured when that has gone. They see different things.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Holder {
+    /// The name.
+    pub role: RoleId,
+    /// The capture of this phase that gave it; `None`: it is held when the phase begins.
+    pub since: Option<EventId>,
+}
+
+impl Holder {
+    /// The block that has a name when the phase begins.
+    pub fn standing(role: RoleId) -> Holder {
+        Holder { role, since: None }
+    }
+
+    /// The block that a capture of the phase gives the name to.
+    pub fn captured(role: RoleId, capture: EventId) -> Holder {
+        let since = Some(capture);
+        Holder { role, since }
+    }
+
+    /// When its duty in the phase begins.
+    pub fn trigger(self) -> Trigger {
+        match self.since {
+            Some(_) => Trigger::Anchored,
+            None => Trigger::Start,
+        }
+    }
+}
+
+impl Presence {
+    /// The block that an event is up to: the one that captures, or the one that asks to be let go.
+    pub fn actor(&self, plan: &Plan, id: EventId) -> Holder {
+        let event = plan.event(id);
+        let role = match event.deed {
+            Deed::Capture { parent, .. } => parent,
+            Deed::Release => event.role,
+        };
+        let since = self.contexts[id.0 as usize].anchored_by;
+        Holder { role, since }
+    }
+}
+
 /// What is known of a name.
 #[derive(Clone, Copy, Default)]
 struct State {
-    /// The event that anchored it, or `Seed`; `None`: nobody holds it.
-    holder: Option<Holder>,
+    /// What anchored the block that has it; `None`: nobody has it.
+    holder: Option<Origin>,
     /// The phase that the two fields below speak of, from 1.
     phase: u32,
     captured: Option<EventId>,
@@ -40,7 +84,7 @@ struct State {
 }
 
 #[derive(Clone, Copy, PartialEq)]
-enum Holder {
+enum Origin {
     Seed,
     Capture(EventId),
 }
@@ -86,7 +130,7 @@ impl Checker<'_> {
     fn run(&mut self) {
         for i in 0..self.plan.seeds.len() {
             let role = self.plan.seeds[i].role;
-            self.states[role.0 as usize].holder = Some(Holder::Seed);
+            self.states[role.0 as usize].holder = Some(Origin::Seed);
         }
         let mut afters = 0;
         for number in 0..self.plan.phases.len() {
@@ -170,7 +214,7 @@ impl Checker<'_> {
     fn enter(&mut self, id: EventId, stamp: u32) {
         let event = *self.plan.event(id);
         let state = *self.state(event.role, stamp);
-        let seed = state.holder == Some(Holder::Seed);
+        let seed = state.holder == Some(Origin::Seed);
         match event.deed {
             Deed::Capture { parent, .. } => {
                 self.use_seed(parent);
@@ -224,7 +268,7 @@ impl Checker<'_> {
             Deed::Capture { parent, .. } => {
                 let freed_by = match (state.holder, state.released) {
                     (Some(_), Some(release)) => Some(release),
-                    (Some(Holder::Capture(first)), None) => {
+                    (Some(Origin::Capture(first)), None) => {
                         let what = "is captured while it is part of the structure";
                         return self.reject(id, Code::CapturedTwice, what, first);
                     }
@@ -320,7 +364,7 @@ impl Checker<'_> {
             // A name that is freed and taken again ends up taken; the other way round, free.
             Deed::Capture { .. } => {
                 if state.released.is_none() || context.freed_by.is_some() {
-                    state.holder = Some(Holder::Capture(id));
+                    state.holder = Some(Origin::Capture(id));
                 }
             }
             Deed::Release => {

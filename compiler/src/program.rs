@@ -15,7 +15,9 @@ use crate::scene::scalars::{self, Change};
 use crate::scene::{BondKind, Scene};
 use crate::scenes::Scenes;
 use crate::table::Tables;
-use crate::{FileId, Site, Sources, exposed, inventory, layout, lower, presence, reach, shape};
+use crate::{
+    FileId, Site, Sources, exposed, inventory, layout, lower, presence, reach, shape, turns,
+};
 
 /// Everything that is known of a file after looking at all of it.
 #[derive(Debug)]
@@ -427,11 +429,16 @@ impl<'a> Input<'a> {
         // Of a program with gaps it would say what is not so.
         let is_whole = is_sound && self.readable && plan.events.iter().all(|event| event.sound);
         if let (Some(order), true) = (&order, is_whole) {
+            let has_choice = !order.unneeded.is_empty();
+            let certain = has_choice.then(|| turns::certain(&graph, &order.events));
+            let straight = has_choice.then(|| turns::straight(&graph, &order.unneeded));
             let subject = reach::Subject {
                 plan: &plan,
                 presence: &presence,
                 layout: &layout,
                 graph: &graph,
+                certain: certain.as_ref().unwrap_or(&graph),
+                straight: straight.as_ref().unwrap_or(&graph),
                 order,
                 assembly: self.assembly,
                 file: self.file,

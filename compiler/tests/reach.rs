@@ -2,11 +2,11 @@
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::fmt::Write as _;
 
-use petgraph::Direction::Incoming;
 use petgraph::graph::NodeIndex;
 use proptest::prelude::*;
 use stochc_compiler::finding::{Code, Finding, mended};
 use stochc_compiler::plan::{Deed, EventId};
+use stochc_compiler::turns::is_ready;
 use stochc_compiler::{Cell, Checked, Face, FileId, Program, check};
 
 /// Cells of the box in which random programs build.
@@ -36,6 +36,14 @@ const LARGE: Room = Room {
 fn checked(text: &str) -> Checked {
     let mut reader = |_: &str| Ok(text.as_bytes().to_vec());
     check("random.sa", &mut reader, Default::default())
+}
+
+/// The same program for blocks that magnetize several faces at a time.
+fn with_faces(text: &str, faces: u8) -> String {
+    let scene = format!(
+        "scene s from hemisphere {{ block cube {{ side 20cm mass 1kg faces {faces} }} }}\n"
+    );
+    scene + &text.replacen("assembly random {", "assembly random in s {", 1)
 }
 
 /// Whether a cell closes in one of the two in the middle.
@@ -196,9 +204,7 @@ fn stuck(
             .filter(|&id| done & bit(id) == 0)
         {
             left.push(id);
-            let node = NodeIndex::new(id.0 as usize);
-            let waits = (program.graph.neighbors_directed(node, Incoming))
-                .any(|first| done & bit(program.graph[first]) == 0);
+            let waits = !is_ready(&program.graph, id, |first| done & bit(first) != 0);
             let cell = program.layout.cells[id.0 as usize].unwrap();
             let is_release = program.plan.event(id).deed == Deed::Release;
             if !waits && (is_release || is_open(SMALL, cell, &full)) {
@@ -338,6 +344,22 @@ proptest! {
         prop_assert!(others(&checked).is_empty(), "{text}\n{:#?}", others(&checked));
         let verdict = !sealed(&checked).is_empty();
         prop_assert_eq!(verdict, can_get_stuck(&checked.programs[0]), "{}", text);
+    }
+
+    /// Of the captures of one block any may be the one that leaves it a face.
+    #[test]
+    fn choices_of_faces_change_nothing_of_that(
+        choices in prop::collection::vec(any::<u32>(), 10..120),
+        faces in 2u8..=4,
+        releases: bool,
+    ) {
+        let text = with_faces(&program(&choices, SMALL, releases), faces);
+        let checked = checked(&text);
+        prop_assert!(others(&checked).is_empty(), "{text}\n{:#?}", others(&checked));
+        let verdict = !sealed(&checked).is_empty();
+        let is_stuck = can_get_stuck(&checked.programs[0]);
+        prop_assert!(verdict || !is_stuck, "{}", text);
+        prop_assert!(releases || verdict == is_stuck, "{}", text);
     }
 
     #[test]

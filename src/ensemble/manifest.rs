@@ -262,7 +262,9 @@ impl Program {
             })
             .collect();
         let limits = Limits::default();
-        let checked = check_changed(root, &mut reader, limits, levels, &self.assembly, &changes);
+        let mut checked =
+            check_changed(root, &mut reader, limits, levels, &self.assembly, &changes);
+        crate::orders::try_out(&mut checked);
         (root, checked)
     }
 

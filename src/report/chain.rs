@@ -8,7 +8,7 @@ use std::collections::{HashMap, VecDeque};
 use stochc_compiler::table::{PhaseId, RoleId};
 use stochc_runtime::record::{Origin, Outcome, RunRecord};
 
-use super::events::{Deed, Events, Why};
+use super::events::{Deed, Event, Events, Why};
 
 /// A part of a run's time, and what it was spent on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,31 +78,34 @@ pub(super) fn moments(events: &Events, record: &RunRecord) -> Vec<Moment> {
         }
     }
     let begins = begins(record);
-    let mut moments: Vec<Moment> = Vec::with_capacity(events.events.len());
-    for event in &events.events {
+    // The record says of captures when they were; what a release waits for stands before it, but for these.
+    let mut moments: Vec<Moment> = (events.events.iter())
+        .map(|event| {
+            let queue = bonds.get_mut(&(event.phase, event.deed));
+            let bond = queue.and_then(VecDeque::pop_front);
+            bond.map_or(Moment::default(), |i| Moment {
+                ready: Some(record.bonds[i].magnetized),
+                done: Some(record.bonds[i].docked),
+                bond: Some(i),
+            })
+        })
+        .collect();
+    for (number, event) in events.events.iter().enumerate() {
+        if moments[number].bond.is_some() {
+            continue;
+        }
         let begin = begins.get(event.phase.0 as usize);
-        let waits = event.waits_for.iter();
         // A cell that is still full keeps a block out, but no face from being magnetized.
-        let waits = waits.filter(|(_, why)| *why != Why::Vacated);
+        let waits = met(event, &moments).filter(|(_, why, _)| *why != Why::Vacated);
         let ready = waits
-            .map(|&(first, _)| moments.get(first).and_then(|moment| moment.done))
+            .map(|(_, _, done)| done)
             .chain([begin.copied()])
             .try_fold(0, |last, done| Some(last.max(done?)));
         let moment = match event.deed {
-            Deed::Capture { .. } => {
-                let queue = bonds.get_mut(&(event.phase, event.deed));
-                match queue.and_then(VecDeque::pop_front) {
-                    Some(i) => Moment {
-                        ready: Some(record.bonds[i].magnetized),
-                        done: Some(record.bonds[i].docked),
-                        bond: Some(i),
-                    },
-                    None => Moment {
-                        ready,
-                        ..Moment::default()
-                    },
-                }
-            }
+            Deed::Capture { .. } => Moment {
+                ready,
+                ..Moment::default()
+            },
             Deed::Release { role } => {
                 let end = begins.get(event.phase.0 as usize + 1);
                 let end = end.copied().unwrap_or(record.ticks);
@@ -117,9 +120,34 @@ pub(super) fn moments(events: &Events, record: &RunRecord) -> Vec<Moment> {
                 }
             }
         };
-        moments.push(moment);
+        moments[number] = moment;
     }
     moments
+}
+
+/// What an event has waited for, and when each was done: of captures among which it has a choice, the one
+/// with which there were enough.
+fn met<'a>(
+    event: &'a Event,
+    moments: &'a [Moment],
+) -> impl Iterator<Item = (usize, Why, Option<u64>)> + 'a {
+    let done = |first: usize| moments.get(first).and_then(|moment| moment.done);
+    let mut faces: Vec<_> = (event.waits_for.iter())
+        .filter_map(|&(first, why)| match why {
+            Why::Face { needed } => Some((done(first).unwrap_or(u64::MAX), first, needed)),
+            _ => None,
+        })
+        .collect();
+    faces.sort_unstable();
+    let face = faces
+        .first()
+        .map_or(0, |&(_, _, needed)| usize::from(needed));
+    let face = face.checked_sub(1).and_then(|last| faces.get(last));
+    let face = face.map(|&(_, first, needed)| (first, Why::Face { needed }, done(first)));
+    let others = event.waits_for.iter().copied();
+    let others = others.filter(|(_, why)| !matches!(why, Why::Face { .. }));
+    let others = others.map(move |(first, why)| (first, why, done(first)));
+    others.chain(face)
 }
 
 /// The tick at which each phase began that did.
@@ -217,7 +245,9 @@ fn unfinished(
 /// Adds an event and all that led to it within its phase, the last first.
 fn back(events: &Events, moments: &[Moment], last: usize, links: &mut Vec<Link>) {
     let mut next = Some(last);
-    while let Some(event) = next {
+    // What is waited for was done before, and there are no more events than these.
+    for _ in 0..events.events.len() {
+        let Some(event) = next else { return };
         let moment = moments[event];
         let (Some(ready), Some(done)) = (moment.ready, moment.done) else {
             return;
@@ -235,16 +265,15 @@ fn back(events: &Events, moments: &[Moment], last: usize, links: &mut Vec<Link>)
             to: done,
             since,
         });
-        // What is waited for stands before what waits, so that this ends.
         next = since.map(|(first, _)| first);
     }
 }
 
 /// The dependency of an event that was satisfied last.
 fn since(events: &Events, moments: &[Moment], event: usize) -> Option<(usize, Why)> {
-    let waits = events.events[event].waits_for.iter();
-    let done = waits.filter(|&&(first, _)| moments[first].done.is_some());
-    done.max_by_key(|&&(first, _)| moments[first].done).copied()
+    let done = met(&events.events[event], moments).filter(|(_, _, done)| done.is_some());
+    let last = done.max_by_key(|&(_, _, done)| done);
+    last.map(|(first, why, _)| (first, why))
 }
 
 #[cfg(test)]
@@ -252,7 +281,6 @@ mod tests {
     use stochc_compiler::{Cell, Face};
     use stochc_runtime::record::BondRecord;
 
-    use super::super::events::Event;
     use super::*;
 
     fn capture(parent: u32, child: u32) -> Deed {
@@ -360,6 +388,39 @@ mod tests {
             (Some(3), 95, 95),
             (Some(4), 95, 100),
         ];
+        assert_eq!(told(&links), expected);
+    }
+
+    #[test]
+    fn a_capture_with_a_choice_waited_for_the_first_that_left_it_a_face() {
+        // Two faces at a time: the third capture waits for one of the two before it.
+        let face = Why::Face { needed: 1 };
+        let events = Events {
+            events: vec![
+                event(0, capture(0, 1), &[]),
+                event(0, capture(0, 2), &[]),
+                event(0, capture(0, 3), &[(0, face), (1, face)]),
+                event(
+                    0,
+                    capture(0, 4),
+                    &[
+                        (0, Why::Face { needed: 2 }),
+                        (1, Why::Face { needed: 2 }),
+                        (2, Why::Face { needed: 2 }),
+                    ],
+                ),
+            ],
+            tables: Some(String::new()),
+        };
+        let bonds = vec![
+            bond(0, 0, 2, 0, 20),
+            bond(0, 0, 3, 20, 50),
+            bond(0, 0, 4, 50, 90),
+            bond(0, 0, 1, 0, 60),
+        ];
+        let record = record(Outcome::Completed, 90, &[90], bonds);
+        let links = chain(&events, &record, &moments(&events, &record));
+        let expected = [(Some(1), 0, 20), (Some(2), 20, 50), (Some(3), 50, 90)];
         assert_eq!(told(&links), expected);
     }
 

@@ -27,7 +27,7 @@ pub(super) struct Events {
 pub(super) struct Event {
     pub phase: PhaseId,
     pub deed: Deed,
-    /// Earlier events, and why it waits for them.
+    /// Events, and why it waits for them. Those of a [choice](Why::Face) may stand behind it, the others before.
     pub waits_for: Vec<(usize, Why)>,
 }
 
@@ -48,7 +48,10 @@ pub(super) enum Deed {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Why {
     Anchored,
-    Face,
+    /// Of all these, so many are enough.
+    Face {
+        needed: u8,
+    },
     After,
     Emptied,
     Vacated,
@@ -123,8 +126,13 @@ fn from_graph(checked: &Checked, found: usize, entry: &Program) -> Option<Events
         waits.sort_by_key(|&(first, _)| first);
         waits
     };
+    let unneeded = &program.order.as_ref()?.unneeded;
     let mut order = side_by_side(plan.events.len(), |id| {
-        waits(EventId(id)).into_iter().map(|(first, _)| first.0)
+        let edges = graph.edges_directed(NodeIndex::new(id as usize), Incoming);
+        let edges = edges.filter(|edge| !unneeded.contains(&edge.id()));
+        let mut first: Vec<u32> = edges.map(|edge| graph[edge.source()].0).collect();
+        first.sort_unstable();
+        first.into_iter()
     });
     // What is attached by hand never waited.
     let by_hand = plan.phases.iter().filter(|phase| phase.planted);
@@ -224,7 +232,7 @@ impl Why {
     fn of(dependency: Dependency) -> Why {
         match dependency {
             Dependency::Anchored => Why::Anchored,
-            Dependency::Face => Why::Face,
+            Dependency::Face { needed, .. } => Why::Face { needed },
             Dependency::After(_) => Why::After,
             Dependency::Emptied => Why::Emptied,
             Dependency::Vacated => Why::Vacated,

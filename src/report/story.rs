@@ -160,7 +160,7 @@ fn reason(subject: &Subject, link: &Link) -> String {
     let first = code(&subject.events.events[first].deed.text(subject.program));
     match why {
         Why::Anchored => format!("when {first} had anchored its block"),
-        Why::Face => format!("when {first} had left its block a face to magnetize"),
+        Why::Face { .. } => format!("when {first} had left its block a face to magnetize"),
         Why::After => format!("because the program puts it after {first}"),
         Why::Emptied => format!("when {first} had let the last of its children go"),
         Why::Vacated => format!("when {first} had emptied the cell"),

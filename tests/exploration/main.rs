@@ -1,5 +1,6 @@
 //! Event tables in every order of events.
 mod faults;
+mod holders;
 mod mutants;
 mod orders;
 mod physical;
@@ -7,3 +8,4 @@ mod programs;
 #[path = "../random/mod.rs"]
 mod random;
 mod reach;
+mod turns;

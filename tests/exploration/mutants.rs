@@ -1,6 +1,7 @@
 //! Tables with a mistake are found out.
 use std::collections::BTreeMap;
 
+use stochc::compiler::finding::Code;
 use stochc::compiler::table::{Action, Condition, LooseDuty, News, Tables};
 use stochc::runtime::explore::{Bounds, Expected, Exploration, Faults, Property, Report};
 
@@ -170,4 +171,35 @@ fn a_second_block_of_one_name_is_found() {
         let both = [Property::OneHolder, Property::Order];
         assert!(both.contains(&violation.property), "{violation}");
     }
+}
+
+/// What is forgotten altogether is not seen in the tables themselves: they are held against the graph.
+#[test]
+fn no_mistake_of_the_compiler_reaches_a_user() {
+    let mut checked = stochc::check("examples/five_tower_reconfigured.sa");
+    assert!(!checked.has_errors());
+    let right = checked.programs[0].tables.clone().unwrap();
+    let mut count = 0;
+    for (mistake, mutant) in mutants(&right) {
+        let [report, _] = judge(&mutant, &right);
+        let Some(found) = report.violation() else {
+            continue;
+        };
+        // Who reports is read off the tables, and the phase may end as it should all the same.
+        if found.property == Property::ReportsOnce {
+            continue;
+        }
+        checked.findings.clear();
+        checked.programs[0].tables = Some(mutant);
+        stochc::orders::try_out(&mut checked);
+        let [finding] = &checked.findings[..] else {
+            panic!("{mistake}: {:?}", checked.findings);
+        };
+        assert_eq!(finding.code, Code::InternalError, "{mistake}");
+        assert!(checked.programs[0].tables.is_none(), "{mistake}");
+        let steps = finding.help.as_ref().unwrap().lines().count() - 1;
+        assert!(steps <= found.trace.len(), "{mistake}: {finding:#?}");
+        count += 1;
+    }
+    assert!(count > 40, "{count}");
 }

@@ -6,6 +6,7 @@ use petgraph::visit::EdgeRef;
 use crate::Program;
 use crate::order::Order;
 use crate::plan::Deed;
+use crate::turns::{Earliest, earliest};
 
 /// Exposures below this are taken for it: the wait stays finite.
 const LEAST_EXPOSURE: f64 = 0.01;
@@ -26,6 +27,7 @@ pub fn levels(program: &Program, order: &Order) -> Vec<u32> {
     for &id in &order.events {
         let node = NodeIndex::new(id.0 as usize);
         let before = (program.graph.edges_directed(node, Incoming))
+            .filter(|edge| !order.unneeded.contains(&edge.id()))
             .map(|edge| levels[edge.source().index()])
             .max();
         let is_capture = program.plan.event(id).deed != Deed::Release;
@@ -57,26 +59,23 @@ pub fn shares(program: &Program, order: &Order, exposures: &[Option<f64>]) -> Sh
         captures: vec![0.0; count],
     };
     let weight = 1.0 / samples as f64;
-    // When each event is over, after the start of its phase, and what it waited for last.
-    let mut over = vec![0.0f64; count];
-    let mut last = vec![u32::MAX; count];
+    let has_choice = !order.unneeded.is_empty();
+    let mut times = Earliest {
+        over: vec![0.0; count],
+        last: vec![u32::MAX; count],
+        events: Vec::new(),
+    };
     for sample in 0..samples as u64 {
         let length = |i: usize| match exposures[i] {
             Some(exposure) => wait(exposure) * exponential(sample, samples as u64, i as u64),
             None => 0.0,
         };
-        for &id in &order.events {
-            let i = id.0 as usize;
-            let (mut start, mut before) = (0.0, u32::MAX);
-            for edge in program.graph.edges_directed(NodeIndex::new(i), Incoming) {
-                let first = edge.source().index();
-                if before == u32::MAX || over[first] > start {
-                    (start, before) = (over[first], first as u32);
-                }
-            }
-            over[i] = start + length(i);
-            last[i] = before;
+        if has_choice {
+            times = earliest(&program.graph, length);
+        } else {
+            in_order(program, order, length, &mut times);
         }
+        let Earliest { over, last, .. } = &times;
         for (phase, spent) in plan.phases.iter().zip(&mut shares.phases) {
             let end = phase
                 .events
@@ -93,6 +92,23 @@ pub fn shares(program: &Program, order: &Order, exposures: &[Option<f64>]) -> Sh
         }
     }
     shares
+}
+
+/// The same as [`earliest`] for a graph without choices, quicker.
+fn in_order(program: &Program, order: &Order, length: impl Fn(usize) -> f64, times: &mut Earliest) {
+    let Earliest { over, last, .. } = times;
+    for &id in &order.events {
+        let i = id.0 as usize;
+        let (mut start, mut before) = (0.0, u32::MAX);
+        for edge in program.graph.edges_directed(NodeIndex::new(i), Incoming) {
+            let first = edge.source().index();
+            if before == u32::MAX || over[first] > start {
+                (start, before) = (over[first], first as u32);
+            }
+        }
+        over[i] = start + length(i);
+        last[i] = before;
+    }
 }
 
 /// Of `samples` numbers with the exponential distribution, one from each of as many equal parts of it,

@@ -3,8 +3,8 @@ use std::fmt::Write as _;
 
 use stochc_grammar::Symbols;
 
-use super::graph_text::waits;
-use crate::graph::DependencyGraph;
+use super::graph_text::{label, waits};
+use crate::graph::{Dependency, DependencyGraph};
 use crate::order::Order;
 use crate::plan::{Deed, Plan};
 
@@ -30,8 +30,8 @@ pub fn graph_dot(plan: &Plan, graph: &DependencyGraph, order: &Order, symbols: &
         for id in plan.events_of(phase) {
             for (why, first) in waits(graph, id) {
                 let style = match why {
-                    "anchored" => String::new(),
-                    why => format!(" [label=\"{why}\", style=dashed]"),
+                    Dependency::Anchored => String::new(),
+                    why => format!(" [label=\"{}\", style=dashed]", label(why)),
                 };
                 let _ = writeln!(out, "        e{} -> e{}{style};", first.0, id.0);
             }

@@ -6,7 +6,7 @@ use petgraph::graph::NodeIndex;
 use petgraph::visit::EdgeRef;
 use stochc_grammar::Symbols;
 
-use crate::graph::DependencyGraph;
+use crate::graph::{Dependency, DependencyGraph};
 use crate::order::Order;
 use crate::plan::{EventId, Plan};
 
@@ -34,7 +34,8 @@ pub fn graph_text(
         for id in plan.events_of(phase) {
             let _ = writeln!(out, "    {}", plan.describe(id, symbols));
             for (why, first) in waits(graph, id) {
-                let _ = writeln!(out, "        {why}: {}", plan.describe(first, symbols));
+                let first = plan.describe(first, symbols);
+                let _ = writeln!(out, "        {}: {first}", label(why));
             }
         }
         if phase.planted {
@@ -51,15 +52,25 @@ pub fn graph_text(
 }
 
 /// What an event waits for, sorted.
-pub(super) fn waits(graph: &DependencyGraph, id: EventId) -> Vec<(&'static str, EventId)> {
+pub(super) fn waits(graph: &DependencyGraph, id: EventId) -> Vec<(Dependency, EventId)> {
     let node = NodeIndex::new(id.0 as usize);
     let mut waits: Vec<_> = graph
         .edges_directed(node, Incoming)
-        .map(|edge| (edge.weight().word(), graph[edge.source()]))
+        .map(|edge| (*edge.weight(), graph[edge.source()]))
         .collect();
-    waits.sort_unstable_by_key(|&(why, first)| (first, why));
-    waits.dedup();
+    waits.sort_unstable_by_key(|&(why, first)| (first, why.word()));
+    waits.dedup_by_key(|(why, first)| (*first, why.word()));
     waits
+}
+
+/// Why an event waits for another: `after`, or `face, 1 of 2`.
+pub(super) fn label(why: Dependency) -> String {
+    match why {
+        Dependency::Face { needed, of } if needed < of => {
+            format!("{}, {needed} of {of}", why.word())
+        }
+        why => why.word().to_owned(),
+    }
 }
 
 /// A chain in one line; the middle of a long one is left out.

@@ -3,11 +3,11 @@ use serde_json::{Value, json};
 use stochc_grammar::Symbols;
 
 use super::graph_text::waits;
-use crate::graph::DependencyGraph;
+use crate::graph::{Dependency, DependencyGraph};
 use crate::order::Order;
 use crate::plan::{Deed, Plan};
 use crate::scene::BondKind;
-use crate::table::{Action, Condition, News, Tables, Trigger};
+use crate::table::{Action, Condition, Duty, News, Tables, Trigger};
 
 /// Event tables with every name written out.
 ///
@@ -23,12 +23,12 @@ pub fn table_json(tables: &Tables) -> Value {
         .map(|role| json!({ "name": role.name, "seed": role.seed, "duties": [] }))
         .collect();
     for duty in tables.duties() {
-        let rules: Vec<Value> = (duty.rules())
-            .map(|rule| {
+        let rules: Vec<Value> = (duty.rules().enumerate())
+            .map(|(place, rule)| {
                 let when: Vec<Value> = rule
                     .when
                     .iter()
-                    .map(|&when| condition(tables, when))
+                    .map(|&when| condition(tables, duty, place, when))
                     .collect();
                 json!({ "when": when, "then": action(tables, rule.then) })
             })
@@ -72,8 +72,15 @@ fn verbs(bond: BondKind) -> (&'static str, &'static str) {
     }
 }
 
-fn condition(tables: &Tables, condition: Condition) -> Value {
+fn condition(tables: &Tables, duty: Duty<'_>, place: usize, condition: Condition) -> Value {
     match condition {
+        Condition::Turn(needed) => {
+            let of: Vec<&str> = duty
+                .given_before(place)
+                .map(|role| tables.name(role))
+                .collect();
+            json!({ "docked": needed, "of": of })
+        }
         Condition::Docked(role) => json!({ "docked": tables.name(role) }),
         Condition::Asked(role) => json!({ "asked": tables.name(role) }),
         Condition::Released(role) => json!({ "released": tables.name(role) }),
@@ -106,7 +113,7 @@ fn news(tables: &Tables, news: News) -> Value {
 }
 
 /// The graph: `{ assembly, phases: [{ name, events: [{ id, event, kind, block, parent, face,
-/// after: [{ event, why }] }], longest_chain: [id] }] }`. A phase of blocks that are attached by hand has
+/// after: [{ event, why }] }], longest_chain: [id] }] }`. Of the edges with `enough: n`, n are enough. A phase of blocks that are attached by hand has
 /// `planted: true` as well, here and in the tables, and no chain.
 pub fn graph_json(plan: &Plan, graph: &DependencyGraph, order: &Order, symbols: &Symbols) -> Value {
     let phases: Vec<Value> = (plan.phases.iter().zip(&order.chains))
@@ -125,7 +132,15 @@ pub fn graph_json(plan: &Plan, graph: &DependencyGraph, order: &Order, symbols: 
                     };
                     let after: Vec<Value> = waits(graph, id)
                         .into_iter()
-                        .map(|(why, first)| json!({ "event": first.0, "why": why }))
+                        .map(|(why, first)| {
+                            let mut edge = json!({ "event": first.0, "why": why.word() });
+                            if let Dependency::Face { needed, .. } = why
+                                && why.is_choice()
+                            {
+                                edge["enough"] = json!(needed);
+                            }
+                            edge
+                        })
                         .collect();
                     json!({
                         "id": id.0,

@@ -112,12 +112,12 @@ fn write_duty(tables: &Tables, duty: Duty<'_>, out: &mut String) {
     };
     // Writing to a string cannot fail.
     let _ = writeln!(out, "    {trigger} {phase}");
-    for rule in duty.rules() {
-        let _ = writeln!(out, "        {}", rule_text(tables, rule));
+    for (place, rule) in duty.rules().enumerate() {
+        let _ = writeln!(out, "        {}", rule_text(tables, duty, place, rule));
     }
 }
 
-fn rule_text(tables: &Tables, rule: Rule<'_>) -> String {
+fn rule_text(tables: &Tables, duty: Duty<'_>, place: usize, rule: Rule<'_>) -> String {
     let mut text = String::new();
     for (i, condition) in rule.when.iter().enumerate() {
         text.push_str(if i == 0 { "once " } else { " and " });
@@ -127,6 +127,11 @@ fn rule_text(tables: &Tables, rule: Rule<'_>) -> String {
             Condition::Asked(role) => write!(text, "{} asks", name(role)),
             Condition::Released(role) => write!(text, "{} has gone", name(role)),
             Condition::Heard(news) => write!(text, "told that {}", news_text(tables, news)),
+            Condition::Turn(needed) => {
+                let given: Vec<&str> = duty.given_before(place).map(name).collect();
+                let have = if needed == 1 { "has" } else { "have" };
+                write!(text, "{needed} of {} {have} docked", given.join(", "))
+            }
         };
     }
     if !rule.when.is_empty() {

@@ -104,6 +104,8 @@ codes! {
     Error OutsideEnclosure "outside-enclosure"
     Error CannotAggregate "cannot-aggregate"
 
+    Error InternalError "internal-error"
+
     Error UnknownScene "unknown-scene"
     Error UnknownTerm "unknown-term"
     Error MissingTerm "missing-term"

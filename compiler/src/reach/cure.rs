@@ -34,7 +34,7 @@ impl Survey<'_> {
     pub fn cures(&mut self, events: &[EventId], descent: &Descent, stuck: &[Stuck]) -> Vec<Cure> {
         let first = events.iter().map(|id| id.0).min().unwrap_or(0);
         let local = |id: EventId| (id.0 - first) as usize;
-        let graph = self.subject.graph;
+        let graph = self.subject.straight;
         let after = |id: EventId| {
             (graph.edges_directed(NodeIndex::new(id.0 as usize), Outgoing))
                 .map(|edge| graph[edge.target()])

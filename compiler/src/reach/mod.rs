@@ -64,8 +64,12 @@ pub struct Subject<'a> {
     pub presence: &'a Presence,
     /// Where every block sits.
     pub layout: &'a Layout,
-    /// What waits for what.
+    /// What waits for what, with its choices.
     pub graph: &'a DependencyGraph,
+    /// What surely waits for what, in every order.
+    pub certain: &'a DependencyGraph,
+    /// The same in one way in which everything can happen.
+    pub straight: &'a DependencyGraph,
     /// An order of it.
     pub order: &'a Order,
     /// Its text, as a tree.
@@ -99,7 +103,7 @@ pub fn check(subject: Subject, search: u64, findings: &mut Vec<Finding>) {
     let events = events_by_phase(plan, subject.order);
     for (number, events) in events.iter().enumerate() {
         let first = plan.phases[number].events.start;
-        let descent = Descent::new(subject.graph, first, events);
+        let descent = Descent::new(subject.certain, first, events);
         survey.phase(number, events, &descent, findings);
     }
 }

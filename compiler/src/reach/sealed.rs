@@ -1,5 +1,5 @@
 //! The worst case of every capture.
-use petgraph::Direction::{Incoming, Outgoing};
+use petgraph::Direction::Outgoing;
 use petgraph::graph::NodeIndex;
 use petgraph::visit::EdgeRef;
 use stochc_grammar::Face;
@@ -7,6 +7,7 @@ use stochc_grammar::Face;
 use super::descent::Descent;
 use super::way::{Search, Way};
 use super::{Cell, EventId, Survey};
+use crate::turns::is_ready;
 
 /// A capture that may wait for ever.
 pub struct Stuck {
@@ -55,10 +56,7 @@ impl Survey<'_> {
         let local = |id: EventId| (id.0 - first) as usize;
         let mut is_sure = vec![false; events.len()];
         for &id in events {
-            let graph = self.subject.graph;
-            let node = NodeIndex::new(id.0 as usize);
-            let sure = (graph.edges_directed(node, Incoming))
-                .all(|edge| is_sure[local(graph[edge.source()])]);
+            let sure = is_ready(self.subject.graph, id, |first| is_sure[local(first)]);
             let is_capture = self.is_capture(id);
             is_sure[local(id)] = sure && (!is_capture || self.is_safe[id.0 as usize]);
             if is_sure[local(id)] && !is_capture && !std::mem::replace(&mut gone[local(id)], true) {
@@ -82,7 +80,7 @@ impl Survey<'_> {
             return true;
         }
         // A block that waits for this one, comes to a cell beside it, and has a way out.
-        let graph = self.subject.graph;
+        let graph = self.subject.certain;
         let mut next = graph.edges_directed(NodeIndex::new(id.0 as usize), Outgoing);
         next.any(|edge| {
             let next = graph[edge.target()];

@@ -13,6 +13,7 @@ use super::sealed::Stuck;
 use super::way::{Search, Way};
 use super::{EventId, Survey};
 use crate::finding::{Code, Finding, tell};
+use crate::graph::DependencyGraph;
 
 /// Blocks of a wall that are labelled.
 const MOST_WALLS: usize = 6;
@@ -143,7 +144,7 @@ impl Survey<'_> {
 
     /// Whether a capture is walled in by what it waits for, and by earlier phases.
     fn is_sealed_by_its_own(&mut self, id: EventId, descent: &Descent) -> bool {
-        let own = self.all_before([id]);
+        let own = all_before(self.subject.certain, [id]);
         let has = |other: EventId| !descent.has(other) || (other != id && own.contains(&other));
         let search = Search {
             standing: &self.standing,
@@ -155,25 +156,9 @@ impl Survey<'_> {
         matches!(way, Way::Sealed(_))
     }
 
-    /// Events and all that they wait for.
-    fn all_before(&self, events: impl IntoIterator<Item = EventId>) -> FxHashSet<EventId> {
-        let graph = self.subject.graph;
-        let mut open: Vec<EventId> = events.into_iter().collect();
-        let mut found: FxHashSet<EventId> = open.iter().copied().collect();
-        while let Some(id) = open.pop() {
-            for edge in graph.edges_directed(NodeIndex::new(id.0 as usize), Incoming) {
-                let first = graph[edge.source()];
-                if found.insert(first) {
-                    open.push(first);
-                }
-            }
-        }
-        found
-    }
-
     /// An order in which the walls come to stand.
     fn story(&self, events: &[EventId], walls: &[EventId]) -> String {
-        let needed = self.all_before(walls.iter().copied());
+        let needed = all_before(self.subject.straight, walls.iter().copied());
         let story: Vec<String> = (events.iter())
             .filter(|id| needed.contains(id))
             .map(|&id| self.subject.plan.describe(id, self.subject.symbols))
@@ -238,4 +223,22 @@ impl Survey<'_> {
                     already: capture it first, with `after` or in an earlier phase, or expect it to take long";
         tell(findings, finding.help(help));
     }
+}
+
+/// Events and all that they wait for.
+fn all_before(
+    graph: &DependencyGraph,
+    events: impl IntoIterator<Item = EventId>,
+) -> FxHashSet<EventId> {
+    let mut open: Vec<EventId> = events.into_iter().collect();
+    let mut found: FxHashSet<EventId> = open.iter().copied().collect();
+    while let Some(id) = open.pop() {
+        for edge in graph.edges_directed(NodeIndex::new(id.0 as usize), Incoming) {
+            let first = graph[edge.source()];
+            if found.insert(first) {
+                open.push(first);
+            }
+        }
+    }
+    found
 }

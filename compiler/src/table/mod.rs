@@ -108,6 +108,9 @@ pub enum Condition {
     Released(RoleId),
     /// A message has said so.
     Heard(News),
+    /// Of the blocks that earlier rules of this duty capture, at least so many have docked: the block has a
+    /// face to spare.
+    Turn(u8),
 }
 
 /// An event that a message tells of.
@@ -210,6 +213,27 @@ impl<'a> Duty<'a> {
                 then: tables.rules[i].then,
             }
         })
+    }
+}
+
+impl Duty<'_> {
+    /// The roles that the rules before one give, by its place.
+    pub fn given_before(&self, place: usize) -> impl Iterator<Item = RoleId> {
+        self.rules().take(place).filter_map(|rule| match rule.then {
+            Action::Magnetize { child, .. } => Some(child),
+            _ => None,
+        })
+    }
+
+    /// Whether a condition of the rule at a place is true for a block that has seen what `has` says.
+    pub fn is_true(&self, place: usize, when: Condition, has: impl Fn(Condition) -> bool) -> bool {
+        match when {
+            Condition::Turn(needed) => {
+                let given = self.given_before(place);
+                given.filter(|&role| has(Condition::Docked(role))).count() >= usize::from(needed)
+            }
+            seen => has(seen),
+        }
     }
 }
 

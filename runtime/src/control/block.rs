@@ -142,7 +142,9 @@ impl Block {
         let seen = &self.seen;
         let (place, rule) = duty.rules().enumerate().find(|(place, rule)| {
             !self.fired[*place]
-                && (rule.when.iter()).all(|condition| seen.binary_search(condition).is_ok())
+                && (rule.when.iter()).all(|&when| {
+                    duty.is_true(*place, when, |when| seen.binary_search(&when).is_ok())
+                })
         })?;
         self.fired[place] = true;
         Some((place as u32, rule.then))

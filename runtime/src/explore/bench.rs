@@ -41,6 +41,8 @@ pub(super) enum Fault {
     SecondHolder(RoleId),
     /// An event happened before another one for which it should have waited.
     TooEarly(News, News),
+    /// A block was captured before enough of those that its parent captures first.
+    OutOfTurn(RoleId),
     /// A block has too many faces on.
     TooManyFaces(RoleId),
 }
@@ -66,6 +68,13 @@ impl Bench<'_> {
         let missing = (needs.into_iter().flatten()).find(|needed| !self.done.has(**needed));
         if let Some(missing) = missing {
             let fault = Fault::TooEarly(event, *missing);
+            self.effects.faults.push((Property::Order, fault));
+        }
+        let turn = self.stage.and_then(|stage| stage.turns.get(&event));
+        if let (Some((needed, of)), News::Anchored(role)) = (turn, event)
+            && of.iter().filter(|first| self.done.has(**first)).count() < *needed
+        {
+            let fault = Fault::OutOfTurn(role);
             self.effects.faults.push((Property::Order, fault));
         }
         match event {

@@ -167,6 +167,7 @@ impl<'t> Forecast<'_, 't> {
                     Condition::Asked(role) => self.asked.insert(role),
                     Condition::Released(role) => self.gone.insert(role),
                     Condition::Heard(news) => self.hear(block.role, news),
+                    Condition::Turn(_) => false,
                 };
             }
             for message in block.waiting() {
@@ -200,7 +201,9 @@ impl<'t> Forecast<'_, 't> {
             self.future.looked_at += duty.rules().len() as u64;
             for (place, rule) in duty.rules().enumerate() {
                 let ready = self.agendas[i].open[place]
-                    && rule.when.iter().all(|c| self.may_see(duty.role, *c));
+                    && (rule.when.iter()).all(|&when| {
+                        duty.is_true(place, when, |when| self.may_see(duty.role, when))
+                    });
                 if ready {
                     self.agendas[i].open[place] = false;
                     self.fire(duty.role, rule.then);
@@ -218,6 +221,8 @@ impl<'t> Forecast<'_, 't> {
             Condition::Asked(child) => self.asked.contains(child),
             Condition::Released(child) => self.gone.contains(child),
             Condition::Heard(news) => self.heard.contains(&(role, news)),
+            // It is no single thing that is seen.
+            Condition::Turn(_) => false,
         }
     }
 

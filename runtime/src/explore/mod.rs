@@ -24,6 +24,7 @@ mod report;
 mod roles;
 mod sample;
 mod search;
+mod shortest;
 mod state;
 mod step;
 mod story;
@@ -33,7 +34,7 @@ use std::collections::BTreeSet;
 use stochc_compiler::Cell;
 use stochc_compiler::table::Tables;
 
-pub use expected::Expected;
+pub use expected::{Expected, Meant};
 pub use faults::Faults;
 pub use report::{Bound, Property, Report, Verdict, Violation};
 
@@ -123,6 +124,15 @@ impl<'a> Exploration<'a> {
             }
         }
         report
+    }
+
+    /// The shortest order of events that goes wrong without any faults, of those that matter, if there is one
+    /// within as many states and as much memory as the bounds allow.
+    pub fn shortest(&self) -> Option<Violation> {
+        match shortest::shortest(self, &faults::Doom::default()) {
+            Verdict::Violated(violation) => Some(*violation),
+            _ => None,
+        }
     }
 
     /// Tries `schedules` orders drawn by chance (keyed by `seed`) instead of all; each choice of

@@ -246,7 +246,9 @@ impl Reducer<'_> {
         };
         let waits = |event: &News, needed: &News| {
             let needs = stage.needs.get(event);
+            let turn = stage.turns.get(event);
             needs.is_some_and(|needs| needs.contains(needed))
+                || turn.is_some_and(|(_, of)| of.contains(needed))
         };
         let mut pairs = print
             .events

@@ -175,6 +175,12 @@ impl Story<'_> {
             Fault::TooEarly(event, missing) => {
                 format!("{} before {}", self.news(event), self.news(missing))
             }
+            Fault::OutOfTurn(role) => {
+                format!(
+                    "{} is captured before enough of those that its parent captures first",
+                    self.name(role)
+                )
+            }
             Fault::TooManyFaces(role) => {
                 format!(
                     "{} magnetizes more faces than it has to spare",

@@ -3,10 +3,11 @@ use std::fmt::Write as _;
 
 use stochc_compiler::Checked;
 use stochc_compiler::table::Tables;
-use stochc_runtime::explore::{Bound, Bounds, Expected, Exploration, Faults, Report, Verdict};
+use stochc_runtime::explore::{Bound, Bounds, Exploration, Faults, Report, Verdict};
 
 use super::super::terminal::warn;
 use crate::cli::Exit;
+use crate::orders::{MISTAKE, expected, shortest};
 
 /// Orders that are drawn by chance where there are too many.
 const SCHEDULES: u64 = 1_000;
@@ -33,13 +34,16 @@ pub fn explore(file: &str, checked: &Checked, states: u64) -> (String, Exit) {
             );
             continue;
         }
-        let expected = Expected::of(tables);
+        let expected = expected(program, tables);
         let bounds = Bounds {
             states,
             ..Bounds::default()
         };
         let mut exploration = Exploration::new(tables, &expected, bounds, Faults::default());
         let mut reports = vec![exploration.run()];
+        if let Verdict::Violated(found) = &mut reports[0].verdict {
+            **found = shortest(&exploration, found);
+        }
         if let Verdict::Unfinished(_) = reports[0].verdict {
             exploration.bounds.work = SAMPLED;
             reports.push(exploration.sample(SEED, SCHEDULES));
@@ -108,13 +112,8 @@ fn describe(reports: &[Report], bounds: &Bounds) -> String {
 /// How a program goes wrong, as a message.
 fn go_wrong(file: &str, tables: &Tables, report: &Report) -> Option<String> {
     let violation = report.violation()?;
-    let mut out = format!(
-        "error: the event tables of `{}` in {file} go wrong in some order of events\n{violation}",
+    Some(format!(
+        "error: the event tables of `{}` in {file} go wrong in some order of events\n{violation}help: {MISTAKE}\n",
         tables.assembly
-    );
-    out.push_str(
-        "help: the program is right and its tables are not, which is a mistake of the compiler; \
-         please report it with the program\n",
-    );
-    Some(out)
+    ))
 }

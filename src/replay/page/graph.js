@@ -44,7 +44,9 @@ class Graph {
     for (let round = 0, moved = true; moved && round < events.length; round++) {
       moved = false;
       for (const { id, after } of events) {
-        for (const { event } of after) {
+        for (const { event, enough } of after) {
+          // Another one may do as well, and this one even come later.
+          if (enough) continue;
           if (column.get(event) >= column.get(id)) {
             column.set(id, column.get(event) + 1);
             moved = true;
@@ -60,14 +62,14 @@ class Graph {
     picture.setAttribute('role', 'group');
     const at = id => ({ x: column.get(id) * STEP.x + 2, y: row.get(id) * STEP.y + 4 });
     for (const { id, after } of events) {
-      for (const { event, why } of after) {
+      for (const { event, why, enough } of after) {
         const [from, to] = [at(event), at(id)];
         const [x, y, u, v] = [from.x + BOX.width, from.y + BOX.height / 2, to.x, to.y + BOX.height / 2];
         const edge = document.createElementNS(SVG, 'path');
         edge.setAttribute('d', `M${x} ${y}C${x + 12} ${y} ${u - 12} ${v} ${u} ${v}`);
         edge.setAttribute('class', `edge ${why}`);
         const title = document.createElementNS(SVG, 'title');
-        title.textContent = why;
+        title.textContent = enough ? `${why}, ${enough} of these` : why;
         edge.append(title);
         picture.append(edge);
       }

@@ -1,0 +1,107 @@
+//! Event tables in every order of events, before anybody gets them.
+//!
+//! The compiler has an argument that its tables are right (docs/protocol.md); here nobody relies on it. Small programs
+//! are explored on every check, and `check --exhaustive` goes on where that ends.
+use std::fmt::Write as _;
+
+use petgraph::Direction::Incoming;
+use petgraph::graph::NodeIndex;
+use petgraph::visit::EdgeRef as _;
+use stochc_compiler::finding::{Code, Finding};
+use stochc_compiler::graph::Dependency;
+use stochc_compiler::plan::{Deed, EventId};
+use stochc_compiler::table::{News, PhaseId, Tables};
+use stochc_compiler::{Checked, Program};
+use stochc_runtime::explore::{Bounds, Expected, Exploration, Faults, Meant, Violation};
+
+/// Captures and releases of a program that is explored on every check, at most.
+const MOST_EVENTS: usize = 500;
+
+/// How far every check goes: 25 to 60 ms where it ends here. It is counted, so that the answer is the same on every machine.
+const BOUNDS: Bounds = Bounds {
+    states: 1_000,
+    memory: 100_000_000,
+    work: 100_000,
+};
+
+/// What a violation means, and what to do.
+pub const MISTAKE: &str = "the program is right and its tables are not, which is a mistake of the compiler; please report it \
+                           with the program";
+
+/// Explores the tables of small programs in a file without errors. Where some order goes wrong, that is a
+/// finding, and there are no tables.
+pub fn try_out(checked: &mut Checked) {
+    if checked.has_errors() {
+        return;
+    }
+    for program in &mut checked.programs {
+        if let Some(fault) = fault(program) {
+            checked.findings.push(fault);
+            program.tables = None;
+        }
+    }
+}
+
+fn fault(program: &Program) -> Option<Finding> {
+    let is_small = program.plan.events.len() <= MOST_EVENTS;
+    let tables = program.tables.as_ref().filter(|_| is_small)?;
+    if tables.aggregate.is_some() {
+        return None;
+    }
+    let expected = expected(program, tables);
+    let exploration = Exploration::new(tables, &expected, BOUNDS, Faults::default());
+    let report = exploration.run();
+    let found = report.violation()?;
+    let Violation { what, trace, .. } = shortest(&exploration, found);
+    let name = &tables.assembly;
+    let title = format!("the event tables of `{name}` go wrong in some order of events");
+    let mut help = format!("{MISTAKE}\n");
+    for (number, line) in trace.iter().enumerate() {
+        // Writing to a string cannot fail.
+        let _ = writeln!(help, "{:5}. {line}", number + 1);
+    }
+    let finding = Finding::new(Code::InternalError, title);
+    let finding = finding.label(program.plan.site, what);
+    Some(finding.help(help.trim_end()))
+}
+
+/// What tables are meant to do, by the dependency graph: it does not matter how they say it.
+pub fn expected(program: &Program, tables: &Tables) -> Expected {
+    let (plan, graph) = (&program.plan, &program.graph);
+    let news = |id: EventId| {
+        let event = plan.event(id);
+        match event.deed {
+            Deed::Capture { .. } => News::Anchored(event.role),
+            Deed::Release => News::Released(event.role),
+        }
+    };
+    let events = (0..)
+        .zip(&plan.phases)
+        .flat_map(|(number, phase)| plan.events_of(phase).map(move |id| (PhaseId(number), id)));
+    let meant = events.map(|(phase, id)| {
+        let mut meant = Meant {
+            phase,
+            event: news(id),
+            cell: program.layout.cells[id.0 as usize],
+            waits_for: Vec::new(),
+            turn: (0, Vec::new()),
+        };
+        for edge in graph.edges_directed(NodeIndex::new(id.0 as usize), Incoming) {
+            let first = news(graph[edge.source()]);
+            match *edge.weight() {
+                Dependency::Face { needed, .. } => {
+                    meant.turn.0 = usize::from(needed);
+                    meant.turn.1.push(first);
+                }
+                _ => meant.waits_for.push(first),
+            }
+        }
+        meant
+    });
+    Expected::meant(tables, meant)
+}
+
+/// The shortest way to go wrong, if it can be found, or else the one that was.
+pub fn shortest(exploration: &Exploration<'_>, found: &Violation) -> Violation {
+    exploration.shortest().unwrap_or_else(|| found.clone())
+}
