@@ -3,13 +3,9 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use similar::TextDiff;
-use stochc_compiler::finding::mended;
-use stochc_compiler::{Checked, FileId, Levels, Limits, check_with};
+use stochc_compiler::{self as compiler, Checked, Levels, Limits};
 
 use crate::files::{atomic, read};
-
-/// Rounds of checking and changing, at most: each change may make room for another.
-const MOST_ROUNDS: usize = 50;
 
 /// A file, and what it is with all safe changes.
 #[derive(Debug)]
@@ -37,36 +33,26 @@ pub fn mend(path: &str, levels: &Levels) -> Result<Mended, String> {
         return Err("it is no ordinary file".into());
     }
     let original = read(path)?;
-    let mut new = original.clone();
-    let mut changes = 0;
-    let mut first = None;
-    for _ in 0..=MOST_ROUNDS {
-        let mut reader = |asked: &str| match asked == path {
-            true => Ok(new.clone()),
-            false => read(asked),
-        };
-        let checked = check_with(path, &mut reader, Limits::default(), levels);
-        let fixes = (checked.findings.iter())
-            .filter_map(|finding| finding.fix.as_ref())
-            .filter(|fix| fix.safe);
-        let own = checked.sources.files().first();
-        let text = own.map_or("", |file| &file.text);
-        let (text, count) = mended(text, FileId(0), fixes);
-        first.get_or_insert(checked);
-        if count == 0 {
-            break;
-        }
-        changes += count;
-        let mark = if new.starts_with(MARK) { MARK } else { b"" };
-        new = [mark, text.as_bytes()].concat();
-    }
+    let mut reader = |asked: &str| match asked == path {
+        true => Ok(original.clone()),
+        false => read(asked),
+    };
+    let compiler::Mended {
+        text,
+        changes,
+        before,
+    } = compiler::mend(path, &mut reader, Limits::default(), levels);
+    let mark = if original.starts_with(MARK) {
+        MARK
+    } else {
+        b""
+    };
     Ok(Mended {
         path: path.to_owned(),
+        new: [mark, text.as_bytes()].concat(),
         original,
-        new,
         changes,
-        // There is at least one round.
-        before: first.ok_or("nothing was checked")?,
+        before,
     })
 }
 

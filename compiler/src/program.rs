@@ -16,7 +16,8 @@ use crate::scene::{BondKind, Scene};
 use crate::scenes::Scenes;
 use crate::table::Tables;
 use crate::{
-    FileId, Site, Sources, exposed, inventory, layout, lower, presence, reach, shape, turns,
+    FileId, Site, Sources, exposed, inventory, layout, lower, presence, reach, shape, trial,
+    turns,
 };
 
 /// Everything that is known of a file after looking at all of it.
@@ -117,11 +118,15 @@ pub fn check_changed(
     changes: &[Change],
 ) -> Checked {
     let changes = (assembly, changes);
-    check_all(path, reader, limits, levels, changes, &mut |_| {})
+    let mut again =
+        |texts: &mut dyn Reader| check_all(path, texts, limits, levels, changes, &mut |_| {});
+    let mut checked = again(reader);
+    trial::judge(&mut checked, reader, &mut again);
+    checked
 }
 
 /// [`check_with`], telling when each stage is complete, once for every assembly; the compiler itself
-/// has no clock.
+/// has no clock. No fix is tried, so none is safe.
 pub fn check_observed(
     path: &str,
     reader: &mut dyn Reader,
@@ -129,9 +134,12 @@ pub fn check_observed(
     levels: &Levels,
     done: &mut dyn FnMut(Stage),
 ) -> Checked {
-    check_all(path, reader, limits, levels, ("", &[]), done)
+    let mut checked = check_all(path, reader, limits, levels, ("", &[]), done);
+    trial::distrust(&mut checked);
+    checked
 }
 
+/// [`check_changed`] with fixes that have not been tried: safe where a stage says so.
 fn check_all(
     path: &str,
     reader: &mut dyn Reader,

@@ -23,8 +23,18 @@ pub enum SyntaxErrorKind {
     },
     /// A block without its closing brace; the span is its opening one.
     Unclosed,
+    /// The head of a block without its opening brace; the span is the place of the brace.
+    MissingBrace {
+        /// What the block is.
+        what: &'static str,
+    },
     /// A closing brace without a block.
     Unopened,
+    /// A closing brace too many, behind which the block goes on.
+    ClosedEarly {
+        /// What the block is.
+        what: &'static str,
+    },
     /// A statement or block that belongs elsewhere.
     Misplaced {
         /// What it is.
@@ -34,6 +44,13 @@ pub enum SyntaxErrorKind {
         /// Where it belongs.
         belongs: &'static str,
     },
+    /// Parentheses round the list behind a word of the language; the span is from one to the other.
+    Parentheses {
+        /// The word.
+        word: String,
+    },
+    /// A unit in a scene without a number before it.
+    MissingNumber,
     /// A word of the language used as a name.
     ReservedWord {
         /// The word.

@@ -19,7 +19,7 @@ pub use error::{SyntaxError, SyntaxErrorKind};
 pub use face::Face;
 pub use format::{Refusal, format};
 pub use json::to_json;
-pub use parse::{MAX_DEPTH, MAX_ERRORS, MAX_STATEMENT, MAX_TERMS, Parsed, accepts, parse};
+pub use parse::{MAX_DEPTH, MAX_ERRORS, MAX_STATEMENT, MAX_TERMS, Parsed, accepts, is_unit, parse};
 pub use print::print;
 pub use span::Span;
 pub use symbol::{Symbol, Symbols};

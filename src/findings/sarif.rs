@@ -151,7 +151,12 @@ impl Log {
                 })
             })
             .collect();
-        json!({ "description": { "text": fix.title }, "artifactChanges": changes })
+        // The format has no word for it.
+        let text = match fix.safe {
+            true => fix.title.clone(),
+            false => format!("perhaps {}", fix.title),
+        };
+        json!({ "description": { "text": text }, "artifactChanges": changes })
     }
 
     /// 3.4

@@ -439,11 +439,25 @@ impl<'a> Expander<'a, '_> {
         let quantity = quantity?;
         let timeout = Timeout::of(quantity);
         if timeout.is_none() {
-            self.findings.push(
-                Finding::new(Code::WrongDimension, "a timeout is a positive time")
-                    .label(self.site(quantity.span), "not a positive time")
-                    .help("write a number of ticks such as `40000 ticks`, or seconds"),
-            );
+            let (title, label, help) = if quantity.unit.is_empty() {
+                (
+                    "a timeout without its unit",
+                    "ticks or seconds?",
+                    format!(
+                        "write `{0} ticks` or `{0} s`; ms, min and h are known as well",
+                        quantity.value
+                    ),
+                )
+            } else {
+                (
+                    "a timeout is a positive time",
+                    "not a positive time",
+                    "write a number of ticks such as `40000 ticks`, or seconds".to_owned(),
+                )
+            };
+            let finding = Finding::new(Code::WrongDimension, title);
+            let finding = finding.label(self.site(quantity.span), label);
+            self.findings.push(finding.help(help));
         }
         timeout
     }

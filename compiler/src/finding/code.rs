@@ -49,6 +49,7 @@ codes! {
     Error FileTooLarge "file-too-large"
     Error Syntax "syntax"
     Error UnclosedBrace "unclosed-brace"
+    Error MissingBrace "missing-brace"
     Error StrayBrace "stray-brace"
     Error Misplaced "misplaced"
     Error ReservedWord "reserved-word"
@@ -120,6 +121,11 @@ codes! {
 }
 
 impl Code {
+    /// Whether it is found while a text is read, before anything in it is looked up.
+    pub(crate) fn is_of_reading(self) -> bool {
+        self <= Code::TooManyErrors
+    }
+
     /// The name most like one that no code has, if one is near enough.
     pub fn nearest(name: &str) -> Option<&'static str> {
         let known = Code::ALL.iter().map(|code| code.name());

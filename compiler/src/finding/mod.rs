@@ -1,15 +1,15 @@
 //! What the compiler has to say about a program.
+mod change;
 mod code;
 mod fix;
 mod graphical;
-mod mended;
 mod slips;
 mod syntax;
 
+pub use change::{Change, mended};
 pub use code::{Code, Severity};
 pub(crate) use fix::{LONG, entry, named, removal};
 pub use graphical::{Renderer, is_hostile, visible};
-pub use mended::mended;
 
 use crate::Site;
 use crate::suggest::Suggestion;

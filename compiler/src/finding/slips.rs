@@ -38,7 +38,47 @@ const FIRST: [&str; 16] = [
     "yields",
 ];
 
+/// Words that other languages have, and what there is in their place.
+const FOREIGN: [(&[&str], &str); 4] = [
+    (
+        &[
+            "if", "else", "elif", "elsif", "unless", "when", "match", "switch", "case",
+        ],
+        "what is built is settled before a run: repeat with `for i in 1..4 { ... }`, order with \
+         `after`, and write an assembly for each case",
+    ),
+    (
+        &["while", "loop", "repeat", "until", "foreach"],
+        "repeat with `for i in 1..4 { ... }`",
+    ),
+    (
+        &["fn", "func", "function", "def", "proc", "macro"],
+        "name statements with `pattern tower(base, height) { ... }`",
+    ),
+    (&["var", "const", "int"], "name a number with `let n = 6`"),
+];
+
 impl Slip<'_> {
+    /// The first word of the statement, if it is one of another language: where it stands, what is
+    /// wrong with it, and what there is instead.
+    pub fn foreign(&self) -> Option<(Site, String, &'static str)> {
+        let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
+        let before = self.before();
+        let start = before.rfind(['\n', '{', '}']).map_or(0, |at| at + 1);
+        let line = &self.text[start..];
+        let start = start + line.len() - line.trim_start_matches([' ', '\t']).len();
+        let line = self.text.get(start..)?;
+        let word = &line[..line.find(|c| !is_word(c)).unwrap_or(line.len())];
+        // A block may be called so.
+        let rest = line[word.len()..].trim_start();
+        if start > before.len() || rest.starts_with(['.', '[', '-']) {
+            return None;
+        }
+        let (_, help) = FOREIGN.iter().find(|(words, _)| words.contains(&word))?;
+        let title = format!("there is no `{word}`");
+        Some((self.span(start, start + word.len()), title, help))
+    }
+
     /// What to do, and how.
     pub fn advice(&self) -> (Option<String>, Option<Fix>) {
         if let Some((word, meant)) = self.misspelt() {
@@ -54,6 +94,7 @@ impl Slip<'_> {
             return (Some(help), None);
         }
         let help = match self.found {
+            _ if self.size().is_some() => "blanks stand round the `x` of a size: `3 x 1`",
             ";" => "remove it: nothing stands between two statements",
             "/" => "a comment runs from `//` to the end of its line",
             "#" if !self.is_row() => "a comment runs from `//` to the end of its line",
@@ -106,6 +147,10 @@ impl Slip<'_> {
         let rest = &self.text[at..];
         let here = |length: usize| self.span(at, at + length);
         Some(match self.found {
+            found if self.size().is_some() => {
+                let size = self.size()?;
+                Fix::replace(here(found.len()), &size, format!("write `{}`", size.trim()))
+            }
             ";" => {
                 let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
                 let joins = self.before().ends_with(is_word) && rest[1..].starts_with(is_word);
@@ -169,6 +214,16 @@ impl Slip<'_> {
         })
     }
 
+    /// The size of a plate, or its first number and the sign, written as one word.
+    fn size(&self) -> Option<String> {
+        let before = self.before().trim_end();
+        let (width, depth) = self.found.split_once(['x', 'X'])?;
+        let is_number = |text: &str| text.bytes().all(|byte| byte.is_ascii_digit());
+        let is_size = before.ends_with("plate") && !width.is_empty();
+        (is_size && is_number(width) && is_number(depth))
+            .then(|| format!("{width} x {depth}").trim_end().to_owned())
+    }
+
     /// The parenthesis of `for (i in`, where this is the `in`.
     fn loop_in_parentheses(&self) -> Option<usize> {
         let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
@@ -182,18 +237,33 @@ impl Slip<'_> {
         (!head.ends_with(is_word)).then_some(before.len())
     }
 
-    /// Signs that stand for an arrow in other languages.
+    /// A sign that stands for an arrow in other languages, here and further on in the line: only the
+    /// first is told of.
     fn arrow(&self, rest: &str) -> Option<Fix> {
         let is_part = |c: char| matches!(c, '=' | '-' | '>' | '\u{2192}' | '\u{2013}' | '\u{2014}');
         let length = rest.find(|c| !is_part(c)).unwrap_or(rest.len());
-        let arrow = match &rest[..length] {
+        let sign = &rest[..length];
+        let arrow = match sign {
             "=>" | "-->" | ">" | "\u{2192}" | "\u{2013}>" | "\u{2014}>" => "->",
             "=>>" | "-->>" | ">>" | "\u{2192}>" | "\u{2013}>>" | "\u{2014}>>" => "->>",
             _ => return None,
         };
-        let at = self.site.span.start as usize;
-        let site = self.span(at, at + length);
-        Some(Fix::replace(site, arrow, format!("write `{arrow}`")))
+        let line = rest.split('\n').next().unwrap_or(rest);
+        let code = line.split("//").next().unwrap_or(line);
+        let is_alone = |&at: &usize| {
+            !code[..at].ends_with(is_part) && !code[at + length..].starts_with(is_part)
+        };
+        let places = code.match_indices(sign).map(|(at, _)| at).filter(is_alone);
+        let start = self.site.span.start as usize;
+        let edits = places.map(|at| Edit {
+            site: self.span(start + at, start + at + length),
+            text: arrow.to_owned(),
+        });
+        Some(Fix {
+            title: format!("write `{arrow}`"),
+            edits: edits.collect(),
+            safe: true,
+        })
     }
 
     fn expects(&self, word: &str) -> bool {

@@ -35,6 +35,16 @@ impl Finding {
             K::Unclosed => Finding::new(Code::UnclosedBrace, "a block is not closed")
                 .label(site, "opened here")
                 .help("write `}` where the block ends"),
+            K::MissingBrace { what } => {
+                Finding::new(Code::MissingBrace, format!("{what} without its `{{`"))
+                    .label(site, "`{` is missing here")
+                    .help("the statements of a block stand between `{` and `}`")
+            }
+            K::ClosedEarly { what } => {
+                Finding::new(Code::StrayBrace, format!("a `}}` closes {what} too early"))
+                    .label(site, "more of it follows")
+                    .help("remove it, or look for a `{` that is missing before it")
+            }
             K::Unopened => Finding::new(Code::StrayBrace, "a `}` without a block to close")
                 .label(site, "nothing is open here")
                 .help("remove it, or look for a block closed too early above"),
@@ -54,8 +64,21 @@ impl Finding {
                 {
                     format!("it belongs in {belongs}: is the `}}` of {within} missing before it?")
                 }
+                "an instance of a pattern" if *what == "an `after`" => {
+                    "put it in the pattern, behind the captures that have to wait; what they wait \
+                     for may be an argument: `pattern tower(base, first) { base.up -> T after first }`"
+                        .to_owned()
+                }
                 _ => format!("it belongs in {belongs}"),
             }),
+            K::Parentheses { word } => {
+                Finding::new(Code::Syntax, format!("parentheses round what `{word}` names"))
+                    .label(site, "not needed")
+                    .help(format!("write it without: `{word} A`"))
+            }
+            K::MissingNumber => Finding::new(Code::Syntax, "a unit without its number")
+                .label(site, "how much?")
+                .help("write the number before it, such as `25 N/m`"),
             K::ReservedWord { word } => Finding::new(
                 Code::ReservedWord,
                 format!("`{word}` is a word of the language"),
@@ -122,6 +145,11 @@ fn unexpected(slip: &Slip<'_>) -> Finding {
             .help("save the file as UTF-8 without a byte-order mark")
             .fix(Fix::remove(mark, "remove the mark"));
     }
+    if let Some((word, title, help)) = slip.foreign() {
+        return Finding::new(Code::Syntax, title)
+            .label(word, "not part of the language")
+            .help(help);
+    }
     let list = alternatives(expected);
     let shown = match found {
         "" => "the end of the file".to_owned(),
@@ -175,11 +203,26 @@ fn fix(site: Site, error: &SyntaxError, text: &str) -> Option<Fix> {
             let dot = text.get(..start)?.strip_suffix('.')?.len();
             Fix::remove(part(dot, end), "leave the face out")
         }
+        K::Parentheses { .. } => {
+            let before = text.get(..start)?;
+            let space = if before.ends_with(char::is_whitespace) {
+                ""
+            } else {
+                " "
+            };
+            let mut fix = Fix::replace(part(start, start + 1), space, "remove the parentheses");
+            fix.edits.push(Edit {
+                site: part(end - 1, end),
+                text: String::new(),
+            });
+            fix
+        }
         K::ReservedWord { word } => {
             let name = format!("{word}_1");
             Fix::replace(site, &name, format!("call it `{name}`")).unsafe_if(true)
         }
-        K::Unopened => Fix::remove(site, "remove it").unsafe_if(true),
+        K::MissingBrace { .. } => Fix::replace(site, " {", "write the `{`"),
+        K::Unopened | K::ClosedEarly { .. } => Fix::remove(site, "remove it").unsafe_if(true),
         _ => return None,
     })
 }

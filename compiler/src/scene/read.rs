@@ -6,7 +6,7 @@ mod medium;
 mod sample;
 
 use stochc_grammar::tree::{Name, Quantity, Term};
-use stochc_grammar::{Span, Symbols};
+use stochc_grammar::{Span, Symbols, is_unit};
 
 use super::unit_meant;
 use super::units::{Dimension, to_si};
@@ -329,7 +329,18 @@ impl<'a> Reader<'a, '_> {
         let finding = Finding::new(Code::MissingTerm, format!("`{word}` without its braces"))
             .label(self.site(clause.span), "what of it?")
             .help(format!("write `{word} ... {{ {} }}`", fields.join(" ... ")));
-        tell(self.findings, finding);
+        let symbols = self.symbols;
+        let is = |term: &Term, words: &[&str]| matches!(term, Term::Word(name) if words.contains(&symbols.word(name.symbol)));
+        if !(self.terms.peek()).is_some_and(|term| is(term, fields)) {
+            return tell(self.findings, finding);
+        }
+        let behind = self.site(Span::new(self.place.end, self.place.end));
+        tell(
+            self.findings,
+            finding.fix(Fix::replace(behind, " {", "write the `{`")),
+        );
+        // Its fields stand there without it.
+        while self.terms.next_if(|term| !is(term, &CLAUSES)).is_some() {}
     }
 
     /// That a clause has none of a field that it needs.
@@ -460,6 +471,16 @@ impl<'a> Reader<'a, '_> {
             self.place = quantity.span;
             return Some(quantity);
         }
+        if let Some(&&Term::Word(name)) = self.terms.peek()
+            && self.is_unit(name)
+        {
+            self.terms.next();
+            let word = self.word_of(name);
+            let help = format!("write the number before it, such as `2 {word}`");
+            let title = "a unit without its number".to_owned();
+            self.tell(Code::MissingTerm, title, name.span, "how much?", help);
+            return None;
+        }
         let here = self.terms.peek().map_or(self.place, |term| span(term));
         let title = format!("expected {}", dimension.noun());
         tell(
@@ -477,8 +498,7 @@ impl<'a> Reader<'a, '_> {
         let title = format!("expected {}", dimension.noun());
         if let (Dimension::NUMBER, Some(&&Term::Word(name))) = (found, self.terms.peek())
             && name.span.start <= quantity.span.end + 1
-            && !CLAUSES.contains(&self.word_of(name))
-            && !WORDS.contains(&self.word_of(name))
+            && !self.is_known(name)
         {
             self.terms.next();
             let word = self.word_of(name);
@@ -596,6 +616,16 @@ impl<'a> Reader<'a, '_> {
 
     fn word_of(&self, name: Name) -> &'a str {
         self.symbols.word(name.symbol)
+    }
+
+    /// Whether a word means something in a scene.
+    fn is_known(&self, name: Name) -> bool {
+        let word = self.word_of(name);
+        CLAUSES.contains(&word) || WORDS.contains(&word)
+    }
+
+    fn is_unit(&self, name: Name) -> bool {
+        !self.is_known(name) && is_unit(self.word_of(name))
     }
 
     fn site(&self, span: Span) -> Site {

@@ -28,6 +28,7 @@ impl Parser<'_, '_> {
         let kind = match rule {
             Rule::chain => ItemKind::Chain(self.chain(pair, base)),
             Rule::release => ItemKind::Release(self.release(pair, base)),
+            Rule::instance if self.is_list(&pair, base) => return,
             Rule::instance => ItemKind::Instance(Box::new(self.instance(pair, base))),
             Rule::seat => ItemKind::Seat(Box::new(self.seat(pair, base))),
             Rule::level => ItemKind::Level(Box::new(self.level(pair, base))),
@@ -59,6 +60,23 @@ impl Parser<'_, '_> {
             | Rule::assembly_head => self.open(Content::Items(Box::new(item)), span),
             _ => self.keep(item),
         }
+    }
+
+    /// Tells of what looks like an instance and is a list in parentheses: `after (A, B)`.
+    fn is_list(&mut self, pair: &Pair<'_, Rule>, base: usize) -> bool {
+        let mut parts = pair.clone().into_inner();
+        let word = parts.next().map_or("", |name| name.as_str());
+        if !matches!(word, "after" | "release" | "yields") {
+            return false;
+        }
+        let is_paren =
+            |part: &Pair<'_, Rule>| matches!(part.as_rule(), Rule::paren_open | Rule::paren_close);
+        let parens = parts.filter(is_paren).map(|paren| span_of(&paren, base));
+        let span = parens.reduce(Span::to).unwrap_or_default();
+        let word = word.to_owned();
+        self.docs.clear();
+        self.error(SyntaxErrorKind::Parentheses { word }, span);
+        true
     }
 
     /// Tells of an item that does not belong in the block that is open.

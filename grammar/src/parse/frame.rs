@@ -107,10 +107,18 @@ impl Parser<'_, '_> {
 
     /// Closes the innermost block.
     pub fn close(&mut self, span: Span) {
+        if self.goes_on(span.end as usize) {
+            let what = self.frames.last().map_or("a block", Frame::noun);
+            *self.surplus() -= 1;
+            return self.error(SyntaxErrorKind::ClosedEarly { what }, span);
+        }
         self.dangling_docs();
         match self.frames.pop() {
             Some(frame) => self.finish(frame, span.end),
-            None => self.error(SyntaxErrorKind::Unopened, span),
+            None => {
+                *self.surplus() -= 1;
+                self.error(SyntaxErrorKind::Unopened, span);
+            }
         }
     }
 

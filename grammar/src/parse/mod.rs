@@ -1,4 +1,5 @@
 //! Text to tree, a run of pieces at a time.
+mod brace;
 mod build;
 mod expr;
 mod frame;
@@ -77,6 +78,7 @@ fn read(text: &str, symbols: &mut Symbols, record: Option<Record>) -> (Parsed, O
         errors: Vec::new(),
         doubtful: FxHashSet::default(),
         stopped: false,
+        surplus: None,
         record,
     };
     if text.len() >= u32::MAX as usize {
@@ -109,7 +111,7 @@ pub fn accepts(text: &str) -> bool {
 }
 
 /// Whether a word would be read as a unit behind a value.
-pub(crate) fn is_unit(word: &str) -> bool {
+pub fn is_unit(word: &str) -> bool {
     SaParser::parse(Rule::unit_symbol, word).is_ok()
 }
 
@@ -127,6 +129,8 @@ struct Parser<'t, 's> {
     doubtful: FxHashSet<Symbol>,
     /// The rest of the file is given up.
     stopped: bool,
+    /// How many more braces close than open, once it has been counted.
+    surplus: Option<i64>,
     /// Every token, for those who want them.
     record: Option<Record>,
 }

@@ -4,7 +4,7 @@ use super::window::{self, Cause, Unreadable};
 use super::{Parser, trivia, words};
 use crate::Span;
 use crate::error::SyntaxErrorKind;
-use crate::tree::{Assembly, Docs, Item, ItemKind, Name, Phase, Place, Segment};
+use crate::tree::{Assembly, Chain, Docs, Item, ItemKind, Name, Phase, Place, Release, Segment};
 
 impl Parser<'_, '_> {
     /// Tells of a piece that cannot be read and skips it: to the end of its line, or to a brace.
@@ -12,6 +12,15 @@ impl Parser<'_, '_> {
         let start = self.at;
         let error = window::sharpen(self.text, start, error);
         let at = error.at.max(start);
+        if self.open_unbraced(start, at, &error) {
+            return;
+        }
+        if self.lone_unit(at) || self.waits_in_vain(start) {
+            return;
+        }
+        if matches!(self.text.as_bytes().get(start), Some(b'[' | b'{')) {
+            self.retract(start);
+        }
         self.tell(&error, start, at);
         self.docs.clear();
         // A word alone is all of what is wrong: the next line may be right.
@@ -70,6 +79,59 @@ impl Parser<'_, '_> {
         let first = words::found(self.text, start);
         let is_alone = at > start && trivia::skip(self.text, start + first.len()) == at;
         is_alone.then_some(first)
+    }
+
+    /// Takes the statement back that ends right before a byte: what stands there is a part of it that
+    /// cannot be read.
+    fn retract(&mut self, at: usize) {
+        let Some(frame) = self.frames.last_mut() else {
+            return;
+        };
+        let goes_on = |item: &Item| match item.kind {
+            // What has a block of its own is whole.
+            ItemKind::Chain(_) | ItemKind::Release(_) => item.span.end as usize == at,
+            ItemKind::Instance(_) => trivia::skip(self.text, item.span.end as usize) == at,
+            _ => false,
+        };
+        if let Some(item) = frame.body.pop_if(|item| goes_on(item)) {
+            self.doubt(item.span.start as usize, at);
+        }
+    }
+
+    /// Tells of an `after` behind a statement that cannot wait, or that waits already.
+    fn waits_in_vain(&mut self, at: usize) -> bool {
+        let after = words::found(self.text, at);
+        let Some(last) = self.frames.last().and_then(|frame| frame.body.last()) else {
+            return false;
+        };
+        if after != "after" || trivia::skip(self.text, last.span.end as usize) != at {
+            return false;
+        }
+        let (what, belongs) = match &last.kind {
+            ItemKind::Instance(_) | ItemKind::Seat(_) | ItemKind::Yields(_) => {
+                ("an `after`", "a capture or a release")
+            }
+            ItemKind::Chain(Chain { after, .. }) | ItemKind::Release(Release { after, .. })
+                if !after.is_empty() =>
+            {
+                ("a second `after`", "the first one: `after A, B`")
+            }
+            _ => return false,
+        };
+        let within = last.noun();
+        let span = Span::new(at as u32, (at + after.len()) as u32);
+        self.error(
+            SyntaxErrorKind::Misplaced {
+                what,
+                within,
+                belongs,
+            },
+            span,
+        );
+        let (end, _) = self.end_of_piece(at);
+        self.doubt(at, end);
+        self.at = end;
+        true
     }
 
     /// Where the next piece may begin, and whether a brace has been opened just before.

@@ -1,8 +1,9 @@
 //! Scenes and shapes: words, values and rows of cells.
+use pest::Parser as _;
 use pest::iterators::Pair;
 
 use super::frame::{Content, Frame};
-use super::{Parser, Rule, span_of};
+use super::{Parser, Rule, SaParser, span_of};
 use crate::error::SyntaxErrorKind;
 use crate::tree::{ItemKind, Layer, Quantity, Row, Term, UnitFactor};
 
@@ -71,6 +72,42 @@ impl Parser<'_, '_> {
             rows: Vec::new(),
         };
         self.open(Content::Layer(layer), span);
+    }
+
+    /// Tells of a unit such as `N/m` whose number has been forgotten; its sign stands at `at`.
+    pub fn lone_unit(&mut self, at: usize) -> bool {
+        let content = self.frames.last_mut().map(|frame| &mut frame.content);
+        let Some(Content::Scene(_, terms) | Content::SceneBlock(terms)) = content else {
+            return false;
+        };
+        let Some(Term::Word(word)) = terms.last() else {
+            return false;
+        };
+        let start = word.span.start as usize;
+        let is_sign = self.text[at..].starts_with(['/', '^', '*']);
+        let between = &self.text[word.span.end as usize..at];
+        if !is_sign || !between.chars().all(|c| c == ' ') {
+            return false;
+        }
+        let rest = super::trivia::end_of_line(self.text.as_bytes(), at);
+        let written = &self.text[start..rest];
+        let Ok(mut pairs) = SaParser::parse(Rule::unit, written) else {
+            return false;
+        };
+        let Some(pair) = pairs.next().filter(|pair| start + pair.as_str().len() > at) else {
+            return false;
+        };
+        let span = span_of(&pair, start);
+        // Some number was meant, and which one is of no concern to the rest of the scene.
+        terms.pop();
+        terms.push(Term::Quantity(Quantity {
+            value: 1.0,
+            unit: unit(pair),
+            span,
+        }));
+        self.error(SyntaxErrorKind::MissingNumber, span);
+        self.at = span.end as usize;
+        true
     }
 
     /// Whether the head of the innermost block could not be read, which has been told of.

@@ -90,7 +90,7 @@ pub fn read(text: &str, base: usize, mode: Mode) -> Read<'_> {
 }
 
 /// Where a window of about this end may be cut: behind a newline, else behind a blank.
-fn cut(text: &str, about: usize) -> usize {
+pub fn cut(text: &str, about: usize) -> usize {
     const FAR: usize = 1 << 16;
     if about >= text.len() {
         return text.len();

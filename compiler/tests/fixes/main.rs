@@ -3,36 +3,43 @@
     clippy::disallowed_methods,
     reason = "the tests read programs from the disk"
 )]
-use proptest::prelude::*;
-use stochc::compiler::finding::{Code, Finding, Fix, mended};
-use stochc::compiler::{Checked, FileId, Limits, check};
+#[path = "../../../tests/random/mod.rs"]
+#[allow(dead_code, reason = "the texts alone are needed here")]
+mod random;
+mod slips;
 
-fn checked(text: &str) -> Checked {
-    let mut reader = |asked: &str| match asked {
+// The random programs speak of the whole project.
+extern crate self as stochc;
+pub use stochc_compiler as compiler;
+
+use proptest::prelude::*;
+use stochc_compiler::finding::{Code, Finding, Fix, mended};
+use stochc_compiler::{Checked, FileId, Levels, Limits, Mended, check};
+
+/// Reads a text as `a.sa`, beside those that the fixtures import.
+fn files(text: &str) -> impl FnMut(&str) -> Result<Vec<u8>, String> {
+    move |asked| match asked {
         "a.sa" => Ok(text.as_bytes().to_vec()),
         "towers.sa" => Ok(Vec::new()),
+        "importing_tower.sa" => {
+            Ok(include_bytes!("../../../tests/fixtures/importing_tower.sa").to_vec())
+        }
         _ => Err("no such file".to_owned()),
-    };
-    check("a.sa", &mut reader, Limits::default())
+    }
 }
 
-/// The text with all safe changes, round by round.
+fn checked(text: &str) -> Checked {
+    check("a.sa", &mut files(text), Limits::default())
+}
+
+/// The text with all safe changes.
+fn mend(text: &str) -> Mended {
+    let mut reader = files(text);
+    stochc_compiler::mend("a.sa", &mut reader, Limits::default(), &Levels::default())
+}
+
 fn fixed(text: &str) -> String {
-    let mut text = text.to_owned();
-    for _ in 0..50 {
-        let checked = checked(&text);
-        let fixes = checked
-            .findings
-            .iter()
-            .filter_map(|finding| finding.fix.as_ref());
-        let (new, count) = mended(&text, FileId(0), fixes.filter(|fix| fix.safe));
-        if count == 0 {
-            return text;
-        }
-        assert_ne!(new, text, "a change that changes nothing");
-        text = new;
-    }
-    panic!("changes without end: {text}");
+    mend(text).text.to_string()
 }
 
 /// What is told, without its place.
@@ -85,7 +92,32 @@ fn slips_in_a_phase_are_mended() {
             "phase p { N.up -> B B.up -> C }",
         ),
         ("phase p { N.up => B }", "phase p { N.up -> B }"),
-        ("phase p { N.up → B –> C }", "phase p { N.up -> B –> C }"),
+        ("phase p { N.up → B }", "phase p { N.up -> B }"),
+        ("phase p { N.up –> B }", "phase p { N.up -> B }"),
+        (
+            "phase p { N.up => B.up => C }",
+            "phase p { N.up -> B.up -> C }",
+        ),
+        (
+            "phase p { N.up -> B.up -> C  B.east -> D after (B, C) }",
+            "phase p { N.up -> B.up -> C  B.east -> D after B, C }",
+        ),
+        (
+            "phase p { for i in 1..1 // one\n        N.up -> B[i] } }",
+            "phase p { for i in 1..1 { // one\n        N.up -> B[i] } }",
+        ),
+        (
+            "phase p { N.up -> B  release(A) }",
+            "phase p { N.up -> B  release A }",
+        ),
+        (
+            "phase p\n        N.up -> B\n    }",
+            "phase p {\n        N.up -> B\n    }",
+        ),
+        (
+            "phase p // now\n        N.up ->> B[1..2]\n    }",
+            "phase p { // now\n        N.up ->> B[1..2]\n    }",
+        ),
         ("phase p { N.up > B }", "phase p { N.up -> B }"),
         (
             "phase p { N.up =>> B[1..2] }",
@@ -106,8 +138,8 @@ fn slips_in_a_phase_are_mended() {
             "phase p { N.up -> B.north -> C }",
         ),
         (
-            "phase p { for (i in 1..2) { N.up -> B[i] } }",
-            "phase p { for i in 1..2 { N.up -> B[i] } }",
+            "phase p { for (i in 1..1) { N.up -> B[i] } }",
+            "phase p { for i in 1..1 { N.up -> B[i] } }",
         ),
         (
             "# note\n    phase p { N.up -> B }",
@@ -210,7 +242,22 @@ fn slips_outside_of_phases_are_mended() {
             "scene s from hemisphere { free 30 uniform }",
         ),
         ("import \"a.sa\"\nlet n = 1\n", "let n = 1\n"),
-        ("let n = 1\nimport a.sa", "let n = 1\n"),
+        (
+            "let n = 1\nimport towers.sa",
+            "let n = 1\nimport \"towers.sa\"",
+        ),
+        (
+            "assembly a {\n    seed plate 3x1 {\n    }\n}\n",
+            "assembly a {\n    seed plate 3 x 1 {\n    }\n}\n",
+        ),
+        (
+            "assembly a {\n    seed plate 3x 1\n        M at (0, 0)\n    }\n}\n",
+            "assembly a {\n    seed plate 3x 1\n        M at (0, 0)\n    }\n}\n",
+        ),
+        (
+            "assembly a\n    seed plate 1 x 1 { M at (0, 0) }\n    phase p { M.up -> A }\n}\n",
+            "assembly a {\n    seed plate 1 x 1 { M at (0, 0) }\n    phase p { M.up -> A }\n}\n",
+        ),
         ("let n = 1;\n", "let n = 1\n"),
         (
             "scene s from hemisphere {\n  /// doc\n  tick 5 ms\n}",
@@ -256,6 +303,83 @@ fn what_is_not_certain_is_left_alone() {
 }
 
 #[test]
+fn a_fix_that_brings_something_new_is_only_offered() {
+    for (wrong, code) in [
+        // The comment that might be meant would leave `wall` without its value.
+        (
+            "scene s from hemisphere { enclosure hemisphere { radius 5m  wall N/m } }",
+            Code::Syntax,
+        ),
+        // With the word mended, a circle comes to light.
+        (
+            "asembly a {\n    seed plate 1 x 1 { M at (0, 0) }\n    phase p { M.up -> A after B  A.up -> B }\n}\n",
+            Code::Syntax,
+        ),
+        // What would be imported imports itself.
+        ("let n = 1\nimport a.sa", Code::Syntax),
+    ] {
+        let found = checked(wrong).findings;
+        assert_eq!(found[0].code, code, "{wrong}");
+        let is_safe = |fix: &Fix| fix.safe;
+        assert!(
+            !found.iter().any(|it| it.fix.as_ref().is_some_and(is_safe)),
+            "{wrong}"
+        );
+        assert_eq!(fixed(wrong), wrong);
+    }
+}
+
+#[test]
+fn warnings_that_could_not_be_looked_for_do_not_count() {
+    let wrong = format!("{PLATE}    phaze base {{ M.up -> A }}\n}}\n");
+    let right = wrong.replace("phaze", "phase").replace("  N at (1, 0)", "");
+    assert_eq!(fixed(&wrong), right);
+}
+
+/// How often a program is checked; it imports a file that is not there.
+fn checks(text: &str) -> (Checked, u32) {
+    let mut checks = 0;
+    let mut reader = |asked: &str| match asked {
+        "a.sa" => Ok(text.as_bytes().to_vec()),
+        _ => {
+            checks += 1;
+            Err("no such file".to_owned())
+        }
+    };
+    (check("a.sa", &mut reader, Limits::default()), checks)
+}
+
+#[test]
+fn many_fixes_are_tried_together() {
+    let import = "import \"none.sa\"\n";
+    let lets = |count: usize| {
+        (0..count)
+            .map(|n| format!("let n{n} = {n};\n"))
+            .collect::<String>()
+    };
+    let safe = |checked: &Checked| {
+        let fixes = checked.findings.iter().filter_map(|it| it.fix.as_ref());
+        fixes.filter(|fix| fix.safe).count()
+    };
+    for count in [1, 60, 99] {
+        let (checked, checks) = self::checks(&format!("{import}{}", lets(count)));
+        assert_eq!(safe(&checked), count);
+        assert!(checks <= 1 + 64, "{checks} checks of {count} fixes");
+    }
+    // One of them does not help: it is found by halves.
+    let bad = "asembly a {\n    seed plate 1 x 1 { M at (0, 0) }\n    phase p { M.up -> A  Q.up -> B }\n}\n";
+    let (checked, _) = self::checks(&format!("{import}{}{bad}", lets(98)));
+    assert_eq!(safe(&checked), 98);
+    // Nothing is tried again and again in a text of any size.
+    let long = "// much\n".repeat(100_000);
+    let (checked, checks) = self::checks(&format!("{import}{}{long}", lets(99)));
+    assert_eq!(safe(&checked), 99);
+    assert!(checks <= 1 + 2, "{checks}");
+    let (checked, checks) = self::checks(&format!("{import}{}{long}{long}{long}", lets(3)));
+    assert_eq!((safe(&checked), checks), (0, 1));
+}
+
+#[test]
 fn every_fixture_and_page_is_only_bettered() {
     let mut programs: Vec<String> = Vec::new();
     for &code in Code::ALL {
@@ -266,7 +390,7 @@ fn every_fixture_and_page_is_only_bettered() {
                 .map(str::to_owned),
         );
     }
-    for entry in std::fs::read_dir("tests/findings").unwrap() {
+    for entry in std::fs::read_dir("../tests/findings").unwrap() {
         programs.push(std::fs::read_to_string(entry.unwrap().path()).unwrap());
     }
     let mut fixes = 0;
@@ -327,10 +451,10 @@ fn misspelt(text: &str, at: usize, how: u8) -> Option<String> {
 }
 
 const EXAMPLES: [&str; 4] = [
-    include_str!("../examples/five_tower.sa"),
-    include_str!("../examples/five_tower_reconfigured.sa"),
-    include_str!("../examples/closed_platform.sa"),
-    include_str!("../examples/line.sa"),
+    include_str!("../../../examples/five_tower.sa"),
+    include_str!("../../../examples/five_tower_reconfigured.sa"),
+    include_str!("../../../examples/closed_platform.sa"),
+    include_str!("../../../examples/line.sa"),
 ];
 
 proptest! {

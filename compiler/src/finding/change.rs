@@ -1,0 +1,213 @@
+//! A text with the changes that mend findings.
+use std::collections::BTreeMap;
+
+use super::{Edit, Fix};
+use crate::FileId;
+
+/// Fixes of one file that fit together.
+#[derive(Clone, Debug)]
+pub struct Change<'a> {
+    file: FileId,
+    text: &'a str,
+    /// By the first byte that goes: the one past the last, and what comes.
+    edits: BTreeMap<usize, (usize, &'a str)>,
+}
+
+impl<'a> Change<'a> {
+    /// No change yet of a file and its text.
+    pub fn new(file: FileId, text: &'a str) -> Change<'a> {
+        Change {
+            file,
+            text,
+            edits: BTreeMap::new(),
+        }
+    }
+
+    /// The file that changes.
+    pub fn file(&self) -> FileId {
+        self.file
+    }
+
+    /// Adds a fix as a whole, or not at all; whether it fits.
+    ///
+    /// Changes of other files do not fit, nor those that overlap with an earlier one: once the text
+    /// has been checked again, they may be offered again.
+    pub fn add(&mut self, fix: &'a Fix) -> bool {
+        let mut put = Vec::new();
+        let fits = fix.edits.iter().all(|edit| {
+            let (start, end) = range(edit);
+            let fits = edit.site.file == self.file
+                && self.text.get(start..end).is_some()
+                && is_free(&self.edits, start, end);
+            if fits {
+                self.edits.insert(start, (end, &edit.text));
+                put.push(start);
+            }
+            fits
+        });
+        if !fits {
+            put.iter().for_each(|start| {
+                self.edits.remove(start);
+            });
+        }
+        fits && !put.is_empty()
+    }
+
+    /// The text afterwards.
+    pub fn text(&self) -> String {
+        let mut out = String::with_capacity(self.text.len());
+        let mut at = 0;
+        for (&start, &(end, new)) in &self.edits {
+            out.push_str(&self.text[at..start]);
+            out.push_str(new);
+            at = end;
+        }
+        out.push_str(&self.text[at..]);
+        out
+    }
+
+    /// Where bytes of the text, in ascending order, may be found afterwards: from the first to the
+    /// last place. What is replaced may be anywhere in what takes its place.
+    pub(crate) fn carried(&self, places: &[usize]) -> Vec<(usize, usize)> {
+        let mut edits = self.edits.iter().peekable();
+        // What the changes before a place have removed and added.
+        let (mut removed, mut added) = (0, 0);
+        let carry = |&at: &usize| {
+            while let Some(&(&start, &(end, new))) = edits.peek()
+                && (end <= at && start < at)
+            {
+                removed += end - start;
+                added += new.len();
+                edits.next();
+            }
+            match edits.peek() {
+                Some(&(&start, &(_, new))) if start <= at => {
+                    let start = start + added - removed;
+                    (start, start + new.len())
+                }
+                _ => (at + added - removed, at + added - removed),
+            }
+        };
+        places.iter().map(carry).collect()
+    }
+}
+
+/// The text of a file with every change that fits, and how many those are.
+pub fn mended<'a>(
+    text: &'a str,
+    file: FileId,
+    fixes: impl IntoIterator<Item = &'a Fix>,
+) -> (String, usize) {
+    let mut change = Change::new(file, text);
+    let fitting = fixes.into_iter().filter(|fix| change.add(fix)).count();
+    (change.text(), fitting)
+}
+
+fn range(edit: &Edit) -> (usize, usize) {
+    (edit.site.span.start as usize, edit.site.span.end as usize)
+}
+
+/// Whether no change has been made to a part of the text.
+fn is_free(edits: &BTreeMap<usize, (usize, &str)>, start: usize, end: usize) -> bool {
+    let before = edits.range(..=start).next_back();
+    let behind = edits.range(start..).next();
+    before.is_none_or(|(&at, &(until, _))| until <= start && at != start)
+        && behind.is_none_or(|(&at, _)| at >= end)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Site, Span};
+
+    fn fix(edits: &[(u32, u32, &str)]) -> Fix {
+        let edits = edits.iter().map(|&(start, end, text)| Edit {
+            site: Site {
+                file: FileId(0),
+                span: Span::new(start, end),
+            },
+            text: text.to_owned(),
+        });
+        Fix {
+            title: String::new(),
+            edits: edits.collect(),
+            safe: true,
+        }
+    }
+
+    #[test]
+    fn the_first_of_two_overlapping_changes_counts() {
+        let mended = |fixes: &[Fix]| mended("0123456789", FileId(0), fixes);
+        assert_eq!(
+            mended(&[fix(&[(1, 3, "a")]), fix(&[(2, 4, "b")])]),
+            ("0a3456789".into(), 1)
+        );
+        assert_eq!(
+            mended(&[fix(&[(2, 4, "b")]), fix(&[(1, 3, "a")])]),
+            ("01b456789".into(), 1)
+        );
+        assert_eq!(
+            mended(&[fix(&[(1, 3, "a")]), fix(&[(3, 4, "b")])]),
+            ("0ab456789".into(), 2)
+        );
+        assert_eq!(
+            mended(&[fix(&[(1, 1, "a")]), fix(&[(1, 1, "b")])]),
+            ("0a123456789".into(), 1)
+        );
+        assert_eq!(
+            mended(&[fix(&[(0, 10, "")]), fix(&[(5, 5, "b")])]),
+            (String::new(), 1)
+        );
+    }
+
+    #[test]
+    fn a_change_is_made_as_a_whole_or_not_at_all() {
+        let two = fix(&[(8, 9, "x"), (1, 2, "y")]);
+        assert_eq!(
+            mended("0123456789", FileId(0), &[fix(&[(1, 3, "a")]), two.clone()]),
+            ("0a3456789".into(), 1)
+        );
+        assert_eq!(
+            mended("0123456789", FileId(0), [&two]),
+            ("0y234567x9".into(), 1)
+        );
+        assert_eq!(mended("012", FileId(0), [&two]), ("012".into(), 0));
+        assert_eq!(
+            mended("0123456789", FileId(1), [&two]),
+            ("0123456789".into(), 0)
+        );
+        assert_eq!(
+            mended("0µ2", FileId(0), &[fix(&[(2, 3, "x")])]),
+            ("0µ2".into(), 0)
+        );
+    }
+
+    #[test]
+    fn places_are_carried_through_a_change() {
+        let fixes = [
+            fix(&[(1, 3, "abcd")]),
+            fix(&[(5, 5, "xy")]),
+            fix(&[(7, 9, "")]),
+        ];
+        let mut change = Change::new(FileId(0), "0123456789");
+        assert!(fixes.iter().all(|fix| change.add(fix)));
+        assert_eq!(change.text(), "0abcd34xy569");
+        let places = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10];
+        let carried = [
+            (0, 0),
+            // Anywhere in the four letters that have come.
+            (1, 5),
+            (1, 5),
+            (5, 5),
+            (6, 6),
+            // Before or behind what is inserted.
+            (7, 9),
+            (10, 10),
+            (11, 11),
+            (11, 11),
+            (11, 11),
+            (12, 12),
+        ];
+        assert_eq!(change.carried(&places), carried);
+    }
+}

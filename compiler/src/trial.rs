@@ -1,0 +1,210 @@
+//! Fixes are tried before they are called safe: the program is checked again with them.
+//!
+//! A stage calls a fix safe where only one thing can be meant by the text it has looked at. Whether
+//! the whole program is the better for it is seen by making the change in memory. This is the one
+//! place where that is decided, for the command line, for documents and for editors alike.
+use std::collections::VecDeque;
+
+use rustc_hash::FxHashMap;
+
+use crate::finding::{Change, Code, Finding, Severity};
+use crate::load::Reader;
+use crate::program::Checked;
+use crate::{FileId, Sources};
+
+/// Further checks of one program, at most.
+const MOST: usize = 64;
+
+/// Bytes of text and events of plans that are looked at again, at most.
+const WORK: usize = 1 << 21;
+
+/// Checks a program with some texts changed.
+pub(crate) type Again<'a> = dyn FnMut(&mut dyn Reader) -> Checked + 'a;
+
+/// Lets only those fixes be safe that have proved to be.
+///
+/// Each is tried alone, where there are not too many of them for the size of the program; else they
+/// are tried together, and in halves if that fails. What has not been tried is not safe.
+pub(crate) fn judge(checked: &mut Checked, reader: &mut dyn Reader, again: &mut Again<'_>) {
+    let claimed = |(_, finding): &(usize, &Finding)| {
+        let fix = finding.fix.as_ref();
+        fix.is_some_and(|fix| fix.safe && !fix.edits.is_empty())
+    };
+    let claims: Vec<usize> = (checked.findings.iter().enumerate())
+        .filter(claimed)
+        .map(|(number, _)| number)
+        .collect();
+    if claims.is_empty() {
+        return;
+    }
+    let mut left = MOST.min(WORK / size(checked).max(1));
+    let mut safe = vec![false; checked.findings.len()];
+    let together = claims.len().div_ceil(left.max(1));
+    let mut groups: VecDeque<Vec<usize>> =
+        (claims.chunks(together).map(<[usize]>::to_vec)).collect();
+    while let Some(mut group) = groups.pop_front() {
+        if left == 0 {
+            break;
+        }
+        left -= 1;
+        let (tried, unfit) = try_together(checked, &group, reader, again);
+        if !unfit.is_empty() && unfit.len() < group.len() {
+            group.retain(|number| !unfit.contains(number));
+            groups.push_back(unfit);
+        }
+        match tried {
+            true => group.iter().for_each(|&number| safe[number] = true),
+            false if group.len() > 1 => {
+                let half = group.split_off(group.len() / 2);
+                groups.extend([group, half]);
+            }
+            false => {}
+        }
+    }
+    for (finding, safe) in checked.findings.iter_mut().zip(safe) {
+        if let Some(fix) = &mut finding.fix {
+            fix.safe &= safe;
+        }
+    }
+}
+
+/// Lets no fix be safe.
+pub(crate) fn distrust(checked: &mut Checked) {
+    let fixes = checked.findings.iter_mut().filter_map(|it| it.fix.as_mut());
+    fixes.for_each(|fix| fix.safe = false);
+}
+
+/// What one more check has to look at.
+fn size(checked: &Checked) -> usize {
+    let texts = checked.sources.files().iter().map(|file| file.text.len());
+    let events = checked.programs.iter().map(|it| it.plan.events.len());
+    texts.chain(events).sum()
+}
+
+/// Whether some fixes, made at once, mend what they are for and bring nothing new; and those of
+/// them that do not fit with the others.
+fn try_together(
+    checked: &Checked,
+    group: &[usize],
+    reader: &mut dyn Reader,
+    again: &mut Again<'_>,
+) -> (bool, Vec<usize>) {
+    let fix = |number: &usize| checked.findings[*number].fix.as_ref();
+    let first = group
+        .first()
+        .and_then(fix)
+        .and_then(|fix| fix.edits.first());
+    let Some(file) = first.map(|edit| edit.site.file) else {
+        return (false, Vec::new());
+    };
+    let mut change = Change::new(file, &checked.sources.file(file).text);
+    let (fit, unfit): (Vec<usize>, Vec<usize>) =
+        (group.iter()).partition(|number| fix(number).is_some_and(|fix| change.add(fix)));
+    let mut texts = changed(checked, &change, reader);
+    let after = again(&mut texts);
+    let cures = !fit.is_empty() && cures(checked, &fit, &change, &after);
+    (cures, unfit)
+}
+
+/// Reads the files of a program as they were, but for a change.
+pub(crate) fn changed<'a>(
+    checked: &'a Checked,
+    change: &'a Change<'_>,
+    reader: &'a mut dyn Reader,
+) -> impl FnMut(&str) -> Result<Vec<u8>, String> + 'a {
+    // The compiler takes one mark of the byte order away.
+    let bytes = |text: &str| ["\u{feff}", text].concat().into_bytes();
+    let is_text = |file: FileId| {
+        let mut sites = (checked.findings.iter())
+            .filter(|finding| finding.code == Code::NotUtf8)
+            .filter_map(|finding| finding.labels.first());
+        sites.all(|label| label.site.file != file)
+    };
+    move |asked| {
+        let files = checked.sources.files();
+        let known = files.iter().position(|file| file.name == asked);
+        match known.map(|number| FileId(number as u32)) {
+            Some(file) if file == change.file() => Ok(bytes(&change.text())),
+            Some(file) if is_text(file) => Ok(bytes(&checked.sources.file(file).text)),
+            _ => reader.read(asked),
+        }
+    }
+}
+
+/// Whether a change that mends some findings has left none of them, and only such as were there
+/// before, each in its place.
+///
+/// Two kinds of news are none. Warnings are not looked for in a text that cannot be read, so those
+/// that come to light once it can are no fault of the change. And where there was too much to
+/// tell, what is told next is of the codes that were told, and no more of it.
+pub(crate) fn cures(
+    before: &Checked,
+    mended: &[usize],
+    change: &Change<'_>,
+    after: &Checked,
+) -> bool {
+    let mut is_mended = vec![false; before.findings.len()];
+    mended.iter().for_each(|&number| is_mended[number] = true);
+    let findings = || before.findings.iter().zip(&is_mended);
+    if findings().any(|(finding, &is_mended)| is_mended && finding.code == Code::TooManyErrors) {
+        return false;
+    }
+    if before
+        .findings
+        .iter()
+        .any(|it| it.code == Code::TooManyErrors)
+    {
+        let mut codes: Vec<Code> = before.findings.iter().map(|it| it.code).collect();
+        codes.sort_unstable();
+        let known = |it: &Finding| codes.binary_search(&it.code).is_ok();
+        return after.findings.len() <= before.findings.len() && after.findings.iter().all(known);
+    }
+    let reads = findings().any(|(finding, &is_mended)| is_mended && finding.code.is_of_reading());
+    let kept = findings().filter(|&(_, &is_mended)| !is_mended);
+    let mut old = Places::of(
+        &before.sources,
+        kept.map(|(finding, _)| finding),
+        Some(change),
+    );
+    let new = (after.findings.iter())
+        .filter(|finding| !(reads && finding.code.severity() == Severity::Warning));
+    let new = Places::of(&after.sources, new, None);
+    (new.0).into_iter().all(|(key, places)| {
+        let Some(old) = old.0.get_mut(&key) else {
+            return false;
+        };
+        // Both are in the order of their places.
+        let mut old = old.iter();
+        (places.iter()).all(|place| old.any(|old| old.0 <= place.0 && place.1 <= old.1))
+    })
+}
+
+/// Where findings stand, by their code and the name of their file.
+struct Places<'a>(FxHashMap<(Code, Option<&'a str>), Vec<(usize, usize)>>);
+
+impl<'a> Places<'a> {
+    /// The places of some findings, as they are after a change if there is one.
+    fn of(
+        sources: &'a Sources,
+        findings: impl Iterator<Item = &'a Finding>,
+        change: Option<&Change<'_>>,
+    ) -> Places<'a> {
+        let mut by_file: FxHashMap<(Code, Option<FileId>), Vec<usize>> = FxHashMap::default();
+        for finding in findings {
+            let site = finding.labels.first().map(|label| label.site);
+            let at = site.map_or(0, |site| site.span.start as usize);
+            let key = (finding.code, site.map(|site| site.file));
+            by_file.entry(key).or_default().push(at);
+        }
+        let by_name = by_file.into_iter().map(|((code, file), mut places)| {
+            places.sort_unstable();
+            let carried = match change.filter(|change| Some(change.file()) == file) {
+                Some(change) => change.carried(&places),
+                None => places.into_iter().map(|at| (at, at)).collect(),
+            };
+            let name = file.map(|file| sources.file(file).name.as_str());
+            ((code, name), carried)
+        });
+        Places(by_name.collect())
+    }
+}

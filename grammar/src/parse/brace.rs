@@ -1,0 +1,176 @@
+//! Braces that have been forgotten, and those that stand where none belongs: only they are told of,
+//! not all that follows from them.
+use pest::Parser as _;
+use pest::iterators::Pair;
+
+use super::frame::{Content, Frame, Mode};
+use super::window::{Cause, Unreadable, cut};
+use super::{Parser, Rule, SaParser, trivia, words};
+use crate::Span;
+use crate::error::SyntaxErrorKind;
+use crate::tree::ItemKind;
+
+/// Bytes that are looked at to see what comes next.
+const AHEAD: usize = 1 << 12;
+
+impl Parser<'_, '_> {
+    /// Opens the block whose head begins at `start`, if all that is wrong is the brace that should
+    /// stand before `at`.
+    pub fn open_unbraced(&mut self, start: usize, at: usize, error: &Unreadable) -> bool {
+        if error.cause != Cause::Word || !error.expected.contains(&Rule::open) {
+            return false;
+        }
+        let rule = self.mode().single();
+        // The blanks and comments before `at` are no part of the head.
+        let whole = format!("{}\n{{", &self.text[start..at]);
+        let head = SaParser::parse(rule, &whole)
+            .ok()
+            .and_then(|mut it| it.next());
+        let Some(head) = head.filter(|head| head.as_rule() != Rule::open) else {
+            return false;
+        };
+        // What repeats may end in blanks, the last token does not.
+        let is_token = |it: &Pair<'_, Rule>| {
+            it.as_rule() != Rule::open && it.clone().into_inner().next().is_none()
+        };
+        let tokens = head.clone().into_inner().flatten().filter(is_token);
+        let Some(end) = tokens.last().map(|last| start + last.as_span().end()) else {
+            return false;
+        };
+        if !self.follows(head.as_rule(), end, at) {
+            return false;
+        }
+        *self.surplus() -= 1;
+        let braced = format!("{}{{", &self.text[start..end]);
+        if let Some(head) = SaParser::parse(rule, &braced)
+            .ok()
+            .and_then(|mut it| it.next())
+        {
+            self.build(head, start);
+        }
+        let what = self.frames.last().map_or("a block", Frame::noun);
+        let here = Span::new(end as u32, end as u32);
+        self.error(SyntaxErrorKind::MissingBrace { what }, here);
+        self.at = end;
+        true
+    }
+
+    /// Whether what stands at `at` belongs into the block whose head ends at `end`.
+    fn follows(&self, head: Rule, end: usize, at: usize) -> bool {
+        let mode = match head {
+            Rule::scene_head => Mode::Scene,
+            Rule::shape_head | Rule::layer_head => Mode::Shape,
+            _ => Mode::Block,
+        };
+        // Every word can stand in a scene, so one in the same line may belong to the head.
+        if mode == Mode::Scene && !self.text[end..at].contains('\n') {
+            return false;
+        }
+        let head = match head {
+            Rule::for_head => self.holder(self.frames.len()),
+            head => Some(head),
+        };
+        self.next_piece(at, mode)
+            .is_some_and(|next| holds(head, next))
+    }
+
+    /// Whether a `}` that ends at `end` does not close the innermost block: the file has a brace too
+    /// many, and what follows can stand in this block and not in the one around it.
+    pub fn goes_on(&mut self, end: usize) -> bool {
+        let Some(outer) = self.frames.len().checked_sub(1) else {
+            return false;
+        };
+        if *self.surplus() <= 0 {
+            return false;
+        }
+        let at = trivia::skip(self.text, end);
+        let holds_next = |depth: usize| {
+            let mode = (self.frames[..depth].last()).map_or(Mode::Block, Frame::mode);
+            let next = self.next_piece(at, mode);
+            next.is_some_and(|next| next == Rule::close || holds(self.holder(depth), next))
+        };
+        !holds_next(outer) && holds_next(outer + 1)
+    }
+
+    /// How many more braces close than open, those left out that have been told of.
+    pub fn surplus(&mut self) -> &mut i64 {
+        self.surplus.get_or_insert_with(|| surplus(self.text))
+    }
+
+    /// What begins at a byte, comments left out, by the rules of a mode.
+    fn next_piece(&self, at: usize, mode: Mode) -> Option<Rule> {
+        let mut at = trivia::skip(self.text, at);
+        while self.text[at..].starts_with("///") {
+            let end = trivia::end_of_line(self.text.as_bytes(), at);
+            at = trivia::skip(self.text, end);
+        }
+        // In a scene every word is a piece, even one that begins a declaration.
+        let word = words::found(self.text, at);
+        let declares = |begins: &&str| begins.trim_matches('`') == word;
+        if mode == Mode::Scene && words::beginnings(None).iter().any(declares) {
+            return None;
+        }
+        let window = &self.text[at..cut(self.text, at.saturating_add(AHEAD))];
+        let mut pairs = SaParser::parse(mode.single(), window).ok()?;
+        pairs.next().map(|piece| piece.as_rule())
+    }
+
+    /// The head of the innermost of the first `depth` blocks that is no loop; `None`: the file.
+    fn holder(&self, depth: usize) -> Option<Rule> {
+        (self.frames[..depth].iter().rev())
+            .map(head)
+            .find(|&head| head != Rule::for_head)
+    }
+}
+
+/// The rule of the head of a block.
+fn head(frame: &Frame) -> Rule {
+    match &frame.content {
+        Content::Items(item) => match item.kind {
+            ItemKind::Assembly(_) => Rule::assembly_head,
+            ItemKind::Seed(_) => Rule::seed_head,
+            ItemKind::Phase(_) => Rule::phase_head,
+            ItemKind::For(_) => Rule::for_head,
+            _ => Rule::pattern_head,
+        },
+        Content::Scene(..) | Content::SceneBlock(_) => Rule::scene_head,
+        Content::Shape(_) => Rule::shape_head,
+        Content::Layer(_) => Rule::layer_head,
+        // It may hold anything.
+        Content::Broken(_) => Rule::program,
+    }
+}
+
+/// Whether a piece can stand in a block with this head; without one, in the file.
+fn holds(head: Option<Rule>, next: Rule) -> bool {
+    use Rule as R;
+    match (head, next) {
+        (Some(R::program), _) | (_, R::doc | R::level | R::let_) => true,
+        (None, R::assembly_head | R::aggregate | R::scene_head | R::import)
+        | (None | Some(R::assembly_head), R::pattern_head | R::shape_head)
+        | (Some(R::assembly_head), R::seed_head | R::phase_head | R::for_head)
+        | (Some(R::seed_head), R::seat | R::chain | R::for_head)
+        | (Some(R::phase_head), R::yields)
+        | (
+            Some(R::phase_head | R::pattern_head),
+            R::chain | R::release | R::instance | R::for_head,
+        )
+        | (Some(R::scene_head), R::word | R::quantity | R::span_of_values | R::open)
+        | (Some(R::shape_head), R::layer_head)
+        | (Some(R::layer_head), R::row) => true,
+        _ => false,
+    }
+}
+
+/// How many more braces of a text close than open.
+fn surplus(text: &str) -> i64 {
+    let code = text
+        .lines()
+        .map(|line| line.split("//").next().unwrap_or(line));
+    let signs = code.flat_map(str::bytes).map(|byte| match byte {
+        b'}' => 1,
+        b'{' => -1,
+        _ => 0,
+    });
+    signs.sum()
+}
