@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use similar::TextDiff;
 use stochc_compiler::{self as compiler, Checked, Levels, Limits};
 
+use crate::files::programs::{self, STDIN_NAME};
 use crate::files::{atomic, read};
 
 /// A file, and what it is with all safe changes.
@@ -13,7 +14,8 @@ pub struct Mended {
     path: String,
     /// As read, to the byte.
     original: Vec<u8>,
-    new: Vec<u8>,
+    /// With all changes.
+    pub new: Vec<u8>,
     /// How many changes that took.
     pub changes: usize,
     /// What was found before the first of them.
@@ -28,11 +30,11 @@ const MARK: &[u8] = "\u{feff}".as_bytes();
 /// # Errors
 /// In the system's words, if the file cannot be read.
 pub fn mend(path: &str, levels: &Levels) -> Result<Mended, String> {
-    let is_file = std::fs::metadata(path).map(|metadata| metadata.is_file());
-    if !is_file.map_err(|error| error.to_string())? {
+    let is_file = || std::fs::metadata(path).map(|metadata| metadata.is_file());
+    if path != STDIN_NAME && !is_file().map_err(|error| error.to_string())? {
         return Err("it is no ordinary file".into());
     }
-    let original = read(path)?;
+    let original = programs::read(path)?;
     let mut reader = |asked: &str| match asked == path {
         true => Ok(original.clone()),
         false => read(asked),

@@ -104,7 +104,7 @@ fn an_allow_in_doubt_is_not_held_against_its_author() {
     let allow = "allow redundant-after \"x\"";
     // The pattern may be grown by another file, and the error may hide the warning.
     let pattern = format!(
-        "pattern t(b) {{ {allow} b.up -> T }}
+        "pattern _t(b) {{ {allow} b.up -> T }}
         assembly a {{ seed plate 1 x 1 {{ M at (0, 0) }} phase p {{ M.up -> A }} }}"
     );
     assert_eq!(told(&pattern), [""; 0]);
@@ -169,4 +169,103 @@ fn a_denied_program_has_no_tables() {
     let checked = files(&[("a.sa", &text)], &Levels::default());
     assert!(checked.has_errors());
     assert!(checked.programs[0].tables.is_none());
+}
+
+#[test]
+fn what_nobody_uses_is_told_of() {
+    let program = "assembly a { seed plate 1 x 1 { M at (0, 0) } phase p { M.up -> A } }";
+    for (declared, code) in [
+        ("let n = 1", "unused-let"),
+        ("pattern t(b) { b.up -> T }", "unused-pattern"),
+        ("pattern t(b) { b.up -> T t(T) }", "unused-pattern"),
+        ("shape s { layer 1 { # } }", "unused-shape"),
+        ("scene s from hemisphere { free 5 uniform }", "unused-scene"),
+    ] {
+        assert_eq!(told(&format!("{declared} {program}")), [code], "{declared}");
+        let name = declared.split([' ', '(']).nth(1).unwrap();
+        let kept = declared.replace(&format!(" {name}"), &format!(" _{name}"));
+        assert_eq!(told(&format!("{kept} {program}")), [""; 0], "{kept}");
+        let allowed = format!("allow {code} \"later\" {declared} {program}");
+        assert_eq!(told(&allowed), [""; 0], "{allowed}");
+        // A file without a program is there for others.
+        assert_eq!(told(declared), [""; 0]);
+    }
+    // In each kind of block.
+    let local = "assembly a {
+        let a = 1 pattern t(b) { let i = 1 b.up -> T } shape s { layer 1..2 { # } }
+        seed plate 1 x 1 { let b = 1 M at (0, 0) }
+        phase p { let c = 1 for i in 1..1 { let d = 1 t(M) } M.up -> A } }";
+    let codes = told(local);
+    let of = |code: &str| codes.iter().filter(|told| *told == code).count();
+    // It is in error, and after that is mended:
+    assert_eq!((of("unused-let"), codes.len()), (0, 1), "{codes:?}");
+    let codes = told(&local.replace("t(M) }", "t(M) }").replace("M.up -> A", ""));
+    let of = |code: &str| codes.iter().filter(|told| *told == code).count();
+    assert_eq!((of("unused-let"), of("unused-shape")), (5, 1), "{codes:?}");
+}
+
+#[test]
+fn what_is_used_anywhere_is_not_told_of() {
+    for program in [
+        "let n = 2 let m = n assembly a { seed plate m x 1 { M at (n - 2, 0) } phase p { M.up -> A } }",
+        "let n = 2 pattern t(b) { b.up ->> T[1..n] } pattern u(b) { t(b) }
+         assembly a { seed plate 1 x 1 { M at (0, 0) } phase p { u(M) } }",
+        "shape s { layer 1 { # } } scene c from hemisphere { free 9 uniform } scene d from c { free 8 uniform }
+         assembly a in d { seed plate 1 x 1 { M at (0, 0) } phase p { M.up -> A yields s } }",
+        "scene hemisphere from hemisphere { free 9 uniform }
+         assembly a { seed plate 1 x 1 { M at (0, 0) } phase p { M.up -> A } }",
+        "let n = 3 aggregate pair in magnet_tank to n - 1",
+    ] {
+        assert_eq!(told(program), [""; 0], "{program}");
+    }
+    let own =
+        "import \"b.sa\" assembly a { seed plate 1 x 1 { M at (0, 0) } phase p { M.up -> A } }";
+    let library = "let n = 1 pattern t(b) { b.up -> T } shape s { layer 1 { # } }";
+    let checked = files(&[("a.sa", own), ("b.sa", library)], &Levels::default());
+    assert!(checked.findings.is_empty(), "{:?}", checked.findings);
+}
+
+#[test]
+fn only_a_number_that_no_other_file_sees_is_removed_unasked() {
+    let text = "let n = 1\nassembly a {\n    let k = 1\n    seed plate 1 x 1 { M at (0, 0) }\n    phase p { M.up -> A }\n}\n";
+    let checked = files(&[("a.sa", text)], &Levels::default());
+    let safe: Vec<_> = (checked.findings.iter())
+        .map(|finding| finding.fix.as_ref().map(|fix| fix.safe))
+        .collect();
+    assert_eq!(safe, [Some(false), Some(true)]);
+}
+
+#[test]
+fn no_warning_follows_from_an_error() {
+    let program = |phases: &str| {
+        told(&format!(
+            "assembly a {{ seed plate 2 x 1 {{ M at (0, 0)  N at (1, 0) }} phase p {{ M.up -> A }} {phases} }}"
+        ))
+    };
+    // The seed is misspelt, and so is the capture that an `after` waits for; the phase has a statement.
+    assert_eq!(program("phase q { n.up -> B }"), ["UNKNOWN-NAME"]);
+    assert_eq!(
+        program("phase q { N.up -> A  A.up -> B after A }"),
+        ["CAPTURED-TWICE"]
+    );
+    assert_eq!(program("phase q { N -> B }"), ["MISSING-FACE"]);
+    assert_eq!(
+        program("phase q { for i in 1..k { N.up -> B } }"),
+        ["UNKNOWN-NAME"]
+    );
+    // What is wrong about the cells leaves no use unseen.
+    assert_eq!(
+        program("phase q { A.down -> B }"),
+        ["unused-seed", "ANCHORING-FACE"]
+    );
+    // A misspelt name may be that of what seems to be unused.
+    let unused = |used: &str| {
+        told(&format!(
+            "shape flat {{ layer 1 {{ # }} }} assembly a {{ seed plate 1 x 1 {{ M at (0, 0) }}
+            phase p {{ M.up -> A {used} }} }}"
+        ))
+    };
+    assert_eq!(unused(""), ["unused-shape"]);
+    assert_eq!(unused("yields falt"), ["UNKNOWN-NAME"]);
+    assert_eq!(unused("yields flat"), [""; 0]);
 }

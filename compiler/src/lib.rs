@@ -19,6 +19,7 @@ mod levels;
 mod load;
 pub mod locate;
 mod lower;
+mod members;
 mod mend;
 pub mod names;
 pub mod order;
@@ -34,6 +35,7 @@ mod suggest;
 pub mod table;
 mod trial;
 pub mod turns;
+mod unused;
 
 pub use cell::Cell;
 pub use expand::{Limits, MAX_NESTING};

@@ -27,6 +27,21 @@ pub struct Plan {
     /// Of an aggregate, the blocks of a group with which it is complete. It has no plate, no seeds and
     /// no events, and a phase for each size from two on.
     pub aggregate: Option<u32>,
+    /// The instances of patterns, by their scope: that of [`Key::scope`] 1 comes first.
+    pub grown: Vec<Grown>,
+}
+
+/// An instance of a pattern.
+#[derive(Clone, Copy, Debug)]
+pub struct Grown {
+    /// The name of the pattern.
+    pub pattern: Symbol,
+    /// Where that is declared.
+    pub declared: Site,
+    /// The statement that grows it, without the name of the instance.
+    pub call: Site,
+    /// Whether it has been given what could not be worked out, so that blocks may be missing in it.
+    pub is_doubtful: bool,
 }
 
 /// A block of the plate that has a name.
@@ -128,6 +143,12 @@ pub struct Key {
 impl Key {
     /// Indices that a name may have.
     pub const MAX_INDICES: usize = 3;
+
+    /// The same name in another scope.
+    #[must_use]
+    pub fn within(self, scope: u32) -> Key {
+        Key { scope, ..self }
+    }
 }
 
 /// Every name of a block, and every named instance of a pattern.
@@ -180,16 +201,27 @@ impl Roles {
         self.scopes.get(key).copied()
     }
 
-    /// The words by which the named instances of a scope are known.
-    pub fn instances(&self, scope: u32) -> impl Iterator<Item = Symbol> {
-        let inside = self.scope_keys.iter().filter(move |key| key.scope == scope);
-        inside.map(|key| key.word)
+    /// The names of the instances in a scope, without their texts.
+    pub fn instances(&self, scope: u32) -> impl Iterator<Item = Key> {
+        let all = self.scope_keys.iter().copied();
+        all.filter(move |key| key.scope == scope)
+    }
+
+    /// The scope around that of an instance; `None`: around the program itself is nothing.
+    pub fn outer(&self, scope: u32) -> Option<u32> {
+        let key = self.scope_keys.get((scope as usize).checked_sub(1)?)?;
+        Some(key.scope)
     }
 
     /// A name as the program writes it, such as `a.T[2]`.
     pub fn name(&self, role: RoleId, symbols: &Symbols) -> String {
+        self.name_of(self.key(role), symbols)
+    }
+
+    /// The name that a key stands for.
+    pub fn name_of(&self, key: Key, symbols: &Symbols) -> String {
         let mut text = String::new();
-        self.write(self.key(role), symbols, &mut text);
+        self.write(key, symbols, &mut text);
         text
     }
 

@@ -1,9 +1,12 @@
 //! Which names stand for an anchored block, phase by phase.
-use rustc_hash::FxHashSet;
+use rustc_hash::{FxHashMap, FxHashSet};
 use stochc_grammar::{Symbol, Symbols};
 
-use crate::finding::{Code, Finding, Fix, MOST_FINDINGS, entry, named, removal, tell};
-use crate::plan::{Deed, EventId, Plan};
+use crate::finding::{
+    Code, Finding, Fix, MOST_FINDINGS, entry, hand_in, is_repeated, named, removal, tell,
+};
+use crate::members::members;
+use crate::plan::{Deed, EventId, Grown, Key, Plan};
 use crate::suggest::nearest;
 use crate::table::{RoleId, Trigger};
 use crate::{Site, Sources};
@@ -108,6 +111,7 @@ pub fn check(
         symbols,
         doubtful,
         findings,
+        first_captures: None,
         plan,
     };
     checker.run();
@@ -124,6 +128,8 @@ struct Checker<'a> {
     symbols: &'a Symbols,
     doubtful: &'a FxHashSet<Symbol>,
     findings: &'a mut Vec<Finding>,
+    /// The first capture of every block, once it has been asked for.
+    first_captures: Option<FxHashMap<RoleId, EventId>>,
 }
 
 impl Checker<'_> {
@@ -313,8 +319,7 @@ impl Checker<'_> {
             self.presence.subjects[number] = subject;
             return;
         }
-        let key = self.plan.roles.key(after.role);
-        if self.findings.len() > MOST_FINDINGS || self.doubtful.contains(&key.word) {
+        if self.findings.len() > MOST_FINDINGS || self.is_doubtful(after.role) {
             return;
         }
         let name = self.plan.roles.name(after.role, self.symbols);
@@ -347,7 +352,10 @@ impl Checker<'_> {
             let title = format!("`{name}` is not captured in this phase");
             let finding = Finding::new(Code::AbsentBlock, title)
                 .label(after.site, "would be waited for in vain");
-            self.unknown(after.role, after.site, state, finding)
+            match self.unknown(after.role, after.site, state, finding) {
+                Some(finding) => finding,
+                None => return,
+            }
         };
         tell(self.findings, finding);
     }
@@ -422,8 +430,7 @@ impl Checker<'_> {
         if self.findings.len() > MOST_FINDINGS {
             return;
         }
-        let key = self.plan.roles.key(role);
-        if self.doubtful.contains(&key.word) {
+        if self.is_doubtful(role) {
             return;
         }
         let site = self.plan.event(id).site;
@@ -433,42 +440,77 @@ impl Checker<'_> {
             Deed::Capture { .. } => Code::AbsentBlock,
         };
         let title = format!("`{name}` is not part of the structure in this phase");
-        let finding = self.unknown(
-            role,
-            site,
-            state,
-            Finding::new(code, title).label(site, consequence),
-        );
-        tell(self.findings, finding);
+        let finding = Finding::new(code, title).label(site, consequence);
+        if let Some(finding) = self.unknown(role, site, state, finding) {
+            tell(self.findings, finding);
+        }
     }
 
-    /// A finding on a name that nobody holds: unknown, or known at another time only.
-    fn unknown(&self, role: RoleId, site: Site, state: State, mut finding: Finding) -> Finding {
+    /// Whether a name may only seem to be absent, because a part of the program that could not be
+    /// read or worked out may capture it.
+    fn is_doubtful(&self, role: RoleId) -> bool {
+        let key = self.plan.roles.key(role);
+        let mut scopes =
+            std::iter::successors(Some(key.scope), |&scope| self.plan.roles.outer(scope));
+        self.doubtful.contains(&key.word)
+            || scopes.any(|scope| self.grown(scope).is_some_and(|grown| grown.is_doubtful))
+    }
+
+    fn grown(&self, scope: u32) -> Option<Grown> {
+        let number = (scope as usize).checked_sub(1)?;
+        self.plan.grown.get(number).copied()
+    }
+
+    fn first_captures(&mut self) -> &FxHashMap<RoleId, EventId> {
+        self.first_captures.get_or_insert_with(|| {
+            let mut first = FxHashMap::default();
+            for (number, event) in self.plan.events.iter().enumerate() {
+                if matches!(event.deed, Deed::Capture { .. }) {
+                    first.entry(event.role).or_insert(EventId(number as u32));
+                }
+            }
+            first
+        })
+    }
+
+    /// A finding on a name that nobody holds: unknown, or known at another time only; `None` if the
+    /// statement has been told of already.
+    fn unknown(
+        &mut self,
+        role: RoleId,
+        site: Site,
+        state: State,
+        mut finding: Finding,
+    ) -> Option<Finding> {
         if let Some(release) = state.last_release {
-            return finding
+            let finding = finding
                 .label(self.plan.event(release).site, "released here")
                 .help("capture it again first; a name may be taken many times");
+            return Some(finding);
         }
-        let later = self
-            .plan
-            .events
-            .iter()
-            .find(|event| event.role == role && matches!(event.deed, Deed::Capture { .. }));
-        if let Some(later) = later {
-            return finding
-                .label(later.site, "captured here")
+        if let Some(&capture) = self.first_captures().get(&role) {
+            let finding = finding
+                .label(self.plan.event(capture).site, "captured here")
                 .help("a block can act in the phase that captures it, or later");
+            return Some(finding);
+        }
+        finding.code = Code::UnknownName;
+        if let Some(finding) = self.around(role, site) {
+            return Some(finding);
         }
         let name = self.plan.roles.name(role, self.symbols);
-        finding.code = Code::UnknownName;
         finding.title = format!("no block is called `{name}`");
-        let captured = (self.plan.events.iter())
-            .filter(|event| matches!(event.deed, Deed::Capture { .. }))
-            .map(|event| event.role);
-        let known = (self.plan.seeds.iter().map(|seed| seed.role))
-            .chain(captured)
-            .take(2_000)
-            .map(|role| self.plan.roles.name(role, self.symbols));
+        // What it was meant to be takes long to find out.
+        if is_repeated(self.findings, &finding) {
+            return None;
+        }
+        let key = self.plan.roles.key(role);
+        let roles = &self.plan.roles;
+        if let Some(members) = members(key, self.blocks(), roles, self.symbols) {
+            return Some(finding.help(members.told("block")));
+        }
+        let known = self.blocks().take(2_000);
+        let known = known.map(|key| roles.name_of(key, self.symbols));
         let written = named(self.sources, site, &name);
         finding = finding.suggest(site, nearest(&name, known), || {
             "seat it on the plate, or capture it first".to_owned()
@@ -478,6 +520,52 @@ impl Checker<'_> {
             fix.edits.iter_mut().for_each(|edit| edit.site = site);
             fix
         });
-        finding
+        Some(finding)
+    }
+
+    /// The names of all seeds and of all blocks that are ever captured.
+    fn blocks(&self) -> impl Iterator<Item = Key> {
+        let captured = (self.plan.events.iter())
+            .filter(|event| matches!(event.deed, Deed::Capture { .. }))
+            .map(|event| event.role);
+        let seeds = self.plan.seeds.iter().map(|seed| seed.role);
+        (seeds.chain(captured)).map(|role| self.plan.roles.key(role))
+    }
+
+    /// That a pattern does not see a block that is known around it.
+    fn around(&mut self, role: RoleId, site: Site) -> Option<Finding> {
+        let key = self.plan.roles.key(role);
+        let grown = self.grown(key.scope)?;
+        // Elsewhere the name is written with that of the instance before it.
+        let word = self.symbols.word(key.word);
+        let behind = self.sources.text(site).strip_prefix(word)?;
+        if behind.starts_with(|c: char| c.is_ascii_alphanumeric() || c == '_') {
+            return None;
+        }
+        let (roles, seeds) = (&self.plan.roles, self.plan.seeds.len());
+        let outer = std::iter::successors(roles.outer(key.scope), |&scope| roles.outer(scope));
+        let candidates: Vec<(u32, RoleId)> = outer
+            .filter_map(|scope| Some((scope, roles.get(&key.within(scope))?)))
+            .collect();
+        let is_seed = |role: RoleId| (role.0 as usize) < seeds;
+        let captures = self.first_captures();
+        let is_block = |role: RoleId| is_seed(role) || captures.contains_key(&role);
+        let (scope, known) = candidates.into_iter().find(|&(_, role)| is_block(role))?;
+        let there = match self.first_captures().get(&known) {
+            Some(&capture) => (self.plan.event(capture).site, "captured here"),
+            None => (self.plan.seeds[known.0 as usize].site, "seated here"),
+        };
+        let whose = match self.grown(scope) {
+            Some(outer) => format!("of the pattern `{}`", self.symbols.word(outer.pattern)),
+            None => "of the assembly".to_owned(),
+        };
+        let block = self.plan.roles.name_of(key.within(0), self.symbols);
+        let pattern = self.symbols.word(grown.pattern);
+        let title = format!("the pattern `{pattern}` does not see the block `{block}` {whose}");
+        let finding = Finding::new(Code::UnknownName, title)
+            .label(site, "not known inside of the pattern")
+            .label(there.0, there.1)
+            .help(hand_in(self.sources, &grown, word, &block));
+        Some(finding)
     }
 }

@@ -4,7 +4,7 @@ use stochc_grammar::Symbols;
 use stochc_grammar::tree::{Assembly, ItemKind, Tree};
 
 use crate::expand::{Declarations, Limits, duplicate, expand, expand_aggregate};
-use crate::finding::{Code, Finding, tell};
+use crate::finding::{Code, Finding, fold, tell};
 use crate::graph::{self, DependencyGraph};
 use crate::layout::Layout;
 use crate::levels::{Allowed, FileLevels, Levels};
@@ -17,7 +17,7 @@ use crate::scenes::Scenes;
 use crate::table::Tables;
 use crate::{
     FileId, Site, Sources, exposed, inventory, layout, lower, presence, reach, shape, trial,
-    turns,
+    turns, unused,
 };
 
 /// Everything that is known of a file after looking at all of it.
@@ -162,20 +162,19 @@ fn check_all(
         changes,
     };
     let mut programs = programs(&mut loaded, &about, &mut findings, done);
+    if !findings.iter().any(Finding::is_error) {
+        unused::check(&loaded.modules, &sources, &loaded.symbols, &mut findings);
+    }
     doubt_fixes(&mut findings, syntax);
     let tree = loaded
         .modules
         .pop()
         .map(|module| module.tree)
         .unwrap_or_default();
-    let place = |finding: &Finding| {
-        let first = finding.labels.first().map(|label| label.site);
-        first.map(|site| (site.file, site.span.start))
-    };
-    findings.sort_by_key(place);
-    findings.dedup();
+    findings.sort_by_key(Finding::place);
+    let findings = fold(findings);
     let (mut findings, allowed) = file_levels.judge(findings, levels, &sources);
-    findings.sort_by_key(place);
+    findings.sort_by_key(Finding::place);
     // A denied warning has come too late to keep a program from being lowered.
     if findings.iter().any(Finding::is_denied) {
         programs
@@ -400,7 +399,6 @@ impl<'a> Input<'a> {
             &mut errors,
         );
         done(Stage::Expand);
-        let incomplete = errors.iter().any(Finding::is_error);
         // What follows from a program that was not written out to its end would only confuse.
         let cut_short = errors.iter().any(|finding| {
             matches!(
@@ -424,8 +422,9 @@ impl<'a> Input<'a> {
         done(Stage::Graph);
         let order = order::sort(&plan, &graph, symbols, &mut later);
         done(Stage::Order);
-        // A seed or a phase may only seem to be without use where statements have been left out.
-        if incomplete || !self.readable {
+        // A seed, an `after` or a phase may only seem to be without use where statements have been
+        // left out.
+        if !self.readable || errors.iter().any(Finding::is_error) {
             errors.retain(Finding::is_error);
         }
         let plate_in_doubt = (symbols.get("plate")).is_some_and(|word| doubtful.contains(&word));

@@ -45,6 +45,11 @@ pub fn nearest<S: AsRef<str>>(
         if !near || word.as_ref() == unknown {
             continue;
         }
+        // Two names of one letter have nothing in common, whatever their indices are.
+        let stems = (stem(unknown), stem(word.as_ref()));
+        if stems.0.len() == 1 && stems.1.len() == 1 && !stems.0.eq_ignore_ascii_case(stems.1) {
+            continue;
+        }
         let distance = strsim::damerau_levenshtein(unknown, word.as_ref());
         match &best {
             Some((_, chosen)) if chosen.as_ref() == word.as_ref() => {}
@@ -61,13 +66,21 @@ pub fn nearest<S: AsRef<str>>(
     let word = word.as_ref();
     let letters = |word: &str| word.chars().count();
     let longest = letters(unknown).max(letters(word));
-    // Two names of one letter have nothing in common.
     let near =
         distance <= longest.div_ceil(3) && distance < longest || unknown.eq_ignore_ascii_case(word);
     near.then(|| Suggestion {
         clear: count < MOST && is_slip(unknown, word, distance, second),
         word: word.to_owned(),
     })
+}
+
+/// A name without its indices and the instances around it.
+fn stem(word: &str) -> &str {
+    let bare = word.split('[').next().unwrap_or(word);
+    match word.contains('.') {
+        true => word.rsplit('.').next().map_or(bare, stem),
+        false => bare,
+    }
 }
 
 /// Whether a word is another one with a slip, where the next word is `second` letters away.
@@ -98,6 +111,9 @@ mod tests {
         assert_eq!(help("T[3]", &known), meant("T[2]"));
         assert_eq!(help("platform", &known), None);
         assert_eq!(help("M", &["X"]), None);
+        assert_eq!(help("Q[1]", &["M[1]"]), None);
+        assert_eq!(help("a[1].T", &["a[1].M", "M"]), None);
+        assert_eq!(help("a.t[1]", &["a.T[1]"]), meant("a.T[1]"));
         assert_eq!(help("m", &["M"]), meant("M"));
     }
 

@@ -18,7 +18,7 @@ use super::simulate::{Draft, Ready, settings};
 use super::terminal::{has_colour, message_width, usage, warn};
 use crate::cli::Exit;
 use crate::ensemble::{Folder, Manifest};
-use crate::findings::{Format, show};
+use crate::findings::drawn;
 use crate::recording::{EVERY, Header, Recorder, Recording, RecordingError, path};
 
 /// Which run.
@@ -107,7 +107,7 @@ fn compile(manifest: &Manifest, program: usize) -> Result<(Ready, Value), Exit> 
     let (_, checked) = entry.recompile(&Levels::default());
     if checked.has_errors() {
         let (colour, width) = (has_colour(), message_width());
-        warn(&show(&checked, Format::Graphical, colour, width));
+        warn(&drawn(&checked, colour, width));
         return Err(verdict(&checked));
     }
     let changed = || {

@@ -9,9 +9,10 @@ use stochc_compiler::{Checked, Program, Symbols};
 
 use super::check::verdict;
 use super::levels::LevelOptions;
-use super::terminal::{has_colour, message_width, print, warn};
+use super::terminal::{has_colour, message_width, print, usage, warn};
 use crate::cli::Exit;
-use crate::findings;
+use crate::files::programs::refusal;
+use crate::findings::drawn;
 
 /// What `compile` is given.
 #[derive(Debug, Args)]
@@ -70,13 +71,11 @@ pub fn run(options: &Options) -> Exit {
         ));
         return Exit::Usage;
     }
+    if let Some(reason) = refusal(&options.file) {
+        return usage(&reason);
+    }
     let checked = crate::check_with(&options.file, &options.levels.levels);
-    warn(&findings::show(
-        &checked,
-        findings::Format::Graphical,
-        has_colour(),
-        message_width(),
-    ));
+    warn(&drawn(&checked, has_colour(), message_width()));
     if checked.has_errors() {
         return verdict(&checked);
     }

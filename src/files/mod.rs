@@ -1,6 +1,7 @@
 //! Reading programs from the disk, and writing whole files.
 pub mod atomic;
 pub(crate) mod csv;
+pub mod programs;
 
 use std::io::{self, Read as _};
 use std::path::Path;

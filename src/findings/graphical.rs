@@ -1,6 +1,6 @@
 //! Findings drawn over the text.
-use stochc_compiler::Checked;
-use stochc_compiler::finding::Renderer;
+use stochc_compiler::finding::{Edit, Renderer, Severity};
+use stochc_compiler::{Checked, FileId};
 
 /// Findings that are drawn at most; the rest are counted.
 const MOST_DRAWN: usize = 50;
@@ -14,9 +14,63 @@ pub fn show(checked: &Checked, colour: bool, width: usize) -> String {
     }
     let rest = checked.findings.len().saturating_sub(MOST_DRAWN);
     if rest > 0 {
+        let findings = count(rest, "more finding");
+        let file = &checked.sources.file(FileId(0)).name;
         out.push_str(&format!(
-            "{rest} more findings; `--format short` shows all of them\n\n"
+            "{findings} in {file}; `--format short` shows all of them\n\n"
         ));
     }
     out
+}
+
+/// How many findings there are, for a last line.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Tally {
+    errors: usize,
+    warnings: usize,
+    fixable: usize,
+}
+
+impl Tally {
+    /// Counts those of a file, too.
+    pub fn add(&mut self, checked: &Checked) {
+        for finding in &checked.findings {
+            match finding.severity {
+                Severity::Error => self.errors += 1,
+                Severity::Warning => self.warnings += 1,
+            }
+            // What another file needs is done there.
+            let is_own = |edit: &Edit| edit.site.file == FileId(0);
+            let fix = finding.fix.as_ref();
+            let is_fixable = fix.is_some_and(|fix| fix.safe && fix.edits.iter().all(is_own));
+            self.fixable += usize::from(is_fixable);
+        }
+    }
+
+    /// ``2 errors, 1 warning; `stochc check --fix` can mend 1 of them``; empty if there is nothing to
+    /// count.
+    pub fn line(&self) -> String {
+        let parts = [(self.errors, "error"), (self.warnings, "warning")];
+        let told: Vec<String> = (parts.into_iter())
+            .filter(|&(number, _)| number > 0)
+            .map(|(number, noun)| count(number, noun))
+            .collect();
+        let all = self.errors + self.warnings;
+        let fixable = match self.fixable {
+            0 => String::new(),
+            _ if all == 1 => "; `stochc check --fix` can mend it".to_owned(),
+            some if some == all => "; `stochc check --fix` can mend them all".to_owned(),
+            some => format!("; `stochc check --fix` can mend {some} of them"),
+        };
+        match told.is_empty() {
+            true => String::new(),
+            false => format!("{}{fixable}\n", told.join(", ")),
+        }
+    }
+}
+
+/// `1 error`, `2 errors`.
+pub fn count(number: usize, noun: &str) -> String {
+    let plural = if number == 1 { "" } else { "s" };
+    format!("{number} {noun}{plural}")
 }

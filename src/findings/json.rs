@@ -11,8 +11,8 @@ pub fn document(findings: Vec<Value>) -> String {
 }
 
 /// The findings of a file as JSON, each as
-/// `{ code, severity, title, help, labels: [{ file, start, end, text }], fix }`; `start` and `end`
-/// have `offset` in bytes from 0, `line` and `column` from 1, the column in characters. `fix` is
+/// `{ code, severity, title, count, help, labels: [{ file, start, end, text }], fix }`; `count` is more
+/// than 1 where one statement has been found wrong so many times, as in a loop. `start` and `end` have `offset` in bytes from 0, `line` and `column` from 1, the column in characters. `fix` is
 /// `null` or `{ title, safe, edits: [{ file, start, end, text }] }`, where `text` takes the place
 /// of what stands from `start` to `end`.
 pub fn values(checked: &Checked) -> impl Iterator<Item = Value> {
@@ -26,7 +26,8 @@ fn value(finding: &Finding, sources: &Sources) -> Value {
     json!({
         "code": finding.code,
         "severity": finding.severity,
-        "title": finding.title,
+        "title": finding.message(),
+        "count": finding.others.count + 1,
         "help": finding.help,
         "labels": labels,
         "fix": finding.fix.as_ref().map(|fix| change(fix, sources)),

@@ -7,6 +7,7 @@ mod short;
 use clap::ValueEnum;
 use stochc_compiler::{Checked, Site, Sources};
 
+pub use graphical::{Tally, count};
 pub use json::values;
 pub use sarif::Log;
 
@@ -35,6 +36,13 @@ pub fn show(checked: &Checked, format: Format, colour: bool, width: usize) -> St
             log.document()
         }
     }
+}
+
+/// The findings of one file over its text, with how many they are.
+pub fn drawn(checked: &Checked, colour: bool, width: usize) -> String {
+    let mut tally = Tally::default();
+    tally.add(checked);
+    graphical::show(checked, colour, width) + &tally.line()
 }
 
 /// The findings of several files as one JSON document.

@@ -82,7 +82,7 @@ impl Log {
 
     /// 3.27
     fn result(&self, path: &str, finding: &Finding, sources: &Sources) -> Map<String, Value> {
-        let mut text = finding.title.clone();
+        let mut text = finding.message();
         if let Some(help) = &finding.help {
             text.push_str("\nhelp: ");
             text.push_str(help);

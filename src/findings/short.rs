@@ -20,6 +20,6 @@ fn line(finding: &Finding, sources: &Sources) -> String {
         let (line, column) = position(sources, label.site, label.site.span.start);
         format!("{}:{line}:{column}: ", sources.file(label.site.file).name)
     });
-    let title = visible(&finding.title);
+    let title = visible(&finding.message());
     format!("{place}{severity}[{}]: {title}\n", finding.code)
 }

@@ -2,7 +2,8 @@
 use std::collections::BTreeMap;
 
 use gen_lsp_types::{
-    Code, Diagnostic, DiagnosticRelatedInformation, DiagnosticSeverity, Message, Range,
+    Code, Diagnostic, DiagnosticRelatedInformation, DiagnosticSeverity, DiagnosticTag, Message,
+    Range,
 };
 use stochc_compiler::finding::{Finding, Severity, visible};
 
@@ -26,7 +27,7 @@ pub fn of(
 
 /// A finding.
 pub fn diagnostic(finding: &Finding, analysis: &Analysis, documents: &Documents) -> Diagnostic {
-    let mut message = visible(&finding.title).to_string();
+    let mut message = visible(&finding.message()).to_string();
     let mut labels = finding.labels.iter();
     let first = labels.next();
     if let Some(label) = first {
@@ -50,6 +51,7 @@ pub fn diagnostic(finding: &Finding, analysis: &Analysis, documents: &Documents)
         code: Some(Code::String(finding.code.name().to_owned())),
         source: Some("stochc".to_owned()),
         message: Message::String(message),
+        tags: (finding.code.is_unnecessary()).then(|| vec![DiagnosticTag::Unnecessary]),
         related_information: (!related.is_empty()).then_some(related),
         ..Diagnostic::default()
     }

@@ -1,4 +1,4 @@
-use crate::stochc::{stochc, stochc_with};
+use crate::stochc::{path, stochc, stochc_reading, stochc_with};
 
 const TOWER: &str = "\
 tests/fixtures/tower.sa: assembly tower in hemisphere: 2 phases, 3 captures, 0 releases; all is well
@@ -32,9 +32,10 @@ fn a_file_without_an_assembly_is_right() {
 fn findings_are_drawn_on_standard_error() {
     let said = stochc("check tests/fixtures/wrong.sa");
     assert_eq!((said.status, said.out.as_str()), (1, ""));
-    for part in ["unknown-name", "unused-seed", "wrong.sa:5:", "│", "help:"] {
+    for part in ["unknown-name", "wrong.sa:5:", "│", "help:"] {
         assert!(said.err.contains(part), "{part} in {}", said.err);
     }
+    assert!(said.err.ends_with("\n1 error\n"), "{}", said.err);
 }
 
 #[test]
@@ -49,20 +50,127 @@ fn a_warning_is_no_error() {
 fn files_that_cannot_be_read_are_another_status() {
     let folder = tempfile::tempdir().unwrap();
     let missing = crate::stochc::path(folder.path(), "missing.sa");
-    for (file, reason) in [
-        (missing.as_str(), "No such file"),
-        ("tests/fixtures", "folder"),
-    ] {
-        for command in ["check", "compile", "simulate"] {
-            let said = stochc_with(command, &[file]);
-            assert_eq!(
-                (said.status, said.out.as_str()),
-                (2, ""),
-                "{command} {file}"
-            );
-            assert!(said.err.contains(&format!("cannot read `{file}`")));
-            assert!(said.err.contains(reason), "{}", said.err);
+    for command in ["check", "compile", "simulate"] {
+        let said = stochc_with(command, &[&missing]);
+        assert_eq!((said.status, said.out.as_str()), (2, ""), "{command}");
+        assert!(said.err.contains(&format!("cannot read `{missing}`")));
+        assert!(said.err.contains("No such file"), "{}", said.err);
+    }
+}
+
+#[test]
+fn folders_and_the_standard_input_are_for_check_and_fmt() {
+    for command in ["compile", "simulate", "trade --out none"] {
+        for (argument, what) in [("tests/fixtures", "a folder"), ("-", "the standard input")] {
+            let said = stochc_with(command, &[argument]);
+            assert_eq!((said.status, said.out.as_str()), (2, ""), "{command}");
+            let told = format!("error: `{argument}` is {what}: name the file of a program;");
+            assert!(said.err.starts_with(&told), "{}", said.err);
         }
+    }
+}
+
+#[test]
+fn a_folder_is_the_programs_in_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let inner = folder.path().join("deep");
+    std::fs::create_dir_all(inner.join(".hidden")).unwrap();
+    let careless = std::fs::read("tests/fixtures/careless.sa").unwrap();
+    for file in ["a.sa", "deep/b.sa", "deep/c.txt", "deep/.hidden/d.sa"] {
+        std::fs::write(folder.path().join(file), &careless).unwrap();
+    }
+    let own = folder.path().to_str().unwrap();
+    let lines = |said: &str| -> Vec<String> {
+        let files = said
+            .lines()
+            .map(|line| line.split(':').next().unwrap_or_default());
+        files.map(|file| file.replace(own, "")).collect()
+    };
+    let said = stochc_with("check --format short", &[own]);
+    assert_eq!((said.status, said.err.as_str()), (0, ""));
+    assert_eq!(lines(&said.out), ["/a.sa", "/deep/b.sa"]);
+    // Each program is checked once.
+    let said = stochc_with("check --format short", &[own, &path(&inner, "b.sa"), own]);
+    assert_eq!(lines(&said.out), ["/a.sa", "/deep/b.sa"]);
+    let said = stochc_with("check", &[own]);
+    assert!(
+        said.err
+            .ends_with("\n2 warnings; `stochc check --fix` can mend them all\n"),
+        "{}",
+        said.err
+    );
+    // Files of a folder are mended one by one.
+    let said = stochc_with("check --fix", &[own]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    assert_eq!(stochc_with("check --deny warnings", &[own]).status, 0);
+
+    let empty = tempfile::tempdir().unwrap();
+    let said = stochc_with(
+        "check",
+        &[empty.path().to_str().unwrap(), "tests/fixtures/tower.sa"],
+    );
+    assert_eq!((said.status, said.out.as_str()), (2, TOWER));
+    assert!(
+        said.err.contains("holds no program (`*.sa`)"),
+        "{}",
+        said.err
+    );
+}
+
+#[test]
+fn the_standard_input_is_a_program() {
+    let wrong = "assembly a {\n    seed plate 2 x 1 { M at (0, 0)  N at (1, 0) }\n    phaze p { M.up -> A }\n}\n";
+    let right =
+        "assembly a {\n    seed plate 2 x 1 { M at (0, 0) }\n    phase p { M.up -> A }\n}\n";
+    let said = stochc_reading("check --format short -", wrong);
+    assert_eq!(said.status, 1);
+    assert!(
+        said.out.starts_with("<stdin>:3:11: error[syntax]: "),
+        "{}",
+        said.out
+    );
+    // With `--fix` it goes through, and what is said of it goes elsewhere.
+    let said = stochc_reading("check --fix -", wrong);
+    assert_eq!((said.status, said.out.as_str()), (0, right));
+    assert!(
+        said.err.starts_with("<stdin>: 2 changes made\n"),
+        "{}",
+        said.err
+    );
+    assert!(
+        said.err.contains("1 capture, 0 releases; all is well"),
+        "{}",
+        said.err
+    );
+    let said = stochc_reading("check --fix -", right);
+    assert_eq!((said.status, said.out.as_str()), (0, right));
+    let said = stochc_reading("check --fix --dry-run -", wrong);
+    assert_eq!(said.status, 1);
+    assert!(said.out.contains("-    phaze p"), "{}", said.out);
+    let said = stochc_reading("check --fix --format json -", wrong);
+    assert_eq!((said.status, said.out.as_str()), (2, ""));
+    assert!(
+        said.err.contains("leave one of the two out"),
+        "{}",
+        said.err
+    );
+    // Imports are those of the folder in which the command runs.
+    let said = stochc_reading("check -", "import \"tests/fixtures/importing_tower.sa\"\n");
+    assert_eq!((said.status, said.err.as_str()), (0, ""));
+}
+
+#[test]
+fn the_last_line_counts_the_findings_of_all_files() {
+    let said = stochc("check tests/fixtures/wrong.sa tests/fixtures/careless.sa");
+    assert!(
+        said.err
+            .ends_with("\n1 error, 1 warning; `stochc check --fix` can mend 1 of them\n"),
+        "{}",
+        said.err
+    );
+    for command in ["compile", "simulate"] {
+        let said = stochc(&format!("{command} tests/fixtures/wrong.sa"));
+        assert!(said.err.ends_with("\n1 error\n"), "{}", said.err);
     }
 }
 
@@ -110,7 +218,6 @@ fn short_findings_are_one_to_a_line() {
     let said = stochc("check --format short tests/fixtures/wrong.sa tests/fixtures/tower.sa");
     assert_eq!((said.status, said.err.as_str()), (1, ""));
     let lines = "\
-tests/fixtures/wrong.sa:4:24: warning[unused-seed]: the seed `M` is never used
 tests/fixtures/wrong.sa:5:18: error[unknown-name]: no block is called `Q`
 ";
     assert_eq!(said.out, lines);
@@ -138,7 +245,6 @@ fn sarif_of_all_files_is_one_run() {
     assert_eq!(
         told,
         [
-            ("tests/fixtures/wrong.sa", 4, "unused-seed", "warning"),
             ("tests/fixtures/wrong.sa", 5, "unknown-name", "error"),
             ("tests/fixtures/careless.sa", 4, "unused-seed", "warning"),
         ]
@@ -176,13 +282,12 @@ fn json_of_all_files_is_one_document_with_lines_and_columns() {
     assert_eq!(
         told,
         [
-            finding("wrong", "unused-seed", (4, 24), (4, 25)),
             finding("wrong", "unknown-name", (5, 18), (5, 27)),
             finding("careless", "unused-seed", (4, 37), (4, 38)),
         ]
     );
-    assert_eq!(findings[1]["severity"], "error");
-    let label = &findings[1]["labels"][0];
+    assert_eq!(findings[0]["severity"], "error");
+    let label = &findings[0]["labels"][0];
     let text = std::fs::read("tests/fixtures/wrong.sa").unwrap();
     let offset = |end: &str| label[end]["offset"].as_u64().unwrap() as usize;
     assert_eq!(&text[offset("start")..offset("end")], b"Q.up -> A");

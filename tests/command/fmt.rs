@@ -1,7 +1,4 @@
-use std::io::Write as _;
-use std::process::Stdio;
-
-use crate::stochc::{command, path, said, stochc, stochc_with};
+use crate::stochc::{command, path, said, stochc, stochc_reading, stochc_with};
 
 const CARELESS: &str = "assembly a{seed plate 1 x 1{M at(0,0)}// plate\nphase p{M.up->A}}";
 const LAID_OUT: &str = "\
@@ -88,17 +85,7 @@ fn permissions_and_links_stay() {
 
 #[test]
 fn the_standard_input_goes_to_the_standard_output() {
-    let mut child = command(["fmt", "-"]);
-    child.stdin(Stdio::piped()).stdout(Stdio::piped());
-    let mut child = child.spawn().unwrap();
-    child
-        .stdin
-        .take()
-        .unwrap()
-        .write_all(CARELESS.as_bytes())
-        .unwrap();
-    let output = child.wait_with_output().unwrap();
-    assert_eq!(String::from_utf8(output.stdout).unwrap(), LAID_OUT);
+    assert_eq!(stochc_reading("fmt -", CARELESS).out, LAID_OUT);
     assert_eq!(said(&mut command(["fmt", "-"])).out, "");
 }
 

@@ -1,6 +1,7 @@
 //! The command and what came of it.
+use std::io::Write as _;
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::{Command, Output, Stdio};
 
 /// What a command has said.
 pub struct Said {
@@ -30,9 +31,25 @@ pub fn stochc(line: &str) -> Said {
     stochc_with(line, &[])
 }
 
+/// Does the command with the words of `line`, and gives it a text to read.
+pub fn stochc_reading(line: &str, text: &str) -> Said {
+    let mut command = command(line.split_whitespace());
+    command.stdin(Stdio::piped());
+    command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().unwrap();
+    let mut input = child.stdin.take().unwrap();
+    // A command that reads nothing has gone away.
+    let _ = input.write_all(text.as_bytes());
+    drop(input);
+    of(child.wait_with_output().unwrap())
+}
+
 /// Does a command.
 pub fn said(command: &mut Command) -> Said {
-    let output = command.output().unwrap();
+    of(command.output().unwrap())
+}
+
+fn of(output: Output) -> Said {
     Said {
         status: output.status.code().unwrap(),
         out: String::from_utf8(output.stdout).unwrap(),

@@ -358,3 +358,29 @@ fn a_slip_is_mended_by_a_change() {
     );
     assert_eq!(answer["result"], json!([]));
 }
+
+#[test]
+fn what_nobody_uses_is_marked_as_unnecessary() {
+    let text = "let n = 1\nassembly a {\n    seed plate 2 x 1 { M at (0, 0)  N at (1, 0) }\n    \
+                phase p { M.up -> A }\n    phase q { M.up -> B }\n}\n";
+    let mut client = Client::new(&["utf-16"]);
+    client.open(URI, text);
+    let tags = |found: &[Value]| -> Vec<(String, Value)> {
+        let tag = |it: &Value| (it["code"].as_str().unwrap().to_owned(), it["tags"].clone());
+        found.iter().map(tag).collect()
+    };
+    let found = tags(&client.diagnostics(URI));
+    let unnecessary = || json!([1]);
+    // The cell that is taken is no use of a number, but until it is mended nothing is said of it.
+    assert_eq!(
+        found,
+        [
+            ("unused-seed".to_owned(), unnecessary()),
+            ("occupied-cell".to_owned(), Value::Null),
+        ]
+    );
+    let mut client = Client::new(&["utf-16"]);
+    client.open(URI, &text.replace("M.up -> B", "N.up -> B"));
+    let found = tags(&client.diagnostics(URI));
+    assert_eq!(found, [("unused-let".to_owned(), unnecessary())]);
+}

@@ -3,8 +3,8 @@ use stochc_grammar::tree::{Expr, ExprKind, Operator};
 
 use super::Expander;
 use super::scope::Value;
+use super::uses::Kind;
 use crate::finding::{Code, Finding};
-use crate::suggest::nearest;
 
 impl Expander<'_, '_> {
     /// The value of an expression; what it cannot work out it tells of.
@@ -14,26 +14,12 @@ impl Expander<'_, '_> {
             ExprKind::Name(word) => match self.scope.get(*word) {
                 Some(Value::Number(value)) => Some(value),
                 Some(Value::Unknown) => None,
-                Some(Value::Block(_) | Value::Face(_)) => {
-                    let name = self.symbols.word(*word);
-                    let finding =
-                        Finding::new(Code::WrongKind, format!("`{name}` is not a number"))
-                            .label(self.site(expr.span), "a number is needed here")
-                            .help("this parameter stands for a block or a face");
-                    self.findings.push(self.in_instance(finding));
-                    self.scope.forget(*word);
+                Some(value @ (Value::Block(_) | Value::Face(_))) => {
+                    self.wrong_kind(*word, value, Kind::Number, expr.span);
                     None
                 }
                 None => {
-                    let name = self.symbols.word(*word);
-                    let known = self.scope.words().map(|word| self.symbols.word(word));
-                    let finding =
-                        Finding::new(Code::UnknownName, format!("no number is called `{name}`"))
-                            .label(self.site(expr.span), "not known here")
-                            .suggest(self.site(expr.span), nearest(name, known), || {
-                                format!("define it: `let {name} = 3`")
-                            });
-                    self.findings.push(finding);
+                    self.unknown_number(*word, expr.span);
                     None
                 }
             },

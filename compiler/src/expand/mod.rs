@@ -1,11 +1,14 @@
 //! Patterns, loops and arithmetic written out.
 mod aggregate;
+mod arguments;
 mod arithmetic;
 mod place;
 mod probe;
 mod scope;
 mod seeds;
 mod statement;
+mod unknown;
+mod uses;
 
 use rustc_hash::FxHashMap;
 use stochc_grammar::tree::{
@@ -135,6 +138,13 @@ struct Expander<'a, 'f> {
     patterns: FxHashMap<Symbol, (FileId, &'a Pattern)>,
     shapes: FxHashMap<Symbol, (FileId, &'a Shape)>,
     scope: Scope,
+    /// What the patterns use their parameters as.
+    known: uses::Known,
+    /// The numbers that the files declare.
+    lets: Vec<(FileId, &'a Item)>,
+    /// The blocks around the statement at hand, of the assembly and of the pattern that grows; the
+    /// outermost first.
+    blocks: Vec<&'a [Item]>,
     /// The file that the statement at hand stands in.
     file: FileId,
     /// The patterns that are being written out, the innermost last.
@@ -182,10 +192,14 @@ impl<'a, 'f> Expander<'a, 'f> {
                 events: Vec::new(),
                 afters: Vec::new(),
                 aggregate: None,
+                grown: Vec::new(),
             },
             patterns: declarations.patterns.clone(),
             shapes: declarations.shapes.clone(),
             scope: Scope::default(),
+            known: uses::Known::default(),
+            lets: declarations.lets.clone(),
+            blocks: Vec::new(),
             file,
             instances: Vec::new(),
             anonymous: 0,
@@ -277,6 +291,7 @@ impl<'a> Expander<'a, '_> {
             return;
         }
         self.nesting += 1;
+        self.blocks.push(items);
         let mark = self.scope.mark();
         for item in items {
             if self.exhausted || !self.step(item.span) {
@@ -285,6 +300,7 @@ impl<'a> Expander<'a, '_> {
             self.item(item);
         }
         self.scope.restore(mark);
+        self.blocks.pop();
         self.nesting -= 1;
     }
 

@@ -5,7 +5,9 @@ use stochc_grammar::tree::{Entry, Place, Segment};
 
 use super::Expander;
 use super::scope::Value;
+use super::uses::Kind;
 use crate::finding::{Code, Finding};
+use crate::members::members;
 use crate::plan::Key;
 use crate::suggest::{Suggestion, nearest};
 use crate::table::RoleId;
@@ -28,10 +30,15 @@ impl Expander<'_, '_> {
         // A parameter may stand for the face: `base.side -> T`.
         if let (None, [_, .., last]) = (face, path)
             && last.index.is_none()
-            && let Some(Value::Face(value)) = self.scope.get(last.name.symbol)
         {
-            face = Some(value);
-            path = &path[..path.len() - 1];
+            match self.scope.get(last.name.symbol) {
+                Some(Value::Face(value)) => {
+                    face = Some(value);
+                    path = &path[..path.len() - 1];
+                }
+                Some(Value::Unknown) => return None,
+                _ => {}
+            }
         }
         let (last, outer) = path.split_last()?;
         let mut scope = self.scope.instance;
@@ -44,8 +51,8 @@ impl Expander<'_, '_> {
             let keys = match value {
                 Value::Block(key) if last.index.is_none() => SmallVec::from_elem(key, 1),
                 Value::Unknown => return None,
-                _ => {
-                    self.not_a_block(last);
+                value => {
+                    self.wrong_kind(last.name.symbol, value, Kind::Block, last.name.span);
                     return None;
                 }
             };
@@ -127,31 +134,48 @@ impl Expander<'_, '_> {
             Finding::new(Code::RangeMisused, "a range of instances")
                 .label(self.site(segment.name.span), "one instance is needed here")
                 .help("go through the instances with a loop")
+        } else if let Some(finding) = self.instance_around(key, segment) {
+            finding
         } else {
-            Finding::new(
-                Code::UnknownName,
-                format!("no instance of a pattern is called `{word}`"),
-            )
-            .label(self.site(segment.name.span), "not known here")
-            .suggest(
-                self.site(segment.name.span),
-                nearest(
-                    word,
-                    self.plan
-                        .roles
-                        .instances(scope)
-                        .map(|known| self.symbols.word(known)),
-                ),
-                || {
-                    format!(
-                        "name the instance where it grows: `tower(A, 2) as {word}`; \
-                         what a pattern builds is known behind that statement"
-                    )
-                },
-            )
+            let name = self.plan.roles.name_of(key, self.symbols);
+            let title = format!("no instance of a pattern is called `{name}`");
+            let finding = Finding::new(Code::UnknownName, title)
+                .label(self.site(segment.name.span), "not known here");
+            let roles = &self.plan.roles;
+            match members(key, roles.instances(scope), roles, self.symbols) {
+                Some(members) => finding.help(members.told("instance")),
+                None => {
+                    let known = roles.instances(scope);
+                    let known = known.map(|known| self.symbols.word(known.word));
+                    let meant = nearest(word, known);
+                    finding.suggest(self.site(segment.name.span), meant, || {
+                        format!(
+                            "name the instance where it grows: `tower(A, 2) as {word}`; \
+                             what a pattern builds is known behind that statement"
+                        )
+                    })
+                }
+            }
         };
         self.findings.push(self.in_instance(finding));
         None
+    }
+
+    /// That a pattern does not see an instance that is known around it.
+    fn instance_around(&self, key: Key, segment: &Segment) -> Option<Finding> {
+        let grown = self.grown().filter(|_| key.scope == self.scope.instance)?;
+        let roles = &self.plan.roles;
+        let mut outer = std::iter::successors(roles.outer(key.scope), |&scope| roles.outer(scope));
+        outer.find(|&scope| roles.scope(&key.within(scope)).is_some())?;
+        let (word, pattern) = (key.word, grown.pattern);
+        let (word, pattern) = (self.symbols.word(word), self.symbols.word(pattern));
+        let title = format!("the pattern `{pattern}` does not see the instance `{word}`");
+        let finding = Finding::new(Code::UnknownName, title).label(
+            self.site(segment.name.span),
+            "not known inside of the pattern",
+        );
+        let help = "give the pattern the block of it that is needed, as an argument";
+        Some(finding.help(help))
     }
 
     /// The names that a segment stands for.
@@ -240,19 +264,10 @@ impl Expander<'_, '_> {
         }
         index
     }
-
-    fn not_a_block(&mut self, segment: &Segment) {
-        let word = self.symbols.word(segment.name.symbol);
-        let finding = Finding::new(Code::WrongKind, format!("`{word}` is not a block here"))
-            .label(self.site(segment.name.span), "stands for something else")
-            .help("blocks, numbers and parameters need different names");
-        self.findings.push(self.in_instance(finding));
-        self.scope.forget(segment.name.symbol);
-    }
 }
 
 /// The face that another word for a side is probably meant to be.
-fn face_meant(word: &str) -> Option<Suggestion> {
+pub(super) fn face_meant(word: &str) -> Option<Suggestion> {
     let (face, clear) = match word {
         "top" | "above" | "upper" => (Face::Up, true),
         "bottom" | "below" | "lower" => (Face::Down, true),

@@ -111,15 +111,26 @@ impl Scope {
 
     /// What a word stands for.
     pub fn get(&self, word: Symbol) -> Option<Value> {
+        self.visible(word).map(|binding| binding.value)
+    }
+
+    fn visible(&self, word: Symbol) -> Option<&Binding> {
         /// The levels of the file and of the assembly.
         const GLOBAL: u32 = 1;
         let bindings = self.words.get(&word)?;
         let visible = |binding: &&Binding| binding.level >= self.floor || binding.level <= GLOBAL;
-        bindings
-            .iter()
-            .rev()
-            .find(visible)
-            .map(|binding| binding.value)
+        bindings.iter().rev().find(visible)
+    }
+
+    /// Where a word has got the value that it has here.
+    pub fn site(&self, word: Symbol) -> Option<Site> {
+        self.visible(word).map(|binding| binding.site)
+    }
+
+    /// Where a word has got a value that an instance does not see.
+    pub fn hidden(&self, word: Symbol) -> Option<Site> {
+        let last = self.words.get(&word)?.last()?;
+        self.visible(word).is_none().then_some(last.site)
     }
 
     /// Every word that stands for a number, for suggestions.

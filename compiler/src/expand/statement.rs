@@ -1,7 +1,5 @@
 //! Captures, releases, loops and instances.
-use stochc_grammar::tree::{
-    Argument, Arrow, Chain, ExprKind, For, Instance, Place, Release, Subject,
-};
+use stochc_grammar::tree::{Arrow, Chain, For, Instance, Place, Release, Subject};
 use stochc_grammar::{Face, Span};
 
 use super::Expander;
@@ -221,7 +219,9 @@ impl<'a> Expander<'a, '_> {
             return;
         }
         let (given, needed) = (instance.arguments.len(), pattern.parameters.len());
-        if given != needed {
+        let values = if given == needed {
+            self.arguments(instance, (file, pattern))
+        } else {
             let parameters = Site {
                 file,
                 span: pattern.name.span,
@@ -238,11 +238,8 @@ impl<'a> Expander<'a, '_> {
                 .label(self.site(span), format!("gives {given}"))
                 .label(parameters, format!("takes {needed}")),
             );
-            return;
-        }
-        let values: Vec<Value> = (instance.arguments.iter())
-            .map(|argument| self.argument(argument))
-            .collect();
+            vec![Value::Unknown; needed]
+        };
         let key = match &instance.alias {
             Some(alias) => self.single_key(alias),
             None => {
@@ -258,8 +255,12 @@ impl<'a> Expander<'a, '_> {
         };
         let Some(key) = key else { return };
         let inside = self.plan.roles.intern_scope(key);
+        let is_doubtful = values.contains(&Value::Unknown);
+        self.note_instance(inside, instance, span, (file, pattern), is_doubtful);
         let mark = self.scope.enter_instance(inside);
         let outer_file = std::mem::replace(&mut self.file, file);
+        // Of what is around it, a pattern sees the numbers of the assembly.
+        let outer_blocks = self.blocks.split_off(1.min(self.blocks.len()));
         self.instances.push((name, site));
         for (parameter, value) in pattern.parameters.iter().zip(values) {
             let site = self.site(parameter.span);
@@ -267,50 +268,10 @@ impl<'a> Expander<'a, '_> {
         }
         self.items(&pattern.body);
         self.instances.pop();
+        self.blocks.truncate(1);
+        self.blocks.extend(outer_blocks);
         self.file = outer_file;
         self.scope.restore(mark);
-    }
-
-    fn argument(&mut self, argument: &'a Argument) -> Value {
-        match argument {
-            Argument::Place(place) => {
-                if let (Some((face, _)), true) = (place.face, place.path.is_empty()) {
-                    return Value::Face(face);
-                }
-                if let Some((_, span)) = place.face {
-                    self.findings.push(
-                        Finding::new(Code::FaceMisused, "an argument is a block or a face")
-                            .label(self.site(span), "this is a block with its face")
-                            .help("give them as two arguments"),
-                    );
-                    return Value::Unknown;
-                }
-                self.single_block(place)
-            }
-            Argument::Expr(expr) => {
-                // A bare name is a number, a face or a block, whichever it stands for.
-                if let ExprKind::Name(word) = expr.kind {
-                    let value = self.scope.get(word).unwrap_or(Value::Block(Key {
-                        scope: self.scope.instance,
-                        word,
-                        arity: 0,
-                        index: [0; Key::MAX_INDICES],
-                    }));
-                    if let Value::Block(key) = value {
-                        self.probe.note_span(self.file, expr.span, &[key]);
-                    }
-                    return value;
-                }
-                self.evaluate(expr).map_or(Value::Unknown, Value::Number)
-            }
-        }
-    }
-
-    fn single_block(&mut self, place: &'a Place) -> Value {
-        let key = self
-            .single(place)
-            .map(|(role, _)| self.plan.roles.key(role));
-        key.map_or(Value::Unknown, Value::Block)
     }
 
     fn recursion(&mut self, depth: usize, site: Site) {

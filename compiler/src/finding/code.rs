@@ -115,6 +115,11 @@ codes! {
     Error WrongDimension "wrong-dimension"
     Error WrongValue "wrong-value"
 
+    Warning UnusedLet "unused-let"
+    Warning UnusedPattern "unused-pattern"
+    Warning UnusedShape "unused-shape"
+    Warning UnusedScene "unused-scene"
+
     Error UnknownCode "unknown-code"
     Error FixedLevel "fixed-level"
     Warning UnusedAllow "unused-allow"
@@ -124,6 +129,21 @@ impl Code {
     /// Whether it is found while a text is read, before anything in it is looked up.
     pub(crate) fn is_of_reading(self) -> bool {
         self <= Code::TooManyErrors
+    }
+
+    /// Whether it is about text that the program would do as well without.
+    pub fn is_unnecessary(self) -> bool {
+        matches!(
+            self,
+            Code::UnusedSeed
+                | Code::RedundantAfter
+                | Code::EmptyPhase
+                | Code::UnusedLet
+                | Code::UnusedPattern
+                | Code::UnusedShape
+                | Code::UnusedScene
+                | Code::UnusedAllow
+        )
     }
 
     /// The name most like one that no code has, if one is near enough.

@@ -32,7 +32,7 @@ impl Renderer {
         let mut out = String::new();
         // Writing to a string cannot fail; a span that cannot be shown leaves the title.
         if self.handler.render_report(&mut out, &picture).is_err() {
-            out = format!("{}: {}\n", finding.code, finding.title);
+            out = format!("{}: {}\n", finding.code, finding.message());
         }
         out
     }
@@ -69,7 +69,7 @@ impl<'a> Picture<'a> {
         Picture {
             code: Some(finding.code.name()),
             severity: finding.severity,
-            title: visible(&finding.title),
+            title: visible(&finding.message()),
             help: advice(finding).as_deref().map(visible),
             excerpt: home.map(|file| Excerpt(sources.file(file))),
             labels: home.map(part).unwrap_or_default(),

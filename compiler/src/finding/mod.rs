@@ -3,6 +3,8 @@ mod change;
 mod code;
 mod fix;
 mod graphical;
+mod hand_in;
+mod repeat;
 mod slips;
 mod syntax;
 
@@ -10,9 +12,11 @@ pub use change::{Change, mended};
 pub use code::{Code, Severity};
 pub(crate) use fix::{LONG, entry, named, removal};
 pub use graphical::{Renderer, is_hostile, visible};
+pub(crate) use hand_in::hand_in;
+pub use repeat::Others;
 
-use crate::Site;
 use crate::suggest::Suggestion;
+use crate::{FileId, Site};
 
 /// One message, with the places it speaks of.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -29,6 +33,8 @@ pub struct Finding {
     pub help: Option<String>,
     /// A change of the text that mends it.
     pub fix: Option<Fix>,
+    /// The same, said of others: of the other rounds of a loop.
+    pub others: Others,
 }
 
 /// A change of the text that mends a finding.
@@ -64,8 +70,12 @@ pub struct Label {
 /// Findings of one assembly that are told, at most.
 pub const MOST_FINDINGS: usize = 1_000;
 
-/// Adds a finding, unless there are so many that nobody would read them.
+/// Adds a finding, unless one like it has been told of the same place, or there are so many that
+/// nobody would read them.
 pub(crate) fn tell(findings: &mut Vec<Finding>, finding: Finding) {
+    if is_repeated(findings, &finding) {
+        return;
+    }
     if findings.len() < MOST_FINDINGS {
         findings.push(finding);
     } else if findings.len() == MOST_FINDINGS {
@@ -78,6 +88,28 @@ pub(crate) fn tell(findings: &mut Vec<Finding>, finding: Finding) {
     }
 }
 
+/// Whether a finding only says of something else what one of `findings` says at the same place,
+/// which has taken it in then.
+pub(crate) fn is_repeated(findings: &mut [Finding], finding: &Finding) -> bool {
+    let mut last_first = findings.iter_mut().rev();
+    last_first.any(|told| told.absorb(finding))
+}
+
+/// Has each of the findings, which are in the order of their places, take in what only repeats it.
+pub(crate) fn fold(findings: Vec<Finding>) -> Vec<Finding> {
+    let mut folded: Vec<Finding> = Vec::new();
+    let mut of_place = 0;
+    for finding in findings {
+        if folded.last().map(Finding::place) != Some(finding.place()) {
+            of_place = folded.len();
+        }
+        if !is_repeated(&mut folded[of_place..], &finding) {
+            folded.push(finding);
+        }
+    }
+    folded
+}
+
 impl Finding {
     /// A finding without labels or help.
     pub fn new(code: Code, title: impl Into<String>) -> Finding {
@@ -88,7 +120,19 @@ impl Finding {
             labels: Vec::new(),
             help: None,
             fix: None,
+            others: Others::default(),
         }
+    }
+
+    /// The file and the byte to look at first; `None` if there is no text to show.
+    pub(crate) fn place(&self) -> Option<(FileId, u32)> {
+        let site = self.labels.first()?.site;
+        Some((site.file, site.span.start))
+    }
+
+    /// What it says, in one line: the title, and for what else it holds.
+    pub fn message(&self) -> String {
+        format!("{}{}", self.title, self.others.text())
     }
 
     /// Adds a place.

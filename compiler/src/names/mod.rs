@@ -7,6 +7,7 @@ mod resolve;
 mod scope;
 
 use stochc_grammar::Symbol;
+use stochc_grammar::tree::Tree;
 
 use crate::{Checked, FileId, Site};
 
@@ -82,7 +83,12 @@ impl Kind {
 impl Names {
     /// Finds out what the names of a program's files refer to.
     pub fn of(checked: &Checked) -> Names {
-        resolve::resolve(checked)
+        Names::of_trees(checked.trees())
+    }
+
+    /// The same, from the trees of the files: imported ones before those that import them.
+    pub(crate) fn of_trees<'a>(trees: impl Iterator<Item = (FileId, &'a Tree)>) -> Names {
+        resolve::resolve(trees)
     }
 
     /// The name at a byte of a file, or the one that ends there.

@@ -1,16 +1,16 @@
 //! Goes through the trees with the rules of scope that the expansion has.
 use rustc_hash::{FxHashMap, FxHashSet};
 use stochc_grammar::tree::{
-    Argument, Entry, Expr, ExprKind, Instance, Item, ItemKind, Name, Pattern, Place, Segment,
+    Argument, Entry, Expr, ExprKind, Instance, Item, ItemKind, Name, Pattern, Place, Segment, Tree,
 };
 use stochc_grammar::{Span, Symbol};
 
 use super::scope::{Bindings, Things};
 use super::{Kind, Names, Thing};
-use crate::{Checked, FileId, Site};
+use crate::{FileId, Site};
 
 /// Resolves every name of a program's files.
-pub fn resolve(checked: &Checked) -> Names {
+pub fn resolve<'a>(trees: impl Iterator<Item = (FileId, &'a Tree)>) -> Names {
     let mut resolver = Resolver {
         things: Things::default(),
         file: FileId(0),
@@ -26,7 +26,7 @@ pub fn resolve(checked: &Checked) -> Names {
         within: Within::File,
         realm: Realm(0),
     };
-    let trees: Vec<_> = checked.trees().collect();
+    let trees: Vec<_> = trees.collect();
     for (file, tree) in &trees {
         resolver.file = *file;
         resolver.declare_file(&tree.items);

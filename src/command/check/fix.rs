@@ -4,16 +4,33 @@ use std::io::IsTerminal as _;
 use stochc_compiler::finding::is_hostile;
 
 use super::super::terminal::{print, warn};
-use super::{Options, count, verdict, worse};
+use super::{Options, verdict, worse};
 use crate::cli::Exit;
-use crate::findings::Format;
+use crate::files::programs::STDIN_NAME;
+use crate::findings::{Format, count};
 use crate::mend::{Mended, mend};
 
 /// Shows what is changed in a file, and changes it; some exit status if that is all there is to do.
-pub fn run(file: &str, options: &Options, exit: &mut Exit) -> Option<Exit> {
+///
+/// The standard input cannot be changed: with its changes, it is the output, and `text`.
+pub fn run(
+    file: &str,
+    options: &Options,
+    exit: &mut Exit,
+    text: &mut Option<Vec<u8>>,
+) -> Option<Exit> {
     // A file that cannot be read is told of by the check.
     let mended = mend(file, &options.levels.levels).ok()?;
     let alone = options.format == Format::Graphical;
+    if file == STDIN_NAME && !options.dry_run {
+        print(&String::from_utf8_lossy(&mended.new));
+        warn(&match mended.changes {
+            0 => String::new(),
+            changes => format!("{file}: {} made\n", count(changes, "change")),
+        });
+        *text = Some(mended.new);
+        return None;
+    }
     let diff = mended.diff();
     // A machine reads nothing but the findings.
     if alone {

@@ -7,19 +7,21 @@ mod scene;
 use clap::Args;
 use stochc_compiler::emit::chain_text;
 use stochc_compiler::order::Order;
-use stochc_compiler::{Checked, Program};
+use stochc_compiler::{Checked, Limits, Program, check_with};
 
 use self::cost::costs;
 use self::scene::scenes;
 use super::levels::LevelOptions;
-use super::terminal::{has_colour, message_width, print, warn};
+use super::terminal::{has_colour, message_width, print, usage, warn};
 use crate::cli::Exit;
-use crate::findings::{Format, Log, json_document, show, values};
+use crate::files;
+use crate::files::programs::{STDIN, programs, read};
+use crate::findings::{Format, Log, Tally, count, json_document, show, values};
 
 /// What `check` is given.
 #[derive(Debug, Args)]
 pub struct Options {
-    /// Programs to check
+    /// Programs to check, or folders with programs (`*.sa`) in them; `-` is the standard input
     #[arg(required = true, value_name = "FILE")]
     files: Vec<String>,
     /// Output format of the findings; all but `graphical` write to standard output
@@ -55,18 +57,36 @@ pub struct Options {
 
 /// Checks each file, and says of the right ones what is known before anything moves.
 pub fn run(options: &Options) -> Exit {
+    let is_written = options.fix && !options.dry_run && options.format != Format::Graphical;
+    if is_written && options.files.iter().any(|file| file == STDIN) {
+        return usage(
+            "`--fix -` writes the program itself to the standard output, where `--format` puts the findings: \
+             leave one of the two out, or add `--dry-run`",
+        );
+    }
     let mut exit = Exit::Success;
     let mut document = Vec::new();
     let mut physics = Vec::new();
     let mut log = Log::new(std::env::current_dir().ok().as_deref());
-    for file in &options.files {
+    let mut tally = Tally::default();
+    for file in programs(&options.files) {
+        let file = match &file {
+            Ok(file) => file,
+            Err(reason) => {
+                exit = worse(exit, usage(reason));
+                continue;
+            }
+        };
+        let mut text = None;
         if options.fix
-            && let Some(ended) = fix::run(file, options, &mut exit)
+            && let Some(ended) = fix::run(file, options, &mut exit, &mut text)
         {
             exit = worse(exit, ended);
             continue;
         }
-        let checked = crate::check_with(file, &options.levels.levels);
+        // What is said of a program does not go where the program itself does.
+        let say = if text.is_some() { warn } else { print };
+        let checked = check(file, text, options);
         let shown = || show(&checked, options.format, has_colour(), message_width());
         match options.format {
             // A machine reads the findings, a person the summary.
@@ -75,8 +95,9 @@ pub fn run(options: &Options) -> Exit {
             Format::Sarif => log.add(file, &checked),
             Format::Graphical => {
                 warn(&shown());
+                tally.add(&checked);
                 if !checked.has_errors() {
-                    print(&summary(file, &checked, options.cost));
+                    say(&summary(file, &checked, options.cost));
                 }
             }
         }
@@ -84,7 +105,7 @@ pub fn run(options: &Options) -> Exit {
         if options.scene && !checked.has_errors() {
             for scene in scenes(file, &checked) {
                 match options.format {
-                    Format::Graphical => print(&scene.text()),
+                    Format::Graphical => say(&scene.text()),
                     Format::Short | Format::Sarif => warn(&scene.text()),
                     Format::Json => physics.push(scene.json()),
                 }
@@ -93,7 +114,7 @@ pub fn run(options: &Options) -> Exit {
         if let Some(states) = options.exhaustive.filter(|_| !checked.has_errors()) {
             let (told, found) = exhaustive::explore(file, &checked, states);
             match options.format {
-                Format::Graphical => print(&told),
+                Format::Graphical => say(&told),
                 Format::Short | Format::Json | Format::Sarif => warn(&told),
             }
             exit = worse(exit, found);
@@ -106,9 +127,21 @@ pub fn run(options: &Options) -> Exit {
         }
         Format::Json => print(&json_document(document)),
         Format::Sarif => print(&log.document()),
-        Format::Graphical | Format::Short => {}
+        Format::Graphical => warn(&tally.line()),
+        Format::Short => {}
     }
     exit
+}
+
+/// Checks a program, which has another text than the one to read if `text` says so.
+fn check(file: &str, text: Option<Vec<u8>>, options: &Options) -> Checked {
+    let mut reader = |asked: &str| match &text {
+        Some(text) if asked == file => Ok(text.clone()),
+        _ if asked == file => read(file),
+        _ => files::read(asked),
+    };
+    let levels = &options.levels.levels;
+    check_with(file, &mut reader, Limits::default(), levels)
 }
 
 /// What the findings of a file mean for the exit status.
@@ -213,9 +246,4 @@ fn describe(program: &Program, checked: &Checked) -> String {
         ));
     }
     out
-}
-
-fn count(n: usize, noun: &str) -> String {
-    let plural = if n == 1 { "" } else { "s" };
-    format!("{n} {noun}{plural}")
 }

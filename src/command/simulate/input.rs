@@ -8,7 +8,8 @@ use super::super::terminal::{has_colour, message_width, warn};
 use super::{Options, Ready, swept, usage};
 use crate::cli::Exit;
 use crate::ensemble::{Manifest, Program, Source};
-use crate::findings::{Format, show};
+use crate::files::programs::refusal;
+use crate::findings::drawn;
 
 /// The setting of a manifest that holds the solver's iterations.
 const SOLVER_ITERATIONS: &str = "solver_iterations";
@@ -31,6 +32,10 @@ pub fn programs(files: &[String], levels: &Levels) -> Result<(Vec<Program>, Vec<
     let mut ready = Vec::new();
     let mut wrong = None;
     for file in files {
+        if let Some(reason) = refusal(file) {
+            wrong = Some(usage(&reason));
+            continue;
+        }
         let checked = crate::check_with(file, levels);
         match accept(file, checked) {
             Ok(programs) => {
@@ -81,12 +86,7 @@ pub fn write_down(settings: &Settings, manifest: &mut Manifest) {
 
 /// The programs of a file in which nothing is wrong.
 fn accept(file: &str, checked: Checked) -> Result<Vec<(Program, Ready)>, Exit> {
-    warn(&show(
-        &checked,
-        Format::Graphical,
-        has_colour(),
-        message_width(),
-    ));
+    warn(&drawn(&checked, has_colour(), message_width()));
     if checked.has_errors() {
         return Err(verdict(&checked));
     }

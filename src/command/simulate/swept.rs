@@ -7,7 +7,7 @@ use super::{Options, Ready, usage};
 use crate::cli::Exit;
 use crate::ensemble::{Finished, Manifest, Program};
 use crate::files::atomic;
-use crate::findings::{Format, show};
+use crate::findings::drawn;
 use crate::sweep::{MOST_POINTS, Sweep, pictures, points as combine};
 
 /// Runs of an ensemble at most.
@@ -78,7 +78,7 @@ fn compile(entry: &Program, options: &Options, is_told: bool) -> Result<Ready, E
         if is_told {
             warn(&format!("error: `{}` cannot be run:\n", entry.name));
             let (colour, width) = (has_colour(), message_width());
-            warn(&show(&checked, Format::Graphical, colour, width));
+            warn(&drawn(&checked, colour, width));
         }
         return Err(verdict(&checked));
     }

@@ -1,0 +1,281 @@
+//! What a pattern is given, held against what it needs.
+use stochc_grammar::Span;
+use stochc_grammar::tree::{Argument, Expr, ExprKind, Instance, Pattern, Place};
+
+use super::Expander;
+use super::place::face_meant;
+use super::scope::Value;
+use super::uses::{Kind, Uses};
+use crate::finding::{Code, Edit, Finding, Fix};
+use crate::plan::{Grown, Key};
+use crate::suggest::nearest;
+use crate::{FileId, Site};
+
+/// An argument of the wrong kind.
+struct Misfit {
+    /// Which.
+    number: usize,
+    /// What it is.
+    given: Kind,
+    /// What it has to be, and where it is used so.
+    needed: (Kind, Site),
+}
+
+impl<'a> Expander<'a, '_> {
+    /// The arguments of an instance; those of the wrong kind are told of and stand for nothing.
+    pub(super) fn arguments(
+        &mut self,
+        instance: &'a Instance,
+        (file, pattern): (FileId, &'a Pattern),
+    ) -> Vec<Value> {
+        let mut values: Vec<Value> = (instance.arguments.iter())
+            .map(|argument| self.argument(argument))
+            .collect();
+        let uses = self.known.uses(file, pattern, &self.patterns);
+        let misfits: Vec<Misfit> = (values.iter().zip(&*uses).enumerate())
+            .filter_map(|(number, (&value, uses))| {
+                let (given, needed) = (Kind::of(value)?, uses.only()?);
+                (given != needed.0).then_some(Misfit {
+                    number,
+                    given,
+                    needed,
+                })
+            })
+            .collect();
+        if misfits.is_empty() {
+            return values;
+        }
+        if let Some(order) = right_order(&misfits, &values, &uses) {
+            let finding = self.wrong_order(instance, pattern, &misfits, &order);
+            self.findings.push(finding);
+        } else {
+            for misfit in &misfits {
+                self.misfit(instance, pattern, misfit, values[misfit.number]);
+            }
+        }
+        for misfit in &misfits {
+            values[misfit.number] = Value::Unknown;
+        }
+        values
+    }
+
+    /// Remembers where an instance comes from.
+    pub(super) fn note_instance(
+        &mut self,
+        scope: u32,
+        instance: &Instance,
+        span: Span,
+        (file, pattern): (FileId, &Pattern),
+        is_doubtful: bool,
+    ) {
+        let grown = &mut self.plan.grown;
+        if let Some(known) = grown.get_mut(scope as usize - 1) {
+            known.is_doubtful |= is_doubtful;
+            return;
+        }
+        let end = (instance.alias.as_ref()).map_or(span.end, |alias| alias.span.start);
+        grown.push(Grown {
+            pattern: pattern.name.symbol,
+            declared: Site {
+                file,
+                span: pattern.name.span,
+            },
+            call: Site {
+                file: self.file,
+                span: Span::new(span.start, end),
+            },
+            is_doubtful,
+        });
+    }
+
+    fn argument(&mut self, argument: &'a Argument) -> Value {
+        match argument {
+            Argument::Place(place) => {
+                if let (Some((face, _)), true) = (place.face, place.path.is_empty()) {
+                    return Value::Face(face);
+                }
+                if let Some((_, span)) = place.face {
+                    self.findings.push(
+                        Finding::new(Code::FaceMisused, "an argument is a block or a face")
+                            .label(self.site(span), "this is a block with its face")
+                            .help("give them as two arguments"),
+                    );
+                    return Value::Unknown;
+                }
+                self.single_block(place)
+            }
+            Argument::Expr(expr) => {
+                // A bare name is a number, a face or a block, whichever it stands for.
+                if let ExprKind::Name(word) = expr.kind {
+                    let value = self.scope.get(word).unwrap_or(Value::Block(Key {
+                        scope: self.scope.instance,
+                        word,
+                        arity: 0,
+                        index: [0; Key::MAX_INDICES],
+                    }));
+                    if let Value::Block(key) = value {
+                        self.probe.note_span(self.file, expr.span, &[key]);
+                    }
+                    return value;
+                }
+                self.evaluate(expr).map_or(Value::Unknown, Value::Number)
+            }
+        }
+    }
+
+    fn single_block(&mut self, place: &'a Place) -> Value {
+        let key = self
+            .single(place)
+            .map(|(role, _)| self.plan.roles.key(role));
+        key.map_or(Value::Unknown, Value::Block)
+    }
+
+    /// Tells of an argument of the wrong kind.
+    fn misfit(
+        &mut self,
+        instance: &'a Instance,
+        pattern: &'a Pattern,
+        misfit: &Misfit,
+        value: Value,
+    ) {
+        let argument = &instance.arguments[misfit.number];
+        let (needed, used) = misfit.needed;
+        let site = self.site(span_of(argument));
+        let name = |symbol| self.symbols.word(symbol);
+        let parameter = pattern.parameters[misfit.number];
+        let label = format!(
+            "`{}` is used as {} here",
+            name(parameter.symbol),
+            needed.noun()
+        );
+        // A bare name that nothing has is only taken for a block because nothing else is known of it.
+        let unknown = match (argument, value) {
+            (Argument::Expr(expr), Value::Block(key))
+                if self.plan.roles.get(&key).is_none() && self.scope.get(key.word).is_none() =>
+            {
+                Some((expr, key.word))
+            }
+            _ => None,
+        };
+        match (needed, unknown) {
+            (Kind::Number, Some((expr, _))) => {
+                let told = self.findings.len();
+                self.evaluate(expr);
+                for finding in &mut self.findings[told..] {
+                    *finding = finding.clone().label(used, label.clone());
+                }
+                return;
+            }
+            (Kind::Face, Some((_, word))) => {
+                let word = name(word);
+                let meant = face_meant(word)
+                    .or_else(|| nearest(word, stochc_grammar::Face::ALL.map(|face| face.word())));
+                if meant.is_some() {
+                    let finding =
+                        Finding::new(Code::UnknownName, format!("no face is called `{word}`"))
+                            .label(site, "not known")
+                            .label(used, label)
+                            .suggest(site, meant, String::new);
+                    self.findings.push(finding);
+                    return;
+                }
+            }
+            _ => {}
+        }
+        let title = format!(
+            "`{}` of `{}` is {}, not {}",
+            name(parameter.symbol),
+            name(pattern.name.symbol),
+            needed.noun(),
+            misfit.given.noun(),
+        );
+        let help = match needed {
+            Kind::Block => "give it the name of a block: a seed, or one that is captured",
+            Kind::Number => "give it a whole number, or the name of a `let`",
+            Kind::Face => "give it one of up, down, north, south, east and west",
+        };
+        let finding = Finding::new(Code::WrongKind, title)
+            .label(site, format!("this is {}", misfit.given.noun()))
+            .label(used, label)
+            .help(help);
+        self.findings.push(self.in_instance(finding));
+    }
+
+    /// Tells of arguments that are right in another order: each place, with the one of the argument
+    /// that belongs there.
+    fn wrong_order(
+        &self,
+        instance: &Instance,
+        pattern: &Pattern,
+        misfits: &[Misfit],
+        order: &[(usize, usize)],
+    ) -> Finding {
+        let word = self.symbols.word(pattern.name.symbol);
+        let site = |number: usize| self.site(span_of(&instance.arguments[number]));
+        let title = match order.len() {
+            2 => format!("two arguments of `{word}` are swapped"),
+            _ => format!("the arguments of `{word}` are in the wrong order"),
+        };
+        let mut finding = Finding::new(Code::WrongKind, title);
+        for misfit in misfits {
+            let parameter = self.symbols.word(pattern.parameters[misfit.number].symbol);
+            let (given, needed) = (misfit.given.noun(), misfit.needed.0.noun());
+            let text = format!("{given}, and `{parameter}` is {needed}");
+            finding = finding.label(site(misfit.number), text);
+        }
+        for misfit in misfits {
+            let text = format!("used as {} here", misfit.needed.0.noun());
+            finding = finding.label(misfit.needed.1, text);
+        }
+        let mut texts: Vec<&str> = (0..instance.arguments.len())
+            .map(|number| self.sources.text(site(number)))
+            .collect();
+        let old = texts.clone();
+        let edits = order.iter().map(|&(number, from)| {
+            texts[number] = old[from];
+            Edit {
+                site: site(number),
+                text: old[from].to_owned(),
+            }
+        });
+        let fix = Fix {
+            title: "put the arguments in order".to_owned(),
+            edits: edits.collect(),
+            // It may be the parameters that are in the wrong order.
+            safe: false,
+        };
+        let help = format!("write `{word}({})`", texts.join(", "));
+        self.in_instance(finding.help(help).fix(fix))
+    }
+}
+
+/// Which argument belongs in which place, if there is one way only to have all of them fit.
+fn right_order(misfits: &[Misfit], values: &[Value], uses: &[Uses]) -> Option<Vec<(usize, usize)>> {
+    if let [only] = misfits {
+        // An argument whose parameter is not used is right anywhere.
+        let mut others = (values.iter().zip(uses).enumerate())
+            .filter(|(_, (value, uses))| Kind::of(**value) == Some(only.needed.0) && !uses.any())
+            .map(|(number, _)| number);
+        let first = others.next()?;
+        let is_only = others.next().is_none();
+        return is_only.then(|| vec![(only.number, first), (first, only.number)]);
+    }
+    let order = misfits.iter().map(|misfit| {
+        let needs_it = |other: &&Misfit| other.needed.0 == misfit.needed.0;
+        let mut fitting = misfits
+            .iter()
+            .filter(|other| other.given == misfit.needed.0);
+        let first = fitting.next()?;
+        let is_only = fitting.next().is_none() && misfits.iter().filter(needs_it).count() == 1;
+        is_only.then_some((misfit.number, first.number))
+    });
+    order.collect()
+}
+
+/// Where an argument stands.
+fn span_of(argument: &Argument) -> Span {
+    match argument {
+        Argument::Place(place) => place.span,
+        Argument::Expr(Expr { span, .. }) => *span,
+    }
+}

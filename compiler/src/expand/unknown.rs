@@ -1,0 +1,104 @@
+//! Names that stand for nothing here, or for something else.
+use stochc_grammar::tree::{Item, ItemKind};
+use stochc_grammar::{Span, Symbol};
+
+use super::Expander;
+use super::scope::Value;
+use super::uses::Kind;
+use crate::Site;
+use crate::finding::{Code, Finding, hand_in};
+use crate::suggest::nearest;
+
+impl Expander<'_, '_> {
+    /// Tells of a name that stands for something else than what is needed.
+    pub(super) fn wrong_kind(&mut self, word: Symbol, value: Value, needed: Kind, span: Span) {
+        let name = self.symbols.word(word);
+        let given = Kind::of(value).map_or("something else", Kind::noun);
+        let (title, label) = match Kind::of(value) == Some(needed) {
+            // The place of a parameter is taken by one block.
+            true => (
+                format!("`{name}` is one block here"),
+                "it has no indices".to_owned(),
+            ),
+            false => (
+                format!("`{name}` is {given} here, not {}", needed.noun()),
+                format!("used as {}", needed.noun()),
+            ),
+        };
+        let mut finding = Finding::new(Code::WrongKind, title)
+            .label(self.site(span), label)
+            .help("blocks, numbers and parameters need different names");
+        if let Some(site) = self.scope.site(word) {
+            finding = finding.label(site, format!("{given} from here on"));
+        }
+        self.findings.push(self.in_instance(finding));
+        self.scope.forget(word);
+    }
+
+    /// Tells of a name that no number has here.
+    pub(super) fn unknown_number(&mut self, word: Symbol, span: Span) {
+        let name = self.symbols.word(word);
+        let site = self.site(span);
+        let finding = if let Some((let_, named)) = self.let_below(word) {
+            let finding = Finding::new(
+                Code::UnknownName,
+                format!("`{name}` is used before its `let`"),
+            );
+            match let_.file == site.file && (let_.span.start..let_.span.end).contains(&span.start) {
+                true => (finding.label(site, "used in its own value"))
+                    .help("give it a value that can be worked out without it"),
+                false => (finding
+                    .label(site, "not known yet")
+                    .label(named, "known from here on"))
+                .help(
+                    "move the `let` up: a number is known from its `let` to the end of the block",
+                ),
+            }
+        } else if let Some((around, grown)) = self.scope.hidden(word).zip(self.grown()) {
+            let pattern = self.symbols.word(grown.pattern);
+            Finding::new(
+                Code::UnknownName,
+                format!("the pattern `{pattern}` does not see `{name}`"),
+            )
+            .label(site, "not known inside of the pattern")
+            .label(around, "a number around the place where it grows")
+            .help(hand_in(self.sources, &grown, name, name))
+        } else {
+            let known = self.scope.words().map(|word| self.symbols.word(word));
+            Finding::new(Code::UnknownName, format!("no number is called `{name}`"))
+                .label(site, "not known here")
+                .suggest(site, nearest(name, known), || {
+                    format!("define it: `let {name} = 3`")
+                })
+        };
+        self.findings.push(finding);
+    }
+
+    /// The instance that is being written out.
+    pub(super) fn grown(&self) -> Option<crate::plan::Grown> {
+        let number = (self.scope.instance as usize).checked_sub(1)?;
+        self.plan.grown.get(number).copied()
+    }
+
+    /// A `let` of a block around the statement at hand whose name is not known yet, and its name.
+    fn let_below(&self, word: Symbol) -> Option<(Site, Site)> {
+        let names = |item: &Item| match &item.kind {
+            ItemKind::Let(let_) if let_.name.symbol == word => Some((item.span, let_.name.span)),
+            _ => None,
+        };
+        let own = self.plan.site.file;
+        for (number, block) in self.blocks.iter().enumerate().rev() {
+            // The outermost block is that of the assembly, all others are of the pattern that grows.
+            let file = if number == 0 { own } else { self.file };
+            if let Some((item, name)) = block.iter().find_map(names) {
+                let site = |span| Site { file, span };
+                return Some((site(item), site(name)));
+            }
+        }
+        self.lets.iter().find_map(|&(file, item)| {
+            let (item, name) = names(item)?;
+            let site = |span| Site { file, span };
+            Some((site(item), site(name)))
+        })
+    }
+}

@@ -1,0 +1,39 @@
+//! How a pattern is given what it does not see.
+use super::LONG;
+use crate::Sources;
+use crate::plan::Grown;
+
+/// Advises to give an instance one argument more: `name`, written `argument` where it grows.
+pub(crate) fn hand_in(sources: &Sources, grown: &Grown, name: &str, argument: &str) -> String {
+    let declared = sources
+        .file(grown.declared.file)
+        .text
+        .get(grown.declared.span.start as usize..);
+    let header = declared.and_then(|text| {
+        let end = text.bytes().take(LONG).position(|byte| byte == b')')?;
+        one_more(&text[..=end], name)
+    });
+    let call = sources.text(grown.call).trim_end();
+    let call = call.strip_suffix("as").map_or(call, str::trim_end);
+    match header.zip(one_more(call, argument)) {
+        Some((header, call)) => {
+            format!("give it to the pattern: declare `pattern {header}` and grow `{call}`")
+        }
+        None => format!("add a parameter to the pattern, and give it `{argument}` where it grows"),
+    }
+}
+
+/// A list in parentheses with one more entry, if it is short and plain.
+fn one_more(text: &str, entry: &str) -> Option<String> {
+    const LONGEST: usize = 60;
+    let list = text.strip_suffix(')')?;
+    if text.len() > LONGEST || text.contains(['\n', '/']) {
+        return None;
+    }
+    let comma = if list.trim_end().ends_with('(') {
+        ""
+    } else {
+        ", "
+    };
+    Some(format!("{}{comma}{entry})", list.trim_end()))
+}

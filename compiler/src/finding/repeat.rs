@@ -1,0 +1,204 @@
+//! One statement in a loop, or in a pattern, may be wrong many times: it is told of once.
+use super::Finding;
+
+/// Findings like another one, at the same place.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Others {
+    /// How many there are.
+    pub count: usize,
+    /// What the first few speak of, as their titles write it.
+    pub first: Vec<String>,
+}
+
+impl Others {
+    /// How many are named.
+    const NAMED: usize = 2;
+
+    /// ``; the same for `T[5]`, `T[6]` and 494 more``
+    pub(super) fn text(&self) -> String {
+        let Some(names) = self.first.split_last().map(|(last, init)| match init {
+            [] => last.clone(),
+            init => format!("{} and {last}", init.join(", ")),
+        }) else {
+            return String::new();
+        };
+        match self.count.saturating_sub(self.first.len()) {
+            0 => format!("; the same for {names}"),
+            rest => format!("; the same for {} and {rest} more", self.first.join(", ")),
+        }
+    }
+}
+
+impl Finding {
+    /// Takes another finding in, if it says the same at the same place; at most of another block,
+    /// cell or number.
+    pub(super) fn absorb(&mut self, other: &Finding) -> bool {
+        let place = |finding: &Finding| finding.labels.first().map(|label| label.site);
+        if self.code != other.code || place(self) != place(other) || place(self).is_none() {
+            return false;
+        }
+        if self.title == other.title {
+            return true;
+        }
+        let Some(subject) = difference(&self.title, &other.title) else {
+            return false;
+        };
+        // The text is the same, so that a change that is right for one is not for the other.
+        if self.fix != other.fix {
+            self.fix = None;
+        }
+        let subject = subject.to_owned();
+        if !self.others.first.contains(&subject) {
+            self.others.count += 1 + other.others.count;
+            if self.others.first.len() < Others::NAMED {
+                self.others.first.push(subject);
+            }
+        }
+        true
+    }
+}
+
+/// What a title speaks of where another one, alike but for names and numbers, speaks of something
+/// else.
+fn difference<'a>(title: &str, other: &'a str) -> Option<&'a str> {
+    let mut subject = None;
+    let (mut ours, mut theirs) = (words(title), words(other));
+    loop {
+        match (ours.next(), theirs.next()) {
+            (None, None) => return subject,
+            (Some(one), Some(two)) if one == two => {}
+            (Some(one), Some(two)) if is_subject(one) && is_subject(two) => {
+                subject = subject.or(Some(two));
+            }
+            _ => return None,
+        }
+    }
+}
+
+/// Whether a word stands for something of the program: a name, a cell or a number.
+fn is_subject(word: &str) -> bool {
+    let number = word.strip_prefix('-').unwrap_or(word);
+    word.starts_with(['`', '(']) || number.starts_with(|c: char| c.is_ascii_digit())
+}
+
+/// The words of a title; what stands between backticks or parentheses is one.
+fn words(title: &str) -> impl Iterator<Item = &str> {
+    let mut rest = title;
+    std::iter::from_fn(move || {
+        rest = rest.trim_start();
+        let first = rest.chars().next()?;
+        let closing = match first {
+            '`' => rest[1..].find('`').map(|at| at + 2),
+            '(' => rest.find(')').map(|at| at + 1),
+            _ => None,
+        };
+        let end = closing.unwrap_or_else(|| {
+            let is_end = |c: char| c.is_whitespace() || matches!(c, '`' | '(');
+            let length = first.len_utf8();
+            rest[length..]
+                .find(is_end)
+                .map_or(rest.len(), |at| at + length)
+        });
+        let (word, behind) = rest.split_at(end);
+        rest = behind;
+        Some(word)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Code, Fix};
+    use super::*;
+    use crate::{FileId, Site, Span};
+
+    fn at(start: u32, title: &str) -> Finding {
+        let site = Site {
+            file: FileId(0),
+            span: Span::new(start, start + 1),
+        };
+        Finding::new(Code::AbsentBlock, title).label(site, "here")
+    }
+
+    fn told(titles: &[&str]) -> Vec<String> {
+        let mut findings: Vec<Finding> = Vec::new();
+        for title in titles {
+            super::super::tell(&mut findings, at(0, title));
+        }
+        findings.iter().map(Finding::message).collect()
+    }
+
+    #[test]
+    fn findings_of_one_place_that_differ_in_what_they_speak_of_are_one() {
+        for (titles, message) in [
+            (
+                &["no block is called `T[1, 0]`"; 3][..],
+                "no block is called `T[1, 0]`",
+            ),
+            (
+                &["`T[1]` is absent", "`T[2]` is absent"],
+                "`T[1]` is absent; the same for `T[2]`",
+            ),
+            (
+                &[
+                    "`T[1]` is absent",
+                    "`T[2]` is absent",
+                    "`T[2]` is absent",
+                    "`U` is absent",
+                ],
+                "`T[1]` is absent; the same for `T[2]` and `U`",
+            ),
+            (
+                &[
+                    "a plate of -1 blocks",
+                    "a plate of 0 blocks",
+                    "a plate of -2 blocks",
+                    "a plate of -3 blocks",
+                ],
+                "a plate of -1 blocks; the same for 0, -2 and 1 more",
+            ),
+            (
+                &["(5, 0) is not on the plate", "(6, 0) is not on the plate"],
+                "(5, 0) is not on the plate; the same for (6, 0)",
+            ),
+            (
+                &[
+                    "releasing `A` sets `B` adrift",
+                    "releasing `C` sets `D` adrift",
+                ],
+                "releasing `A` sets `B` adrift; the same for `C`",
+            ),
+        ] {
+            assert_eq!(told(titles), [message]);
+        }
+    }
+
+    #[test]
+    fn what_says_something_else_is_told_by_itself() {
+        let titles = [
+            "`T[1]` is absent",
+            "`T[1]` is late",
+            "`T[2]`",
+            "it is absent",
+        ];
+        assert_eq!(told(&titles), titles);
+        let mut findings = vec![at(0, "`A` is absent")];
+        super::super::tell(&mut findings, at(1, "`B` is absent"));
+        assert_eq!(findings.len(), 2);
+        let nowhere = Finding::new(Code::ImportMissing, "cannot read `a`");
+        assert!(!nowhere.clone().absorb(&nowhere));
+    }
+
+    #[test]
+    fn a_change_for_one_of_several_is_dropped() {
+        let fix = |text: &str| {
+            let finding = at(0, text);
+            let site = finding.labels[0].site;
+            finding.fix(Fix::replace(site, text, "write it"))
+        };
+        let mut first = fix("no `A`");
+        assert!(first.absorb(&fix("no `A`")));
+        assert!(first.fix.is_some());
+        assert!(first.absorb(&fix("no `B`")));
+        assert!(first.fix.is_none());
+    }
+}

@@ -1,0 +1,185 @@
+//! Which names there are of one word: `T[1..3]` and `T[7]`.
+use stochc_grammar::Symbols;
+
+use crate::plan::{Key, Roles};
+
+/// Names that are told, at most; ranges count once.
+const MOST: usize = 4;
+
+/// The names of one word.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Members {
+    word: String,
+    /// With ranges instead of single indices.
+    names: String,
+    is_single: bool,
+}
+
+impl Members {
+    /// Tells which there are of what `noun` calls one.
+    pub fn told(&self, noun: &str) -> String {
+        let Members { word, names, .. } = self;
+        match self.is_single {
+            true => format!("the only {noun} called `{word}` is {names}"),
+            false => format!("the {noun}s called `{word}` are {names}"),
+        }
+    }
+}
+
+/// The names among `keys` that have the word of `wanted` and belong to the same instance; `None` if
+/// there are none.
+pub(crate) fn members(
+    wanted: Key,
+    keys: impl Iterator<Item = Key>,
+    roles: &Roles,
+    symbols: &Symbols,
+) -> Option<Members> {
+    let mut boxes: Vec<Bounds> = keys
+        .filter(|key| key.scope == wanted.scope && key.word == wanted.word)
+        .map(Bounds::of)
+        .collect();
+    boxes.sort_unstable();
+    boxes.dedup();
+    // Those of the same number of indices are what was meant.
+    let arity = |arity: u8| move |one: &Bounds| one.arity == arity;
+    if boxes.iter().any(arity(wanted.arity)) {
+        boxes.retain(arity(wanted.arity));
+    }
+    let is_single = boxes.len() == 1;
+    for dimension in (0..Key::MAX_INDICES).rev() {
+        boxes = joined(boxes, dimension);
+    }
+    let bare = Key { arity: 0, ..wanted };
+    let word = roles.name_of(bare, symbols);
+    let mut names: Vec<String> = (boxes.iter().take(MOST))
+        .map(|one| format!("`{word}{}`", one.indices()))
+        .collect();
+    if boxes.len() > MOST {
+        names.push(format!("{} more", boxes.len() - MOST));
+    }
+    let last = names.pop()?;
+    let names = match names.is_empty() {
+        true => last,
+        false => format!("{} and {last}", names.join(", ")),
+    };
+    Some(Members {
+        word,
+        names,
+        is_single,
+    })
+}
+
+/// Names whose indices lie between two bounds each, both included.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Bounds {
+    arity: u8,
+    bounds: [(i32, i32); Key::MAX_INDICES],
+}
+
+impl Bounds {
+    fn of(key: Key) -> Bounds {
+        Bounds {
+            arity: key.arity,
+            bounds: key.index.map(|index| (index, index)),
+        }
+    }
+
+    fn indices(&self) -> String {
+        let bounds = &self.bounds[..usize::from(self.arity)];
+        let index = |&(first, last): &(i32, i32)| match first == last {
+            true => first.to_string(),
+            false => format!("{first}..{last}"),
+        };
+        match bounds {
+            [] => String::new(),
+            bounds => format!(
+                "[{}]",
+                bounds.iter().map(index).collect::<Vec<_>>().join(", ")
+            ),
+        }
+    }
+}
+
+/// Joins neighbours along one index.
+fn joined(mut boxes: Vec<Bounds>, dimension: usize) -> Vec<Bounds> {
+    let others = |one: &Bounds| {
+        let mut rest = one.bounds;
+        rest[dimension] = (0, 0);
+        (one.arity, rest)
+    };
+    boxes.sort_unstable_by_key(|one| (others(one), one.bounds[dimension]));
+    let mut out: Vec<Bounds> = Vec::new();
+    for one in boxes {
+        match out.last_mut() {
+            Some(last)
+                if others(last) == others(&one)
+                    && last.bounds[dimension].1.checked_add(1) == Some(one.bounds[dimension].0) =>
+            {
+                last.bounds[dimension].1 = one.bounds[dimension].1;
+            }
+            _ => out.push(one),
+        }
+    }
+    out.sort_unstable();
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shown(wanted: &[i32], known: &[&[i32]]) -> Option<String> {
+        let mut symbols = Symbols::default();
+        let word = symbols.intern("T");
+        let key = |indices: &[i32]| {
+            let mut index = [0; Key::MAX_INDICES];
+            index[..indices.len()].copy_from_slice(indices);
+            Key {
+                scope: 0,
+                word,
+                arity: indices.len() as u8,
+                index,
+            }
+        };
+        let keys = known.iter().map(|indices| key(indices));
+        let members = members(key(wanted), keys, &Roles::default(), &symbols);
+        members.map(|members| members.names)
+    }
+
+    #[test]
+    fn neighbours_are_one_range() {
+        let some = |text: &str| Some(text.to_owned());
+        assert_eq!(shown(&[4], &[&[1], &[2], &[3]]), some("`T[1..3]`"));
+        assert_eq!(
+            shown(&[4], &[&[7], &[3], &[1], &[2]]),
+            some("`T[1..3]` and `T[7]`")
+        );
+        assert_eq!(
+            shown(&[2, 0], &[&[0, 0], &[0, 1], &[1, 0], &[1, 1]]),
+            some("`T[0..1, 0..1]`")
+        );
+        assert_eq!(
+            shown(&[2, 0], &[&[0, 0], &[0, 1], &[1, 0]]),
+            some("`T[0, 0..1]` and `T[1, 0]`")
+        );
+        assert_eq!(shown(&[1], &[]), None);
+    }
+
+    #[test]
+    fn other_numbers_of_indices_are_told_where_there_are_no_better_ones() {
+        let some = |text: &str| Some(text.to_owned());
+        assert_eq!(shown(&[], &[&[1], &[2]]), some("`T[1..2]`"));
+        assert_eq!(shown(&[1], &[&[]]), some("`T`"));
+        assert_eq!(shown(&[1], &[&[], &[2]]), some("`T[2]`"));
+    }
+
+    #[test]
+    fn many_are_counted() {
+        let known: Vec<[i32; 1]> = (0..20).map(|i| [2 * i]).collect();
+        let known: Vec<&[i32]> = known.iter().map(|key| &key[..]).collect();
+        assert_eq!(
+            shown(&[1], &known).as_deref(),
+            Some("`T[0]`, `T[2]`, `T[4]`, `T[6]` and 16 more")
+        );
+    }
+}

@@ -1,0 +1,162 @@
+//! What a program's file declares and nobody uses.
+//!
+//! A file without an assembly or aggregate is there for those that import it, and so is what it
+//! declares. Of a program's own file nobody can say more than the file itself.
+use rustc_hash::{FxHashMap, FxHashSet};
+use stochc_grammar::tree::{Item, ItemKind, Name};
+use stochc_grammar::{Span, Symbols};
+
+use crate::finding::{Code, Finding, Fix, removal, tell};
+use crate::load::Module;
+use crate::names::{Names, Thing};
+use crate::scene::DEFAULT;
+use crate::{FileId, Site, Sources};
+
+/// A declaration of the program's file.
+struct Declared<'a> {
+    item: &'a Item,
+    name: Name,
+    code: Code,
+    /// Whether it stands in a block, where no other file sees it.
+    is_local: bool,
+}
+
+/// Tells of all that is never used in the last of the modules, if that holds a program.
+pub fn check(
+    modules: &[Module],
+    sources: &Sources,
+    symbols: &Symbols,
+    findings: &mut Vec<Finding>,
+) {
+    let Some(own) = modules.last() else { return };
+    let items = &own.tree.items;
+    if !items.iter().any(|item| scene_of(item).is_some()) {
+        return;
+    }
+    let mut declared = Vec::new();
+    collect(items, false, &mut declared);
+    let in_default = items.iter().any(|item| scene_of(item) == Some(None));
+    declared.retain(|it| {
+        let word = symbols.word(it.name.symbol);
+        let is_default = it.code == Code::UnusedScene && word == DEFAULT && in_default;
+        !word.starts_with('_') && !is_default
+    });
+    if declared.is_empty() {
+        return;
+    }
+    let trees = modules.iter().map(|module| (module.file, &module.tree));
+    let names = Names::of_trees(trees);
+    let used = used(&declared, own.file, &names);
+    for it in &declared {
+        let thing = names
+            .at(own.file, it.name.span.start)
+            .map(|name| name.thing);
+        if thing.is_some_and(|thing| !used.contains(&thing)) {
+            tell(findings, it.unused(own.file, sources, symbols));
+        }
+    }
+}
+
+/// The scene that a program names, if it names one; `None`: it is no program.
+fn scene_of(item: &Item) -> Option<Option<Name>> {
+    match &item.kind {
+        ItemKind::Assembly(assembly) => Some(assembly.scene),
+        ItemKind::Aggregate(aggregate) => Some(aggregate.scene),
+        _ => None,
+    }
+}
+
+/// The declarations in a block and those inside it; blocks are as deep as the parser lets them be.
+fn collect<'a>(items: &'a [Item], is_local: bool, declared: &mut Vec<Declared<'a>>) {
+    for item in items {
+        let named = match &item.kind {
+            ItemKind::Let(let_) => Some((let_.name, Code::UnusedLet)),
+            ItemKind::Pattern(pattern) => Some((pattern.name, Code::UnusedPattern)),
+            ItemKind::Shape(shape) => Some((shape.name, Code::UnusedShape)),
+            ItemKind::Scene(scene) => Some((scene.name, Code::UnusedScene)),
+            _ => None,
+        };
+        declared.extend(named.map(|(name, code)| Declared {
+            item,
+            name,
+            code,
+            is_local,
+        }));
+        let body = match &item.kind {
+            ItemKind::Assembly(block) => &block.body,
+            ItemKind::Phase(block) => &block.body,
+            ItemKind::Seed(block) => &block.body,
+            ItemKind::For(block) => &block.body,
+            ItemKind::Pattern(block) => &block.body,
+            _ => continue,
+        };
+        collect(body, true, declared);
+    }
+}
+
+/// The things that are named elsewhere than where they are declared.
+fn used(declared: &[Declared<'_>], file: FileId, names: &Names) -> FxHashSet<Thing> {
+    // A pattern that only grows itself is not used.
+    let mut own: FxHashMap<Thing, Vec<Span>> = FxHashMap::default();
+    for it in declared {
+        if let Some(name) = names.at(file, it.name.span.start) {
+            own.entry(name.thing).or_default().push(it.item.span);
+        }
+    }
+    let is_elsewhere = |site: Site, spans: &[Span]| {
+        let at = site.span.start;
+        site.file != file
+            || !spans
+                .iter()
+                .any(|span| (span.start..span.end).contains(&at))
+    };
+    (names.all().iter())
+        .filter(|name| !name.declares)
+        .filter(|name| {
+            own.get(&name.thing)
+                .is_some_and(|spans| is_elsewhere(name.site, spans))
+        })
+        .map(|name| name.thing)
+        .collect()
+}
+
+impl Declared<'_> {
+    fn unused(&self, file: FileId, sources: &Sources, symbols: &Symbols) -> Finding {
+        let word = symbols.word(self.name.symbol);
+        let keep = format!("call it `_{word}` to keep it");
+        let (title, label, help) = match self.code {
+            Code::UnusedLet => (
+                format!("the number `{word}` is never used"),
+                "not used anywhere in this file",
+                format!("remove it, or {keep}"),
+            ),
+            Code::UnusedPattern => (
+                format!("the pattern `{word}` is never grown"),
+                "no phase grows it",
+                format!("grow it in a phase, remove it, or {keep}"),
+            ),
+            Code::UnusedShape => (
+                format!("no phase yields the shape `{word}`"),
+                "compared with nothing",
+                format!("write `yields {word}` in the phase that completes it, or {keep}"),
+            ),
+            _ => (
+                format!("nothing runs in the scene `{word}`"),
+                "no assembly, aggregate or scene names it",
+                format!("write `in {word}` behind the name of an assembly, or {keep}"),
+            ),
+        };
+        let site = |span| Site { file, span };
+        let mut finding = Finding::new(self.code, title)
+            .label(site(self.name.span), label)
+            .help(help);
+        // Comments that belong to it would belong to something else.
+        if self.item.docs.0.is_none() {
+            let removed = removal(sources, site(self.item.span));
+            let is_certain = self.code == Code::UnusedLet && self.is_local;
+            let title = format!("remove {}", self.item.noun().replacen("a ", "the ", 1));
+            finding.fix = Some(Fix::remove(removed, title).unsafe_if(!is_certain));
+        }
+        finding
+    }
+}

@@ -1,0 +1,96 @@
+//! Which programs the arguments of a command stand for.
+use std::collections::BTreeSet;
+use std::io::Read as _;
+use std::path::Path;
+use std::sync::OnceLock;
+
+/// The argument that stands for the standard input.
+pub const STDIN: &str = "-";
+
+/// What messages call the standard input.
+pub const STDIN_NAME: &str = "<stdin>";
+
+/// An argument that stands for no program, and why, in a message.
+pub type Unusable = String;
+
+/// The programs that arguments stand for, each once: files themselves, the programs (`*.sa`) of
+/// folders and those below them, and [`STDIN_NAME`] for [`STDIN`].
+pub fn programs(arguments: &[String]) -> Vec<Result<String, Unusable>> {
+    let mut seen = BTreeSet::new();
+    let mut programs = Vec::new();
+    for argument in arguments {
+        let found = match argument.as_str() {
+            STDIN => Ok(BTreeSet::from([STDIN_NAME.to_owned()])),
+            path if Path::new(path).is_dir() => in_folder(path),
+            path => Ok(BTreeSet::from([path.to_owned()])),
+        };
+        match found {
+            Ok(found) if found.is_empty() => {
+                programs.push(Err(format!("`{argument}` holds no program (`*.sa`)")));
+            }
+            Ok(found) => programs.extend(found.into_iter().filter_map(|program| {
+                let is_new = seen.insert(program.clone());
+                is_new.then_some(Ok(program))
+            })),
+            Err(reason) => programs.push(Err(format!("cannot read `{argument}`: {reason}"))),
+        }
+    }
+    programs
+}
+
+fn in_folder(path: &str) -> Result<BTreeSet<String>, String> {
+    let mut programs = BTreeSet::new();
+    let mut folders = vec![path.to_owned()];
+    while let Some(folder) = folders.pop() {
+        let entries = std::fs::read_dir(&folder).map_err(|error| format!("{folder}: {error}"))?;
+        for entry in entries {
+            let entry = entry.map_err(|error| error.to_string())?;
+            let kind = entry.file_type().map_err(|error| error.to_string())?;
+            let name = entry.file_name();
+            // A folder that is hidden or elsewhere was not meant.
+            let Some(name) = name.to_str().filter(|name| !name.starts_with('.')) else {
+                continue;
+            };
+            let path = match folder.as_str() {
+                "." => name.to_owned(),
+                folder => format!("{}/{name}", folder.trim_end_matches('/')),
+            };
+            if kind.is_dir() {
+                folders.push(path);
+            } else if kind.is_file() && name.ends_with(".sa") {
+                programs.insert(path);
+            }
+        }
+    }
+    Ok(programs)
+}
+
+/// The bytes of one of the [`programs`]; those of the standard input are kept, since they come once.
+///
+/// # Errors
+///
+/// In the system's words, or those of [`super::read`].
+pub fn read(program: &str) -> Result<Vec<u8>, String> {
+    static INPUT: OnceLock<Result<Vec<u8>, String>> = OnceLock::new();
+    if program != STDIN_NAME {
+        return super::read(program);
+    }
+    let all = || {
+        let mut bytes = Vec::new();
+        let read = std::io::stdin().lock().read_to_end(&mut bytes);
+        read.map(|_| bytes).map_err(|error| error.to_string())
+    };
+    INPUT.get_or_init(all).clone()
+}
+
+/// Why an argument cannot be had by a command that takes nothing but files.
+pub fn refusal(argument: &str) -> Option<String> {
+    let what = match argument {
+        STDIN => "the standard input",
+        path if Path::new(path).is_dir() => "a folder",
+        _ => return None,
+    };
+    Some(format!(
+        "`{argument}` is {what}: name the file of a program; only `check` and `fmt` take folders and `-`"
+    ))
+}
