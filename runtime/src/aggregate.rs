@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use stochc_compiler::table::{PhaseId, Tables};
 
 use crate::observe::Event;
-use crate::record::{Outcome, RunRecord};
+use crate::record::{Limit, Outcome, RunRecord};
 use crate::run::{RunError, Watch};
 use crate::world::World;
 
@@ -48,8 +48,8 @@ pub(crate) fn gather<W: World>(
         let is_late = running
             .timeout
             .is_some_and(|timeout| tick - began >= timeout);
-        if is_late || max_ticks.is_some_and(|limit| tick >= limit) {
-            break Outcome::TimedOut { phase };
+        if let Some(by) = Limit::reached(is_late, tick, max_ticks) {
+            break Outcome::TimedOut { phase, by };
         }
         if let ControlFlow::Break(()) = watch.tick(tick, phase) {
             return Err(RunError::Cancelled);
@@ -69,5 +69,8 @@ pub(crate) fn gather<W: World>(
         hops: 0,
         unplanned: 0,
         bonds: Vec::new(),
+        waiting: Vec::new(),
+        releases: Vec::new(),
+        unplanned_bonds: Vec::new(),
     })
 }

@@ -25,6 +25,16 @@ pub struct RunRecord {
     pub unplanned: u64,
     /// Every capture, in the order of docking.
     pub bonds: Vec<BondRecord>,
+    /// The waits that were under way when it ended, by their beginning: faces that were magnetized and
+    /// had captured nothing. Nobody knows how long they would have been: they are censored.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub waiting: Vec<WaitRecord>,
+    /// Every release, in its order.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub releases: Vec<ReleaseRecord>,
+    /// Each of the [`unplanned`](RunRecord::unplanned) bonds, in the order of docking.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub unplanned_bonds: Vec<UnplannedRecord>,
 }
 
 #[allow(
@@ -45,6 +55,8 @@ pub enum Outcome {
     TimedOut {
         /// The phase that did not end.
         phase: PhaseId,
+        /// What stopped it.
+        by: Limit,
     },
     /// The physics broke down; the time means nothing.
     Failed {
@@ -53,6 +65,28 @@ pub enum Outcome {
         /// What broke, with the block.
         reason: String,
     },
+}
+
+/// What stops a run before its end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Limit {
+    /// The timeout that the program gives the phase.
+    Timeout,
+    /// The limit of ticks of the whole run, [`Settings::max_ticks`](crate::Settings::max_ticks).
+    MaxTicks,
+}
+
+impl Limit {
+    /// What stops a run at this tick; `is_late`: its phase has used up its time.
+    pub(crate) fn reached(is_late: bool, tick: u64, max_ticks: Option<u64>) -> Option<Limit> {
+        if is_late {
+            return Some(Limit::Timeout);
+        }
+        max_ticks
+            .is_some_and(|limit| tick >= limit)
+            .then_some(Limit::MaxTicks)
+    }
 }
 
 /// One capture.
@@ -80,6 +114,55 @@ pub struct BondRecord {
     pub body: u32,
     /// Where it came from.
     pub origin: Origin,
+}
+
+/// A capture that had not happened when the run ended.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct WaitRecord {
+    /// In which phase.
+    pub phase: PhaseId,
+    /// The role that magnetized a face.
+    pub parent: RoleId,
+    /// Which, in the structure's frame.
+    pub face: Face,
+    /// The role that the captured block would have been given.
+    pub child: RoleId,
+    /// Where it would have sat.
+    pub cell: Cell,
+    /// Tick at which the face was magnetized; the censored wait is from there to the end of the run.
+    pub magnetized: u64,
+    /// Times that a free block came into the reach of the pull, re-entries included.
+    pub entries: u32,
+}
+
+/// A block was let go.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ReleaseRecord {
+    /// In which phase.
+    pub phase: PhaseId,
+    /// The role that let it go.
+    pub parent: RoleId,
+    /// The role that it had.
+    pub child: RoleId,
+    /// When.
+    pub tick: u64,
+    /// Which body it is: the number of a free block, from 0.
+    pub body: u32,
+}
+
+/// A block docked where nobody expected it, and was rejected at once.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct UnplannedRecord {
+    /// In which phase.
+    pub phase: PhaseId,
+    /// The role of the block on which it docked.
+    pub parent: RoleId,
+    /// On which of its faces, in the structure's frame.
+    pub face: Face,
+    /// When.
+    pub tick: u64,
+    /// Which body it is: the number of a free block, from 0.
+    pub body: u32,
 }
 
 /// Where a captured block came from.

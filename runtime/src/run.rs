@@ -7,7 +7,7 @@ use stochc_compiler::table::{PhaseId, Tables};
 use crate::aggregate::gather;
 use crate::control::Controller;
 use crate::observe::{Event, Lookout, Observer};
-use crate::record::{Outcome, RunRecord};
+use crate::record::{Limit, Outcome, RunRecord};
 use crate::settings::{Model, Settings};
 use crate::world::rapier::RapierWorld;
 use crate::world::rigid::RigidWorld;
@@ -208,8 +208,8 @@ fn follow<'t, W: World>(
             break Outcome::Failed { phase, reason };
         }
         let tick = world.tick();
-        if controller.timed_out() || max_ticks.is_some_and(|limit| tick >= limit) {
-            break Outcome::TimedOut { phase };
+        if let Some(by) = Limit::reached(controller.timed_out(), tick, max_ticks) {
+            break Outcome::TimedOut { phase, by };
         }
         if watch.tick(tick, phase).is_break() {
             return Err(RunError::Cancelled);
@@ -222,5 +222,5 @@ fn follow<'t, W: World>(
         controller.advance(&dockings, world);
         look(world, &mut controller);
     };
-    Ok(controller.into_record(run, outcome, world.tick()))
+    Ok(controller.into_record(run, outcome, world))
 }

@@ -9,7 +9,7 @@ use stochc_compiler::scene::{BondKind, Messages};
 use stochc_compiler::table::{Action, Condition, News, PhaseId, RoleId, Tables};
 use stochc_compiler::{Cell, Face};
 use stochc_runtime::control::Controller;
-use stochc_runtime::record::{BondRecord, Origin, Outcome, RunRecord};
+use stochc_runtime::record::{BondRecord, Limit, Origin, Outcome, RunRecord};
 use stochc_runtime::world::shuffle::ShuffleWorld;
 use stochc_runtime::world::{Body, World};
 use stochc_runtime::{RunError, drive};
@@ -332,9 +332,18 @@ fn no_block_docks_into_an_occupied_cell() {
     }
     draft.timeout(phase, 60);
     let (record, world) = shuffle(&draft.tables(), None, 0);
-    assert_eq!(record.outcome, Outcome::TimedOut { phase });
+    let by = Limit::Timeout;
+    assert_eq!(record.outcome, Outcome::TimedOut { phase, by });
     assert_eq!(record.ticks, 60);
     assert_eq!((record.bonds.len(), world.cells().len()), (3, 3));
+    // Its wait is the only one that was under way, since its own block docked.
+    let [wait] = &record.waiting[..] else {
+        panic!("{:?}", record.waiting)
+    };
+    let parent = record.bonds.iter().find(|bond| bond.child == wait.parent);
+    assert_eq!(wait.magnetized, parent.expect("it has docked").docked);
+    assert_eq!((wait.phase, wait.cell), (phase, Cell::new(1, 1, 1)));
+    assert!(record.bonds.iter().all(|bond| bond.child != wait.child));
 }
 
 #[test]
@@ -343,8 +352,8 @@ fn a_run_ends_at_its_limit_or_when_it_is_cancelled() {
     let mut world = ShuffleWorld::new(3, 0, 0);
     let record =
         drive(&tables, None, &mut world, Some(40), (0, 0), &mut go).expect("nobody cancels");
-    let phase = PhaseId(0);
-    assert_eq!(record.outcome, Outcome::TimedOut { phase });
+    let (phase, by) = (PhaseId(0), Limit::MaxTicks);
+    assert_eq!(record.outcome, Outcome::TimedOut { phase, by });
     assert_eq!((record.ticks, record.blocks_used), (40, 3));
     let mut world = ShuffleWorld::new(30, 0, 0);
     let mut stop = |tick, _| {
@@ -383,6 +392,14 @@ fn a_block_that_docks_where_nobody_expects_it_is_rejected_at_once() {
             assert_eq!(world.cells().get(&cell), Some(&bond.body));
         }
         assert_eq!(record.hops, SNAKE.len() as u64, "nobody speaks of it");
+        assert_eq!(record.unplanned_bonds.len() as u64, record.unplanned);
+        for bond in &record.unplanned_bonds {
+            let expected = record.bonds.iter().any(|planned| {
+                (planned.docked, planned.body) == (bond.tick, bond.body)
+                    && (planned.parent, planned.face) == (bond.parent, bond.face)
+            });
+            assert!(!expected && bond.tick <= record.ticks, "{bond:?}");
+        }
         all += record.unplanned;
     }
     // Half of the ticks, of which each run has eight at least, but for the first.
@@ -510,8 +527,10 @@ fn lost_messages_are_sent_again_and_cost_hops_and_time() {
 #[test]
 fn a_message_that_always_gets_lost_ends_nothing() {
     let record = lossy(0, 1.0, 0);
-    assert_eq!(record.outcome, Outcome::TimedOut { phase: PhaseId(0) });
+    let (phase, by) = (PhaseId(0), Limit::MaxTicks);
+    assert_eq!(record.outcome, Outcome::TimedOut { phase, by });
     assert_eq!(record.bonds.len(), SNAKE.len());
+    assert_eq!(record.waiting, [], "only its message is under way");
 }
 
 #[test]

@@ -7,13 +7,13 @@ use std::ops::ControlFlow;
 use nalgebra::Vector3;
 use scenes::{attract, compliant, contact, empty, hemisphere, kicks, paper, pass, world};
 use stochc_compiler::scene::{Agitation, Bond, Scene};
-use stochc_compiler::table::{Action, Condition, PhaseId, Tables};
+use stochc_compiler::table::{Action, Condition, PhaseId, RoleId, Tables};
 use stochc_compiler::{Cell, Face};
-use stochc_runtime::record::{Origin, Outcome, RunRecord};
+use stochc_runtime::record::{Limit, Origin, Outcome, ReleaseRecord, RunRecord};
 use stochc_runtime::world::rapier::RapierWorld;
 use stochc_runtime::world::rigid::RigidWorld;
 use stochc_runtime::world::{Arena, Body, BodyState, SceneError, Site, World};
-use stochc_runtime::{Model, RunError, Settings, run};
+use stochc_runtime::{Model, RunError, Settings, drive, run};
 use tables::{Draft, at_once, chain, magnetize};
 
 /// A small enclosure with many blocks, where little time passes between captures.
@@ -90,6 +90,95 @@ fn a_run_is_the_same_alone_in_sequence_and_on_any_thread() {
             assert_eq!(alone, sequence[number as usize]);
         }
     });
+}
+
+/// Stopped at any tick, a run is the beginning of the whole one: its bonds are those that had docked, and
+/// its waits those that were under way.
+#[test]
+fn waits_under_way_are_those_that_the_whole_run_ends() {
+    // Two towers side by side, so that two faces are on at once.
+    let mut draft = Draft::default();
+    let phase = draft.phase(2);
+    for (name, x) in [("A", 0), ("B", 2)] {
+        let seed = draft.seed(name, x, 1);
+        let [low, high] = [draft.role("low"), draft.role("high")];
+        let up = |child, z| magnetize(Face::Up, child, Cell::new(x, 1, z));
+        draft.start(seed, phase, vec![at_once(up(low, 1))]);
+        draft.anchored(low, phase, vec![at_once(up(high, 2))]);
+        draft.anchored(high, phase, vec![at_once(Action::Report)]);
+    }
+    let (tables, scene) = (draft.tables(), crowd());
+    for model in [Model::Rapier, Model::Rigid] {
+        let mut settings = Settings::of(model, 1);
+        let whole = record(&tables, &scene, &settings, 0);
+        assert_eq!(whole.outcome, Outcome::Completed);
+        assert_eq!((whole.bonds.len(), &whole.waiting[..]), (4, &[][..]));
+        for part in 0..12 {
+            let limit = whole.ticks * part / 12;
+            settings.max_ticks = Some(limit);
+            let stopped = record(&tables, &scene, &settings, 0);
+            let by = Limit::MaxTicks;
+            assert_eq!(stopped.outcome, Outcome::TimedOut { phase, by });
+            let docked = whole.bonds.iter().filter(|bond| bond.docked <= limit);
+            assert!(docked.eq(&stopped.bonds), "{limit}");
+            let mut under_way: Vec<_> = (whole.bonds.iter())
+                .filter(|bond| bond.magnetized <= limit && limit < bond.docked)
+                .collect();
+            under_way.sort_by_key(|bond| (bond.magnetized, bond.parent));
+            assert_eq!(under_way.len(), stopped.waiting.len(), "{limit}");
+            for (bond, wait) in under_way.into_iter().zip(&stopped.waiting) {
+                let key = (bond.phase, bond.parent, bond.face, bond.child, bond.cell);
+                assert_eq!(
+                    (wait.phase, wait.parent, wait.face, wait.child, wait.cell),
+                    key
+                );
+                assert_eq!(wait.magnetized, bond.magnetized);
+                assert!(wait.entries <= bond.entries, "{wait:?} {bond:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn entries_of_a_wait_under_way_are_counted() {
+    counted::<RapierWorld>(Model::Rapier);
+    counted::<RigidWorld>(Model::Rigid);
+}
+
+/// A block over the face that is on, in its reach and too far to be anchored.
+fn counted<W: Arena>(model: Model) {
+    let (tables, _) = chain(&[Face::Up]);
+    let mut scene = empty();
+    scene.bond = attract(0.0, 0.05);
+    let settings = Settings::of(model, 1);
+    let near = [BodyState::at_rest(Vector3::new(0.0, 0.0, 0.8))];
+    let mut world =
+        W::with_blocks(&scene, &tables.plate, &settings, 9, 0, &near).expect("a sound scene");
+    let mut watch = |_: u64, _: PhaseId| ControlFlow::Continue(());
+    let record = drive(&tables, None, &mut world, Some(1), (9, 0), &mut watch);
+    let waiting = record.expect("nobody cancels").waiting;
+    assert_eq!((waiting.len(), waiting[0].entries), (1, 1), "{model:?}");
+}
+
+#[test]
+fn releases_are_recorded() {
+    let (tables, scene) = (three_phases(), crowd());
+    let record = record(&tables, &scene, &Settings::of(Model::Rigid, 1), 0);
+    let captured = |child| {
+        let found = record.bonds.iter().find(|bond| bond.child == child);
+        found.expect("it was captured")
+    };
+    let (b, c) = (RoleId(1), RoleId(2));
+    let (phase, tick, body) = (PhaseId(1), record.phase_ticks[0], captured(c).body);
+    let (parent, child) = (b, c);
+    let expected = ReleaseRecord {
+        phase,
+        parent,
+        child,
+        tick,
+        body,
+    };
+    assert_eq!(record.releases, [expected]);
 }
 
 #[test]

@@ -6,7 +6,7 @@ use serde_json::json;
 
 use super::terminal::{output_width, print, warn};
 use crate::cli::Exit;
-use crate::ensemble::{Comparison, Finished, Folder, Manifest, edges, edges_to_text};
+use crate::ensemble::{Comparison, Finished, Folder, Manifest, captures, captures_to_text};
 use crate::sweep::Sweep;
 
 /// What `results` is given.
@@ -70,8 +70,7 @@ pub fn run(options: &Options) -> Exit {
 /// Prints the comparison of an ensemble's programs; says whether every run was successful.
 pub fn show(manifest: &Manifest, finished: &[Finished], shown: &Shown) -> Exit {
     let comparison = Comparison::of(manifest, finished);
-    let captures = |program| edges(manifest, finished, program);
-    let programs = 0..manifest.programs.len();
+    let captures = |program| captures(manifest, finished, program);
     match shown.form {
         Form::Text => {
             let width = output_width();
@@ -80,20 +79,24 @@ pub fn show(manifest: &Manifest, finished: &[Finished], shown: &Shown) -> Exit {
                 Some(sweep) => sweep.to_text(width) + &comparison.pairs_to_text(width),
             });
             if shown.bonds {
-                for program in programs {
-                    print(&format!(
-                        "\n{}, capture by capture\n",
-                        manifest.programs[program].name
-                    ));
-                    print(&edges_to_text(&captures(program), output_width()));
+                for (number, program) in manifest.programs.iter().enumerate() {
+                    print(&format!("\n{}, capture by capture\n", program.name));
+                    let tick = program.scene.tick;
+                    print(&captures_to_text(&captures(number), tick, width));
                 }
             }
         }
         Form::Json => {
-            let bonds: Vec<_> = programs.filter(|_| shown.bonds).map(captures).collect();
             let value = match shown.bonds {
                 false => json!(comparison),
-                true => json!({ "comparison": comparison, "captures": bonds }),
+                true => {
+                    let programs = manifest.programs.iter().enumerate();
+                    let bonds = programs.map(|(number, program)| {
+                        json!({ "program": program.name, "captures": captures(number) })
+                    });
+                    let bonds: Vec<_> = bonds.collect();
+                    json!({ "comparison": comparison, "captures": bonds })
+                }
             };
             print(&format!("{value:#}\n"));
         }
@@ -101,7 +104,7 @@ pub fn show(manifest: &Manifest, finished: &[Finished], shown: &Shown) -> Exit {
     let unsuccessful = comparison
         .programs
         .iter()
-        .any(|column| column.timed_out + column.failed > 0);
+        .any(|column| column.timed_out + column.stopped + column.failed > 0);
     if unsuccessful {
         Exit::UnsuccessfulRun
     } else {

@@ -30,8 +30,8 @@ struct Slot {
 pub(super) struct Tally {
     /// For each program.
     pub programs: Vec<Pace>,
-    /// Runs that timed out.
-    pub timed_out: u64,
+    /// Runs that were stopped by a timeout or the limit of ticks.
+    pub stopped: u64,
     /// Runs whose physics broke down.
     pub failed: u64,
     /// Ticks simulated by this process in runs that are finished.
@@ -183,7 +183,7 @@ impl Tally {
         pace.left = pace.left.saturating_sub(1);
         match finished.record.outcome {
             Outcome::Completed => {}
-            Outcome::TimedOut { .. } => self.timed_out += 1,
+            Outcome::TimedOut { .. } => self.stopped += 1,
             Outcome::Failed { .. } => self.failed += 1,
         }
     }

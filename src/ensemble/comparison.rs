@@ -1,7 +1,7 @@
 //! The figures that compare programs: what `--format json` says, and [`Comparison::to_text`] draws.
 use serde::Serialize;
-use stochc_compiler::table::PLANTED;
-use stochc_runtime::record::{Outcome, RunRecord};
+use stochc_compiler::table::PhaseId;
+use stochc_runtime::record::{Limit, Outcome, RunRecord};
 
 use super::{Finished, Manifest, Program};
 use crate::statistics::{Difference, KaplanMeier, Observation, Summary, compare};
@@ -35,12 +35,14 @@ pub struct Column {
     pub unplanned: Option<f64>,
     /// Runs asked for.
     pub runs: u64,
-    /// Runs finished, the sum of the next three.
+    /// Runs finished, the sum of the next four.
     pub finished: u64,
     /// Runs that completed the structure.
     pub completed: u64,
-    /// Runs that were stopped by a timeout or the limit of ticks: their times are censored.
+    /// Runs that were stopped by the timeout of a phase: their times are censored.
     pub timed_out: u64,
+    /// Runs that were stopped by the limit of ticks, `--max-ticks`: their times are censored as well.
+    pub stopped: u64,
     /// Runs whose physics broke down: no time counts them.
     pub failed: u64,
     /// Of the whole run.
@@ -54,6 +56,8 @@ pub struct Column {
 pub struct PhaseTime {
     /// The phase's name.
     pub name: String,
+    /// The phase's index, from 0; blocks that are attached by hand are a phase, the first one.
+    pub number: usize,
     /// Of the runs that reached it.
     pub time: Option<Time>,
 }
@@ -167,7 +171,10 @@ impl Time {
 
 fn column(manifest: &Manifest, program: &Program, records: &[&RunRecord]) -> Column {
     let completed = |record: &&&RunRecord| record.outcome == Outcome::Completed;
-    let timed_out = |record: &&&RunRecord| matches!(record.outcome, Outcome::TimedOut { .. });
+    let limited = |limit| {
+        let by = |record: &&&RunRecord| matches!(record.outcome, Outcome::TimedOut { by, .. } if by == limit);
+        records.iter().filter(by).count()
+    };
     let blocks: Vec<f64> = records
         .iter()
         .filter(completed)
@@ -179,13 +186,12 @@ fn column(manifest: &Manifest, program: &Program, records: &[&RunRecord]) -> Col
         .map(|record| record.unplanned as f64)
         .collect();
     let count = |runs: usize| runs as u64;
-    let (done, late) = (
-        records.iter().filter(completed).count(),
-        records.iter().filter(timed_out).count(),
-    );
+    let done = records.iter().filter(completed).count();
+    let (late, stopped) = (limited(Limit::Timeout), limited(Limit::MaxTicks));
     // What is attached by hand takes no time.
     let phases = program.phases.iter().enumerate();
-    let phases: Vec<_> = phases.filter(|(_, name)| *name != PLANTED).collect();
+    let waited = |(i, _): &(usize, _)| !program.is_planted(PhaseId(*i as u32));
+    let phases: Vec<_> = phases.filter(waited).collect();
     Column {
         name: program.name.clone(),
         tick: program.scene.tick,
@@ -199,12 +205,14 @@ fn column(manifest: &Manifest, program: &Program, records: &[&RunRecord]) -> Col
         finished: count(records.len()),
         completed: count(done),
         timed_out: count(late),
-        failed: count(records.len() - done - late),
+        stopped: count(stopped),
+        failed: count(records.len() - done - late - stopped),
         time: Time::of(&whole(records)),
         phase_times: phases
             .into_iter()
             .map(|(i, name)| PhaseTime {
                 name: name.clone(),
+                number: i,
                 time: Time::of(&of_phase(records, i)),
             })
             .collect(),

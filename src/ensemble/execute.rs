@@ -118,6 +118,9 @@ fn attempt(
                 hops: 0,
                 unplanned: 0,
                 bonds: Vec::new(),
+                waiting: Vec::new(),
+                releases: Vec::new(),
+                unplanned_bonds: Vec::new(),
             }
         }
     };

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `manifest.json` | what the ensemble depends on |
 //! | `journal.jsonl` | every finished run, in the order of finishing |
-//! | `runs.parquet`, `bonds.parquet` | the same as tables, in the order of program and run |
+//! | `runs.parquet`, `phases.parquet`, `bonds.parquet`, `releases.parquet`, `unplanned.parquet` | the same as tables, in the order of program and run; see `docs/results.md` |
 //! | `recordings/` | runs to watch; see [`crate::recording`] |
 //! | `.lock` | held by the process that writes |
 //!
@@ -14,12 +14,12 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::journal::{self, Finished, Journal, JournalError};
-use super::manifest::Manifest;
+use super::manifest::{FORMAT, Manifest};
 use super::parquet;
 use super::refusal::FolderError;
 use crate::files::atomic;
 
-const MANIFEST: &str = "manifest.json";
+pub(super) const MANIFEST: &str = "manifest.json";
 const JOURNAL: &str = "journal.jsonl";
 const LOCK: &str = ".lock";
 /// The folder within it for recordings.
@@ -167,19 +167,18 @@ impl Folder {
         Ok(journal)
     }
 
-    /// Writes `runs.parquet` and `bonds.parquet` from runs sorted by program and run.
+    /// Writes the tables from runs sorted by program and run.
     ///
     /// # Errors
     /// Those of the file system.
     pub(super) fn write_tables(&self, finished: &[Finished]) -> Result<(), FolderError> {
-        let write = |name: &str, table: Vec<u8>| {
+        for (name, table) in parquet::files(&self.manifest, finished) {
             atomic::replace(&self.path.join(name), &table).map_err(|source| FolderError::Io {
                 path: self.path.clone(),
                 source,
-            })
-        };
-        write("runs.parquet", parquet::runs(&self.manifest, finished))?;
-        write("bonds.parquet", parquet::bonds(&self.manifest, finished))
+            })?;
+        }
+        Ok(())
     }
 }
 
@@ -207,7 +206,12 @@ fn survey(path: &Path) -> Result<Option<Manifest>, FolderError> {
         if name == MANIFEST {
             let bytes = fs::read(path.join(MANIFEST)).map_err(io)?;
             let json = String::from_utf8(bytes).map_err(|error| unreadable(error.to_string()))?;
-            return Manifest::from_json(&json).map(Some).map_err(unreadable);
+            let manifest = Manifest::from_json(&json).map_err(unreadable)?;
+            if manifest.format < FORMAT {
+                let path = path.to_owned();
+                return Err(FolderError::Old { path });
+            }
+            return Ok(Some(manifest));
         }
         foreign |= name != LOCK && !name.to_string_lossy().starts_with(atomic::PARTIAL);
     }

@@ -6,16 +6,21 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use stochc_compiler::scene::Scene;
 use stochc_compiler::scene::scalars::Change;
-use stochc_compiler::table::{Action, PhaseId, RoleId, Tables};
+use stochc_compiler::table::{Action, PLANTED, PhaseId, RoleId, Tables};
 use stochc_compiler::{Checked, Levels, Limits, check_changed};
 
 /// Version of the layout of a results folder; another one is not read.
-pub const FORMAT: u32 = 1;
+///
+/// In 1 a run left nothing of the waits under way when it ended, of its releases and of its unplanned bonds.
+pub const FORMAT: u32 = 2;
+
+/// The oldest layout whose manifest says all that is needed to make the runs again.
+const OLDEST: u32 = 1;
 
 /// Everything that an ensemble depends on; `manifest.json` in its folder.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Manifest {
-    /// Of the folder: [`FORMAT`].
+    /// Of the folder: [`FORMAT`], or an older one.
     pub format: u32,
     /// Version of the `stochc` that simulates.
     pub stochc: String,
@@ -203,10 +208,11 @@ impl Manifest {
         json
     }
 
-    /// Reads the text of a `manifest.json`.
+    /// Reads the text of a `manifest.json`, also of an older [`FORMAT`]: it still says all that is needed to
+    /// make the runs again, though not how to read what they left.
     ///
     /// # Errors
-    /// In words, when it is no manifest or one of another [`FORMAT`].
+    /// In words, when it is no manifest or one of an unknown format.
     pub fn from_json(json: &str) -> Result<Manifest, String> {
         #[derive(Deserialize)]
         struct Version {
@@ -214,10 +220,18 @@ impl Manifest {
         }
         let Version { format } =
             serde_json::from_str(json).map_err(|_| "it is not the manifest of an ensemble")?;
-        if format != FORMAT {
+        if !(OLDEST..=FORMAT).contains(&format) {
             return Err(format!("its format is {format}, and this is {FORMAT}"));
         }
         serde_json::from_str(json).map_err(|error| format!("it is damaged, {error}"))
+    }
+
+    /// The numbers of the scene that a sweep varies, in its order; empty: it is no sweep.
+    pub fn axes(&self) -> &[Varied] {
+        let mut programs = self.programs.iter().map(|program| &program.varied[..]);
+        programs
+            .find(|varied| !varied.is_empty())
+            .unwrap_or_default()
     }
 }
 
@@ -298,6 +312,11 @@ impl Program {
     /// The name of a phase; `?` for one that the program does not have.
     pub fn phase(&self, phase: PhaseId) -> &str {
         self.phases.get(phase.0 as usize).map_or("?", |name| name)
+    }
+
+    /// Whether the blocks of a phase are attached by hand before the first tick.
+    pub fn is_planted(&self, phase: PhaseId) -> bool {
+        self.phase(phase) == PLANTED
     }
 
     /// The name of a role; `?` for one that the program does not have.

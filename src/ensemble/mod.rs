@@ -1,13 +1,13 @@
 //! Many runs of one or more programs, kept in a folder that outlives every interruption.
 //!
 //! [`Manifest`] says what the ensemble depends on, [`Folder`] who may write where, and [`run`]
-//! does what is left to do. [`Comparison`] and [`edges`] say what came of it.
+//! does what is left to do. [`Comparison`] and [`captures`] say what came of it.
 //!
 //! ```no_run
 //! use std::path::Path;
 //! use stochc::ensemble::{
-//!     Comparison, Display, Folder, Manifest, Means, Place, Program, Source, edges,
-//!     edges_to_text, run, stop_on_interrupt,
+//!     Comparison, Display, Folder, Manifest, Means, Place, Program, Source, captures,
+//!     captures_to_text, run, stop_on_interrupt,
 //! };
 //! # use stochc_compiler::{scene::Scene, table::Tables};
 //! # use stochc_runtime::record::RunRecord;
@@ -35,14 +35,15 @@
 //!     simulate(&tables, run, &mut told).ok_or(stochc::ensemble::Cancelled)
 //! })?;
 //! print!("{}", Comparison::of(&manifest, &results.finished).to_text(100));
-//! print!("{}", edges_to_text(&edges(&manifest, &results.finished, 0), 100));
+//! let tick = manifest.programs[0].scene.tick;
+//! print!("{}", captures_to_text(&captures(&manifest, &results.finished, 0), tick, 100));
 //! # Ok(())
 //! # }
 //! ```
 mod board;
+mod captures;
 mod clock;
 mod comparison;
-mod edges;
 mod estimate;
 mod execute;
 mod folder;
@@ -50,6 +51,7 @@ mod interrupt;
 mod journal;
 mod layout;
 mod manifest;
+mod named;
 mod parquet;
 mod progress;
 mod refusal;
@@ -57,9 +59,10 @@ mod run;
 mod table;
 
 pub use board::Watch;
+pub use captures::{Capture, captures, captures_to_text};
+pub(crate) use captures::{Repetitions, Waits, waits};
 pub(crate) use clock::now;
 pub use comparison::{Column, Comparison, Pair, PhaseTime, Time};
-pub use edges::{Edge, edges, edges_to_text};
 pub(crate) use estimate::words;
 pub use execute::Cancelled;
 pub(crate) use folder::RECORDINGS;
@@ -68,6 +71,8 @@ pub use interrupt::{INTERRUPTED, stop_on_interrupt};
 pub use journal::{Finished, JournalError};
 pub(crate) use layout::{Layout, paragraph};
 pub use manifest::{FORMAT, Manifest, Program, Source, Varied};
+pub use named::named;
+pub use parquet::{ColumnShape, TableShape, tables};
 pub use progress::Display;
 pub use refusal::FolderError;
 pub use run::{Means, Place, Results, RunError, run};

@@ -135,7 +135,7 @@ fn rest(manifest: &Manifest, snapshot: &Snapshot, elapsed: Duration) -> String {
 fn troubles(snapshot: &Snapshot) -> String {
     let mut text = String::new();
     for (runs, what) in [
-        (snapshot.tally.timed_out, "timed out"),
+        (snapshot.tally.stopped, "stopped"),
         (snapshot.tally.failed, "failed"),
     ] {
         if runs > 0 {

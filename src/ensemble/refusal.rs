@@ -2,7 +2,9 @@
 use std::io;
 use std::path::PathBuf;
 
+use super::folder::MANIFEST;
 use super::journal::JournalError;
+use crate::report::shell_file;
 
 /// Why a folder was refused.
 #[derive(Debug, thiserror::Error)]
@@ -26,6 +28,16 @@ pub enum FolderError {
         path: PathBuf,
         /// What is wrong with the manifest.
         reason: String,
+    },
+    /// Of an older layout.
+    #[error(
+        "`{path}` was filled by an older `stochc`, which kept less of each run; to make the same runs \
+         again: `stochc simulate --manifest {} --out NEW`",
+        shell_file(&.path.join(MANIFEST).to_string_lossy())
+    )]
+    Old {
+        /// The folder.
+        path: PathBuf,
     },
     /// The results of something else.
     #[error(

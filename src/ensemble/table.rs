@@ -1,6 +1,7 @@
 //! A comparison as text, in the layout of the paper's Tables I and II.
 use super::comparison::{Column, Comparison, Pair, Time};
 use super::layout::{Layout, paragraph};
+use crate::figures::Tick;
 use crate::statistics::Test;
 
 /// Below this, a difference is called one.
@@ -29,7 +30,9 @@ impl Comparison {
             true => c.runs.to_string(),
             false => format!("{} of {}", c.finished, c.runs),
         });
-        rows.add("Mean time to completion", |c| mean(c.time.as_ref()));
+        rows.add("Mean time to completion", |c| {
+            mean(c.time.as_ref(), Tick(c.tick))
+        });
         rows.add("Min time to completion", |c| figure(c, |t| t.min));
         rows.add("Max time to completion", |c| figure(c, |t| t.max));
         rows.add("SD", |c| figure(c, |t| t.sd));
@@ -39,12 +42,18 @@ impl Comparison {
             cv.map_or(NONE.into(), |cv| format!("{cv:.2}"))
         });
         rows.add("Timed out (censored)", |c| c.timed_out.to_string());
+        if self.programs.iter().any(|c| c.stopped > 0) {
+            rows.add("At --max-ticks (censored)", |c| c.stopped.to_string());
+        }
         rows.add("Failed", |c| c.failed.to_string());
         let phases = self.programs.iter().map(|c| c.phases).max().unwrap_or(0);
         for i in 0..phases {
             rows.add(&format!("Mean of phase {}", i + 1), |c| {
                 match c.phase_times.get(i) {
-                    Some(phase) => format!("{}: {}", phase.name, mean(phase.time.as_ref())),
+                    Some(phase) => {
+                        let mean = mean(phase.time.as_ref(), Tick(c.tick));
+                        format!("{}: {mean}", phase.name)
+                    }
                     None => String::new(),
                 }
             });
@@ -74,16 +83,18 @@ impl Comparison {
         let mut ticks: Vec<f64> = self.programs.iter().map(|column| column.tick).collect();
         ticks.dedup();
         let tick = match ticks[..] {
-            [tick] => format!("ticks of {} ms", round(tick * 1e3)),
+            [tick] => Tick(tick).unit(),
             _ => "ticks, each of its own scene".to_owned(),
         };
-        let mut notes = vec![format!("Times in {tick}; ± is half of a 95 % interval.")];
+        let mut notes = vec![format!(
+            "Times in {tick}, and in brackets in seconds; ± is half of a 95 % interval."
+        )];
         if self.programs.iter().any(|c| c.finished < c.runs) {
             let note = "Not all runs are finished; those under way longest are missing, so that \
                         times are too short.";
             notes.push(note.to_owned());
         }
-        let censored = |c: &Column| c.timed_out > 0;
+        let censored = |c: &Column| c.timed_out + c.stopped > 0;
         if self.programs.iter().any(censored) {
             let note = "≥: some runs were stopped before they completed, so that the mean is one \
                         of min(time, horizon), a lower bound; the median is Kaplan and Meier's, \
@@ -120,8 +131,8 @@ impl<'a> Rows<'a> {
     }
 }
 
-/// A mean with half of its interval; `≥` before a lower bound.
-pub(crate) fn mean(time: Option<&Time>) -> String {
+/// A mean with half of its interval, in ticks and in seconds; `≥` before a lower bound.
+pub(crate) fn mean(time: Option<&Time>, tick: Tick) -> String {
     let Some(time) = time else {
         return NONE.to_owned();
     };
@@ -129,15 +140,18 @@ pub(crate) fn mean(time: Option<&Time>) -> String {
     if let Some(half_width) = time.half_width {
         text += &format!(" ± {}", ticks(half_width));
     }
+    text += &tick.beside_interval(time.mean, time.half_width);
     match time.horizon {
         None => text,
-        Some(horizon) => format!("≥ {text} (to {})", ticks(horizon)),
+        Some(horizon) => format!("≥ {text}, to {}", ticks(horizon)),
     }
 }
 
 fn figure(column: &Column, of: impl Fn(&Time) -> Option<f64>) -> String {
     let figure = column.time.as_ref().and_then(of);
-    figure.map_or(NONE.to_owned(), ticks)
+    figure.map_or(NONE.to_owned(), |figure| {
+        ticks(figure) + &Tick(column.tick).beside(figure)
+    })
 }
 
 /// Whole ticks, except where they are few.
@@ -147,11 +161,6 @@ pub(crate) fn ticks(ticks: f64) -> String {
     } else {
         format!("{ticks:.0}")
     }
-}
-
-/// Six digits, without the zeros that say nothing.
-fn round(value: f64) -> f64 {
-    format!("{value:.5e}").parse().unwrap_or(value)
 }
 
 fn sentence(pair: &Pair) -> String {

@@ -5,8 +5,8 @@
 //! met end to end. Every other wait of the run was over before it mattered.
 use std::collections::{HashMap, VecDeque};
 
-use stochc_compiler::table::{PhaseId, RoleId};
-use stochc_runtime::record::{Origin, Outcome, RunRecord};
+use stochc_compiler::table::PhaseId;
+use stochc_runtime::record::{Outcome, RunRecord};
 
 use super::events::{Deed, Event, Events, Why};
 
@@ -58,69 +58,27 @@ impl Link {
     }
 }
 
-/// When every event of a run happened.
-///
-/// Captures are in the record. Releases happen as soon as what they wait for has; where the
-/// released block was captured again, the record knows the tick. With messages that take time the
-/// ready times of what was never magnetized are lower bounds.
+/// When every event of a run happened, as its record says; a release was ready as soon as what it waits
+/// for had happened.
 pub(super) fn moments(events: &Events, record: &RunRecord) -> Vec<Moment> {
-    let mut bonds: HashMap<(PhaseId, Deed), VecDeque<usize>> = HashMap::new();
-    let mut released: HashMap<RoleId, Vec<u64>> = HashMap::new();
-    for (i, bond) in record.bonds.iter().enumerate() {
-        let deed = Deed::Capture {
-            parent: bond.parent,
-            face: bond.face,
-            child: bond.child,
-        };
-        bonds.entry((bond.phase, deed)).or_default().push_back(i);
-        if let Origin::Released { role, tick } = bond.origin {
-            released.entry(role).or_default().push(tick);
-        }
-    }
+    let mut recorded = recorded(record);
     let begins = begins(record);
-    // The record says of captures when they were; what a release waits for stands before it, but for these.
     let mut moments: Vec<Moment> = (events.events.iter())
         .map(|event| {
-            let queue = bonds.get_mut(&(event.phase, event.deed));
-            let bond = queue.and_then(VecDeque::pop_front);
-            bond.map_or(Moment::default(), |i| Moment {
-                ready: Some(record.bonds[i].magnetized),
-                done: Some(record.bonds[i].docked),
-                bond: Some(i),
-            })
+            let queue = recorded.get_mut(&(event.phase, event.deed));
+            queue.and_then(VecDeque::pop_front).unwrap_or_default()
         })
         .collect();
     for (number, event) in events.events.iter().enumerate() {
-        if moments[number].bond.is_some() {
+        if event.deed.is_capture() {
             continue;
         }
         let begin = begins.get(event.phase.0 as usize);
-        // A cell that is still full keeps a block out, but no face from being magnetized.
-        let waits = met(event, &moments).filter(|(_, why, _)| *why != Why::Vacated);
-        let ready = waits
+        let ready = met(event, &moments)
             .map(|(_, _, done)| done)
             .chain([begin.copied()])
             .try_fold(0, |last, done| Some(last.max(done?)));
-        let moment = match event.deed {
-            Deed::Capture { .. } => Moment {
-                ready,
-                ..Moment::default()
-            },
-            Deed::Release { role } => {
-                let end = begins.get(event.phase.0 as usize + 1);
-                let end = end.copied().unwrap_or(record.ticks);
-                let known = ready.and_then(|ready| {
-                    let ticks = released.get(&role)?.iter();
-                    ticks.copied().find(|tick| (ready..=end).contains(tick))
-                });
-                Moment {
-                    ready,
-                    done: known.or(ready),
-                    bond: None,
-                }
-            }
-        };
-        moments[number] = moment;
+        moments[number].ready = ready;
     }
     moments
 }
@@ -150,6 +108,38 @@ fn met<'a>(
     others.chain(face)
 }
 
+/// What a record says of each thing that was done in a phase, in the order in which it was repeated.
+fn recorded(record: &RunRecord) -> HashMap<(PhaseId, Deed), VecDeque<Moment>> {
+    let mut recorded: HashMap<_, VecDeque<Moment>> = HashMap::new();
+    let mut add = |phase, deed, moment| {
+        recorded.entry((phase, deed)).or_default().push_back(moment);
+    };
+    for (i, bond) in record.bonds.iter().enumerate() {
+        let moment = Moment {
+            ready: Some(bond.magnetized),
+            done: Some(bond.docked),
+            bond: Some(i),
+        };
+        add(bond.phase, Deed::from(bond), moment);
+    }
+    for wait in &record.waiting {
+        let moment = Moment {
+            ready: Some(wait.magnetized),
+            ..Moment::default()
+        };
+        add(wait.phase, Deed::from(wait), moment);
+    }
+    for release in &record.releases {
+        let moment = Moment {
+            done: Some(release.tick),
+            ..Moment::default()
+        };
+        let role = release.child;
+        add(release.phase, Deed::Release { role }, moment);
+    }
+    recorded
+}
+
 /// The tick at which each phase began that did.
 fn begins(record: &RunRecord) -> Vec<u64> {
     let mut begins = vec![0];
@@ -169,7 +159,7 @@ pub(super) fn chain(events: &Events, record: &RunRecord, moments: &[Moment]) -> 
     }
     let begins = begins(record);
     let mut links = Vec::new();
-    if let Outcome::TimedOut { phase } = record.outcome {
+    if let Outcome::TimedOut { phase, .. } = record.outcome {
         unfinished(events, record, moments, phase, &mut links);
     }
     for (number, _) in record.phase_ticks.iter().enumerate().rev() {
@@ -278,8 +268,9 @@ fn since(events: &Events, moments: &[Moment], event: usize) -> Option<(usize, Wh
 
 #[cfg(test)]
 mod tests {
+    use stochc_compiler::table::RoleId;
     use stochc_compiler::{Cell, Face};
-    use stochc_runtime::record::BondRecord;
+    use stochc_runtime::record::{BondRecord, Limit, Origin, ReleaseRecord, WaitRecord};
 
     use super::*;
 
@@ -325,6 +316,20 @@ mod tests {
             hops: 0,
             unplanned: 0,
             bonds,
+            waiting: Vec::new(),
+            releases: Vec::new(),
+            unplanned_bonds: Vec::new(),
+        }
+    }
+
+    /// The release of E by its parent C.
+    fn release(tick: u64) -> ReleaseRecord {
+        ReleaseRecord {
+            phase: PhaseId(1),
+            parent: RoleId(2),
+            child: RoleId(4),
+            tick,
+            body: 4,
         }
     }
 
@@ -355,7 +360,8 @@ mod tests {
             bond(0, 2, 4, 30, 100),
             bond(1, 2, 5, 100, 160),
         ];
-        let record = record(Outcome::Completed, 160, &[100, 60], bonds);
+        let mut record = record(Outcome::Completed, 160, &[100, 60], bonds);
+        record.releases.push(release(100));
         let events = program();
         let links = chain(&events, &record, &moments(&events, &record));
         let expected = [
@@ -379,7 +385,8 @@ mod tests {
             bond(1, 2, 5, 95, 100),
         ];
         // Five ticks for the reports.
-        let record = record(Outcome::Completed, 100, &[95, 5], bonds);
+        let mut record = record(Outcome::Completed, 100, &[95, 5], bonds);
+        record.releases.push(release(95));
         let events = program();
         let links = chain(&events, &record, &moments(&events, &record));
         let expected = [
@@ -427,8 +434,20 @@ mod tests {
     #[test]
     fn a_run_that_was_stopped_waited_for_what_had_not_come() {
         let bonds = vec![bond(0, 0, 2, 0, 30), bond(0, 1, 3, 0, 90)];
-        let outcome = Outcome::TimedOut { phase: PhaseId(0) };
-        let record = record(outcome, 500, &[], bonds);
+        let outcome = Outcome::TimedOut {
+            phase: PhaseId(0),
+            by: Limit::Timeout,
+        };
+        let mut record = record(outcome, 500, &[], bonds);
+        record.waiting.push(WaitRecord {
+            phase: PhaseId(0),
+            parent: RoleId(2),
+            face: Face::Up,
+            child: RoleId(4),
+            cell: Cell::new(0, 0, 1),
+            magnetized: 30,
+            entries: 0,
+        });
         let events = program();
         let links = chain(&events, &record, &moments(&events, &record));
         assert_eq!(told(&links), [(Some(0), 0, 30), (Some(1), 30, 500)]);

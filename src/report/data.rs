@@ -150,7 +150,7 @@ fn captures(subjects: &[Subject], waits: &[Vec<Wait>]) -> String {
     ]);
     for (subject, waits) in subjects.iter().zip(waits) {
         for wait in waits {
-            let time = wait.time.as_ref();
+            let time = wait.time();
             table.row([
                 subject.label.clone(),
                 subject.program.phase(wait.phase).to_owned(),
@@ -159,10 +159,10 @@ fn captures(subjects: &[Subject], waits: &[Vec<Wait>]) -> String {
                 time.map_or(0, |time| time.censored).to_string(),
                 maybe(time.map(|time| time.mean)),
                 maybe(time.and_then(|time| time.half_width)),
-                maybe(wait.spread.map(|spread| spread.0)),
-                maybe(wait.spread.map(|spread| spread.1)),
-                maybe(wait.entries.as_ref().map(|entries| entries.mean)),
-                maybe(wait.docking.as_ref().map(|docking| docking.mean)),
+                maybe(wait.spread().map(|spread| spread.0)),
+                maybe(wait.spread().map(|spread| spread.1)),
+                maybe(wait.entries()),
+                maybe(wait.docking()),
                 maybe(wait.share),
                 wait.decided.to_string(),
             ]);
@@ -175,9 +175,9 @@ fn origins(subjects: &[Subject], waits: &[Vec<Wait>]) -> String {
     let mut table = Table::new(["program", "phase", "capture", "origin", "role", "captured"]);
     for (subject, waits) in subjects.iter().zip(waits) {
         for wait in waits {
-            let released = wait.released.iter();
+            let released = wait.released().iter();
             let released = released.map(|(role, n)| ("released", subject.program.role(*role), *n));
-            let all = std::iter::once(("free", "", wait.free)).chain(released);
+            let all = std::iter::once(("free", "", wait.free())).chain(released);
             for (origin, role, n) in all.filter(|(.., n)| *n > 0) {
                 table.row([
                     subject.label.clone(),

@@ -8,7 +8,7 @@ use stochc_compiler::graph::Dependency;
 use stochc_compiler::plan::{self, EventId};
 use stochc_compiler::table::{PhaseId, RoleId};
 use stochc_compiler::{Checked, Face, Levels, emit};
-use stochc_runtime::record::RunRecord;
+use stochc_runtime::record::{BondRecord, RunRecord, WaitRecord};
 
 use crate::ensemble::Program;
 
@@ -56,6 +56,26 @@ pub(super) enum Why {
     Emptied,
     Vacated,
     Freed,
+}
+
+impl From<&BondRecord> for Deed {
+    fn from(bond: &BondRecord) -> Deed {
+        Deed::Capture {
+            parent: bond.parent,
+            face: bond.face,
+            child: bond.child,
+        }
+    }
+}
+
+impl From<&WaitRecord> for Deed {
+    fn from(wait: &WaitRecord) -> Deed {
+        Deed::Capture {
+            parent: wait.parent,
+            face: wait.face,
+            child: wait.child,
+        }
+    }
 }
 
 impl Deed {
@@ -205,18 +225,20 @@ fn side_by_side<I: Iterator<Item = u32>>(count: usize, waits: impl Fn(u32) -> I)
     order
 }
 
-/// What was captured in any run: by phase, earlier ones first on average.
+/// What was captured or waited for in any run: by phase, earlier ones first on average.
 fn seen(runs: &[RunRecord]) -> Vec<Event> {
     let mut found: BTreeMap<(PhaseId, Deed), (u64, u64)> = BTreeMap::new();
-    for bond in runs.iter().flat_map(|run| &run.bonds) {
-        let deed = Deed::Capture {
-            parent: bond.parent,
-            face: bond.face,
-            child: bond.child,
-        };
-        let (count, ticks) = found.entry((bond.phase, deed)).or_default();
+    let docked = |run: &RunRecord| {
+        let docked = run.bonds.iter();
+        let docked = docked.map(|bond| ((bond.phase, Deed::from(bond)), bond.docked));
+        let waiting = run.waiting.iter();
+        let waiting = waiting.map(|wait| ((wait.phase, Deed::from(wait)), run.ticks));
+        docked.chain(waiting).collect::<Vec<_>>()
+    };
+    for (what, tick) in runs.iter().flat_map(docked) {
+        let (count, ticks) = found.entry(what).or_default();
         *count += 1;
-        *ticks = ticks.saturating_add(bond.docked);
+        *ticks = ticks.saturating_add(tick);
     }
     let mut found: Vec<_> = found.into_iter().collect();
     found.sort_by_key(|&((phase, _), (count, ticks))| (phase, ticks / count));

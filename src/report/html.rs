@@ -17,7 +17,7 @@ pub(super) enum Cell {
     Marked(String),
     /// Words.
     Plain(String),
-    /// A figure, which stands on the right.
+    /// A figure, which stands on the right; may have several lines.
     Number(String),
 }
 
@@ -83,7 +83,10 @@ impl Html {
                 let (class, content) = match cell {
                     Cell::Marked(html) => ("", html.clone()),
                     Cell::Plain(text) => ("", escaped(text)),
-                    Cell::Number(text) => (" class=\"n\"", escaped(text)),
+                    Cell::Number(text) => {
+                        let lines: Vec<_> = text.lines().map(escaped).collect();
+                        (" class=\"n\"", lines.join("<br/> "))
+                    }
                 };
                 let _ = write!(self.text, "<{tag}{scope}{class}>{content}</{tag}>");
             }

@@ -1,5 +1,5 @@
 //! A run in words: the chain of events that decided how long it took.
-use stochc_runtime::record::{Origin, Outcome};
+use stochc_runtime::record::{Limit, Origin, Outcome};
 
 use super::chain::{Link, What};
 use super::events::Why;
@@ -13,19 +13,22 @@ const TOLD: usize = 12;
 /// A run's heading, in HTML: its number, what it is, how long it took.
 pub(super) fn heading(subject: &Subject, what: &str, run: &Run) -> String {
     let record = &run.record;
-    let seconds = record.ticks as f64 * subject.program.scene.tick;
     let end = match &record.outcome {
         Outcome::Completed => String::new(),
-        Outcome::TimedOut { phase } => {
-            format!(", stopped in phase {}", code(subject.program.phase(*phase)))
+        Outcome::TimedOut { phase, by } => {
+            let by = match by {
+                Limit::Timeout => "its timeout",
+                Limit::MaxTicks => "<code>--max-ticks</code>",
+            };
+            let phase = code(subject.program.phase(*phase));
+            format!(", stopped by {by} in phase {phase}")
         }
         Outcome::Failed { .. } => ", failed".to_owned(),
     };
     format!(
-        "Run {}, the {what}: {} ({} s){end}",
+        "Run {}, the {what}: {}{end}",
         record.run,
-        ticks(record.ticks),
-        number(seconds)
+        ticks(subject, record.ticks)
     )
 }
 
@@ -45,14 +48,14 @@ pub(super) fn story(subject: &Subject, run: &Run) -> Vec<String> {
     let mut passed: Vec<&Link> = Vec::new();
     for link in &run.chain {
         if told(&link) {
-            items.extend(between(&passed));
+            items.extend(between(subject, &passed));
             passed.clear();
             items.push(item(subject, run, link));
         } else {
             passed.push(link);
         }
     }
-    items.extend(between(&passed));
+    items.extend(between(subject, &passed));
     items
 }
 
@@ -67,7 +70,7 @@ pub(super) fn lead(subject: &Subject, run: &Run) -> Option<String> {
     (share >= 25.0).then(|| format!("{} alone took {share:.0} % of it.", code(&text)))
 }
 
-fn between(passed: &[&Link]) -> Option<String> {
+fn between(subject: &Subject, passed: &[&Link]) -> Option<String> {
     let waits: Vec<u64> = passed.iter().map(|link| link.ticks()).collect();
     let spent = waits
         .iter()
@@ -79,10 +82,10 @@ fn between(passed: &[&Link]) -> Option<String> {
     }
     let (first, last) = (passed.first()?, passed.last()?);
     Some(format!(
-        "{} waits of at most {}, one after the other, took {} (from tick {} to {}).",
+        "{} waits of at most {}, one after the other, took {}, from tick {} to {}.",
         waits.iter().filter(|wait| **wait > 0).count(),
-        ticks(longest),
-        ticks(spent),
+        ticks(subject, longest),
+        ticks(subject, spent),
         number(first.from as f64),
         number(last.to as f64)
     ))
@@ -91,21 +94,23 @@ fn between(passed: &[&Link]) -> Option<String> {
 fn item(subject: &Subject, run: &Run, link: &Link) -> String {
     let at = |tick: u64| number(tick as f64);
     let share = 100.0 * link.ticks() as f64 / run.record.ticks.max(1) as f64;
+    // The time of the link in seconds, and what part of the run's it is.
+    let seconds = subject.tick().seconds(link.ticks() as f64);
     let share = match share {
-        share if share >= 0.5 => format!(" ({share:.0} %)"),
-        _ => String::new(),
+        share if share >= 0.5 => format!(" ({seconds}, {share:.0} %)"),
+        _ => format!(" ({seconds})"),
     };
     match link.what {
         What::Reports => format!(
             "Then the reports took {}{share} to reach the plate.",
-            ticks(link.ticks())
+            count(link.ticks())
         ),
         What::Pending { event } => {
             let text = subject.events.events[event].deed.text(subject.program);
             format!(
                 "{} had waited <strong>{}</strong>{share} when the run was stopped: from tick {}, {}.",
                 code(&text),
-                ticks(link.ticks()),
+                count(link.ticks()),
                 at(link.from),
                 reason(subject, link)
             )
@@ -115,7 +120,7 @@ fn item(subject: &Subject, run: &Run, link: &Link) -> String {
             let Some(bond) = bond.map(|i| &run.record.bonds[i]) else {
                 let waited = match link.ticks() {
                     0 => String::new(),
-                    n => format!(" after {}", ticks(n)),
+                    n => format!(" after {}", ticks(subject, n)),
                 };
                 return format!(
                     "{}{waited}, at tick {}, {}.",
@@ -142,10 +147,10 @@ fn item(subject: &Subject, run: &Run, link: &Link) -> String {
             format!(
                 "{} waited <strong>{}</strong>{share}, from tick {}, {}: {entries} took {} to dock{origin}.",
                 code(&text),
-                ticks(link.ticks()),
+                count(link.ticks()),
                 at(link.from),
                 reason(subject, link),
-                ticks(bond.docking)
+                ticks(subject, bond.docking)
             )
         }
     }
@@ -168,7 +173,12 @@ fn reason(subject: &Subject, link: &Link) -> String {
     }
 }
 
-fn ticks(n: u64) -> String {
+/// A number of ticks, in seconds as well.
+fn ticks(subject: &Subject, n: u64) -> String {
+    count(n) + &subject.tick().beside(n as f64)
+}
+
+fn count(n: u64) -> String {
     match n {
         1 => "1 tick".to_owned(),
         n => format!("{} ticks", number(n as f64)),

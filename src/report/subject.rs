@@ -1,9 +1,10 @@
 //! One program of one folder: its runs, and what can be told of each.
 use stochc_runtime::record::{Outcome, RunRecord};
 
-use super::chain::{Link, Moment, chain, moments};
+use super::chain::{Link, chain, moments};
 use super::events::Events;
 use crate::ensemble::{Finished, Manifest, Program};
+use crate::figures::Tick;
 use crate::statistics::Observation;
 
 /// A results folder that has been read.
@@ -36,8 +37,6 @@ pub(super) struct Subject<'a> {
 #[derive(Clone, Debug)]
 pub(super) struct Run {
     pub record: RunRecord,
-    /// For each event.
-    pub moments: Vec<Moment>,
     pub chain: Vec<Link>,
 }
 
@@ -53,11 +52,7 @@ pub(super) fn subjects(inputs: &[Input]) -> Vec<Subject<'_>> {
             let run = |record: RunRecord| {
                 let moments = moments(&events, &record);
                 let chain = chain(&events, &record, &moments);
-                Run {
-                    record,
-                    moments,
-                    chain,
-                }
+                Run { record, chain }
             };
             let runs = records.into_iter().map(run).collect();
             let same = |other: &Input| {
@@ -103,6 +98,11 @@ fn short_path(inputs: &[Input], folder: usize) -> &str {
 }
 
 impl Subject<'_> {
+    /// The clock of its scene.
+    pub fn tick(&self) -> Tick {
+        Tick(self.program.scene.tick)
+    }
+
     /// Times to completion, in ticks; a failed run has none.
     pub fn times(&self) -> Vec<Observation> {
         self.runs.iter().filter_map(Run::time).collect()

@@ -71,7 +71,7 @@ fn found(subjects: &[Subject], clock: Clock) -> Vec<Sweep> {
                 vec![Value { value, si: value }],
                 subject.manifest.runs,
                 &records,
-                clock.tick(subject),
+                (subject.program.scene.tick, clock.tick(subject)),
             ))
         };
         let mut points: Vec<Point> = group.iter().filter_map(point).collect();

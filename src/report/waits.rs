@@ -1,12 +1,10 @@
 //! The captures of a program in figures: how long each was waited for, and how much that mattered.
-use std::collections::BTreeMap;
-
 use stochc_compiler::table::{PhaseId, RoleId};
-use stochc_runtime::record::{Origin, Outcome};
+use stochc_runtime::record::Outcome;
 
+use super::events::Deed;
 use super::subject::Subject;
-use crate::ensemble::Time;
-use crate::statistics::{Observation, Summary, quantile};
+use crate::ensemble::{self, Repetitions, Time, Waits};
 
 /// One capture of a program, over all runs that did not fail.
 #[derive(Clone, Debug)]
@@ -18,23 +16,47 @@ pub(super) struct Wait {
     pub text: String,
     /// Whether it depends on the capture before it in the list.
     pub follows: bool,
-    /// From the magnetizing of the face to the docking \[ticks\]; censored in a run that was
-    /// stopped before.
-    pub time: Option<Time>,
-    /// The tenth and the ninetieth percentile of the waits that ended \[ticks\].
-    pub spread: Option<(f64, f64)>,
-    /// Entries of blocks into the reach of the pull for each capture, on average.
-    pub entries: Option<Summary>,
-    /// Ticks from the captured block's last entry to its docking, on average.
-    pub docking: Option<Summary>,
-    /// Blocks that had never been captured.
-    pub free: usize,
-    /// Blocks that had been released before, by their last role.
-    pub released: Vec<(RoleId, usize)>,
+    /// What the runs say of it; `None`: none has ever waited for it.
+    pub waits: Option<Waits>,
     /// Its part of the time of all runs together, on the chains that decided them; 0 to 1.
     pub share: Option<f64>,
     /// In how many runs it was a link of that chain.
     pub decided: usize,
+}
+
+impl Wait {
+    /// From the magnetizing of the face to the docking \[ticks\]; censored in a run that was
+    /// stopped before.
+    pub fn time(&self) -> Option<&Time> {
+        Some(&self.waits.as_ref()?.time)
+    }
+
+    /// The tenth and the ninetieth percentile of the waits that ended \[ticks\].
+    pub fn spread(&self) -> Option<(f64, f64)> {
+        self.waits.as_ref()?.spread
+    }
+
+    /// Entries of blocks into the reach of the pull for each capture, on average.
+    pub fn entries(&self) -> Option<f64> {
+        let entries = self.waits.as_ref()?.entries.as_ref()?;
+        Some(entries.mean)
+    }
+
+    /// Ticks from the captured block's last entry to its docking, on average.
+    pub fn docking(&self) -> Option<f64> {
+        let docking = self.waits.as_ref()?.docking.as_ref()?;
+        Some(docking.mean)
+    }
+
+    /// How many captured blocks had never been captured.
+    pub fn free(&self) -> usize {
+        self.waits.as_ref().map_or(0, |waits| waits.free)
+    }
+
+    /// How many had been released before, by their last role.
+    pub fn released(&self) -> &[(RoleId, usize)] {
+        self.waits.as_ref().map_or(&[], |waits| &waits.released)
+    }
 }
 
 /// Every capture of a program, in the order of its events.
@@ -56,45 +78,26 @@ pub(super) fn waits(subject: &Subject) -> Vec<Wait> {
         }
     }
     let ordered = subject.events.tables.is_some();
+    let mut known = ensemble::waits(runs().map(|run| &run.record));
+    let mut done = Repetitions::default();
     let mut found: Vec<Wait> = Vec::new();
     for (number, event) in subject.events.events.iter().enumerate() {
-        if !event.deed.is_capture() {
+        let Deed::Capture {
+            parent,
+            face,
+            child,
+        } = event.deed
+        else {
             continue;
-        }
-        let mut times = Vec::new();
-        let (mut entries, mut docking) = (Vec::new(), Vec::new());
-        let (mut free, mut released) = (0, BTreeMap::<RoleId, usize>::new());
-        for run in runs() {
-            let moment = run.moments[number];
-            if let Some(bond) = moment.bond.map(|i| &run.record.bonds[i]) {
-                let wait = bond.docked.saturating_sub(bond.magnetized);
-                times.push(Observation::completed(wait as f64));
-                entries.push(f64::from(bond.entries));
-                docking.push(bond.docking as f64);
-                match bond.origin {
-                    Origin::Free => free += 1,
-                    Origin::Released { role, .. } => *released.entry(role).or_default() += 1,
-                }
-            } else if let (Some(ready), true) = (moment.ready, ordered) {
-                let cut = run.record.ticks.saturating_sub(ready);
-                times.push(Observation::censored(cut as f64));
-            }
-        }
-        let known: Vec<f64> = (times.iter().filter(|time| time.completed))
-            .map(|time| time.time)
-            .collect();
+        };
+        let key = done.next(event.phase, (parent, face, child));
         let before = found.last().map(|wait| wait.event);
         found.push(Wait {
             event: number,
             phase: event.phase,
             text: event.deed.text(subject.program),
             follows: (event.waits_for.iter()).any(|&(first, _)| Some(first) == before),
-            time: Time::of(&times),
-            spread: quantile(&known, 0.1).zip(quantile(&known, 0.9)),
-            entries: Summary::of(&entries),
-            docking: Summary::of(&docking),
-            free,
-            released: released.into_iter().collect(),
+            waits: known.remove(&key),
             share: (ordered && total > 0.0).then(|| spent[number] / total),
             decided: decided[number],
         });

@@ -3,7 +3,11 @@ use serde::Serialize;
 use stochc_runtime::record::{Origin, Outcome, RunRecord};
 
 use crate::ensemble::{Finished, Manifest, Program, Time, Varied};
+use crate::figures::Tick;
 use crate::statistics::{Observation, share_interval};
+
+/// The unit of times where all scenes have ticks of one length.
+const TICKS: &str = "ticks";
 
 /// Numbers of a scene that were varied, and what became of the times.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -34,6 +38,8 @@ pub struct Point {
     pub program: String,
     /// One for each axis.
     pub values: Vec<Value>,
+    /// Length of a tick of its scene \[s\].
+    pub tick: f64,
     /// Runs asked for.
     pub runs: u64,
     /// Runs that completed.
@@ -89,13 +95,14 @@ impl Dial {
 impl Sweep {
     /// What came of the sweep that a manifest asks for; `None`: it asks for none.
     pub fn of(manifest: &Manifest, finished: &[Finished]) -> Option<Sweep> {
-        let varied = |program: &&Program| !program.varied.is_empty();
-        let first = manifest.programs.iter().find(varied)?;
         let dial = |varied: &Varied| Dial {
             of: varied.of.clone(),
             unit: varied.unit.clone(),
         };
-        let axes: Vec<Dial> = first.varied.iter().map(dial).collect();
+        let axes: Vec<Dial> = manifest.axes().iter().map(dial).collect();
+        if axes.is_empty() {
+            return None;
+        }
         let mut ticks = manifest.programs.iter().map(|program| program.scene.tick);
         let is_one = ticks.next().is_some_and(|tick| ticks.all(|it| it == tick));
         let programs = manifest.programs.iter().enumerate();
@@ -113,14 +120,20 @@ impl Sweep {
                 program.name.clone(),
                 program.name.replace(&program.point(), ""),
             );
-            let tick = if is_one { 1.0 } else { program.scene.tick };
-            Point::of(names, values.collect(), manifest.runs, &records, tick)
+            let tick = program.scene.tick;
+            let clock = (tick, if is_one { 1.0 } else { tick });
+            Point::of(names, values.collect(), manifest.runs, &records, clock)
         };
         Some(Sweep {
-            unit: if is_one { "ticks" } else { "s" },
+            unit: if is_one { TICKS } else { "s" },
             points: same.map(point).collect(),
             axes,
         })
+    }
+
+    /// The clock of a point, where times are in ticks; `None`: they are in seconds.
+    pub(crate) fn tick(&self, point: &Point) -> Option<Tick> {
+        (self.unit == TICKS).then_some(Tick(point.tick))
     }
 
     /// The names of the programs that were swept, each once.
@@ -136,19 +149,19 @@ impl Sweep {
 }
 
 impl Point {
-    /// Sums up the runs of a point, whose name is given with its values and without; `tick` is the
-    /// length of a tick in the unit of the sweep.
+    /// Sums up the runs of a point, whose name is given with its values and without; then the length of
+    /// a tick in seconds, and in the unit of the sweep.
     pub(crate) fn of(
         (name, program): (String, String),
         values: Vec<Value>,
         runs: u64,
         records: &[&RunRecord],
-        tick: f64,
+        (tick, unit): (f64, f64),
     ) -> Point {
         let mut times = Vec::new();
         let (mut captures, mut released, mut spent) = (0, 0, 0.0);
         for record in records {
-            let time = record.ticks as f64 * tick;
+            let time = record.ticks as f64 * unit;
             match record.outcome {
                 Outcome::Completed => times.push(Observation::completed(time)),
                 Outcome::TimedOut { .. } => times.push(Observation::censored(time)),
@@ -169,6 +182,7 @@ impl Point {
             name,
             program,
             values,
+            tick,
             runs,
             completed,
             stopped: times.len() - completed,

@@ -9,10 +9,10 @@ const NONE: &str = "-";
 impl Sweep {
     /// The table, and what its figures mean; `width` is that of the terminal, in characters.
     pub fn to_text(&self, width: usize) -> String {
-        let seconds = self.unit != "ticks";
-        let time = |value: f64| match seconds {
-            true => number(value),
-            false => ticks(value),
+        // A time of a point in the unit of the sweep, and in seconds beside ticks.
+        let time = |point: &Point, value: f64| match self.tick(point) {
+            Some(tick) => ticks(value) + &tick.beside(value),
+            None => number(value),
         };
         let column = |header: &str, cell: &dyn Fn(&Point) -> String| {
             (header.to_owned(), self.points.iter().map(cell).collect())
@@ -23,19 +23,20 @@ impl Sweep {
             column("completed", &|point| {
                 format!("{} of {}", point.completed, point.finished())
             }),
-            column("mean time", &|point| match seconds {
-                true => maybe(point.time.as_ref().map(|it| {
+            column("mean time", &|point| match self.tick(point) {
+                None => maybe(point.time.as_ref().map(|it| {
                     let half = it.half_width.map(|half| format!(" ± {}", number(half)));
                     let bound = if it.censored > 0 { "≥ " } else { "" };
                     format!("{bound}{}{}", number(it.mean), half.unwrap_or_default())
                 })),
-                false => mean(point.time.as_ref()),
+                Some(tick) => mean(point.time.as_ref(), tick),
             }),
             column("median", &|point| {
-                maybe(point.time.as_ref().and_then(|it| it.median).map(time))
+                let median = point.time.as_ref().and_then(|it| it.median);
+                maybe(median.map(|median| time(point, median)))
             }),
             column("per capture", &|point| {
-                maybe(point.time_per_capture.map(time))
+                maybe(point.time_per_capture.map(|it| time(point, it)))
             }),
             column("released", &|point| share(point.released)),
         ];
@@ -62,7 +63,7 @@ impl Sweep {
              let go.",
             match self.unit {
                 "s" => "seconds, because the points differ in the length of a tick",
-                unit => unit,
+                _ => "ticks, and in brackets in seconds",
             }
         )];
         let points = || self.points.iter();

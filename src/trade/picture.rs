@@ -5,7 +5,7 @@ use stochc_runtime::{Model, Precision};
 
 use super::advice::{relative, within};
 use super::report::{Rung, Trade};
-use super::table::seconds;
+use crate::figures::seconds;
 use crate::figures::{escaped, line, text};
 
 const WIDTH: f64 = 1020.0;

@@ -3,6 +3,7 @@ use super::advice::{relative, share};
 use super::ranking::Verdict;
 use super::report::{Cell, Program, Rung, Trade};
 use crate::ensemble::{paragraph, ticks};
+use crate::figures::{Tick, seconds};
 
 /// In place of a figure that does not exist.
 const NONE: &str = "-";
@@ -84,9 +85,11 @@ impl Trade {
             .zip(whole)
             .map(|(cost, whole)| share(cost / whole));
         let bound = if cell.horizon.is_some() { "≥ " } else { "" };
-        let mean = cell.mean.map(|mean| match cell.half_width {
-            Some(half_width) => format!("{bound}{} ± {}", ticks(mean), ticks(half_width)),
-            None => format!("{bound}{}", ticks(mean)),
+        let tick = Tick(self.programs[program].scene.tick);
+        let mean = cell.mean.map(|mean| {
+            let half = cell.half_width.map(|half| format!(" ± {}", ticks(half)));
+            let beside = tick.beside_interval(mean, cell.half_width);
+            format!("{bound}{}{}{beside}", ticks(mean), half.unwrap_or_default())
         });
         let blank = |text: Option<String>| match itself {
             true => String::new(),
@@ -176,7 +179,7 @@ impl Trade {
         let mut notes = vec![
             "Settings are model and substeps, and what differs from the defaults. CPU/run is the \
              median processor time of a run, ratio the same over the reference's; means are in \
-             ticks; bias is the mean over the reference's, less one; D is the largest difference \
+             ticks, in brackets in seconds; bias is the mean over the reference's, less one; D is the largest difference \
              of the two shares of completed runs, p its probability by chance alone; ±~is half \
              of a 95~% interval. front: no other setting is both cheaper and less biased."
                 .to_owned(),
@@ -271,20 +274,6 @@ fn columns<const N: usize>(header: &[&str; N], lines: &[Line], colour: bool) -> 
         text.push('\n');
     }
     text
-}
-
-/// A time in the unit that suits it, with three digits.
-pub(super) fn seconds(seconds: f64) -> String {
-    let (value, unit) = match seconds {
-        s if s < 1e-3 => (s * 1e6, "us"),
-        s if s < 1.0 => (s * 1e3, "ms"),
-        s => (s, "s"),
-    };
-    match value {
-        v if v >= 99.95 => format!("{v:.0} {unit}"),
-        v if v >= 9.995 => format!("{v:.1} {unit}"),
-        v => format!("{v:.2} {unit}"),
-    }
 }
 
 fn probability(p: f64) -> String {

@@ -42,8 +42,8 @@ fn runs_count_what_docks_where_nobody_expects_it() {
     let unplanned = said.row("Unplanned bonds");
     assert!(unplanned[0].parse::<f64>().unwrap() > 0.2, "{unplanned:?}");
     assert_eq!(unplanned[1], "-");
-    assert!(said.out.contains("assemble: A -> B"), "{}", said.out);
-    assert!(!said.out.contains("P -> A"), "{}", said.out);
+    assert!(said.out.contains("assemble: A.east -> B"), "{}", said.out);
+    assert!(!said.out.contains("P.up -> A"), "{}", said.out);
     let journal = fs::read_to_string(path(folder.path(), "runs/journal.jsonl")).unwrap();
     let mut counted = [0, 0];
     for line in journal.lines().skip(1) {

@@ -54,6 +54,31 @@ fn what_is_no_manifest_is_refused() {
     assert_eq!(said.status, 2, "the manifest says the seed");
 }
 
+/// A folder of an older layout lacks a part of each run, and what its manifest says does not.
+#[test]
+fn an_older_folder_is_refused_and_made_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let [fresh, old, again] =
+        ["fresh", "an old one", "again"].map(|name| path(folder.path(), name));
+    stochc_with(TOWER, &["--runs", "3", "--out", &fresh]);
+    stochc_with(TOWER, &["--runs", "3", "--out", &old]);
+    let manifest = path(old.as_ref(), "manifest.json");
+    let text = fs::read_to_string(&manifest).unwrap();
+    assert!(text.contains("\"format\": 2"));
+    fs::write(&manifest, text.replace("\"format\": 2", "\"format\": 1")).unwrap();
+    let way_out = format!("`stochc simulate --manifest '{manifest}' --out NEW`");
+    let resume = format!("{TOWER} --runs 3 --resume --out");
+    for line in ["results", "report --quiet", "replay --run 0", &resume] {
+        let said = stochc_with(line, &[&old]);
+        assert_eq!(said.status, 2, "{line}: {}", said.out);
+        assert!(said.err.contains("an older `stochc`"), "{}", said.err);
+        assert!(said.err.contains(&way_out), "{}", said.err);
+    }
+    let said = stochc_with("simulate --quiet --manifest", &[&manifest, "--out", &again]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    assert!(tables(&fresh) == tables(&again));
+}
+
 #[test]
 fn more_runs_are_added() {
     let folder = tempfile::tempdir().unwrap();

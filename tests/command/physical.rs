@@ -1,7 +1,7 @@
 //! A small ensemble of rigid bodies.
 use std::fs;
 
-use crate::stochc::{path, stochc, stochc_with, tables};
+use crate::stochc::{contains, path, stochc, stochc_with, tables};
 
 #[test]
 fn a_physical_run_depends_on_nothing_but_its_inputs() {
@@ -27,10 +27,10 @@ fn a_physical_run_depends_on_nothing_but_its_inputs() {
     // The same run, alone.
     let alone = "simulate tests/fixtures/dense.sa --seed 5 --run 2";
     let said = stochc_with(alone, &["--format", "json"]);
-    assert_eq!(said.json(), serde_json::json!([last["record"]]));
+    assert!(contains(&said.json()[0], &last["record"]), "{}", said.out);
     let told = stochc(alone).out;
     assert!(
-        told.starts_with("dense, run 2\n  phase grow, from tick 0\n"),
+        told.starts_with("dense, run 2\n  phase grow, from tick 0 (0 s)\n"),
         "{told}"
     );
     assert!(told.contains("T[1].up captures T[2]"), "{told}");

@@ -1,5 +1,5 @@
 //! Ensembles without physics: the shuffle does a capture a tick.
-use crate::stochc::{path, stochc, stochc_with, tables};
+use crate::stochc::{contains, path, stochc, stochc_with, tables};
 
 const TOWER: &str = "simulate --model shuffle --quiet tests/fixtures/tower.sa";
 
@@ -31,14 +31,16 @@ fn figures_come_as_json_too() {
     assert_eq!(figures["programs"][0]["time"]["mean"], 3.0);
     let both = stochc_with(TOWER, &["--runs", "4", "--format", "json", "--bonds"]).json();
     assert_eq!(both["comparison"], figures);
-    assert_eq!(both["captures"][0].as_array().unwrap().len(), 3);
+    let captures = &both["captures"][0];
+    assert_eq!(captures["program"], "tower");
+    assert_eq!(captures["captures"].as_array().unwrap().len(), 3);
 }
 
 #[test]
 fn captures_are_told_on_request() {
     let said = stochc_with(TOWER, &["--runs", "4", "--bonds"]);
     let (_, captures) = said.out.split_once("tower, capture by capture\n").unwrap();
-    for edge in ["foot: M -> A", "top: A -> B", "top: B -> C"] {
+    for edge in ["foot: M.up -> A", "top: A.up -> B", "top: B.up -> C"] {
         assert!(captures.contains(edge), "{captures}");
     }
 }
@@ -47,10 +49,11 @@ fn captures_are_told_on_request() {
 fn a_timeout_is_censored_and_a_status() {
     let said = stochc("simulate --model shuffle --runs 3 tests/fixtures/late.sa");
     assert_eq!(said.status, 3);
-    let told = "3 of 3 runs, 3 timed out, after ";
+    let told = "3 of 3 runs, 3 stopped, after ";
     assert!(said.err.starts_with(told), "{}", said.err);
     assert_eq!(said.row("Timed out (censored)"), ["3"]);
-    assert_eq!(said.row("Mean time to completion"), ["≥", "2", "(to", "2)"]);
+    let mean = said.row("Mean time to completion").join(" ");
+    assert_eq!(mean, "≥ 2 (40.0 ms), to 2");
     assert_eq!(said.row("SD"), ["-"], "unknown");
     assert!(
         said.out
@@ -59,14 +62,71 @@ fn a_timeout_is_censored_and_a_status() {
     // The limit of the command is censored like the program's own.
     let said = stochc_with(TOWER, &["--runs", "3", "--max-ticks", "2"]);
     assert_eq!(said.status, 3);
-    assert_eq!(said.row("Timed out (censored)"), ["3"]);
-    let said = stochc("simulate --model shuffle --run 0 tests/fixtures/late.sa");
-    assert_eq!(said.status, 3);
-    assert!(
-        said.out.contains("timed out in phase grow after 2 ticks"),
-        "{}",
-        said.out
+    assert_eq!(said.row("Timed out (censored)"), ["0"]);
+    assert_eq!(said.row("At --max-ticks (censored)"), ["3"]);
+}
+
+#[test]
+fn a_run_that_is_stopped_tells_by_what_and_what_it_waited_for() {
+    const LATE: &str = "simulate --model shuffle --run 0 tests/fixtures/late.sa";
+    for (limit, end) in [
+        ("9", "timed out in phase grow after 2 ticks (40.0 ms)"),
+        (
+            "1",
+            "stopped by `--max-ticks` in phase grow after 1 tick (20.0 ms)",
+        ),
+    ] {
+        let said = stochc_with(LATE, &["--max-ticks", limit]);
+        assert_eq!(said.status, 3);
+        assert!(said.out.contains(end), "{}", said.out);
+        assert!(said.out.contains("1 wait under way"), "{}", said.out);
+    }
+    let said = stochc(LATE);
+    let wait =
+        "tick       2  40.0 ms  T[2].up still waits for T[3] after 0 ticks (0 s) and 0 entries\n";
+    assert!(said.out.contains(wait), "{}", said.out);
+}
+
+/// Who reads the record of a run needs no other file to know who did what.
+#[test]
+fn a_run_in_json_has_names_beside_indices() {
+    let said = stochc("simulate --model shuffle --run 0 --format json tests/fixtures/late.sa");
+    let record = &said.json()[0];
+    assert_eq!(record["program"], "late");
+    assert_eq!(record["phase_names"], serde_json::json!(["grow"]));
+    assert_eq!(
+        (&record["tick"], &record["seconds"]),
+        (&0.02.into(), &0.04.into())
     );
+    let outcome = serde_json::json!(
+        { "kind": "timed_out", "phase": 0, "phase_name": "grow", "by": "timeout" }
+    );
+    assert_eq!(record["outcome"], outcome);
+    let wait = &record["waiting"][0];
+    assert_eq!(
+        [
+            &wait["phase_name"],
+            &wait["parent_name"],
+            &wait["child_name"]
+        ],
+        ["grow", "T[2]", "T[3]"]
+    );
+    let said = stochc("simulate --model shuffle --run 0 --format json tests/fixtures/attached.sa");
+    for record in said.json().as_array().unwrap() {
+        assert_eq!(record["bonds"][0]["phase_name"], "seed");
+        let release = &record["releases"][0];
+        assert_eq!(
+            [
+                &release["phase_name"],
+                &release["parent_name"],
+                &release["child_name"]
+            ],
+            ["move", "A", "B"]
+        );
+        let unplanned = record["unplanned_bonds"].as_array();
+        let unplanned = unplanned.map_or(0, Vec::len);
+        assert_eq!(record["unplanned"].as_u64().unwrap_or(0), unplanned as u64);
+    }
 }
 
 #[test]
@@ -117,7 +177,11 @@ fn one_run_is_that_of_the_ensemble() {
     for record in records {
         let run = record["run"].to_string();
         let said = stochc_with(TOWER, &["--seed", "7", "--format", "json", "--run", &run]);
-        assert_eq!(said.json(), serde_json::json!([record]), "run {run}");
+        assert!(
+            contains(&said.json()[0], &record),
+            "run {run}: {}",
+            said.out
+        );
     }
 }
 

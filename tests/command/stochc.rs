@@ -75,8 +75,25 @@ pub fn path(folder: &Path, name: &str) -> String {
     folder.join(name).to_str().unwrap().to_owned()
 }
 
+/// Whether a piece of JSON has all that another one has, and perhaps further fields.
+pub fn contains(whole: &serde_json::Value, part: &serde_json::Value) -> bool {
+    use serde_json::Value::{Array, Object};
+    match (whole, part) {
+        (Object(whole), Object(part)) => {
+            let mut fields = part.iter();
+            fields.all(|(name, part)| whole.get(name).is_some_and(|it| contains(it, part)))
+        }
+        (Array(whole), Array(part)) => {
+            let mut pairs = whole.iter().zip(part);
+            whole.len() == part.len() && pairs.all(|(whole, part)| contains(whole, part))
+        }
+        _ => whole == part,
+    }
+}
+
 /// The tables of a folder of results.
-pub fn tables(folder: &str) -> [Vec<u8>; 2] {
-    ["runs.parquet", "bonds.parquet"]
-        .map(|name| std::fs::read(Path::new(folder).join(name)).unwrap())
+pub fn tables(folder: &str) -> Vec<Vec<u8>> {
+    let names = stochc::ensemble::tables().into_iter();
+    let files = names.map(|table| Path::new(folder).join(format!("{}.parquet", table.name)));
+    files.map(|file| std::fs::read(file).unwrap()).collect()
 }

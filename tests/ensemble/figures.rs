@@ -1,13 +1,13 @@
 //! The table that compares programs, and the figures behind it.
 use insta::{assert_json_snapshot, assert_snapshot};
 use stochc::ensemble::{
-    Comparison, Display, Finished, Manifest, Means, Place, edges, edges_to_text, run,
+    Comparison, Display, Finished, Manifest, Means, Place, captures, captures_to_text, run,
 };
 use stochc::statistics::{Test, median};
 use stochc_compiler::table::PhaseId;
-use stochc_runtime::record::{Outcome, RunRecord};
+use stochc_runtime::record::{Limit, Outcome, RunRecord};
 
-use crate::world::{manifest, means, program, simulate};
+use crate::world::{manifest, means, program, scene, simulate};
 
 /// Runs of the first program at the times of [`LEFT`], of the second at those of [`RIGHT`].
 const LEFT: [u64; 8] = [2948, 6611, 5120, 7303, 14496, 4410, 3999, 6120];
@@ -23,6 +23,9 @@ fn record(run: usize, outcome: Outcome, phase_ticks: Vec<u64>, ticks: u64) -> Ru
         hops: 40,
         unplanned: 0,
         bonds: Vec::new(),
+        waiting: Vec::new(),
+        releases: Vec::new(),
+        unplanned_bonds: Vec::new(),
     }
 }
 
@@ -39,7 +42,10 @@ fn at(program: usize, times: &[u64]) -> Vec<Finished> {
 fn limit(finished: &mut [Finished], limit: u64) {
     for Finished { record, .. } in finished {
         if record.ticks > limit {
-            record.outcome = Outcome::TimedOut { phase: PhaseId(1) };
+            record.outcome = Outcome::TimedOut {
+                phase: PhaseId(1),
+                by: Limit::MaxTicks,
+            };
             record.phase_ticks.truncate(1);
             record.ticks = limit;
         }
@@ -138,10 +144,16 @@ fn captures_are_summed_up_by_edge() {
         ..means(2, &never)
     };
     let results = run(Place::Memory(&manifest), quiet, simulate).unwrap();
-    let found = edges(&manifest, &results.finished, 0);
-    assert_snapshot!(edges_to_text(&found, 100));
-    assert_eq!(found[1].released, [("B".to_owned(), found[1].n)]);
-    assert!(edges(&manifest, &[], 1).is_empty());
-    assert_snapshot!(edges_to_text(&[], 100), @"n   wait   CV   entries   docking   released before
+    let found = captures(&manifest, &results.finished, 0);
+    assert_snapshot!(captures_to_text(&found, scene().tick, 100));
+    let second = &found[1];
+    assert_eq!(second.released, [("B".to_owned(), second.wait.completed)]);
+    // Some runs were stopped while it was waited for; none of the waits is left out.
+    let runs = (results.finished.iter()).filter(|done| done.program == 0);
+    let runs = runs.filter(|done| !matches!(done.record.outcome, Outcome::Failed { .. }));
+    assert!(second.wait.censored > 0);
+    assert_eq!(second.wait.completed + second.wait.censored, runs.count());
+    assert!(captures(&manifest, &[], 1).is_empty());
+    assert_snapshot!(captures_to_text(&[], 1.0, 100), @"n   wait   CV   entries   docking   released before
 ─   ────   ──   ───────   ───────   ───────────────");
 }

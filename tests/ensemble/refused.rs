@@ -48,7 +48,7 @@ fn a_manifest_of_something_else_is_not_touched() {
     put(&folder.path().join("manifest.json"), "{\"icons\": []}");
     assert_snapshot!(refusal(folder.path(), &manifest(2), true), @"cannot read `manifest.json` in `DIR`: it is not the manifest of an ensemble; choose another folder, or read this one with the version that made it");
     put(&folder.path().join("manifest.json"), "{\"format\": 99}");
-    assert_snapshot!(refusal(folder.path(), &manifest(2), true), @"cannot read `manifest.json` in `DIR`: its format is 99, and this is 1; choose another folder, or read this one with the version that made it");
+    assert_snapshot!(refusal(folder.path(), &manifest(2), true), @"cannot read `manifest.json` in `DIR`: its format is 99, and this is 2; choose another folder, or read this one with the version that made it");
 }
 
 #[test]
@@ -128,7 +128,10 @@ fn what_a_crash_leaves_is_no_reason_to_refuse() {
             "bonds.parquet",
             "journal.jsonl",
             "manifest.json",
-            "runs.parquet"
+            "phases.parquet",
+            "releases.parquet",
+            "runs.parquet",
+            "unplanned.parquet"
         ]
     );
 }

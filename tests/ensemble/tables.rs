@@ -1,58 +1,102 @@
 //! The Parquet files, read back.
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::path::Path;
 
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use parquet::record::Field;
-use stochc::ensemble::Finished;
-use stochc_runtime::record::{Origin, Outcome};
+use serde_json::{Value, json};
+use stochc::ensemble::{Finished, Varied, tables};
+use stochc_compiler::table::PhaseId;
+use stochc_runtime::record::{Limit, Origin, Outcome};
 
-use crate::world::{complete, manifest};
+use crate::world::{complete, manifest, scene};
 
-fn rows(path: &Path) -> Vec<serde_json::Value> {
+fn rows(path: &Path) -> Vec<Value> {
     let reader = SerializedFileReader::new(File::open(path).unwrap()).unwrap();
     let rows = reader.get_row_iter(None).unwrap();
     rows.map(|row| {
         let row = row.unwrap();
         let columns = row.get_column_iter();
         columns
-            .map(|(name, field)| (name.clone(), json(field)))
+            .map(|(name, field)| (name.clone(), value(field)))
             .collect()
     })
     .collect()
 }
 
-fn json(field: &Field) -> serde_json::Value {
+fn value(field: &Field) -> Value {
     match field {
-        Field::Null => serde_json::Value::Null,
+        Field::Null => Value::Null,
+        Field::Bool(value) => (*value).into(),
+        Field::Double(value) => (*value).into(),
         Field::Int(value) => (*value).into(),
         Field::Long(value) => (*value).into(),
         Field::ULong(value) => (*value).into(),
         Field::Str(value) => value.as_str().into(),
-        Field::ListInternal(list) => list.elements().iter().map(json).collect(),
+        Field::ListInternal(list) => list.elements().iter().map(value).collect(),
         other => panic!("no column is a {other:?}"),
     }
 }
 
-/// What the table of runs should say.
-fn run_row(done: &Finished, seed: u64) -> serde_json::Value {
-    let names = ["first", "second"];
-    let (outcome, phase, reason) = match &done.record.outcome {
+/// The rows of a table of a folder.
+fn table(folder: &Path, name: &str) -> Vec<Value> {
+    rows(&folder.join(format!("{name}.parquet")))
+}
+
+const PROGRAMS: [&str; 2] = ["left", "right"];
+const PHASES: [&str; 2] = ["first", "second"];
+const ROLES: [&str; 3] = ["A", "B", "C"];
+
+fn word(outcome: &Outcome) -> (&'static str, Option<PhaseId>, Option<&str>) {
+    match outcome {
         Outcome::Completed => ("completed", None, None),
-        Outcome::TimedOut { phase } => ("timed_out", Some(phase), None),
-        Outcome::Failed { phase, reason } => ("failed", Some(phase), Some(reason)),
-    };
-    serde_json::json!({
-        "program": (["left", "right"][done.program]),
+        Outcome::TimedOut { phase, by } => match by {
+            Limit::Timeout => ("timed_out", Some(*phase), None),
+            Limit::MaxTicks => ("max_ticks", Some(*phase), None),
+        },
+        Outcome::Failed { phase, reason } => ("failed", Some(*phase), Some(reason)),
+    }
+}
+
+/// A row of something in a phase: which run it is, and `more`.
+fn row(done: &Finished, phase: PhaseId, more: Value) -> Value {
+    let mut row = json!({
+        "program": PROGRAMS[done.program],
         "run": done.record.run,
+        "phase": PHASES[phase.0 as usize],
+        "phase_number": phase.0,
+        "by_hand": false,
+    });
+    let fields = row.as_object_mut().unwrap();
+    fields.extend(more.as_object().unwrap().clone());
+    row
+}
+
+/// What the table of runs should say.
+fn run_row(done: &Finished, seed: u64) -> Value {
+    let record = &done.record;
+    let (outcome, phase, reason) = word(&record.outcome);
+    json!({
+        "program": PROGRAMS[done.program],
+        "run": record.run,
+        "assembly": "stack",
+        "scene": "void",
         "outcome": outcome,
-        "failed_phase": phase.map(|phase| names[phase.0 as usize]),
+        "failed_phase": phase.map(|phase| PHASES[phase.0 as usize]),
+        "failed_phase_number": phase.map(|phase| phase.0),
         "reason": reason,
-        "ticks": done.record.ticks,
-        "phase_ticks": done.record.phase_ticks,
-        "blocks_used": done.record.blocks_used,
-        "captures": done.record.bonds.len(),
-        "hops": done.record.hops,
+        "ticks": record.ticks,
+        "seconds": record.ticks as f64 * scene().tick,
+        "tick_seconds": scene().tick,
+        "phase_names": PHASES,
+        "phase_ticks": record.phase_ticks,
+        "blocks_used": record.blocks_used,
+        "captures": record.bonds.len(),
+        "under_way": record.waiting.len(),
+        "releases": record.releases.len(),
+        "unplanned": record.unplanned,
+        "hops": record.hops,
         "seed": seed,
     })
 }
@@ -61,59 +105,251 @@ fn run_row(done: &Finished, seed: u64) -> serde_json::Value {
 fn the_table_of_runs_says_what_the_records_say() {
     let folder = tempfile::tempdir().unwrap();
     let results = complete(folder.path(), &manifest(40), 2);
-    let expected: Vec<_> = results
-        .finished
-        .iter()
-        .map(|done| run_row(done, u64::MAX))
-        .collect();
-    assert_eq!(rows(&folder.path().join("runs.parquet")), expected);
+    let runs = results.finished.iter();
+    let expected: Vec<_> = runs.map(|done| run_row(done, u64::MAX)).collect();
+    for outcome in ["completed", "timed_out", "max_ticks", "failed"] {
+        assert!(expected.iter().any(|row| row["outcome"] == outcome));
+    }
+    assert_eq!(table(folder.path(), "runs"), expected);
+}
+
+#[test]
+fn the_table_of_phases_says_when_each_began_and_ended() {
+    let folder = tempfile::tempdir().unwrap();
+    let results = complete(folder.path(), &manifest(40), 2);
+    let mut expected = Vec::new();
+    for done in &results.finished {
+        let record = &done.record;
+        let mut began = 0;
+        for (i, ticks) in record.phase_ticks.iter().enumerate() {
+            let ended = began + ticks;
+            let more =
+                json!({ "outcome": "completed", "began": began, "ended": ended, "ticks": ticks });
+            expected.push(row(done, PhaseId(i as u32), more));
+            began = ended;
+        }
+        // Nothing is known of a run that broke down in the middle of a phase that nobody has counted to.
+        let (outcome, phase, _) = word(&record.outcome);
+        if let Some(phase) = phase.filter(|phase| phase.0 as usize == record.phase_ticks.len()) {
+            let ticks = record.ticks - began;
+            let more = json!({ "outcome": outcome, "began": began, "ended": null, "ticks": ticks });
+            expected.push(row(done, phase, more));
+        }
+    }
+    let ended = expected.iter().filter(|row| !row["ended"].is_null());
+    assert!(expected.len() > 100 && ended.count() < expected.len());
+    assert_eq!(table(folder.path(), "phases"), expected);
 }
 
 #[test]
 fn the_table_of_bonds_says_what_the_records_say() {
     let folder = tempfile::tempdir().unwrap();
     let results = complete(folder.path(), &manifest(40), 2);
-    let roles = ["A", "B", "C"];
-    let mut expected = Vec::new();
+    let (mut expected, mut under_way) = (Vec::new(), 0);
     for done in &results.finished {
         for bond in &done.record.bonds {
             let released = match bond.origin {
                 Origin::Free => None,
-                Origin::Released { role, tick } => Some((roles[role.0 as usize], tick)),
+                Origin::Released { role, tick } => Some((ROLES[role.0 as usize], tick)),
             };
-            expected.push(serde_json::json!({
-                "program": (["left", "right"][done.program]),
-                "run": done.record.run,
-                "phase": (["first", "second"][bond.phase.0 as usize]),
-                "parent": roles[bond.parent.0 as usize],
+            let more = json!({
+                "parent": ROLES[bond.parent.0 as usize],
                 "face": "up",
-                "child": roles[bond.child.0 as usize],
+                "child": ROLES[bond.child.0 as usize],
                 "x": bond.cell.x,
                 "y": bond.cell.y,
                 "z": bond.cell.z,
                 "magnetized": bond.magnetized,
                 "docked": bond.docked,
                 "wait": bond.docked - bond.magnetized,
+                "censored": false,
                 "entries": bond.entries,
                 "docking": bond.docking,
                 "body": bond.body,
                 "origin": if released.is_some() { "released" } else { "free" },
                 "origin_role": released.map(|(role, _)| role),
                 "released_at": released.map(|(_, tick)| tick),
-            }));
+            });
+            expected.push(row(done, bond.phase, more));
+        }
+        for wait in &done.record.waiting {
+            under_way += 1;
+            let more = json!({
+                "parent": ROLES[wait.parent.0 as usize],
+                "face": "up",
+                "child": ROLES[wait.child.0 as usize],
+                "x": wait.cell.x,
+                "y": wait.cell.y,
+                "z": wait.cell.z,
+                "magnetized": wait.magnetized,
+                "docked": null,
+                "wait": done.record.ticks - wait.magnetized,
+                "censored": true,
+                "entries": wait.entries,
+                "docking": null,
+                "body": null,
+                "origin": null,
+                "origin_role": null,
+                "released_at": null,
+            });
+            expected.push(row(done, wait.phase, more));
         }
     }
-    assert!(expected.len() > 100);
-    assert_eq!(rows(&folder.path().join("bonds.parquet")), expected);
+    assert!(expected.len() > 100 && under_way > 2);
+    assert_eq!(table(folder.path(), "bonds"), expected);
+}
+
+#[test]
+fn the_tables_of_releases_and_unplanned_bonds_say_what_the_records_say() {
+    let folder = tempfile::tempdir().unwrap();
+    let results = complete(folder.path(), &manifest(40), 2);
+    let (mut releases, mut unplanned) = (Vec::new(), Vec::new());
+    for done in &results.finished {
+        for release in &done.record.releases {
+            let more = json!({
+                "tick": release.tick,
+                "parent": ROLES[release.parent.0 as usize],
+                "child": ROLES[release.child.0 as usize],
+                "body": release.body,
+            });
+            releases.push(row(done, release.phase, more));
+        }
+        for bond in &done.record.unplanned_bonds {
+            let more = json!({
+                "tick": bond.tick,
+                "parent": ROLES[bond.parent.0 as usize],
+                "face": bond.face.word(),
+                "body": bond.body,
+            });
+            unplanned.push(row(done, bond.phase, more));
+        }
+    }
+    assert!(releases.len() > 10 && unplanned.len() > 10);
+    assert_eq!(table(folder.path(), "releases"), releases);
+    assert_eq!(table(folder.path(), "unplanned"), unplanned);
 }
 
 #[test]
 fn an_ensemble_without_runs_has_empty_tables() {
     let folder = tempfile::tempdir().unwrap();
     assert!(complete(folder.path(), &manifest(0), 1).complete);
-    assert_eq!(
-        rows(&folder.path().join("runs.parquet")),
-        [0; 0].map(serde_json::Value::from)
-    );
-    assert!(rows(&folder.path().join("bonds.parquet")).is_empty());
+    for shape in tables() {
+        assert_eq!(table(folder.path(), &shape.name), [0; 0].map(Value::from));
+    }
+}
+
+/// Of a sweep each number is a column, in the unit of the command line.
+#[test]
+fn numbers_of_a_sweep_are_columns_of_every_table() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut manifest = manifest(6);
+    for (program, said) in manifest.programs.iter_mut().zip([2.5, 4.0]) {
+        program.varied = vec![Varied {
+            of: "bond.pull".into(),
+            value: said / 1000.0,
+            said,
+            unit: "mN".into(),
+        }];
+    }
+    complete(folder.path(), &manifest, 1);
+    for shape in tables() {
+        let rows = table(folder.path(), &shape.name);
+        assert!(!rows.is_empty(), "{}", shape.name);
+        for row in rows {
+            let said = if row["program"] == "left" { 2.5 } else { 4.0 };
+            assert_eq!(row["scene_bond_pull"], said, "{row}");
+        }
+        let columns = metadata(folder.path(), &shape.name)["stochc.columns"].clone();
+        let columns: Vec<Value> = serde_json::from_str(&columns).unwrap();
+        let column = columns.iter().find(|it| it["name"] == "scene_bond_pull");
+        assert_eq!(column.unwrap()["unit"], "mN");
+    }
+}
+
+/// The pairs of keys and values of a table.
+fn metadata(folder: &Path, name: &str) -> BTreeMap<String, String> {
+    let file = File::open(folder.join(format!("{name}.parquet"))).unwrap();
+    let reader = SerializedFileReader::new(file).unwrap();
+    let metadata = reader.metadata().file_metadata();
+    let pairs = metadata.key_value_metadata().unwrap().iter();
+    let pairs = pairs.map(|pair| (pair.key.clone(), pair.value.clone().unwrap()));
+    pairs.collect()
+}
+
+#[test]
+fn every_table_says_what_it_is_and_of_what() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut manifest = manifest(2);
+    manifest.max_ticks = Some(900);
+    manifest.programs[1].scene.tick = 0.5;
+    complete(folder.path(), &manifest, 1);
+    for shape in tables() {
+        let about = metadata(folder.path(), &shape.name);
+        let columns: Value = serde_json::from_str(&about["stochc.columns"]).unwrap();
+        assert_eq!(columns, json!(shape.columns));
+        let known = [
+            ("table", shape.name.clone()),
+            ("row", shape.row.clone()),
+            ("version", manifest.stochc.clone()),
+            ("ensemble", manifest.identity()),
+            ("model", "hash".into()),
+            ("substeps", "1".into()),
+            ("settings", "{}".into()),
+            ("seed", u64::MAX.to_string()),
+            ("runs", "2".into()),
+            ("max_ticks", "900".into()),
+            ("side_m", scene().block.side.to_string()),
+        ];
+        for (key, value) in known {
+            assert_eq!(about[&format!("stochc.{key}")], value, "{key}");
+        }
+        // The programs have clocks of their own.
+        assert!(!about.contains_key("stochc.tick_s"));
+        let programs: Value = serde_json::from_str(&about["stochc.programs"]).unwrap();
+        assert_eq!(programs[0]["name"], "left");
+        assert_eq!(programs[0]["scene"], "void");
+        assert_eq!(programs[0]["tick_s"], scene().tick);
+        assert_eq!(programs[1]["tick_s"], 0.5);
+        assert_eq!(
+            programs[1]["phases"],
+            json!(PHASES.map(|name| json!({ "name": name, "by_hand": false })))
+        );
+    }
+}
+
+/// `docs/results.md` has every column, with its type, its unit, what it says, and when it is null.
+///
+/// Written anew with `STOCHC_WRITE_DOCS=1 cargo test --test ensemble columns`.
+#[test]
+fn all_columns_are_documented() {
+    const PAGE: &str = "docs/results.md";
+    const BEGIN: &str = "<!-- tables: written by tests/ensemble/tables.rs -->\n";
+    const END: &str = "<!-- end of tables -->\n";
+    let page = std::fs::read_to_string(PAGE).unwrap();
+    let (before, rest) = page.split_once(BEGIN).unwrap();
+    let (_, after) = rest.split_once(END).unwrap();
+    let mut text = String::new();
+    for table in tables() {
+        text += &format!(
+            "\n### `{}.parquet`\n\nA row for {}.\n\n",
+            table.name, table.row
+        );
+        text += "| column | type | unit | what it says | null when |\n|---|---|---|---|---|\n";
+        for column in &table.columns {
+            let null = column.null.as_deref().unwrap_or("");
+            let (name, kind, unit) = (&column.name, column.kind, &column.unit);
+            let row = format!(
+                "| `{name}` | {kind} | {unit} | {} | {null} |\n",
+                column.meaning
+            );
+            text += &row.replace("|  |", "| |").replace("|  |", "| |");
+        }
+    }
+    text.push('\n');
+    let expected = format!("{before}{BEGIN}{text}{END}{after}");
+    if std::env::var_os("STOCHC_WRITE_DOCS").is_some() {
+        crate::world::put(Path::new(PAGE), &expected);
+        return;
+    }
+    assert!(page == expected, "write it anew with STOCHC_WRITE_DOCS=1");
 }

@@ -9,7 +9,9 @@ use stochc::ensemble::{
 use stochc_compiler::scene::{Arrangement, Block, Enclosure, Free, Scene};
 use stochc_compiler::table::{Action, Phase, PhaseId, Plate, Role, RoleId, Tables, Trigger};
 use stochc_compiler::{Cell, Face};
-use stochc_runtime::record::{BondRecord, Origin, Outcome, RunRecord};
+use stochc_runtime::record::{
+    BondRecord, Limit, Origin, Outcome, ReleaseRecord, RunRecord, UnplannedRecord, WaitRecord,
+};
 
 /// A scene whose numbers do not survive a careless reader of JSON.
 pub fn scene() -> Scene {
@@ -143,17 +145,57 @@ pub fn simulate(program: usize, run: u64, watch: &Watch) -> Result<RunRecord, Ca
         hops: draw(program, run, 3) % 20,
         unplanned: 0,
         bonds: vec![bond(0, 0, Origin::Free), bond(1, waits[0], released)],
+        waiting: Vec::new(),
+        releases: Vec::new(),
+        unplanned_bonds: Vec::new(),
     };
+    let (parent, child, body) = (RoleId(0), RoleId(1), record.bonds[0].body);
+    if total.is_multiple_of(3) {
+        record.releases.push(ReleaseRecord {
+            phase: PhaseId(1),
+            parent,
+            child,
+            tick: waits[0],
+            body,
+        });
+    }
+    for tick in 0..total % 4 {
+        record.unplanned += 1;
+        record.unplanned_bonds.push(UnplannedRecord {
+            phase: PhaseId(0),
+            parent,
+            face: Face::North,
+            tick,
+            body,
+        });
+    }
     if late {
-        record.outcome = Outcome::TimedOut { phase: PhaseId(1) };
+        record.outcome = Outcome::TimedOut {
+            phase: PhaseId(1),
+            by: match run % 2 {
+                0 => Limit::Timeout,
+                _ => Limit::MaxTicks,
+            },
+        };
         record.phase_ticks.truncate(1);
-        record.bonds.truncate(1);
+        if let Some(missing) = record.bonds.pop() {
+            record.waiting.push(WaitRecord {
+                phase: missing.phase,
+                parent: missing.parent,
+                face: missing.face,
+                child: missing.child,
+                cell: missing.cell,
+                magnetized: missing.magnetized,
+                entries: 2,
+            });
+        }
     }
     match run {
         3 => panic!("run 3 goes wrong"),
         5 => {
             record.phase_ticks.clear();
             record.bonds.clear();
+            record.waiting.clear();
             record.outcome = Outcome::Failed {
                 phase: PhaseId(0),
                 reason: "block 7 left the world".into(),
@@ -179,9 +221,11 @@ pub fn complete(path: &Path, manifest: &Manifest, threads: usize) -> Results {
     run(Place::Folder(folder), means(threads, &never), simulate).unwrap()
 }
 
-/// Both tables, to the byte.
-pub fn bytes(path: &Path) -> [Vec<u8>; 2] {
-    ["runs.parquet", "bonds.parquet"].map(|name| std::fs::read(path.join(name)).unwrap())
+/// All tables, to the byte.
+pub fn bytes(path: &Path) -> Vec<Vec<u8>> {
+    let names = stochc::ensemble::tables().into_iter();
+    let files = names.map(|table| path.join(format!("{}.parquet", table.name)));
+    files.map(|file| std::fs::read(file).unwrap()).collect()
 }
 
 /// Puts a file where a test needs one.

@@ -1,7 +1,7 @@
 //! Names that would be more than names.
 use stochc::compiler::table::{PhaseId, RoleId};
 use stochc::report::address;
-use stochc::runtime::record::Outcome;
+use stochc::runtime::record::{Limit, Outcome};
 
 use crate::sample::{five, parsed, told};
 
@@ -93,7 +93,12 @@ fn impossible_records_are_no_reason_to_stop() {
             0 => record.ticks = u64::MAX,
             1 => record.phase_ticks = vec![u64::MAX; 5],
             2 => record.bonds[0].parent = RoleId(roles),
-            3 => record.outcome = Outcome::TimedOut { phase: PhaseId(77) },
+            3 => {
+                let (phase, by) = (PhaseId(77), Limit::Timeout);
+                record.outcome = Outcome::TimedOut { phase, by };
+                record.waiting[0].magnetized = u64::MAX;
+                record.releases[0].child = RoleId(roles);
+            }
             _ => {
                 record.bonds[1].phase = PhaseId(u32::MAX);
                 record.bonds[2].magnetized = u64::MAX;

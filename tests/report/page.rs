@@ -226,8 +226,8 @@ fn a_long_chain_of_equal_waits_is_told_in_one_sentence() {
     assert_eq!(stochc_with(simulate, &["--out", &out]).status, 0);
     assert_eq!(stochc_with("report", &[&out]).status, 0);
     let page = std::fs::read_to_string(path(out.as_ref(), "report.html")).unwrap();
-    let told = "<ol>\n<li>13 waits of at most 1 tick, one after the other, took 13 ticks (from tick 0 \
-                to 13).</li>\n</ol>";
+    let told = "<ol>\n<li>13 waits of at most 1 tick (20.0 ms), one after the other, took 13 ticks \
+                (260 ms), from tick 0 to 13.</li>\n</ol>";
     assert!(page.contains(told), "{page}");
     assert!(page.contains("has no physics: its times mean nothing"));
 }

@@ -6,7 +6,9 @@ use stochc::compiler::table::{PhaseId, RoleId};
 use stochc::compiler::{Cell, Face, Levels, Limits};
 use stochc::ensemble::{Finished, Manifest, Program, Source};
 use stochc::report::{Input, Report, Surroundings, report};
-use stochc::runtime::record::{BondRecord, Origin, Outcome, RunRecord};
+use stochc::runtime::record::{
+    BondRecord, Limit, Origin, Outcome, ReleaseRecord, RunRecord, WaitRecord,
+};
 
 /// Two towers side by side, then the second block of one is let go and M takes a block.
 pub const TEXT: &str = "\
@@ -87,6 +89,7 @@ pub fn record(manifest: &Manifest, run: u64, waits: &Waits) -> Finished {
         bond(0, "B", "D", 0, waits.d),
     ];
     bonds.sort_by_key(|bond| bond.docked);
+    let mut waiting = Vec::new();
     let (outcome, second) = match waits.f {
         Some(wait) => {
             let mut last = bond(1, "M", "F", first, first + wait);
@@ -99,7 +102,27 @@ pub fn record(manifest: &Manifest, run: u64, waits: &Waits) -> Finished {
             bonds.push(last);
             (Outcome::Completed, Some(wait))
         }
-        None => (Outcome::TimedOut { phase: PhaseId(1) }, None),
+        None => {
+            let missing = bond(1, "M", "F", first, first);
+            waiting.push(WaitRecord {
+                phase: missing.phase,
+                parent: missing.parent,
+                face: missing.face,
+                child: missing.child,
+                cell: missing.cell,
+                magnetized: missing.magnetized,
+                entries: 1,
+            });
+            let (phase, by) = (PhaseId(1), Limit::MaxTicks);
+            (Outcome::TimedOut { phase, by }, None)
+        }
+    };
+    let release = ReleaseRecord {
+        phase: PhaseId(1),
+        parent: role("C"),
+        child: role("E"),
+        tick: first,
+        body: run as u32,
     };
     let record = RunRecord {
         run,
@@ -110,6 +133,9 @@ pub fn record(manifest: &Manifest, run: u64, waits: &Waits) -> Finished {
         hops: 9,
         unplanned: 0,
         bonds,
+        waiting,
+        releases: vec![release],
+        unplanned_bonds: Vec::new(),
     };
     Finished { program: 0, record }
 }

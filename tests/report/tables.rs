@@ -4,8 +4,9 @@ use std::fs::{self, File};
 use std::path::Path;
 
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
-use parquet::record::RowAccessor as _;
-use stochc::statistics::Summary;
+use parquet::record::Field;
+use stochc::ensemble::Time;
+use stochc::statistics::{Observation, Summary};
 
 use crate::sample::fields;
 use crate::stochc::{path, stochc_with};
@@ -27,38 +28,63 @@ fn reader(folder: &str, table: &str) -> SerializedFileReader<File> {
     SerializedFileReader::new(File::open(path(folder.as_ref(), table)).unwrap()).unwrap()
 }
 
-/// The ticks of every completed run of a program.
-fn runs(folder: &str, program: &str) -> BTreeMap<u64, u64> {
-    let reader = reader(folder, "runs.parquet");
+/// The rows of a table that are of a program; each by the names of its columns.
+fn table(folder: &str, table: &str, program: &str) -> Vec<BTreeMap<String, Field>> {
+    let reader = reader(folder, table);
     let rows = reader.get_row_iter(None).unwrap().map(Result::unwrap);
-    rows.filter(|row| row.get_string(0).unwrap() == program)
-        .map(|row| {
-            assert_eq!(row.get_string(2).unwrap(), "completed");
-            let number = |i| u64::try_from(row.get_long(i).unwrap()).unwrap();
-            (number(1), number(5))
-        })
+    let rows = rows.map(|row| {
+        let columns = row.get_column_iter();
+        let columns = columns.map(|(name, field)| (name.clone(), field.clone()));
+        columns.collect::<BTreeMap<_, _>>()
+    });
+    rows.filter(|row| text(&row["program"]) == program)
         .collect()
 }
 
+fn text(field: &Field) -> String {
+    match field {
+        Field::Str(text) => text.clone(),
+        other => panic!("{other:?} is no text"),
+    }
+}
+
+fn whole(field: &Field) -> u64 {
+    match field {
+        Field::Long(number) => u64::try_from(*number).unwrap(),
+        other => panic!("{other:?} is no integer"),
+    }
+}
+
+/// The ticks of every completed run of a program.
+fn runs(folder: &str, program: &str) -> BTreeMap<u64, u64> {
+    let rows = table(folder, "runs.parquet", program).into_iter();
+    rows.map(|row| {
+        assert_eq!(text(&row["outcome"]), "completed");
+        (whole(&row["run"]), whole(&row["ticks"]))
+    })
+    .collect()
+}
+
+/// The captures of a program, none of which is censored.
 fn bonds(folder: &str, program: &str) -> Vec<Bond> {
-    let reader = reader(folder, "bonds.parquet");
-    let rows = reader.get_row_iter(None).unwrap().map(Result::unwrap);
-    rows.filter(|row| row.get_string(0).unwrap() == program)
-        .map(|row| {
-            let text = |i| row.get_string(i).unwrap().clone();
-            let number = |i| u64::try_from(row.get_long(i).unwrap()).unwrap();
-            Bond {
-                run: number(1),
-                phase: text(2),
-                capture: format!("{}.{} -> {}", text(3), text(4), text(5)),
-                magnetized: number(9),
-                docked: number(10),
-                entries: number(12),
-                docking: number(13),
-                origin: text(15),
-            }
-        })
-        .collect()
+    let rows = table(folder, "bonds.parquet", program).into_iter();
+    rows.map(|row| Bond {
+        run: whole(&row["run"]),
+        phase: text(&row["phase"]),
+        capture: capture(&row),
+        magnetized: whole(&row["magnetized"]),
+        docked: whole(&row["docked"]),
+        entries: whole(&row["entries"]),
+        docking: whole(&row["docking"]),
+        origin: text(&row["origin"]),
+    })
+    .collect()
+}
+
+/// A capture as the program writes it.
+fn capture(row: &BTreeMap<String, Field>) -> String {
+    let [parent, face, child] = ["parent", "face", "child"].map(|name| text(&row[name]));
+    format!("{parent}.{face} -> {child}")
 }
 
 /// The rows of a table beside a page.
@@ -134,6 +160,65 @@ fn a_report_says_what_the_tables_say() {
         close(&row["share"], spent as f64 / total as f64);
     }
     chains_fill(&chains, &runs, &bonds);
+}
+
+/// Where runs are stopped, `results --bonds`, the report and the table of bonds have the same waits, none of
+/// which is left out.
+#[test]
+fn stopped_runs_have_the_same_waits_in_every_table() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = path(folder.path(), "out");
+    let name = "five_tower_reconfigured";
+    let file = format!("examples/{name}.sa");
+    let simulate = "simulate --quiet --model shuffle --runs 12 --max-ticks 12";
+    assert_eq!(stochc_with(simulate, &[&file, "--out", &out]).status, 3);
+    assert_eq!(stochc_with("report --quiet", &[&out]).status, 0);
+    let said = stochc_with("results --bonds --format json", &[&out]);
+    let said = said.json();
+    assert_eq!(said["captures"][0]["program"], name);
+    let captures = said["captures"][0]["captures"].as_array().unwrap();
+    let bonds = table(&out, "bonds.parquet", name);
+    let waits = csv(&out, "waits.csv");
+    let waited = |row: &&BTreeMap<String, String>| !row["wait"].is_empty();
+    assert_eq!(waits.iter().filter(waited).count(), captures.len());
+    let mut stopped = 0;
+    for told in captures {
+        let field = |name: &str| told[name].as_str().unwrap();
+        let what = format!(
+            "{}.{} -> {}",
+            field("parent"),
+            field("face"),
+            field("child")
+        );
+        let phase = field("phase");
+        let same =
+            |row: &&BTreeMap<String, Field>| capture(row) == what && text(&row["phase"]) == phase;
+        let times = bonds.iter().filter(same).map(|row| {
+            let time = whole(&row["wait"]) as f64;
+            match row["censored"] {
+                Field::Bool(false) => Observation::completed(time),
+                _ => Observation::censored(time),
+            }
+        });
+        let times: Vec<Observation> = times.collect();
+        let expected = Time::of(&times).unwrap();
+        assert_eq!(told["wait"], serde_json::json!(expected), "{what}");
+        let row = waits
+            .iter()
+            .find(|row| row["capture"] == what && row["phase"] == phase);
+        let row = row.unwrap();
+        let maybe = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
+        assert_eq!(row["captured"], expected.completed.to_string());
+        assert_eq!(row["stopped"], expected.censored.to_string());
+        assert_eq!(row["wait"], expected.mean.to_string());
+        assert_eq!(row["half_width"], maybe(expected.half_width));
+        stopped += expected.censored;
+    }
+    // As many as there are faces that were on when a run was stopped.
+    let rows = table(&out, "runs.parquet", name);
+    let under_way: u64 = rows.iter().map(|row| whole(&row["under_way"])).sum();
+    assert!(under_way >= 6, "{under_way}");
+    assert_eq!(stopped as u64, under_way);
 }
 
 /// In a world without physics every order of events comes up, with releases of all kinds: the links

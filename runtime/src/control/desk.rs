@@ -9,21 +9,24 @@ use super::medium::{Capture, Medium, Recalled};
 use super::message::{Message, Reporter};
 use super::post::Post;
 use crate::observe::{Event, Log};
-use crate::record::{BondRecord, Origin};
+use crate::record::{BondRecord, Origin, ReleaseRecord, UnplannedRecord};
 use crate::world::{Body, Docking, Site, World};
 
 /// What a run keeps besides the structure and the world.
 #[derive(Debug)]
 pub(super) struct Desk {
     pub tick: u64,
+    /// The phase that is running, or ran last.
+    phase: PhaseId,
     pub post: Post,
     /// Since when the faces are on that hold nothing.
     since: BTreeMap<Site, u64>,
     /// Where released blocks come from.
     released: BTreeMap<u32, Origin>,
     pub bonds: Vec<BondRecord>,
+    pub releases: Vec<ReleaseRecord>,
     /// Blocks that docked where nobody expected them.
-    pub unplanned: u64,
+    pub unplanned: Vec<UnplannedRecord>,
     pub log: Log,
 }
 
@@ -31,11 +34,13 @@ impl Desk {
     pub fn new(post: Post) -> Desk {
         Desk {
             tick: 0,
+            phase: PhaseId(0),
             post,
             since: BTreeMap::new(),
             released: BTreeMap::new(),
             bonds: Vec::new(),
-            unplanned: 0,
+            releases: Vec::new(),
+            unplanned: Vec::new(),
             log: Log::default(),
         }
     }
@@ -48,8 +53,14 @@ impl Desk {
     /// Writes down that a phase begins; `None`: the last one has ended.
     pub fn note_phase(&mut self, phase: Option<PhaseId>) {
         if let Some(phase) = phase {
+            self.phase = phase;
             self.log.note(Event::Phase(phase));
         }
+    }
+
+    /// Since when a face is on that holds nothing.
+    pub fn on_since(&self, site: Site) -> Option<u64> {
+        self.since.get(&site).copied()
     }
 
     /// The desk with a world at hand.
@@ -129,7 +140,13 @@ impl<W: World> Medium for Beside<'_, W> {
     }
 
     fn unplanned(&mut self, by: RoleId, face: Face, docking: &Docking) {
-        self.desk.unplanned += 1;
+        self.desk.unplanned.push(UnplannedRecord {
+            phase: self.desk.phase,
+            parent: by,
+            face,
+            tick: self.desk.tick,
+            body: docking.child,
+        });
         self.desk.log.note(Event::Unplanned {
             body: docking.child,
             on: docking.site.body,
@@ -143,6 +160,13 @@ impl<W: World> Medium for Beside<'_, W> {
             let body = id;
             self.desk.log.note(Event::Released { body, role, by });
             let tick = self.desk.tick;
+            self.desk.releases.push(ReleaseRecord {
+                phase: self.desk.phase,
+                parent: by,
+                child: role,
+                tick,
+                body,
+            });
             (self.desk.released).insert(id, Origin::Released { role, tick });
         }
     }

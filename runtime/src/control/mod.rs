@@ -28,8 +28,8 @@ use stochc_compiler::table::{PhaseId, RoleId, Tables};
 
 use crate::observe::{Event, Log};
 use crate::orientation::Orientation;
-use crate::record::{BondRecord, Outcome, RunRecord};
-use crate::world::{Body, Docking, World};
+use crate::record::{BondRecord, Outcome, RunRecord, WaitRecord};
+use crate::world::{Body, Docking, Site, World};
 use desk::Desk;
 use post::Post;
 use structure::Structure;
@@ -130,7 +130,7 @@ impl<'t> Controller<'t> {
 
     /// Blocks so far that docked where nobody expected them.
     pub fn unplanned(&self) -> u64 {
-        self.desk.unplanned
+        self.desk.unplanned.len() as u64
     }
 
     /// Hops that messages have made so far.
@@ -188,19 +188,50 @@ impl<'t> Controller<'t> {
         }
     }
 
-    /// Everything that is kept, once the run has ended.
-    pub(crate) fn into_record(self, run: u64, outcome: Outcome, ticks: u64) -> RunRecord {
+    /// The faces that are on and hold nothing, by the tick since when.
+    fn waiting(&self, world: &impl World) -> Vec<WaitRecord> {
+        let Some(phase) = self.phase() else {
+            return Vec::new();
+        };
+        let mut waiting = Vec::new();
+        for (&body, block) in self.structure.blocks() {
+            for open in block.open() {
+                let site = Site {
+                    body,
+                    face: open.own,
+                };
+                waiting.push(WaitRecord {
+                    phase,
+                    parent: block.role,
+                    face: open.face,
+                    child: open.child,
+                    cell: open.cell,
+                    magnetized: self.desk.on_since(site).unwrap_or(world.tick()),
+                    entries: world.entries(site),
+                });
+            }
+        }
+        waiting.sort_by_key(|wait| (wait.magnetized, wait.parent, wait.child));
+        waiting
+    }
+
+    /// Everything that is kept, once the run has ended in this world.
+    pub(crate) fn into_record(self, run: u64, outcome: Outcome, world: &impl World) -> RunRecord {
+        let waiting = self.waiting(world);
         let bonds = self.desk.bonds;
         let used: BTreeSet<u32> = bonds.iter().map(|bond| bond.body).collect();
         RunRecord {
             run,
             outcome,
-            ticks,
+            ticks: world.tick(),
             phase_ticks: self.phase_ticks,
             blocks_used: used.len() as u32,
             hops: self.desk.post.hops,
-            unplanned: self.desk.unplanned,
+            unplanned: self.desk.unplanned.len() as u64,
             bonds,
+            waiting,
+            releases: self.desk.releases,
+            unplanned_bonds: self.desk.unplanned,
         }
     }
 

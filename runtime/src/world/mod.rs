@@ -102,6 +102,12 @@ pub trait World {
     /// For what is attached by hand before the first tick.
     fn plant(&mut self, site: Site) -> Option<Docking>;
 
+    /// Times so far that a free block came into the reach of a face that is on and holds nothing,
+    /// re-entries included; 0 for other faces, and where nothing has a place.
+    fn entries(&self, _site: Site) -> u32 {
+        0
+    }
+
     /// Blocks of the largest group of free blocks that are bonded to each other; 1: none are.
     fn largest_group(&self) -> u32 {
         1

@@ -5,7 +5,7 @@ use super::super::results::Form;
 use super::super::terminal::{output_is_watched, output_width, print};
 use super::Options;
 use crate::ensemble::{Finished, Manifest};
-use crate::figures::{Strip, strips, visible};
+use crate::figures::{Strip, Tick, strips, visible};
 use crate::report::shell_file;
 use crate::statistics::{KaplanMeier, Observation};
 
@@ -18,7 +18,8 @@ pub fn close(options: &Options, manifest: &Manifest, finished: &[Finished]) {
         return;
     }
     let curves = curves(manifest, finished);
-    let mut text = strips(&curves, output_width(), "ticks");
+    let unit = (manifest.programs.first()).map(|program| Tick(program.scene.tick).unit());
+    let mut text = strips(&curves, output_width(), &unit.unwrap_or_default());
     if !text.is_empty() {
         text.insert(0, '\n');
     }

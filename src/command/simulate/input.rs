@@ -7,7 +7,7 @@ use super::super::check::verdict;
 use super::super::terminal::{has_colour, message_width, warn};
 use super::{Options, Ready, swept, usage};
 use crate::cli::Exit;
-use crate::ensemble::{Manifest, Program, Source};
+use crate::ensemble::{FORMAT, Manifest, Program, Source};
 use crate::files::programs::refusal;
 use crate::findings::drawn;
 
@@ -115,8 +115,10 @@ fn from_manifest(path: &std::path::Path, levels: &Levels) -> Result<(Manifest, V
     let bytes =
         std::fs::read(path).map_err(|error| usage(&format!("cannot read `{shown}`: {error}")))?;
     let text = String::from_utf8_lossy(&bytes);
-    let manifest =
+    let mut manifest =
         Manifest::from_json(&text).map_err(|reason| usage(&format!("`{shown}`: {reason}")))?;
+    // The runs of an older folder go into one of the present layout.
+    manifest.format = FORMAT;
     let mut ready = Vec::new();
     for entry in &manifest.programs {
         let (root, checked) = entry.recompile(levels);

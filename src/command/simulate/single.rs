@@ -3,14 +3,18 @@ use std::fmt::Write as _;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use stochc_runtime::record::{BondRecord, Origin, Outcome, RunRecord};
+use stochc_compiler::table::PhaseId;
+use stochc_runtime::record::{
+    BondRecord, Limit, Origin, Outcome, ReleaseRecord, RunRecord, WaitRecord,
+};
 use stochc_runtime::{Settings, run as run_once};
 
 use super::super::results::Form;
 use super::super::terminal::print;
 use super::{Options, Ready, usage};
 use crate::cli::Exit;
-use crate::ensemble::{Manifest, Program};
+use crate::ensemble::{Manifest, Program, named};
+use crate::figures::{Tick, seconds};
 
 /// Does one run of each program.
 pub fn run(
@@ -38,7 +42,7 @@ pub fn run(
         }
         match options.format {
             Form::Text => print(&story(&record, program)),
-            Form::Json => records.push(record),
+            Form::Json => records.push(named(&record, program)),
         }
     }
     if options.format == Form::Json {
@@ -50,75 +54,146 @@ pub fn run(
     exit
 }
 
-/// A run in lines: a phase, its captures, its end.
+/// A run in lines: a phase, what happened in it, its end.
 fn story(record: &RunRecord, program: &Program) -> String {
+    let teller = Teller { record, program };
     let mut out = String::new();
     // Writing to a string cannot fail.
     let _ = writeln!(out, "{}, run {}", program.name, record.run);
-    let mut begun = 0;
-    for (number, phase) in program.phases.iter().enumerate() {
-        let bonds = record
-            .bonds
-            .iter()
-            .filter(|bond| bond.phase.0 as usize == number);
-        let bonds: Vec<&BondRecord> = bonds.collect();
-        let ended = record.phase_ticks.get(number);
-        if ended.is_none() && bonds.is_empty() {
+    let mut begun: u64 = 0;
+    for (number, name) in (0..).zip(&program.phases) {
+        let phase = PhaseId(number);
+        let ended = record.phase_ticks.get(number as usize);
+        let lines = teller.lines(phase);
+        if ended.is_none() && lines.is_empty() {
             break;
         }
-        let _ = writeln!(out, "  phase {phase}, from tick {begun}");
-        for bond in bonds {
-            let _ = writeln!(
-                out,
-                "    tick {:>7}  {}",
-                bond.docked,
-                capture(bond, program)
-            );
+        let by_hand = match program.is_planted(phase) {
+            true => ", attached by hand",
+            false => "",
+        };
+        let _ = writeln!(
+            out,
+            "  phase {name}, from tick {begun}{}{by_hand}",
+            teller.tick().beside(begun as f64)
+        );
+        for (tick, line) in lines {
+            let time = seconds(tick as f64 * program.scene.tick);
+            let _ = writeln!(out, "    tick {tick:>7} {time:>8}  {line}");
         }
-        begun += ended.unwrap_or(&0);
+        begun = begun.saturating_add(*ended.unwrap_or(&0));
     }
-    let end = match &record.outcome {
-        Outcome::Completed => "complete".to_owned(),
-        Outcome::TimedOut { phase } => format!("timed out in phase {}", program.phase(*phase)),
-        Outcome::Failed { phase, reason } => {
-            format!("failed in phase {}: {reason}", program.phase(*phase))
-        }
-    };
-    let _ = writeln!(
-        out,
-        "  {end} after {}; {} of {}, {}",
-        count(record.ticks, "tick", "ticks"),
-        count(record.bonds.len() as u64, "capture", "captures"),
-        count(
-            record.blocks_used.into(),
-            "different block",
-            "different blocks"
-        ),
-        count(record.hops, "message hop", "message hops"),
-    );
-    if record.unplanned > 0 {
-        let bonds = count(record.unplanned, "unplanned bond", "unplanned bonds");
-        let _ = writeln!(out, "  {bonds}, undone at once");
-    }
+    out += &teller.end();
     out
 }
 
-fn capture(bond: &BondRecord, program: &Program) -> String {
-    let origin = match &bond.origin {
-        Origin::Free => String::new(),
-        Origin::Released { role, tick } => {
-            format!(", the former {}, released at {tick}", program.role(*role))
+/// Tells of a run.
+struct Teller<'a> {
+    record: &'a RunRecord,
+    program: &'a Program,
+}
+
+impl Teller<'_> {
+    fn tick(&self) -> Tick {
+        Tick(self.program.scene.tick)
+    }
+
+    /// A number of ticks, in seconds as well.
+    fn ticks(&self, n: u64) -> String {
+        count(n, "tick", "ticks") + &self.tick().beside(n as f64)
+    }
+
+    /// What happened in a phase, each with its tick, and what was under way when the run ended.
+    fn lines(&self, phase: PhaseId) -> Vec<(u64, String)> {
+        let record = self.record;
+        let bonds = record.bonds.iter().filter(|bond| bond.phase == phase);
+        let bonds = bonds.map(|bond| (bond.docked, self.capture(bond)));
+        let releases = record.releases.iter().filter(|it| it.phase == phase);
+        let releases = releases.map(|release| (release.tick, self.release(release)));
+        let waiting = record.waiting.iter().filter(|wait| wait.phase == phase);
+        let waiting = waiting.map(|wait| (record.ticks, self.waiting(wait)));
+        let mut lines: Vec<(u64, String)> = bonds.chain(releases).chain(waiting).collect();
+        lines.sort_by_key(|&(tick, _)| tick);
+        lines
+    }
+
+    fn capture(&self, bond: &BondRecord) -> String {
+        let origin = match &bond.origin {
+            Origin::Free => String::new(),
+            Origin::Released { role, tick } => {
+                let role = self.program.role(*role);
+                format!(", the former {role}, released at {tick}")
+            }
+        };
+        format!(
+            "{}.{} captures {} after {} and {}: block {}{origin}",
+            self.program.role(bond.parent),
+            bond.face,
+            self.program.role(bond.child),
+            self.ticks(bond.docked.saturating_sub(bond.magnetized)),
+            count(bond.entries.into(), "entry", "entries"),
+            bond.body,
+        )
+    }
+
+    fn release(&self, release: &ReleaseRecord) -> String {
+        format!(
+            "{} releases {}: block {}",
+            self.program.role(release.parent),
+            self.program.role(release.child),
+            release.body
+        )
+    }
+
+    fn waiting(&self, wait: &WaitRecord) -> String {
+        format!(
+            "{}.{} still waits for {} after {} and {}",
+            self.program.role(wait.parent),
+            wait.face,
+            self.program.role(wait.child),
+            self.ticks(self.record.ticks.saturating_sub(wait.magnetized)),
+            count(wait.entries.into(), "entry", "entries"),
+        )
+    }
+
+    fn end(&self) -> String {
+        let record = self.record;
+        let phase = |phase| self.program.phase(phase);
+        let end = match &record.outcome {
+            Outcome::Completed => "complete".to_owned(),
+            Outcome::TimedOut { phase: of, by } => match by {
+                Limit::Timeout => format!("timed out in phase {}", phase(*of)),
+                Limit::MaxTicks => format!("stopped by `--max-ticks` in phase {}", phase(*of)),
+            },
+            Outcome::Failed { phase: of, reason } => {
+                format!("failed in phase {}: {reason}", phase(*of))
+            }
+        };
+        let mut parts = vec![
+            count(record.bonds.len() as u64, "capture", "captures")
+                + " of "
+                + &count(
+                    record.blocks_used.into(),
+                    "different block",
+                    "different blocks",
+                ),
+            count(record.hops, "message hop", "message hops"),
+        ];
+        if !record.waiting.is_empty() {
+            let waiting = record.waiting.len() as u64;
+            parts.insert(1, count(waiting, "wait", "waits") + " under way");
         }
-    };
-    format!(
-        "{}.{} captures {} after {} and {}: block {}{origin}",
-        program.role(bond.parent),
-        bond.face,
-        program.role(bond.child),
-        count(bond.docked - bond.magnetized, "tick", "ticks"),
-        count(bond.entries.into(), "entry", "entries"),
-        bond.body,
-    )
+        let mut out = format!(
+            "  {end} after {}; {}\n",
+            self.ticks(record.ticks),
+            parts.join(", ")
+        );
+        if record.unplanned > 0 {
+            let bonds = count(record.unplanned, "unplanned bond", "unplanned bonds");
+            out += &format!("  {bonds}, undone at once\n");
+        }
+        out
+    }
 }
 
 fn count(n: u64, one: &str, many: &str) -> String {

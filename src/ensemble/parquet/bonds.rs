@@ -1,89 +1,180 @@
-//! `bonds.parquet`: one row per capture.
-use stochc_runtime::record::{BondRecord, Origin};
+//! `bonds.parquet`.
+use stochc_compiler::Cell;
+use stochc_compiler::table::{PhaseId, RoleId};
+use stochc_runtime::record::{BondRecord, Origin, WaitRecord};
 
-use super::column::{Column, file, integer};
-use crate::ensemble::{Finished, Manifest, Program};
+use super::column::{Column, Table, integer, small, text, truth};
+use super::row::{Row, Run, key, phase};
+use crate::ensemble::Varied;
 
-/// A capture, and the run it belongs to.
+/// When what a row says of the captured block is null.
+const CENSORED: &str = "the wait is censored";
+
+/// A capture, or one that was waited for when the run ended.
 #[derive(Clone, Copy)]
-struct Row<'a> {
-    program: &'a Program,
-    run: u64,
-    bond: &'a BondRecord,
+pub(super) enum Bond<'a> {
+    Docked(&'a BondRecord),
+    Waiting(&'a WaitRecord),
 }
 
-/// The table of captures of runs that are sorted by program and run, in the order of docking.
-///
-/// | column | type | what |
-/// |---|---|---|
-/// | `program`, `run` | text, integer | of the table of runs |
-/// | `phase`, `parent`, `child` | text | names of the program |
-/// | `face` | text | of the parent, in the structure's frame |
-/// | `x`, `y`, `z` | integer | the child's cell |
-/// | `magnetized`, `docked` | integer | ticks of the run |
-/// | `wait` | integer | ticks from one to the other |
-/// | `entries` | integer | of blocks into the reach of the pull |
-/// | `docking` | integer | ticks from the captured block's last entry |
-/// | `body` | integer | which free block, from 0 |
-/// | `origin` | text | `free`, or `released` when it was captured before |
-/// | `origin_role` | text or null | the role it had last |
-/// | `released_at` | integer or null | the tick at which it lost that role |
-pub(in crate::ensemble) fn bonds(manifest: &Manifest, finished: &[Finished]) -> Vec<u8> {
-    let rows: Vec<Row> = finished
-        .iter()
-        .flat_map(|done| {
-            done.record.bonds.iter().map(|bond| Row {
-                program: &manifest.programs[done.program],
-                run: done.record.run,
-                bond,
-            })
-        })
-        .collect();
-    let texts = |value: for<'a> fn(Row<'a>) -> &'a str| {
-        Column::Texts(rows.iter().map(|row| value(*row)).collect())
+/// The captures of a run in the order of docking, then what was under way.
+pub(super) fn bonds(run: Run<'_>) -> impl Iterator<Item = Bond<'_>> {
+    let docked = run.record.bonds.iter().map(Bond::Docked);
+    docked.chain(run.record.waiting.iter().map(Bond::Waiting))
+}
+
+/// What both kinds have.
+macro_rules! both {
+    ($bond:expr, $field:ident) => {
+        match $bond {
+            Bond::Docked(bond) => bond.$field,
+            Bond::Waiting(wait) => wait.$field,
+        }
     };
-    let integers = |value: fn(Row) -> u64| {
-        Column::Integers(rows.iter().map(|row| integer(value(*row))).collect())
-    };
-    let coordinates = |value: fn(&BondRecord) -> i32| {
-        Column::Small(rows.iter().map(|row| value(row.bond)).collect())
-    };
-    let origin_roles = rows.iter().map(|row| match row.bond.origin {
-        Origin::Free => None,
-        Origin::Released { role, .. } => Some(row.program.role(role)),
-    });
-    let released_at = rows.iter().map(|row| match row.bond.origin {
-        Origin::Free => None,
-        Origin::Released { tick, .. } => Some(integer(tick)),
-    });
-    let columns = [
-        ("program", texts(|row| &row.program.name)),
-        ("run", integers(|row| row.run)),
-        ("phase", texts(|row| row.program.phase(row.bond.phase))),
-        ("parent", texts(|row| row.program.role(row.bond.parent))),
-        ("face", texts(|row| row.bond.face.word())),
-        ("child", texts(|row| row.program.role(row.bond.child))),
-        ("x", coordinates(|bond| bond.cell.x)),
-        ("y", coordinates(|bond| bond.cell.y)),
-        ("z", coordinates(|bond| bond.cell.z)),
-        ("magnetized", integers(|row| row.bond.magnetized)),
-        ("docked", integers(|row| row.bond.docked)),
-        (
-            "wait",
-            integers(|row| row.bond.docked.saturating_sub(row.bond.magnetized)),
+}
+
+impl<'a> Bond<'a> {
+    fn phase(self) -> PhaseId {
+        both!(self, phase)
+    }
+
+    fn parent(self) -> RoleId {
+        both!(self, parent)
+    }
+
+    fn child(self) -> RoleId {
+        both!(self, child)
+    }
+
+    fn cell(self) -> Cell {
+        both!(self, cell)
+    }
+
+    fn docked(self) -> Option<&'a BondRecord> {
+        match self {
+            Bond::Docked(bond) => Some(bond),
+            Bond::Waiting(_) => None,
+        }
+    }
+
+    /// The role that the captured block had before, and when it lost it.
+    fn released(self) -> Option<(RoleId, u64)> {
+        match self.docked()?.origin {
+            Origin::Free => None,
+            Origin::Released { role, tick } => Some((role, tick)),
+        }
+    }
+}
+
+pub(super) fn table<'a>(axes: &[Varied]) -> Table<'a, Row<'a, Bond<'a>>> {
+    type R<'a> = Row<'a, Bond<'a>>;
+    let mut columns = key(axes);
+    columns.extend(phase(|bond: &Bond<'a>| bond.phase()));
+    columns.extend([
+        Column::new(
+            "parent",
+            "",
+            "role of the block that magnetized a face",
+            text(|row: &R<'a>| row.run.program.role(row.of.parent())),
         ),
-        ("entries", integers(|row| row.bond.entries.into())),
-        ("docking", integers(|row| row.bond.docking)),
-        ("body", integers(|row| row.bond.body.into())),
-        (
-            "origin",
-            texts(|row| match row.bond.origin {
-                Origin::Free => "free",
-                Origin::Released { .. } => "released",
+        Column::new(
+            "face",
+            "",
+            "which of its faces, in the structure's frame: `up`, `down`, `north`, `south`, `east` or `west`",
+            text(|row: &R<'a>| both!(row.of, face).word()),
+        ),
+        Column::new(
+            "child",
+            "",
+            "role that the captured block is given",
+            text(|row: &R<'a>| row.run.program.role(row.of.child())),
+        ),
+        Column::new("x", "sides", "cell of the child, to the east", small(|row: &R<'a>| row.of.cell().x)),
+        Column::new("y", "sides", "to the north", small(|row: &R<'a>| row.of.cell().y)),
+        Column::new("z", "sides", "up; the plate is at 0", small(|row: &R<'a>| row.of.cell().z)),
+        Column::new(
+            "magnetized",
+            "ticks",
+            "when the face was magnetized, from the beginning of the run",
+            integer(|row: &R<'a>| both!(row.of, magnetized)),
+        ),
+        Column::new(
+            "docked",
+            "ticks",
+            "when the block docked",
+            integer(|row: &R<'a>| row.of.docked().map(|bond| bond.docked)),
+        )
+        .null(CENSORED),
+        Column::new(
+            "wait",
+            "ticks",
+            "from `magnetized` to `docked`; of a censored wait, to the end of the run",
+            integer(|row: &R<'a>| {
+                let docked = row.of.docked().map(|bond| bond.docked);
+                let end = docked.unwrap_or(row.run.record.ticks);
+                end.saturating_sub(both!(row.of, magnetized))
             }),
         ),
-        ("origin_role", Column::MaybeTexts(origin_roles.collect())),
-        ("released_at", Column::MaybeIntegers(released_at.collect())),
-    ];
-    file("bonds", &manifest.identity(), &columns)
+        Column::new(
+            "censored",
+            "",
+            "whether the run ended during the wait: it would have been longer, nobody knows by how much",
+            truth(|row: &R<'a>| row.of.docked().is_none()),
+        ),
+        Column::new(
+            "entries",
+            "",
+            "times that a free block came into the reach of the pull, re-entries included",
+            integer(|row: &R<'a>| u64::from(both!(row.of, entries))),
+        ),
+        Column::new(
+            "docking",
+            "ticks",
+            "from the captured block's last entry to its docking",
+            integer(|row: &R<'a>| row.of.docked().map(|bond| bond.docking)),
+        )
+        .null(CENSORED),
+        Column::new(
+            "body",
+            "",
+            "number of the captured block, from 0",
+            integer(|row: &R<'a>| row.of.docked().map(|bond| bond.body.into())),
+        )
+        .null(CENSORED),
+        Column::new(
+            "origin",
+            "",
+            "`free`: the captured block had never been captured; `released`: it had been part of the \
+             structure before",
+            text(|row: &R<'a>| {
+                Some(match row.of.docked()?.origin {
+                    Origin::Free => "free",
+                    Origin::Released { .. } => "released",
+                })
+            }),
+        )
+        .null(CENSORED),
+        Column::new(
+            "origin_role",
+            "",
+            "role that the captured block had last",
+            text(|row: &R<'a>| {
+                let (role, _) = row.of.released()?;
+                Some(row.run.program.role(role))
+            }),
+        )
+        .null("it had none, or the wait is censored"),
+        Column::new(
+            "released_at",
+            "ticks",
+            "when it lost that role",
+            integer(|row: &R<'a>| row.of.released().map(|(_, tick)| tick)),
+        )
+        .null("it had none, or the wait is censored"),
+    ]);
+    Table {
+        name: "bonds",
+        row: "a capture, or a face that waited for one when the run ended",
+        columns,
+    }
 }

@@ -1,161 +1,289 @@
-//! Columns in memory to a Parquet file in memory.
-use std::sync::Arc;
+//! What a column is, and how it gets into a Parquet file: one definition for both.
+use std::borrow::Cow;
 
 use ::parquet::basic::{Compression, GzipLevel};
-use ::parquet::data_type::{ByteArray, ByteArrayType, Int32Type, Int64Type};
+use ::parquet::data_type::{
+    BoolType, ByteArray, ByteArrayType, DataType, DoubleType, Int32Type, Int64Type,
+};
 use ::parquet::errors::ParquetError;
 use ::parquet::file::metadata::KeyValue;
 use ::parquet::file::properties::WriterProperties;
 use ::parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use ::parquet::schema::parser::parse_message_type;
+use serde::Serialize;
 
-/// One column of a table; all columns of a table have the same number of rows.
-pub(super) enum Column<'a> {
+/// A table of rows `R`.
+pub(super) struct Table<'a, R> {
+    /// Its file is `NAME.parquet`.
+    pub name: &'static str,
+    /// What a row is.
+    pub row: &'static str,
+    pub columns: Vec<Column<'a, R>>,
+}
+
+/// A column of a table of rows `R`, whose texts live for `'a`.
+pub(super) struct Column<'a, R> {
+    name: Cow<'static, str>,
+    /// Of its values; empty: they have none.
+    unit: Cow<'static, str>,
+    meaning: Cow<'static, str>,
+    /// When a value is null; `None`: never.
+    null: Option<&'static str>,
+    values: Values<'a, R>,
+}
+
+/// The value of a column in a row; `None` is null.
+type Get<'a, R, T> = Box<dyn Fn(&R) -> Option<T> + 'a>;
+
+/// What a column holds, by its type.
+pub(super) enum Values<'a, R> {
+    Bool(Get<'a, R, bool>),
     /// 32 bit integers, for coordinates.
-    Small(Vec<i32>),
-    /// 64 bit integers.
-    Integers(Vec<i64>),
+    Small(Get<'a, R, i32>),
+    Integer(Get<'a, R, i64>),
     /// 64 bit integers without a sign.
-    Unsigned(Vec<u64>),
-    /// 64 bit integers, some of which are null.
-    MaybeIntegers(Vec<Option<i64>>),
-    /// Text in UTF-8.
-    Texts(Vec<&'a str>),
-    /// Text in UTF-8, some of which is null.
-    MaybeTexts(Vec<Option<&'a str>>),
-    /// Lists of 64 bit integers, which may be empty.
-    Lists(Vec<&'a [u64]>),
+    Unsigned(Get<'a, R, u64>),
+    Real(Get<'a, R, f64>),
+    Text(Get<'a, R, &'a str>),
+    /// Lists of 64 bit integers, which may be empty and are never null.
+    Integers(Get<'a, R, &'a [u64]>),
+    /// Lists of texts, which may be empty and are never null.
+    Texts(Get<'a, R, &'a [String]>),
 }
 
-/// The table of `columns` as the bytes of a file, with `ensemble` in its metadata.
-pub(super) fn file(name: &str, ensemble: &str, columns: &[(&str, Column)]) -> Vec<u8> {
-    let mut schema = format!("message {name} {{\n");
-    for (name, column) in columns {
-        schema.push_str(&column.declaration(name));
-    }
-    schema.push('}');
-    let schema = parse_message_type(&schema).expect("every declaration is one of a few");
-    let properties = WriterProperties::builder()
-        .set_compression(Compression::GZIP(GzipLevel::default()))
-        .set_key_value_metadata(Some(vec![KeyValue::new(
-            "stochc.ensemble".to_owned(),
-            ensemble.to_owned(),
-        )]))
-        .build();
-    let mut bytes = Vec::new();
-    let write = || -> Result<(), ParquetError> {
-        let mut file =
-            SerializedFileWriter::new(&mut bytes, Arc::new(schema), Arc::new(properties))?;
-        let mut rows = file.next_row_group()?;
-        for (_, column) in columns {
-            let mut writer = rows
-                .next_column()?
-                .expect("one writer for each declaration");
-            column.write(&mut writer)?;
-            writer.close()?;
-        }
-        rows.close()?;
-        file.close()?;
-        Ok(())
+/// A constructor of [`Values`] from a function that gives a value, or `None` for null.
+macro_rules! of {
+    ($($name:ident: $value:ty => $variant:ident;)*) => {
+        $(pub(super) fn $name<'a, R, V: Into<Option<$value>>>(
+            get: impl Fn(&R) -> V + 'a,
+        ) -> Values<'a, R> {
+            Values::$variant(Box::new(move |row| get(row).into()))
+        })*
     };
-    write().expect("memory takes every column of its declared type");
-    bytes
 }
 
-/// Integers of results are counts and ticks, far below 2^63.
-pub(super) fn integer(value: u64) -> i64 {
-    i64::try_from(value).unwrap_or(i64::MAX)
+of! {
+    truth: bool => Bool;
+    small: i32 => Small;
+    unsigned: u64 => Unsigned;
+    real: f64 => Real;
+    text: &'a str => Text;
+    integers: &'a [u64] => Integers;
+    texts: &'a [String] => Texts;
 }
 
-impl Column<'_> {
-    fn declaration(&self, name: &str) -> String {
-        match self {
-            Column::Small(_) => format!("  REQUIRED INT32 {name};\n"),
-            Column::Integers(_) => format!("  REQUIRED INT64 {name};\n"),
-            Column::Unsigned(_) => format!("  REQUIRED INT64 {name} (INTEGER(64,false));\n"),
-            Column::MaybeIntegers(_) => format!("  OPTIONAL INT64 {name};\n"),
-            Column::Texts(_) => format!("  REQUIRED BYTE_ARRAY {name} (STRING);\n"),
-            Column::MaybeTexts(_) => format!("  OPTIONAL BYTE_ARRAY {name} (STRING);\n"),
-            Column::Lists(_) => format!(
-                "  REQUIRED GROUP {name} (LIST) {{\n    REPEATED GROUP list {{\n      \
-                 REQUIRED INT64 element;\n    }}\n  }}\n"
-            ),
+/// As the others; counts and ticks, which are far below 2^63.
+pub(super) fn integer<'a, R, V: Into<Option<u64>>>(get: impl Fn(&R) -> V + 'a) -> Values<'a, R> {
+    let signed = |value| i64::try_from(value).unwrap_or(i64::MAX);
+    Values::Integer(Box::new(move |row| get(row).into().map(signed)))
+}
+
+/// What a table is, for its documentation and its metadata.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct TableShape {
+    /// Its file is `NAME.parquet`.
+    pub name: String,
+    /// What a row is.
+    pub row: String,
+    /// Its columns, in their order.
+    pub columns: Vec<ColumnShape>,
+}
+
+/// What a column is.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct ColumnShape {
+    /// Its name.
+    pub name: String,
+    /// `int32`, `int64`, `uint64`, `float64`, `bool`, `text`, or `list of` one of these.
+    #[serde(rename = "type")]
+    pub kind: &'static str,
+    /// Of its values; empty: they have none.
+    pub unit: String,
+    /// What they say.
+    pub meaning: String,
+    /// When a value is null; `None`: never.
+    pub null: Option<String>,
+}
+
+impl<R> Table<'_, R> {
+    pub fn shape(&self) -> TableShape {
+        TableShape {
+            name: self.name.to_owned(),
+            row: self.row.to_owned(),
+            columns: self.columns.iter().map(Column::shape).collect(),
         }
     }
 
-    fn write(&self, writer: &mut SerializedColumnWriter) -> Result<(), ParquetError> {
-        match self {
-            Column::Small(values) => {
-                writer
-                    .typed::<Int32Type>()
-                    .write_batch(values, None, None)?;
-            }
-            Column::Integers(values) => {
-                writer
-                    .typed::<Int64Type>()
-                    .write_batch(values, None, None)?;
-            }
-            Column::Unsigned(values) => {
-                // The format keeps the bits, and the declaration says that there is no sign.
-                let bits: Vec<i64> = values.iter().map(|value| value.cast_signed()).collect();
-                writer.typed::<Int64Type>().write_batch(&bits, None, None)?;
-            }
-            Column::MaybeIntegers(values) => {
-                let present: Vec<i64> = values.iter().flatten().copied().collect();
-                let levels = presence(values);
-                writer
-                    .typed::<Int64Type>()
-                    .write_batch(&present, Some(&levels), None)?;
-            }
-            Column::Texts(values) => {
-                let texts: Vec<ByteArray> = values.iter().map(|text| (*text).into()).collect();
-                writer
-                    .typed::<ByteArrayType>()
-                    .write_batch(&texts, None, None)?;
-            }
-            Column::MaybeTexts(values) => {
-                let present = values.iter().flatten();
-                let present: Vec<ByteArray> = present.map(|text| (*text).into()).collect();
-                let levels = presence(values);
-                writer
-                    .typed::<ByteArrayType>()
-                    .write_batch(&present, Some(&levels), None)?;
-            }
-            Column::Lists(lists) => {
-                let (values, definition, repetition) = levels(lists);
-                writer.typed::<Int64Type>().write_batch(
-                    &values,
-                    Some(&definition),
-                    Some(&repetition),
-                )?;
-            }
+    /// The table of `rows` as the bytes of a file, with `metadata` beside its own.
+    pub fn file(&self, rows: &[R], metadata: &[(&str, String)]) -> Vec<u8> {
+        let mut schema = format!("message {} {{\n", self.name);
+        for column in &self.columns {
+            schema.push_str(&column.declaration());
         }
-        Ok(())
+        schema.push('}');
+        let schema = parse_message_type(&schema).expect("every declaration is one of a few");
+        let shape = self.shape();
+        let json = serde_json::to_string(&shape.columns).expect("shapes are plain data");
+        let own = [
+            ("stochc.table", shape.name),
+            ("stochc.row", shape.row),
+            ("stochc.columns", json),
+        ];
+        let metadata = own.iter().chain(metadata);
+        let metadata = metadata
+            .map(|(key, value)| KeyValue::new((*key).to_owned(), value.clone()))
+            .collect();
+        let properties = WriterProperties::builder()
+            .set_compression(Compression::GZIP(GzipLevel::default()))
+            .set_key_value_metadata(Some(metadata))
+            .build();
+        let mut bytes = Vec::new();
+        let write = || -> Result<(), ParquetError> {
+            let mut file = SerializedFileWriter::new(&mut bytes, schema.into(), properties.into())?;
+            let mut group = file.next_row_group()?;
+            for column in &self.columns {
+                let mut writer = (group.next_column()?).expect("one writer for each declaration");
+                column.write(rows, &mut writer)?;
+                writer.close()?;
+            }
+            group.close()?;
+            file.close()?;
+            Ok(())
+        };
+        write().expect("memory takes every column of its declared type");
+        bytes
     }
 }
 
-/// The definition level of each row: 1 is there, 0 is null.
-fn presence<T>(values: &[Option<T>]) -> Vec<i16> {
-    values
-        .iter()
-        .map(|value| i16::from(value.is_some()))
-        .collect()
+impl<'a, R> Column<'a, R> {
+    /// A column that is never null.
+    pub fn new(
+        name: impl Into<Cow<'static, str>>,
+        unit: impl Into<Cow<'static, str>>,
+        meaning: impl Into<Cow<'static, str>>,
+        values: Values<'a, R>,
+    ) -> Column<'a, R> {
+        Column {
+            name: name.into(),
+            unit: unit.into(),
+            meaning: meaning.into(),
+            null: None,
+            values,
+        }
+    }
+
+    /// The same, null `when`.
+    pub fn null(self, when: &'static str) -> Column<'a, R> {
+        Column {
+            null: Some(when),
+            ..self
+        }
+    }
+
+    fn shape(&self) -> ColumnShape {
+        ColumnShape {
+            name: self.name.to_string(),
+            kind: match self.values {
+                Values::Bool(_) => "bool",
+                Values::Small(_) => "int32",
+                Values::Integer(_) => "int64",
+                Values::Unsigned(_) => "uint64",
+                Values::Real(_) => "float64",
+                Values::Text(_) => "text",
+                Values::Integers(_) => "list of int64",
+                Values::Texts(_) => "list of text",
+            },
+            unit: self.unit.to_string(),
+            meaning: self.meaning.to_string(),
+            null: self.null.map(str::to_owned),
+        }
+    }
+
+    fn declaration(&self) -> String {
+        let (name, is) = (
+            &self.name,
+            match self.null {
+                None => "REQUIRED",
+                Some(_) => "OPTIONAL",
+            },
+        );
+        let list = |of: &str| {
+            format!(
+                "  {is} GROUP {name} (LIST) {{\n    REPEATED GROUP list {{\n      \
+                 REQUIRED {of};\n    }}\n  }}\n"
+            )
+        };
+        match self.values {
+            Values::Bool(_) => format!("  {is} BOOLEAN {name};\n"),
+            Values::Small(_) => format!("  {is} INT32 {name};\n"),
+            Values::Integer(_) => format!("  {is} INT64 {name};\n"),
+            Values::Unsigned(_) => format!("  {is} INT64 {name} (INTEGER(64,false));\n"),
+            Values::Real(_) => format!("  {is} DOUBLE {name};\n"),
+            Values::Text(_) => format!("  {is} BYTE_ARRAY {name} (STRING);\n"),
+            Values::Integers(_) => list("INT64 element"),
+            Values::Texts(_) => list("BYTE_ARRAY element (STRING)"),
+        }
+    }
+
+    fn write(&self, rows: &[R], writer: &mut SerializedColumnWriter) -> Result<(), ParquetError> {
+        let to = (rows, self.null.is_some(), writer);
+        match &self.values {
+            Values::Bool(get) => put::<_, BoolType>(to, get),
+            Values::Small(get) => put::<_, Int32Type>(to, get),
+            Values::Integer(get) => put::<_, Int64Type>(to, get),
+            // The format keeps the bits, and the declaration says that there is no sign.
+            Values::Unsigned(get) => put::<_, Int64Type>(to, |row| get(row).map(u64::cast_signed)),
+            Values::Real(get) => put::<_, DoubleType>(to, get),
+            Values::Text(get) => put::<_, ByteArrayType>(to, |row| get(row).map(ByteArray::from)),
+            Values::Integers(get) => put_lists::<_, Int64Type>(to, |row| {
+                let list = get(row).unwrap_or_default().iter();
+                list.map(|&value| i64::try_from(value).unwrap_or(i64::MAX))
+                    .collect()
+            }),
+            Values::Texts(get) => put_lists::<_, ByteArrayType>(to, |row| {
+                let list = get(row).unwrap_or_default().iter();
+                list.map(|text| text.as_str().into()).collect()
+            }),
+        }
+    }
+}
+
+/// Where values go: the rows, whether any may be null, and the writer of the column.
+type To<'r, 'w, 'x, R> = (&'r [R], bool, &'w mut SerializedColumnWriter<'x>);
+
+fn put<R, T: DataType>(
+    (rows, nullable, writer): To<R>,
+    get: impl Fn(&R) -> Option<T::T>,
+) -> Result<(), ParquetError> {
+    let values: Vec<Option<T::T>> = rows.iter().map(get).collect();
+    // The definition level of each row: 1 is there, 0 is null.
+    let level = |value: &Option<T::T>| i16::from(value.is_some());
+    let levels: Option<Vec<i16>> = nullable.then(|| values.iter().map(level).collect());
+    let present: Vec<T::T> = values.into_iter().flatten().collect();
+    let typed = writer.typed::<T>();
+    typed.write_batch(&present, levels.as_deref(), None)?;
+    Ok(())
 }
 
 /// Lists as values with a definition level (0: of an empty list, 1: of a value) and a repetition
 /// level (0: begins a row, 1: goes on with it).
-fn levels(lists: &[&[u64]]) -> (Vec<i64>, Vec<i16>, Vec<i16>) {
+fn put_lists<R, T: DataType>(
+    (rows, _, writer): To<R>,
+    get: impl Fn(&R) -> Vec<T::T>,
+) -> Result<(), ParquetError> {
     let (mut values, mut definition, mut repetition) = (Vec::new(), Vec::new(), Vec::new());
-    for list in lists {
+    for list in rows.iter().map(get) {
         if list.is_empty() {
             definition.push(0);
             repetition.push(0);
         }
-        for (i, &value) in list.iter().enumerate() {
-            values.push(integer(value));
+        for (i, value) in list.into_iter().enumerate() {
+            values.push(value);
             definition.push(1);
             repetition.push(i16::from(i > 0));
         }
     }
-    (values, definition, repetition)
+    let typed = writer.typed::<T>();
+    typed.write_batch(&values, Some(&definition), Some(&repetition))?;
+    Ok(())
 }

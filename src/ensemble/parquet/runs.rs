@@ -1,71 +1,146 @@
-//! `runs.parquet`: one row per finished run.
+//! `runs.parquet`.
+use stochc_compiler::table::PhaseId;
 use stochc_runtime::record::{Outcome, RunRecord};
 
-use super::column::{Column, file, integer};
-use crate::ensemble::{Finished, Manifest};
+use super::column::{Column, Table, integer, integers, real, text, texts, unsigned};
+use super::row::{Row, key, outcome};
+use crate::ensemble::Varied;
 
-/// The table of runs, which are sorted by program and run.
-///
-/// | column | type | what |
-/// |---|---|---|
-/// | `program` | text | its name |
-/// | `run` | integer | its number, from 0 |
-/// | `outcome` | text | `completed`, `timed_out` (the time is censored) or `failed` |
-/// | `failed_phase` | text or null | the phase in which it timed out or failed |
-/// | `reason` | text or null | why it failed |
-/// | `ticks` | integer | until its end |
-/// | `phase_ticks` | list of integers | of each phase that was completed |
-/// | `blocks_used` | integer | different bodies that were captured |
-/// | `captures` | integer | rows of the table of bonds |
-/// | `hops` | integer | of messages |
-/// | `seed` | unsigned integer | of the ensemble |
-pub(in crate::ensemble) fn runs(manifest: &Manifest, finished: &[Finished]) -> Vec<u8> {
-    let integers = |value: fn(&RunRecord) -> u64| {
-        Column::Integers(
-            finished
-                .iter()
-                .map(|done| integer(value(&done.record)))
-                .collect(),
+/// The phase in which a run ended without being complete.
+pub(super) fn unfinished(record: &RunRecord) -> Option<PhaseId> {
+    match record.outcome {
+        Outcome::Completed => None,
+        Outcome::TimedOut { phase, .. } | Outcome::Failed { phase, .. } => Some(phase),
+    }
+}
+
+pub(super) fn table<'a>(axes: &[Varied]) -> Table<'a, Row<'a, ()>> {
+    type R<'a> = Row<'a, ()>;
+    let mut columns = key(axes);
+    columns.extend([
+        Column::new(
+            "assembly",
+            "",
+            "name of the assembly or aggregate",
+            text(|row: &R<'a>| row.run.program.assembly.as_str()),
+        ),
+        Column::new(
+            "scene",
+            "",
+            "name of the scene",
+            text(|row: &R<'a>| row.run.program.scene.name.as_str()),
+        ),
+        Column::new(
+            "outcome",
+            "",
+            "`completed`; `timed_out`: stopped by the timeout of a phase; `max_ticks`: stopped by the \
+             limit of ticks, `--max-ticks`; `failed`: the physics broke down. The times of \
+             stopped runs are censored, those of failed ones mean nothing",
+            text(|row: &R<'a>| outcome(&row.run.record.outcome)),
+        ),
+        Column::new(
+            "failed_phase",
+            "",
+            "name of the phase in which it was stopped or failed",
+            text(|row: &R<'a>| {
+                let phase = unfinished(row.run.record)?;
+                Some(row.run.program.phase(phase))
+            }),
         )
-    };
-    let programs = finished.iter().map(|done| &manifest.programs[done.program]);
-    let phases = finished.iter().map(|done| {
-        let program = &manifest.programs[done.program];
-        match done.record.outcome {
-            Outcome::Completed => None,
-            Outcome::TimedOut { phase } | Outcome::Failed { phase, .. } => {
-                Some(program.phase(phase))
-            }
-        }
-    });
-    let reasons = finished.iter().map(|done| match &done.record.outcome {
-        Outcome::Failed { reason, .. } => Some(reason.as_str()),
-        Outcome::Completed | Outcome::TimedOut { .. } => None,
-    });
-    let outcomes = finished.iter().map(|done| match done.record.outcome {
-        Outcome::Completed => "completed",
-        Outcome::TimedOut { .. } => "timed_out",
-        Outcome::Failed { .. } => "failed",
-    });
-    let phase_ticks = finished.iter().map(|done| &*done.record.phase_ticks);
-    let columns = [
-        (
-            "program",
-            Column::Texts(programs.map(|p| &*p.name).collect()),
+        .null("it completed"),
+        Column::new(
+            "failed_phase_number",
+            "",
+            "index of that phase, from 0",
+            integer(|row: &R<'a>| unfinished(row.run.record).map(|phase| phase.0.into())),
+        )
+        .null("it completed"),
+        Column::new(
+            "reason",
+            "",
+            "why it failed",
+            text(|row: &R<'a>| match &row.run.record.outcome {
+                Outcome::Failed { reason, .. } => Some(reason.as_str()),
+                Outcome::Completed | Outcome::TimedOut { .. } => None,
+            }),
+        )
+        .null("it did not fail"),
+        Column::new(
+            "ticks",
+            "ticks",
+            "time until its end",
+            integer(|row: &R<'a>| row.run.record.ticks),
         ),
-        ("run", integers(|record| record.run)),
-        ("outcome", Column::Texts(outcomes.collect())),
-        ("failed_phase", Column::MaybeTexts(phases.collect())),
-        ("reason", Column::MaybeTexts(reasons.collect())),
-        ("ticks", integers(|record| record.ticks)),
-        ("phase_ticks", Column::Lists(phase_ticks.collect())),
-        ("blocks_used", integers(|record| record.blocks_used.into())),
-        ("captures", integers(|record| record.bonds.len() as u64)),
-        ("hops", integers(|record| record.hops)),
-        (
+        Column::new(
+            "seconds",
+            "s",
+            "the same in seconds of the scene",
+            real(|row: &R<'a>| row.run.record.ticks as f64 * row.run.program.scene.tick),
+        ),
+        Column::new(
+            "tick_seconds",
+            "s",
+            "length of a tick",
+            real(|row: &R<'a>| row.run.program.scene.tick),
+        ),
+        Column::new(
+            "phase_names",
+            "",
+            "names of all phases, by their index",
+            texts(|row: &R<'a>| row.run.program.phases.as_slice()),
+        ),
+        Column::new(
+            "phase_ticks",
+            "ticks",
+            "time that each phase took which was completed, by its index; `phases.parquet` has the others as well",
+            integers(|row: &R<'a>| row.run.record.phase_ticks.as_slice()),
+        ),
+        Column::new(
+            "blocks_used",
+            "",
+            "different blocks that were captured; of an aggregate, blocks of the largest group",
+            integer(|row: &R<'a>| u64::from(row.run.record.blocks_used)),
+        ),
+        Column::new(
+            "captures",
+            "",
+            "rows of `bonds.parquet` that are not censored",
+            integer(|row: &R<'a>| row.run.record.bonds.len() as u64),
+        ),
+        Column::new(
+            "under_way",
+            "",
+            "rows of `bonds.parquet` that are censored",
+            integer(|row: &R<'a>| row.run.record.waiting.len() as u64),
+        ),
+        Column::new(
+            "releases",
+            "",
+            "rows of `releases.parquet`",
+            integer(|row: &R<'a>| row.run.record.releases.len() as u64),
+        ),
+        Column::new(
+            "unplanned",
+            "",
+            "rows of `unplanned.parquet`",
+            integer(|row: &R<'a>| row.run.record.unplanned_bonds.len() as u64),
+        ),
+        Column::new(
+            "hops",
+            "",
+            "hops of messages from a block to its parent or child",
+            integer(|row: &R<'a>| row.run.record.hops),
+        ),
+        Column::new(
             "seed",
-            Column::Unsigned(vec![manifest.seed; finished.len()]),
+            "",
+            "seed of the ensemble",
+            unsigned(|row: &R<'a>| row.run.manifest.seed),
         ),
-    ];
-    file("runs", &manifest.identity(), &columns)
+    ]);
+    Table {
+        name: "runs",
+        row: "a finished run",
+        columns,
+    }
 }

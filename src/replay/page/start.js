@@ -220,8 +220,11 @@ function text(id, words) {
 function head(about, recording) {
   const { record } = recording;
   text('name', about.program);
-  const outcome = { completed: 'completed', timed_out: 'timed out', failed: 'failed' }[record.outcome.kind];
-  text('facts', [`run ${recording.header.run}`, `${outcome} after ${record.ticks} ticks`, count(record.bonds.length, 'capture'), about.model, `scene ${about.scene.name}`, `seed ${about.seed}`].join(' · '));
+  const { kind, by } = record.outcome;
+  const outcome = kind === 'timed_out' ? { timeout: 'timed out', max_ticks: 'stopped by --max-ticks' }[by] : kind;
+  const after = `${record.ticks} ticks (${time(record.ticks * about.scene.tick)})`;
+  const waiting = record.waiting ? [`${count(record.waiting.length, 'wait')} under way`] : [];
+  text('facts', [`run ${recording.header.run}`, `${outcome} after ${after}`, count(record.bonds.length, 'capture'), ...waiting, about.model, `scene ${about.scene.name}`, `seed ${about.seed}`].join(' · '));
 }
 
 /** Seconds as minutes and seconds. */

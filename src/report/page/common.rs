@@ -1,9 +1,9 @@
 //! What several parts of the page say alike.
 use super::{Parts, SIGNIFICANT};
 use crate::ensemble::Time;
-use crate::figures::{Drawing, escaped, number};
+use crate::figures::{Drawing, Tick, escaped, number};
 use crate::report::address;
-use crate::report::contrast::{Contrast, Method, Verdict};
+use crate::report::contrast::{Clock, Contrast, Method, Verdict};
 use crate::report::html::{Cell, Html, name};
 
 pub(super) fn link(folder: &str, file: &str) -> String {
@@ -77,14 +77,38 @@ pub(super) fn sentence(parts: &Parts, contrast: &Contrast) -> String {
     }
 }
 
-/// Mean, median, SD, CV, and the ends.
-pub(super) fn figures(time: Option<&Time>) -> Vec<Cell> {
-    let figure = |of: fn(&Time) -> Option<f64>| {
-        let value = time.and_then(of);
-        Cell::Number(value.map_or("–".into(), number))
+/// The clock of all programs where times are in ticks; `None`: they are in seconds.
+pub(super) fn tick(parts: &Parts) -> Option<Tick> {
+    match parts.clock {
+        Clock::Ticks => Some(parts.subjects.first()?.tick()),
+        Clock::Seconds => None,
+    }
+}
+
+/// A figure, and below it the same in seconds where it is in ticks.
+pub(super) fn figure(value: Option<f64>, tick: Option<Tick>) -> Cell {
+    let Some(value) = value else {
+        return Cell::Number("–".into());
     };
+    let seconds = tick.map_or(String::new(), |tick| format!("\n{}", tick.seconds(value)));
+    Cell::Number(number(value) + &seconds)
+}
+
+/// A mean with its interval, and below it the same in seconds where it is in ticks.
+pub(super) fn mean_cell(time: Option<&Time>, tick: Option<Tick>) -> Cell {
+    let Some(time) = time else {
+        return Cell::Number("–".into());
+    };
+    let seconds = tick.map(|tick| tick.interval(time.mean, time.half_width));
+    let seconds = seconds.map_or(String::new(), |seconds| format!("\n{seconds}"));
+    Cell::Number(mean(time) + &seconds)
+}
+
+/// Mean, median, SD, CV, and the ends; with `tick` in seconds as well.
+pub(super) fn figures(time: Option<&Time>, tick: Option<Tick>) -> Vec<Cell> {
+    let figure = |of: fn(&Time) -> Option<f64>| figure(time.and_then(of), tick);
     vec![
-        Cell::Number(time.map_or("–".into(), mean)),
+        mean_cell(time, tick),
         figure(|time| time.median),
         figure(|time| time.sd),
         Cell::Number(coefficient(time)),

@@ -1,5 +1,5 @@
 //! When runs completed: curves, means, differences.
-use super::common::{figures, method_text, probability, show};
+use super::common::{figures, method_text, probability, show, tick};
 use super::{Parts, ROWS};
 use crate::ensemble::Time;
 use crate::figures::{Drawing, number};
@@ -19,7 +19,10 @@ pub(super) fn completion(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawi
             times: parts.clock.times(subject),
         })
         .collect();
-    let axis = format!("time [{unit}]");
+    let axis = match tick(parts) {
+        Some(tick) => format!("time [{}]", tick.unit()),
+        None => format!("time [{unit}]"),
+    };
     let title = "Runs that are not complete yet, over time";
     let figure = picture::survival("survival", title, &curves, &axis);
     let caption = "The estimate of Kaplan and Meier; bands are pointwise 95 % intervals (up to four \
@@ -43,7 +46,7 @@ pub(super) fn completion(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawi
             let time = Time::of(&parts.clock.times(subject));
             let mut row = vec![Cell::Marked(name(&subject.label))];
             row.extend([completed, stopped, failed].map(|n| Cell::Number(n.to_string())));
-            row.extend(figures(time.as_ref()));
+            row.extend(figures(time.as_ref(), tick(parts)));
             row
         })
         .collect();
@@ -59,7 +62,11 @@ pub(super) fn completion(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawi
         "min",
         "max",
     ];
-    let caption = format!("Times to completion in {unit}; ± is half of a 95 % interval");
+    let beside = match tick(parts) {
+        Some(_) => ", and below in seconds",
+        None => "",
+    };
+    let caption = format!("Times to completion in {unit}{beside}; ± is half of a 95 % interval");
     out.table(&caption, &header, &rows);
     for subject in parts.subjects {
         failures(subject, out);

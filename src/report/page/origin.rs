@@ -1,7 +1,7 @@
 //! What was run, how to run it again, and how to read the page.
 use super::Parts;
 use super::common::{inside, lines, link};
-use crate::ensemble::{Program, Varied};
+use crate::ensemble::Program;
 use crate::figures::{Drawing, number};
 use crate::report::html::{Cell, Html, code, command, name};
 use crate::report::{data, shell};
@@ -106,7 +106,7 @@ pub(super) fn simulate(manifest: &crate::ensemble::Manifest) -> String {
     if let Some(limit) = manifest.max_ticks {
         option("max-ticks", &limit.to_string());
     }
-    for (number, axis) in axes(manifest).iter().enumerate() {
+    for (number, axis) in manifest.axes().iter().enumerate() {
         let mut values: Vec<String> = Vec::new();
         for varied in manifest
             .programs
@@ -125,20 +125,13 @@ pub(super) fn simulate(manifest: &crate::ensemble::Manifest) -> String {
     words.join(" ")
 }
 
-/// The numbers that the programs of a manifest differ in.
-fn axes(manifest: &crate::ensemble::Manifest) -> &[Varied] {
-    let mut programs = manifest.programs.iter().map(|program| &program.varied[..]);
-    programs
-        .find(|varied| !varied.is_empty())
-        .unwrap_or_default()
-}
-
 pub(super) fn methods(parts: &Parts, out: &mut Html, drawings: &[Drawing]) {
     out.heading(2, "methods", "How to read this, and data");
     out.list(
         "ul",
         &[
-            "<strong>Ticks</strong> are the scene's clock. A face is magnetized, blocks come into \
+            "<strong>Ticks</strong> are the scene's clock, and <em>seconds</em> those of the scene, not of the \
+             computer. A face is magnetized, blocks come into \
              the reach of its pull (<em>entries</em>), and one docks; its <em>docking</em> time \
              counts from its last entry."
                 .to_owned(),

@@ -1,5 +1,5 @@
 //! One program: its phases, captures, where its blocks came from, and single runs.
-use super::common::{coefficient, figures, mean, show};
+use super::common::{coefficient, figure, figures, mean_cell, show};
 use super::{Parts, ROWS};
 use crate::ensemble::Time;
 use crate::figures::{Drawing, escaped, number, percent};
@@ -30,7 +30,7 @@ pub(super) fn program(parts: &Parts, index: usize, out: &mut Html, drawings: &mu
         &format!("waits-of-{n}"),
         "Which capture is the bottleneck",
     );
-    let figure = picture::waits(n, &subject.label, &subject.program.phases, waits);
+    let figure = picture::waits(n, subject, waits);
     let caption = "From the magnetizing of a face to the docking of a block. Dots are means, thick \
                    lines their 95 % intervals, thin lines hold the middle 80 % of the runs; ≥ where \
                    a run was stopped while it waited. Captures stand in the order of the dependency \
@@ -75,8 +75,8 @@ pub(super) fn phases(
         .collect();
     if phases.len() > 1 {
         let title = format!("{}: phases that are not complete yet", subject.label);
-        let axis = "time since the phase began [ticks]";
-        let figure = picture::survival(&format!("phases-{n}"), &title, &curves, axis);
+        let axis = format!("time since the phase began [{}]", subject.tick().unit());
+        let figure = picture::survival(&format!("phases-{n}"), &title, &curves, &axis);
         let caption = "Each phase from its own beginning, of the runs that reached it.";
         show(parts, out, drawings, figure, caption, &["survival.csv"]);
     }
@@ -94,7 +94,7 @@ pub(super) fn phases(
             Cell::Number(count.to_string())
         };
         row.extend([count(true), count(false)]);
-        row.extend(figures(time.as_ref()));
+        row.extend(figures(time.as_ref(), Some(subject.tick())));
         row.push(Cell::Number(percent(spent / total.max(1.0))));
         row
     });
@@ -111,7 +111,11 @@ pub(super) fn phases(
         "max",
         "of all time",
     ];
-    out.table("Times of the phases, in ticks", &header, &rows);
+    out.table(
+        "Times of the phases in ticks, and below in seconds",
+        &header,
+        &rows,
+    );
 }
 
 pub(super) fn captures(subject: &Subject, waits: &[Wait], out: &mut Html) {
@@ -127,14 +131,14 @@ pub(super) fn captures(subject: &Subject, waits: &[Wait], out: &mut Html) {
     }
     let runs = subject.runs.len();
     let row = |wait: &&Wait| {
-        let summary = |value: Option<f64>| Cell::Number(value.map_or("–".into(), number));
+        let tick = Some(subject.tick());
         vec![
             Cell::Marked(code(&wait.text)),
             Cell::Marked(code(subject.program.phase(wait.phase))),
-            Cell::Number(wait.time.as_ref().map_or("–".into(), mean)),
-            Cell::Number(coefficient(wait.time.as_ref())),
-            summary(wait.entries.as_ref().map(|entries| entries.mean)),
-            summary(wait.docking.as_ref().map(|docking| docking.mean)),
+            mean_cell(wait.time(), tick),
+            Cell::Number(coefficient(wait.time())),
+            figure(wait.entries(), None),
+            figure(wait.docking(), tick),
             Cell::Number(match wait.share {
                 Some(_) => format!("{} of {runs}", wait.decided),
                 None => "–".into(),
@@ -154,7 +158,7 @@ pub(super) fn captures(subject: &Subject, waits: &[Wait], out: &mut Html) {
         "of all time",
     ];
     out.table(
-        "The captures; waits and docking in ticks, means with half of their 95 % intervals",
+        "The captures; waits and docking in ticks, and below in seconds, means with half of their 95 % intervals",
         &header,
         &rows,
     );
@@ -162,8 +166,8 @@ pub(super) fn captures(subject: &Subject, waits: &[Wait], out: &mut Html) {
 
 pub(super) fn origins(parts: &Parts, index: usize, out: &mut Html, drawings: &mut Vec<Drawing>) {
     let (subject, waits) = (&parts.subjects[index], &parts.waits[index]);
-    let free: usize = waits.iter().map(|wait| wait.free).sum();
-    let each = waits.iter().flat_map(|wait| &wait.released);
+    let free: usize = waits.iter().map(|wait| wait.free()).sum();
+    let each = waits.iter().flat_map(|wait| wait.released());
     let released: usize = each.map(|(_, n)| n).sum();
     out.heading(
         3,

@@ -1,6 +1,6 @@
 //! What comes first: the page in a few sentences.
 use super::Parts;
-use super::common::{mean, sentence};
+use super::common::{mean, sentence, tick};
 use super::warnings::warnings;
 use crate::ensemble::Time;
 use crate::report::html::{Html, code, name};
@@ -23,7 +23,9 @@ pub(super) fn in_short(parts: &Parts, out: &mut Html) {
             }
         }
         if let Some(time) = Time::of(&parts.clock.times(subject)) {
-            item += &format!(", in {} {unit} on average", mean(&time));
+            let beside = tick(parts).map(|tick| tick.beside_interval(time.mean, time.half_width));
+            let beside = beside.unwrap_or_default();
+            item += &format!(", in {} {unit}{beside} on average", mean(&time));
         }
         item += ". ";
         let share = |wait: &&Wait| wait.share.unwrap_or(0.0);

@@ -1,5 +1,5 @@
 //! What was varied, and what became of the times.
-use super::common::{mean, show};
+use super::common::{figure, mean_cell, show};
 use super::{Parts, ROWS};
 use crate::figures::{Drawing, number, percent};
 use crate::report::html::{Cell, Html, code, name};
@@ -31,26 +31,30 @@ pub(super) fn sweeps(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawing>)
 }
 
 fn table(sweep: &Sweep, out: &mut Html) {
-    let maybe = |value: Option<f64>| Cell::Number(value.map_or("–".into(), number));
     let row = |point: &Point| {
         let mut cells = vec![Cell::Marked(name(&point.program))];
         let values = point.values.iter();
         cells.extend(values.map(|value| Cell::Number(number(value.value))));
         let time = point.time.as_ref();
-        cells.push(Cell::Number(time.map_or("–".into(), mean)));
-        cells.push(maybe(time.and_then(|time| time.median)));
+        let tick = sweep.tick(point);
+        cells.push(mean_cell(time, tick));
+        cells.push(figure(time.and_then(|time| time.median), tick));
         cells.push(Cell::Number(format!(
             "{} of {}",
             point.completed,
             point.finished()
         )));
-        cells.push(maybe(point.time_per_capture));
+        cells.push(figure(point.time_per_capture, tick));
         let released = point.released.map_or("–".into(), percent);
         cells.push(Cell::Number(released));
         cells
     };
     let rows: Vec<_> = sweep.points.iter().take(ROWS).map(row).collect();
-    let caption = format!("Time to completion in {}", sweep.unit);
+    let beside = match sweep.points.first().and_then(|point| sweep.tick(point)) {
+        Some(_) => ", and below in seconds",
+        None => "",
+    };
+    let caption = format!("Time to completion in {}{beside}", sweep.unit);
     let axes: Vec<String> = sweep.axes.iter().map(|axis| axis.label()).collect();
     let figures = [
         "mean",

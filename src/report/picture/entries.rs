@@ -23,13 +23,7 @@ pub(in crate::report) fn entries(
     /// Captures that are named.
     const NAMED: usize = 6;
     let means: Vec<(&Wait, f64, f64)> = (waits.iter())
-        .filter_map(|wait| {
-            Some((
-                wait,
-                wait.entries.as_ref()?.mean,
-                wait.docking.as_ref()?.mean,
-            ))
-        })
+        .filter_map(|wait| Some((wait, wait.entries()?, wait.docking()?)))
         .collect();
     let bonds: Vec<(f64, f64)> = (subject.runs.iter())
         .flat_map(|run| &run.record.bonds)
@@ -50,7 +44,7 @@ pub(in crate::report) fn entries(
     let least = means.iter().map(|mean| mean.2).fold(least, f64::min);
     let y = Scale::logarithmic((least.max(0.9), 1.15 * most_docking), (BOTTOM, TOP));
     let mut ranked = means.clone();
-    let wait = |wait: &Wait| wait.time.as_ref().map_or(0.0, |time| time.mean);
+    let wait = |wait: &Wait| wait.time().map_or(0.0, |time| time.mean);
     ranked.sort_by(|a, b| wait(b.0).total_cmp(&wait(a.0)));
     ranked.truncate(NAMED);
     let mut phases: Vec<usize> = (means.iter())

@@ -23,7 +23,7 @@ pub(in crate::report) fn origins(
     const ROLES: usize = 6;
     let mut rows: Vec<&Wait> = waits
         .iter()
-        .filter(|wait| !wait.released.is_empty())
+        .filter(|wait| !wait.released().is_empty())
         .collect();
     let all = rows.len();
     // A figure is no place for thousands of bars; the data file has them all.
@@ -32,7 +32,7 @@ pub(in crate::report) fn origins(
         return None;
     }
     let mut totals: BTreeMap<RoleId, usize> = BTreeMap::new();
-    for (role, n) in rows.iter().flat_map(|wait| &wait.released) {
+    for (role, n) in rows.iter().flat_map(|wait| wait.released()) {
         *totals.entry(*role).or_default() += n;
     }
     let mut roles: Vec<(RoleId, usize)> = totals.into_iter().collect();
@@ -52,7 +52,7 @@ pub(in crate::report) fn origins(
     for (row, wait) in rows.iter().enumerate() {
         let y = TOP + ROW * row as f64;
         out.text("ink", (8.0, y + 16.0), &short(&wait.text, 26));
-        let total = wait.free + wait.released.iter().map(|(_, n)| n).sum::<usize>();
+        let total = wait.free() + wait.released().iter().map(|(_, n)| n).sum::<usize>();
         let mut from = 0.0;
         let mut bar = |colour: &str, n: usize, what: &str| {
             let to = from + 100.0 * n as f64 / total as f64;
@@ -61,7 +61,7 @@ pub(in crate::report) fn origins(
             out.rectangle(&format!("bar {colour}"), (x.at(from), y + 4.0), size, &told);
             from = to;
         };
-        let mut released = wait.released.clone();
+        let mut released = wait.released().to_vec();
         released.sort_by_key(|&(role, _)| place(role));
         for (role, n) in released {
             let told = format!("released as {}", program.role(role));
@@ -70,7 +70,7 @@ pub(in crate::report) fn origins(
                 None => bar("rest", n, &told),
             }
         }
-        bar("grey", wait.free, "never captured before");
+        bar("grey", wait.free(), "never captured before");
     }
     let named = roles.iter().take(ROLES).enumerate();
     let mut keys: Vec<(String, String)> = named
@@ -111,8 +111,8 @@ pub(in crate::report) fn origins(
 
 fn told(program: &Program, rows: &[&Wait]) -> String {
     let row = |wait: &&Wait| {
-        let total = wait.free + wait.released.iter().map(|(_, n)| n).sum::<usize>();
-        let each = wait.released.iter();
+        let total = wait.free() + wait.released().iter().map(|(_, n)| n).sum::<usize>();
+        let each = wait.released().iter();
         let each = each.map(|(role, n)| format!("{n} released as {}", program.role(*role)));
         let each: Vec<_> = each.collect();
         format!("{}: {} of {total}", wait.text, each.join(", "))

@@ -1,6 +1,7 @@
 //! How long each capture was waited for, and how much of the runs' time that decided.
 use super::{WIDTH, short};
 use crate::figures::{Drawing, Scale, number, percent};
+use crate::report::subject::Subject;
 use crate::report::waits::Wait;
 
 /// Rows of the figure; of more captures, those that decided most are shown.
@@ -11,8 +12,7 @@ pub(in crate::report) const SHOWN: usize = 60;
 /// `number` is that of the program in the report.
 pub(in crate::report) fn waits(
     program: usize,
-    label: &str,
-    phases: &[String],
+    subject: &Subject,
     waits: &[Wait],
 ) -> Option<Drawing> {
     const LEFT: f64 = 190.0;
@@ -22,9 +22,9 @@ pub(in crate::report) fn waits(
     const TOP: f64 = 44.0;
     const ROW: f64 = 20.0;
     let shown = shown(waits);
-    let times = shown.iter().filter_map(|wait| wait.time.as_ref());
+    let times = shown.iter().filter_map(|wait| wait.time());
     let ends = times.map(|time| time.mean + time.half_width.unwrap_or(0.0));
-    let spreads = shown.iter().filter_map(|wait| Some(wait.spread?.1));
+    let spreads = shown.iter().filter_map(|wait| Some(wait.spread()?.1));
     let last = ends.chain(spreads).fold(0.0, f64::max);
     if shown.is_empty() || last <= 0.0 {
         return None;
@@ -36,12 +36,13 @@ pub(in crate::report) fn waits(
     let height = TOP + ROW * (shown.len() + groups.count()) as f64;
     let mut out = Drawing::new(
         &format!("waits-{program}"),
-        &format!("{label}: how long each capture was waited for"),
+        &format!("{}: how long each capture was waited for", subject.label),
         &told(&shown),
         (WIDTH, height + 64.0),
     );
     let x = Scale::linear((0.0, last), (LEFT, RIGHT));
-    out.across(&x, (LEFT, RIGHT), height, TOP, "wait [ticks]");
+    let axis = format!("wait [{}]", subject.tick().unit());
+    out.across(&x, (LEFT, RIGHT), height, TOP, &axis);
     let decisive = shown.iter().any(|wait| wait.share.is_some());
     let most = shown
         .iter()
@@ -64,9 +65,7 @@ pub(in crate::report) fn waits(
     for wait in &shown {
         let begins = phase.replace(wait.phase) != Some(wait.phase);
         if begins {
-            let name = phases
-                .get(wait.phase.0 as usize)
-                .map_or("?", String::as_str);
+            let name = subject.program.phase(wait.phase);
             out.text(
                 "dim",
                 (8.0, y + 14.0),
@@ -83,11 +82,11 @@ pub(in crate::report) fn waits(
         // What decided most is what a reader looks for.
         let hot = most > 0.0 && wait.share.is_some_and(|share| share >= 0.999 * most);
         let class = if hot { "hot" } else { "s0" };
-        if let Some((low, high)) = wait.spread {
+        if let Some((low, high)) = wait.spread() {
             let style = "stroke-width=\"1\" opacity=\"0.65\"";
             out.line(class, (x.at(low), middle), (x.at(high), middle), style);
         }
-        match &wait.time {
+        match wait.time() {
             Some(time) => {
                 let half = time.half_width.unwrap_or(0.0);
                 let (low, high) = (x.at(time.mean - half), x.at(time.mean + half));
@@ -130,7 +129,7 @@ pub(in crate::report) fn waits(
 fn shown(waits: &[Wait]) -> Vec<&Wait> {
     let mut ranked: Vec<(usize, &Wait)> = waits.iter().enumerate().collect();
     let weight = |wait: &Wait| {
-        let mean = wait.time.as_ref().map_or(0.0, |time| time.mean);
+        let mean = wait.time().map_or(0.0, |time| time.mean);
         (wait.share.unwrap_or(0.0), mean)
     };
     ranked.sort_by(|(_, a), (_, b)| {
@@ -143,7 +142,7 @@ fn shown(waits: &[Wait]) -> Vec<&Wait> {
 }
 
 fn told(shown: &[&Wait]) -> String {
-    let mean = |wait: &&&Wait| wait.time.as_ref().map_or(0.0, |time| time.mean);
+    let mean = |wait: &&&Wait| wait.time().map_or(0.0, |time| time.mean);
     let longest = shown.iter().max_by(|a, b| mean(a).total_cmp(&mean(b)));
     let share = |wait: &&&Wait| wait.share.unwrap_or(0.0);
     let most = shown.iter().max_by(|a, b| share(a).total_cmp(&share(b)));

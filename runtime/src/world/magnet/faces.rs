@@ -269,6 +269,12 @@ impl<R: Real> Faces<R> {
             .map(|active| (active.site, active.entries))
     }
 
+    /// Entries into the reach of a face so far; 0 for one that is off or holds something.
+    pub fn entries(&self, site: Site) -> u32 {
+        let at = self.active.binary_search_by_key(&site, |on| on.site);
+        at.map_or(0, |at| self.active[at].entries)
+    }
+
     /// Who is in reach of which active face, with the tick of the entry.
     pub fn in_reach(&self) -> impl Iterator<Item = (Site, u32, u64)> + '_ {
         (self.active.iter()).flat_map(|active| {

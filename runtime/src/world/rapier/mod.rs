@@ -345,6 +345,10 @@ impl World for RapierWorld {
         Some(docking)
     }
 
+    fn entries(&self, site: Site) -> u32 {
+        self.faces.as_ref().map_or(0, |faces| faces.entries(site))
+    }
+
     fn largest_group(&self) -> u32 {
         (self.groups().iter())
             .map(|group| group.len() as u32)

@@ -169,6 +169,10 @@ impl<R: Lane> Kernel<R> {
         self.faces.iter().flat_map(Faces::active).collect()
     }
 
+    pub fn entries(&self, site: Site) -> u32 {
+        self.faces.as_ref().map_or(0, |faces| faces.entries(site))
+    }
+
     pub fn in_reach(&self) -> Vec<(Site, u32, u64)> {
         self.faces.iter().flat_map(Faces::in_reach).collect()
     }

@@ -121,6 +121,10 @@ impl World for RigidWorld {
         either!(&mut self.0, kernel => kernel.plant(site))
     }
 
+    fn entries(&self, site: Site) -> u32 {
+        either!(&self.0, kernel => kernel.entries(site))
+    }
+
     fn largest_group(&self) -> u32 {
         (self.groups().iter())
             .map(|group| group.len() as u32)
