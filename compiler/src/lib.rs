@@ -45,3 +45,6 @@ pub use mend::{Mended, mend};
 pub use program::{Checked, Program, Stage, check, check_changed, check_observed, check_with};
 pub use source::{FileId, Site, SourceFile, Sources};
 pub use stochc_grammar::{Face, Span, Symbols};
+
+/// A digest of this crate's sources: two builds with one digest compute the same.
+pub const SOURCES: &str = env!("STOCHC_SOURCES");

@@ -23,3 +23,6 @@ pub use parse::{MAX_DEPTH, MAX_ERRORS, MAX_STATEMENT, MAX_TERMS, Parsed, accepts
 pub use print::print;
 pub use span::Span;
 pub use symbol::{Symbol, Symbols};
+
+/// A digest of this crate's sources: two builds with one digest compute the same.
+pub const SOURCES: &str = env!("STOCHC_SOURCES");

@@ -16,3 +16,6 @@ pub mod world;
 
 pub use run::{RunError, Watch, drive, observe, run};
 pub use settings::{Model, Precision, Reduction, SUBSTEPS, Settings};
+
+/// A digest of this crate's sources: two builds with one digest compute the same.
+pub const SOURCES: &str = env!("STOCHC_SOURCES");

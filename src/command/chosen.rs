@@ -14,7 +14,7 @@ use stochc_runtime::record::RunRecord;
 use stochc_runtime::{RunError, Settings, observe};
 
 use super::check::verdict;
-use super::simulate::{Draft, Ready, settings};
+use super::simulate::{Draft, Ready, settings, tell_of_build};
 use super::terminal::{has_colour, message_width, usage, warn};
 use crate::cli::Exit;
 use crate::ensemble::{Folder, Manifest};
@@ -60,10 +60,9 @@ pub fn choose(choice: &Choice) -> Result<Chosen, Exit> {
     let program = index(&manifest, choice.program.as_deref()).map_err(|reason| usage(&reason))?;
     if choice.run >= manifest.runs {
         return Err(usage(&format!(
-            "`{}` has no run {}: its runs are 0 to {}",
+            "`{}`: {}",
             choice.folder.display(),
-            choice.run,
-            manifest.runs.saturating_sub(1)
+            manifest.no_such_run(choice.run)
         )));
     }
     let (ready, graph) = compile(&manifest, program)?;
@@ -146,6 +145,7 @@ impl Chosen {
         observer: &mut impl Observer,
         stop: &AtomicBool,
     ) -> Result<RunRecord, Exit> {
+        tell_of_build(&self.manifest.builds);
         let mut watch = |_, _| match stop.load(Ordering::Relaxed) {
             true => ControlFlow::Break(()),
             false => ControlFlow::Continue(()),

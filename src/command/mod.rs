@@ -15,3 +15,4 @@ pub mod results;
 pub mod simulate;
 mod terminal;
 pub mod trade;
+mod unresolved;

@@ -3,8 +3,9 @@ use serde::Serialize;
 use stochc_compiler::table::PhaseId;
 use stochc_runtime::record::{Limit, Outcome, RunRecord};
 
+use super::contrast::{Clock, Side, Verdict, contrasts, runs, time};
 use super::{Finished, Manifest, Program};
-use crate::statistics::{Difference, KaplanMeier, Observation, Summary, compare};
+use crate::statistics::{Difference, KaplanMeier, Observation, Summary};
 
 /// An ensemble in figures; times are in ticks.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -14,6 +15,9 @@ pub struct Comparison {
     /// One for each pair of programs, in the same order; of a sweep, only for different programs at
     /// the same values.
     pub pairs: Vec<Pair>,
+    /// The unit of their differences: ticks, or seconds where the programs differ in the length of a
+    /// tick.
+    pub unit: &'static str,
 }
 
 /// The figures of one program.
@@ -107,22 +111,30 @@ impl Comparison {
         };
         let records: Vec<_> = (0..manifest.programs.len()).map(records).collect();
         let programs = manifest.programs.iter().zip(&records);
-        let times: Vec<_> = records.iter().map(|records| whole(records)).collect();
-        let all = || manifest.programs.iter().zip(&times);
+        let clock = Clock::of(manifest.programs.iter());
+        let sides: Vec<Side> = (programs.clone())
+            .map(|(program, records)| Side {
+                varied: &program.varied,
+                runs: runs(records.iter().copied(), manifest.seed, clock.tick(program)),
+            })
+            .collect();
+        let name = |i: usize| manifest.programs[i].name.clone();
         Comparison {
             programs: programs
                 .map(|(program, records)| column(manifest, program, records))
                 .collect(),
-            pairs: all()
-                .enumerate()
-                .flat_map(|(i, first)| all().skip(i + 1).map(move |second| (first, second)))
-                .filter(|((first, _), (second, _))| first.varied == second.varied)
-                .map(|((first, ours), (second, theirs))| Pair {
-                    first: first.name.clone(),
-                    second: second.name.clone(),
-                    difference: compare(ours, theirs),
+            pairs: contrasts(&sides, |_, _| false)
+                .into_iter()
+                .map(|contrast| Pair {
+                    first: name(contrast.first),
+                    second: name(contrast.second),
+                    difference: match contrast.verdict {
+                        Verdict::Known(difference) => Some(difference),
+                        Verdict::Same | Verdict::Unknown => None,
+                    },
                 })
                 .collect(),
+            unit: clock.unit(),
         }
     }
 }
@@ -221,12 +233,7 @@ fn column(manifest: &Manifest, program: &Program, records: &[&RunRecord]) -> Col
 
 /// Times to completion; a failed run has none.
 fn whole(records: &[&RunRecord]) -> Vec<Observation> {
-    let time = |record: &&RunRecord| match record.outcome {
-        Outcome::Completed => Some(Observation::completed(record.ticks as f64)),
-        Outcome::TimedOut { .. } => Some(Observation::censored(record.ticks as f64)),
-        Outcome::Failed { .. } => None,
-    };
-    records.iter().filter_map(time).collect()
+    records.iter().filter_map(|record| time(record)).collect()
 }
 
 /// Times of one phase, of the runs that reached it and did not fail.

@@ -13,6 +13,7 @@ use std::fs::{self, File, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
 
+use super::build::UNKNOWN;
 use super::journal::{self, Finished, Journal, JournalError};
 use super::manifest::{FORMAT, Manifest};
 use super::parquet;
@@ -30,6 +31,8 @@ pub(crate) const RECORDINGS: &str = "recordings";
 pub struct Folder {
     path: PathBuf,
     manifest: Manifest,
+    /// That made the runs it holds.
+    builds: Vec<String>,
     state: State,
     kept: Vec<Finished>,
     whole: u64,
@@ -71,6 +74,7 @@ impl Folder {
             return Ok(Folder {
                 path: path.to_owned(),
                 manifest: manifest.clone(),
+                builds: manifest.builds.clone(),
                 state: State::New,
                 kept: Vec::new(),
                 whole: 0,
@@ -105,12 +109,18 @@ impl Folder {
         if recordings.is_dir() {
             clear_partial(&recordings).map_err(io)?;
         }
-        if stored.runs < manifest.runs {
+        let mut manifest = manifest.clone();
+        manifest.builds = match done == total {
+            true => stored.builds.clone(),
+            false => joined(&stored.builds, &manifest.builds),
+        };
+        if stored.runs < manifest.runs || stored.builds != manifest.builds {
             atomic::replace(&path.join(MANIFEST), manifest.to_json().as_bytes()).map_err(io)?;
         }
         Ok(Folder {
             path: path.to_owned(),
-            manifest: manifest.clone(),
+            manifest,
+            builds: stored.builds,
             state: if done == total {
                 State::Finished
             } else {
@@ -143,6 +153,11 @@ impl Folder {
     /// What the folder was opened for.
     pub fn manifest(&self) -> &Manifest {
         &self.manifest
+    }
+
+    /// The builds of `stochc` that made the runs it holds.
+    pub fn builds(&self) -> &[String] {
+        &self.builds
     }
 
     /// What is left to do.
@@ -249,6 +264,20 @@ fn clear_partial(path: &Path) -> io::Result<()> {
         }
     }
     Ok(())
+}
+
+/// The builds of a folder, after one more has made runs.
+fn joined(stored: &[String], here: &[String]) -> Vec<String> {
+    let mut all = match stored {
+        [] => vec![UNKNOWN.to_owned()],
+        stored => stored.to_vec(),
+    };
+    for build in here {
+        if !all.contains(build) {
+            all.push(build.clone());
+        }
+    }
+    all
 }
 
 /// Leaves out runs that the manifest does not ask for.

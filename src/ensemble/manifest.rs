@@ -9,6 +9,8 @@ use stochc_compiler::scene::scalars::Change;
 use stochc_compiler::table::{Action, PLANTED, PhaseId, RoleId, Tables};
 use stochc_compiler::{Checked, Levels, Limits, check_changed};
 
+use super::build::this_build;
+
 /// Version of the layout of a results folder; another one is not read.
 ///
 /// In 1 a run left nothing of the waits under way when it ended, of its releases and of its unplanned bonds.
@@ -36,6 +38,10 @@ pub struct Manifest {
     pub max_ticks: Option<u64>,
     /// Further settings that results depend on, by name.
     pub settings: BTreeMap<String, String>,
+    /// The builds that made its runs ([`super::this_build`]), the first one first; empty: it is older than
+    /// such notes. No part of the identity.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub builds: Vec<String>,
     /// The programs, in the order of the command line.
     pub programs: Vec<Program>,
 }
@@ -123,6 +129,7 @@ impl Manifest {
             runs,
             max_ticks: None,
             settings: BTreeMap::new(),
+            builds: vec![this_build()],
             programs,
         };
         for i in 1..manifest.programs.len() {
@@ -141,6 +148,14 @@ impl Manifest {
     /// Runs of all programs together.
     pub fn total(&self) -> u64 {
         self.runs * self.programs.len() as u64
+    }
+
+    /// What is told to somebody who asks for a run that is not asked for here.
+    pub fn no_such_run(&self, run: u64) -> String {
+        match self.runs {
+            1 => format!("run {run} is not there: the only run is 0"),
+            runs => format!("run {run} is not among runs 0..{}", runs.saturating_sub(1)),
+        }
     }
 
     /// SHA-256, in hexadecimal, of all that decides what a run does.
@@ -364,7 +379,7 @@ impl Program {
     }
 }
 
-fn sha256(data: &impl Serialize) -> String {
+pub(super) fn sha256(data: &impl Serialize) -> String {
     let json = serde_json::to_vec(data).expect("a manifest is plain data");
     let mut hexadecimal = String::with_capacity(64);
     for byte in Sha256::digest(&json) {

@@ -41,9 +41,11 @@
 //! # }
 //! ```
 mod board;
+mod build;
 mod captures;
 mod clock;
 mod comparison;
+mod contrast;
 mod estimate;
 mod execute;
 mod folder;
@@ -59,10 +61,13 @@ mod run;
 mod table;
 
 pub use board::Watch;
+pub use build::{other_build, this_build};
 pub use captures::{Capture, captures, captures_to_text};
 pub(crate) use captures::{Repetitions, Waits, waits};
 pub(crate) use clock::now;
 pub use comparison::{Column, Comparison, Pair, PhaseTime, Time};
+pub use contrast::{Clock, Contrast, Side, Verdict, contrasts};
+pub(crate) use contrast::{method, probability, runs, sentence, time};
 pub(crate) use estimate::words;
 pub use execute::Cancelled;
 pub(crate) use folder::RECORDINGS;

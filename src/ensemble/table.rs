@@ -1,11 +1,8 @@
 //! A comparison as text, in the layout of the paper's Tables I and II.
 use super::comparison::{Column, Comparison, Pair, Time};
+use super::contrast::{Verdict, sentence};
 use super::layout::{Layout, paragraph};
 use crate::figures::Tick;
-use crate::statistics::Test;
-
-/// Below this, a difference is called one.
-const SIGNIFICANT: f64 = 0.05;
 
 /// In place of a figure that does not exist.
 const NONE: &str = "-";
@@ -69,13 +66,16 @@ impl Comparison {
 
     /// A sentence for each pair of programs that are compared.
     pub fn pairs_to_text(&self, width: usize) -> String {
-        let sentences = self.pairs.iter().map(sentence);
-        let mut text: String = (sentences.map(|it| paragraph(&it, width))).collect();
-        if self.pairs.len() > 1 {
-            let note = "Each p stands for itself: none is corrected for the number of pairs.";
-            text += &paragraph(note, width);
-        }
-        text
+        let told = |pair: &Pair| {
+            let verdict = pair.difference.clone();
+            let verdict = verdict.map_or(Verdict::Unknown, Verdict::Known);
+            let names = [&*pair.first, &*pair.second];
+            paragraph(
+                &sentence(names, &verdict, self.unit, self.pairs.len()),
+                width,
+            )
+        };
+        self.pairs.iter().map(told).collect()
     }
 
     /// What the figures mean.
@@ -161,35 +161,4 @@ pub(crate) fn ticks(ticks: f64) -> String {
     } else {
         format!("{ticks:.0}")
     }
-}
-
-fn sentence(pair: &Pair) -> String {
-    let (first, second) = (&pair.first, &pair.second);
-    let Some(found) = &pair.difference else {
-        return format!("{first} - {second}: too few completed runs, or no spread, to tell.");
-    };
-    let (test, of) = match found.test {
-        Test::Welch { .. } => ("Welch's~t~test", String::new()),
-        Test::LogRank { horizon } => ("log-rank~test", format!(" (to~{})", ticks(horizon))),
-    };
-    let p = match found.p {
-        p if p < 1e-4 => "p~<~0.0001".to_owned(),
-        p if p < 0.01 => format!("p~=~{p:.4}"),
-        p if p < 0.1 => format!("p~=~{p:.3}"),
-        p => format!("p~=~{p:.2}"),
-    };
-    let verdict = if found.p >= SIGNIFICANT {
-        "these runs show no difference".to_owned()
-    } else if found.difference > 0.0 {
-        format!("{first} takes longer on average")
-    } else if found.difference == 0.0 {
-        "their times differ, though not on average".to_owned()
-    } else {
-        format!("{second} takes longer on average")
-    };
-    format!(
-        "{first}~- {second}: {}~±~{}~ticks{of}, {p} ({test}): {verdict}.",
-        ticks(found.difference),
-        ticks(found.half_width),
-    )
 }

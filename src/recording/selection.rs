@@ -3,12 +3,31 @@ use std::str::FromStr;
 
 /// Runs by their number: `17`, `0..4` (both ends included), `0,5,10..12` or `all`.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Selection(Vec<(u64, u64)>);
+pub enum Selection {
+    /// Every run that there is.
+    All,
+    /// First and last of some ranges.
+    Ranges(Vec<(u64, u64)>),
+}
 
 impl Selection {
     /// Whether a run is among them.
     pub fn contains(&self, run: u64) -> bool {
-        (self.0.iter()).any(|&(first, last)| (first..=last).contains(&run))
+        match self {
+            Selection::All => true,
+            Selection::Ranges(ranges) => {
+                (ranges.iter()).any(|&(first, last)| (first..=last).contains(&run))
+            }
+        }
+    }
+
+    /// The least run that is named and is not among the first `runs`; `None`: all are.
+    pub fn beyond(&self, runs: u64) -> Option<u64> {
+        let Selection::Ranges(ranges) = self else {
+            return None;
+        };
+        let beyond = ranges.iter().filter(|(_, last)| *last >= runs);
+        beyond.map(|&(first, _)| first.max(runs)).min()
     }
 }
 
@@ -21,7 +40,7 @@ impl FromStr for Selection {
             number.map_err(|_| "give runs as `17`, `0..4`, `0,5,10..12` or `all`".to_owned())
         };
         if text == "all" {
-            return Ok(Selection(vec![(0, u64::MAX)]));
+            return Ok(Selection::All);
         }
         let parts = text.split(',').map(|part| match part.split_once("..") {
             None => number(part).map(|run| (run, run)),
@@ -33,7 +52,7 @@ impl FromStr for Selection {
                 }
             }
         });
-        parts.collect::<Result<_, _>>().map(Selection)
+        parts.collect::<Result<_, _>>().map(Selection::Ranges)
     }
 }
 
@@ -47,6 +66,16 @@ mod tests {
         let among: Vec<u64> = (0..20).filter(|&run| runs.contains(run)).collect();
         assert_eq!(among, [0, 5, 10, 11, 12]);
         assert!("all".parse::<Selection>().unwrap().contains(u64::MAX));
+    }
+
+    #[test]
+    fn what_is_beyond_the_runs_is_found() {
+        let beyond = |text: &str| text.parse::<Selection>().unwrap().beyond(2);
+        assert_eq!(beyond("all"), None);
+        assert_eq!(beyond("0..1"), None);
+        assert_eq!(beyond("0,9"), Some(9));
+        assert_eq!(beyond("0..9"), Some(2));
+        assert_eq!(beyond("12,7..8,1"), Some(7));
     }
 
     #[test]

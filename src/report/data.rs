@@ -1,10 +1,9 @@
 //! The figures as tables of comma-separated values, for other programs.
-use super::contrast::{Clock, Contrast, Method, Verdict};
 use super::subject::Subject;
 use super::waits::Wait;
-use crate::ensemble::Time;
+use crate::ensemble::{Clock, Contrast, Time, Verdict};
 use crate::files::csv::Table;
-use crate::statistics::{KaplanMeier, Observation};
+use crate::statistics::{KaplanMeier, Observation, Test};
 use crate::sweep::Sweep;
 
 fn maybe(value: Option<f64>) -> String {
@@ -231,19 +230,12 @@ fn differences(subjects: &[Subject], contrasts: &[Contrast], clock: Clock) -> St
         let (test, figures) = match &contrast.verdict {
             Verdict::Same => ("same runs", [const { String::new() }; 4]),
             Verdict::Unknown => ("none", [const { String::new() }; 4]),
-            Verdict::Known {
-                method,
-                difference,
-                half_width,
-                p,
-                corrected,
-            } => {
-                let test = match method {
-                    Method::Paired { .. } => "paired t",
-                    Method::Welch => "Welch t",
-                    Method::LogRank { .. } => "log-rank",
+            Verdict::Known(found) => {
+                let test = match found.test {
+                    Test::Paired { .. } => "paired t",
+                    Test::Welch { .. } => "Welch t",
                 };
-                let figures = [difference, half_width, p, corrected];
+                let figures = [found.difference, found.half_width, found.p, found.p_holm];
                 (test, figures.map(|figure| figure.to_string()))
             }
         };

@@ -20,6 +20,7 @@ mod waits;
 
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
 
+use crate::ensemble::Clock;
 use crate::figures::Drawing;
 
 pub(crate) use shell::file as shell_file;
@@ -61,7 +62,7 @@ pub fn address(path: &str) -> String {
 /// Draws up the report of one or several results folders.
 pub fn report(inputs: &[Input], surroundings: &Surroundings) -> Report {
     let subjects = subject::subjects(inputs);
-    let clock = contrast::Clock::of(&subjects);
+    let clock = Clock::of(subjects.iter().map(|subject| subject.program));
     let waits: Vec<_> = subjects.iter().map(waits::waits).collect();
     let contrasts = contrast::contrasts(&subjects, clock);
     let sweeps = sweep::sweeps(inputs, &subjects, clock);

@@ -3,7 +3,7 @@ use stochc_runtime::record::{Outcome, RunRecord};
 
 use super::chain::{Link, chain, moments};
 use super::events::Events;
-use crate::ensemble::{Finished, Manifest, Program};
+use crate::ensemble::{Clock, Finished, Manifest, Program, time};
 use crate::figures::Tick;
 use crate::statistics::Observation;
 
@@ -108,6 +108,15 @@ impl Subject<'_> {
         self.runs.iter().filter_map(Run::time).collect()
     }
 
+    /// The same in the unit of a clock.
+    pub fn times_by(&self, clock: Clock) -> Vec<Observation> {
+        let mut times = self.times();
+        for time in &mut times {
+            time.time *= clock.tick(self.program);
+        }
+        times
+    }
+
     /// Times of a phase, in ticks from its beginning, of the runs that reached it and did not fail.
     pub fn phase_times(&self, phase: usize) -> Vec<Observation> {
         let runs = self.runs.iter();
@@ -147,12 +156,7 @@ impl Subject<'_> {
 impl Run {
     /// The time to completion in ticks; a failed run has none.
     pub fn time(&self) -> Option<Observation> {
-        let ticks = self.record.ticks as f64;
-        match self.record.outcome {
-            Outcome::Completed => Some(Observation::completed(ticks)),
-            Outcome::TimedOut { .. } => Some(Observation::censored(ticks)),
-            Outcome::Failed { .. } => None,
-        }
+        time(&self.record)
     }
 
     fn phase_time(&self, phase: usize) -> Option<Observation> {

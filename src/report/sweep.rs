@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde_json::Value as Json;
 use stochc_compiler::scene::scalars::scalars;
 
-use super::contrast::Clock;
 use super::subject::{Input, Subject};
+use crate::ensemble::Clock;
 use crate::sweep::{Dial, Point, Sweep, Value};
 
 /// A program's number in the report, and the numbers of its scene by their names.
@@ -71,7 +71,7 @@ fn found(subjects: &[Subject], clock: Clock) -> Vec<Sweep> {
                 vec![Value { value, si: value }],
                 subject.manifest.runs,
                 &records,
-                (subject.program.scene.tick, clock.tick(subject)),
+                (subject.program.scene.tick, clock.tick(subject.program)),
             ))
         };
         let mut points: Vec<Point> = group.iter().filter_map(point).collect();

@@ -2,25 +2,25 @@
 //!
 //! A time may be *censored*: a run that was stopped at tick 40 000 says that its time to
 //! completion is more than that, not that it is 40 000. [`Observation`] carries the difference,
-//! and nothing here averages it away: where all times are known, [`Summary`] and Welch's test
-//! speak; where some are censored, [`KaplanMeier`] and the log-rank test do.
+//! and nothing here averages it away: where all times are known, [`Summary`] speaks, and where some
+//! are censored, [`KaplanMeier`] does. [`compare`] holds two programs against each other.
 mod difference;
 mod distribution;
 mod holm;
 mod kolmogorov;
-mod paired;
 mod quantile;
 mod ratio;
+mod runs;
 mod share;
 mod summary;
 mod survival;
 
-pub use difference::{Difference, Test, compare};
+pub use difference::{Difference, Longer, Test, compare, correct};
 pub use holm::holm;
 pub use kolmogorov::{Distance, distance};
-pub use paired::{Paired, paired};
 pub use quantile::quantile;
 pub use ratio::{Relative, relative};
+pub use runs::Runs;
 pub use share::share_interval;
 pub use summary::{Summary, median};
 pub use survival::{KaplanMeier, Point, RestrictedMean};

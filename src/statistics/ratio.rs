@@ -1,8 +1,9 @@
 //! The mean of one sample as a multiple of another's.
 use serde::{Deserialize, Serialize};
 
-use super::distribution::{normal_quantile, t_quantile};
-use super::{KaplanMeier, Observation, Summary};
+use super::distribution::t_quantile;
+use super::runs::comparable;
+use super::{Observation, Summary};
 
 /// A ratio of two means less one: 0.04 where the first is 4 % larger.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -16,8 +17,9 @@ pub struct Relative {
 /// A mean with what its interval needs.
 struct Mean {
     mean: f64,
+    /// `None`: of a single run.
     error: Option<f64>,
-    freedom: Option<f64>,
+    freedom: f64,
 }
 
 /// Compares the means of two samples as a ratio; `None`: there are no times, or the second is 0.
@@ -26,68 +28,46 @@ struct Mean {
 /// degrees of freedom of Welch and Satterthwaite. Where anything is censored, both means are
 /// restricted to the last time up to which both are known, and the ratio is that of the parts.
 pub fn relative(first: &[Observation], second: &[Observation]) -> Option<Relative> {
-    let exact = first.iter().chain(second).all(|o| o.completed);
-    let (a, b) = if exact {
-        (Mean::of(first)?, Mean::of(second)?)
-    } else {
-        let (a, b) = (KaplanMeier::of(first)?, KaplanMeier::of(second)?);
-        let horizon = reach(&a).min(reach(&b));
-        (Mean::up_to(&a, horizon), Mean::up_to(&b, horizon))
-    };
+    let [a, b] = comparable(first, second)?.values.map(Mean::of);
+    let (a, b) = (a?, b?);
     let ratio = a.mean / b.mean;
     if !ratio.is_finite() {
         return None;
     }
-    let half_width = match (a.error, b.error) {
-        (Some(ea), Some(eb)) => {
-            let (va, vb) = ((ea / b.mean).powi(2), (ratio * eb / b.mean).powi(2));
-            let variance = va + vb;
-            let quantile = match (a.freedom, b.freedom) {
-                (Some(fa), Some(fb)) if variance > 0.0 => {
-                    t_quantile(variance.powi(2) / (va.powi(2) / fa + vb.powi(2) / fb))
-                }
-                _ => normal_quantile(),
-            };
-            Some(quantile * variance.sqrt())
+    let half_width = (a.error.zip(b.error)).map(|(ea, eb)| {
+        let (va, vb) = ((ea / b.mean).powi(2), (ratio * eb / b.mean).powi(2));
+        let variance = va + vb;
+        match variance > 0.0 {
+            true => {
+                let parts = va.powi(2) / a.freedom + vb.powi(2) / b.freedom;
+                t_quantile(variance.powi(2) / parts) * variance.sqrt()
+            }
+            false => 0.0,
         }
-        _ => None,
-    };
+    });
     Some(Relative {
         value: ratio - 1.0,
         half_width,
     })
 }
 
-/// How far a curve is known: without an end, if the last run completed.
-fn reach(curve: &KaplanMeier) -> f64 {
-    match curve.incomplete(curve.last()) {
-        0.0 => f64::INFINITY,
-        _ => curve.last(),
-    }
-}
-
 impl Mean {
-    fn of(sample: &[Observation]) -> Option<Mean> {
-        let times: Vec<f64> = sample.iter().map(|o| o.time).collect();
-        let summary = Summary::of(&times)?;
+    fn of(values: Vec<f64>) -> Option<Mean> {
+        let summary = Summary::of(&values)?;
         Some(Mean {
             mean: summary.mean,
             error: summary.sd.map(|sd| sd / (summary.n as f64).sqrt()),
-            freedom: (summary.n > 1).then(|| (summary.n - 1) as f64),
+            freedom: (summary.n - 1) as f64,
         })
-    }
-
-    fn up_to(curve: &KaplanMeier, horizon: f64) -> Mean {
-        let mean = curve.restricted_mean(horizon);
-        Mean {
-            mean: mean.mean,
-            error: Some(mean.error),
-            freedom: None,
-        }
     }
 }
 
 impl Relative {
+    /// Whether it is known not to be 0: its interval does not include that.
+    pub fn is_known(&self) -> bool {
+        self.half_width.is_some_and(|half| self.value.abs() > half)
+    }
+
     /// The largest bias that the interval does not exclude; `None`: nothing is excluded.
     pub fn bound(&self) -> Option<f64> {
         Some(self.value.abs() + self.half_width?)

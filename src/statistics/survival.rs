@@ -167,6 +167,57 @@ impl KaplanMeier {
             horizon,
         }
     }
+
+    /// What each run adds to the restricted mean: values whose plain mean it is, in the order of the
+    /// observations, which are those that this was estimated from.
+    ///
+    /// They are the times themselves where all are known. Where some are censored they stand for
+    /// them: pseudo-observations (P. K. Andersen, M. G. Hansen and J. P. Klein, Lifetime Data Anal. 10
+    /// (2004), 335-350), by the estimate's influence function, so that their squares add up to
+    /// Greenwood's sum.
+    pub fn contributions(&self, observations: &[Observation], horizon: f64) -> Vec<f64> {
+        let horizon = horizon.min(self.last);
+        let steps = &self.steps[..self.steps.partition_point(|step| step.time <= horizon)];
+        let n = observations.len() as f64;
+        // By how much a completion at a step brings the mean down, in all n runs.
+        let mut loss = vec![0.0; steps.len()];
+        let (mut area, mut until) = (0.0, horizon);
+        for (loss, step) in loss.iter_mut().zip(steps).rev() {
+            area += step.after * (until - step.time);
+            until = step.time;
+            if step.at_risk > step.completed {
+                *loss = n * area / (step.at_risk - step.completed) as f64;
+            }
+        }
+        let mean = area + until;
+        // What a run that was there up to and with a step was expected to lose.
+        let expected: Vec<f64> = (loss.iter().zip(steps))
+            .scan(0.0, |sum, (loss, step)| {
+                *sum += loss * step.completed as f64 / step.at_risk as f64;
+                Some(*sum)
+            })
+            .collect();
+        let contribution = |run: &Observation| {
+            let passed = steps.partition_point(|step| step.time <= run.time);
+            let Some(last) = passed.checked_sub(1) else {
+                return mean;
+            };
+            let lost = match run.completed && steps[last].time == run.time {
+                true => loss[last],
+                false => 0.0,
+            };
+            mean + expected[last] - lost
+        };
+        observations.iter().map(contribution).collect()
+    }
+
+    /// How far the curve is known \[time\]: without an end, if the last run completed.
+    pub fn reach(&self) -> f64 {
+        match self.incomplete(self.last) {
+            0.0 => f64::INFINITY,
+            _ => self.last,
+        }
+    }
 }
 
 #[cfg(test)]
@@ -277,6 +328,40 @@ mod tests {
                 let t = f64::from(t);
                 prop_assert!(after.incomplete(t) >= before.incomplete(t) - 1e-12);
             }
+        }
+    }
+
+    #[test]
+    fn contributions_of_known_times_are_the_times() {
+        let times = [5.0, 1.0, 4.0, 4.0, 9.0];
+        let runs = times.map(Observation::completed);
+        let found = KaplanMeier::of(&runs)
+            .unwrap()
+            .contributions(&runs, f64::INFINITY);
+        for (found, time) in found.iter().zip(times) {
+            assert!((found - time).abs() < 1e-12, "{found} {time}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn contributions_make_the_mean_and_its_error(
+            times in proptest::collection::vec((1_u32..60, proptest::bool::ANY), 2..40),
+            share in 0.2_f64..1.2,
+        ) {
+            let runs: Vec<Observation> = times
+                .iter()
+                .map(|&(time, completed)| Observation { time: time.into(), completed })
+                .collect();
+            let curve = KaplanMeier::of(&runs).unwrap();
+            let horizon = curve.last() * share;
+            let known = curve.restricted_mean(horizon);
+            let parts = curve.contributions(&runs, horizon);
+            let n = parts.len() as f64;
+            let mean = parts.iter().sum::<f64>() / n;
+            prop_assert!((mean - known.mean).abs() < 1e-9 * (1.0 + known.mean));
+            let squares: f64 = parts.iter().map(|part| (part - mean).powi(2)).sum();
+            prop_assert!((squares.sqrt() / n - known.error).abs() < 1e-7 * (1.0 + known.error));
         }
     }
 }

@@ -1,22 +1,25 @@
 //! What to do, in a sentence or two.
-use super::report::{Rung, Trade};
+use super::refine::{CLOSE, Convergence};
+use super::report::{Reference, Rung, Trade};
 use crate::statistics::Relative;
-
-/// A bias of this size at most, interval included, is worth advising.
-const CLOSE: f64 = 0.1;
 
 /// The sentences for a trade.
 pub(super) fn advice(trade: &Trade) -> String {
-    let Some(reference) = trade.reference_rung() else {
+    let (Some(known), Some(reference)) = (&trade.reference, trade.reference_rung()) else {
         return "Too few runs were completed to hold anything against a reference; more time \
                 would help, or a larger `--max-ticks`."
             .to_owned();
     };
     let mut sentences = Vec::new();
-    if !trade.converged() {
+    let doubt = match known.convergence {
+        Convergence::Converged => None,
+        Convergence::Undecided => Some("is not known to have converged"),
+        Convergence::NotConverged => Some("has not converged"),
+    };
+    if let Some(doubt) = doubt {
         sentences.push(format!(
-            "The reference, `{}`, has not converged, so that biases are against it and not \
-             against the truth.",
+            "The reference, `{}`, {doubt}, so that biases are against it and not against the limit \
+             of small steps.",
             reference.options
         ));
     }
@@ -57,16 +60,54 @@ fn recommended(trade: &Trade) -> Vec<&Rung> {
 }
 
 fn clause(rung: &Rung) -> String {
-    let bias = rung.worst.map_or_else(String::new, |worst| within(&worst));
+    let bound = rung.bound.map_or_else(String::new, percent);
     let cost = rung.cost_ratio.map_or_else(String::new, share);
     let reduced = match rung.settings.reduction {
         Some(_) => ", though it leaves out what the scene has",
         None => "",
     };
     format!(
-        "`{}` is within {bias} of the reference at {cost} of its cost{reduced}",
+        "`{}` is within {bound} of the reference, intervals included, at {cost} of its cost{reduced}",
         rung.options
     )
+}
+
+/// What is known of a reference's convergence, as a sentence; `changes` are those of its last doubling.
+pub(super) fn convergence(reference: &Reference, changes: &str) -> String {
+    let Some(last) = reference.doublings.last() else {
+        return "Whether it has converged is undecided: no other substeps were measured."
+            .to_owned();
+    };
+    let (from, to) = (last.from, last.to);
+    match (reference.convergence, reference.bound) {
+        (Convergence::Converged, Some(bound)) => format!(
+            "It has converged within {}: its last doubling, from {from} to {to} substeps, changed no \
+             mean by more than {}, intervals included: {changes}.",
+            percent(CLOSE),
+            percent(bound)
+        ),
+        (Convergence::NotConverged, _) => format!(
+            "It has NOT CONVERGED: one of the last two doublings of its substeps is known to have \
+             changed a mean. The last, from {from} to {to}: {changes}."
+        ),
+        (_, bound) => {
+            let open = match bound {
+                _ if reference.doublings.len() < 2 => {
+                    "only one doubling of its substeps was measured".to_owned()
+                }
+                Some(bound) => format!(
+                    "its last doubling may have changed a mean by up to {}, and more runs would \
+                     tell",
+                    percent(bound)
+                ),
+                None => "there are too few runs for an interval".to_owned(),
+            };
+            format!(
+                "Whether it has converged is undecided: {open}. The last doubling, from {from} to \
+                 {to} substeps: {changes}."
+            )
+        }
+    }
 }
 
 /// A bias without its sign: `4.0 ± 3.1 %`.
@@ -83,7 +124,7 @@ pub(super) fn relative(bias: &Relative) -> String {
     let value = 100.0 * bias.value;
     match bias.half_width {
         Some(half_width) => format!("{value:.1} ± {:.1} %", 100.0 * half_width),
-        None => format!("{value:.1} %"),
+        None => format!("{value:.1} ± ? %"),
     }
 }
 

@@ -4,6 +4,7 @@ use stochc_runtime::Settings;
 use super::advice::{percent, relative, share, within};
 use super::ladder::same;
 use super::ranking::Verdict;
+use super::refine::{Convergence, convergence};
 use super::report::{Rung, Trade};
 
 /// A setting that was chosen.
@@ -19,28 +20,43 @@ pub struct Choice {
 ///
 /// A rung is accurate enough if no program's mean is further from the reference's than `accuracy`,
 /// interval included, if none of its runs failed, and if it reverses no pair of these programs. The
-/// reference is, if the last doubling of its substeps changed no mean by more, interval included.
+/// reference is, if the last doubling of its substeps changed no mean by more, interval included; where
+/// that is not known, nothing is.
 ///
 /// # Errors
-/// In words, with the best that there is, if none is.
+/// In words, with what is missing, if none is.
 pub fn choose(trade: &Trade, programs: &[usize], accuracy: f64) -> Result<Choice, String> {
     let asked = percent(accuracy);
     let Some(reference) = &trade.reference else {
         return Err("too few runs were made for a reference; a larger `--budget` helps".into());
     };
     let own = &trade.rungs[reference.rung];
-    if !reference.converged {
-        return Err(format!(
-            "the reference, `{}`, has not converged, so that no accuracy is known; a larger \
-             `--budget` helps",
-            own.options
-        ));
+    let doubling = (reference.doublings.last()).and_then(|last| last.bound(programs));
+    let open = |what: String| Err(format!("{what}; a larger `--budget` helps"));
+    match convergence(&reference.doublings, programs, accuracy) {
+        Convergence::Converged => {}
+        Convergence::NotConverged => {
+            return open(format!(
+                "the reference, `{}`, has not converged within {asked}, so that no accuracy is known",
+                own.options
+            ));
+        }
+        Convergence::Undecided => {
+            return open(format!(
+                "whether the reference, `{}`, has converged within {asked} is undecided: {}",
+                own.options,
+                match doubling {
+                    _ if reference.doublings.len() < 2 =>
+                        "fewer than two doublings of its substeps were measured".to_owned(),
+                    Some(bound) => format!(
+                        "its last doubling may have changed a mean by up to {}",
+                        percent(bound)
+                    ),
+                    None => "there are too few runs for an interval".to_owned(),
+                }
+            ));
+        }
     }
-    let doubling = reference.doublings.last().map(|last| {
-        let mut bounds = programs.iter().map(|&p| last.changes[p].as_ref()?.bound());
-        bounds.try_fold(0.0, |most: f64, bound| Some(most.max(bound?)))
-    });
-    let doubling = doubling.flatten();
     let mut candidates: Vec<(f64, f64, usize)> = Vec::new();
     for (i, rung) in trade.rungs.iter().enumerate() {
         let bound = match i == reference.rung {
@@ -53,16 +69,9 @@ pub fn choose(trade: &Trade, programs: &[usize], accuracy: f64) -> Result<Choice
     }
     let enough = candidates.iter().filter(|(_, bound, _)| *bound <= accuracy);
     let Some(&(cost, bound, i)) = enough.min_by(|a, b| a.0.total_cmp(&b.0)) else {
-        let best = candidates.iter().min_by(|a, b| a.1.total_cmp(&b.1));
-        return Err(match best {
-            Some((_, bound, i)) => format!(
-                "nothing that was measured is known to be within {asked}; the best is `{}`, \
-                 within {}",
-                trade.rungs[*i].options,
-                percent(*bound)
-            ),
-            None => format!("nothing that was measured is known to be within {asked}"),
-        });
+        return Err(format!(
+            "nothing that was measured is known to be within {asked}"
+        ));
     };
     let rung = &trade.rungs[i];
     let own_cost = self::cost(own, programs);

@@ -23,6 +23,6 @@ pub use measure::{Setup, Subject, measure};
 pub use picture::svg;
 pub use plan::{Extent, Job, Next, Outcome, PILOT, Plan};
 pub use ranking::{Ranked, Verdict, rank};
-pub use refine::{Doubling, converged};
+pub use refine::{CLOSE, Convergence, Doubling, convergence};
 pub use report::{Cell, FORMAT, Means, Program, Reference, Rung, Trade, known};
 pub use sample::{End, Measured, Sample};

@@ -3,7 +3,8 @@ use std::fmt::Write as _;
 
 use stochc_runtime::{Model, Precision};
 
-use super::advice::{relative, within};
+use super::advice::{percent, relative, within};
+use super::refine::{CLOSE, Convergence};
 use super::report::{Rung, Trade};
 use crate::figures::seconds;
 use crate::figures::{escaped, line, text};
@@ -90,10 +91,16 @@ pub fn svg(trade: &Trade) -> String {
         "font-size=\"15\"",
         &heading(&names),
     );
-    let below = match &trade.reference_rung() {
+    let below = match trade.reference.as_ref().zip(trade.reference_rung()) {
         None => "nothing to hold it against".to_owned(),
-        Some(rung) if trade.converged() => format!("reference: {}, converged", rung.options),
-        Some(rung) => format!("reference: {}, NOT CONVERGED", rung.options),
+        Some((reference, rung)) => {
+            let known = match reference.convergence {
+                Convergence::Converged => format!("converged within {}", percent(CLOSE)),
+                Convergence::Undecided => "convergence undecided".to_owned(),
+                Convergence::NotConverged => "NOT CONVERGED".to_owned(),
+            };
+            format!("reference: {}, {known}", rung.options)
+        }
     };
     text(&mut out, "dim", (LEFT, 44.0), "", &below);
     frame(&mut out, &axes);

@@ -2,13 +2,14 @@
 //!
 //! With a number of runs, every program gets as many at every rung. With a budget, every rung is
 //! first tried with a few runs, and then the next run always goes where it narrows an interval most
-//! for its cost. Either way the reference is refined until it has converged, or cannot be.
+//! for its cost. Either way the reference is refined until that changes no mean any more, as far as can be
+//! told, or cannot be.
 use std::time::Duration;
 
 use stochc_runtime::Settings;
 
 use super::ladder::{ladder, refines, rigid};
-use super::refine::{Doubling, converged};
+use super::refine::{Doubling, is_settled};
 use super::sample::{End, Measured, Sample};
 
 /// Runs by which a program is first known at a rung.
@@ -296,7 +297,7 @@ impl Plan {
             .collect();
         let next = substeps(rungs.len().checked_sub(1)?).checked_mul(2)?;
         let tried = self.rungs.iter().any(|rung| rung.settings == rigid(next));
-        (next <= self.finest && !tried && !converged(&doublings)).then(|| rigid(next))
+        (next <= self.finest && !tried && !is_settled(&doublings)).then(|| rigid(next))
     }
 
     /// [`Plan::finer`] at a few points only, since a test that is repeated after every run fails

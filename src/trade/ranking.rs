@@ -1,10 +1,8 @@
 //! Whether a setting puts the programs into the same order as the reference.
 use serde::{Deserialize, Serialize};
 
-use crate::statistics::{Observation, compare};
-
-/// Below this, two programs are ordered.
-const SIGNIFICANT: f64 = 0.05;
+use crate::ensemble::{Side, Verdict as Known, contrasts};
+use crate::statistics::{Longer, Runs};
 
 /// Two programs, the one that the reference finds faster first where it finds one.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -21,69 +19,78 @@ pub struct Ranked {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// The reference itself shows no difference.
+    /// The reference itself leaves the order undecided.
     Unordered,
     /// The same order, significantly.
     Kept,
-    /// Its runs show no difference, or there are too few.
+    /// Its runs leave the order undecided.
     Unclear,
     /// The other order, significantly: a wrong conclusion.
     Reversed,
 }
 
-/// Which of two samples is shorter on average.
-#[derive(Clone, Copy, PartialEq)]
-enum Order {
-    First,
-    Second,
-    Unknown,
-}
-
 /// Holds the order of all pairs of programs against that of the reference.
-pub fn rank(reference: &[Vec<Observation>], rung: &[Vec<Observation>]) -> Vec<Ranked> {
-    let pairs = (0..reference.len()).flat_map(|i| (i + 1..reference.len()).map(move |j| (i, j)));
-    let judge = |(i, j): (usize, usize)| {
-        let truth = order(&reference[i], &reference[j]);
-        let (first, second) = match truth {
-            Order::Second => (j, i),
-            _ => (i, j),
+///
+/// Both are judged as everywhere: run by run, corrected for the number of pairs.
+pub fn rank(reference: &[Runs], rung: &[Runs]) -> Vec<Ranked> {
+    let judge =
+        |((i, j, truth), (_, _, found)): ((usize, usize, Longer), (usize, usize, Longer))| {
+            let (first, second) = match truth {
+                Longer::First => (j, i),
+                Longer::Second | Longer::Undecided => (i, j),
+            };
+            let verdict = match (truth, found) {
+                (Longer::Undecided, _) => Verdict::Unordered,
+                (_, Longer::Undecided) => Verdict::Unclear,
+                (truth, found) if truth == found => Verdict::Kept,
+                _ => Verdict::Reversed,
+            };
+            Ranked {
+                first,
+                second,
+                verdict,
+            }
         };
-        let verdict = match (truth, order(&rung[first], &rung[second])) {
-            (Order::Unknown, _) => Verdict::Unordered,
-            (_, Order::First) => Verdict::Kept,
-            (_, Order::Second) => Verdict::Reversed,
-            (_, Order::Unknown) => Verdict::Unclear,
-        };
-        Ranked {
-            first,
-            second,
-            verdict,
-        }
-    };
-    pairs.map(judge).collect()
+    orders(reference).zip(orders(rung)).map(judge).collect()
 }
 
-fn order(first: &[Observation], second: &[Observation]) -> Order {
-    match compare(first, second) {
-        // The log-rank test may find curves different that have the same mean.
-        Some(found) if found.p < SIGNIFICANT && found.difference.abs() > found.half_width => {
-            if found.difference < 0.0 {
-                Order::First
-            } else {
-                Order::Second
-            }
-        }
-        _ => Order::Unknown,
-    }
+/// Which of each pair of programs takes longer, in the order of the pairs.
+fn orders(programs: &[Runs]) -> impl Iterator<Item = (usize, usize, Longer)> {
+    let sides: Vec<Side> = (programs.iter())
+        .map(|runs| Side {
+            varied: &[],
+            runs: runs.clone(),
+        })
+        .collect();
+    let found = contrasts(&sides, |_, _| false).into_iter();
+    found.map(|contrast| {
+        let longer = match contrast.verdict {
+            Known::Known(difference) => difference.longer,
+            Known::Same | Known::Unknown => Longer::Undecided,
+        };
+        (contrast.first, contrast.second, longer)
+    })
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use proptest::prelude::*;
 
-    fn around(mean: f64) -> Vec<Observation> {
+    use super::*;
+    use crate::statistics::Observation;
+
+    /// In runs of one number programs have little in common.
+    fn around(mean: f64) -> Runs {
         let spread = [-2.0, -1.0, 0.0, 1.0, 2.0];
-        spread.map(|d| Observation::completed(mean + d)).to_vec()
+        let turn = (mean / 10.0) as usize;
+        let times = (0..5).map(|run| {
+            let time = mean + spread[(run * turn) % 5];
+            (run as u64, Observation::completed(time))
+        });
+        Runs {
+            seed: 1,
+            times: times.collect(),
+        }
     }
 
     fn verdicts(reference: [f64; 3], rung: [f64; 3]) -> Vec<(usize, usize, Verdict)> {
@@ -110,15 +117,42 @@ mod tests {
     #[test]
     fn a_program_that_was_not_run_is_unclear() {
         let reference = [around(10.0), around(20.0)];
-        let ranked = rank(&reference, &[around(10.0), Vec::new()]);
+        let ranked = rank(&reference, &[around(10.0), Runs::default()]);
         assert_eq!(ranked[0].verdict, Verdict::Unclear);
     }
 
     #[test]
-    fn censored_runs_are_compared_as_curves() {
-        let late = vec![Observation::censored(100.0); 8];
+    fn censored_runs_count_as_far_as_they_are_known() {
+        let late = Runs {
+            seed: 1,
+            times: (0..8)
+                .map(|run| (run, Observation::censored(100.0)))
+                .collect(),
+        };
         let reference = [around(10.0), late.clone()];
         let ranked = rank(&reference, &[late, around(10.0)]);
         assert_eq!(ranked[0].verdict, Verdict::Reversed);
+    }
+
+    proptest! {
+        /// A setting never reverses itself, nor keeps an order that it turned round.
+        #[test]
+        fn a_setting_agrees_with_itself(
+            times in proptest::collection::vec(proptest::collection::vec(1_u32..99, 6), 2..5),
+        ) {
+            let program = |times: &Vec<u32>| Runs {
+                seed: 1,
+                times: (0..).zip(times.iter().map(|&t| Observation::completed(t.into()))).collect(),
+            };
+            let same: Vec<Runs> = times.iter().map(program).collect();
+            for pair in rank(&same, &same) {
+                prop_assert!(matches!(pair.verdict, Verdict::Kept | Verdict::Unordered));
+            }
+            let turned = times.iter().map(|it| it.iter().map(|t| 100 - t).collect());
+            let turned: Vec<Runs> = turned.map(|it: Vec<u32>| program(&it)).collect();
+            for pair in rank(&same, &turned) {
+                prop_assert!(matches!(pair.verdict, Verdict::Reversed | Verdict::Unordered));
+            }
+        }
     }
 }

@@ -3,8 +3,24 @@ use serde::{Deserialize, Serialize};
 
 use crate::statistics::{Observation, Relative, relative};
 
-/// How many doublings in a row have to change nothing.
-pub const STEPS: usize = 2;
+/// How many doublings in a row are looked at.
+const STEPS: usize = 2;
+
+/// A bias or a change of this size at most, interval included, is called small.
+pub const CLOSE: f64 = 0.1;
+
+/// What is known of a reference's distance from the limit of small steps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Convergence {
+    /// The last doubling has changed little, interval included, and the one before is not known to
+    /// have changed more.
+    Converged,
+    /// The intervals are too wide to tell, or there are fewer than two doublings.
+    Undecided,
+    /// One of the last two doublings is known to have changed a mean.
+    NotConverged,
+}
 
 /// What changes when the substeps are doubled.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -28,32 +44,56 @@ impl Doubling {
         }
     }
 
-    /// Whether no mean has changed by more than its interval.
-    pub fn settled(&self) -> bool {
+    /// Whether no mean is known to have changed: every interval includes 0.
+    fn is_settled(&self) -> bool {
         self.changes.iter().all(|change| match change {
-            Some(Relative {
-                value,
-                half_width: Some(half_width),
-            }) => value.abs() <= *half_width,
-            _ => false,
+            Some(change) => change.half_width.is_some() && !change.is_known(),
+            None => false,
         })
     }
 
-    /// The largest change that the intervals do not exclude; `None`: nothing is excluded.
-    pub fn bound(&self) -> Option<f64> {
-        let mut bounds = self.changes.iter().map(|change| change.as_ref()?.bound());
+    /// The largest change of the mean of any of these programs that the intervals do not exclude; `None`:
+    /// nothing is excluded.
+    pub fn bound(&self, programs: &[usize]) -> Option<f64> {
+        let mut bounds = programs.iter().map(|&p| self.changes[p].as_ref()?.bound());
         bounds.try_fold(0.0, |most: f64, bound| Some(most.max(bound?)))
+    }
+
+    /// Whether the mean of one of these programs is known to have changed, and perhaps by more than
+    /// `within`.
+    fn has_changed(&self, programs: &[usize], within: f64) -> bool {
+        let changes = programs.iter().filter_map(|&p| self.changes[p].as_ref());
+        let beyond = |change: &Relative| change.bound().is_some_and(|bound| bound > within);
+        changes
+            .into_iter()
+            .any(|change| change.is_known() && beyond(change))
     }
 }
 
-/// Whether the last doublings have changed nothing.
-pub fn converged(doublings: &[Doubling]) -> bool {
+/// Whether the last doublings have shown no change, as far as their runs can tell: then more runs say
+/// more than finer steps.
+pub fn is_settled(doublings: &[Doubling]) -> bool {
     let last = doublings.len().checked_sub(STEPS);
-    last.is_some_and(|first| doublings[first..].iter().all(Doubling::settled))
+    last.is_some_and(|first| doublings[first..].iter().all(Doubling::is_settled))
+}
+
+/// Whether the means of these programs have converged to within a share of themselves.
+pub fn convergence(doublings: &[Doubling], programs: &[usize], within: f64) -> Convergence {
+    let last = &doublings[doublings.len().saturating_sub(STEPS)..];
+    if last.iter().any(|it| it.has_changed(programs, within)) {
+        return Convergence::NotConverged;
+    }
+    let bound = last.last().and_then(|it| it.bound(programs));
+    match bound.is_some_and(|bound| bound <= within) && last.len() == STEPS {
+        true => Convergence::Converged,
+        false => Convergence::Undecided,
+    }
 }
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
 
     fn around(mean: f64) -> Vec<Observation> {
@@ -71,21 +111,75 @@ mod tests {
     }
 
     #[test]
-    fn two_doublings_in_a_row_have_to_change_nothing() {
-        assert!(!converged(&doublings(&[100.0, 100.5])), "only one");
-        assert!(converged(&doublings(&[100.0, 100.5, 100.0])));
-        assert!(!converged(&doublings(&[100.0, 110.0, 110.0])));
-        assert!(!converged(&doublings(&[100.0, 100.0, 110.0])));
-        assert!(converged(&doublings(&[100.0, 120.0, 119.5, 120.0])));
+    fn two_doublings_in_a_row_have_to_show_no_change() {
+        assert!(!is_settled(&doublings(&[100.0, 100.5])), "only one");
+        assert!(is_settled(&doublings(&[100.0, 100.5, 100.0])));
+        assert!(!is_settled(&doublings(&[100.0, 110.0, 110.0])));
+        assert!(!is_settled(&doublings(&[100.0, 100.0, 110.0])));
+        assert!(is_settled(&doublings(&[100.0, 120.0, 119.5, 120.0])));
+    }
+
+    #[test]
+    fn convergence_is_a_statement_about_intervals() {
+        use Convergence::{Converged, NotConverged, Undecided};
+        let found = |means: &[f64], within| convergence(&doublings(means), &[0, 1], within);
+        assert_eq!(found(&[100.0, 100.5], CLOSE), Undecided, "only one");
+        assert_eq!(found(&[100.0, 100.5, 100.0], CLOSE), Converged);
+        // The intervals are of 2.3 % and, of the first program, 4.6 %.
+        assert_eq!(found(&[100.0, 100.5, 100.0], 0.03), Undecided);
+        assert_eq!(
+            convergence(&doublings(&[100.0, 100.5, 100.0]), &[1], 0.03),
+            Converged
+        );
+        assert_eq!(found(&[100.0, 115.0, 115.0], CLOSE), NotConverged);
+        // Known to have changed, but by little.
+        assert_eq!(found(&[100.0, 104.0, 104.0], CLOSE), Converged);
+        assert_eq!(found(&[100.0, 100.0, 104.0], 0.05), NotConverged);
     }
 
     #[test]
     fn where_there_is_no_interval_nothing_has_settled() {
         let one = vec![vec![Observation::completed(5.0)]];
         let doubling = Doubling::of((1, &one), (2, &one));
-        assert!(!doubling.settled());
-        assert_eq!(doubling.bound(), None);
-        let known = &doublings(&[100.0, 100.0])[0];
-        assert!(known.bound().unwrap() > 0.02 && known.bound().unwrap() < 0.06);
+        assert!(!doubling.is_settled());
+        assert_eq!(doubling.bound(&[0]), None);
+        let many = vec![doubling; 3];
+        assert_eq!(convergence(&many, &[0], CLOSE), Convergence::Undecided);
+        let known = doublings(&[100.0, 100.0])[0].bound(&[0, 1]).unwrap();
+        assert!(known > 0.02 && known < 0.06);
+    }
+
+    proptest! {
+        #[test]
+        fn converged_is_never_said_beside_a_wide_interval(
+            changes in proptest::collection::vec((-0.6_f64..0.6, 0.0_f64..0.6), 2..8),
+            within in 0.01_f64..0.3,
+        ) {
+            let doublings: Vec<Doubling> = changes
+                .iter()
+                .map(|&(value, half)| Doubling {
+                    from: 1,
+                    to: 2,
+                    changes: vec![Some(Relative { value, half_width: Some(half) })],
+                })
+                .collect();
+            let last = changes[changes.len() - 1];
+            let before = changes[changes.len() - 2];
+            let is_known = |(value, half): (f64, f64)| value.abs() > half;
+            let is_large = |(value, half): (f64, f64)| value.abs() + half > within;
+            match convergence(&doublings, &[0], within) {
+                Convergence::Converged => {
+                    prop_assert!(!is_large(last));
+                    prop_assert!(!(is_known(before) && is_large(before)));
+                }
+                Convergence::NotConverged => {
+                    prop_assert!([last, before].iter().any(|&it| is_known(it) && is_large(it)));
+                }
+                Convergence::Undecided => {
+                    prop_assert!(is_large(last));
+                    prop_assert!(![last, before].iter().any(|&it| is_known(it) && is_large(it)));
+                }
+            }
+        }
     }
 }

@@ -7,13 +7,13 @@ use super::advice::advice;
 use super::ladder::{flags, refines, short};
 use super::plan::Outcome;
 use super::ranking::{Ranked, Verdict, rank};
-use super::refine::{Doubling, converged};
+use super::refine::{CLOSE, Convergence, Doubling, convergence};
 use super::sample::{End, Sample};
 use crate::ensemble::{self, Manifest, Time};
-use crate::statistics::{Distance, Observation, Relative, distance, relative};
+use crate::statistics::{Distance, Observation, Relative, Runs, distance, relative};
 
 /// Version of the layout of `trade.json`; another one is not read.
-pub const FORMAT: u32 = 1;
+pub const FORMAT: u32 = 2;
 
 /// The trade of some programs; times in ticks, costs in seconds of processor time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -60,8 +60,11 @@ pub struct Program {
 pub struct Reference {
     /// Its index.
     pub rung: usize,
-    /// Whether the last two doublings of the substeps changed no mean by more than its interval.
-    pub converged: bool,
+    /// Whether it has converged to within 10 %.
+    pub convergence: Convergence,
+    /// The largest change of a mean by the last doubling that its interval does not exclude; `None`:
+    /// nothing is excluded.
+    pub bound: Option<f64>,
     /// All doublings that lead to it.
     pub doublings: Vec<Doubling>,
 }
@@ -85,7 +88,7 @@ pub struct Rung {
     pub worst: Option<Relative>,
     /// The largest bias of any program that its interval does not exclude.
     pub bound: Option<f64>,
-    /// No other rung is both cheaper and less biased.
+    /// No cheaper rung has a smaller bound.
     pub front: bool,
     /// It orders two programs the wrong way.
     pub reversed: bool,
@@ -148,16 +151,24 @@ impl Trade {
         let times: Vec<Vec<Vec<Observation>>> = (outcomes.iter())
             .map(|outcome| outcome.samples.iter().map(Sample::times).collect())
             .collect();
+        let runs: Vec<Vec<Runs>> = (outcomes.iter())
+            .map(|outcome| {
+                let samples = outcome.samples.iter();
+                samples.map(|sample| sample.runs(means.seed)).collect()
+            })
+            .collect();
         let reference = reference(outcomes, &times);
         let against = reference.as_ref().map(|r| r.rung);
         let mut rungs: Vec<Rung> = (outcomes.iter().zip(&times).enumerate())
             .map(|(i, (outcome, own))| {
-                rung(
-                    outcome,
-                    own,
-                    against.map(|r| &times[r][..]),
-                    against == Some(i),
-                )
+                let ranking = match against {
+                    Some(r) if !outcome.samples.iter().all(Sample::is_empty) => {
+                        rank(&runs[r], &runs[i])
+                    }
+                    _ => Vec::new(),
+                };
+                let reference = against.filter(|&r| r != i).map(|r| &times[r][..]);
+                rung(outcome, own, reference, ranking)
             })
             .collect();
         let whole = against.and_then(|r| rungs[r].cost);
@@ -254,13 +265,6 @@ impl Trade {
     pub fn reference_rung(&self) -> Option<&Rung> {
         self.rungs.get(self.reference.as_ref()?.rung)
     }
-
-    /// Whether the reference has converged.
-    pub fn converged(&self) -> bool {
-        self.reference
-            .as_ref()
-            .is_some_and(|reference| reference.converged)
-    }
 }
 
 impl Rung {
@@ -291,9 +295,11 @@ fn reference(outcomes: &[Outcome], times: &[Vec<Vec<Observation>>]) -> Option<Re
         Doubling::of(from, to)
     };
     let doublings: Vec<Doubling> = rungs.windows(2).map(doubling).collect();
+    let programs: Vec<usize> = (0..times[rung].len()).collect();
     Some(Reference {
         rung,
-        converged: converged(&doublings),
+        convergence: convergence(&doublings, &programs, CLOSE),
+        bound: doublings.last().and_then(|last| last.bound(&programs)),
         doublings,
     })
 }
@@ -302,24 +308,14 @@ fn rung(
     outcome: &Outcome,
     times: &[Vec<Observation>],
     reference: Option<&[Vec<Observation>]>,
-    itself: bool,
+    ranking: Vec<Ranked>,
 ) -> Rung {
     let cells: Vec<Cell> = (outcome.samples.iter().zip(times).enumerate())
-        .map(|(i, (sample, own))| {
-            cell(
-                sample,
-                own,
-                reference.filter(|_| !itself).map(|times| &times[i][..]),
-            )
-        })
+        .map(|(i, (sample, own))| cell(sample, own, reference.map(|times| &times[i][..])))
         .collect();
     let costs: Option<Vec<f64>> = cells.iter().map(|cell| cell.cost).collect();
     let biases: Option<Vec<Relative>> = cells.iter().map(|cell| cell.bias).collect();
     let measured = outcome.samples.iter().any(|sample| !sample.is_empty());
-    let ranking = match reference {
-        Some(reference) if measured => rank(reference, times),
-        _ => Vec::new(),
-    };
     Rung {
         name: short(&outcome.settings),
         options: flags(&outcome.settings),
@@ -366,10 +362,12 @@ fn cell(sample: &Sample, times: &[Observation], reference: Option<&[Observation]
 }
 
 /// Marks the rungs that no other one beats, the reference among them with no bias at all.
+///
+/// What counts of a bias is its bound, since of an interval's middle nothing follows.
 fn draw_front(rungs: &mut [Rung], reference: Option<usize>) {
     let bias = |i: usize, rung: &Rung| match reference == Some(i) {
         true => Some(0.0),
-        false => rung.worst.map(|worst| worst.value.abs()),
+        false => rung.bound,
     };
     let place =
         |(i, rung): (usize, &Rung)| Some((rung.cost?, bias(i, rung)?)).filter(|_| !rung.reversed);
@@ -413,12 +411,13 @@ mod tests {
     use super::super::sample::Measured;
     use super::*;
 
-    /// Twenty runs around a mean, each at the same cost.
+    /// Runs around a mean, each at the same cost; those of one number have little in common.
     fn sample(mean: u64, cost: f64) -> Sample {
+        let turn = [1, 2, 4][mean as usize / 1000 - 1];
         let run = |run: u64| Measured {
             run,
             end: End::Completed,
-            ticks: mean - 10 + run,
+            ticks: mean - 10 + run * turn % 21,
             cpu: cost,
             wall: cost,
         };
@@ -478,7 +477,11 @@ mod tests {
     fn every_rung_is_held_against_the_finest() {
         let trade = trade();
         let reference = trade.reference.as_ref().unwrap();
-        assert_eq!((reference.rung, reference.converged), (3, true));
+        assert_eq!(
+            (reference.rung, reference.convergence),
+            (3, Convergence::Converged)
+        );
+        assert!(reference.bound.unwrap() < 0.005);
         assert_eq!(trade.rungs[3].worst, None);
         let worst = trade.rungs[0].worst.unwrap();
         assert!((worst.value - 0.04).abs() < 1e-12, "{worst:?}");
@@ -517,7 +520,9 @@ mod tests {
         assert!(plain.contains("it cannot"));
         let advice = &trade.advice;
         assert!(
-            advice.starts_with("`--model rigid --substeps 1` is within 4.0 ±"),
+            advice.starts_with(
+                "`--model rigid --substeps 1` is within 4.4 % of the reference, intervals"
+            ),
             "{advice}"
         );
         assert!(
@@ -554,7 +559,8 @@ mod tests {
         let chosen = |accuracy| choose(&trade, &[0, 1], accuracy).map(|c| c.settings);
         assert_eq!(chosen(0.05), Ok(rigid(1)));
         assert_eq!(chosen(0.02), Ok(rigid(2)));
-        assert!(chosen(0.0001).unwrap_err().contains("the best is"));
+        let told = chosen(0.0001).unwrap_err();
+        assert!(told.contains("undecided"), "{told}");
         // Alone, the first program has nothing that could be reversed, but it is off by as much.
         assert_eq!(choose(&trade, &[0], 0.05).map(|c| c.settings), Ok(rigid(1)));
         let reduced = |settings: &Settings| note(&trade, &[0, 1], settings);
@@ -576,12 +582,15 @@ mod tests {
         };
         assert_eq!(reduced(&rapier), None, "it cannot");
         let mut open = trade.clone();
-        open.reference.as_mut().unwrap().converged = false;
-        assert!(
-            choose(&open, &[0, 1], 0.05)
-                .unwrap_err()
-                .contains("not converged")
-        );
+        let doublings = &mut open.reference.as_mut().unwrap().doublings;
+        let change = Relative {
+            value: 0.2,
+            half_width: Some(0.05),
+        };
+        doublings.last_mut().unwrap().changes[1] = Some(change);
+        let told = choose(&open, &[0, 1], 0.05).unwrap_err();
+        assert!(told.contains("not converged"), "{told}");
+        assert!(choose(&open, &[0], 0.05).is_ok(), "the first has");
     }
 
     #[test]

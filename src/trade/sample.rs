@@ -1,7 +1,7 @@
 //! What the runs of one program at one setting have shown.
 use stochc_runtime::record::{Outcome, RunRecord};
 
-use crate::statistics::{Observation, median};
+use crate::statistics::{Observation, Runs, median};
 
 /// One run.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -91,14 +91,26 @@ impl Sample {
         self.runs.iter().filter(|run| run.end == end).count()
     }
 
-    /// Times to completion \[ticks\]; a failed run has none.
-    pub fn times(&self) -> Vec<Observation> {
-        let time = |run: &Measured| match run.end {
-            End::Completed => Some(Observation::completed(run.ticks as f64)),
-            End::Censored => Some(Observation::censored(run.ticks as f64)),
-            End::Failed => None,
+    /// Times to completion \[ticks\] by run, of a seed; a failed run has none.
+    pub fn runs(&self, seed: u64) -> Runs {
+        let time = |run: &Measured| {
+            let ticks = run.ticks as f64;
+            let time = match run.end {
+                End::Completed => Observation::completed(ticks),
+                End::Censored => Observation::censored(ticks),
+                End::Failed => return None,
+            };
+            Some((run.run, time))
         };
-        self.runs.iter().filter_map(time).collect()
+        Runs {
+            seed,
+            times: self.runs.iter().filter_map(time).collect(),
+        }
+    }
+
+    /// The same times without their numbers.
+    pub fn times(&self) -> Vec<Observation> {
+        self.runs(0).observations()
     }
 
     /// The median of the processor time of a run \[s\].

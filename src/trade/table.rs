@@ -1,5 +1,5 @@
 //! A trade as text.
-use super::advice::{relative, share};
+use super::advice::{convergence, relative, share};
 use super::ranking::Verdict;
 use super::report::{Cell, Program, Rung, Trade};
 use crate::ensemble::{paragraph, ticks};
@@ -122,8 +122,8 @@ impl Trade {
             .map(|pair| self.pair(pair.first, pair.second))
             .collect();
         if ordered.is_empty() {
-            return "The reference shows no difference between any two programs, so that there \
-                    is no order to keep.\n"
+            return "By the reference's runs, it is undecided of every two programs which takes \
+                    longer, so that there is no order to keep.\n"
                 .to_owned();
         }
         let mut text = format!(
@@ -181,36 +181,22 @@ impl Trade {
              median processor time of a run, ratio the same over the reference's; means are in \
              ticks, in brackets in seconds; bias is the mean over the reference's, less one; D is the largest difference \
              of the two shares of completed runs, p its probability by chance alone; ±~is half \
-             of a 95~% interval. front: no other setting is both cheaper and less biased."
+             of a 95~% interval. front: no cheaper setting is known to be as close."
                 .to_owned(),
         ];
         if let (Some(reference), Some(rung)) = (&self.reference, self.reference_rung()) {
             let last = reference.doublings.last();
-            let told = last.map_or(String::new(), |last| {
-                let changes = last.changes.iter().map(|change| match change {
-                    Some(change) => relative(change),
-                    None => "unknown".to_owned(),
-                });
-                let changes: Vec<String> = changes.collect();
-                let (from, to) = (last.from, last.to);
-                format!(
-                    " The last, from {from} to {to} substeps: {}.",
-                    changes.join(", ")
-                )
+            let changes = last.iter().flat_map(|last| &last.changes);
+            let changes = changes.map(|change| match change {
+                Some(change) => relative(change),
+                None => "unknown".to_owned(),
             });
-            notes.push(match reference.converged {
-                true => format!(
-                    "Reference: `{}`. It has converged: the last two doublings changed no mean by \
-                     more than its interval.{told}",
-                    rung.options
-                ),
-                false => format!(
-                    "Reference: `{}`, the finest that was measured. It has NOT CONVERGED: one of \
-                     the last two doublings changed a mean by more than its interval, or there were \
-                     fewer than two.{told}",
-                    rung.options
-                ),
-            });
+            let changes: Vec<String> = changes.collect();
+            notes.push(format!(
+                "Reference: `{}`, the finest that was measured. {}",
+                rung.options,
+                convergence(reference, &changes.join(", "))
+            ));
         }
         let cells = || self.rungs.iter().flat_map(|rung| &rung.programs);
         if cells().any(|cell| cell.censored > 0) {

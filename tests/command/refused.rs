@@ -177,3 +177,32 @@ fn files_of_others_are_left_alone() {
     assert!(said.err.contains("is a file"), "{}", said.err);
     assert_eq!(fs::read_dir(mine).unwrap().count(), 1);
 }
+
+#[test]
+fn a_run_to_record_that_is_not_to_be_made_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = path(folder.path(), "out");
+    for (runs, record, told) in [
+        ("2", "9", "--record: run 9 is not among runs 0..1"),
+        ("2", "0,9", "--record: run 9 is not among runs 0..1"),
+        ("2", "0..4", "--record: run 2 is not among runs 0..1"),
+        ("1", "1", "--record: run 1 is not there: the only run is 0"),
+    ] {
+        let line = "simulate --quiet tests/fixtures/dense.sa --runs";
+        let said = stochc_with(line, &[runs, "--record", record, "--out", &out]);
+        assert_eq!((said.status, said.out.as_str()), (2, ""), "{record}");
+        assert!(said.err.contains(told), "{record}: {}", said.err);
+        assert!(!folder.path().join("out").exists(), "nothing was begun");
+    }
+}
+
+#[test]
+fn none_of_something_is_no_number_to_show_or_to_try() {
+    for line in [
+        "check --cost 0 tests/fixtures/tower.sa",
+        "check --exhaustive=0 tests/fixtures/tower.sa",
+    ] {
+        let said = stochc(line);
+        assert_eq!((said.status, said.out.as_str()), (2, ""), "{line}");
+    }
+}

@@ -1,3 +1,5 @@
+use std::fs;
+
 use crate::stochc::{path, stochc_with};
 
 #[test]
@@ -37,5 +39,48 @@ fn what_holds_no_results_is_told_of() {
             "{}",
             said.err
         );
+    }
+}
+
+/// The terminal, `results` and the report say the same of one folder, with censored runs and without.
+#[test]
+fn one_folder_has_one_test_and_one_wording() {
+    let folder = tempfile::tempdir().unwrap();
+    let taller = path(folder.path(), "taller.sa");
+    let text = fs::read_to_string("tests/fixtures/dense.sa").unwrap();
+    let text = text
+        .replace("T[1..2]", "T[1..3]")
+        .replace("assembly dense", "assembly taller");
+    fs::write(&taller, text).unwrap();
+    for (name, limit) in [("all", "1000000"), ("censored", "250")] {
+        let out = path(folder.path(), name);
+        let line = "simulate --quiet --runs 12 tests/fixtures/dense.sa --max-ticks";
+        let told = stochc_with(line, &[limit, &taller, "--out", &out]);
+        assert_eq!(told.status == 3, name == "censored", "{}", told.err);
+        let results = stochc_with("results", &[&out]);
+        assert_eq!(results.out, told.out);
+        let json = stochc_with("results --format json", &[&out]).json();
+        let pair = &json["pairs"][0]["difference"];
+        assert_eq!(pair["test"]["kind"], "paired");
+        assert_eq!(pair["horizon"].is_null(), name == "all", "{pair}");
+        assert_eq!(stochc_with("report --quiet", &[&out]).status, 0);
+        let csv = fs::read_to_string(path(out.as_ref(), "report-figures/differences.csv")).unwrap();
+        let mut lines = csv.lines().map(|line| line.split(',').collect::<Vec<_>>());
+        let (names, row) = (lines.next().unwrap(), lines.next().unwrap());
+        for field in ["difference", "half_width", "p", "p_holm"] {
+            let at = names.iter().position(|name| *name == field).unwrap();
+            let in_report: f64 = row[at].parse().unwrap();
+            assert_eq!(Some(in_report), pair[field].as_f64(), "{field}");
+        }
+        // The sentence, word for word.
+        let (_, sentence) = told.out.split_once("\ndense - taller: ").unwrap();
+        let sentence = sentence.replace("\n  ", " ");
+        let page = fs::read_to_string(path(out.as_ref(), "report.html")).unwrap();
+        let page = page
+            .replace('\u{a0}', " ")
+            .replace("&lt;", "<")
+            .replace("&#39;", "'");
+        assert!(page.contains(sentence.trim()), "{sentence}");
+        assert!(!page.contains("no difference") && !told.out.contains("no difference"));
     }
 }

@@ -107,3 +107,79 @@ fn a_scene_is_listed_once_and_not_for_a_wrong_program() {
     assert_eq!((said.status, said.out.as_str()), (0, ""));
     assert!(said.err.contains("scene hemisphere, of tower"));
 }
+
+/// What the listing warns of, `simulate` warns of too, once for all programs, for the steps that it takes.
+#[test]
+fn a_scene_that_steps_do_not_resolve_is_told_of_where_it_is_simulated() {
+    let line = "simulate --quiet --runs 1 --max-ticks 1 tests/fixtures/dense.sa --substeps";
+    let told = |steps: &str| stochc_with(line, &[steps]).err;
+    assert_eq!(told("4"), "");
+    let one = told("1");
+    assert_eq!(one.matches("warning: ").count(), 2, "{one}");
+    for text in [
+        "warning: dense: v τ / a is ",
+        "warning: dense: F τ² / (m d) is 6 with one step a tick, more than 1; `--substeps 3` resolves it: a \
+         pulled block jumps",
+    ] {
+        assert!(one.contains(text), "{one}");
+    }
+    // A sweep has many scenes, and one warning.
+    let swept = stochc_with(line, &["1", "--sweep", "free=5..9/3"]).err;
+    assert_eq!(swept.matches("F τ² / (m d) is 6").count(), 1, "{swept}");
+    assert!(
+        swept.contains("dense [free=5] and 2 other programs: "),
+        "{swept}"
+    );
+    // No model, no steps.
+    let line = "simulate --quiet --runs 1 --model shuffle --substeps 1 tests/fixtures/dense.sa";
+    assert_eq!(stochc(line).err, "");
+}
+
+/// Drag belongs into it: the steps of `microns.sa` are as short as its blocks' motion in them needs.
+#[test]
+fn a_scene_in_which_drag_rules_is_resolved() {
+    let said = stochc("check --scene --format json examples/microns.sa").json();
+    let scene = &said["scenes"][0];
+    assert_eq!(scene["warnings"], serde_json::json!([]));
+    let groups = scene["groups"].as_array().unwrap();
+    let pull = groups
+        .iter()
+        .find(|it| it["symbol"] == "φ F τ² / (m d)")
+        .unwrap();
+    assert_eq!(pull["substeps"], 2);
+    let line = "simulate --quiet --runs 1 --max-ticks 1 examples/microns.sa";
+    assert_eq!(stochc(line).err, "");
+}
+
+/// Blocks 1.8 % heavier than the fluid that stirs them lie on the floor.
+#[test]
+fn a_tank_whose_blocks_sink_is_told_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(folder.path(), "tank.sa");
+    let text = "scene tank from suction_tank { block cube { side 10cm  mass 1018g  faces 5 }\n fluid \
+                { density 1 g/cm^3  viscosity 1 mPa s } }\nassembly a in tank { seed plate 1 x 1 { M at (0, 0) } \
+                phase p { M.up -> A.up -> B } }\n";
+    std::fs::write(&file, text).unwrap();
+    let said = stochc_with("check --scene", &[&file]);
+    assert!(
+        said.out.contains("most blocks lie on the floor"),
+        "{}",
+        said.out
+    );
+    assert!(
+        said.out.contains("fluid { density 1000 kg/m^3"),
+        "{}",
+        said.out
+    );
+    let said = stochc_with("simulate --quiet --runs 1 --max-ticks 1", &[&file]);
+    assert_eq!(
+        said.err.matches("most blocks lie on the floor").count(),
+        1,
+        "{}",
+        said.err
+    );
+    // What grows along the floor does not care.
+    std::fs::write(&file, text.replace("A.up -> B", "A")).unwrap();
+    let said = stochc_with("simulate --quiet --runs 1 --max-ticks 1", &[&file]);
+    assert_eq!(said.err, "");
+}

@@ -63,10 +63,12 @@ fn every_setting_is_measured_and_kept() {
     assert_eq!(trade["reference"]["rung"], 1, "rigid 2");
     assert_eq!(rungs(&trade)[1]["options"], "--model rigid --substeps 2");
     assert_eq!(
-        trade["reference"]["converged"], false,
+        trade["reference"]["convergence"], "undecided",
         "one doubling is too few"
     );
-    assert!(said.out.contains("NOT CONVERGED"), "{}", said.out);
+    let undecided = "only one doubling of its substeps was measured";
+    let told = said.out.replace("\n  ", " ");
+    assert!(told.contains(undecided), "{}", said.out);
     assert!(
         said.out
             .contains(trade["advice"].as_str().unwrap().split(' ').next().unwrap())
@@ -224,11 +226,15 @@ fn wrong_command_lines_are_told_of() {
     assert_eq!((said.status, said.out.as_str()), (1, ""));
 }
 
-/// A trade of `dense.sa` in which the biases are what a test needs.
-fn written(folder: &Path, converged: bool) -> String {
+/// A trade of `dense.sa` in which the biases are what a test needs, and what doublings of the
+/// substeps have changed, with half of its interval.
+fn written(folder: &Path, (value, half_width): (f64, f64)) -> String {
     let out = path(folder, "measured");
     let mut trade = stochc_with(DENSE, &["--format", "json", "--out", &out]).json();
-    trade["reference"]["converged"] = converged.into();
+    let change = serde_json::json!({ "value": value, "half_width": half_width });
+    let doubling =
+        |from: u32| serde_json::json!({ "from": from, "to": 2 * from, "changes": [change] });
+    trade["reference"]["doublings"] = [1, 2].map(doubling).to_vec().into();
     for (i, rung) in trade["rungs"]
         .as_array_mut()
         .unwrap()
@@ -262,7 +268,7 @@ fn simulate(trade: &str, more: &[&str]) -> Said {
 #[test]
 fn the_cheapest_setting_that_is_accurate_enough_is_taken() {
     let folder = tempfile::tempdir().unwrap();
-    let trade = written(folder.path(), true);
+    let trade = written(folder.path(), (0.0, 0.004));
     let out = path(folder.path(), "runs");
     let said = simulate(&trade, &["--accuracy", "5%", "--out", &out]);
     assert_eq!(said.status, 0, "{}", said.err);
@@ -322,26 +328,33 @@ fn an_accuracy_is_measured_where_nothing_is_known() {
 #[test]
 fn an_accuracy_that_nothing_has_is_refused() {
     let folder = tempfile::tempdir().unwrap();
-    let trade = written(folder.path(), true);
+    let trade = written(folder.path(), (0.0, 0.004));
     let said = simulate(&trade, &["--accuracy", "0.1%"]);
     assert_eq!((said.status, said.out.as_str()), (4, ""));
     assert!(
         said.err
-            .contains("the best is `--model rapier --substeps 1`, within 0.3 %"),
+            .contains("has converged within 0.1 % is undecided: its last doubling may have changed a mean by up to 0.4 %"),
         "{}",
         said.err
     );
     let other = tempfile::tempdir().unwrap();
-    let trade = written(other.path(), false);
+    let trade = written(other.path(), (0.2, 0.05));
     let said = simulate(&trade, &["--accuracy", "5%"]);
     assert_eq!((said.status, said.out.as_str()), (4, ""));
     assert!(said.err.contains("has not converged"), "{}", said.err);
+    // What is within its interval may be nothing, and may be a lot.
+    let other = tempfile::tempdir().unwrap();
+    let trade = written(other.path(), (-0.014, 0.52));
+    let said = simulate(&trade, &["--accuracy", "5%"]);
+    assert_eq!((said.status, said.out.as_str()), (4, ""));
+    assert!(said.err.contains("is undecided"), "{}", said.err);
+    assert!(said.err.contains("by up to 53.4 %"), "{}", said.err);
 }
 
 #[test]
 fn a_trade_of_something_else_is_refused() {
     let folder = tempfile::tempdir().unwrap();
-    let trade = written(folder.path(), true);
+    let trade = written(folder.path(), (0.0, 0.004));
     let line = "simulate tests/fixtures/tower.sa --runs 2 --accuracy 5% --trade";
     let said = stochc_with(line, &[&trade]);
     assert_eq!((said.status, said.out.as_str()), (2, ""));
@@ -380,7 +393,7 @@ fn a_reduced_model_is_told_of() {
         "note: `no-friction` is a reduced model: it leaves out something that the scene has\n";
     assert_eq!(said.err, note);
     let folder = tempfile::tempdir().unwrap();
-    let trade = written(folder.path(), true);
+    let trade = written(folder.path(), (0.0, 0.004));
     let told = stochc_with(line, &["--trade", &trade]);
     assert_eq!(told.out, said.out);
     let found = "note: the trade found: 50.0 ± 10.0 % from the reference\n";

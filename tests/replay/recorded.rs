@@ -241,7 +241,7 @@ fn what_is_asked_wrongly_is_told() {
     let said = stochc("replay --run 2", &[&results.path()]);
     assert_eq!(said.status, 2);
     assert!(
-        said.err.contains("no run 2: its runs are 0 to 1"),
+        said.err.contains("run 2 is not among runs 0..1"),
         "{}",
         said.err
     );

@@ -1,5 +1,5 @@
 //! What the tables say, against sums done by hand.
-use stochc::statistics::{Observation, compare};
+use stochc::statistics::{Observation, Runs, compare};
 
 use crate::sample::{Waits, five, manifest, record, rows, told};
 
@@ -170,9 +170,13 @@ fn programs_with_one_seed_are_compared_run_by_run() {
     let report = told(&[first.clone(), second]);
     let row = rows_of(&report);
     let times = |fs: [f64; 4]| fs.map(|f| Observation::completed(f + 20.0));
+    let runs = |seed, fs| Runs {
+        seed,
+        times: (0..).zip(times(fs)).collect(),
+    };
     let expected = compare(
-        &times([100.0, 200.0, 300.0, 400.0]),
-        &times([110.0, 230.0, 320.0, 440.0]),
+        &runs(1, [100.0, 200.0, 300.0, 400.0]),
+        &runs(2, [110.0, 230.0, 320.0, 440.0]),
     );
     assert_eq!(row["test"], "Welch t");
     close(&row["p"], expected.unwrap().p);
@@ -183,12 +187,16 @@ fn programs_with_one_seed_are_compared_run_by_run() {
 
 #[test]
 fn three_programs_are_corrected_for_three_pairs() {
-    let report = told(&[0.1, 0.2, 0.3].map(five));
+    let mut inputs = [0.1, 0.2, 0.3].map(five);
+    for (input, seed) in inputs.iter_mut().zip(1..) {
+        input.manifest.seed = seed;
+    }
+    let report = told(&inputs);
     let rows = rows(&report, "differences.csv");
     assert_eq!(rows.len(), 3);
     for row in rows {
         // All have the same times, so that nothing differs, and a run is censored.
-        assert_eq!(row["test"], "log-rank");
+        assert_eq!(row["test"], "Welch t");
         close(&row["difference"], 0.0);
         assert_eq!(row["p_holm"], "1");
     }

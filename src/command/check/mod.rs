@@ -28,7 +28,7 @@ pub struct Options {
     #[arg(long, value_name = "FORM", default_value = "graphical")]
     format: Format,
     /// List the N captures that are likely to take longest [default: 10]
-    #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "10")]
+    #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "10", value_parser = at_least_one)]
     cost: Option<usize>,
     /// Print the physics of the scenes of programs without errors: terms, values, absent terms, and
     /// whether the default number of steps in a tick resolves them. Its warnings do not change the
@@ -50,9 +50,16 @@ pub struct Options {
         value_name = "STATES",
         num_args = 0..=1,
         require_equals = true,
-        default_missing_value = "1000000"
+        default_missing_value = "1000000",
+        value_parser = clap::value_parser!(u64).range(1..)
     )]
     exhaustive: Option<u64>,
+}
+
+/// A number of captures to show.
+fn at_least_one(text: &str) -> Result<usize, String> {
+    let number = text.parse().ok().filter(|&number: &usize| number > 0);
+    number.ok_or_else(|| "give a whole number from 1".to_owned())
 }
 
 /// Checks each file, and says of the right ones what is known before anything moves.

@@ -8,6 +8,8 @@ use stochc_compiler::scene::groups::{BlockUnits, Group, Speed, SpeedFrom, groups
 use stochc_compiler::scene::{ContactLaw, Scene};
 use stochc_runtime::SUBSTEPS;
 
+use super::super::unresolved::{Doubt, doubts, short};
+
 /// A scene that assemblies of a file run in, and all that is said of it.
 pub struct InForce<'a> {
     file: &'a str,
@@ -18,6 +20,8 @@ pub struct InForce<'a> {
     absent: Vec<Absent>,
     speed: Speed,
     groups: Vec<Group>,
+    /// With the steps that are taken unasked.
+    doubts: Vec<Doubt>,
 }
 
 /// The scenes of a file's assemblies, each once, in the order of the assemblies.
@@ -38,6 +42,7 @@ pub fn scenes<'a>(file: &'a str, checked: &'a Checked) -> Vec<InForce<'a>> {
                 absent: absent(scene),
                 speed: speed(scene),
                 groups: groups(scene),
+                doubts: doubts(scene, SUBSTEPS),
             }),
         }
     }
@@ -48,14 +53,16 @@ impl InForce<'_> {
     /// The listing as one JSON object: `{ file, scene, assemblies, terms, absent, speed, groups, warnings }`.
     pub fn json(&self) -> Json {
         let units = BlockUnits::of(self.scene);
+        let warning = |doubt: &Doubt| format!("{}: {}", doubt.figure, doubt.effect);
         let group = |group: &Group| {
             json!({
                 "symbol": group.symbol,
                 "meaning": group.meaning,
                 "value": group.value,
                 "most": group.limit.map(|limit| limit.most),
-                "exceeded": group.is_exceeded(),
+                "exceeded": group.is_exceeded(1),
                 "substeps": group.substeps(),
+                "least": group.least.map(|least| least.least),
             })
         };
         json!({
@@ -70,7 +77,7 @@ impl InForce<'_> {
                 "block": self.speed.rms.map(|rms| units.speed(rms)),
             },
             "groups": self.groups.iter().map(group).collect::<Vec<_>>(),
-            "warnings": self.warnings().map(|warning| warning.join(": ")).collect::<Vec<_>>(),
+            "warnings": self.doubts.iter().map(warning).collect::<Vec<_>>(),
         })
     }
 
@@ -97,11 +104,10 @@ impl InForce<'_> {
         );
         self.list_groups(&mut out);
         out.push('\n');
-        let warnings: Vec<_> = self.warnings().collect();
-        for [what, beyond] in &warnings {
-            let _ = writeln!(out, "  warning: {what}\n           {beyond}");
+        for Doubt { figure, effect, .. } in &self.doubts {
+            let _ = writeln!(out, "  warning: {figure}\n           {effect}");
         }
-        if warnings.is_empty() {
+        if self.doubts.is_empty() {
             let _ = writeln!(
                 out,
                 "  {} short enough for all of these.",
@@ -153,14 +159,20 @@ impl InForce<'_> {
         let meaning = width(self.groups.iter().map(|group| group.meaning));
         let _ = writeln!(
             out,
-            "\n  {:w$}  value      at most, about",
+            "\n  {:w$}  value      limit, about",
             "groups",
             w = symbol + meaning + 4
         );
         for group in &self.groups {
-            let most = (group.limit).map_or(String::new(), |limit| short(limit.most));
+            let most = group
+                .limit
+                .map(|limit| format!("at most {}", short(limit.most)));
+            let least = group
+                .least
+                .map(|least| format!("at least {}", short(least.least)));
+            let limit = most.or(least).unwrap_or_default();
             let line = format!(
-                "    {:symbol$}  {:meaning$}  {:9}  {most}",
+                "    {:symbol$}  {:meaning$}  {:9}  {limit}",
                 group.symbol,
                 group.meaning,
                 short(group.value),
@@ -205,31 +217,6 @@ impl InForce<'_> {
     fn contact(&self) -> Option<&ContactLaw> {
         self.scene.contact.as_ref().map(|contact| &contact.law)
     }
-
-    /// What the steps that are taken unasked do not resolve, and what comes of that.
-    fn warnings(&self) -> impl Iterator<Item = [String; 2]> {
-        /// As many as `simulate` takes.
-        const MOST: u32 = 1000;
-        (self.groups.iter())
-            .filter(|group| group.is_exceeded())
-            .filter_map(|group| {
-                let limit = group.limit?;
-                let cure = match group.substeps() {
-                    Some(substeps) if substeps <= SUBSTEPS => return None,
-                    Some(substeps) if substeps <= MOST => {
-                        format!("`--substeps {substeps}` resolves it")
-                    }
-                    _ => "no number of substeps that is allowed resolves it".to_owned(),
-                };
-                let what = format!(
-                    "{} is {}, more than {}; {cure}",
-                    group.symbol,
-                    short(group.value),
-                    short(limit.most)
-                );
-                Some([what, limit.beyond.to_owned()])
-            })
-    }
 }
 
 fn si_of(value: &Value) -> String {
@@ -240,41 +227,10 @@ fn in_unit(value: f64, unit: &str) -> String {
     format!("{} {unit}", short(value)).trim_end().to_owned()
 }
 
-/// A number to four digits.
-fn short(value: f64) -> String {
-    let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
-    if rounded == 0.0 || (1e-4..1e6).contains(&rounded.abs()) || !rounded.is_finite() {
-        rounded.to_string()
-    } else {
-        format!("{rounded:e}")
-    }
-}
-
 /// The characters of the longest.
 fn width<T: AsRef<str>>(texts: impl Iterator<Item = T>) -> usize {
     texts
         .map(|text| text.as_ref().chars().count())
         .max()
         .unwrap_or(0)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::short;
-
-    #[test]
-    fn numbers_have_four_digits() {
-        for (value, text) in [
-            (0.0, "0"),
-            (1.0 / 3.0, "0.3333"),
-            (5.999_999_999, "6"),
-            (10_000_000.0, "1e7"),
-            (123_456.0, "123500"),
-            (0.000_012_345_6, "1.235e-5"),
-            (-2.0, "-2"),
-            (f64::INFINITY, "inf"),
-        ] {
-            assert_eq!(short(value), text);
-        }
-    }
 }

@@ -1,13 +1,11 @@
 //! What `simulate` ends with where somebody watches: a small picture, and where there is more.
-use stochc_runtime::record::{Outcome, RunRecord};
-
 use super::super::results::Form;
 use super::super::terminal::{output_is_watched, output_width, print};
 use super::Options;
-use crate::ensemble::{Finished, Manifest};
+use crate::ensemble::{Finished, Manifest, time};
 use crate::figures::{Strip, Tick, strips, visible};
 use crate::report::shell_file;
-use crate::statistics::{KaplanMeier, Observation};
+use crate::statistics::KaplanMeier;
 
 /// Programs that fit on a screen.
 const SHOWN: usize = 4;
@@ -51,12 +49,4 @@ fn curves(manifest: &Manifest, finished: &[Finished]) -> Vec<Strip> {
         .filter_map(strip)
         .take(SHOWN)
         .collect()
-}
-
-fn time(record: &RunRecord) -> Option<Observation> {
-    match record.outcome {
-        Outcome::Completed => Some(Observation::completed(record.ticks as f64)),
-        Outcome::TimedOut { .. } => Some(Observation::censored(record.ticks as f64)),
-        Outcome::Failed { .. } => None,
-    }
 }

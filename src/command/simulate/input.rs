@@ -5,9 +5,9 @@ use stochc_runtime::{Model, Precision, Reduction, Settings};
 
 use super::super::check::verdict;
 use super::super::terminal::{has_colour, message_width, warn};
-use super::{Options, Ready, swept, usage};
+use super::{Options, Ready, swept, tell_of_build, usage};
 use crate::cli::Exit;
-use crate::ensemble::{FORMAT, Manifest, Program, Source};
+use crate::ensemble::{FORMAT, Manifest, Program, Source, this_build};
 use crate::files::programs::refusal;
 use crate::findings::drawn;
 
@@ -119,6 +119,9 @@ fn from_manifest(path: &std::path::Path, levels: &Levels) -> Result<(Manifest, V
         Manifest::from_json(&text).map_err(|reason| usage(&format!("`{shown}`: {reason}")))?;
     // The runs of an older folder go into one of the present layout.
     manifest.format = FORMAT;
+    tell_of_build(&manifest.builds);
+    // They are made by this one now.
+    manifest.builds = vec![this_build()];
     let mut ready = Vec::new();
     for entry in &manifest.programs {
         let (root, checked) = entry.recompile(levels);

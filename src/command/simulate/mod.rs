@@ -11,7 +11,7 @@ use std::num::NonZeroUsize;
 use std::sync::atomic::AtomicBool;
 
 use stochc_compiler::scene::Scene;
-use stochc_compiler::table::Tables;
+use stochc_compiler::table::{Action, Tables};
 use stochc_runtime::{Model, RunError, Settings, run as run_once};
 
 pub(super) use input::{programs, settings};
@@ -20,9 +20,11 @@ pub(super) use record::Draft;
 
 use super::results::{Shown, show};
 use super::terminal::{usage, warn};
+use super::unresolved::{Doubt, doubts};
 use crate::cli::Exit;
 use crate::ensemble::{
-    Cancelled, Display, Folder, Manifest, Means, Place, State, run as run_all, stop_on_interrupt,
+    Cancelled, Display, Folder, Manifest, Means, Place, State, other_build, run as run_all,
+    stop_on_interrupt,
 };
 
 /// A program that is ready to run.
@@ -39,6 +41,9 @@ pub fn run(options: &Options) -> Exit {
         Ok(prepared) => prepared,
         Err(exit) => return exit,
     };
+    if let Some(run) = (options.record.as_ref()).and_then(|runs| runs.beyond(manifest.runs)) {
+        return usage(&format!("--record: {}", manifest.no_such_run(run)));
+    }
     let stop = match stop_on_interrupt() {
         Ok(stop) => stop,
         Err(error) => return usage(&format!("cannot listen for Ctrl-C: {error}")),
@@ -65,6 +70,7 @@ pub fn run(options: &Options) -> Exit {
             return Exit::WrongProgram;
         }
     }
+    tell_of_doubts(&manifest, &programs, &settings);
     match options.run {
         Some(number) => single::run(options, &manifest, &programs, &settings, number, stop),
         None => ensemble(options, &manifest, &programs, &settings, stop),
@@ -80,6 +86,50 @@ fn try_out(program: &Ready, settings: &Settings) -> Result<(), RunError> {
     }
 }
 
+/// Says that runs are added to those of another build, or made again, if they are.
+pub(super) fn tell_of_build(builds: &[String]) {
+    if let Some(told) = other_build(builds) {
+        warn(&format!("warning: {told}\n"));
+    }
+}
+
+/// Whether a program captures blocks above others, where none that lies on the floor comes.
+fn grows_upwards(tables: &Tables) -> bool {
+    let mut rules = tables.duties().flat_map(|duty| duty.rules());
+    rules.any(|rule| matches!(rule.then, Action::Magnetize { cell, .. } if cell.z > 1))
+}
+
+/// Says what the steps of a model do not resolve in the scenes of programs, and what their blocks do not
+/// reach: each doubt once, with how many other programs share it.
+fn tell_of_doubts(manifest: &Manifest, programs: &[Ready], settings: &Settings) {
+    if settings.model == Model::Shuffle {
+        return;
+    }
+    let mut found: Vec<(&str, Doubt, usize)> = Vec::new();
+    for (program, ready) in manifest.programs.iter().zip(programs) {
+        let all = doubts(&program.scene, settings.substeps).into_iter();
+        for doubt in all.filter(|doubt| doubt.is_of_steps || grows_upwards(&ready.tables)) {
+            match found
+                .iter_mut()
+                .find(|(_, it, _)| it.symbol == doubt.symbol)
+            {
+                Some((_, _, more)) => *more += 1,
+                None => found.push((&program.name, doubt, 0)),
+            }
+        }
+    }
+    for (name, Doubt { figure, effect, .. }, more) in found {
+        let others = match more {
+            0 => String::new(),
+            1 => " and another program".to_owned(),
+            more => format!(" and {more} other programs"),
+        };
+        warn(&format!(
+            "warning: {name}{others}: {figure}: {effect}; `stochc check --scene` shows more\n"
+        ));
+    }
+}
+
 fn ensemble(
     options: &Options,
     manifest: &Manifest,
@@ -91,8 +141,14 @@ fn ensemble(
         None => Place::Memory(manifest),
         Some(out) => match Folder::open(out, manifest, options.resume) {
             Ok(folder) => {
-                if folder.state() == State::Finished {
-                    warn(&format!("`{}` is finished already\n", out.display()));
+                match folder.state() {
+                    State::New => {}
+                    State::Finished => {
+                        warn(&format!("`{}` is finished already\n", out.display()));
+                    }
+                    // Of a manifest that is given it has been told.
+                    State::Resumed if options.manifest.is_some() => {}
+                    State::Resumed => tell_of_build(folder.builds()),
                 }
                 Place::Folder(folder)
             }

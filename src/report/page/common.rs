@@ -1,9 +1,8 @@
 //! What several parts of the page say alike.
-use super::{Parts, SIGNIFICANT};
-use crate::ensemble::Time;
+use super::Parts;
+use crate::ensemble::{Clock, Contrast, Time, sentence as in_words};
 use crate::figures::{Drawing, Tick, escaped, number};
 use crate::report::address;
-use crate::report::contrast::{Clock, Contrast, Method, Verdict};
 use crate::report::html::{Cell, Html, name};
 
 pub(super) fn link(folder: &str, file: &str) -> String {
@@ -42,39 +41,21 @@ pub(super) fn show(
     drawings.push(figure);
 }
 
+/// What is said of two programs everywhere, in HTML.
 pub(super) fn sentence(parts: &Parts, contrast: &Contrast) -> String {
-    let label = |i: usize| name(&parts.subjects[i].label);
-    let (first, second) = (label(contrast.first), label(contrast.second));
-    match &contrast.verdict {
-        Verdict::Same => format!("{first} and {second} are the same runs."),
-        Verdict::Unknown => {
-            format!("{first} and {second}: too few runs, or no spread, to tell them apart.")
-        }
-        Verdict::Known {
-            difference,
-            half_width,
-            corrected,
-            ..
-        } => {
-            let p = match probability(*corrected) {
-                p if p.starts_with('<') => format!("p {p}"),
-                p => format!("p = {p}"),
-            };
-            let figures = format!(
-                "{} ± {} {} ({p})",
-                number(difference.abs()),
-                number(*half_width),
-                parts.clock.unit()
-            );
-            match (*corrected < SIGNIFICANT, *difference > 0.0) {
-                (false, _) => format!(
-                    "These runs show no difference between {first} and {second}: {figures}."
-                ),
-                (true, true) => format!("{first} takes longer than {second} by {figures}."),
-                (true, false) => format!("{second} takes longer than {first} by {figures}."),
-            }
-        }
+    // Two signs that no sentence has, in place of names that bring their own HTML.
+    const NAMES: [&str; 2] = ["\u{e000}", "\u{e001}"];
+    let told = in_words(
+        NAMES,
+        &contrast.verdict,
+        parts.clock.unit(),
+        parts.contrasts.len(),
+    );
+    let mut told = escaped(&told.replace('~', "\u{a0}"));
+    for (sign, i) in NAMES.into_iter().zip([contrast.first, contrast.second]) {
+        told = told.replace(sign, &name(&parts.subjects[i].label));
     }
+    told
 }
 
 /// The clock of all programs where times are in ticks; `None`: they are in seconds.
@@ -130,25 +111,6 @@ pub(super) fn mean(time: &Time) -> String {
     match time.censored {
         0 => format!("{}{half}", number(time.mean)),
         _ => format!("≥ {}{half}", number(time.mean)),
-    }
-}
-
-pub(super) fn probability(p: f64) -> String {
-    match p {
-        p if p < 1e-4 => "< 0.0001".to_owned(),
-        p if p < 0.01 => format!("{p:.4}"),
-        p if p < 0.1 => format!("{p:.3}"),
-        p => format!("{p:.2}"),
-    }
-}
-
-pub(super) fn method_text(method: Method, unit: &str) -> String {
-    match method {
-        Method::Paired { n } => format!("paired t, {n} pairs"),
-        Method::Welch => "Welch's t".to_owned(),
-        Method::LogRank { horizon } => {
-            format!("log-rank; means to {} {unit}", number(horizon))
-        }
     }
 }
 

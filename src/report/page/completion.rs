@@ -1,9 +1,8 @@
 //! When runs completed: curves, means, differences.
-use super::common::{figures, method_text, probability, show, tick};
+use super::common::{figures, show, tick};
 use super::{Parts, ROWS};
-use crate::ensemble::Time;
+use crate::ensemble::{Contrast, Time, Verdict, method, probability};
 use crate::figures::{Drawing, number};
-use crate::report::contrast::{Contrast, Verdict};
 use crate::report::html::{Cell, Html, code, name};
 use crate::report::picture;
 use crate::report::picture::Curve;
@@ -16,7 +15,7 @@ pub(super) fn completion(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawi
     let curves: Vec<Curve> = (parts.detailed())
         .map(|(_, subject)| Curve {
             name: subject.label.clone(),
-            times: parts.clock.times(subject),
+            times: subject.times_by(parts.clock),
         })
         .collect();
     let axis = match tick(parts) {
@@ -30,7 +29,7 @@ pub(super) fn completion(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawi
     show(parts, out, drawings, figure, caption, &["survival.csv"]);
     let times: Vec<(&str, Time)> = (parts.detailed())
         .filter_map(|(_, subject)| {
-            let time = Time::of(&parts.clock.times(subject))?;
+            let time = Time::of(&subject.times_by(parts.clock))?;
             Some((subject.label.as_str(), time))
         })
         .collect();
@@ -43,7 +42,7 @@ pub(super) fn completion(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawi
     let rows: Vec<Vec<Cell>> = (parts.subjects.iter())
         .map(|subject| {
             let (completed, stopped, failed) = subject.counts();
-            let time = Time::of(&parts.clock.times(subject));
+            let time = Time::of(&subject.times_by(parts.clock));
             let mut row = vec![Cell::Marked(name(&subject.label))];
             row.extend([completed, stopped, failed].map(|n| Cell::Number(n.to_string())));
             row.extend(figures(time.as_ref(), tick(parts)));
@@ -112,7 +111,7 @@ pub(super) fn differences(parts: &Parts, out: &mut Html) {
     out.heading(2, "differences", "Differences");
     let mut rows: Vec<&Contrast> = parts.contrasts.iter().collect();
     let p = |contrast: &Contrast| match contrast.verdict {
-        Verdict::Known { p, .. } => p,
+        Verdict::Known(ref found) => found.p,
         _ => 2.0,
     };
     if rows.len() > ROWS {
@@ -137,18 +136,12 @@ pub(super) fn differences(parts: &Parts, out: &mut Html) {
                 cells.extend([none(), none(), none()]);
                 cells.push(Cell::Plain("too few runs, or no spread, to tell".into()));
             }
-            Verdict::Known {
-                method,
-                difference,
-                half_width,
-                p,
-                corrected,
-            } => {
-                let difference = format!("{} ± {}", number(*difference), number(*half_width));
-                cells.push(Cell::Number(difference));
-                cells.push(Cell::Number(probability(*p)));
-                cells.push(Cell::Number(probability(*corrected)));
-                cells.push(Cell::Plain(method_text(*method, parts.clock.unit())));
+            Verdict::Known(found) => {
+                let [difference, half] = [found.difference, found.half_width].map(number);
+                cells.push(Cell::Number(format!("{difference} ± {half}")));
+                cells.push(Cell::Number(probability(found.p)));
+                cells.push(Cell::Number(probability(found.p_holm)));
+                cells.push(Cell::Plain(method(found, parts.clock.unit())));
             }
         }
         cells
@@ -165,8 +158,8 @@ pub(super) fn differences(parts: &Parts, out: &mut Html) {
     );
     out.note(
         "p is the probability of a difference at least this large if there were none; p (Holm) is \
-         corrected for the number of pairs in this table. Programs with one seed meet the same \
-         kicks in runs of the same number, so that they are compared run by run where all times are \
-         known.",
+         corrected for the number of pairs in this table, and a difference is called one where it is \
+         below 0.05. Programs with one seed meet the same kicks in runs of the same number, so that they \
+         are compared run by run.",
     );
 }

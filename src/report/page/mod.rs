@@ -7,8 +7,8 @@ mod summary;
 mod sweeps;
 mod warnings;
 
+use crate::ensemble::{Clock, Contrast};
 use crate::figures::{Drawing, STYLE, escaped};
-use crate::report::contrast::{Clock, Contrast};
 use crate::report::html::{Html, name};
 use crate::report::subject::{Input, Subject};
 use crate::report::waits::Wait;
@@ -19,9 +19,6 @@ use origin::{methods, origin};
 use program::program;
 use summary::in_short;
 use sweeps::sweeps;
-
-/// Below this, a difference is called one.
-const SIGNIFICANT: f64 = 0.05;
 
 /// Rows of a table on the page; the data files have all of them.
 const ROWS: usize = 60;

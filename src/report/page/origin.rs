@@ -145,7 +145,7 @@ pub(super) fn methods(parts: &Parts, out: &mut Html, drawings: &[Drawing]) {
              from end to end; <em>of all time</em> is their part of the time of all runs together."
                 .to_owned(),
             "<strong>Tests</strong>: paired t run by run for programs with one seed, Welch's t for \
-             others, the log-rank test where times are censored; p (Holm) for all pairs together."
+             others, on times up to the last that both tell of; p (Holm) for all pairs together."
                 .to_owned(),
             "Formulas with their sources, and the columns of the data files: \
              <code>docs/report.md</code> of stochc."

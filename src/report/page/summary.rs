@@ -22,7 +22,7 @@ pub(super) fn in_short(parts: &Parts, out: &mut Html) {
                 item += &format!(", {n} {what}");
             }
         }
-        if let Some(time) = Time::of(&parts.clock.times(subject)) {
+        if let Some(time) = Time::of(&subject.times_by(parts.clock)) {
             let beside = tick(parts).map(|tick| tick.beside_interval(time.mean, time.half_width));
             let beside = beside.unwrap_or_default();
             item += &format!(", in {} {unit}{beside} on average", mean(&time));

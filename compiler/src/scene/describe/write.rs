@@ -156,14 +156,22 @@ pub const NUMBER: Units = Units {
 /// More digits than this are no value that somebody has chosen in that unit.
 const CHOSEN: usize = 8;
 
-/// A value in SI units with a unit in which it is short; reads as the same value again.
+/// What the conversion of a unit into another one may change, as a share: some roundings.
+const ROUNDING: f64 = 1e-15;
+
+/// A value in SI units with a unit in which it is short; reads as the same value again, within the
+/// rounding of the conversion: of what was written in another unit, as `1 g/cm^3`, more is not to be had.
 pub fn write(value: f64, units: &Units) -> String {
-    let short = units.preferred.iter().find_map(|&unit| {
-        let number = shortest(value, unit, CHOSEN)?;
-        // A zero is one of any unit, and of an angle nobody minds how many degrees it has.
-        let fits = value == 0.0 || unit.0 == "deg" || (0.1..1000.0).contains(&number.abs());
-        fits.then(|| text(number, unit.0))
-    });
+    let chosen = |rounding: f64| {
+        let preferred = units.preferred.iter().find_map(|&unit| {
+            let number = shortest(value, unit, rounding)?;
+            // A zero is one of any unit, and of an angle nobody minds how many degrees it has.
+            let fits = value == 0.0 || unit.0 == "deg" || (0.1..1000.0).contains(&number.abs());
+            fits.then(|| text(number, unit.0))
+        });
+        preferred.or_else(|| Some(text(shortest(value, units.si, rounding)?, units.si.0)))
+    };
+    let short = chosen(0.0).or_else(|| chosen(ROUNDING));
     short.unwrap_or_else(|| text(value, units.si.0))
 }
 
@@ -173,8 +181,8 @@ fn text(number: f64, unit: &str) -> String {
     format!("{number} {unit}").trim_end().to_owned()
 }
 
-/// The number with the fewest digits, up to a limit, that is exactly `value` in a unit.
-fn shortest(value: f64, (_, factors): Unit, most: usize) -> Option<f64> {
+/// The number with the fewest digits, up to [`CHOSEN`], that is `value` in a unit, but for a share of it.
+fn shortest(value: f64, (_, factors): Unit, rounding: f64) -> Option<f64> {
     let in_si = |value: f64| {
         let unit = factors.iter().map(|&(symbol, power)| UnitFactor {
             symbol: symbol.to_owned(),
@@ -188,7 +196,114 @@ fn shortest(value: f64, (_, factors): Unit, most: usize) -> Option<f64> {
         value
     };
     let about = value / in_si(1.0);
-    (0..most)
+    (0..CHOSEN)
         .filter_map(|digits| format!("{about:.digits$e}").parse().ok())
-        .find(|&number| in_si(number) == value)
+        .find(|&number| (in_si(number) - value).abs() <= rounding * value.abs())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is written in any unit of its kind comes back in few digits, and within a rounding.
+    #[test]
+    fn a_short_number_in_any_unit_is_written_as_a_short_number() {
+        type Written = (&'static Units, &'static [&'static [(&'static str, i8)]]);
+        let kinds: [Written; 12] = [
+            (
+                &TIME,
+                &[&[("ms", 1)], &[("us", 1)], &[("min", 1)], &[("h", 1)]],
+            ),
+            (
+                &LENGTH,
+                &[&[("cm", 1)], &[("mm", 1)], &[("um", 1)], &[("km", 1)]],
+            ),
+            (
+                &MASS,
+                &[&[("g", 1)], &[("mg", 1)], &[("ng", 1)], &[("kg", 1)]],
+            ),
+            (
+                &SPEED,
+                &[
+                    &[("cm", 1), ("s", -1)],
+                    &[("um", 1), ("s", -1)],
+                    &[("km", 1), ("h", -1)],
+                    &[("m", 1), ("min", -1)],
+                ],
+            ),
+            (
+                &FORCE,
+                &[&[("mN", 1)], &[("pN", 1)], &[("g", 1), ("m", 1), ("s", -2)]],
+            ),
+            (
+                &STIFFNESS,
+                &[&[("N", 1), ("cm", -1)], &[("pN", 1), ("um", -1)]],
+            ),
+            (
+                &DAMPING,
+                &[&[("mN", 1), ("s", 1), ("mm", -1)], &[("kg", 1), ("s", -1)]],
+            ),
+            (
+                &DENSITY,
+                &[
+                    &[("g", 1), ("cm", -3)],
+                    &[("kg", 1), ("L", -1)],
+                    &[("mg", 1), ("mm", -3)],
+                    &[("g", 1), ("L", -1)],
+                ],
+            ),
+            (
+                &VISCOSITY,
+                &[&[("mPa", 1), ("s", 1)], &[("uPa", 1), ("s", 1)]],
+            ),
+            (
+                &PRESSURE,
+                &[&[("kPa", 1)], &[("mPa", 1)], &[("N", 1), ("cm", -2)]],
+            ),
+            (
+                &FLOW,
+                &[
+                    &[("L", 1), ("min", -1)],
+                    &[("mL", 1), ("s", -1)],
+                    &[("m", 3), ("h", -1)],
+                ],
+            ),
+            (
+                &RESISTANCE,
+                &[
+                    &[("kPa", 1), ("s", 1), ("L", -1)],
+                    &[("Pa", 1), ("h", 1), ("m", -3)],
+                ],
+            ),
+        ];
+        for (units, spellings) in kinds {
+            for factors in spellings {
+                for value in [1.0, 2.5, 7.0, 0.3, 1.018, 94.5, 920.05, 33.0, 0.07] {
+                    let unit = factors.iter().map(|&(symbol, power)| UnitFactor {
+                        symbol: symbol.to_owned(),
+                        power,
+                    });
+                    let (si, _) = to_si(&Quantity {
+                        value,
+                        unit: unit.collect(),
+                        span: Default::default(),
+                    });
+                    let told = write(si, units);
+                    let (number, _) = told.split_once(' ').unwrap();
+                    let digits = number.split('e').next().unwrap();
+                    let digits = digits.chars().filter(char::is_ascii_digit).count();
+                    // Minutes and hours are no decimal part of a second.
+                    let is_decimal = factors
+                        .iter()
+                        .all(|(symbol, _)| !["min", "h"].contains(symbol));
+                    let spelling = format!("{value} {factors:?} is told as {told}");
+                    assert!(!is_decimal || digits <= 10, "{spelling}");
+                    assert!(!number.contains("0000000"), "{spelling}");
+                    assert!(!number.contains("9999999"), "{spelling}");
+                }
+            }
+        }
+        assert_eq!(write(1000.0000000000001, &DENSITY), "1000 kg/m^3");
+        assert_eq!(write(0.1 + 0.2, &NUMBER), "0.3");
+    }
 }

@@ -4,12 +4,14 @@
 //! docs/model.md derives them.
 mod block_units;
 mod gas;
+mod settling;
 mod speed;
 
 use serde::Serialize;
 
 pub use block_units::BlockUnits;
 pub use gas::Gas;
+pub use settling::Settling;
 pub(super) use speed::rms_of_range;
 pub use speed::{Speed, SpeedFrom, speed};
 
@@ -26,6 +28,8 @@ pub struct Group {
     pub value: f64,
     /// What it has to keep to, if it is one that steps have to resolve.
     pub limit: Option<Limit>,
+    /// What it should keep to whatever the steps are.
+    pub least: Option<Least>,
 }
 
 /// The largest value of a group at which what it stands for is resolved.
@@ -33,34 +37,57 @@ pub struct Group {
 pub struct Limit {
     /// The value, about.
     pub most: f64,
-    /// K substeps a tick make the group smaller by K to this power.
-    pub power: u8,
+    /// The fewest substeps a tick with which the group keeps to it; `None`: no number of them does.
+    pub substeps: Option<u32>,
     /// What happens beyond it, as a clause.
     pub beyond: &'static str,
 }
 
+/// The smallest value of a group at which a scene does what it is for.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Least {
+    /// The value, about.
+    pub least: f64,
+    /// What happens below it, as a clause.
+    pub below: &'static str,
+    /// What changes it.
+    pub cure: &'static str,
+}
+
 impl Group {
-    /// Whether one step a tick is too long.
-    pub fn is_exceeded(&self) -> bool {
-        self.limit.is_some_and(|limit| self.value > limit.most)
+    /// Whether so many steps a tick are too long.
+    pub fn is_exceeded(&self, substeps: u32) -> bool {
+        let needed = |limit: Limit| limit.substeps;
+        (self.limit).is_some_and(|limit| needed(limit).is_none_or(|needed| substeps < needed))
     }
 
     /// The fewest substeps a tick that keep to the limit; `None` if there is none, or no number of them does.
     pub fn substeps(&self) -> Option<u32> {
-        let limit = self.limit?;
-        let within = |substeps: u32| self.value <= limit.most * power(substeps, limit.power);
-        let guess = (self.value / limit.most).powf(1.0 / f64::from(limit.power));
-        if guess.is_nan() || guess > f64::from(u32::MAX / 2) {
-            return None;
-        }
-        // The root may be off by a rounding to either side.
-        let least = (guess as u32).saturating_sub(1).max(1);
-        (least..=least + 3).find(|&substeps| within(substeps))
+        self.limit?.substeps
+    }
+
+    /// Whether it is smaller than it should be.
+    pub fn is_too_small(&self) -> bool {
+        self.least.is_some_and(|least| self.value < least.least)
     }
 }
 
-fn power(substeps: u32, power: u8) -> f64 {
-    f64::from(substeps).powi(i32::from(power))
+/// The least number from 1 on for which a question that stays answered is; `None`: for none that fits.
+fn fewest(is_enough: impl Fn(u32) -> bool) -> Option<u32> {
+    const MOST: u32 = u32::MAX / 2;
+    let mut enough = 1;
+    while !is_enough(enough) {
+        enough = enough.checked_mul(2).filter(|&n| n <= MOST)?;
+    }
+    let mut few = enough / 2;
+    while enough - few > 1 {
+        let middle = few + (enough - few) / 2;
+        match is_enough(middle) {
+            true => enough = middle,
+            false => few = middle,
+        }
+    }
+    Some(enough)
 }
 
 /// The groups of a scene, of those terms that it has.
@@ -68,12 +95,13 @@ pub fn groups(scene: &Scene) -> Vec<Group> {
     let units = BlockUnits::of(scene);
     let v = speed(scene).rms.map(|rms| units.speed(rms));
     let v = v.filter(|&v| v > 0.0);
+    let push = Push::of(scene);
     let mut out = Vec::new();
     if let Some(v) = v {
         out.push(
             Group::new("v τ / a", "sides that a block moves in a tick", v).limited(
                 0.1,
-                1,
+                |steps| units.speed(speed::in_steps(scene, steps).unwrap_or(0.0)) / steps,
                 "blocks overlap deeply before a contact parts them, and slip through narrow gaps",
             ),
         );
@@ -92,18 +120,7 @@ pub fn groups(scene: &Scene) -> Vec<Group> {
     }) = &scene.bond
     {
         let (hold, depth) = (units.force(magnets.hold), units.length(magnets.depth));
-        out.push(
-            Group::new(
-                "F τ² / (m d)",
-                "anchoring distances that the magnets move a block in a tick",
-                hold / units.length(anchor.within),
-            )
-            .limited(
-                1.0,
-                2,
-                "a pulled block jumps over the place where it would be anchored",
-            ),
-        );
+        out.push(push.anchoring(hold, units.length(anchor.within)));
         if let Some(v) = v {
             out.push(Group::new(
                 "F δ / (3 m v² / 2)",
@@ -114,18 +131,7 @@ pub fn groups(scene: &Scene) -> Vec<Group> {
     }
     if let Some(Bond::Attract { pull, anchor, .. }) = &scene.bond {
         let (force, reach) = (units.force(pull.force), units.length(pull.within));
-        out.push(
-            Group::new(
-                "F τ² / (m d)",
-                "anchoring distances that the pull moves a block in its first tick",
-                force / units.length(anchor.within),
-            )
-            .limited(
-                1.0,
-                2,
-                "a pulled block jumps over the place where it would be anchored",
-            ),
-        );
+        out.push(push.anchoring(force, units.length(anchor.within)));
         if let Some(v) = v {
             out.push(Group::new(
                 "F r / (m v² / 2)",
@@ -137,22 +143,77 @@ pub fn groups(scene: &Scene) -> Vec<Group> {
     if let Some(Enclosure::Hemisphere { wall, .. } | Enclosure::Sphere { wall, .. }) =
         &scene.enclosure
     {
-        out.push(
-            Group::new(
-                "k τ² / m, shell",
-                "stiffness of the shell",
-                units.stiffness(*wall),
-            )
-            .limited(
-                SPRING,
-                2,
-                "the shell throws blocks back with another energy",
-            ),
-        );
+        let symbols = ["k τ² / m, shell", "φ k τ² / m, shell"];
+        let beyond = "the shell throws blocks back with another energy";
+        out.push(push.spring(
+            symbols,
+            "stiffness of the shell",
+            units.stiffness(*wall),
+            beyond,
+        ));
     }
-    contact(scene, &mut out);
+    contact(scene, push, &mut out);
     gas(scene, v, &mut out);
+    settling(scene, &mut out);
     out
+}
+
+/// What a force does in a step.
+#[derive(Clone, Copy)]
+struct Push {
+    /// What a viscous drag takes from a velocity in a tick.
+    drag: f64,
+}
+
+impl Push {
+    fn of(scene: &Scene) -> Push {
+        Push {
+            drag: speed::viscous(scene),
+        }
+    }
+
+    /// How far a force of one block's weight, side and tick moves a block at rest in one of so many steps of a
+    /// tick \[side\]: by φ / steps², as the worlds compute it, with the mean φ that the drag leaves of it.
+    fn displacement(self, steps: f64) -> f64 {
+        let lost = self.drag / steps;
+        let left = match lost < 1e-8 {
+            true => 1.0,
+            false => -f64::exp_m1(-lost) / lost,
+        };
+        left / (steps * steps)
+    }
+
+    /// The symbol that says whether drag is in it.
+    fn symbol(self, [free, slowed]: [&'static str; 2]) -> &'static str {
+        if self.drag > 0.0 { slowed } else { free }
+    }
+
+    /// A group of a force \[side/tick^2\] and of the anchoring distance \[side\].
+    fn anchoring(self, force: f64, within: f64) -> Group {
+        let value = force / within;
+        Group::new(
+            self.symbol(["F τ² / (m d)", "φ F τ² / (m d)"]),
+            "anchoring distances that the pull moves a block at rest in its first tick",
+            value * self.displacement(1.0),
+        )
+        .limited(
+            1.0,
+            |steps| value * self.displacement(steps),
+            "a pulled block jumps over the place where it would be anchored",
+        )
+    }
+
+    /// A group of a spring \[1/tick^2\].
+    fn spring(
+        self,
+        symbols: [&'static str; 2],
+        meaning: &'static str,
+        stiffness: f64,
+        beyond: &'static str,
+    ) -> Group {
+        let value = |steps| stiffness * self.displacement(steps);
+        Group::new(self.symbol(symbols), meaning, value(1.0)).limited(SPRING, value, beyond)
+    }
 }
 
 fn fluid(scene: &Scene, v: Option<f64>, out: &mut Vec<Group>) {
@@ -185,10 +246,11 @@ fn fluid(scene: &Scene, v: Option<f64>, out: &mut Vec<Group>) {
     }
 }
 
-/// A spring is resolved when its angle in a step, √(k/m) τ, is less than half a radian.
+/// A spring is resolved when its angle in a step, √(k/m) τ, is less than half a radian; or, where drag
+/// rules, when a step takes less than a quarter of its length.
 const SPRING: f64 = 0.25;
 
-fn contact(scene: &Scene, out: &mut Vec<Group>) {
+fn contact(scene: &Scene, push: Push, out: &mut Vec<Group>) {
     let Some(contact) = &scene.contact else {
         return;
     };
@@ -197,18 +259,19 @@ fn contact(scene: &Scene, out: &mut Vec<Group>) {
     };
     let units = BlockUnits::of(scene);
     let (stiffness, damping) = (units.stiffness(stiffness), units.damping(damping));
-    out.push(
-        Group::new("k τ² / m, contact", "stiffness of a contact", stiffness).limited(
-            SPRING,
-            2,
-            "a collision is over within a step or two",
-        ),
-    );
+    out.push(push.spring(
+        ["k τ² / m, contact", "φ k τ² / m, contact"],
+        "stiffness of a contact",
+        stiffness,
+        "a collision is over within a step or two",
+    ));
     if damping > 0.0 {
+        let value = |steps: f64| damping * steps * push.displacement(steps);
+        let symbols = ["c τ / m, contact", "φ c τ / m, contact"];
         out.push(
-            Group::new("c τ / m, contact", "damping of a contact", damping).limited(
+            Group::new(push.symbol(symbols), "damping of a contact", value(1.0)).limited(
                 0.5,
-                1,
+                value,
                 "damping turns a motion round instead of braking it",
             ),
         );
@@ -251,6 +314,40 @@ fn gas(scene: &Scene, v: Option<f64>, out: &mut Vec<Group>) {
     }
 }
 
+fn settling(scene: &Scene, out: &mut Vec<Group>) {
+    let Some(settling) = Settling::of(scene) else {
+        return;
+    };
+    let units = BlockUnits::of(scene);
+    if let Some(speeds) = settling.speeds {
+        let meaning = "speed of sinking against the vertical speed of the eddies";
+        out.push(Group::new("w / α σ", meaning, speeds));
+    }
+    let meaning = "height over which sinking thins the blocks to 1/e, in sides";
+    out.push(Group::new("h / a", meaning, units.length(settling.height)));
+    if let Some(Enclosure::Hemisphere { radius, .. } | Enclosure::Sphere { radius, .. }) =
+        &scene.enclosure
+    {
+        let meaning = "the same over the enclosure's radius";
+        out.push(Group::new("h / R", meaning, settling.height / radius));
+    }
+    out.push(
+        Group::new(
+            "n(a) / n",
+            "part of the blocks that is kept a side or more from where they settle",
+            settling.above(scene.block.side),
+        )
+        .not_below(
+            0.1,
+            match settling.is_floating {
+                true => "most blocks float at the top, and few come to what is below",
+                false => "most blocks lie on the floor, and few come to what is above",
+            },
+            "stir more, or bring the blocks' density closer to the fluid's",
+        ),
+    );
+}
+
 impl Group {
     const fn new(symbol: &'static str, meaning: &'static str, value: f64) -> Group {
         Group {
@@ -258,15 +355,22 @@ impl Group {
             meaning,
             value,
             limit: None,
+            least: None,
         }
     }
 
-    const fn limited(mut self, most: f64, power: u8, beyond: &'static str) -> Group {
+    /// `at` is its value with so many steps a tick.
+    fn limited(mut self, most: f64, at: impl Fn(f64) -> f64, beyond: &'static str) -> Group {
         self.limit = Some(Limit {
             most,
-            power,
+            substeps: fewest(|steps| at(f64::from(steps)) <= most),
             beyond,
         });
+        self
+    }
+
+    const fn not_below(mut self, least: f64, below: &'static str, cure: &'static str) -> Group {
+        self.least = Some(Least { least, below, cure });
         self
     }
 }

@@ -34,7 +34,7 @@ pub enum SpeedFrom {
 /// The speed that the terms of a scene lead to.
 pub fn speed(scene: &Scene) -> Speed {
     let units = BlockUnits::of(scene);
-    if let Some(speed) = of_fluid(scene) {
+    if let Some(speed) = of_fluid(scene, 1.0) {
         return speed;
     }
     let kick = kick(scene);
@@ -45,8 +45,7 @@ pub fn speed(scene: &Scene) -> Speed {
     if kick == 0.0 {
         return told(0.0, SpeedFrom::Rest);
     }
-    // Of the square of a speed, this part is left after a tick of drag.
-    let left = (scene.drag.as_ref()).map_or(1.0, |drag| (-2.0 * units.rate(drag.rate)).exp());
+    let left = left(scene);
     let loss = loss(scene);
     if loss > 0.0 {
         told(balance(kick, left, loss), SpeedFrom::Collisions)
@@ -60,8 +59,33 @@ pub fn speed(scene: &Scene) -> Speed {
     }
 }
 
-/// The speed that a fluid gives its blocks by chance.
-fn of_fluid(scene: &Scene) -> Option<Speed> {
+/// The part of the square of a speed that is left after a tick of drag.
+pub(super) fn left(scene: &Scene) -> f64 {
+    let rate = scene.drag.as_ref().map_or(0.0, |drag| drag.rate);
+    (-2.0 * (BlockUnits::of(scene).rate(rate) + viscous(scene))).exp()
+}
+
+/// What a viscous drag takes from a velocity in a tick; 0 without one.
+pub(super) fn viscous(scene: &Scene) -> f64 {
+    let viscosity = scene.fluid.as_ref().and_then(|fluid| fluid.viscosity);
+    viscosity.map_or(0.0, |viscosity| {
+        BlockUnits::of(scene).damping(Fluid::friction(viscosity, scene.block.side))
+    })
+}
+
+/// The rms speed within one of so many steps of a tick \[m/s\]; `None`: it never stops growing.
+///
+/// Only that of heat depends on the step: its velocities are means over one. Where drag rules, a block
+/// moves by √(6 D dt) in a step.
+pub(super) fn in_steps(scene: &Scene, steps: f64) -> Option<f64> {
+    match of_fluid(scene, steps) {
+        Some(speed) => speed.rms,
+        None => speed(scene).rms,
+    }
+}
+
+/// The speed that a fluid gives its blocks by chance, with so many steps a tick.
+fn of_fluid(scene: &Scene, steps: f64) -> Option<Speed> {
     let fluid = scene.fluid.as_ref()?;
     match scene.agitation.as_ref()? {
         Agitation::Kicks { .. } => None,
@@ -76,8 +100,8 @@ fn of_fluid(scene: &Scene) -> Option<Speed> {
         Agitation::Brownian { temperature } => {
             let (mass, tick) = (scene.block.mass, scene.tick);
             let friction = Fluid::friction(fluid.viscosity?, scene.block.side);
-            // Of the mean of a tick: k T / m times tanh(x) / x, x = rate tick / 2.
-            let half = friction / mass * tick / 2.0;
+            // Of the mean of a step: k T / m times tanh(x) / x, x = rate step / 2.
+            let half = friction / mass * tick / steps / 2.0;
             let part = if half < 1e-6 { 1.0 } else { half.tanh() / half };
             Some(Speed {
                 rms: Some((3.0 * BOLTZMANN * temperature / mass * part).sqrt()),

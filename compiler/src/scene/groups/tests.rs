@@ -166,30 +166,197 @@ fn a_scene_at_another_scale_has_the_same_groups() {
 
 #[test]
 fn substeps_are_as_many_as_a_limit_needs() {
-    let group = |value, most, power| Group::new("", "", value).limited(most, power, "");
-    for (value, most, power, exceeded, substeps) in [
-        (0.05, 0.1, 1, false, Some(1)),
-        (0.1, 0.1, 1, false, Some(1)),
-        (0.2636, 0.1, 1, true, Some(3)),
-        (6.0, 1.0, 2, true, Some(3)),
-        (4.0, 1.0, 2, true, Some(2)),
-        (4.0001, 1.0, 2, true, Some(3)),
-        (1e12, 1.0, 1, true, None),
-        (f64::INFINITY, 1.0, 2, true, None),
+    for (value, most, power, substeps) in [
+        (0.05, 0.1, 1, Some(1)),
+        (0.1, 0.1, 1, Some(1)),
+        (0.2636, 0.1, 1, Some(3)),
+        (6.0, 1.0, 2, Some(3)),
+        (4.0, 1.0, 2, Some(2)),
+        (4.0001, 1.0, 2, Some(3)),
+        (1e12, 1.0, 1, None),
+        (f64::INFINITY, 1.0, 2, None),
     ] {
-        let group = group(value, most, power);
-        assert_eq!(
-            (group.is_exceeded(), group.substeps()),
-            (exceeded, substeps),
-            "{value}"
-        );
+        let at = |steps: f64| value / steps.powi(power);
+        let group = Group::new("", "", value).limited(most, at, "");
+        assert_eq!(group.substeps(), substeps, "{value}");
+        assert_eq!(group.is_exceeded(1), substeps != Some(1), "{value}");
+        if let Some(substeps) = substeps {
+            assert!(!group.is_exceeded(substeps) && !group.is_exceeded(substeps + 1));
+            assert!(substeps == 1 || group.is_exceeded(substeps - 1), "{value}");
+        }
     }
     assert_eq!(Group::new("", "", 1e9).substeps(), None);
     let exceeded: Vec<_> = (groups(&hemisphere()).iter())
-        .filter(|group| group.is_exceeded())
+        .filter(|group| group.is_exceeded(1))
         .map(|group| (group.symbol, group.substeps()))
         .collect();
     assert_eq!(exceeded, [("v τ / a", Some(3)), ("F τ² / (m d)", Some(3))]);
+}
+
+/// The scene of `examples/microns.sa`.
+fn microns() -> Scene {
+    use super::super::{Agitation, Fluid};
+    let mut scene = hemisphere();
+    (scene.tick, scene.block.side, scene.block.mass) = (10.0, 10e-6, 1.05e-12);
+    scene.enclosure = Some(Enclosure::Hemisphere {
+        radius: 80e-6,
+        wall: 10e-9,
+    });
+    scene.fluid = Some(Fluid {
+        density: None,
+        viscosity: Some(1e-3),
+    });
+    scene.agitation = Some(Agitation::Brownian { temperature: 293.0 });
+    let Some(Bond::Attract {
+        pull,
+        align,
+        anchor,
+    }) = &mut scene.bond
+    else {
+        panic!("it attracts");
+    };
+    (pull.force, pull.within) = (20e-15, 10e-6);
+    *align = None;
+    anchor.within = 1e-6;
+    scene
+}
+
+#[test]
+fn where_drag_rules_a_step_is_as_long_as_the_motion_in_it() {
+    let scene = microns();
+    let found = |symbol: &str| {
+        let mut groups = groups(&scene).into_iter();
+        groups
+            .find(|it| it.symbol == symbol)
+            .unwrap_or_else(|| panic!("{symbol}"))
+    };
+    // A velocity is forgotten in m / f = 8 us, f = 6 π 1e-3 0.660678 1e-5 = 1.24534e-7 N s/m. In 10 s the pull of
+    // 20 fN moves a block by F τ / f = 1.606 um at its terminal speed, and the shell closes k τ / f =
+    // 0.803 of a distance; heat moves it by √(6 D τ), D = k T / f = 3.2484e-14 m²/s.
+    let pull = found("φ F τ² / (m d)");
+    assert!(close(pull.value, 1.60599), "{pull:?}");
+    assert_eq!(
+        pull.substeps(),
+        Some(2),
+        "terminal speed: in half the time half as far"
+    );
+    let shell = found("φ k τ² / m, shell");
+    assert!(close(shell.value, 0.802995), "{shell:?}");
+    assert_eq!(shell.substeps(), Some(4));
+    let way = found("v τ / a");
+    assert!(close(way.value, 0.139607), "{way:?}");
+    // By √K less: 0.139607 / √2 = 0.0987.
+    assert_eq!(way.substeps(), Some(2));
+    assert!(groups(&scene).iter().all(|group| !group.is_exceeded(4)));
+    // Without drag the pull would fling the block: F τ² / m = 1.9 m, and K² were needed.
+    let mut free = microns();
+    free.fluid = None;
+    free.agitation = None;
+    let flung = groups(&free);
+    let flung = flung.iter().find(|it| it.symbol == "F τ² / (m d)").unwrap();
+    assert!(close(flung.value, 1.904762e6), "{flung:?}");
+    assert_eq!(flung.substeps(), Some(1381));
+}
+
+#[test]
+fn drag_that_needs_longer_than_a_step_changes_nothing() {
+    let mut scene = microns();
+    scene.tick = 1e-7;
+    let found = groups(&scene);
+    let pull = found
+        .iter()
+        .find(|it| it.symbol == "φ F τ² / (m d)")
+        .unwrap();
+    // m / f is 84 ticks: the first terms of φ are 1 - x / 2.
+    let x = 1.245339e-7 / 1.05e-12 * 1e-7;
+    let free = 20e-15 * 1e-14 / (1.05e-12 * 1e-6);
+    assert!(
+        (pull.value / (free * (1.0 - x / 2.0)) - 1.0).abs() < x * x,
+        "{pull:?}"
+    );
+}
+
+#[test]
+fn sinking_is_held_against_what_stirs() {
+    use super::super::{Agitation, Flow, Fluid, Strength};
+    let mut scene = microns();
+    assert_eq!(Settling::of(&scene), None, "without gravity");
+    scene.gravity = Some(9.81);
+    scene.fluid = Some(Fluid {
+        density: Some(1000.0),
+        viscosity: Some(1e-3),
+    });
+    // k T / (m' g) with m' = 0.05 ng.
+    let settling = Settling::of(&scene).unwrap();
+    assert!(
+        close(settling.height, 4.045302e-21 / (5e-14 * 9.81)),
+        "{settling:?}"
+    );
+    assert!(!settling.is_floating);
+    let values = values(&scene);
+    let value = |symbol: &str| values.iter().find(|it| it.0 == symbol).unwrap().1;
+    assert!(close(value("h / a"), settling.height / 10e-6));
+    assert!(close(value("h / R"), settling.height / 80e-6));
+    assert!(groups(&scene).iter().any(Group::is_too_small));
+    scene.block.mass = 0.95e-12;
+    assert!(Settling::of(&scene).unwrap().is_floating);
+    scene.block.mass = 1e-12;
+    assert!(
+        Settling::of(&scene).is_none_or(|it| it.height > 1.0),
+        "as heavy as the fluid"
+    );
+
+    // Kicks against drag: with elastic contacts k T is m v² / 3, and j² e^-0.2 / (1 - e^-0.2) = v².
+    let mut kicked = hemisphere();
+    (kicked.gravity, kicked.drag) = (Some(2.0), Some(Drag { rate: 5.0 }));
+    let bounce = |restitution| {
+        Some(Contact {
+            law: ContactLaw::Rigid { restitution },
+            friction: 0.0,
+        })
+    };
+    kicked.contact = bounce(1.0);
+    let height = 0.53989_f64.powi(2) / 3.0 / 2.0;
+    assert!(close(Settling::of(&kicked).unwrap().height, height));
+    // Inelastic landings take most of it: 0.221403 v² + 0.797885 * 0.004 v = 0.044² / 9 in sides a tick.
+    kicked.contact = bounce(0.0);
+    let vertical: f64 = 0.0247851;
+    let height = (vertical * 10.0).powi(2) / 2.0;
+    let told = Settling::of(&kicked).unwrap();
+    assert!(
+        (told.height / height - 1.0).abs() < 1e-3,
+        "{told:?} {height}"
+    );
+    kicked.contact = None;
+    assert_eq!(Settling::of(&kicked), None, "there is no floor");
+
+    // Eddies against the terminal speed of 10 g in a wake: ρ a² w² / 2 = m' g.
+    let mut tank = built_in("suction_tank").unwrap();
+    tank.fluid = Some(Fluid {
+        density: Some(1000.0),
+        viscosity: None,
+    });
+    let Some(Agitation::Turbulence(turbulence)) = &mut tank.agitation else {
+        panic!("eddies stir it");
+    };
+    turbulence.strength = Strength::Speed(0.1);
+    assert!(matches!(tank.flow, Some(Flow::Jets(_))));
+    let settling = Settling::of(&tank).unwrap();
+    let sinking = (0.01 * 9.81 / 5.0_f64).sqrt();
+    assert!(close(settling.speeds.unwrap(), sinking / 0.1));
+    // An eddy of 16 cm lasts 1.6 s, and is left after 0.16 m / √(0.1² + 0.14007²) m/s.
+    let through = 0.16 / 0.1_f64.hypot(sinking);
+    let by_hand = 0.01 / (1.0 / 1.6 + 1.0 / through) / sinking;
+    assert!(close(settling.height, by_hand), "{settling:?} {by_hand}");
+    // Of a normal distribution 16.1 % are farther than 1.40071 standard deviations from the mean.
+    assert!((settling.lifted - 0.1613).abs() < 1e-4, "{settling:?}");
+    assert!(close(settling.above(by_hand), settling.lifted / 1f64.exp()));
+    // Without eddies in the vertical, nothing lifts them.
+    let Some(Agitation::Turbulence(turbulence)) = &mut tank.agitation else {
+        panic!("eddies stir it");
+    };
+    turbulence.vertical = 0.0;
+    assert_eq!(Settling::of(&tank).unwrap().above(0.0), 0.0);
 }
 
 #[test]

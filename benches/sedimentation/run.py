@@ -1,0 +1,121 @@
+#!/usr/bin/env python3
+"""How high gravity lets blocks float, against what `stochc check --scene` expects (docs/model.md).
+
+python3 benches/sedimentation/run.py [STOCHC]    needs nothing but Python; some minutes
+"""
+import json
+import math
+import struct
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+STOCHC = sys.argv[1] if len(sys.argv) > 1 else "target/release/stochc"
+
+# Magnets too weak to hold anything: only the scene moves the blocks.
+SCENE = """scene s {{ {scene}
+    contact {{ restitution 0  friction 0.3 }}
+    bond attract {{ pull {pull}  anchor centres {within} tilt 5 deg }}
+}}
+assembly s in s {{ seed plate 1 x 1 {{ M at (0, 0) }} phase p {{ M.up -> A }} }}
+"""
+
+
+def heat(mass):
+    return dict(
+        ticks=6000,
+        pull="1e-6 fN within 1um",
+        within="1nm",
+        scene=f"""tick 10 s  block cube {{ side 10um  mass {mass}ng  faces 1 }}  free 40 uniform
+    enclosure hemisphere {{ radius 80um  wall 10 nN/m }}  gravity 9.81 m/s^2
+    fluid {{ density 1000 kg/m^3  viscosity 1 mPa s }}  agitation brownian {{ temperature 293 K }}""",
+    )
+
+
+def tank(mass):
+    return dict(
+        ticks=4000,
+        pull="1e-9 N within 1mm",
+        within="1um",
+        scene=f"""tick 20ms  block cube {{ side 2cm  mass {mass}g  faces 1 }}  free 60 uniform
+    enclosure hemisphere {{ radius 60cm  wall 20 N/m }}  gravity 9.81 m/s^2
+    fluid {{ density 1000 kg/m^3  viscosity 1 mPa s }}  agitation turbulence {{ speed 10 cm/s  length 16cm }}""",
+    )
+
+
+def kicks(gravity):
+    return dict(
+        ticks=3000,
+        pull="1e-9 N within 1mm",
+        within="1um",
+        scene=f"""tick 20ms  block cube {{ side 20cm  mass 1kg  faces 1 }}  free 60 uniform
+    enclosure hemisphere {{ radius 5m  wall 25 N/m }}  gravity {gravity} m/s^2
+    drag {{ rate 1 Hz }}  agitation kicks {{ speed 0 .. 0.28 m/s }}""",
+    )
+
+
+SCENES = {
+    "heat, m' = 41.2 fg": heat(1.0000412),
+    "heat, m' = 82.4 fg": heat(1.0000824),
+    "eddies, 0.25 % heavier": tank(8.02),
+    "eddies, 1.8 % heavier": tank(8.144),
+    "eddies, 6.2 % heavier": tank(8.5),
+    "kicks, g = 0.3 m/s^2": kicks(0.3),
+    "kicks, g = 1.5 m/s^2": kicks(1.5),
+}
+
+
+def stochc(*arguments):
+    return subprocess.run([STOCHC, *map(str, arguments)], capture_output=True, text=True)
+
+
+def heights(animation):
+    """Heights of all blocks in the last two thirds of a run, in sides."""
+    data = Path(animation).read_bytes()
+    length = struct.unpack_from("<I", data, 12)[0]
+    document, numbers = json.loads(data[20 : 20 + length]), data[28 + length :]
+    moves = document["animations"][0]
+    for channel in moves["channels"]:
+        if channel["target"]["path"] != "translation":
+            continue
+        accessor = document["accessors"][moves["samplers"][channel["sampler"]]["output"]]
+        view = document["bufferViews"][accessor["bufferView"]]
+        start = view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
+        places = struct.unpack_from(f"<{3 * accessor['count']}f", numbers, start)
+        # A block's z is up; the root of the document turns it.
+        yield from places[2::3][accessor["count"] // 3 :]
+
+
+def fitted(mean, radius):
+    """The h of the exponential profile in a hemisphere that has this mean height, in sides."""
+
+    def of(h):
+        above = [0.5 + (radius - 0.5) * (i + 0.5) / 4000 for i in range(4000)]
+        weights = [(radius**2 - z**2) * math.exp(-(z - 0.5) / h) for z in above]
+        return sum(w * (z - 0.5) for w, z in zip(weights, above)) / sum(weights)
+
+    low, high = 1e-3, 1e3
+    for _ in range(60):
+        middle = math.sqrt(low * high)
+        low, high = (middle, high) if of(middle) < mean else (low, middle)
+    return low
+
+
+print("| scene | h / a, expected | measured | n(a)/n, expected | measured |\n|---|--:|--:|--:|--:|")
+with tempfile.TemporaryDirectory() as folder:
+    for name, given in SCENES.items():
+        file, out = Path(folder, "s.sa"), Path(folder, "".join(filter(str.isalnum, name)))
+        file.write_text(SCENE.format(**given))
+        listed = json.loads(stochc("check", "--scene", "--format", "json", file).stdout)
+        groups = {it["symbol"]: it["value"] for it in listed["scenes"][0]["groups"]}
+        stochc("simulate", file, "--runs", 1, "--max-ticks", given["ticks"], "--quiet", "--out", out)
+        made = stochc("export", out, "--run", 0, "--format", "gltf", "--every", 50)
+        found = list(heights(made.stdout.strip()))
+        mean = sum(found) / len(found) - 0.5
+        above = sum(z > 1.5 for z in found) / len(found)
+        radius = groups["h / a"] / groups["h / R"]
+        print(
+            f"| {name} | {groups['h / a']:.2f} | {fitted(mean, radius):.2f} "
+            f"| {groups['n(a) / n']:.2f} | {above:.2f} |"
+        )

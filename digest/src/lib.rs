@@ -1,0 +1,118 @@
+//! A digest of a crate's sources, for its build script: two builds with one digest compute the same.
+//!
+//! It depends on the names of files within `src` and on what is in them, and on nothing else: not on where
+//! they are, nor on how a system ends its lines.
+use std::io;
+use std::path::Path;
+
+/// Has Cargo set the variable `STOCHC_SOURCES` while it compiles the crate whose build script calls this,
+/// anew whenever a file in its `src` changes.
+///
+/// # Errors
+/// When the sources cannot be read.
+pub fn emit() -> io::Result<()> {
+    println!("cargo::rerun-if-changed=src");
+    println!("cargo::rerun-if-changed=build.rs");
+    println!("cargo::rustc-env=STOCHC_SOURCES={}", of(Path::new("src"))?);
+    Ok(())
+}
+
+/// The digest of a folder, as 32 hexadecimal digits.
+///
+/// Pages of documentation (`.md`) do not count.
+///
+/// # Errors
+/// When something in the folder cannot be read.
+pub fn of(folder: &Path) -> io::Result<String> {
+    let mut files = Vec::new();
+    collect(folder, "", &mut files)?;
+    files.sort();
+    let mut hash = Fnv::new();
+    for (name, content) in files {
+        hash.part(name.as_bytes());
+        hash.part(&content);
+    }
+    Ok(format!("{:032x}", hash.0))
+}
+
+fn collect(folder: &Path, within: &str, files: &mut Vec<(String, Vec<u8>)>) -> io::Result<()> {
+    for entry in std::fs::read_dir(folder)? {
+        let entry = entry?;
+        let name = entry.file_name();
+        let name = format!("{within}/{}", name.to_string_lossy());
+        if entry.file_type()?.is_dir() {
+            collect(&entry.path(), &name, files)?;
+        } else if !name.ends_with(".md") {
+            let mut content = std::fs::read(entry.path())?;
+            content.retain(|&byte| byte != b'\r');
+            files.push((name, content));
+        }
+    }
+    Ok(())
+}
+
+/// FNV-1a of 128 bits (G. Fowler, L. C. Noll and K.-P. Vo): short, and good against chance.
+struct Fnv(u128);
+
+impl Fnv {
+    fn new() -> Fnv {
+        Fnv(0x6c62_272e_07bb_0142_62b8_2175_6295_c58d)
+    }
+
+    /// Adds bytes, and their number, so that no two lists of parts run together.
+    fn part(&mut self, bytes: &[u8]) {
+        self.bytes(&(bytes.len() as u64).to_le_bytes());
+        self.bytes(bytes);
+    }
+
+    fn bytes(&mut self, bytes: &[u8]) {
+        const PRIME: u128 = 0x0000_0000_0100_0000_0000_0000_0000_013b;
+        for &byte in bytes {
+            self.0 = (self.0 ^ u128::from(byte)).wrapping_mul(PRIME);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// From the authors' table of test vectors.
+    #[test]
+    fn the_hash_is_that_of_its_authors() {
+        for (text, hash) in [
+            ("", 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d_u128),
+            ("a", 0xd228_cb69_6f1a_8caf_7891_2b70_4e4a_8964),
+            ("foobar", 0x343e_1662_793c_64bf_6f0d_3597_ba44_6f18),
+        ] {
+            let mut found = Fnv::new();
+            found.bytes(text.as_bytes());
+            assert_eq!(found.0, hash, "{text}");
+        }
+    }
+
+    #[test]
+    #[expect(clippy::disallowed_methods, reason = "the files are the test's own")]
+    fn only_names_within_the_folder_and_contents_count() {
+        let base = std::env::temp_dir().join(format!("stochc-digest-{}", std::process::id()));
+        let write = |name: &str, text: &str| {
+            let path = base.join(name);
+            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+            std::fs::write(path, text).unwrap();
+        };
+        write("one/lib.rs", "mod a;\nmod b;\n");
+        write("one/a/mod.rs", "");
+        write("elsewhere/two/a/mod.rs", "");
+        write("elsewhere/two/lib.rs", "mod a;\r\nmod b;\r\n");
+        write("elsewhere/two/page.md", "words");
+        let digest = |name: &str| of(&base.join(name)).unwrap();
+        assert_eq!(digest("one"), digest("elsewhere/two"));
+        assert_eq!(digest("one").len(), 32);
+        write("one/a/mod.rs", " ");
+        assert_ne!(digest("one"), digest("elsewhere/two"));
+        write("one/a/mod.rs", "");
+        std::fs::rename(base.join("one/a"), base.join("one/c")).unwrap();
+        assert_ne!(digest("one"), digest("elsewhere/two"));
+        std::fs::remove_dir_all(&base).unwrap();
+    }
+}

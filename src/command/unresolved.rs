@@ -1,0 +1,84 @@
+//! What a scene does that so many steps a tick do not resolve, and what it does not do at all.
+use stochc_compiler::scene::Scene;
+use stochc_compiler::scene::groups::{Group, groups};
+
+/// A doubt about a scene: the figure that gives rise to it, and what comes of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Doubt {
+    /// The symbol of the figure.
+    pub symbol: &'static str,
+    /// The figure, what it should keep to, and the way out.
+    pub figure: String,
+    /// What happens, as a clause.
+    pub effect: &'static str,
+    /// Whether it is about steps; `false`: about where the blocks are.
+    pub is_of_steps: bool,
+}
+
+/// The doubts about a scene with so many steps a tick.
+pub fn doubts(scene: &Scene, steps: u32) -> Vec<Doubt> {
+    let groups = groups(scene);
+    let found = groups.iter().filter_map(|group| doubt(group, steps));
+    found.collect()
+}
+
+fn doubt(group: &Group, steps: u32) -> Option<Doubt> {
+    /// As many as `simulate` takes.
+    const MOST: u32 = 1000;
+    let (symbol, value) = (group.symbol, short(group.value));
+    if let Some(limit) = group.limit.filter(|_| group.is_exceeded(steps)) {
+        let cure = match group.substeps() {
+            Some(substeps) if substeps <= MOST => format!("`--substeps {substeps}` resolves it"),
+            _ => "no number of substeps that is allowed resolves it".to_owned(),
+        };
+        let most = short(limit.most);
+        return Some(Doubt {
+            symbol,
+            figure: format!("{symbol} is {value} with one step a tick, more than {most}; {cure}"),
+            effect: limit.beyond,
+            is_of_steps: true,
+        });
+    }
+    let least = group.least.filter(|_| group.is_too_small())?;
+    Some(Doubt {
+        symbol,
+        figure: format!(
+            "{symbol} is {value}, less than {}; {}",
+            short(least.least),
+            least.cure
+        ),
+        effect: least.below,
+        is_of_steps: false,
+    })
+}
+
+/// A number to four digits.
+pub fn short(value: f64) -> String {
+    let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
+    if rounded == 0.0 || (1e-4..1e6).contains(&rounded.abs()) || !rounded.is_finite() {
+        rounded.to_string()
+    } else {
+        format!("{rounded:e}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::short;
+
+    #[test]
+    fn numbers_have_four_digits() {
+        for (value, text) in [
+            (0.0, "0"),
+            (1.0 / 3.0, "0.3333"),
+            (5.999_999_999, "6"),
+            (10_000_000.0, "1e7"),
+            (123_456.0, "123500"),
+            (0.000_012_345_6, "1.235e-5"),
+            (-2.0, "-2"),
+            (f64::INFINITY, "inf"),
+        ] {
+            assert_eq!(short(value), text);
+        }
+    }
+}

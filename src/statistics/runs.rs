@@ -1,0 +1,59 @@
+//! Runs by their number: what can be put in pairs.
+use super::{KaplanMeier, Observation};
+
+/// The times of a program's runs.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Runs {
+    /// The seed of their draws. Runs of one seed and one number meet the same chance, whatever their
+    /// program is.
+    pub seed: u64,
+    /// Number and time of each, by number; the time in any one unit. A failed run has none.
+    pub times: Vec<(u64, Observation)>,
+}
+
+impl Runs {
+    /// Their times, by number.
+    pub fn observations(&self) -> Vec<Observation> {
+        self.times.iter().map(|&(_, time)| time).collect()
+    }
+
+    /// Those that have a partner of their number in `other`.
+    pub(super) fn shared(&self, other: &Runs) -> Vec<Observation> {
+        let has_partner = |number: &u64| {
+            let place = other.times.binary_search_by_key(number, |&(it, _)| it);
+            place.is_ok()
+        };
+        let shared = self.times.iter().filter(|(number, _)| has_partner(number));
+        shared.map(|&(_, time)| time).collect()
+    }
+}
+
+/// Two samples as values whose means can be compared.
+pub(super) struct Comparable {
+    /// One value for each time, in their order.
+    pub values: [Vec<f64>; 2],
+    /// Times count up to here; `None`: all are known.
+    pub horizon: Option<f64>,
+}
+
+/// Values whose means are those of both samples, restricted to the last time up to which both are
+/// known; `None`: a sample is empty.
+pub(super) fn comparable(first: &[Observation], second: &[Observation]) -> Option<Comparable> {
+    let curves = [KaplanMeier::of(first)?, KaplanMeier::of(second)?];
+    let reach = curves.iter().map(KaplanMeier::reach);
+    let horizon = reach.fold(f64::INFINITY, f64::min);
+    let values = |curve: &KaplanMeier, sample: &[Observation]| {
+        if sample
+            .iter()
+            .all(|run| run.completed && run.time <= horizon)
+        {
+            // To the bit.
+            return sample.iter().map(|run| run.time).collect();
+        }
+        curve.contributions(sample, horizon)
+    };
+    Some(Comparable {
+        values: [values(&curves[0], first), values(&curves[1], second)],
+        horizon: horizon.is_finite().then_some(horizon),
+    })
+}
