@@ -25,7 +25,12 @@ fn documents() -> BTreeMap<String, String> {
         .filter(|path| path.extension().is_some_and(|it| it == "md"));
     pages
         .chain([PathBuf::from("README.md")])
-        .map(|path| (path.to_str().unwrap().to_owned(), std::fs::read_to_string(&path).unwrap()))
+        .map(|path| {
+            (
+                path.to_str().unwrap().to_owned(),
+                std::fs::read_to_string(&path).unwrap(),
+            )
+        })
         .collect()
 }
 
@@ -71,7 +76,7 @@ impl Reader {
 }
 
 fn executable(path: &Path, script: &str) {
-    use std::os::unix::fs::PermissionsExt as _;
+    use std::os::unix::fs::PermissionsExt;
     std::fs::write(path, script).unwrap();
     std::fs::set_permissions(path, PermissionsExt::from_mode(0o755)).unwrap();
 }
@@ -97,7 +102,10 @@ fn follow(name: &str, page: &str) -> Vec<String> {
             let (out, err) = (lossy(&output.stdout), lossy(&output.stderr));
             if output.status.code() != Some(command.status) {
                 let status = output.status;
-                wrong.push(format!("{name}:{}: {status}: {}\n{err}", block.line, command.text));
+                wrong.push(format!(
+                    "{name}:{}: {status}: {}\n{err}",
+                    block.line, command.text
+                ));
             }
             said += &out;
             said += &err;
@@ -105,7 +113,10 @@ fn follow(name: &str, page: &str) -> Vec<String> {
         if let Some(shown) = shown_behind(&blocks[at + 1..])
             && !said.contains(&tidy(shown.text))
         {
-            wrong.push(format!("{name}:{}: shows something else than\n{said}", shown.line));
+            wrong.push(format!(
+                "{name}:{}: shows something else than\n{said}",
+                shown.line
+            ));
         }
     }
     wrong
@@ -145,7 +156,10 @@ fn what_is_not_run_is_known() {
         for block in blocks(page) {
             let Block { line, language, .. } = block;
             let known = language == "sh" || NOT_COMMANDS.contains(&language);
-            assert!(known, "{name}:{line}: `{language}` may hold commands that nobody runs");
+            assert!(
+                known,
+                "{name}:{line}: `{language}` may hold commands that nobody runs"
+            );
             if language != "sh" {
                 continue;
             }
@@ -160,12 +174,15 @@ fn what_is_not_run_is_known() {
         }
     }
     let left_out = list.lines().filter(|line| !line.starts_with(' ')).count();
-    insta::assert_snapshot!(format!("{run} blocks are run, {left_out} are not:\n\n{list}"));
+    insta::assert_snapshot!(format!(
+        "{run} blocks are run, {left_out} are not:\n\n{list}"
+    ));
 }
 
 #[test]
 fn a_command_goes_on_until_a_shell_understands_it() {
-    let block = "# a note\nfor i in 1 2; do\n    echo $i\ndone\necho a \\\n    b   # exit status 3: why\n";
+    let block =
+        "# a note\nfor i in 1 2; do\n    echo $i\ndone\necho a \\\n    b   # exit status 3: why\n";
     let found = commands(block, is_whole);
     let found: Vec<_> = found.iter().map(|it| (it.text, it.status)).collect();
     let expected = [
@@ -183,8 +200,14 @@ fn a_command_that_fails_or_shows_something_else_is_told() {
          # More\n```text\nno output\n```\n<!-- not run: too long -->\n```sh\nexit 7\n```\n",
     );
     assert_eq!(wrong.len(), 2, "{wrong:#?}");
-    assert!(wrong[0].starts_with("page:1: exit status: 1: false"), "{wrong:#?}");
-    assert!(wrong[1].starts_with("page:8: shows something else than\none"), "{wrong:#?}");
+    assert!(
+        wrong[0].starts_with("page:1: exit status: 1: false"),
+        "{wrong:#?}"
+    );
+    assert!(
+        wrong[1].starts_with("page:8: shows something else than\none"),
+        "{wrong:#?}"
+    );
 }
 
 #[test]

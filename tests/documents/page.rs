@@ -39,14 +39,20 @@ pub fn blocks(page: &str) -> Vec<Block<'_>> {
                 }
             }
         } else if open.is_none() {
-            assert!(not_run.is_none(), "line {number}: `not run` stands above no block");
+            assert!(
+                not_run.is_none(),
+                "line {number}: `not run` stands above no block"
+            );
             not_run = line
                 .strip_prefix("<!-- not run: ")
                 .and_then(|line| line.strip_suffix(" -->"));
             begins_section |= line.starts_with('#');
         }
     }
-    assert!(open.is_none() && not_run.is_none(), "the page ends too early");
+    assert!(
+        open.is_none() && not_run.is_none(),
+        "the page ends too early"
+    );
     for block in &blocks {
         let commands = block.language == "sh";
         assert!(

@@ -25,7 +25,9 @@ pub fn skipped(package: &str, command: &str) {
     let _ = std::io::stderr().write_all(note.as_bytes());
     if let Some(record) = std::env::var_os(RECORD) {
         let file = std::fs::OpenOptions::new().append(true).create(true);
-        let mut file = file.open(record).expect("the record of skipped tests opens");
+        let mut file = file
+            .open(record)
+            .expect("the record of skipped tests opens");
         file.write_all(format!("{test}\n").as_bytes())
             .expect("the record of skipped tests is written");
     }

@@ -13,7 +13,8 @@ use crate::table::{Action, Condition, Duty, News, Tables, Trigger};
 ///
 /// `{ assembly, faces, plate: { width, depth }, phases: [{ name, reports, timeout }],
 /// blocks: [{ name, seed, duties: [{ phase, trigger, rules: [{ when, then }] }] }] }`; a cell is
-/// `[x, y, z]`, a timeout is in ticks.
+/// `[x, y, z]`, a timeout is in ticks. A condition is `{ docked: NAME }`, `{ asked: NAME }`, `{ released: NAME }`,
+/// `{ heard: { anchored: NAME } }`, or `{ turn: { enough: n, of: [NAME] } }`: n of these have docked.
 ///
 /// What a rule does to capture and to let go is `magnetize` and `switch_off`, `open` and `close`, or
 /// `expect` and `reject`, by the kind of bond. That is said in `bond` if it is not `attract`; where every
@@ -79,7 +80,7 @@ fn condition(tables: &Tables, duty: Duty<'_>, place: usize, condition: Condition
                 .given_before(place)
                 .map(|role| tables.name(role))
                 .collect();
-            json!({ "docked": needed, "of": of })
+            json!({ "turn": { "enough": needed, "of": of } })
         }
         Condition::Docked(role) => json!({ "docked": tables.name(role) }),
         Condition::Asked(role) => json!({ "asked": tables.name(role) }),
