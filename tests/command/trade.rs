@@ -63,12 +63,10 @@ fn every_setting_is_measured_and_kept() {
     assert_eq!(trade["reference"]["rung"], 1, "rigid 2");
     assert_eq!(rungs(&trade)[1]["options"], "--model rigid --substeps 2");
     assert_eq!(
-        trade["reference"]["convergence"], "undecided",
-        "one doubling is too few"
+        trade["reference"]["convergence"], "not_converged",
+        "the only doubling has changed the mean"
     );
-    let undecided = "only one doubling of its substeps was measured";
-    let told = said.out.replace("\n  ", " ");
-    assert!(told.contains(undecided), "{}", said.out);
+    assert!(said.out.contains("NOT CONVERGED"), "{}", said.out);
     assert!(
         said.out
             .contains(trade["advice"].as_str().unwrap().split(' ').next().unwrap())
@@ -370,7 +368,7 @@ fn a_trade_of_something_else_is_refused() {
             "format is 99",
         ),
         (
-            r#"{"format": 1, "stochc": "0", "rungs": []}"#,
+            r#"{"format": 2, "stochc": "0", "rungs": []}"#,
             "measure again",
         ),
     ] {
@@ -391,11 +389,16 @@ fn a_reduced_model_is_told_of() {
     assert_eq!(said.status, 0);
     let note =
         "note: `no-friction` is a reduced model: it leaves out something that the scene has\n";
-    assert_eq!(said.err, note);
+    // Behind it, that one step does not resolve the scene.
+    assert!(said.err.starts_with(note), "{}", said.err);
     let folder = tempfile::tempdir().unwrap();
     let trade = written(folder.path(), (0.0, 0.004));
     let told = stochc_with(line, &["--trade", &trade]);
     assert_eq!(told.out, said.out);
     let found = "note: the trade found: 50.0 ± 10.0 % from the reference\n";
-    assert_eq!(told.err, format!("{note}{found}"));
+    assert!(
+        told.err.starts_with(&format!("{note}{found}")),
+        "{}",
+        told.err
+    );
 }

@@ -73,12 +73,12 @@ pub const MOST_FINDINGS: usize = 1_000;
 /// Adds a finding, unless one like it has been told of the same place, or there are so many that
 /// nobody would read them.
 pub(crate) fn tell(findings: &mut Vec<Finding>, finding: Finding) {
-    if is_repeated(findings, &finding) {
+    if findings.len() > MOST_FINDINGS || is_repeated(findings, &finding) {
         return;
     }
     if findings.len() < MOST_FINDINGS {
         findings.push(finding);
-    } else if findings.len() == MOST_FINDINGS {
+    } else {
         let title = format!("more than {MOST_FINDINGS} findings; the rest is not told");
         let labels = finding.labels.into_iter().take(1);
         let mut last =
