@@ -3,7 +3,7 @@
 //! A stage calls a fix safe where only one thing can be meant by the text it has looked at. Whether
 //! the whole program is the better for it is seen by making the change in memory. This is the one
 //! place where that is decided, for the command line, for documents and for editors alike.
-use std::collections::VecDeque;
+use std::collections::{BTreeSet, VecDeque};
 
 use rustc_hash::FxHashMap;
 
@@ -149,15 +149,17 @@ pub(crate) fn cures(
     if findings().any(|(finding, &is_mended)| is_mended && finding.code == Code::TooManyErrors) {
         return false;
     }
-    if before
-        .findings
-        .iter()
-        .any(|it| it.code == Code::TooManyErrors)
-    {
-        let mut codes: Vec<Code> = before.findings.iter().map(|it| it.code).collect();
-        codes.sort_unstable();
-        let known = |it: &Finding| codes.binary_search(&it.code).is_ok();
-        return after.findings.len() <= before.findings.len() && after.findings.iter().all(known);
+    let gone = findings().filter(|&(_, &is_mended)| is_mended);
+    let gone = Places::of(&before.sources, gone.map(|(it, _)| it), Some(change));
+    let all = Places::of(&after.sources, after.findings.iter(), None);
+    let codes = |checked: &Checked| -> BTreeSet<Code> {
+        checked.findings.iter().map(|it| it.code).collect()
+    };
+    let known = codes(before);
+    if known.contains(&Code::TooManyErrors) {
+        return after.findings.len() <= before.findings.len()
+            && codes(after).is_subset(&known)
+            && !gone.meet(&all);
     }
     let reads = findings().any(|(finding, &is_mended)| is_mended && finding.code.is_of_reading());
     let kept = findings().filter(|&(_, &is_mended)| !is_mended);
@@ -183,6 +185,17 @@ pub(crate) fn cures(
 struct Places<'a>(FxHashMap<(Code, Option<&'a str>), Vec<(usize, usize)>>);
 
 impl<'a> Places<'a> {
+    /// Whether a place of one code lies in one of the same code here.
+    fn meet(&self, others: &Places<'_>) -> bool {
+        self.0.iter().any(|(key, places)| {
+            let others = others.0.get(key).map_or(&[][..], Vec::as_slice);
+            let is_among = |other: &(usize, usize)| {
+                (places.iter()).any(|place| place.0 <= other.0 && other.1 <= place.1)
+            };
+            others.iter().any(is_among)
+        })
+    }
+
     /// The places of some findings, as they are after a change if there is one.
     fn of(
         sources: &'a Sources,

@@ -380,6 +380,16 @@ fn many_fixes_are_tried_together() {
 }
 
 #[test]
+fn more_slips_than_are_told_at_once_are_mended_round_by_round() {
+    let lets = |end: &str| {
+        (0..250)
+            .map(|n| format!("let n{n} = {n}{end}\n"))
+            .collect::<String>()
+    };
+    assert_eq!(fixed(&lets(";")), lets(""));
+}
+
+#[test]
 fn every_fixture_and_page_is_only_bettered() {
     let mut programs: Vec<String> = Vec::new();
     for &code in Code::ALL {

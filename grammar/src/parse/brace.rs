@@ -26,7 +26,7 @@ impl Parser<'_, '_> {
         let head = SaParser::parse(rule, &whole)
             .ok()
             .and_then(|mut it| it.next());
-        let Some(head) = head.filter(|head| head.as_rule() != Rule::open) else {
+        let Some(head) = head.filter(|head| is_head(head.as_rule())) else {
             return false;
         };
         // What repeats may end in blanks, the last token does not.
@@ -141,11 +141,19 @@ fn head(frame: &Frame) -> Rule {
     }
 }
 
+fn is_head(rule: Rule) -> bool {
+    use Rule as R;
+    matches!(
+        rule,
+        R::assembly_head | R::seed_head | R::phase_head | R::for_head | R::pattern_head
+    ) || matches!(rule, R::scene_head | R::shape_head | R::layer_head)
+}
+
 /// Whether a piece can stand in a block with this head; without one, in the file.
 fn holds(head: Option<Rule>, next: Rule) -> bool {
     use Rule as R;
     match (head, next) {
-        (Some(R::program), _) | (_, R::doc | R::level | R::let_) => true,
+        (Some(R::program), _) | (_, R::level | R::let_) => true,
         (None, R::assembly_head | R::aggregate | R::scene_head | R::import)
         | (None | Some(R::assembly_head), R::pattern_head | R::shape_head)
         | (Some(R::assembly_head), R::seed_head | R::phase_head | R::for_head)

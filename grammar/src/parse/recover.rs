@@ -128,9 +128,10 @@ impl Parser<'_, '_> {
             },
             span,
         );
-        let (end, _) = self.end_of_piece(at);
-        self.doubt(at, end);
-        self.at = end;
+        let (end, brace) = self.end_of_piece(at);
+        // A brace opens a block here as anywhere.
+        self.at = end - usize::from(brace);
+        self.doubt(at, self.at);
         true
     }
 
