@@ -5,8 +5,7 @@ use std::path::{Path, PathBuf};
 use similar::TextDiff;
 use stochc_compiler::{self as compiler, Checked, Levels, Limits};
 
-use crate::files::programs::{self, STDIN_NAME};
-use crate::files::{atomic, read};
+use crate::files::{atomic, programs, read, read_file};
 
 /// A file, and what it is with all safe changes.
 #[derive(Debug)]
@@ -30,10 +29,6 @@ const MARK: &[u8] = "\u{feff}".as_bytes();
 /// # Errors
 /// In the system's words, if the file cannot be read.
 pub fn mend(path: &str, levels: &Levels) -> Result<Mended, String> {
-    let is_file = || std::fs::metadata(path).map(|metadata| metadata.is_file());
-    if path != STDIN_NAME && !is_file().map_err(|error| error.to_string())? {
-        return Err("it is no ordinary file".into());
-    }
     let original = programs::read(path)?;
     let mut reader = |asked: &str| match asked == path {
         true => Ok(original.clone()),
@@ -84,9 +79,7 @@ impl Mended {
         if path.metadata()?.permissions().readonly() {
             return Err(io::ErrorKind::PermissionDenied.into());
         }
-        atomic::replace_if(&path, &self.new, || {
-            Ok(std::fs::read(&path)? == self.original)
-        })
+        atomic::replace_if(&path, &self.new, || Ok(read_file(&path)? == self.original))
     }
 }
 

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use proptest::prelude::*;
 use proptest::sample::{Index, select};
-use stochc::compiler::finding::{Code, Renderer};
+use stochc::compiler::finding::{Code, Finding, Renderer};
 use stochc::compiler::{Checked, Limits, check};
 
 const EXAMPLES: [&str; 8] = [
@@ -477,6 +477,24 @@ fn circles_of_imports_are_told_of_once() {
     assert_eq!(circle(2, false).findings.len(), 1);
     assert_eq!(circle(1_000, false).findings.len(), 1);
     assert!(circle(100, true).findings.len() <= 100);
+}
+
+#[test]
+fn files_that_import_themselves_under_new_names_come_to_an_end() {
+    let mut reads = 0;
+    let mut reader = |path: &str| {
+        reads += 1;
+        // As a system does that follows so many links in one path.
+        if path.matches('/').count() > 40 {
+            return Err("too many levels of symbolic links".to_owned());
+        }
+        Ok(b"import \"l/a.sa\" import \"m/a.sa\" let n = 1".to_vec())
+    };
+    let checked = check("a.sa", &mut reader, SMALL);
+    examine(&checked);
+    let limit = |finding: &&Finding| finding.code == Code::ExpansionLimit;
+    assert_eq!(checked.findings.iter().filter(limit).count(), 1);
+    assert!(reads <= 10_001, "{reads}");
 }
 
 #[test]

@@ -28,11 +28,13 @@ fn examples_compile_as_before() {
                     [_] => stage.to_owned(),
                     _ => format!("{stage}_{}", tables.assembly),
                 };
-                insta::assert_snapshot!(name("graph"), graph_text(plan, graph, order, symbols));
-                insta::assert_snapshot!(name("graph_dot"), graph_dot(plan, graph, order, symbols));
+                let text = graph_text(plan, graph, order, symbols);
+                insta::assert_snapshot!(name("graph"), text.to_string());
+                let dot = graph_dot(plan, graph, order, symbols);
+                insta::assert_snapshot!(name("graph_dot"), dot.to_string());
                 let json = graph_json(plan, graph, order, symbols);
                 insta::assert_snapshot!(name("graph_json"), format!("{json:#}"));
-                insta::assert_snapshot!(name("table"), table_text(tables));
+                insta::assert_snapshot!(name("table"), table_text(tables).to_string());
                 insta::assert_snapshot!(name("table_json"), format!("{:#}", table_json(tables)));
             }
         });
@@ -84,7 +86,8 @@ fn one_program_is_lowered_for_three_kinds_of_hardware() {
         let checked = stochc::compiler::check("tower.sa", &mut reader, Default::default());
         assert!(!checked.has_errors(), "{:?}", checked.findings);
         let tables = checked.programs[0].tables.clone().unwrap();
-        (table_text(&tables), table_json(&tables))
+        let json = serde_json::to_value(table_json(&tables)).unwrap();
+        (table_text(&tables).to_string(), json)
     };
     let mut settings = insta::Settings::clone_current();
     settings.set_omit_expression(true);

@@ -53,10 +53,19 @@ pub fn load(
         findings,
         loaded: Loaded::default(),
         state: FxHashMap::default(),
+        bytes: 0,
+        full: false,
     };
     loader.run(path);
     loader.loaded
 }
+
+/// Files of a program, at most. Where a link leads back to a folder above, a file that imports itself
+/// through it has a new path each time.
+const MOST_FILES: usize = 10_000;
+
+/// Bytes of them together, fewer than which they have.
+const MOST_BYTES: u64 = 1 << 32;
 
 /// How far a file has come.
 #[derive(Clone, Copy, PartialEq)]
@@ -72,6 +81,10 @@ struct Loader<'a> {
     findings: &'a mut Vec<Finding>,
     loaded: Loaded,
     state: FxHashMap<String, State>,
+    /// Of all files so far.
+    bytes: u64,
+    /// More have been asked for, which has been told.
+    full: bool,
 }
 
 /// A file whose imports are being read.
@@ -100,6 +113,9 @@ impl Loader<'_> {
             self.state
                 .insert(top.path.clone(), State::Open(Site { file, span }));
             match self.state.get(&path) {
+                None if self.state.len() >= MOST_FILES || self.bytes >= MOST_BYTES => {
+                    self.too_many(Site { file, span });
+                }
                 None => stack.extend(self.open(path, Some(Site { file, span }))),
                 Some(State::Done) => {}
                 Some(State::Open(_)) => {
@@ -108,6 +124,19 @@ impl Loader<'_> {
                 }
             }
         }
+    }
+
+    /// Says, once, that no more files are read.
+    fn too_many(&mut self, import: Site) {
+        if std::mem::replace(&mut self.full, true) {
+            return;
+        }
+        let title = format!("the program has more than {MOST_FILES} files, or 4 GiB");
+        self.findings.push(
+            Finding::new(Code::ExpansionLimit, title)
+                .label(import, "this import is not followed any more")
+                .help("look for a link to a folder above: a file behind it imports itself under new names"),
+        );
     }
 
     fn open(&mut self, path: String, importer: Option<Site>) -> Option<Pending> {
@@ -126,6 +155,7 @@ impl Loader<'_> {
                 return None;
             }
         };
+        self.bytes = self.bytes.saturating_add(bytes.len() as u64);
         let (text, invalid) = decode(bytes);
         let file = self.sources.add(path.clone(), text);
         if let Some(at) = invalid {

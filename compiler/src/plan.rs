@@ -244,6 +244,15 @@ impl Roles {
 }
 
 impl Plan {
+    /// Forgets what has been written out, and keeps the plate.
+    pub(crate) fn clear(&mut self) {
+        self.seeds = Vec::new();
+        self.roles = Roles::default();
+        self.phases = Vec::new();
+        self.events = Vec::new();
+        self.afters = Vec::new();
+    }
+
     /// An event.
     pub fn event(&self, id: EventId) -> &Event {
         &self.events[id.0 as usize]

@@ -406,6 +406,9 @@ impl<'a> Input<'a> {
                 Code::ExpansionLimit | Code::RecursivePattern | Code::TooDeep | Code::TooManyErrors
             )
         });
+        if cut_short {
+            plan.clear();
+        }
         let mut names = Vec::new();
         let presence = presence::check(&mut plan, self.sources, symbols, doubtful, &mut names);
         if !cut_short {

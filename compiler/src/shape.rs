@@ -10,7 +10,7 @@ use crate::suggest::nearest;
 use crate::{Cell, FileId, Site};
 
 /// Cells of a shape, at most.
-const MOST_CELLS: usize = 50_000_000;
+pub(crate) const MOST_CELLS: usize = 50_000_000;
 
 /// Compares what phases claim with what they build.
 pub fn check(
@@ -84,6 +84,8 @@ fn cells(shape: &Shape, file: FileId, findings: &mut Vec<Finding>) -> Option<Vec
         None => (0, 0),
     };
     let mut cells = Vec::new();
+    // Empty ones count as well: each is looked at.
+    let mut area = 0usize;
     for layer in &shape.layers {
         let (low, high) = match &layer.heights {
             Entry::One(height) => {
@@ -102,7 +104,8 @@ fn cells(shape: &Shape, file: FileId, findings: &mut Vec<Finding>) -> Option<Vec
         let rows = layer.rows.len();
         let count: usize = layer.rows.iter().map(|row| row.cells.len()).sum();
         let levels = (high - low) as usize + 1;
-        if count.saturating_mul(levels).saturating_add(cells.len()) > MOST_CELLS {
+        area = area.saturating_add(count.saturating_mul(levels));
+        if area > MOST_CELLS {
             findings.push(malformed(layer.span, "more cells than a shape may have"));
             return None;
         }

@@ -1,219 +1,242 @@
 //! Tree to JSON.
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
-use crate::Symbols;
 use crate::tree::{
-    Argument, Arrow, Entry, Expr, ExprKind, Item, ItemKind, Place, Quantity, Subject, Term, Tree,
+    Argument, Arrow, Entry, Expr, ExprKind, Item, ItemKind, Link, Name, Place, Quantity, Segment,
+    Subject, Term, Tree,
 };
+use crate::{Json, Symbol, Symbols};
 
 /// The tree with every word written out: a list of items, each an object with its `kind`, its
 /// `span` in bytes and what belongs to the kind.
-pub fn to_json(tree: &Tree, symbols: &Symbols) -> Value {
+pub fn to_json<'a>(tree: &'a Tree, symbols: &'a Symbols) -> Json<'a> {
     Writer { symbols }.items(&tree.items)
 }
 
+#[derive(Clone, Copy)]
 struct Writer<'a> {
     symbols: &'a Symbols,
 }
 
-impl Writer<'_> {
-    fn items(&self, items: &[Item]) -> Value {
-        items.iter().map(|item| self.item(item)).collect()
+impl<'a> Writer<'a> {
+    fn items(self, items: &'a [Item]) -> Json<'a> {
+        Json::each(items, move |item| self.item(item))
     }
 
-    fn word(&self, symbol: crate::Symbol) -> Value {
+    fn word(self, symbol: Symbol) -> Value {
         self.symbols.word(symbol).into()
     }
 
-    fn item(&self, item: &Item) -> Value {
-        let (kind, fields) = match &item.kind {
-            ItemKind::Chain(chain) => {
-                let links: Value = (chain.links.iter())
-                    .map(|link| {
-                        let arrow = match link.arrow {
-                            Arrow::One => "->",
-                            Arrow::Row => "->>",
-                        };
-                        json!({ "arrow": arrow, "place": self.place(&link.place) })
-                    })
-                    .collect();
-                let head = self.place(&chain.head);
-                (
-                    "chain",
-                    json!({ "head": head, "links": links, "after": self.after(&chain.after) }),
-                )
-            }
-            ItemKind::Release(release) => {
-                let places: Value = release
-                    .places
-                    .iter()
-                    .map(|place| self.place(place))
-                    .collect();
-                (
-                    "release",
-                    json!({ "places": places, "after": self.after(&release.after) }),
-                )
-            }
+    fn item(self, item: &'a Item) -> Json<'a> {
+        let word = |symbol| Json::Value(self.word(symbol));
+        let (kind, mut fields) = match &item.kind {
+            ItemKind::Chain(chain) => (
+                "chain",
+                vec![
+                    ("head", self.place(&chain.head)),
+                    (
+                        "links",
+                        Json::each(&chain.links, move |link| self.link(link)),
+                    ),
+                    ("after", self.after(&chain.after)),
+                ],
+            ),
+            ItemKind::Release(release) => (
+                "release",
+                vec![
+                    (
+                        "places",
+                        Json::each(&release.places, move |place| self.place(place)),
+                    ),
+                    ("after", self.after(&release.after)),
+                ],
+            ),
             ItemKind::Instance(instance) => {
-                let arguments: Value = (instance.arguments.iter())
-                    .map(|argument| match argument {
-                        Argument::Expr(expr) => self.expr(expr),
-                        Argument::Place(place) => self.place(place),
-                    })
-                    .collect();
+                let argument = move |argument: &'a Argument| match argument {
+                    Argument::Expr(expr) => self.expr(expr).into(),
+                    Argument::Place(place) => self.place(place),
+                };
                 let alias = instance.alias.as_ref().map(|alias| self.place(alias));
-                let pattern = self.word(instance.pattern.symbol);
                 (
                     "instance",
-                    json!({ "pattern": pattern, "arguments": arguments, "alias": alias }),
+                    vec![
+                        ("pattern", word(instance.pattern.symbol)),
+                        ("arguments", Json::each(&instance.arguments, argument)),
+                        ("alias", alias.unwrap_or(Json::Value(Value::Null))),
+                    ],
                 )
             }
             ItemKind::Seat(seat) => (
                 "seat",
-                json!({ "place": self.place(&seat.place), "at": self.pair(&seat.at) }),
+                vec![
+                    ("place", self.place(&seat.place)),
+                    ("at", self.pair(&seat.at).into()),
+                ],
             ),
             ItemKind::For(block) => (
                 "for",
-                json!({
-                    "counter": self.word(block.counter.symbol),
-                    "range": self.pair(&block.range),
-                    "body": self.items(&block.body),
-                }),
+                vec![
+                    ("counter", word(block.counter.symbol)),
+                    ("range", self.pair(&block.range).into()),
+                    ("body", self.items(&block.body)),
+                ],
             ),
             ItemKind::Let(let_) => (
                 "let",
-                json!({ "name": self.word(let_.name.symbol), "value": self.expr(&let_.value) }),
+                vec![
+                    ("name", word(let_.name.symbol)),
+                    ("value", self.expr(&let_.value).into()),
+                ],
             ),
             ItemKind::Level(level) => (
                 level.verdict.word(),
-                json!({ "code": self.word(level.code.symbol), "reason": level.reason }),
+                vec![
+                    ("code", word(level.code.symbol)),
+                    ("reason", json!(level.reason).into()),
+                ],
             ),
-            ItemKind::Yields(name) => ("yields", json!({ "shape": self.word(name.symbol) })),
+            ItemKind::Yields(name) => ("yields", vec![("shape", word(name.symbol))]),
             ItemKind::Phase(phase) => (
                 "phase",
-                json!({
-                    "name": self.place(&phase.name),
-                    "timeout": phase.timeout.as_ref().map(quantity),
-                    "body": self.items(&phase.body),
-                }),
+                vec![
+                    ("name", self.place(&phase.name)),
+                    ("timeout", phase.timeout.as_ref().map(quantity).into()),
+                    ("body", self.items(&phase.body)),
+                ],
             ),
             ItemKind::Seed(seed) => (
                 "seed",
-                json!({ "size": self.pair(&seed.size), "body": self.items(&seed.body) }),
+                vec![
+                    ("size", self.pair(&seed.size).into()),
+                    ("body", self.items(&seed.body)),
+                ],
             ),
             ItemKind::Pattern(pattern) => {
-                let parameters: Value = (pattern.parameters.iter())
-                    .map(|name| self.word(name.symbol))
-                    .collect();
+                let parameter = move |name: &'a Name| Json::Value(self.word(name.symbol));
                 (
                     "pattern",
-                    json!({
-                        "name": self.word(pattern.name.symbol),
-                        "parameters": parameters,
-                        "body": self.items(&pattern.body),
-                    }),
+                    vec![
+                        ("name", word(pattern.name.symbol)),
+                        ("parameters", Json::each(&pattern.parameters, parameter)),
+                        ("body", self.items(&pattern.body)),
+                    ],
                 )
             }
             ItemKind::Assembly(assembly) => (
                 "assembly",
-                json!({
-                    "name": self.word(assembly.name.symbol),
-                    "scene": assembly.scene.map(|scene| self.word(scene.symbol)),
-                    "body": self.items(&assembly.body),
-                }),
+                vec![
+                    ("name", word(assembly.name.symbol)),
+                    (
+                        "scene",
+                        assembly.scene.map(|scene| self.word(scene.symbol)).into(),
+                    ),
+                    ("body", self.items(&assembly.body)),
+                ],
             ),
             ItemKind::Aggregate(aggregate) => (
                 "aggregate",
-                json!({
-                    "name": self.word(aggregate.name.symbol),
-                    "scene": aggregate.scene.map(|scene| self.word(scene.symbol)),
-                    "size": self.expr(&aggregate.size),
-                    "timeout": aggregate.timeout.as_ref().map(quantity),
-                }),
+                vec![
+                    ("name", word(aggregate.name.symbol)),
+                    (
+                        "scene",
+                        aggregate.scene.map(|scene| self.word(scene.symbol)).into(),
+                    ),
+                    ("size", self.expr(&aggregate.size).into()),
+                    ("timeout", aggregate.timeout.as_ref().map(quantity).into()),
+                ],
             ),
             ItemKind::Shape(shape) => {
-                let layers: Value = (shape.layers.iter())
-                    .map(|layer| {
-                        let row = |cells: &[bool]| -> String {
-                            cells
-                                .iter()
-                                .map(|&cell| if cell { '#' } else { '.' })
-                                .collect()
-                        };
-                        let rows: Value = layer.rows.iter().map(|r| row(&r.cells)).collect();
-                        json!({ "heights": self.entry(&layer.heights), "rows": rows })
-                    })
-                    .collect();
-                let at = shape.at.as_ref().map(|at| self.pair(at));
-                let name = self.word(shape.name.symbol);
-                ("shape", json!({ "name": name, "at": at, "layers": layers }))
+                let row = |cells: &[bool]| -> String {
+                    cells
+                        .iter()
+                        .map(|&cell| if cell { '#' } else { '.' })
+                        .collect()
+                };
+                let layers = Json::each(&shape.layers, move |layer| {
+                    let rows = Json::each(&layer.rows, move |it| row(&it.cells).into());
+                    Json::object([
+                        ("heights", self.entry(&layer.heights).into()),
+                        ("rows", rows),
+                    ])
+                });
+                (
+                    "shape",
+                    vec![
+                        ("name", word(shape.name.symbol)),
+                        ("at", shape.at.as_ref().map(|at| self.pair(at)).into()),
+                        ("layers", layers),
+                    ],
+                )
             }
             ItemKind::Scene(scene) => (
                 "scene",
-                json!({
-                    "name": self.word(scene.name.symbol),
-                    "base": scene.base.map(|base| self.word(base.symbol)),
-                    "terms": self.terms(&scene.terms),
-                }),
+                vec![
+                    ("name", word(scene.name.symbol)),
+                    ("base", scene.base.map(|base| self.word(base.symbol)).into()),
+                    ("terms", self.terms(&scene.terms)),
+                ],
             ),
-            ItemKind::Import(import) => ("import", json!({ "path": import.path })),
+            ItemKind::Import(import) => ("import", vec![("path", import.path.as_str().into())]),
         };
-        let mut object = Map::new();
-        object.insert("kind".into(), kind.into());
-        object.insert("span".into(), json!([item.span.start, item.span.end]));
+        fields.push(("kind", kind.into()));
+        fields.push(("span", json!([item.span.start, item.span.end]).into()));
         if let Some(docs) = &item.docs.0 {
-            object.insert("docs".into(), json!(docs));
+            fields.push(("docs", Json::each(docs, |line| line.as_str().into())));
         }
-        if let Value::Object(fields) = fields {
-            object.extend(fields);
-        }
-        Value::Object(object)
+        Json::object(fields)
     }
 
-    fn terms(&self, terms: &[Term]) -> Value {
-        (terms.iter())
-            .map(|term| match term {
-                Term::Word(name) => self.word(name.symbol),
-                Term::Quantity(value) => quantity(value),
-                Term::Range(first, last) => {
-                    json!({ "from": quantity(first), "to": quantity(last) })
-                }
-                Term::Block(terms, _) => self.terms(terms),
-            })
-            .collect()
+    fn link(self, link: &'a Link) -> Json<'a> {
+        let arrow = match link.arrow {
+            Arrow::One => "->",
+            Arrow::Row => "->>",
+        };
+        Json::object([("arrow", arrow.into()), ("place", self.place(&link.place))])
     }
 
-    fn after(&self, subjects: &[Subject]) -> Value {
-        (subjects.iter())
-            .map(|subject| {
-                json!({ "release": subject.release, "place": self.place(&subject.place) })
-            })
-            .collect()
+    fn terms(self, terms: &'a [Term]) -> Json<'a> {
+        Json::each(terms, move |term| match term {
+            Term::Word(name) => self.word(name.symbol).into(),
+            Term::Quantity(value) => quantity(value).into(),
+            Term::Range(first, last) => {
+                json!({ "from": quantity(first), "to": quantity(last) }).into()
+            }
+            Term::Block(terms, _) => self.terms(terms),
+        })
     }
 
-    fn place(&self, place: &Place) -> Value {
-        let path: Value = (place.path.iter())
-            .map(|segment| {
-                let index: Option<Value> = (segment.index.as_deref())
-                    .map(|index| index.iter().map(|entry| self.entry(entry)).collect());
-                json!({ "name": self.word(segment.name.symbol), "index": index })
-            })
-            .collect();
-        json!({ "path": path, "face": place.face.map(|(face, _)| face) })
+    fn after(self, subjects: &'a [Subject]) -> Json<'a> {
+        Json::each(subjects, move |subject| {
+            let place = self.place(&subject.place);
+            Json::object([("release", subject.release.into()), ("place", place)])
+        })
     }
 
-    fn entry(&self, entry: &Entry) -> Value {
+    fn place(self, place: &'a Place) -> Json<'a> {
+        let segment = move |segment: &'a Segment| {
+            let index: Option<Value> = (segment.index.as_deref())
+                .map(|index| index.iter().map(|entry| self.entry(entry)).collect());
+            json!({ "name": self.word(segment.name.symbol), "index": index }).into()
+        };
+        let face = json!(place.face.map(|(face, _)| face));
+        Json::object([
+            ("path", Json::each(&place.path, segment)),
+            ("face", face.into()),
+        ])
+    }
+
+    fn entry(self, entry: &Entry) -> Value {
         match entry {
             Entry::One(expr) => self.expr(expr),
             Entry::Range(first, last) => json!({ "from": self.expr(first), "to": self.expr(last) }),
         }
     }
 
-    fn pair(&self, (first, second): &(Expr, Expr)) -> Value {
+    fn pair(self, (first, second): &(Expr, Expr)) -> Value {
         json!([self.expr(first), self.expr(second)])
     }
 
-    fn expr(&self, expr: &Expr) -> Value {
+    fn expr(self, expr: &Expr) -> Value {
         match &expr.kind {
             ExprKind::Int(value) => (*value).into(),
             ExprKind::Name(symbol) => self.word(*symbol),

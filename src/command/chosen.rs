@@ -1,12 +1,12 @@
 //! One run of a folder of results, found again: to look at it, or to make it once more.
 use std::fs::File;
-use std::io::{BufReader, Read, Seek as _};
+use std::io::{BufReader, ErrorKind, Read, Seek as _};
 use std::ops::ControlFlow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
-use serde_json::Value;
+use serde_json::{Value, json};
 use stochc_compiler::Levels;
 use stochc_compiler::emit::graph_json;
 use stochc_runtime::observe::Observer;
@@ -18,6 +18,7 @@ use super::simulate::{Draft, Ready, settings, tell_of_build};
 use super::terminal::{has_colour, message_width, usage, warn};
 use crate::cli::Exit;
 use crate::ensemble::{Folder, Manifest};
+use crate::files;
 use crate::findings::drawn;
 use crate::recording::{EVERY, Header, Recorder, Recording, RecordingError, path};
 
@@ -119,7 +120,12 @@ fn compile(manifest: &Manifest, program: usize) -> Result<(Ready, Value), Exit> 
     let found = checked.programs.into_iter().find_map(|program| {
         let (tables, scene, order) = (program.tables?, program.scene?, program.order?);
         let fits = entry.describes(&tables, &scene);
-        let graph = graph_json(&program.plan, &program.graph, &order, &checked.symbols);
+        let graph = json!(graph_json(
+            &program.plan,
+            &program.graph,
+            &order,
+            &checked.symbols
+        ));
         fits.then_some((Ready { tables, scene }, graph))
     });
     found.ok_or_else(changed)
@@ -183,8 +189,10 @@ impl Chosen {
     /// A new one is kept in the folder, where that can be written to.
     pub fn recording(&self, stop: &AtomicBool) -> Result<BufReader<File>, Exit> {
         let path = path(&self.folder, self.program, self.run);
-        if let Ok(file) = File::open(&path) {
-            return self.checked(file, &path);
+        match files::open(&path) {
+            Ok(file) => return self.checked(file, &path),
+            Err(error) if error.kind() == ErrorKind::NotFound => {}
+            Err(error) => return Err(useless(&path, &error.to_string())),
         }
         let header = Header {
             stochc: self.manifest.stochc.clone(),
@@ -198,7 +206,7 @@ impl Chosen {
         if let Ok(mut draft) = Draft::new(&path, &header, &self.ready) {
             let record = self.again(&mut draft.recorder, stop)?;
             draft.keep(&record).map_err(io)?;
-            return File::open(&path).map(BufReader::new).map_err(io);
+            return files::open(&path).map(BufReader::new).map_err(io);
         }
         let file = tempfile::tempfile().map_err(io)?;
         let buffered = std::io::BufWriter::new(file);
@@ -216,13 +224,8 @@ impl Chosen {
     }
 
     /// A recording that is whole, and of this run.
-    fn checked(&self, file: File, path: &std::path::Path) -> Result<BufReader<File>, Exit> {
-        let shown = path.display();
-        let refuse = |reason: &str| {
-            usage(&format!(
-                "cannot use `{shown}`: {reason}; remove it, and the run is made and recorded again"
-            ))
-        };
+    fn checked(&self, file: File, path: &Path) -> Result<BufReader<File>, Exit> {
+        let refuse = |reason: &str| useless(path, reason);
         let mut file = BufReader::new(file);
         let recording = Recording::read(file.by_ref(), &self.ready.tables);
         let recording = recording.map_err(|error: RecordingError| refuse(&error.to_string()))?;
@@ -239,4 +242,12 @@ impl Chosen {
         file.rewind().map_err(|error| refuse(&error.to_string()))?;
         Ok(file)
     }
+}
+
+/// Refuses what stands in the place of a recording.
+fn useless(path: &Path, reason: &str) -> Exit {
+    let shown = path.display();
+    usage(&format!(
+        "cannot use `{shown}`: {reason}; remove it, and the run is made and recorded again"
+    ))
 }

@@ -1,15 +1,18 @@
 //! `stochc compile`.
+use std::fmt::Display;
+use std::io::{self, Write};
+
 use clap::{Args, ValueEnum};
-use serde_json::{Value, json};
 use stochc_compiler::emit::{
     graph_dot, graph_json, graph_text, structure_json, structure_svg, structure_text, table_json,
     table_text,
 };
 use stochc_compiler::{Checked, Program, Symbols};
+use stochc_grammar::{Json, to_json};
 
 use super::check::verdict;
 use super::levels::LevelOptions;
-use super::terminal::{has_colour, message_width, print, usage, warn};
+use super::terminal::{has_colour, message_width, print_with, usage, warn};
 use crate::cli::Exit;
 use crate::files::programs::refusal;
 use crate::findings::drawn;
@@ -79,34 +82,42 @@ pub fn run(options: &Options) -> Exit {
     if checked.has_errors() {
         return verdict(&checked);
     }
-    print(&emit(&checked, options.emit, options.format));
+    print_with(|out| emit(&checked, options.emit, options.format, out));
     Exit::Success
 }
 
-fn emit(checked: &Checked, stage: Stage, form: Form) -> String {
+fn emit(checked: &Checked, stage: Stage, form: Form, out: &mut dyn Write) -> io::Result<()> {
     let symbols = &checked.symbols;
-    if stage == Stage::Ast {
-        return match form {
-            Form::Json => format!("{:#}\n", stochc_grammar::to_json(&checked.tree, symbols)),
-            _ => stochc_grammar::print(&checked.tree, symbols),
-        };
-    }
     let programs = &checked.programs;
     if form == Form::Json {
-        let values = programs
-            .iter()
-            .filter_map(|program| value(program, stage, symbols));
-        let value: Value = json!({ "programs": values.collect::<Vec<_>>() });
-        return format!("{value:#}\n");
+        let document = match stage {
+            Stage::Ast => to_json(&checked.tree, symbols),
+            _ => {
+                let programs = move || {
+                    programs
+                        .iter()
+                        .filter_map(move |it| json(it, stage, symbols))
+                };
+                Json::object([("programs", Json::list(programs))])
+            }
+        };
+        serde_json::to_writer_pretty(&mut *out, &document)?;
+        return writeln!(out);
+    }
+    if stage == Stage::Ast {
+        return write!(out, "{}", stochc_grammar::print(&checked.tree, symbols));
     }
     let texts = programs
         .iter()
         .filter_map(|program| text(program, stage, form, symbols));
-    texts.collect::<Vec<_>>().join("\n")
+    for (i, text) in texts.enumerate() {
+        write!(out, "{}{text}", if i == 0 { "" } else { "\n" })?;
+    }
+    Ok(())
 }
 
 /// A stage of one program as JSON; `None` if the program did not come that far.
-fn value(program: &Program, stage: Stage, symbols: &Symbols) -> Option<Value> {
+fn json<'a>(program: &'a Program, stage: Stage, symbols: &'a Symbols) -> Option<Json<'a>> {
     let Program {
         plan,
         layout,
@@ -123,7 +134,12 @@ fn value(program: &Program, stage: Stage, symbols: &Symbols) -> Option<Value> {
 }
 
 /// A stage of one program as text; `None` if the program did not come that far.
-fn text(program: &Program, stage: Stage, form: Form, symbols: &Symbols) -> Option<String> {
+fn text<'a>(
+    program: &'a Program,
+    stage: Stage,
+    form: Form,
+    symbols: &'a Symbols,
+) -> Option<Box<dyn Display + 'a>> {
     let Program {
         plan,
         layout,
@@ -133,10 +149,10 @@ fn text(program: &Program, stage: Stage, form: Form, symbols: &Symbols) -> Optio
         ..
     } = program;
     Some(match (stage, form) {
-        (Stage::Structure, Form::Svg) => structure_svg(plan, layout, symbols)?,
-        (Stage::Structure, _) => structure_text(plan, layout),
-        (Stage::Graph, Form::Dot) => graph_dot(plan, graph, order.as_ref()?, symbols),
-        (Stage::Graph, _) => graph_text(plan, graph, order.as_ref()?, symbols),
-        (Stage::Table | Stage::Ast, _) => table_text(tables.as_ref()?),
+        (Stage::Structure, Form::Svg) => Box::new(structure_svg(plan, layout, symbols)?),
+        (Stage::Structure, _) => Box::new(structure_text(plan, layout)),
+        (Stage::Graph, Form::Dot) => Box::new(graph_dot(plan, graph, order.as_ref()?, symbols)),
+        (Stage::Graph, _) => Box::new(graph_text(plan, graph, order.as_ref()?, symbols)),
+        (Stage::Table | Stage::Ast, _) => Box::new(table_text(tables.as_ref()?)),
     })
 }

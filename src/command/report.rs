@@ -7,7 +7,7 @@ use clap::Args;
 use super::terminal::{print, warn};
 use crate::cli::Exit;
 use crate::ensemble::{Folder, Manifest};
-use crate::files::atomic;
+use crate::files::{self, atomic};
 use crate::report::{Input, MARK, Report, Surroundings, address, report};
 
 /// What `report` is given.
@@ -140,7 +140,7 @@ fn claim(page: &Path) -> Result<PathBuf, String> {
 
 fn begins_with_mark(page: &Path) -> io::Result<bool> {
     let mut begin = vec![0; MARK.len()];
-    match io::Read::read_exact(&mut std::fs::File::open(page)?, &mut begin) {
+    match io::Read::read_exact(&mut files::open(page)?, &mut begin) {
         Ok(()) => Ok(begin == MARK.as_bytes()),
         Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => Ok(false),
         Err(error) => Err(error),

@@ -1,5 +1,5 @@
 //! Writing to the terminal, or to whatever stands in its place.
-use std::io::{ErrorKind, IsTerminal as _, Write as _};
+use std::io::{self, BufWriter, ErrorKind, IsTerminal as _, Write};
 
 use console::Term;
 
@@ -8,9 +8,13 @@ use crate::cli::Exit;
 /// Prints; a reader that has gone away, such as `head`, ends the command quietly, and any other
 /// reason why nothing can be written, such as a full disk, with a word.
 pub fn print(text: &str) {
-    let mut out = std::io::stdout().lock();
-    let printed = out.write_all(text.as_bytes()).and_then(|()| out.flush());
-    match printed {
+    print_with(|out| out.write_all(text.as_bytes()));
+}
+
+/// [`print`]s what is written to a stream, as it comes.
+pub fn print_with(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) {
+    let mut out = BufWriter::with_capacity(1 << 16, io::stdout().lock());
+    match write(&mut out).and_then(|()| out.flush()) {
         Ok(()) => {}
         Err(error) if error.kind() == ErrorKind::BrokenPipe => std::process::exit(0),
         Err(error) => {

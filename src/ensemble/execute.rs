@@ -2,7 +2,7 @@
 use std::collections::BTreeSet;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use stochc_runtime::record::{Outcome, RunRecord};
 
@@ -22,15 +22,14 @@ pub(super) struct Job {
 
 /// The runs that are not among `kept`: the first run of each program, then the second, and so on,
 /// so that a table compares the programs fairly at any time.
-pub(super) fn jobs(manifest: &Manifest, kept: &[Finished]) -> Vec<Job> {
+pub(super) fn jobs(manifest: &Manifest, kept: &[Finished]) -> impl Iterator<Item = Job> + Send {
     let done: BTreeSet<_> = kept
         .iter()
         .map(|done| (done.record.run, done.program))
         .collect();
     (0..manifest.runs)
         .flat_map(|run| (0..manifest.programs.len()).map(move |program| Job { program, run }))
-        .filter(|job| !done.contains(&(job.run, job.program)))
-        .collect()
+        .filter(move |job| !done.contains(&(job.run, job.program)))
 }
 
 /// Does `jobs` with one thread for each worker of the board, until they are done or `stop` is set.
@@ -42,18 +41,20 @@ pub(super) fn jobs(manifest: &Manifest, kept: &[Finished]) -> Vec<Job> {
 /// # Errors
 /// The first that `keep` meets, which stops the others.
 pub(super) fn execute<E: Send>(
-    jobs: &[Job],
+    jobs: impl Iterator<Item = Job> + Send,
     board: &Board,
     stop: &AtomicBool,
     simulate: impl Fn(usize, u64, &Watch) -> Result<RunRecord, Cancelled> + Sync,
     keep: impl Fn(&Finished) -> Result<(), E> + Sync,
 ) -> Result<Vec<Finished>, E> {
-    let next = AtomicUsize::new(0);
+    // Nobody says that they can all be counted, let alone kept.
+    let jobs = Mutex::new(jobs);
+    let next = || jobs.lock().expect("nobody panics while it is held").next();
     let broken = AtomicBool::new(false);
     let results = Mutex::new((Vec::new(), None));
     let work = |worker| {
         while !stop.load(Ordering::Relaxed) && !broken.load(Ordering::Relaxed) {
-            let Some(&job) = jobs.get(next.fetch_add(1, Ordering::Relaxed)) else {
+            let Some(job) = next() else {
                 break;
             };
             let watch = board.begin(worker, job.program, [stop, &broken]);

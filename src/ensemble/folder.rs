@@ -18,7 +18,7 @@ use super::journal::{self, Finished, Journal, JournalError};
 use super::manifest::{FORMAT, Manifest};
 use super::parquet;
 use super::refusal::FolderError;
-use crate::files::atomic;
+use crate::files::{self, atomic};
 
 pub(super) const MANIFEST: &str = "manifest.json";
 const JOURNAL: &str = "journal.jsonl";
@@ -219,7 +219,7 @@ fn survey(path: &Path) -> Result<Option<Manifest>, FolderError> {
     for entry in entries {
         let name = entry.map_err(io)?.file_name();
         if name == MANIFEST {
-            let bytes = fs::read(path.join(MANIFEST)).map_err(io)?;
+            let bytes = files::read_file(&path.join(MANIFEST)).map_err(io)?;
             let json = String::from_utf8(bytes).map_err(|error| unreadable(error.to_string()))?;
             let manifest = Manifest::from_json(&json).map_err(unreadable)?;
             if manifest.format < FORMAT {
@@ -242,8 +242,8 @@ fn lock(path: &Path) -> Result<File, FolderError> {
         source,
     };
     let mut options = File::options();
-    let file = options.create(true).truncate(false).write(true);
-    let file = file.open(path.join(LOCK)).map_err(io)?;
+    let options = options.create(true).truncate(false).write(true);
+    let file = files::open_with(&path.join(LOCK), options).map_err(io)?;
     match file.try_lock() {
         Ok(()) => Ok(file),
         Err(TryLockError::WouldBlock) => Err(FolderError::Locked(path.to_owned())),

@@ -6,7 +6,7 @@
 //! function of its number, so that nothing but time is lost.
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{self, BufRead as _, BufReader, BufWriter, Seek as _, SeekFrom, Write as _};
+use std::io::{self, BufRead, BufReader, BufWriter, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::Path;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::thread::JoinHandle;
@@ -16,12 +16,16 @@ use serde::{Deserialize, Serialize};
 use stochc_runtime::record::RunRecord;
 
 use super::clock;
+use crate::files;
 
 /// What a kill may cost: the runs finished during this time.
 const SYNC_EVERY: Duration = Duration::from_millis(500);
 
 /// Finished runs that wait for the disk before workers have to.
 const WAITING: usize = 256;
+
+/// Bytes of a line, one more than may be: of a run with 10^7 captures it has a third.
+const MOST_LINE: u64 = 1 << 30;
 
 /// A run of one of the ensemble's programs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -65,13 +69,13 @@ pub(super) struct Journal {
 /// # Errors
 /// [`JournalError::Foreign`] where it is not of the ensemble `identity`.
 pub(super) fn read(path: &Path, identity: &str) -> Result<(Vec<Finished>, u64), JournalError> {
-    let mut file = match File::open(path) {
+    let mut file = match files::open(path) {
         Ok(file) => BufReader::new(file),
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok((Vec::new(), 0)),
         Err(error) => return Err(error.into()),
     };
     let mut line = Vec::new();
-    let mut position = file.read_until(b'\n', &mut line)? as u64;
+    let mut position = read_line(&mut file, &mut line)?;
     if line.last() != Some(&b'\n') {
         return Ok((Vec::new(), 0));
     }
@@ -83,7 +87,7 @@ pub(super) fn read(path: &Path, identity: &str) -> Result<(Vec<Finished>, u64), 
     let mut runs = BTreeMap::new();
     loop {
         line.clear();
-        position += file.read_until(b'\n', &mut line)? as u64;
+        position += read_line(&mut file, &mut line)?;
         if line.last() != Some(&b'\n') {
             break;
         }
@@ -96,17 +100,27 @@ pub(super) fn read(path: &Path, identity: &str) -> Result<(Vec<Finished>, u64), 
     Ok((runs.into_values().collect(), whole))
 }
 
+/// Reads the next line with its end, or what there is of it; how many bytes.
+fn read_line(file: &mut impl BufRead, line: &mut Vec<u8>) -> io::Result<u64> {
+    let count = file.take(MOST_LINE).read_until(b'\n', line)? as u64;
+    match count < MOST_LINE {
+        true => Ok(count),
+        false => Err(io::Error::new(
+            io::ErrorKind::FileTooLarge,
+            "a line of 1 GiB or more",
+        )),
+    }
+}
+
 impl Journal {
     /// Opens a journal after its last whole line, and cuts off what follows; `whole` is from [`read`].
     ///
     /// # Errors
     /// Those of the file system.
     pub fn open(path: &Path, identity: &str, whole: u64) -> Result<Journal, JournalError> {
-        let mut file = File::options()
-            .create(true)
-            .truncate(false)
-            .write(true)
-            .open(path)?;
+        let mut options = File::options();
+        let options = options.create(true).truncate(false).write(true);
+        let mut file = files::open_with(path, options)?;
         file.set_len(whole)?;
         file.seek(SeekFrom::Start(whole))?;
         if whole == 0 {

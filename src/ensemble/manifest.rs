@@ -147,7 +147,7 @@ impl Manifest {
 
     /// Runs of all programs together.
     pub fn total(&self) -> u64 {
-        self.runs * self.programs.len() as u64
+        self.runs.saturating_mul(self.programs.len() as u64)
     }
 
     /// What is told to somebody who asks for a run that is not asked for here.

@@ -68,16 +68,19 @@ pub fn run(
         Place::Memory(manifest) => (*manifest, &[][..]),
         Place::Folder(folder) => (folder.manifest(), folder.kept()),
     };
-    let jobs = jobs(manifest, kept);
+    let left = manifest.total().saturating_sub(kept.len() as u64);
     let mut finished = kept.to_vec();
-    if !jobs.is_empty() {
+    if left > 0 {
         let journal = match &place {
             Place::Memory(_) => None,
             Place::Folder(folder) => Some(folder.journal()?),
         };
-        let board = Board::new(manifest, kept, means.threads.get().min(jobs.len()));
+        let threads =
+            usize::try_from(left).map_or(means.threads.get(), |left| means.threads.get().min(left));
+        let board = Board::new(manifest, kept, threads);
+        let jobs = jobs(manifest, kept);
         let executed = during(means.display, manifest, &board, || {
-            execute(&jobs, &board, means.stop, simulate, |done| match &journal {
+            execute(jobs, &board, means.stop, simulate, |done| match &journal {
                 Some(journal) => journal.append(done),
                 None => Ok(()),
             })

@@ -1,6 +1,5 @@
 //! Which programs the arguments of a command stand for.
 use std::collections::BTreeSet;
-use std::io::Read as _;
 use std::path::Path;
 use std::sync::OnceLock;
 
@@ -75,11 +74,7 @@ pub fn read(program: &str) -> Result<Vec<u8>, String> {
     if program != STDIN_NAME {
         return super::read(program);
     }
-    let all = || {
-        let mut bytes = Vec::new();
-        let read = std::io::stdin().lock().read_to_end(&mut bytes);
-        read.map(|_| bytes).map_err(|error| error.to_string())
-    };
+    let all = || super::read_stream(std::io::stdin().lock()).map_err(|error| error.to_string());
     INPUT.get_or_init(all).clone()
 }
 

@@ -31,9 +31,9 @@ pub fn serve(input: impl std::io::Read + Send + 'static, output: impl Write) -> 
     let (sender, receiver) = mpsc::sync_channel(MOST_WAITING);
     // It ends with the stream, or with the process.
     std::thread::spawn(move || {
-        let mut input = BufReader::new(input);
+        let mut messages = wire::Messages::of(BufReader::new(input));
         loop {
-            let incoming = wire::read(&mut input);
+            let incoming = messages.read();
             let is_end = matches!(incoming, Incoming::End);
             if sender.send(incoming).is_err() || is_end {
                 break;

@@ -34,60 +34,129 @@ pub enum Incoming {
     End,
 }
 
-/// Reads the next message.
-pub fn read(input: &mut impl BufRead) -> Incoming {
-    let length = match head(input) {
-        Ok(Some(length)) => length,
-        Ok(None) => return Incoming::End,
-        Err(error) if error.kind() == io::ErrorKind::InvalidData => {
-            return Incoming::Garbage(error.to_string());
-        }
-        Err(_) => return Incoming::End,
-    };
-    let mut body = Vec::new();
-    match input.take(length).read_to_end(&mut body) {
-        Ok(count) if count as u64 == length => {}
-        _ => return Incoming::End,
+/// The messages of a stream.
+#[derive(Debug)]
+pub struct Messages<R> {
+    input: R,
+    /// The last message could not be followed, so that what comes next may be the rest of it.
+    lost: bool,
+}
+
+impl<R: BufRead> Messages<R> {
+    /// Those that come in from now on.
+    pub fn of(input: R) -> Messages<R> {
+        Messages { input, lost: false }
     }
-    match serde_json::from_slice(&body) {
-        Ok(Value::Object(mut fields)) => Incoming::Message(Message {
-            id: fields.remove("id").filter(|id| !id.is_null()),
-            method: match fields.remove("method") {
-                Some(Value::String(method)) => method,
-                _ => String::new(),
-            },
-            params: fields.remove("params").unwrap_or_default(),
-        }),
-        Ok(_) => Incoming::Garbage("a message is a JSON object".to_owned()),
-        Err(error) => Incoming::Garbage(error.to_string()),
+
+    /// Waits for the next one.
+    pub fn read(&mut self) -> Incoming {
+        let body = match self.body() {
+            Ok(Ok(body)) => body,
+            Ok(Err(why)) => {
+                self.lost = true;
+                return Incoming::Garbage(why.to_owned());
+            }
+            Err(_) => return Incoming::End,
+        };
+        let message = serde_json::from_slice(&body);
+        self.lost = message.is_err();
+        match message {
+            Ok(Value::Object(mut fields)) => Incoming::Message(Message {
+                id: fields.remove("id").filter(|id| !id.is_null()),
+                method: match fields.remove("method") {
+                    Some(Value::String(method)) => method,
+                    _ => String::new(),
+                },
+                params: fields.remove("params").unwrap_or_default(),
+            }),
+            Ok(_) => Incoming::Garbage("a message is a JSON object".to_owned()),
+            Err(error) => Incoming::Garbage(error.to_string()),
+        }
+    }
+
+    /// The next message, or why it cannot be read.
+    ///
+    /// # Errors
+    /// At the end of the stream.
+    fn body(&mut self) -> io::Result<Result<Vec<u8>, &'static str>> {
+        let length = match self.head()? {
+            Ok(length) => length,
+            Err(why) => return Ok(Err(why)),
+        };
+        let mut body = Vec::new();
+        let count = self.input.by_ref().take(length).read_to_end(&mut body)?;
+        match count as u64 == length {
+            true => Ok(Ok(body)),
+            false => Err(io::ErrorKind::UnexpectedEof.into()),
+        }
+    }
+
+    /// The length of the message that follows.
+    fn head(&mut self) -> io::Result<Result<u64, &'static str>> {
+        let mut lengths = Vec::new();
+        loop {
+            let line = self.line()?;
+            let line = String::from_utf8_lossy(&line);
+            let line = line.trim_end();
+            match content_length(line, self.lost) {
+                Some(length) => {
+                    // What comes before it may still be the rest of the message that was lost.
+                    if self.lost {
+                        lengths.clear();
+                    }
+                    lengths.push(length);
+                }
+                None if !line.is_empty() => {}
+                None if self.lost && lengths.is_empty() => {}
+                None => break,
+            }
+        }
+        let Some(Ok(length)) = lengths.first() else {
+            return Ok(Err(match lengths.is_empty() {
+                true => "a message without its `Content-Length`",
+                false => "a `Content-Length` that is no number of bytes",
+            }));
+        };
+        Ok(if lengths.iter().any(|other| other != &Ok(*length)) {
+            Err("a message with two lengths")
+        } else if *length > MOST_BYTES {
+            Err("a message of more than 256 MiB")
+        } else {
+            Ok(*length)
+        })
+    }
+
+    /// The next line with its end, or the last [`MOST_HEAD`] bytes of a longer one.
+    fn line(&mut self) -> io::Result<Vec<u8>> {
+        let mut line = Vec::new();
+        loop {
+            let mut part = self.input.by_ref().take(MOST_HEAD);
+            if part.read_until(b'\n', &mut line)? == 0 {
+                return Err(io::ErrorKind::UnexpectedEof.into());
+            }
+            if line.last() == Some(&b'\n') {
+                return Ok(line);
+            }
+            line.drain(..line.len().saturating_sub(MOST_HEAD as usize));
+        }
     }
 }
 
-/// The length of the message that follows; `None` at the end of the stream.
-fn head(input: &mut impl BufRead) -> io::Result<Option<u64>> {
-    let invalid = |why: &str| io::Error::new(io::ErrorKind::InvalidData, why);
-    let mut length = None;
-    loop {
-        let mut line = Vec::new();
-        input.take(MOST_HEAD).read_until(b'\n', &mut line)?;
-        if line.is_empty() {
-            return Ok(None);
-        }
-        let line = String::from_utf8_lossy(&line);
-        let line = line.trim_end();
-        if line.is_empty() {
-            return match length {
-                Some(length) if length <= MOST_BYTES => Ok(Some(length)),
-                Some(_) => Err(invalid("a message of more than 256 MiB")),
-                None => Err(invalid("a message without its `Content-Length`")),
-            };
-        }
-        if let Some((name, value)) = line.split_once(':')
-            && name.eq_ignore_ascii_case("content-length")
-        {
-            length = Some(value.trim().parse().map_err(|_| invalid("not a length"))?);
-        }
-    }
+/// What a line of a head says of the length; `None`: nothing.
+///
+/// A message that could not be followed has no end of its own: behind `lost` ones the next head may
+/// begin in the middle of a line. Within JSON it cannot, because no text in it has an end of a line.
+fn content_length(line: &str, lost: bool) -> Option<Result<u64, ()>> {
+    const NAME: &str = "content-length";
+    let (before, value) = line.rsplit_once(':')?;
+    let value = value.trim();
+    let length = match value.bytes().all(|byte| byte.is_ascii_digit()) {
+        true => value.parse().map_err(|_| ()),
+        false => Err(()),
+    };
+    let name = before.trim_end().to_ascii_lowercase();
+    let is_whole = name == NAME || line.to_ascii_lowercase().starts_with("content-length:");
+    (is_whole || lost && length.is_ok() && name.ends_with(NAME)).then_some(length)
 }
 
 /// Writes a message.
@@ -154,10 +223,10 @@ mod tests {
     use super::*;
 
     fn all(text: &str) -> Vec<String> {
-        let mut input = text.as_bytes();
+        let mut messages = Messages::of(text.as_bytes());
         let mut seen = Vec::new();
         loop {
-            seen.push(match read(&mut input) {
+            seen.push(match messages.read() {
                 Incoming::Message(message) => message.method,
                 Incoming::Garbage(why) => format!("garbage: {why}"),
                 Incoming::End => return seen,
@@ -171,23 +240,62 @@ mod tests {
 
     #[test]
     fn what_is_no_message_is_passed_over() {
-        let text = [
-            framed("{\"method\":\"a\"}"),
-            framed("{\"method\":"),
-            framed("[1]"),
-            framed("\u{b5}"),
-            "content-length: 2 \nContent-Type: x\n\n{}".to_owned(),
-            "Content-Length: 99999999999\r\n\r\n".to_owned(),
-            "Content-Length: -1\r\n\r\n".to_owned(),
-            framed("{\"method\":\"b\"}"),
-        ];
-        let seen = all(&text.concat());
-        assert_eq!(seen.first().map(String::as_str), Some("a"));
-        assert_eq!(seen.last().map(String::as_str), Some("b"));
-        let garbage = seen.iter().filter(|seen| seen.starts_with("garbage"));
-        // The blank line behind a length that is none is a second one.
-        assert_eq!(garbage.count(), 6);
+        for (bytes, why) in [
+            (framed("{\"method\":"), "EOF"),
+            (framed("[1]"), "JSON object"),
+            (framed("\u{b5}"), "expected value"),
+            (framed(""), "EOF"),
+        ] {
+            let seen = all(&[framed(A), bytes, framed(B)].concat());
+            assert_eq!((seen[0].as_str(), seen[2].as_str()), ("a", "b"));
+            assert!(seen.len() == 3 && seen[1].contains(why), "{seen:?}");
+        }
+        assert_eq!(all("content-length: 2 \nContent-Type: x\n\n{}"), [""]);
         assert_eq!(all("Content-Length: 20\r\n\r\n{}"), [""; 0]);
+    }
+
+    const A: &str = "{\"method\":\"a\"}";
+    const B: &str = "{\"method\":\"b\"}";
+
+    #[test]
+    fn a_head_that_cannot_be_read_costs_one_message() {
+        let long = format!("{{\"text\": \"{}\"}}", "Content-Length: 5 ".repeat(2000));
+        for head in [
+            "Content-Length: abc",
+            "Content-Length:",
+            "Content-Length: 1e1",
+            "Content-Length: 10 bytes",
+            "Content-Length 10",
+            "Content-Length: -10",
+            "Content-Length: 99999999999",
+            "Content-Length: 99999999999999999999999999",
+            "Content-Length: 1\r\nContent-Length: 2",
+            "Content-Length: 1\r\nContent-Length: x",
+            "Content-Type: x",
+            "\u{b5}",
+        ] {
+            for body in ["", A, "{\n\n  \"a\": 1\n}", &long, "Content-Length: \r\n"] {
+                let text = [&framed(A), head, "\r\n\r\n", body, &framed(B), &framed(A)].concat();
+                let seen = all(&text);
+                let (garbage, told): (Vec<_>, Vec<_>) =
+                    seen.iter().partition(|seen| seen.starts_with("garbage"));
+                assert_eq!(told, ["a", "b", "a"], "{head}: {seen:?}");
+                assert!(seen[1].starts_with("garbage"), "{head}: {seen:?}");
+                assert_eq!(garbage.len(), 1, "{head}: {seen:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_length_that_is_wrong_costs_what_it_cuts() {
+        for length in [A.len() - 9, A.len() - 1, A.len() + 1, A.len() + 9] {
+            let cut = format!("Content-Length: {length}\r\n\r\n{A}");
+            let seen = all(&[cut, framed(B), framed(A)].concat());
+            assert_eq!(seen.last().map(String::as_str), Some("a"), "{seen:?}");
+            // Without its end a message is no JSON; what is too long takes the next one with it.
+            let whole = seen.iter().filter(|seen| *seen == "b").count();
+            assert_eq!(whole, usize::from(length < A.len()), "{seen:?}");
+        }
     }
 
     #[test]
@@ -195,7 +303,7 @@ mod tests {
         let mut bytes = Vec::new();
         let message = json!({ "id": 3, "method": "m\u{b5}", "params": [1] });
         write(&mut bytes, &message).unwrap();
-        let Incoming::Message(read) = read(&mut bytes.as_slice()) else {
+        let Incoming::Message(read) = Messages::of(bytes.as_slice()).read() else {
             panic!();
         };
         assert_eq!((read.id, read.method.as_str()), (Some(json!(3)), "m\u{b5}"));

@@ -191,7 +191,7 @@ fn from_graph(checked: &Checked, found: usize, entry: &Program) -> Option<Events
     let events: Option<Vec<Event>> = events.collect();
     Some(Events {
         events: events?,
-        tables: program.tables.as_ref().map(emit::table_text),
+        tables: (program.tables.as_ref()).map(|tables| emit::table_text(tables).to_string()),
     })
 }
 

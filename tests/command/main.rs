@@ -12,6 +12,8 @@ mod fmt;
 mod hardware;
 #[cfg(unix)]
 mod interrupted;
+#[cfg(unix)]
+mod kinds;
 mod levels;
 mod manifest;
 mod manual;

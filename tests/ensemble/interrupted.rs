@@ -22,6 +22,21 @@ fn threads_change_nothing() {
 }
 
 #[test]
+fn runs_that_nobody_can_count_are_begun_with_the_first() {
+    let stop = AtomicBool::new(false);
+    let manifest = manifest(u64::MAX);
+    let place = Place::Memory(&manifest);
+    let results = run(place, means(1, &stop), |program, number, watch| {
+        stop.fetch_or(number == 3, Ordering::Relaxed);
+        simulate(program, number, watch)
+    });
+    let results = results.unwrap();
+    assert!(!results.complete);
+    let runs = results.finished.iter().map(|done| done.record.run);
+    assert_eq!(runs.max(), Some(2));
+}
+
+#[test]
 fn a_torn_last_line_costs_one_run() {
     let folder = tempfile::tempdir().unwrap();
     let journal = folder.path().join("journal.jsonl");

@@ -1,23 +1,39 @@
 //! The dependency graph for Graphviz.
-use std::fmt::Write as _;
+use std::fmt::{self, Display, Formatter};
 
 use stochc_grammar::Symbols;
 
+use super::Text;
 use super::graph_text::{label, waits};
 use crate::graph::{Dependency, DependencyGraph};
 use crate::order::Order;
 use crate::plan::{Deed, Plan};
 
 /// The graph in DOT: a box for each phase, the longest chain of each drawn thick.
-pub fn graph_dot(plan: &Plan, graph: &DependencyGraph, order: &Order, symbols: &Symbols) -> String {
-    let mut out = String::new();
-    // Writing to a string cannot fail.
-    let _ = writeln!(out, "digraph {} {{", quoted(&plan.name));
-    out.push_str("    rankdir=LR;\n    node [shape=box, style=rounded, fontname=\"Helvetica\"];\n");
-    out.push_str("    edge [fontname=\"Helvetica\", fontsize=10];\n");
+pub fn graph_dot(
+    plan: &Plan,
+    graph: &DependencyGraph,
+    order: &Order,
+    symbols: &Symbols,
+) -> impl Display {
+    Text(move |out: &mut Formatter<'_>| write_dot(out, plan, graph, order, symbols))
+}
+
+fn write_dot(
+    out: &mut Formatter<'_>,
+    plan: &Plan,
+    graph: &DependencyGraph,
+    order: &Order,
+    symbols: &Symbols,
+) -> fmt::Result {
+    writeln!(out, "digraph {} {{", quoted(&plan.name))?;
+    out.write_str(
+        "    rankdir=LR;\n    node [shape=box, style=rounded, fontname=\"Helvetica\"];\n",
+    )?;
+    out.write_str("    edge [fontname=\"Helvetica\", fontsize=10];\n")?;
     for (number, (phase, chain)) in plan.phases.iter().zip(&order.chains).enumerate() {
-        let _ = writeln!(out, "    subgraph cluster_{number} {{");
-        let _ = writeln!(out, "        label={};", quoted(&phase.name));
+        writeln!(out, "    subgraph cluster_{number} {{")?;
+        writeln!(out, "        label={};", quoted(&phase.name))?;
         for id in plan.events_of(phase) {
             let style = match plan.event(id).deed {
                 Deed::Release => ", style=\"rounded,dashed\"",
@@ -25,7 +41,7 @@ pub fn graph_dot(plan: &Plan, graph: &DependencyGraph, order: &Order, symbols: &
                 Deed::Capture { .. } => "",
             };
             let label = quoted(&plan.describe(id, symbols));
-            let _ = writeln!(out, "        e{} [label={label}{style}];", id.0);
+            writeln!(out, "        e{} [label={label}{style}];", id.0)?;
         }
         for id in plan.events_of(phase) {
             for (why, first) in waits(graph, id) {
@@ -33,13 +49,12 @@ pub fn graph_dot(plan: &Plan, graph: &DependencyGraph, order: &Order, symbols: &
                     Dependency::Anchored => String::new(),
                     why => format!(" [label=\"{}\", style=dashed]", label(why)),
                 };
-                let _ = writeln!(out, "        e{} -> e{}{style};", first.0, id.0);
+                writeln!(out, "        e{} -> e{}{style};", first.0, id.0)?;
             }
         }
-        out.push_str("    }\n");
+        out.write_str("    }\n")?;
     }
-    out.push_str("}\n");
-    out
+    out.write_str("}\n")
 }
 
 fn quoted(text: &str) -> String {

@@ -1,11 +1,12 @@
 //! The dependency graph as text.
-use std::fmt::Write as _;
+use std::fmt::{self, Display, Formatter};
 
 use petgraph::Direction::Incoming;
 use petgraph::graph::NodeIndex;
 use petgraph::visit::EdgeRef;
 use stochc_grammar::Symbols;
 
+use super::Text;
 use crate::graph::{Dependency, DependencyGraph};
 use crate::order::Order;
 use crate::plan::{EventId, Plan};
@@ -16,39 +17,46 @@ pub fn graph_text(
     graph: &DependencyGraph,
     order: &Order,
     symbols: &Symbols,
-) -> String {
-    let mut out = String::new();
-    // Writing to a string cannot fail.
+) -> impl Display {
+    Text(move |out: &mut Formatter<'_>| write_graph(out, plan, graph, order, symbols))
+}
+
+fn write_graph(
+    out: &mut Formatter<'_>,
+    plan: &Plan,
+    graph: &DependencyGraph,
+    order: &Order,
+    symbols: &Symbols,
+) -> fmt::Result {
     if plan.aggregate.is_some() {
-        let _ = writeln!(out, "aggregate {}: nothing is ordered", plan.name);
-        return out;
+        return writeln!(out, "aggregate {}: nothing is ordered", plan.name);
     }
-    let _ = writeln!(out, "assembly {}", plan.name);
+    writeln!(out, "assembly {}", plan.name)?;
     for (phase, chain) in plan.phases.iter().zip(&order.chains) {
         let planted = if phase.planted {
             ", attached by hand"
         } else {
             ""
         };
-        let _ = writeln!(out, "\nphase {}{planted}", phase.name);
+        writeln!(out, "\nphase {}{planted}", phase.name)?;
         for id in plan.events_of(phase) {
-            let _ = writeln!(out, "    {}", plan.describe(id, symbols));
+            writeln!(out, "    {}", plan.describe(id, symbols))?;
             for (why, first) in waits(graph, id) {
                 let first = plan.describe(first, symbols);
-                let _ = writeln!(out, "        {}: {first}", label(why));
+                writeln!(out, "        {}: {first}", label(why))?;
             }
         }
         if phase.planted {
             continue;
         }
-        let _ = writeln!(
+        writeln!(
             out,
             "    longest serial chain, {}: {}",
             Order::length(plan, chain),
             chain_text(plan, chain, symbols)
-        );
+        )?;
     }
-    out
+    Ok(())
 }
 
 /// What an event waits for, sorted.

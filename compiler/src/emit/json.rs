@@ -1,13 +1,13 @@
 //! Event tables and the graph as JSON.
 use serde_json::{Value, json};
-use stochc_grammar::Symbols;
+use stochc_grammar::{Json, Symbols};
 
 use super::graph_text::waits;
 use crate::graph::{Dependency, DependencyGraph};
 use crate::order::Order;
-use crate::plan::{Deed, Plan};
+use crate::plan::{Deed, EventId, Plan};
 use crate::scene::BondKind;
-use crate::table::{Action, Condition, Duty, News, Tables, Trigger};
+use crate::table::{Action, Condition, Duty, News, RoleId, Tables, Trigger};
 
 /// Event tables with every name written out.
 ///
@@ -19,49 +19,61 @@ use crate::table::{Action, Condition, Duty, News, Tables, Trigger};
 /// What a rule does to capture and to let go is `magnetize` and `switch_off`, `open` and `close`, or
 /// `expect` and `reject`, by the kind of bond. That is said in `bond` if it is not `attract`; where every
 /// face always attracts, `otherwise` says what becomes of a block on a face that expects none.
-pub fn table_json(tables: &Tables) -> Value {
-    let mut blocks: Vec<Value> = (tables.roles.iter())
-        .map(|role| json!({ "name": role.name, "seed": role.seed, "duties": [] }))
-        .collect();
-    for duty in tables.duties() {
-        let rules: Vec<Value> = (duty.rules().enumerate())
-            .map(|(place, rule)| {
-                let when: Vec<Value> = rule
-                    .when
-                    .iter()
-                    .map(|&when| condition(tables, duty, place, when))
-                    .collect();
-                json!({ "when": when, "then": action(tables, rule.then) })
-            })
-            .collect();
-        let value = json!({
-            "phase": tables.phases[duty.phase.0 as usize].name,
-            "trigger": match duty.trigger {
-                Trigger::Start => "start",
-                Trigger::Anchored => "anchored",
-            },
-            "rules": rules,
-        });
-        if let Some(Value::Array(duties)) = blocks[duty.role.0 as usize].get_mut("duties") {
-            duties.push(value);
-        }
-    }
-    let mut value = json!({
-        "assembly": tables.assembly,
-        "faces": tables.faces,
-        "plate": tables.plate,
-        "phases": tables.phases,
-        "blocks": blocks,
-    });
+pub fn table_json(tables: &Tables) -> Json<'_> {
+    let blocks = move || {
+        let roles = tables.roles.iter().enumerate();
+        roles.map(move |(i, role)| {
+            let role_id = RoleId(i as u32);
+            let duties = move || tables.duties_of(role_id).map(move |it| duty(tables, it));
+            Json::object([
+                ("name", role.name.as_str().into()),
+                ("seed", json!(role.seed).into()),
+                ("duties", Json::list(duties)),
+            ])
+        })
+    };
+    let mut fields = vec![
+        ("assembly", tables.assembly.as_str().into()),
+        ("faces", tables.faces.into()),
+        ("plate", json!(tables.plate).into()),
+        (
+            "phases",
+            Json::each(&tables.phases, |phase| json!(phase).into()),
+        ),
+        ("blocks", Json::list(blocks)),
+    ];
     if tables.bond != BondKind::default() {
-        value["bond"] = json!(tables.bond);
+        fields.push(("bond", json!(tables.bond).into()));
     }
     if let Some(size) = tables.aggregate {
-        value["aggregate"] = json!(size);
+        fields.push(("aggregate", size.into()));
     } else if tables.bond.is_passive() {
-        value["otherwise"] = json!({ "do": "reject", "face": "any other" });
+        let otherwise = json!({ "do": "reject", "face": "any other" });
+        fields.push(("otherwise", otherwise.into()));
     }
-    value
+    Json::object(fields)
+}
+
+fn duty<'a>(tables: &'a Tables, duty: Duty<'a>) -> Json<'a> {
+    let rules = move || {
+        duty.rules().enumerate().map(move |(place, rule)| {
+            let when = move |&when: &Condition| condition(tables, duty, place, when).into();
+            let when = Json::each(rule.when, when);
+            Json::object([("when", when), ("then", action(tables, rule.then).into())])
+        })
+    };
+    let trigger = match duty.trigger {
+        Trigger::Start => "start",
+        Trigger::Anchored => "anchored",
+    };
+    Json::object([
+        (
+            "phase",
+            tables.phases[duty.phase.0 as usize].name.as_str().into(),
+        ),
+        ("trigger", trigger.into()),
+        ("rules", Json::list(rules)),
+    ])
 }
 
 /// The verbs of a kind of bond: to capture, and to let go.
@@ -116,51 +128,70 @@ fn news(tables: &Tables, news: News) -> Value {
 /// The graph: `{ assembly, phases: [{ name, events: [{ id, event, kind, block, parent, face,
 /// after: [{ event, why }] }], longest_chain: [id] }] }`. Of the edges with `enough: n`, n are enough. A phase of blocks that are attached by hand has
 /// `planted: true` as well, here and in the tables, and no chain.
-pub fn graph_json(plan: &Plan, graph: &DependencyGraph, order: &Order, symbols: &Symbols) -> Value {
-    let phases: Vec<Value> = (plan.phases.iter().zip(&order.chains))
-        .map(|(phase, chain)| {
-            let events: Vec<Value> = plan
-                .events_of(phase)
-                .map(|id| {
-                    let event = plan.event(id);
-                    let (kind, parent, face) = match event.deed {
-                        Deed::Capture { parent, face } => (
-                            "capture",
-                            Some(plan.roles.name(parent, symbols)),
-                            Some(face),
-                        ),
-                        Deed::Release => ("release", None, None),
-                    };
-                    let after: Vec<Value> = waits(graph, id)
-                        .into_iter()
-                        .map(|(why, first)| {
-                            let mut edge = json!({ "event": first.0, "why": why.word() });
-                            if let Dependency::Face { needed, .. } = why
-                                && why.is_choice()
-                            {
-                                edge["enough"] = json!(needed);
-                            }
-                            edge
-                        })
-                        .collect();
-                    json!({
-                        "id": id.0,
-                        "event": plan.describe(id, symbols),
-                        "kind": kind,
-                        "block": plan.roles.name(event.role, symbols),
-                        "parent": parent,
-                        "face": face,
-                        "after": after,
-                    })
-                })
-                .collect();
-            let chain: Vec<u32> = chain.iter().map(|id| id.0).collect();
-            let mut value = json!({ "name": phase.name, "events": events, "longest_chain": chain });
+pub fn graph_json<'a>(
+    plan: &'a Plan,
+    graph: &'a DependencyGraph,
+    order: &'a Order,
+    symbols: &'a Symbols,
+) -> Json<'a> {
+    let phases = move || {
+        let phases = plan.phases.iter().zip(&order.chains);
+        phases.map(move |(phase, chain)| {
+            let events = move || {
+                plan.events_of(phase)
+                    .map(move |id| event(plan, graph, symbols, id))
+            };
+            let mut fields = vec![
+                ("name", phase.name.as_str().into()),
+                ("events", Json::list(events)),
+                ("longest_chain", Json::each(chain, |id| id.0.into())),
+            ];
             if phase.planted {
-                value["planted"] = json!(true);
+                fields.push(("planted", true.into()));
             }
-            value
+            Json::object(fields)
         })
-        .collect();
-    json!({ "assembly": plan.name, "phases": phases })
+    };
+    Json::object([
+        ("assembly", plan.name.as_str().into()),
+        ("phases", Json::list(phases)),
+    ])
+}
+
+fn event<'a>(
+    plan: &'a Plan,
+    graph: &'a DependencyGraph,
+    symbols: &'a Symbols,
+    id: EventId,
+) -> Json<'a> {
+    let event = plan.event(id);
+    let (kind, parent, face) = match event.deed {
+        Deed::Capture { parent, face } => (
+            "capture",
+            Some(plan.roles.name(parent, symbols)),
+            Some(face),
+        ),
+        Deed::Release => ("release", None, None),
+    };
+    let after = move || {
+        let waits = waits(graph, id).into_iter();
+        waits.map(|(why, first)| {
+            let mut edge = json!({ "event": first.0, "why": why.word() });
+            if let Dependency::Face { needed, .. } = why
+                && why.is_choice()
+            {
+                edge["enough"] = json!(needed);
+            }
+            edge.into()
+        })
+    };
+    Json::object([
+        ("id", id.0.into()),
+        ("event", plan.describe(id, symbols).into()),
+        ("kind", kind.into()),
+        ("block", plan.roles.name(event.role, symbols).into()),
+        ("parent", parent.into()),
+        ("face", json!(face).into()),
+        ("after", Json::list(after)),
+    ])
 }

@@ -1,107 +1,145 @@
 //! What stands at the end of each phase: as layers of text, as JSON and as a picture.
-use std::collections::BTreeMap;
-use std::fmt::Write as _;
+use std::fmt::{self, Display, Formatter, Write as _};
+use std::rc::Rc;
 
-use serde_json::{Value, json};
-use stochc_grammar::Symbols;
+use serde_json::json;
+use stochc_grammar::{Json, Symbols};
 
+use super::Text;
 use crate::Cell;
 use crate::layout::Layout;
-use crate::plan::{Deed, EventId, Plan};
+use crate::plan::{Deed, Plan};
+use crate::shape::MOST_CELLS;
 use crate::table::RoleId;
 
 /// A block of the structure.
+#[derive(Clone, Copy)]
 struct Standing {
+    cell: Cell,
     role: RoleId,
     /// The phase that captured it.
-    since: usize,
+    since: u32,
 }
 
-/// The blocks above the plate at the end of each phase, by cell.
-fn structures(plan: &Plan, layout: &Layout) -> Vec<BTreeMap<Cell, Standing>> {
-    let mut standing: BTreeMap<EventId, (Cell, Standing)> = BTreeMap::new();
-    let mut phases = Vec::new();
-    for (since, phase) in plan.phases.iter().enumerate() {
+/// The blocks above the plate at the end of one phase after the other, sorted by cell.
+fn structures<'a>(
+    plan: &'a Plan,
+    layout: &'a Layout,
+) -> impl Iterator<Item = Vec<Standing>> + use<'a> {
+    // Of each capture, the phase of a block that still stands.
+    let mut standing: Vec<Option<u32>> = vec![None; plan.events.len()];
+    plan.phases.iter().enumerate().map(move |(since, phase)| {
         let sound = || plan.events_of(phase).filter(|&id| plan.event(id).sound);
-        for id in sound() {
-            let event = plan.event(id);
-            if let (Deed::Capture { .. }, Some(cell)) = (event.deed, layout.cells[id.0 as usize]) {
-                let role = event.role;
-                standing.insert(id, (cell, Standing { role, since }));
+        for id in sound().map(|id| id.0 as usize) {
+            if let (Deed::Capture { .. }, Some(_)) = (plan.events[id].deed, layout.cells[id]) {
+                standing[id] = Some(since as u32);
             }
         }
         for id in sound().filter(|&id| plan.event(id).deed == Deed::Release) {
             if let Some(on) = layout.parents[id.0 as usize] {
-                standing.remove(&on.capture);
+                standing[on.capture.0 as usize] = None;
             }
         }
-        let blocks = standing.values();
-        phases.push(
-            blocks
-                .map(|(cell, block)| {
-                    let Standing { role, since } = *block;
-                    (*cell, Standing { role, since })
-                })
-                .collect(),
-        );
-    }
-    phases
+        let captures = standing.iter().zip(&plan.events).zip(&layout.cells);
+        let blocks = captures.filter_map(|((since, event), cell)| {
+            let (role, since, cell) = (event.role, (*since)?, (*cell)?);
+            Some(Standing { cell, role, since })
+        });
+        let mut blocks: Vec<Standing> = blocks.collect();
+        blocks.sort_by_key(|block| block.cell);
+        blocks
+    })
+}
+
+/// The block in a cell.
+fn find(blocks: &[Standing], cell: Cell) -> Option<&Standing> {
+    let at = blocks.binary_search_by_key(&cell, |block| block.cell);
+    at.ok().map(|at| &blocks[at])
 }
 
 /// The structure after each phase in the syntax of a `shape`, the cells in use only.
-pub fn structure_text(plan: &Plan, layout: &Layout) -> String {
-    let mut out = String::new();
+pub fn structure_text(plan: &Plan, layout: &Layout) -> impl Display {
+    Text(move |out: &mut Formatter<'_>| write_layers(out, plan, layout))
+}
+
+fn write_layers(out: &mut Formatter<'_>, plan: &Plan, layout: &Layout) -> fmt::Result {
     if plan.aggregate.is_some() {
-        return format!(
-            "// aggregate {}: chance decides what it looks like\n",
+        return writeln!(
+            out,
+            "// aggregate {}: chance decides what it looks like",
             plan.name
         );
     }
     for (phase, blocks) in plan.phases.iter().zip(structures(plan, layout)) {
         let bounds = |axis: fn(&Cell) -> i32| {
-            let values = || blocks.keys().map(axis);
+            let values = || blocks.iter().map(|block| axis(&block.cell));
             (values().min().unwrap_or(0), values().max().unwrap_or(0))
         };
         let ((west, east), (south, north)) = (bounds(|cell| cell.x), bounds(|cell| cell.y));
-        let heights = bounds(|cell| cell.z);
-        // Writing to a string cannot fail.
+        let (low, high) = bounds(|cell| cell.z);
+        let layers = low.max(1)..=high;
         let count = blocks.len();
         let plural = if count == 1 { "" } else { "s" };
-        let _ = writeln!(out, "// after phase {}: {count} block{plural}", phase.name);
-        let _ = writeln!(out, "shape {} at ({west}, {south}) {{", plan.name);
-        for z in heights.0.max(1)..=heights.1 {
-            let _ = writeln!(out, "    layer {z} {{");
+        writeln!(out, "// after phase {}: {count} block{plural}", phase.name)?;
+        let edges = [
+            (west, east),
+            (south, north),
+            (*layers.start(), *layers.end()),
+        ];
+        let edges = edges.map(|(first, last)| (i64::from(last) - i64::from(first) + 1).max(0));
+        let cells = edges.iter().map(|&edge| edge as u128).product::<u128>();
+        if cells > MOST_CELLS as u128 {
+            writeln!(
+                out,
+                "// {} x {} x {} cells are more than a shape may have; `--format json` lists the blocks",
+                edges[0], edges[1], edges[2]
+            )?;
+            continue;
+        }
+        writeln!(out, "shape {} at ({west}, {south}) {{", plan.name)?;
+        for z in layers {
+            writeln!(out, "    layer {z} {{")?;
             for y in (south..=north).rev() {
                 let row = (west..=east).map(|x| {
-                    let block = blocks.contains_key(&Cell::new(x, y, z));
-                    if block { "#" } else { "." }
+                    let block = find(&blocks, Cell::new(x, y, z));
+                    if block.is_some() { "#" } else { "." }
                 });
-                let _ = writeln!(out, "        {}", row.collect::<Vec<_>>().join(" "));
+                writeln!(out, "        {}", row.collect::<Vec<_>>().join(" "))?;
             }
-            out.push_str("    }\n");
+            out.write_str("    }\n")?;
         }
-        out.push_str("}\n");
+        out.write_str("}\n")?;
     }
-    out
+    Ok(())
 }
 
 /// `{ assembly, phases: [{ name, blocks: [{ name, cell, captured_in }] }] }`
-pub fn structure_json(plan: &Plan, layout: &Layout, symbols: &Symbols) -> Value {
-    let phases: Vec<Value> = (plan.phases.iter().zip(structures(plan, layout)))
-        .map(|(phase, blocks)| {
-            let blocks: Vec<Value> = (blocks.iter())
-                .map(|(cell, block)| {
-                    json!({
-                        "name": plan.roles.name(block.role, symbols),
-                        "cell": cell,
-                        "captured_in": plan.phases[block.since].name,
-                    })
-                })
-                .collect();
-            json!({ "name": phase.name, "blocks": blocks })
+pub fn structure_json<'a>(plan: &'a Plan, layout: &'a Layout, symbols: &'a Symbols) -> Json<'a> {
+    let block = move |block: Standing| {
+        Json::from(json!({
+            "name": plan.roles.name(block.role, symbols),
+            "cell": block.cell,
+            "captured_in": plan.phases[block.since as usize].name,
+        }))
+    };
+    let phases = move || {
+        let phases = plan.phases.iter().zip(structures(plan, layout));
+        phases.map(move |(phase, blocks)| {
+            let blocks = Rc::new(blocks);
+            let blocks = move || {
+                let blocks = blocks.clone();
+                (0..blocks.len()).map(move |i| block(blocks[i]))
+            };
+            Json::object([
+                ("name", phase.name.as_str().into()),
+                ("blocks", Json::list(blocks)),
+            ])
         })
-        .collect();
-    json!({ "assembly": plan.name, "phases": phases })
+    };
+    Json::object([
+        ("assembly", plan.name.as_str().into()),
+        ("phases", Json::list(phases)),
+    ])
 }
 
 /// Pixels along the edge of a cube.
@@ -112,18 +150,20 @@ const MOST_BLOCKS: usize = 20_000;
 /// A picture of each phase's end side by side, seen from the south-east; blocks that the phase has
 /// captured are lighter. `None`: too many blocks for a picture.
 pub fn structure_svg(plan: &Plan, layout: &Layout, symbols: &Symbols) -> Option<String> {
-    let phases = structures(plan, layout);
     let plate = plan.plate.width as usize * plan.plate.depth as usize;
-    let most = phases.iter().map(|blocks| blocks.len() + plate).max()?;
-    if most * phases.len() > MOST_BLOCKS {
+    let most = structures(plan, layout)
+        .map(|blocks| blocks.len() + plate)
+        .max()?;
+    if most.saturating_mul(plan.phases.len()) > MOST_BLOCKS {
         return None;
     }
+    let phases: Vec<_> = structures(plan, layout).collect();
     let ground: Vec<Cell> = (0..plan.plate.width as i32)
         .flat_map(|x| (0..plan.plate.depth as i32).map(move |y| Cell::new(x, y, 0)))
         .collect();
     let all = phases
         .iter()
-        .flat_map(|blocks| blocks.keys())
+        .flat_map(|blocks| blocks.iter().map(|block| &block.cell))
         .chain(&ground);
     let corners: Vec<(f64, f64)> = all.flat_map(|cell| outline(*cell)).collect();
     let bounds = |axis: fn(&(f64, f64)) -> f64| {
@@ -149,14 +189,15 @@ pub fn structure_svg(plan: &Plan, layout: &Layout, symbols: &Symbols) -> Option<
             "<g transform=\"translate({x:.1} {:.1})\">",
             EDGE / 2.0 - top
         );
-        let mut cells: Vec<Cell> = ground.iter().chain(blocks.keys()).copied().collect();
+        let standing = blocks.iter().map(|block| block.cell);
+        let mut cells: Vec<Cell> = ground.iter().copied().chain(standing).collect();
         // From the farthest to the nearest.
         cells.sort_by_key(|cell| (cell.x - cell.y + cell.z, cell.z));
         for cell in cells {
-            let block = blocks.get(&cell);
+            let block = find(blocks, cell);
             let colours = match block {
                 None => ["#d8d6cf", "#bfbcb3", "#aaa79e"],
-                Some(block) if block.since == number => ["#ffd9a0", "#f2b45c", "#d9913a"],
+                Some(block) if block.since as usize == number => ["#ffd9a0", "#f2b45c", "#d9913a"],
                 Some(_) => ["#a9c9e8", "#7ba6d0", "#5b88b5"],
             };
             cube(&mut out, cell, colours);

@@ -1,15 +1,19 @@
 //! Event tables as text: stable, sorted and made for comparing line by line.
-use std::fmt::Write as _;
+use std::fmt::{self, Display, Formatter, Write};
 
+use super::Text;
 use crate::scene::BondKind;
 use crate::table::{Action, Condition, Duty, News, PhaseId, RoleId, Rule, Tables, Trigger};
 
 /// The text form of event tables.
-pub fn table_text(tables: &Tables) -> String {
-    let mut out = String::new();
-    if let Some(size) = tables.aggregate {
-        return aggregate_text(tables, size);
-    }
+pub fn table_text(tables: &Tables) -> impl Display {
+    Text(move |out: &mut Formatter<'_>| match tables.aggregate {
+        Some(size) => write_aggregate(out, tables, size),
+        None => write_tables(out, tables),
+    })
+}
+
+fn write_tables(out: &mut Formatter<'_>, tables: &Tables) -> fmt::Result {
     let count = |noun: &str| match tables.faces {
         1 => format!("one {noun}"),
         n => format!("{n} {noun}s"),
@@ -19,76 +23,76 @@ pub fn table_text(tables: &Tables) -> String {
         BondKind::Suction => format!("blocks open {} at a time", count("valve")),
         BondKind::Reject => "every face always attracts".to_owned(),
     };
-    // Writing to a string cannot fail.
-    let _ = writeln!(out, "assembly {}", tables.assembly);
-    let _ = writeln!(
+    writeln!(out, "assembly {}", tables.assembly)?;
+    writeln!(
         out,
         "plate {} x {}, {bond}",
         tables.plate.width, tables.plate.depth
-    );
+    )?;
     if tables.bond.is_passive() {
-        let _ = writeln!(out, "otherwise: reject what docks on any other face");
+        writeln!(out, "otherwise: reject what docks on any other face")?;
     }
-    out.push('\n');
+    out.write_char('\n')?;
     for phase in &tables.phases {
         if phase.planted {
-            let _ = writeln!(
+            writeln!(
                 out,
                 "phase {}: attached by hand, before the first tick",
                 phase.name
-            );
+            )?;
             continue;
         }
         let plural = if phase.reports == 1 { "" } else { "s" };
-        let _ = write!(
+        write!(
             out,
             "phase {}: ends after {} report{plural}",
             phase.name, phase.reports
-        );
+        )?;
         match phase.timeout {
             Some(ticks) => {
-                let _ = writeln!(out, ", fails after {ticks} ticks");
+                writeln!(out, ", fails after {ticks} ticks")?;
             }
-            None => out.push('\n'),
+            None => out.write_char('\n')?,
         }
     }
     let mut role = None;
     for duty in tables.duties() {
         if role != Some(duty.role) {
             role = Some(duty.role);
-            let _ = write!(out, "\nblock {}", tables.name(duty.role));
+            write!(out, "\nblock {}", tables.name(duty.role))?;
             match tables.roles[duty.role.0 as usize].seed {
                 Some(cell) => {
-                    let _ = writeln!(out, ", seed at {cell}");
+                    writeln!(out, ", seed at {cell}")?;
                 }
-                None => out.push('\n'),
+                None => out.write_char('\n')?,
             }
         }
-        write_duty(tables, duty, &mut out);
+        write_duty(tables, duty, out)?;
     }
-    out
+    Ok(())
 }
 
 /// Blocks that only attract have nothing to know.
-fn aggregate_text(tables: &Tables, size: u32) -> String {
-    let mut out = format!(
+fn write_aggregate(out: &mut Formatter<'_>, tables: &Tables, size: u32) -> fmt::Result {
+    write!(
+        out,
         "aggregate {}\nno plate: every face always attracts, until {size} free blocks are bonded\n\n",
         tables.assembly
-    );
+    )?;
     for phase in &tables.phases {
-        let _ = write!(
+        write!(
             out,
             "phase {0}: ends when a group has {0} blocks",
             phase.name
-        );
+        )?;
         match phase.timeout {
             Some(ticks) => {
-                let _ = writeln!(out, ", fails after {ticks} ticks");
+                writeln!(out, ", fails after {ticks} ticks")?;
             }
-            None => out.push('\n'),
+            None => out.write_char('\n')?,
         }
     }
-    out
+    Ok(())
 }
 
 /// The part of the text form that one block holds, without its name; empty if it does nothing.
@@ -97,24 +101,25 @@ pub fn duties_text(tables: &Tables, role: RoleId) -> String {
     for phase in (0..tables.phases.len() as u32).map(PhaseId) {
         for trigger in [Trigger::Start, Trigger::Anchored] {
             if let Some(duty) = tables.duty(role, phase, trigger) {
-                write_duty(tables, duty, &mut out);
+                // Writing to a string cannot fail.
+                let _ = write_duty(tables, duty, &mut out);
             }
         }
     }
     out
 }
 
-fn write_duty(tables: &Tables, duty: Duty<'_>, out: &mut String) {
+fn write_duty(tables: &Tables, duty: Duty<'_>, out: &mut impl Write) -> fmt::Result {
     let phase = &tables.phases[duty.phase.0 as usize].name;
     let trigger = match duty.trigger {
         Trigger::Start => "at the start of",
         Trigger::Anchored => "when anchored in",
     };
-    // Writing to a string cannot fail.
-    let _ = writeln!(out, "    {trigger} {phase}");
+    writeln!(out, "    {trigger} {phase}")?;
     for (place, rule) in duty.rules().enumerate() {
-        let _ = writeln!(out, "        {}", rule_text(tables, duty, place, rule));
+        writeln!(out, "        {}", rule_text(tables, duty, place, rule))?;
     }
+    Ok(())
 }
 
 fn rule_text(tables: &Tables, duty: Duty<'_>, place: usize, rule: Rule<'_>) -> String {

@@ -28,6 +28,7 @@ impl<'a> Expander<'a, '_> {
         instance: &'a Instance,
         (file, pattern): (FileId, &'a Pattern),
     ) -> Vec<Value> {
+        self.steps = self.steps.saturating_add(instance.arguments.len());
         let mut values: Vec<Value> = (instance.arguments.iter())
             .map(|argument| self.argument(argument))
             .collect();
@@ -114,7 +115,8 @@ impl<'a> Expander<'a, '_> {
                         index: [0; Key::MAX_INDICES],
                     }));
                     if let Value::Block(key) = value {
-                        self.probe.note_span(self.file, expr.span, &[key]);
+                        self.probe
+                            .note_span(self.file, expr.span, [key].into_iter());
                     }
                     return value;
                 }
@@ -124,10 +126,11 @@ impl<'a> Expander<'a, '_> {
     }
 
     fn single_block(&mut self, place: &'a Place) -> Value {
-        let key = self
-            .single(place)
-            .map(|(role, _)| self.plan.roles.key(role));
-        key.map_or(Value::Unknown, Value::Block)
+        let Some((key, _)) = self.single(place) else {
+            return Value::Unknown;
+        };
+        self.role(key);
+        Value::Block(key)
     }
 
     /// Tells of an argument of the wrong kind.

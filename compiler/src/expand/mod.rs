@@ -17,8 +17,8 @@ use stochc_grammar::tree::{
 use stochc_grammar::{Span, Symbol, Symbols};
 
 use crate::finding::{Code, Finding, Fix, LONG, MOST_FINDINGS, removal, tell};
-use crate::plan::{Plan, PlanPhase, Roles, Timeout};
-use crate::table::Plate;
+use crate::plan::{After, Event, EventId, Key, Plan, PlanPhase, Roles, Timeout};
+use crate::table::{Plate, RoleId};
 use crate::{FileId, Site, Sources};
 pub use probe::Probe;
 use scope::{Scope, Value};
@@ -43,6 +43,10 @@ impl Default for Limits {
         }
     }
 }
+
+/// A program with more than one in so many of the events that are allowed is counted before it is
+/// written out, so that one beyond all limits takes no memory.
+const UNCOUNTED: usize = 50;
 
 /// Loops, instances and blocks inside each other, at most.
 pub const MAX_NESTING: usize = 200;
@@ -89,17 +93,36 @@ pub fn expand_probed<'a>(
     findings: &mut Vec<Finding>,
     probe: &mut Probe,
 ) -> (Plan, FxHashMap<Symbol, (FileId, &'a Shape)>) {
-    let mut expander = Expander::new(
-        declarations,
-        (file, assembly.name),
-        sources,
-        symbols,
-        limits,
-        findings,
-        probe,
-    );
-    expander.assembly(assembly);
-    (expander.plan, expander.shapes)
+    let mut attempt = |limits: Limits, pass: Pass, probe: &mut Probe| {
+        let mut told = Vec::new();
+        let mut expander = Expander::new(
+            declarations,
+            (file, assembly.name),
+            sources,
+            symbols,
+            limits,
+            &mut told,
+            probe,
+        );
+        expander.pass = pass;
+        expander.assembly(assembly);
+        let (plan, shapes, outgrown) = (expander.plan, expander.shapes, expander.outgrown);
+        (plan, shapes, outgrown, told)
+    };
+    let few = Limits {
+        events: limits.events / UNCOUNTED,
+        ..limits
+    };
+    let (mut plan, mut shapes, outgrown, mut told) = attempt(few, Pass::Writing, probe);
+    if outgrown {
+        (plan, shapes, _, told) = attempt(limits, Pass::Counting, &mut Probe::default());
+        let is_limit = |finding: &Finding| finding.code == Code::ExpansionLimit;
+        if !told.iter().any(is_limit) {
+            (plan, shapes, _, told) = attempt(limits, Pass::Writing, probe);
+        }
+    }
+    findings.append(&mut told);
+    (plan, shapes)
 }
 
 /// The sizes that an aggregate reaches, as phases of a program without a plate.
@@ -122,6 +145,43 @@ pub fn expand_aggregate(
     );
     expander.aggregate(aggregate);
     expander.plan
+}
+
+/// What is done with the events that a program is written out to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Pass {
+    /// They are kept, with all names.
+    Writing,
+    /// Only their number is.
+    Counting,
+}
+
+/// How much a program has grown by being written out.
+#[derive(Clone, Copy, Debug, Default)]
+struct Grown {
+    seeds: usize,
+    events: usize,
+    afters: usize,
+    instances: usize,
+    phases: usize,
+    claims: usize,
+}
+
+impl Grown {
+    /// The most of anything.
+    fn most(self) -> usize {
+        let Grown {
+            seeds,
+            events,
+            afters,
+            instances,
+            phases,
+            claims,
+        } = self;
+        [seeds, events, afters, instances, phases, claims]
+            .into_iter()
+            .fold(0, usize::max)
+    }
 }
 
 /// The two passes through a seed plate: seeds have the first numbers.
@@ -154,8 +214,12 @@ struct Expander<'a, 'f> {
     nesting: usize,
     steps: usize,
     limits: Limits,
+    pass: Pass,
+    grown: Grown,
     /// A limit has been reached: nothing more is written out.
     exhausted: bool,
+    /// It was that of [`Limits::events`].
+    outgrown: bool,
     plate: Option<Site>,
     phase_sites: FxHashMap<String, Site>,
     in_phase: bool,
@@ -206,7 +270,10 @@ impl<'a, 'f> Expander<'a, 'f> {
             nesting: 0,
             steps: 0,
             limits,
+            pass: Pass::Writing,
+            grown: Grown::default(),
             exhausted: false,
+            outgrown: false,
             plate: None,
             phase_sites: FxHashMap::default(),
             in_phase: false,
@@ -308,11 +375,8 @@ impl<'a> Expander<'a, '_> {
     fn step(&mut self, span: Span) -> bool {
         self.steps += 1;
         let most = self.limits;
-        let plan = &self.plan;
         // What is written out beside the events takes memory as well.
-        let grown = (plan.events.len().max(plan.afters.len()))
-            .max(plan.roles.count())
-            .max(self.anonymous as usize);
+        let grown = self.grown.most().max(self.plan.roles.count());
         let told = self.findings.len();
         if self.steps <= most.steps && grown <= most.events && told < MOST_FINDINGS {
             return true;
@@ -330,6 +394,7 @@ impl<'a> Expander<'a, '_> {
         let (count, what) = if self.steps > most.steps {
             (most.steps, "statements")
         } else {
+            self.outgrown = true;
             (most.events, "blocks, captures and releases")
         };
         let mut finding = Finding::new(
@@ -368,6 +433,7 @@ impl<'a> Expander<'a, '_> {
             ItemKind::Phase(phase) => self.phase(phase, item),
             ItemKind::Yields(name) => {
                 let site = self.site(name.span);
+                self.grown.claims += 1;
                 if let Some(phase) = self.plan.phases.last_mut() {
                     phase.claims.push((name.symbol, site));
                 }
@@ -418,10 +484,12 @@ impl<'a> Expander<'a, '_> {
         if let Some(&old) = self.phase_sites.get(&name) {
             self.findings.push(duplicate(&name, old, site, "a phase"));
         }
-        self.phase_sites.insert(name.clone(), site);
+        if self.pass == Pass::Writing {
+            self.phase_sites.insert(name.clone(), site);
+        }
         let timeout = self.timeout(phase.timeout.as_ref());
-        let start = self.plan.events.len() as u32;
-        self.plan.phases.push(PlanPhase {
+        let start = self.grown.events as u32;
+        self.push_phase(PlanPhase {
             name,
             site,
             timeout,
@@ -435,7 +503,7 @@ impl<'a> Expander<'a, '_> {
         self.items(&phase.body);
         self.seeding = seeding;
         self.in_phase = false;
-        let end = self.plan.events.len() as u32;
+        let end = self.grown.events as u32;
         if let Some(planned) = self.plan.phases.last_mut() {
             planned.events.end = end;
             if start == end && planned.claims.is_empty() {
@@ -448,6 +516,46 @@ impl<'a> Expander<'a, '_> {
                 }
                 self.findings.push(finding);
             }
+        }
+    }
+
+    /// The role of a name.
+    fn role(&mut self, key: Key) -> RoleId {
+        match self.pass {
+            Pass::Writing => self.plan.roles.intern(key),
+            Pass::Counting => RoleId(0),
+        }
+    }
+
+    /// The scope of an instance.
+    fn instance_of(&mut self, key: Key) -> u32 {
+        self.grown.instances += 1;
+        match self.pass {
+            Pass::Writing => self.plan.roles.intern_scope(key),
+            Pass::Counting => key.scope,
+        }
+    }
+
+    fn push_event(&mut self, event: Event) -> EventId {
+        let id = EventId(self.grown.events as u32);
+        self.grown.events += 1;
+        if self.pass == Pass::Writing {
+            self.plan.events.push(event);
+        }
+        id
+    }
+
+    fn push_after(&mut self, after: After) {
+        self.grown.afters += 1;
+        if self.pass == Pass::Writing {
+            self.plan.afters.push(after);
+        }
+    }
+
+    fn push_phase(&mut self, phase: PlanPhase) {
+        self.grown.phases += 1;
+        if self.pass == Pass::Writing {
+            self.plan.phases.push(phase);
         }
     }
 

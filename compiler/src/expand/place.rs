@@ -1,25 +1,65 @@
 //! Names of blocks: paths with indices and ranges.
-use smallvec::SmallVec;
 use stochc_grammar::Face;
 use stochc_grammar::tree::{Entry, Place, Segment};
 
-use super::Expander;
 use super::scope::Value;
 use super::uses::Kind;
+use super::{Expander, Pass};
 use crate::finding::{Code, Finding};
 use crate::members::members;
 use crate::plan::Key;
 use crate::suggest::{Suggestion, nearest};
-use crate::table::RoleId;
 
 /// A place, worked out.
 pub struct Blocks {
-    /// The blocks it names, the last index running fastest.
-    pub keys: SmallVec<[Key; 1]>,
+    /// The blocks it names.
+    pub keys: Keys,
     /// Whether one of its indices is a range.
     pub ranged: bool,
     /// The face behind it.
     pub face: Option<Face>,
+}
+
+/// Names that differ in their indices, worked out one by one: there may be millions.
+#[derive(Clone, Copy)]
+pub struct Keys {
+    key: Key,
+    /// The first and the last of each index.
+    bounds: [(i32, i32); Key::MAX_INDICES],
+    count: usize,
+}
+
+impl Keys {
+    /// A single name.
+    fn one(key: Key) -> Keys {
+        Keys {
+            key,
+            bounds: key.index.map(|index| (index, index)),
+            count: 1,
+        }
+    }
+
+    /// The names, the last index running fastest.
+    pub fn iter(self) -> impl Iterator<Item = Key> {
+        let Keys {
+            mut key,
+            bounds,
+            count,
+        } = self;
+        (0..count as u64).map(move |mut rest| {
+            let indices = key.index.iter_mut().zip(bounds);
+            for (index, (first, last)) in indices.take(key.arity.into()).rev() {
+                let span = (i64::from(last) - i64::from(first) + 1) as u64;
+                *index = first + (rest % span) as i32;
+                rest /= span;
+            }
+            key
+        })
+    }
+
+    fn first(self) -> Option<Key> {
+        self.iter().next()
+    }
 }
 
 impl Expander<'_, '_> {
@@ -49,14 +89,14 @@ impl Expander<'_, '_> {
             && let Some(value) = self.scope.get(last.name.symbol)
         {
             let keys = match value {
-                Value::Block(key) if last.index.is_none() => SmallVec::from_elem(key, 1),
+                Value::Block(key) if last.index.is_none() => Keys::one(key),
                 Value::Unknown => return None,
                 value => {
                     self.wrong_kind(last.name.symbol, value, Kind::Block, last.name.span);
                     return None;
                 }
             };
-            self.probe.note(self.file, place, &keys);
+            self.probe.note(self.file, place, keys.iter());
             return Some(Blocks {
                 keys,
                 ranged: false,
@@ -64,12 +104,12 @@ impl Expander<'_, '_> {
             });
         }
         let (keys, ranged) = self.keys(scope, last)?;
-        self.probe.note(self.file, place, &keys);
+        self.probe.note(self.file, place, keys.iter());
         Some(Blocks { keys, ranged, face })
     }
 
     /// A place that names exactly one block, with its face if it has one.
-    pub fn single(&mut self, place: &Place) -> Option<(RoleId, Option<Face>)> {
+    pub fn single(&mut self, place: &Place) -> Option<(Key, Option<Face>)> {
         let blocks = self.place(place)?;
         if blocks.ranged {
             self.findings.push(
@@ -79,8 +119,7 @@ impl Expander<'_, '_> {
             );
             return None;
         }
-        let role = self.plan.roles.intern(*blocks.keys.first()?);
-        Some((role, blocks.face))
+        Some((blocks.keys.first()?, blocks.face))
     }
 
     /// A place used as the name of something new in the current scope.
@@ -105,14 +144,18 @@ impl Expander<'_, '_> {
             );
             return None;
         }
-        keys.first().copied()
+        keys.first()
     }
 
     /// The inside of a named instance, of which `next` is spoken.
     fn instance_scope(&mut self, scope: u32, segment: &Segment, next: &Segment) -> Option<u32> {
         let (keys, ranged) = self.keys(scope, segment)?;
-        let key = *keys.first()?;
-        let found = self.plan.roles.scope(&key);
+        let key = keys.first()?;
+        // Nothing is known of what has only been counted.
+        let found = match self.pass {
+            Pass::Writing => self.plan.roles.scope(&key),
+            Pass::Counting => Some(scope),
+        };
         if let (Some(inside), false) = (found, ranged) {
             return Some(inside);
         }
@@ -179,7 +222,7 @@ impl Expander<'_, '_> {
     }
 
     /// The names that a segment stands for.
-    fn keys(&mut self, scope: u32, segment: &Segment) -> Option<(SmallVec<[Key; 1]>, bool)> {
+    fn keys(&mut self, scope: u32, segment: &Segment) -> Option<(Keys, bool)> {
         let mut key = Key {
             scope,
             word: segment.name.symbol,
@@ -187,7 +230,7 @@ impl Expander<'_, '_> {
             index: [0; Key::MAX_INDICES],
         };
         let Some(entries) = segment.index.as_deref() else {
-            return Some((SmallVec::from_elem(key, 1), false));
+            return Some((Keys::one(key), false));
         };
         if entries.len() > Key::MAX_INDICES {
             self.findings.push(
@@ -215,14 +258,16 @@ impl Expander<'_, '_> {
                 }
             };
         }
-        let bounds = &bounds[..entries.len()];
-        let count = bounds.iter().try_fold(1usize, |product, &(first, last)| {
-            let span = usize::try_from(i64::from(last) - i64::from(first) + 1).unwrap_or(0);
-            product.checked_mul(span)
-        });
+        let count = bounds[..entries.len()]
+            .iter()
+            .try_fold(1usize, |product, &(first, last)| {
+                let span = usize::try_from(i64::from(last) - i64::from(first) + 1).unwrap_or(0);
+                product.checked_mul(span)
+            });
         let room = self.limits.events;
         let Some(count) = count.filter(|&count| count <= room) else {
             self.exhausted = true;
+            self.outgrown = true;
             self.findings.push(
                 Finding::new(
                     Code::ExpansionLimit,
@@ -236,16 +281,7 @@ impl Expander<'_, '_> {
         if ranged {
             self.steps = self.steps.saturating_add(count);
         }
-        let mut keys = SmallVec::with_capacity(count);
-        for number in 0..count as u64 {
-            let mut rest = number;
-            for (i, &(first, last)) in bounds.iter().enumerate().rev() {
-                let span = (i64::from(last) - i64::from(first) + 1) as u64;
-                key.index[i] = first + (rest % span) as i32;
-                rest /= span;
-            }
-            keys.push(key);
-        }
+        let keys = Keys { key, bounds, count };
         Some((keys, ranged))
     }
 

@@ -19,7 +19,7 @@ const MOST_KEYS: usize = 64;
 
 impl Probe {
     /// Notes the blocks of a place if it is the one in question.
-    pub fn note(&mut self, file: FileId, place: &Place, keys: &[Key]) {
+    pub fn note(&mut self, file: FileId, place: &Place, keys: impl Iterator<Item = Key>) {
         // The instances before the last name are other things.
         let last = place.path.last();
         let start = last.map_or(place.span.start, |segment| segment.name.span.start);
@@ -27,14 +27,17 @@ impl Probe {
     }
 
     /// Notes the blocks of a part of the text.
-    pub fn note_span(&mut self, file: FileId, span: Span, keys: &[Key]) {
+    pub fn note_span(&mut self, file: FileId, span: Span, keys: impl Iterator<Item = Key>) {
         let Some((probed, at)) = self.at else { return };
         if probed != file || !(span.start..=span.end).contains(&at) {
             return;
         }
         for key in keys {
-            if self.keys.len() < MOST_KEYS && !self.keys.contains(key) {
-                self.keys.push(*key);
+            if self.keys.len() == MOST_KEYS {
+                break;
+            }
+            if !self.keys.contains(&key) {
+                self.keys.push(key);
             }
         }
     }

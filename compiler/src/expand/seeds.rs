@@ -2,7 +2,7 @@
 use stochc_grammar::Span;
 use stochc_grammar::tree::{Expr, Item, ItemKind, Seat};
 
-use super::{Expander, Seeding, duplicate};
+use super::{Expander, Pass, Seeding, duplicate};
 use crate::finding::{Code, Finding};
 use crate::plan::{PlanPhase, Seed};
 use crate::table::{PLANTED, Plate};
@@ -65,19 +65,19 @@ impl<'a> Expander<'a, '_> {
 
     /// What is attached by hand, as a phase before the first.
     fn planted(&mut self, seed: &'a stochc_grammar::tree::Seed, site: Site) {
-        let start = self.plan.events.len() as u32;
+        let start = self.grown.events;
         self.in_phase = true;
         self.items(&seed.body);
         self.in_phase = false;
-        let end = self.plan.events.len() as u32;
+        let end = self.grown.events;
         if start == end {
             return;
         }
-        self.plan.phases.push(PlanPhase {
+        self.push_phase(PlanPhase {
             name: PLANTED.to_owned(),
             site,
             timeout: None,
-            events: start..end,
+            events: start as u32..end as u32,
             planted: true,
             claims: Vec::new(),
         });
@@ -105,7 +105,7 @@ impl<'a> Expander<'a, '_> {
         let (Some(key), Some(x), Some(y)) = (key, x, y) else {
             return;
         };
-        self.probe.note(self.file, &seat.place, &[key]);
+        self.probe.note(self.file, &seat.place, [key].into_iter());
         let Plate { width, depth } = self.plan.plate;
         // A seed outside of a plate, which has been told of.
         if width == 0 {
@@ -130,7 +130,11 @@ impl<'a> Expander<'a, '_> {
         // A seed beside the plate is known all the same: its captures are no further mistakes.
         let near = |value: i64| value.clamp(-MAX_EDGE, MAX_EDGE) as i32;
         let cell = Cell::new(near(x), near(y), 0);
-        let role = self.plan.roles.intern(key);
+        self.grown.seeds += 1;
+        if self.pass == Pass::Counting {
+            return;
+        }
+        let role = self.role(key);
         // Seeds are interned first, so a new one has the next number.
         if (role.0 as usize) < self.plan.seeds.len() {
             let old = self.plan.seeds[role.0 as usize].site;

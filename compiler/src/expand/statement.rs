@@ -1,9 +1,9 @@
 //! Captures, releases, loops and instances.
 use stochc_grammar::tree::{Arrow, Chain, For, Instance, Place, Release, Subject};
-use stochc_grammar::{Face, Span};
+use stochc_grammar::{Face, Span, Symbol};
 
-use super::Expander;
 use super::scope::Value;
+use super::{Expander, Pass};
 use crate::Site;
 use crate::finding::{Code, Finding, Fix};
 use crate::plan::{After, Deed, Event, EventId, Key};
@@ -13,9 +13,9 @@ use crate::table::RoleId;
 impl<'a> Expander<'a, '_> {
     /// Captures, one after the other.
     pub fn chain(&mut self, chain: &'a Chain) {
-        let first = EventId(self.plan.events.len() as u32);
+        let first = self.grown.events;
         let head = self.single(&chain.head);
-        let mut parent = head.map(|(role, _)| role);
+        let mut parent = head.map(|(key, _)| self.role(key));
         let mut face = head.and_then(|(_, face)| face);
         let mut parent_place = &chain.head;
         for link in &chain.links {
@@ -27,10 +27,11 @@ impl<'a> Expander<'a, '_> {
                 Arrow::One => {
                     let child = self.single(&link.place);
                     let used = self.face(parent, face, parent_place);
-                    if let (Some(parent), Some(face), Some((child, _))) = (parent, used, child) {
+                    let role = child.map(|(key, _)| self.role(key));
+                    if let (Some(parent), Some(face), Some(child)) = (parent, used, role) {
                         self.capture(parent, face, child, site);
                     }
-                    parent = child.map(|(role, _)| role);
+                    parent = role;
                     face = child.and_then(|(_, face)| face);
                 }
                 Arrow::Row => {
@@ -48,8 +49,8 @@ impl<'a> Expander<'a, '_> {
                         self.findings.push(finding);
                     }
                     let used = self.face(parent, face, parent_place);
-                    for key in blocks.keys {
-                        let child = self.plan.roles.intern(key);
+                    for key in blocks.keys.iter() {
+                        let child = self.role(key);
                         if let (Some(parent), Some(face)) = (parent, used) {
                             self.capture(parent, face, child, site);
                         }
@@ -78,8 +79,8 @@ impl<'a> Expander<'a, '_> {
             }
             self.findings.push(finding);
         }
-        if (first.0 as usize) < self.plan.events.len() {
-            self.after(first, &chain.after);
+        if first < self.grown.events {
+            self.after(EventId(first as u32), &chain.after);
         }
     }
 
@@ -117,7 +118,7 @@ impl<'a> Expander<'a, '_> {
     }
 
     fn capture(&mut self, parent: RoleId, face: Face, role: RoleId, site: Site) {
-        self.plan.events.push(Event {
+        self.push_event(Event {
             deed: Deed::Capture { parent, face },
             role,
             site,
@@ -137,9 +138,9 @@ impl<'a> Expander<'a, '_> {
             let Some(blocks) = self.place(&subject.place) else {
                 continue;
             };
-            for key in blocks.keys {
-                let role = self.plan.roles.intern(key);
-                self.plan.afters.push(After {
+            for key in blocks.keys.iter() {
+                let role = self.role(key);
+                self.push_after(After {
                     event,
                     role,
                     release: subject.release,
@@ -159,10 +160,9 @@ impl<'a> Expander<'a, '_> {
             let Some(blocks) = self.place(place) else {
                 continue;
             };
-            for key in blocks.keys {
-                let role = self.plan.roles.intern(key);
-                let event = EventId(self.plan.events.len() as u32);
-                self.plan.events.push(Event {
+            for key in blocks.keys.iter() {
+                let role = self.role(key);
+                let event = self.push_event(Event {
                     deed: Deed::Release,
                     role,
                     site,
@@ -244,19 +244,15 @@ impl<'a> Expander<'a, '_> {
             Some(alias) => self.single_key(alias),
             None => {
                 self.anonymous += 1;
-                let text = format!("{}#{}", self.symbols.word(name), self.anonymous);
-                Some(Key {
-                    scope: self.scope.instance,
-                    word: self.symbols.intern(&text),
-                    arity: 0,
-                    index: [0; Key::MAX_INDICES],
-                })
+                Some(self.anonymous_key(name))
             }
         };
         let Some(key) = key else { return };
-        let inside = self.plan.roles.intern_scope(key);
-        let is_doubtful = values.contains(&Value::Unknown);
-        self.note_instance(inside, instance, span, (file, pattern), is_doubtful);
+        let inside = self.instance_of(key);
+        if self.pass == Pass::Writing {
+            let is_doubtful = values.contains(&Value::Unknown);
+            self.note_instance(inside, instance, span, (file, pattern), is_doubtful);
+        }
         let mark = self.scope.enter_instance(inside);
         let outer_file = std::mem::replace(&mut self.file, file);
         // Of what is around it, a pattern sees the numbers of the assembly.
@@ -272,6 +268,23 @@ impl<'a> Expander<'a, '_> {
         self.blocks.extend(outer_blocks);
         self.file = outer_file;
         self.scope.restore(mark);
+    }
+
+    /// The name of an instance that the program gives none.
+    fn anonymous_key(&mut self, pattern: Symbol) -> Key {
+        let word = match self.pass {
+            Pass::Writing => {
+                let text = format!("{}#{}", self.symbols.word(pattern), self.anonymous);
+                self.symbols.intern(&text)
+            }
+            Pass::Counting => pattern,
+        };
+        Key {
+            scope: self.scope.instance,
+            word,
+            arity: 0,
+            index: [0; Key::MAX_INDICES],
+        }
     }
 
     fn recursion(&mut self, depth: usize, site: Site) {

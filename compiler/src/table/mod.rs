@@ -323,6 +323,13 @@ impl Tables {
         (0..self.duties.len()).map(|i| self.duty_at(i))
     }
 
+    /// The duties of one role, sorted by (phase, trigger).
+    pub fn duties_of(&self, role: RoleId) -> impl ExactSizeIterator<Item = Duty<'_>> {
+        let start = self.duties.partition_point(|row| row.role < role);
+        let end = self.duties.partition_point(|row| row.role <= role);
+        (start..end).map(|i| self.duty_at(i))
+    }
+
     fn duty_at(&self, i: usize) -> Duty<'_> {
         let row = self.duties[i];
         let end = self

@@ -7,6 +7,7 @@ use super::super::trade::{self as command, threads};
 use super::{Options, Ready, usage};
 use crate::cli::Exit;
 use crate::ensemble::{Display, Manifest};
+use crate::files::read_file;
 use crate::trade::{Extent, FINEST, Setup, Trade, choose, known, note, percent};
 
 /// Puts the cheapest setting that is accurate enough into a manifest.
@@ -99,7 +100,7 @@ fn read(path: &Path) -> Result<Trade, Exit> {
     };
     let shown = file.display();
     let bytes =
-        std::fs::read(&file).map_err(|error| usage(&format!("cannot read `{shown}`: {error}")))?;
+        read_file(&file).map_err(|error| usage(&format!("cannot read `{shown}`: {error}")))?;
     let text = String::from_utf8_lossy(&bytes);
     Trade::from_json(&text).map_err(|reason| usage(&format!("`{shown}`: {reason}")))
 }

@@ -9,6 +9,7 @@ use super::{Options, Ready, swept, tell_of_build, usage};
 use crate::cli::Exit;
 use crate::ensemble::{FORMAT, Manifest, Program, Source, this_build};
 use crate::files::programs::refusal;
+use crate::files::read_file;
 use crate::findings::drawn;
 
 /// The setting of a manifest that holds the solver's iterations.
@@ -113,7 +114,7 @@ fn accept(file: &str, checked: Checked) -> Result<Vec<(Program, Ready)>, Exit> {
 fn from_manifest(path: &std::path::Path, levels: &Levels) -> Result<(Manifest, Vec<Ready>), Exit> {
     let shown = path.display();
     let bytes =
-        std::fs::read(path).map_err(|error| usage(&format!("cannot read `{shown}`: {error}")))?;
+        read_file(path).map_err(|error| usage(&format!("cannot read `{shown}`: {error}")))?;
     let text = String::from_utf8_lossy(&bytes);
     let mut manifest =
         Manifest::from_json(&text).map_err(|reason| usage(&format!("`{shown}`: {reason}")))?;

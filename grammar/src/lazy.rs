@@ -1,0 +1,72 @@
+//! JSON that comes into being while it is written.
+use std::fmt;
+
+use serde::{Serialize, Serializer};
+use serde_json::Value;
+
+/// A JSON value whose lists are made element by element, whenever it is written: of a document of
+/// gigabytes only one element is there at a time.
+///
+/// Fields are sorted by name, as those of [`Value`] are. `{:#}` shows it with indentation, and
+/// [`serde_json::to_writer_pretty`] writes the same to a stream.
+pub enum Json<'a> {
+    /// A small value.
+    Value(Value),
+    /// Fields, sorted by name.
+    Object(Vec<(&'static str, Json<'a>)>),
+    /// What makes the elements.
+    List(Box<MakeElements<'a>>),
+}
+
+/// Begins a list anew.
+type MakeElements<'a> = dyn Fn() -> Box<dyn Iterator<Item = Json<'a>> + 'a> + 'a;
+
+impl<'a> Json<'a> {
+    /// An object.
+    pub fn object(fields: impl IntoIterator<Item = (&'static str, Json<'a>)>) -> Json<'a> {
+        let mut fields: Vec<_> = fields.into_iter().collect();
+        fields.sort_unstable_by_key(|&(name, _)| name);
+        Json::Object(fields)
+    }
+
+    /// A list of what an iterator gives, which is begun anew each time that the list is written.
+    pub fn list<I>(elements: impl Fn() -> I + 'a) -> Json<'a>
+    where
+        I: Iterator<Item = Json<'a>> + 'a,
+    {
+        Json::List(Box::new(move || Box::new(elements())))
+    }
+
+    /// A list with an element for each of `items`.
+    pub fn each<T>(items: &'a [T], element: impl Fn(&'a T) -> Json<'a> + Copy + 'a) -> Json<'a> {
+        Json::list(move || items.iter().map(element))
+    }
+}
+
+impl<T: Into<Value>> From<T> for Json<'_> {
+    fn from(value: T) -> Self {
+        Json::Value(value.into())
+    }
+}
+
+impl Serialize for Json<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Json::Value(value) => value.serialize(serializer),
+            Json::Object(fields) => {
+                serializer.collect_map(fields.iter().map(|(name, field)| (name, field)))
+            }
+            Json::List(elements) => serializer.collect_seq(elements()),
+        }
+    }
+}
+
+impl fmt::Display for Json<'_> {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let text = match out.alternate() {
+            true => serde_json::to_string_pretty(self),
+            false => serde_json::to_string(self),
+        };
+        out.write_str(&text.map_err(|_| fmt::Error)?)
+    }
+}

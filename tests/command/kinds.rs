@@ -1,0 +1,124 @@
+//! Pipes, sockets, devices and folders in the place of files: nobody waits for them, or reads them
+//! without end.
+use std::fs;
+use std::os::unix::fs::symlink;
+use std::os::unix::net::UnixListener;
+use std::path::Path;
+use std::process::Command;
+
+use crate::stochc::{Said, path, stochc, stochc_with};
+
+fn pipe(path: &str) {
+    let made = Command::new("mkfifo").arg(path).status().unwrap();
+    assert!(made.success());
+}
+
+fn refused(said: &Said, status: i32, what: &str) {
+    let told = said.err.contains("it is no ordinary file") || said.err.contains("it is a folder");
+    assert!(told, "{what}: {}{}", said.out, said.err);
+    assert_eq!(said.status, status, "{what}: {}", said.err);
+    // `report` takes its name from what it reads.
+    assert!(said.out.is_empty(), "{what}: {}", said.out);
+}
+
+#[test]
+fn only_ordinary_files_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = |name: &str| path(folder.path(), name);
+    pipe(&here("pipe"));
+    let _socket = UnixListener::bind(here("socket")).unwrap();
+    symlink("/dev/zero", here("device")).unwrap();
+    symlink("pipe", here("link")).unwrap();
+    fs::create_dir(here("folder")).unwrap();
+    let tower = fs::canonicalize("tests/fixtures/tower.sa").unwrap();
+    symlink(&tower, here("tower.sa")).unwrap();
+    for name in ["pipe", "socket", "device", "link", "folder"] {
+        let file = here(name);
+        for line in [
+            "check",
+            "check --fix",
+            "compile",
+            "simulate",
+            "simulate --manifest",
+        ] {
+            refused(&stochc_with(line, &[&file]), 2, &format!("{line} {name}"));
+        }
+        if name != "folder" {
+            for line in [
+                "fmt",
+                "fmt --check",
+                "simulate --quiet --runs 1 --model shuffle tests/fixtures/tower.sa --trade",
+            ] {
+                refused(&stochc_with(line, &[&file]), 2, &format!("{line} {name}"));
+            }
+        }
+        let importing = here("importing.sa");
+        fs::write(
+            &importing,
+            format!("import \"{name}\"\nimport \"tower.sa\"\n"),
+        )
+        .unwrap();
+        refused(&stochc_with("check", &[&importing]), 1, name);
+    }
+    // A link to an ordinary file is one.
+    let said = stochc_with("check", &[&here("tower.sa")]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    for device in ["/dev/zero", "/dev/null", "/dev/tty"] {
+        let said = stochc(&format!("check {device}"));
+        assert_eq!(said.status, 2, "{device}: {}", said.err);
+    }
+}
+
+#[test]
+fn only_ordinary_files_belong_to_a_folder_of_results() {
+    let folder = tempfile::tempdir().unwrap();
+    let simulate = "simulate --quiet tests/fixtures/dense.sa --runs 1 --record 0 --out";
+    let (report, page) = (
+        path(folder.path(), "page.html"),
+        path(folder.path(), "pipe"),
+    );
+    pipe(&page);
+    for (name, lines) in [
+        (
+            "manifest.json",
+            &[
+                "simulate",
+                "results",
+                "report",
+                "replay --run 0",
+                "export --format gltf --run 0",
+            ][..],
+        ),
+        (
+            "journal.jsonl",
+            &[
+                "simulate",
+                "results",
+                "report",
+                "replay --run 0",
+                "export --format gltf --run 0",
+            ],
+        ),
+        (".lock", &["simulate"]),
+        ("recordings/0-0.rec", &["replay --run 0"]),
+    ] {
+        for line in lines {
+            let out = path(folder.path(), "out");
+            assert_eq!(stochc_with(simulate, &[&out]).status, 0);
+            let place = Path::new(&out).join(name);
+            fs::remove_file(&place).unwrap();
+            pipe(place.to_str().unwrap());
+            let said = match *line {
+                "simulate" => stochc_with(simulate, &[&out]),
+                "report" => stochc_with("report", &[&out, "--out", &report]),
+                line => stochc_with(line, &[&out]),
+            };
+            refused(&said, 2, &format!("{line}, {name}"));
+            fs::remove_dir_all(&out).unwrap();
+        }
+    }
+    let out = path(folder.path(), "out");
+    assert_eq!(stochc_with(simulate, &[&out]).status, 0);
+    let said = stochc_with("report", &[&out, "--out", &page]);
+    refused(&said, 2, "a page of a report");
+}

@@ -1,0 +1,143 @@
+//! How much memory is taken: by programs beyond the limits, and by showing large ones.
+use std::fmt::{Display, Write as _};
+use std::io::{Write as _, sink};
+use std::sync::{Mutex, PoisonError};
+
+use peak_alloc::PeakAlloc;
+use stochc::compiler::emit::{
+    graph_dot, graph_json, graph_text, structure_json, structure_text, table_json, table_text,
+};
+use stochc::compiler::finding::Code;
+use stochc::compiler::{Checked, Limits, check};
+use stochc_grammar::{Json, to_json};
+
+#[global_allocator]
+static MEMORY: PeakAlloc = PeakAlloc;
+
+const MIB: usize = 1 << 20;
+
+/// What `work` gives, and the bytes that it took at its peak beside those that were there before.
+fn peak<T>(work: impl FnOnce() -> T) -> (T, usize) {
+    let before = MEMORY.current_usage();
+    MEMORY.reset_peak_usage();
+    let result = work();
+    (result, MEMORY.peak_usage().saturating_sub(before))
+}
+
+/// The counter is that of the whole process: one test at a time.
+static TURN: Mutex<()> = Mutex::new(());
+
+fn checked(text: &str) -> Checked {
+    let mut reader = |_: &str| Ok(text.as_bytes().to_vec());
+    check("large.sa", &mut reader, Limits::default())
+}
+
+/// `towers` towers of four in a square on a plate, written out; or one tower of `4 * towers` blocks in
+/// one statement.
+fn program(towers: usize, in_one: bool) -> String {
+    let edge = (towers as f64).sqrt().ceil() as usize;
+    let mut text = format!(
+        "scene vast from hemisphere {{ free {} uniform enclosure hemisphere {{ radius {}m wall 25 N/m }} }}\n\
+         assembly large in vast {{ seed plate {edge} x {edge} {{\n",
+        towers * 4,
+        towers * 8,
+    );
+    let seeds = if in_one { 1 } else { towers };
+    for i in 0..seeds {
+        let _ = writeln!(text, "S{i} at ({}, {})", i % edge, i / edge);
+    }
+    text.push_str("}\nphase grow {\n");
+    for i in 0..seeds {
+        let _ = write!(text, "S{i}.up");
+        let height = 4 * towers / seeds;
+        for level in 1..=height {
+            let up = if level == height { "" } else { ".up" };
+            let _ = write!(text, " -> T{i}_{level}{up}");
+        }
+        text.push('\n');
+    }
+    text.push_str("} }");
+    text
+}
+
+#[test]
+fn showing_a_program_takes_no_more_memory_than_compiling_it_has() {
+    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+    let json = |document: Json| peak(|| serde_json::to_writer_pretty(sink(), &document).unwrap()).1;
+    let text = |text: &dyn Display| peak(|| write!(sink(), "{text}").unwrap()).1;
+    for (towers, in_one) in [(2_500, false), (10_000, false), (10_000, true)] {
+        let checked = checked(&program(towers, in_one));
+        assert!(!checked.has_errors(), "{:?}", checked.findings);
+        let (program, symbols) = (&checked.programs[0], &checked.symbols);
+        let (plan, layout, graph) = (&program.plan, &program.layout, &program.graph);
+        let order = program.order.as_ref().unwrap();
+        let tables = program.tables.as_ref().unwrap();
+        assert_eq!(plan.events.len(), 4 * towers);
+        // The structure is sorted by cell.
+        let sorted = 64 * plan.events.len();
+        for (what, more, taken) in [
+            ("tree", 0, json(to_json(&checked.tree, symbols))),
+            ("table as JSON", 0, json(table_json(tables))),
+            ("table", 0, text(&table_text(tables))),
+            (
+                "graph as JSON",
+                0,
+                json(graph_json(plan, graph, order, symbols)),
+            ),
+            ("graph", 0, text(&graph_text(plan, graph, order, symbols))),
+            (
+                "graph as DOT",
+                0,
+                text(&graph_dot(plan, graph, order, symbols)),
+            ),
+            (
+                "structure as JSON",
+                sorted,
+                json(structure_json(plan, layout, symbols)),
+            ),
+            ("structure", sorted, text(&structure_text(plan, layout))),
+        ] {
+            assert!(
+                taken < MIB + more,
+                "{what} of {towers}, {in_one}: {taken} bytes"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_program_beyond_the_limits_takes_little_memory() {
+    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+    let phase = |body: &str| {
+        format!("assembly a {{ seed plate 3 x 3 {{ A at (0, 0) }} phase p {{ {body} }} }}")
+    };
+    let doubling = |core: &str| {
+        let first = format!("pattern p0(b) {{ {core} }}\n");
+        (1..60).fold(first, |text, i| {
+            let p = i - 1;
+            format!("{text}pattern p{i}(b) {{ p{p}(b) p{p}(b) }}\n")
+        })
+    };
+    for text in [
+        "assembly a { seed plate 100000 x 100000 { for i in 1..1000000000 { S[i] at (1, 1) } } }"
+            .to_owned(),
+        "assembly a { seed plate 100000 x 100000 { for i in 0..99999 { for j in 0..99999 { S[i, j] at (i, j) } } } }"
+            .to_owned(),
+        format!("{}{}", doubling("b.up -> B"), phase("p59(A)")),
+        format!("{}{}", doubling("b.up ->> T[1..1000]"), phase("p59(A)")),
+        format!("{}{}", doubling(""), phase("p59(A)")),
+        phase("for i in 1..1000000000 { for j in 1..10 { A.up -> T[i, j] } }"),
+        phase("A.up ->> T[1..9999999] A.north ->> U[1..9999999]"),
+        phase("A.up -> B release T[1..1000000000]"),
+        phase("for i in 1..1000 { release T[i, 1..9999] after U[1..9999] }"),
+        phase("A.up -> B after T[1..9999999], U[1..9999999]"),
+        "pattern p(b) { } assembly a { seed plate 3 x 3 { A at (0, 0) }
+         phase q { for i in 1..1000000000 { p(A) as t[i] } } }"
+            .to_owned(),
+    ] {
+        let (checked, taken) = peak(|| checked(&text));
+        let codes: Vec<Code> = checked.findings.iter().map(|finding| finding.code).collect();
+        assert!(codes.contains(&Code::ExpansionLimit), "{text:.200}: {codes:?}");
+        assert!(taken < 100 * MIB, "{text:.200}: {} MiB", taken / MIB);
+    }
+}
