@@ -3,6 +3,7 @@
 //! The page of the results is written anew with `STOCHC_WRITE_DOCS=1 cargo test --test verification`.
 #![allow(clippy::disallowed_methods, reason = "tests read and write files")]
 
+use std::cell::RefCell;
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -190,4 +191,119 @@ fn execution_without_walls_does_not_see_what_the_check_sees() {
         // Only the protocol: it does its part, and cannot know that no block will come.
         assert!(exploration.run().holds(), "{}", case.name);
     }
+}
+
+/// A random program of a few captures in a box of 3 x 3 cells, walls first.
+fn random(draw: &mut dyn FnMut(usize) -> usize) -> String {
+    let mut text = "assembly random {\n seed plate 3 x 3 {\n".to_owned();
+    let mut blocks: Vec<(String, Cell)> = Vec::new();
+    for (x, y) in [(1, 0), (0, 1), (1, 1), (2, 1), (1, 2)] {
+        let _ = writeln!(text, "  S{x}{y} at ({x}, {y})");
+        blocks.push((format!("S{x}{y}"), Cell::new(x, y, 0)));
+    }
+    text.push_str(" }\n");
+    // Some walls stand already, so that few blocks are left to come in any order; at times nearly all.
+    let walls = [3, 7, 8][draw(3)];
+    let mut phase = |begin: &str, count: usize, middle: bool| {
+        let _ = writeln!(text, " phase {begin} {{");
+        let mut events: Vec<String> = Vec::new();
+        for _ in 0..count {
+            let mut open: Vec<(String, Face, Cell)> = Vec::new();
+            for (name, cell) in &blocks {
+                for face in Face::ALL {
+                    let next = cell.across(face).unwrap();
+                    let sides = (next.x - 1).abs() + (next.y - 1).abs();
+                    let fits = next.z == 1 && sides <= 1 || next.z == 2 && sides <= 1;
+                    let is_seen = cell.z > 0 || face == Face::Up;
+                    let is_wall = sides == 1 || next.z == 2;
+                    if fits
+                        && is_seen
+                        && (middle || is_wall)
+                        && blocks.iter().all(|(_, at)| *at != next)
+                    {
+                        open.push((name.clone(), face, next));
+                    }
+                }
+            }
+            if open.is_empty() {
+                break;
+            }
+            let (parent, face, cell) = open.swap_remove(draw(open.len()));
+            let name = format!("B{}{}{}", cell.x, cell.y, cell.z);
+            let after = match events.len() {
+                count if count > 0 && draw(3) == 0 => format!(" after {}", events[draw(count)]),
+                _ => String::new(),
+            };
+            let _ = writeln!(text, "  {parent}.{face} -> {name}{after}");
+            events.push(name.clone());
+            blocks.push((name, cell));
+        }
+        text.push_str(" }\n");
+    };
+    phase("walls", walls, false);
+    phase("rest", 5, true);
+    text.push_str("}\n");
+    text
+}
+
+/// `no block can ever come` is said of a capture that is closed in, exactly if its block docks in no order of the tables.
+#[test]
+fn never_means_in_no_order() {
+    let mut draws = 1u64;
+    let mut draw = |most: usize| {
+        draws = draws
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
+        (draws >> 33) as usize % most.max(1)
+    };
+    let (mut never, mut at_times, mut programs) = (0, 0, 0);
+    while programs < 60 {
+        let text = random(&mut draw);
+        let mut reader = |_: &str| Ok(text.clone().into_bytes());
+        let checked = check("random.sa", &mut reader, Limits::default());
+        let sealed: Vec<&Finding> = (checked.findings.iter())
+            .filter(|finding| finding.code == Code::SealedCavity)
+            .collect();
+        if sealed.is_empty()
+            || sealed.len() < checked.findings.iter().filter(|f| f.is_error()).count()
+        {
+            continue;
+        }
+        programs += 1;
+        let program = &checked.programs[0];
+        let tables = program.stuck.as_ref().unwrap();
+        let expected = Expected::of(tables);
+        // Every cell that is full in some order: all of them are visited, and asked for the next one.
+        let seen = RefCell::new(BTreeSet::new());
+        let reach = |full: &BTreeSet<Cell>, target: Cell| {
+            seen.borrow_mut().extend(full.iter().copied());
+            let open = is_open(full, target);
+            if open {
+                seen.borrow_mut().insert(target);
+            }
+            open
+        };
+        let mut exploration =
+            Exploration::new(tables, &expected, Bounds::default(), Faults::default());
+        exploration.reach = Some(&reach);
+        exploration.reduce = false;
+        exploration.hangs_allowed = true;
+        let report = exploration.run();
+        assert!(report.holds() && report.hangs > 0, "{text}\n{report:#?}");
+        for finding in sealed {
+            let name = finding.title.split('`').nth(1).unwrap();
+            let event = (program.plan.events.iter())
+                .position(|event| program.plan.roles.name(event.role, &checked.symbols) == name)
+                .unwrap();
+            let is_reached = seen
+                .borrow()
+                .contains(&program.layout.cells[event].unwrap());
+            let is_never = finding.title.starts_with("no block can ever come");
+            never += usize::from(is_never);
+            at_times += usize::from(!is_never);
+            assert_eq!(is_never, !is_reached, "{text}\n{}", finding.title);
+        }
+    }
+    println!("in {programs} programs: {never} in no order, {at_times} in some");
+    assert!(never >= 20 && at_times >= 20, "{never} {at_times}");
 }

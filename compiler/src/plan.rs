@@ -186,6 +186,18 @@ impl Roles {
         self.keys[role.0 as usize]
     }
 
+    /// The names that lead to a role: the instances of patterns that hold it, the outermost first, and
+    /// its own.
+    pub fn path(&self, role: RoleId) -> Vec<Key> {
+        let mut path = vec![self.key(role)];
+        while let Some(&Key { scope: 1.., .. }) = path.last() {
+            let scope = path[path.len() - 1].scope;
+            path.push(self.scope_keys[scope as usize - 1]);
+        }
+        path.reverse();
+        path
+    }
+
     /// The scope of an instance, new or known.
     pub fn intern_scope(&mut self, key: Key) -> u32 {
         let next = self.scope_keys.len() as u32 + 1;

@@ -4,7 +4,7 @@ use stochc_grammar::Symbols;
 use stochc_grammar::tree::{Assembly, ItemKind, Tree};
 
 use crate::expand::{Declarations, Limits, duplicate, expand, expand_aggregate};
-use crate::finding::{Code, Finding, fold, tell};
+use crate::finding::{Code, Finding, Fix, fold, mended, tell};
 use crate::graph::{self, DependencyGraph};
 use crate::layout::Layout;
 use crate::levels::{Allowed, FileLevels, Levels};
@@ -16,8 +16,8 @@ use crate::scene::{BondKind, Scene};
 use crate::scenes::Scenes;
 use crate::table::Tables;
 use crate::{
-    FileId, Site, Sources, exposed, inventory, layout, lower, presence, reach, shape, trial,
-    turns, unused,
+    FileId, Site, Sources, exposed, inventory, layout, lower, presence, reach, shape, trial, turns,
+    unused,
 };
 
 /// Everything that is known of a file after looking at all of it.
@@ -118,10 +118,15 @@ pub fn check_changed(
     changes: &[Change],
 ) -> Checked {
     let changes = (assembly, changes);
-    let mut again =
-        |texts: &mut dyn Reader| check_all(path, texts, limits, levels, changes, &mut |_| {});
-    let mut checked = again(reader);
-    trial::judge(&mut checked, reader, &mut again);
+    let check_all = |texts: &mut dyn Reader, is_trial: bool| {
+        check_all(path, texts, limits, levels, changes, is_trial, &mut |_| {})
+    };
+    let mut checked = check_all(reader, false);
+    trial::judge(&mut checked, reader, &mut |texts| {
+        let mut after = check_all(texts, true);
+        after.findings = fold(after.findings);
+        after
+    });
     checked
 }
 
@@ -134,18 +139,21 @@ pub fn check_observed(
     levels: &Levels,
     done: &mut dyn FnMut(Stage),
 ) -> Checked {
-    let mut checked = check_all(path, reader, limits, levels, ("", &[]), done);
+    let mut checked = check_all(path, reader, limits, levels, ("", &[]), false, done);
     trial::distrust(&mut checked);
     checked
 }
 
 /// [`check_changed`] with fixes that have not been tried: safe where a stage says so.
+///
+/// `is_trial`: a change is tried; only what is wrong and where matters, each finding by itself.
 fn check_all(
     path: &str,
     reader: &mut dyn Reader,
     limits: Limits,
     levels: &Levels,
     changes: (&str, &[Change]),
+    is_trial: bool,
     done: &mut dyn FnMut(Stage),
 ) -> Checked {
     let mut sources = Sources::default();
@@ -160,6 +168,7 @@ fn check_all(
         readable,
         limits,
         changes,
+        is_trial,
     };
     let mut programs = programs(&mut loaded, &about, &mut findings, done);
     if !findings.iter().any(Finding::is_error) {
@@ -172,7 +181,10 @@ fn check_all(
         .map(|module| module.tree)
         .unwrap_or_default();
     findings.sort_by_key(Finding::place);
-    let findings = fold(findings);
+    let findings = match is_trial {
+        true => findings,
+        false => fold(findings),
+    };
     let (mut findings, allowed) = file_levels.judge(findings, levels, &sources);
     findings.sort_by_key(Finding::place);
     // A denied warning has come too late to keep a program from being lowered.
@@ -215,6 +227,42 @@ struct About<'a> {
     limits: Limits,
     /// Other numbers for the scene of the one of this name.
     changes: (&'a str, &'a [Change]),
+    /// A change is tried: only what is wrong and where matters, not what helps.
+    is_trial: bool,
+}
+
+impl About<'_> {
+    /// The errors of the files with changes of the first of them: their codes and what is said.
+    fn errors_with(&self, fixes: &[&Fix]) -> Option<Vec<(Code, String)>> {
+        let files = self.sources.files();
+        let own = files.first()?;
+        let (text, count) = mended(&own.text, FileId(0), fixes.iter().copied());
+        if count != fixes.len() {
+            return None;
+        }
+        let mut reader = |path: &str| match files.iter().find(|file| file.name == path) {
+            Some(file) if file.name == own.name => Ok(text.clone().into_bytes()),
+            Some(file) => Ok(file.text.as_bytes().to_vec()),
+            None => Err("it has not been read".to_owned()),
+        };
+        let levels = Levels::default();
+        let (limits, changes) = (self.limits, self.changes);
+        let checked = check_all(
+            &own.name,
+            &mut reader,
+            limits,
+            &levels,
+            changes,
+            true,
+            &mut |_| {},
+        );
+        let mut errors: Vec<_> = (checked.findings.into_iter())
+            .filter(Finding::is_error)
+            .map(|finding| (finding.code, finding.message()))
+            .collect();
+        errors.sort_unstable();
+        Some(errors)
+    }
 }
 
 fn programs(
@@ -234,6 +282,7 @@ fn programs(
     let Some(own) = modules.last() else {
         return Vec::new();
     };
+    let trial = |fixes: &[&Fix]| about.errors_with(fixes);
     let mut seen = FxHashMap::default();
     let mut programs = Vec::new();
     for item in &own.tree.items {
@@ -283,6 +332,7 @@ fn programs(
             sources,
             limits: about.limits,
             readable,
+            trial: (!about.is_trial).then_some(&trial),
         };
         programs.push(input.compile(scene, symbols, doubtful, findings, done));
     }
@@ -377,6 +427,8 @@ struct Input<'a> {
     limits: Limits,
     /// All files could be read: what is missing is not missing for that reason.
     readable: bool,
+    /// Checks the files again with a change; `None` in such a check.
+    trial: Option<&'a reach::Trial<'a>>,
 }
 
 impl<'a> Input<'a> {
@@ -441,17 +493,17 @@ impl<'a> Input<'a> {
         if let (Some(order), true) = (&order, is_whole) {
             let has_choice = !order.unneeded.is_empty();
             let certain = has_choice.then(|| turns::certain(&graph, &order.events));
-            let straight = has_choice.then(|| turns::straight(&graph, &order.unneeded));
             let subject = reach::Subject {
                 plan: &plan,
                 presence: &presence,
                 layout: &layout,
                 graph: &graph,
                 certain: certain.as_ref().unwrap_or(&graph),
-                straight: straight.as_ref().unwrap_or(&graph),
                 order,
                 assembly: self.assembly,
+                patterns: &self.declarations.patterns,
                 file: self.file,
+                trial: self.trial,
                 sources: self.sources,
                 symbols,
             };

@@ -134,8 +134,8 @@ pub(crate) fn changed<'a>(
 /// Whether a change that mends some findings has left none of them, and only such as were there
 /// before, each in its place.
 ///
-/// Two kinds of news are none. Warnings are not looked for in a text that cannot be read, so those
-/// that come to light once it can are no fault of the change. And where there was too much to
+/// Two kinds of news are none. Some warnings are not looked for while there are errors, so those
+/// that come to light once an error has gone are no fault of the change. And where there was too much to
 /// tell, what is told next is of the codes that were told, and no more of it.
 pub(crate) fn cures(
     before: &Checked,
@@ -161,15 +161,15 @@ pub(crate) fn cures(
             && codes(after).is_subset(&known)
             && !gone.meet(&all);
     }
-    let reads = findings().any(|(finding, &is_mended)| is_mended && finding.code.is_of_reading());
+    let is_wrong = |finding: &Finding| finding.code.severity() == Severity::Error;
+    let mends_error = findings().any(|(finding, &is_mended)| is_mended && is_wrong(finding));
     let kept = findings().filter(|&(_, &is_mended)| !is_mended);
     let mut old = Places::of(
         &before.sources,
         kept.map(|(finding, _)| finding),
         Some(change),
     );
-    let new = (after.findings.iter())
-        .filter(|finding| !(reads && finding.code.severity() == Severity::Warning));
+    let new = (after.findings.iter()).filter(|finding| is_wrong(finding) || !mends_error);
     let new = Places::of(&after.sources, new, None);
     (new.0).into_iter().all(|(key, places)| {
         let Some(old) = old.0.get_mut(&key) else {

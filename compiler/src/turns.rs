@@ -50,7 +50,8 @@ pub struct Earliest {
     pub events: Vec<EventId>,
 }
 
-/// Brings every event about as early as can be, where each takes so long (0 or more).
+/// Brings every event about as early as can be, where each takes so long (0 or more; if it is infinite, all that
+/// needs it comes last).
 pub fn earliest(graph: &DependencyGraph, length: impl Fn(usize) -> f64) -> Earliest {
     let count = graph.node_count();
     let mut out = Earliest {

@@ -2,12 +2,13 @@
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::fmt::Write as _;
 
+use petgraph::Direction::Incoming;
 use petgraph::graph::NodeIndex;
 use proptest::prelude::*;
-use stochc_compiler::finding::{Code, Finding, mended};
-use stochc_compiler::plan::{Deed, EventId};
+use stochc_compiler::finding::{Code, Finding, Fix, mended};
+use stochc_compiler::plan::{Deed, Event, EventId};
 use stochc_compiler::turns::is_ready;
-use stochc_compiler::{Cell, Checked, Face, FileId, Program, check};
+use stochc_compiler::{Cell, Checked, Face, FileId, Limits, Program, check};
 
 /// Cells of the box in which random programs build.
 #[derive(Clone, Copy)]
@@ -34,8 +35,12 @@ const LARGE: Room = Room {
 };
 
 fn checked(text: &str) -> Checked {
+    checked_within(text, Limits::default())
+}
+
+fn checked_within(text: &str, limits: Limits) -> Checked {
     let mut reader = |_: &str| Ok(text.as_bytes().to_vec());
-    check("random.sa", &mut reader, Default::default())
+    check("random.sa", &mut reader, limits)
 }
 
 /// The same program for blocks that magnetize several faces at a time.
@@ -165,14 +170,28 @@ fn is_open(room: Room, target: Cell, full: &BTreeMap<Cell, EventId>) -> bool {
     false
 }
 
-/// The captures of a phase that are left over where it comes to a stand, in any order.
-fn stuck(
+/// What comes of a phase in every order.
+struct Orders {
+    /// Whether one comes to a stand before everything has happened.
+    can_get_stuck: bool,
+    /// What happens in one of them at least.
+    reached: BTreeSet<EventId>,
+}
+
+/// Tries every order of the events of a phase.
+fn orders(
     program: &Program,
     events: std::ops::Range<u32>,
     start: &BTreeMap<Cell, EventId>,
-) -> Option<Vec<EventId>> {
+) -> Orders {
     let mut seen: HashSet<u32> = HashSet::new();
     let mut open = vec![0u32];
+    let mut can_get_stuck = false;
+    let mut reached = BTreeSet::new();
+    let room = Room {
+        edge: program.plan.plate.width as i32,
+        ..SMALL
+    };
     while let Some(done) = open.pop() {
         let bit = |id: EventId| 1u32 << (id.0 - events.start);
         let mut full = start.clone();
@@ -197,36 +216,43 @@ fn stuck(
             }
         }
         let mut moved = false;
-        let mut left = Vec::new();
+        let mut is_over = true;
         for id in events
             .clone()
             .map(EventId)
             .filter(|&id| done & bit(id) == 0)
         {
-            left.push(id);
+            is_over = false;
             let waits = !is_ready(&program.graph, id, |first| done & bit(first) != 0);
             let cell = program.layout.cells[id.0 as usize].unwrap();
             let is_release = program.plan.event(id).deed == Deed::Release;
-            if !waits && (is_release || is_open(SMALL, cell, &full)) {
+            if !waits && (is_release || is_open(room, cell, &full)) {
                 moved = true;
+                reached.insert(id);
                 if seen.insert(done | bit(id)) {
                     open.push(done | bit(id));
                 }
             }
         }
-        if !moved && !left.is_empty() {
-            return Some(left);
-        }
+        can_get_stuck |= !moved && !is_over;
     }
-    None
+    Orders {
+        can_get_stuck,
+        reached,
+    }
 }
 
-/// The verdict of the search for every phase together.
-fn can_get_stuck(program: &Program) -> bool {
+/// The verdict of the search for every phase, as if those before had ended.
+fn all_orders(program: &Program) -> Orders {
     let mut full: BTreeMap<Cell, EventId> = BTreeMap::new();
-    let mut result = false;
+    let mut result = Orders {
+        can_get_stuck: false,
+        reached: BTreeSet::new(),
+    };
     for (phase, (emptied, _)) in program.plan.phases.iter().zip(&program.layout.changes) {
-        result |= stuck(program, phase.events.clone(), &full).is_some();
+        let mut orders = orders(program, phase.events.clone(), &full);
+        result.can_get_stuck |= orders.can_get_stuck;
+        result.reached.append(&mut orders.reached);
         for cell in emptied {
             full.remove(cell);
         }
@@ -237,6 +263,28 @@ fn can_get_stuck(program: &Program) -> bool {
         }
     }
     result
+}
+
+fn can_get_stuck(program: &Program) -> bool {
+    all_orders(program).can_get_stuck
+}
+
+/// An event and all that it waits for.
+fn all_before(program: &Program, id: EventId) -> BTreeSet<EventId> {
+    let mut found = BTreeSet::from([id]);
+    let mut open = vec![id];
+    while let Some(id) = open.pop() {
+        for first in (program.graph).neighbors_directed(NodeIndex::new(id.0 as usize), Incoming) {
+            if found.insert(program.graph[first]) {
+                open.push(program.graph[first]);
+            }
+        }
+    }
+    found
+}
+
+fn is_never(finding: &Finding) -> bool {
+    finding.title.starts_with("no block can ever come")
 }
 
 /// Every capture with its phase and the cells that are full in its worst case, word by word.
@@ -367,7 +415,9 @@ proptest! {
         choices in prop::collection::vec(any::<u32>(), 200..500),
     ) {
         let text = program(&choices, LARGE, false);
-        let checked = checked(&text);
+        // Enough for the verdicts; cures are for the other tests.
+        let limits = Limits { search: 500_000, ..Limits::default() };
+        let checked = checked_within(&text, limits);
         prop_assert!(others(&checked).is_empty(), "{text}\n{:#?}", others(&checked));
         let verdict = !sealed(&checked).is_empty();
         let program = &checked.programs[0];
@@ -404,6 +454,37 @@ proptest! {
     }
 
     #[test]
+    fn never_is_said_of_what_no_order_reaches(
+        choices in prop::collection::vec(any::<u32>(), 10..120),
+        releases: bool,
+    ) {
+        let text = program(&choices, SMALL, releases);
+        let checked = checked(&text);
+        prop_assert!(others(&checked).is_empty(), "{text}\n{:#?}", others(&checked));
+        let program = &checked.programs[0];
+        let reached = all_orders(program).reached;
+        let mut told = BTreeSet::new();
+        for finding in sealed(&checked) {
+            let id = EventId(finding_event(program, finding));
+            told.insert(id);
+            let is_reached = reached.contains(&id);
+            prop_assert!(!is_never(finding) || !is_reached, "{text}\n{}", finding.title);
+            prop_assert!(releases || is_never(finding) || is_reached, "{text}\n{}", finding.title);
+        }
+        for id in (0..program.plan.events.len() as u32).map(EventId) {
+            let is_told = all_before(program, id).iter().any(|id| told.contains(id));
+            prop_assert!(is_told || reached.contains(&id), "{text}\n{id:?}");
+        }
+    }
+
+    #[test]
+    fn cures_cure_in_loops_and_patterns(
+        choices in prop::collection::vec(any::<u32>(), 100..400),
+    ) {
+        cures_cure_in(&looped(&choices));
+    }
+
+    #[test]
     fn cures_cure(choices in prop::collection::vec(any::<u32>(), 10..120)) {
         let mut text = program(&choices, SMALL, false);
         // Each fix cures its own capture; the others follow, one at a time.
@@ -418,7 +499,304 @@ proptest! {
             prop_assert!(sealed(&then).len() < sealed(&now).len(), "{text}\n{better}");
             text = better;
         }
+        cures_cure_in(&text);
     }
+}
+
+/// What came of the cures of a program: those that are changes of the text, those that have to be written out, and
+/// findings for which there is none.
+#[derive(Debug, Default)]
+struct Cures {
+    changes: usize,
+    written_out: usize,
+    none: usize,
+    never: usize,
+}
+
+/// Applies every cure that is proposed, as it is told: the finding goes, and no error comes; with a part of it left
+/// out, the finding stays.
+fn cures_cure_in(text: &str) -> Cures {
+    let now = checked(text);
+    let mut cures = Cures::default();
+    for finding in sealed(&now) {
+        let help = finding.help.as_deref().unwrap();
+        if is_never(finding) {
+            cures.never += 1;
+            assert_eq!(finding.fix, None, "{text}");
+        } else if let Some(fix) = &finding.fix {
+            cures.changes += 1;
+            assert!(
+                is_cured(&now, &checked(&changed(text, fix)), finding),
+                "{text}\n{fix:?}"
+            );
+            for (i, edit) in fix.edits.iter().enumerate() {
+                let at = edit.text.rfind(" after ").or_else(|| edit.text.rfind(", "));
+                // The part of a chain that goes on in a line of its own does not wait.
+                let Some(at) = at.filter(|_| !edit.text.contains('\n')) else {
+                    continue;
+                };
+                let mut fewer = fix.clone();
+                fewer.edits[i].text.truncate(at);
+                let then = checked(&changed(text, &fewer));
+                assert!(
+                    !is_cured(&now, &then, finding),
+                    "{text}\nneeds less than {fix:?}"
+                );
+            }
+        } else if help.contains(" of its own") || help.contains(" of their own") {
+            cures.written_out += 1;
+            let plain = written_out(&now, &BTreeMap::new());
+            let waits: Vec<(&str, &str)> =
+                (help.lines().find(|line| line.contains(" own")).unwrap())
+                    .split('`')
+                    .filter_map(|part| part.split_once(" after "))
+                    .collect();
+            for left_out in 0..=waits.len() {
+                let mut added = BTreeMap::new();
+                for (i, &(statement, name)) in waits.iter().enumerate() {
+                    if i + 1 != left_out {
+                        added.insert(statement.to_owned(), name.to_owned());
+                    }
+                }
+                let then = checked(&written_out(&now, &added));
+                let event = finding_named(&now, finding);
+                let told = |checked: &Checked| -> BTreeSet<u32> {
+                    let of = |finding: &&Finding| finding_event(&checked.programs[0], finding);
+                    sealed(checked).iter().map(of).collect()
+                };
+                let mut rest = told(&checked(&plain));
+                assert!(rest.remove(&event), "{text}\n{plain}");
+                assert!(others(&then).is_empty(), "{text}\n{:#?}", others(&then));
+                let cured = !told(&then).contains(&event);
+                assert_eq!(cured, left_out == 0, "{text}\n{help}");
+                assert!(!cured || told(&then).is_subset(&rest), "{text}\n{help}");
+            }
+        } else {
+            cures.none += 1;
+            assert!(help.contains("no `after`"), "{help}");
+        }
+    }
+    cures
+}
+
+fn changed(text: &str, fix: &Fix) -> String {
+    let (new, count) = mended(text, FileId(0), [fix]);
+    assert_eq!(count, 1, "{fix:?}");
+    new
+}
+
+/// Whether all that a finding speaks of is gone, and nothing is told that was not told before.
+///
+/// Findings of one place are told as one, so that this is looked at where each event has a place of its own.
+fn is_cured(before: &Checked, after: &Checked, finding: &Finding) -> bool {
+    let plain = |checked: &Checked| checked_plain(&written_out(checked, &BTreeMap::new()));
+    let (then, now) = (plain(before), plain(after));
+    let program = &before.programs[0];
+    let first = finding_named(before, finding);
+    let at_its_place = |told: &BTreeSet<u32>| {
+        let events = told.iter().map(|&id| program.plan.event(EventId(id)));
+        let here = events.filter(|event| event.site == finding.labels[0].site);
+        here.count()
+    };
+    others(after).is_empty()
+        && !now.contains(&first)
+        && now.is_subset(&then)
+        && at_its_place(&now) + finding.others.count < at_its_place(&then)
+}
+
+/// The events that are told of in a program where each has a place of its own.
+fn checked_plain(text: &str) -> BTreeSet<u32> {
+    let checked = checked(text);
+    assert!(
+        others(&checked).is_empty(),
+        "{text}\n{:#?}",
+        others(&checked)
+    );
+    let of = |finding: &&Finding| finding_event(&checked.programs[0], finding);
+    sealed(&checked).iter().map(of).collect()
+}
+
+/// The event of a finding by the name in its title, where one place of the text stands for many.
+fn finding_named(checked: &Checked, finding: &Finding) -> u32 {
+    let plan = &checked.programs[0].plan;
+    let name = finding.title.split('`').nth(1).unwrap();
+    let is_it = |event: &Event| plan.roles.name(event.role, &checked.symbols) == name;
+    plan.events.iter().position(is_it).unwrap() as u32
+}
+
+/// A program without loops and patterns, event by event, and more orders: what waits, and for which block.
+fn written_out(checked: &Checked, added: &BTreeMap<String, String>) -> String {
+    let plan = &checked.programs[0].plan;
+    let (width, depth) = (plan.plate.width, plan.plate.depth);
+    let mut text = format!("assembly plain {{ seed plate {width} x {depth} {{\n");
+    for seed in &plan.seeds {
+        let _ = writeln!(
+            text,
+            "N{} at ({}, {})",
+            seed.role.0, seed.cell.x, seed.cell.y
+        );
+    }
+    text.push_str("}\n");
+    for (number, phase) in plan.phases.iter().enumerate() {
+        let _ = writeln!(text, "phase p{number} {{");
+        for id in plan.events_of(phase) {
+            let event = plan.event(id);
+            match event.deed {
+                Deed::Capture { parent, face } => {
+                    let _ = write!(text, "N{}.{face} -> N{}", parent.0, event.role.0);
+                }
+                Deed::Release => {
+                    let _ = write!(text, "release N{}", event.role.0);
+                }
+            }
+            let afters = plan.afters.iter().filter(|after| after.event == id);
+            let mut waits: Vec<String> = afters
+                .map(|after| {
+                    format!(
+                        "{}N{}",
+                        if after.release { "release " } else { "" },
+                        after.role.0
+                    )
+                })
+                .collect();
+            if let Some(name) = added.get(&plan.describe(id, &checked.symbols)) {
+                let is_it = |event: &&Event| plan.roles.name(event.role, &checked.symbols) == *name;
+                waits.push(format!(
+                    "N{}",
+                    plan.events.iter().find(is_it).unwrap().role.0
+                ));
+            }
+            if !waits.is_empty() {
+                let _ = write!(text, " after {}", waits.join(", "));
+            }
+            text.push('\n');
+        }
+        text.push_str("}\n");
+    }
+    text.push_str("}\n");
+    text
+}
+
+/// A program of loops, rows and patterns over a grid; a block is called by its cell.
+fn looped(choices: &[u32]) -> String {
+    const EDGE: i32 = 3;
+    let mut choices = choices.iter();
+    let mut choose = |most: usize| {
+        let choice = choices.next().copied().unwrap_or(0);
+        choice as usize % most.max(1)
+    };
+    let mut text = "pattern cap(base, side) { base.up -> C.side -> D }\n\
+                    assembly looped {\n    seed plate 3 x 3 { for x in 0..2 { for y in 0..2 { B[x, y, 0] at (x, y) } } }\n"
+        .to_owned();
+    let mut full: BTreeSet<Cell> = (0..EDGE)
+        .flat_map(|x| (0..EDGE).map(move |y| Cell::new(x, y, 0)))
+        .collect();
+    let mut caps: BTreeSet<Cell> = BTreeSet::new();
+    for phase in 0..=choose(2) {
+        let _ = writeln!(text, "    phase p{phase} {{");
+        let mut names: Vec<String> = Vec::new();
+        for _ in 0..20 + choose(30) {
+            let after = match names.len() {
+                0 => String::new(),
+                _ if choose(5) > 0 => String::new(),
+                count => format!(" after {}", names[choose(count)]),
+            };
+            let z = choose(3) as i32;
+            // All of the grid now and then, mostly one place.
+            let mut corner = || match choose(if z == 0 { 2 } else { 5 }) {
+                0 => (0, EDGE - 1),
+                1 if z > 0 => {
+                    let (a, b) = (choose(3) as i32, choose(3) as i32);
+                    (a.min(b), a.max(b))
+                }
+                _ => [(0, 0), (1, 1), (2, 2)][choose(3)],
+            };
+            let ((x0, x1), (y0, y1)) = (corner(), corner());
+            let face = match z {
+                0 => Face::Up,
+                // To the sides, where lids lie.
+                _ if choose(3) > 0 => Face::SIDES[choose(4)],
+                _ => Face::Up,
+            };
+            let parents: Vec<Cell> = (x0..=x1)
+                .flat_map(|x| (y0..=y1).map(move |y| Cell::new(x, y, z)))
+                .collect();
+            let children: BTreeSet<Cell> = parents
+                .iter()
+                .map(|cell| cell.across(face).unwrap())
+                .collect();
+            let fits = |cell: &Cell| {
+                (0..EDGE).contains(&cell.x)
+                    && (0..EDGE).contains(&cell.y)
+                    && (1..=3).contains(&cell.z)
+            };
+            let is_there = |cell: &Cell| full.contains(cell) && !caps.contains(cell);
+            // The middle is mostly left to lids.
+            let is_middle = |cell: &Cell| (cell.x, cell.y) == (1, 1) && cell.z > 0;
+            if face == Face::Up && parents.iter().any(is_middle) && choose(8) > 0 {
+                continue;
+            }
+            let is_right = parents.iter().all(is_there)
+                && children
+                    .iter()
+                    .all(|cell| fits(cell) && !full.contains(cell))
+                && parents.iter().all(|cell| !children.contains(cell));
+            if !is_right {
+                continue;
+            }
+            let side = Face::SIDES[choose(4)];
+            let end = children.iter().next().unwrap().across(side).unwrap();
+            if parents.len() == 1
+                && face == Face::Up
+                && choose(3) == 0
+                && fits(&end)
+                && !full.contains(&end)
+            {
+                let alias = match choose(2) {
+                    0 => String::new(),
+                    _ => format!(" as c[{x0}, {y0}, {z}]"),
+                };
+                let _ = writeln!(text, "        cap(B[{x0}, {y0}, {z}], {side}){alias}");
+                caps.extend(children.iter().copied().chain([end]));
+                full.extend(children.iter().copied().chain([end]));
+                continue;
+            }
+            names.extend(
+                children
+                    .iter()
+                    .map(|cell| format!("B[{}, {}, {}]", cell.x, cell.y, cell.z)),
+            );
+            full.extend(&children);
+            let index = |counter: char, range: (i32, i32), by: i32| match (range.0 == range.1, by) {
+                (true, _) => (range.0 + by).to_string(),
+                (false, 0) => counter.to_string(),
+                (false, 1..) => format!("{counter} + {by}"),
+                (false, _) => format!("{counter} - {}", -by),
+            };
+            let step = Cell::new(0, 0, 5).across(face).unwrap();
+            let place = |by: Cell| {
+                let (x, y) = (index('x', (x0, x1), by.x), index('y', (y0, y1), by.y));
+                format!("B[{x}, {y}, {}]", z + by.z - 5)
+            };
+            let statement = format!(
+                "{}.{face} -> {}{after}",
+                place(Cell::new(0, 0, 5)),
+                place(step)
+            );
+            let statement = match y0 == y1 {
+                true => statement,
+                false => format!("for y in {y0}..{y1} {{ {statement} }}"),
+            };
+            let statement = match x0 == x1 {
+                true => statement,
+                false => format!("for x in {x0}..{x1} {{ {statement} }}"),
+            };
+            let _ = writeln!(text, "        {statement}");
+        }
+        text.push_str("    }\n");
+    }
+    text.push_str("}\n");
+    text
 }
 
 /// The generator has to make cavities, or the properties above say nothing.
@@ -452,6 +830,35 @@ fn many_random_programs_have_cavities() {
     println!("of 100 large programs: sealed {caves}");
     assert!(caves > 10 && caves < 90, "{caves}");
     assert!(counts[2] > 40 && counts[3] > 20, "{counts:?}");
+}
+
+/// The same for loops and patterns: cures of all kinds have to come up.
+#[test]
+fn many_looped_programs_have_cavities() {
+    let mut draws = 1u64;
+    let mut next = || {
+        draws = draws
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
+        (draws >> 33) as u32
+    };
+    let mut all = Cures::default();
+    for _ in 0..1500 {
+        let choices: Vec<u32> = (0..400).map(|_| next()).collect();
+        let text = looped(&choices);
+        assert!(
+            others(&checked(&text)).is_empty(),
+            "{text}\n{:#?}",
+            others(&checked(&text))
+        );
+        let cures = cures_cure_in(&text);
+        all.changes += cures.changes;
+        all.written_out += cures.written_out;
+        all.none += cures.none;
+        all.never += cures.never;
+    }
+    println!("of 1500 programs with loops and patterns: {all:?}");
+    assert!(all.changes > 30 && all.written_out > 10, "{all:?}");
 }
 
 /// A hall with a tower inside that touches no wall; the door is as high as the wall.
@@ -511,4 +918,161 @@ fn halls_are_open_by_their_doors_alone() {
             "edge {edge}, door {door}, inner first {inner_first}"
         );
     }
+}
+
+/// A hall in one phase: a roof that waits for its walls, pillars inside that need not, and lamps that wait for the roof.
+const LAMPS: &str = "\
+assembly hall {
+    seed plate 7 x 7 {
+        for i in 0..6 { R[i, 0] at (i, 0) R[i, 6] at (i, 6) }
+        for i in 1..5 { R[0, i] at (0, i) R[6, i] at (6, i) }
+        for x in 1..5 { for y in 1..5 { M[x, y] at (x, y) } }
+    }
+    phase all {
+        for i in 0..6 { R[i, 0].up ->> W[i, 0, 1..5] R[i, 6].up ->> W[i, 6, 1..5] }
+        for i in 1..5 { R[0, i].up ->> W[0, i, 1..5] R[6, i].up ->> W[6, i, 1..5] }
+        for y in 1..5 { W[0, y, 5].east ->> L[1..5, y] after W[0..6, 0, 5], W[0..6, 6, 5], W[6, 1..5, 5] }
+        for x in 1..5 { for y in 1..5 { M[x, y].up ->> T[x, y, 1..3] } }
+        L[2, 2].down -> H[1].east -> H[2].east -> H[3].north -> H[4].north -> H[5].west -> H[6].west -> H[7].south -> H[8]
+            after L[1..5, 1..5]
+    }
+}
+";
+
+#[test]
+fn in_a_roofed_hall_never_is_said_of_what_hangs_from_the_roof_alone() {
+    let checked = checked(LAMPS);
+    assert!(others(&checked).is_empty(), "{:#?}", others(&checked));
+    let never: BTreeSet<&str> = (sealed(&checked).into_iter())
+        .filter(|finding| is_never(finding))
+        .map(|finding| finding.title.split('`').nth(1).unwrap())
+        .collect();
+    let lamps = (1..=8).map(|i| format!("H[{i}]"));
+    assert!(never.into_iter().eq(lamps), "{:#?}", sealed(&checked));
+    // The blocks of the pillars come in as long as the roof is not there.
+    let pillars = sealed(&checked)
+        .into_iter()
+        .filter(|finding| !is_never(finding));
+    assert_eq!(pillars.clone().count(), 75);
+    for finding in pillars {
+        assert!(
+            finding
+                .title
+                .ends_with("can be walled in before its block comes")
+        );
+    }
+    let first = sealed(&checked)[0];
+    let fix = first.fix.as_ref().unwrap();
+    assert!(
+        is_cured(&checked, &self::checked(&changed(LAMPS, fix)), first),
+        "{fix:#?}"
+    );
+}
+
+/// The core and one wall come from the same statement: an `after` there would be a circle.
+const GRID: &str = "\
+assembly grid {
+    seed plate 3 x 3 { for x in 0..2 { for y in 0..2 { M[x, y] at (x, y) } } }
+    phase all {
+        for x in 0..2 { for y in 0..2 { M[x, y].up -> W[x, y] } }
+        W[0, 1].up -> V.east -> LID
+    }
+}
+";
+
+#[test]
+fn what_a_loop_cannot_wait_for_is_cured_elsewhere() {
+    let now = checked(GRID);
+    let found = sealed(&now);
+    assert_eq!(found.len(), 1, "{found:#?}");
+    assert!(found[0].title.starts_with("`W[1, 1]` can be walled in"));
+    let help = found[0].help.as_deref().unwrap();
+    assert!(
+        help.contains("`V.east -> LID` must come later: write `after W[1, 1]` there"),
+        "{help}"
+    );
+    assert_eq!(cures_cure_in(GRID).changes, 1);
+}
+
+#[test]
+fn a_statement_of_its_own_is_told_where_nothing_else_helps() {
+    let text = GRID.replace(
+        "        W[0, 1].up -> V.east -> LID\n",
+        "        for x in 0..2 { W[x, 0].up -> V[x] } V[1].north -> LID.north -> END\n",
+    );
+    let one = text.replace("W[x, y] } }", "W[x, y] } }\n").replace(
+        "for x in 0..2 { W[x, 0].up -> V[x] } V[1].north -> LID.north -> END",
+        "for y in 0..1 { W[0, y].up -> V[0, y] } for y in 0..1 { V[0, y].east -> V[1, y] } for x in 0..1 { V[x, 1].up -> E[x] }",
+    );
+    for text in [text, one] {
+        let now = checked(&text);
+        assert_eq!(sealed(&now).len(), 1, "{text}\n{:#?}", now.findings);
+        let cures = cures_cure_in(&text);
+        assert_eq!(
+            cures.changes + cures.written_out,
+            1,
+            "{text}\n{:#?}",
+            now.findings
+        );
+    }
+}
+
+#[test]
+fn counters_name_what_every_turn_of_a_loop_waits_for() {
+    let text = "\
+assembly wells {
+    seed plate 12 x 3 {
+        for i in 0..3 { W[i] at (3 * i, 1) E[i] at (3 * i + 2, 1) S[i] at (3 * i + 1, 0) N[i] at (3 * i + 1, 2) M[i] at (3 * i + 1, 1) }
+    }
+    phase all {
+        for i in 0..3 { S[i].up -> S1[i] N[i].up -> N1[i] E[i].up -> E1[i] }
+        for i in 0..3 { M[i].up -> CORE[i] }
+        for i in 0..3 { W[i].up -> W1[i].up -> W2[i].east -> LID[i] }
+    }
+}
+";
+    let now = checked(text);
+    assert_eq!(sealed(&now).len(), 4, "{:#?}", now.findings);
+    let fix = sealed(&now)[0].fix.as_ref().unwrap();
+    assert!(fix.title.contains("CORE[i]"), "{fix:#?}");
+    assert!(sealed(&checked(&changed(text, fix))).is_empty());
+    cures_cure_in(text);
+}
+
+/// Two pockets, each closed by the block that has to come before the other one's core.
+#[test]
+fn two_that_close_each_other_in_are_no_never() {
+    let pocket = |x: i32| {
+        let (middle, end) = (x + 1, x + 2);
+        format!(
+            "W[{x}] at ({x}, 1) E[{x}] at ({end}, 1) S[{x}] at ({middle}, 0) N[{x}] at ({middle}, 2) M[{x}] at ({middle}, 1)"
+        )
+    };
+    let text = format!(
+        "assembly both {{ seed plate 7 x 3 {{ {} {} }}
+         phase walls {{ for i in 0..1 {{ W[4 * i].up -> A[i].up -> B[i] E[4 * i].up -> C[i] S[4 * i].up -> D[i] N[4 * i].up -> F[i] }} }}
+         phase lids {{
+             for i in 0..1 {{ B[i].east -> LID[i] M[4 * i].up -> CORE[i] after LID[1 - i] }}
+             LID[0].up -> TOP after CORE[0], CORE[1]
+         }} }}",
+        pocket(0),
+        pocket(4),
+    );
+    let now = checked(&text);
+    assert!(others(&now).is_empty(), "{:#?}", others(&now));
+    let found = sealed(&now);
+    assert_eq!(found.len(), 2, "{found:#?}");
+    for finding in found {
+        assert!(finding.title.contains("can be walled in"), "{finding:#?}");
+        let help = finding.help.as_deref().unwrap();
+        assert!(
+            help.contains("no order of the phase reaches all of its cells"),
+            "{help}"
+        );
+        assert_eq!(finding.fix, None);
+    }
+    assert_eq!(
+        all_orders(&now.programs[0]).reached.len(),
+        now.programs[0].plan.events.len() - 1
+    );
 }

@@ -5,7 +5,6 @@ tests/fixtures/tower.sa: assembly tower in hemisphere: 2 phases, 3 captures, 0 r
   phase foot  longest serial chain 1: M.up -> A
   phase top   longest serial chain 2: A.up -> B, B.up -> C
   the program's longest serial chain is 2 (phase top); one phase after the other, 3
-  likely bottleneck: M.up -> A, 39 % of the time; `--cost` ranks the others
 ";
 
 #[test]
@@ -13,6 +12,30 @@ fn a_right_program_is_summed_up() {
     let said = stochc("check tests/fixtures/tower.sa");
     assert_eq!((said.status, said.err.as_str()), (0, ""));
     assert_eq!(said.out, TOWER);
+}
+
+/// Geometry does not say what will take the time (docs/proofs.md).
+#[test]
+fn no_bottleneck_is_named() {
+    for options in ["", "--cost=3 "] {
+        let said = stochc(&format!("check {options}examples/five_tower.sa"));
+        for word in ["bottleneck", "likely", "wait ", "of the time"] {
+            assert!(!said.out.contains(word), "{word} in {}", said.out);
+        }
+    }
+    let said = stochc("check --cost=3 examples/five_tower.sa");
+    let table = "
+  phase    depth  width
+  corners      2      4
+  centre       2      1
+
+  capture    open
+  M.up -> N  20 %
+  N.up -> O  36 %
+  A.up -> E  50 %
+  and 7 more; `--cost 10` shows them
+";
+    assert!(said.out.contains(table), "{}", said.out);
 }
 
 #[test]

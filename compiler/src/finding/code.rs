@@ -126,11 +126,6 @@ codes! {
 }
 
 impl Code {
-    /// Whether it is found while a text is read, before anything in it is looked up.
-    pub(crate) fn is_of_reading(self) -> bool {
-        self <= Code::TooManyErrors
-    }
-
     /// Whether it is about text that the program would do as well without.
     pub fn is_unnecessary(self) -> bool {
         matches!(

@@ -1,112 +1,250 @@
-//! The `after` that cures a program, as a change of its text.
-use stochc_grammar::Span;
-use stochc_grammar::tree::{Chain, Item, ItemKind, Place};
+//! An `after` as a change of the text.
+use stochc_grammar::tree::{Chain, Entry, Expr, ExprKind, Item, ItemKind, Operator, Place};
+use stochc_grammar::{Span, Symbol};
 
 use super::{EventId, Subject};
-use crate::finding::{Edit, Fix};
+use crate::finding::Edit;
+use crate::plan::{Deed, Key};
 use crate::table::RoleId;
 use crate::{FileId, Site};
 
-/// Makes captures wait for a name; `None` where that cannot be written plainly: in loops and
-/// patterns, for rows, and twice in one statement.
-pub fn waits_for(subject: &Subject, captures: &[EventId], role: RoleId) -> Option<Fix> {
-    if subject.plan.roles.key(role).scope != 0 {
-        return None;
+/// One arrow of a chain, with what it captures: in a row, a loop or a pattern, many times.
+#[derive(Clone, Copy)]
+pub struct Statement<'a> {
+    chain: &'a Chain,
+    link: usize,
+}
+
+impl<'a> Statement<'a> {
+    /// The statement of the program's own file that a capture comes from.
+    pub fn of(subject: &Subject<'a>, capture: EventId) -> Option<Statement<'a>> {
+        let Site { file, span } = subject.plan.event(capture).site;
+        if file != subject.file {
+            return None;
+        }
+        let patterns = subject.patterns.values();
+        let patterns = patterns.filter(|(of, _)| *of == file);
+        find(&subject.assembly.body, span).or_else(|| {
+            patterns
+                .into_iter()
+                .find_map(|(_, pattern)| find(&pattern.body, span))
+        })
     }
-    let name = subject.plan.roles.name(role, subject.symbols);
-    let mut edits = Vec::new();
-    for &capture in captures {
-        edits.extend(wait(subject, capture, &name)?);
+
+    /// The block with the face that captures, and what it captures.
+    fn places(&self) -> (&'a Place, &'a Place) {
+        let Statement { chain, link } = *self;
+        let parent = link
+            .checked_sub(1)
+            .map_or(&chain.head, |link| &chain.links[link].place);
+        (parent, &chain.links[link].place)
     }
-    let mut places: Vec<Span> = edits.iter().map(|edit| edit.site.span).collect();
-    places.sort_by_key(|span| (span.start, span.end));
-    if (places.windows(2)).any(|pair| pair[0].end >= pair[1].start) {
-        return None;
+
+    /// As it is written.
+    pub fn text(&self, subject: &Subject<'a>) -> &'a str {
+        let (parent, child) = self.places();
+        let place = site(subject.file, parent.span.start, child.span.end);
+        subject.sources.text(place)
     }
-    Some(Fix {
-        title: format!("wait for `{name}`"),
-        // One more order, and the same structure.
-        safe: captures.len() == 1,
-        edits,
+
+    /// The ways to write the name of a block where this statement makes `capture`: first as the counters
+    /// of its loops give it, so that it is another one each time, then as it is; the likeliest first. Empty: the
+    /// block has no name there.
+    pub fn names(&self, subject: &Subject, capture: EventId, role: RoleId) -> Vec<String> {
+        let roles = &subject.plan.roles;
+        let (parent, child) = self.places();
+        let event = subject.plan.event(capture);
+        let own = roles.path(event.role);
+        let Some(inner) = ending(child, &own) else {
+            return Vec::new();
+        };
+        let scope = inner[0].scope;
+        let path = roles.path(role);
+        let Some(from) = path.iter().position(|key| key.scope == scope) else {
+            return Vec::new();
+        };
+        let mut counters: Vec<(Symbol, i64)> = Vec::new();
+        solve(child, inner, &mut counters);
+        if let Deed::Capture { parent: by, .. } = event.deed {
+            let by = roles.path(by);
+            if let Some(keys) = ending(parent, &by) {
+                solve(parent, keys, &mut counters);
+            }
+        }
+        // Each name with how far it is from what is mostly meant.
+        let mut names = vec![(0, String::new())];
+        for (i, key) in path[from..].iter().enumerate() {
+            let word = subject.symbols.word(key.word);
+            if word.contains('#') {
+                return Vec::new();
+            }
+            let dot = if i == 0 { "" } else { "." };
+            names
+                .iter_mut()
+                .for_each(|(_, name)| *name += &format!("{dot}{word}"));
+            for (k, &index) in key.index[..key.arity as usize].iter().enumerate() {
+                let begin = if k == 0 { "[" } else { ", " };
+                let end = if k + 1 == usize::from(key.arity) {
+                    "]"
+                } else {
+                    ""
+                };
+                let written = indices(i64::from(index), &counters, subject);
+                names = (names.iter())
+                    .flat_map(|(cost, name)| {
+                        (written.iter()).map(move |(extra, index)| {
+                            (cost + extra, format!("{name}{begin}{index}{end}"))
+                        })
+                    })
+                    .take(MOST_NAMES)
+                    .collect();
+            }
+        }
+        names.sort_by_key(|(cost, _)| *cost);
+        names.into_iter().map(|(_, name)| name).collect()
+    }
+
+    /// Makes what the statement captures wait for a block of this name.
+    pub fn wait(&self, subject: &Subject, name: &str) -> Vec<Edit> {
+        let Statement { chain, link } = *self;
+        let at = |start: u32, end: u32, text: String| Edit {
+            site: site(subject.file, start, end),
+            text,
+        };
+        let end = chain
+            .links
+            .last()
+            .map_or(chain.head.span, |link| link.place.span)
+            .end;
+        let end_of_after = chain
+            .after
+            .last()
+            .map_or(end, |subject| subject.place.span.end);
+        if link == 0 {
+            let text = if chain.after.is_empty() {
+                " after "
+            } else {
+                ", "
+            };
+            return vec![at(end_of_after, end_of_after, format!("{text}{name}"))];
+        }
+        // Only the first capture of a chain can wait: the chain goes on in a line of its own.
+        let (place, _) = self.places();
+        let text_of = |start, end| subject.sources.text(site(subject.file, start, end));
+        let block = match place.face {
+            Some((_, face)) => text_of(place.span.start, face.start)
+                .trim_end()
+                .trim_end_matches('.'),
+            None => text_of(place.span.start, place.span.end),
+        };
+        // Of a row only the last block goes on.
+        let mut again = String::new();
+        let mut from = place.span.start;
+        let entries = place
+            .path
+            .iter()
+            .filter_map(|segment| segment.index.as_deref());
+        for entry in entries.flatten() {
+            if let Entry::Range(first, last) = entry {
+                again.push_str(text_of(from, first.span.start));
+                from = last.span.start;
+            }
+        }
+        again.push_str(text_of(from, place.span.end));
+        let waits = text_of(end, end_of_after);
+        let indent = subject
+            .sources
+            .indent(site(subject.file, chain.head.span.start, end));
+        vec![
+            at(
+                place.span.start,
+                place.span.end,
+                format!("{block}{waits}\n{indent}{again}"),
+            ),
+            at(end, end_of_after, format!(" after {name}")),
+        ]
+    }
+}
+
+/// Names that are made up for one block, at most.
+const MOST_NAMES: usize = 64;
+
+/// The link of a chain that stands in a place.
+fn find(items: &[Item], span: Span) -> Option<Statement<'_>> {
+    items.iter().find_map(|item| match &item.kind {
+        ItemKind::Chain(chain) => (0..chain.links.len())
+            .map(|link| Statement { chain, link })
+            .find(|statement| {
+                let (parent, child) = statement.places();
+                (parent.span.start, child.span.end) == (span.start, span.end)
+            }),
+        ItemKind::Phase(phase) => find(&phase.body, span),
+        ItemKind::For(block) => find(&block.body, span),
+        ItemKind::Pattern(pattern) => find(&pattern.body, span),
+        _ => None,
     })
 }
 
-fn wait(subject: &Subject, capture: EventId, name: &str) -> Option<Vec<Edit>> {
-    let event = subject.plan.event(capture);
-    let is_elsewhere = event.site.file != subject.file
-        || subject.plan.roles.key(event.role).scope != 0
-        || (subject.plan.events.iter()).any(|other| {
-            other.site == event.site && (other.role, other.deed) != (event.role, event.deed)
-        });
-    if is_elsewhere {
-        return None;
+/// The end of a role's path that a place writes out; `None`: a parameter stands for it.
+fn ending<'k>(place: &Place, path: &'k [Key]) -> Option<&'k [Key]> {
+    let from = path.len().checked_sub(place.path.len())?;
+    let is_written = (place.path.iter().zip(&path[from..])).all(|(segment, key)| {
+        segment.name.symbol == key.word
+            && segment.index.as_deref().map_or(0, <[Entry]>::len) == usize::from(key.arity)
+    });
+    (is_written && from < path.len()).then_some(&path[from..])
+}
+
+/// Finds counters from the indices in which they are written alone, or with a number added.
+fn solve(place: &Place, keys: &[Key], counters: &mut Vec<(Symbol, i64)>) {
+    for (segment, key) in place.path.iter().zip(keys) {
+        let entries = segment.index.as_deref().unwrap_or_default();
+        for (entry, &index) in entries.iter().zip(&key.index) {
+            let Entry::One(expr) = entry else { continue };
+            let found = counter(expr, i64::from(index));
+            if let Some((name, value)) = found
+                && counters.iter().all(|&(known, _)| known != name)
+            {
+                counters.push((name, value));
+            }
+        }
     }
-    let (chain, link) = (subject.assembly.body.iter())
-        .filter_map(|item| match &item.kind {
-            ItemKind::Phase(phase) => Some(&phase.body),
+}
+
+/// The name in an expression, with the number that it stands for where the expression has a value.
+fn counter(expr: &Expr, value: i64) -> Option<(Symbol, i64)> {
+    match &expr.kind {
+        ExprKind::Name(name) => Some((*name, value)),
+        ExprKind::Binary(operator, sides) => match (operator, &sides.0.kind, &sides.1.kind) {
+            (Operator::Add, ExprKind::Name(name), ExprKind::Int(number))
+            | (Operator::Add, ExprKind::Int(number), ExprKind::Name(name)) => {
+                Some((*name, value.checked_sub(*number)?))
+            }
+            (Operator::Subtract, ExprKind::Name(name), ExprKind::Int(number)) => {
+                Some((*name, value.checked_add(*number)?))
+            }
             _ => None,
+        },
+        _ => None,
+    }
+}
+
+/// The ways to write an index, with how unlikely each is.
+fn indices(index: i64, counters: &[(Symbol, i64)], subject: &Subject) -> Vec<(u64, String)> {
+    let mut written: Vec<(u64, String)> = (counters.iter())
+        .map(|&(name, value)| {
+            let name = subject.symbols.word(name);
+            let far = index - value;
+            let text = match far {
+                0 => name.to_owned(),
+                1.. => format!("{name} + {far}"),
+                _ => format!("{name} - {}", -far),
+            };
+            (far.unsigned_abs(), text)
         })
-        .flatten()
-        .find_map(|item| find(item, event.site.span))?;
-    Some(write(subject, chain, link, name))
-}
-
-/// The link of a statement that stands in a place.
-fn find(item: &Item, span: Span) -> Option<(&Chain, usize)> {
-    let ItemKind::Chain(chain) = &item.kind else {
-        return None;
-    };
-    let links = std::iter::once(&chain.head).chain(chain.links.iter().map(|link| &link.place));
-    let places: Vec<&Place> = links.collect();
-    let link = (places.windows(2))
-        .position(|pair| (pair[0].span.start, pair[1].span.end) == (span.start, span.end))?;
-    Some((chain, link))
-}
-
-fn write(subject: &Subject, chain: &Chain, link: usize, name: &str) -> Vec<Edit> {
-    let at = |start: u32, end: u32, text: String| Edit {
-        site: site(subject.file, start, end),
-        text,
-    };
-    let end = chain
-        .links
-        .last()
-        .map_or(chain.head.span, |link| link.place.span)
-        .end;
-    let end_of_after = chain
-        .after
-        .last()
-        .map_or(end, |subject| subject.place.span.end);
-    let Some(broken) = link.checked_sub(1) else {
-        let text = if chain.after.is_empty() {
-            " after "
-        } else {
-            ", "
-        };
-        return vec![at(end_of_after, end_of_after, format!("{text}{name}"))];
-    };
-    // Only the first capture of a chain can wait: the chain goes on in a line of its own.
-    let place = &chain.links[broken].place;
-    let text_of = |start, end| subject.sources.text(site(subject.file, start, end));
-    let written = text_of(place.span.start, place.span.end);
-    let block = match place.face {
-        Some((_, face)) => text_of(place.span.start, face.start)
-            .trim_end()
-            .trim_end_matches('.'),
-        None => written,
-    };
-    let waits = text_of(end, end_of_after);
-    let indent = subject
-        .sources
-        .indent(site(subject.file, chain.head.span.start, end));
-    vec![
-        at(
-            place.span.start,
-            place.span.end,
-            format!("{block}{waits}\n{indent}{written}"),
-        ),
-        at(end, end_of_after, format!(" after {name}")),
-    ]
+        .collect();
+    written.push((2, index.to_string()));
+    written
 }
 
 fn site(file: FileId, start: u32, end: u32) -> Site {

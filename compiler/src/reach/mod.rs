@@ -24,6 +24,10 @@
 //! together are told of even if chance can never bring them there, and a block that is released
 //! into the closed cell, and stays, is not counted on.
 //!
+//! **What no order reaches** is told apart (`reachable.rs`): a capture whose own predecessors close it in, and what
+//! waits for such a one. For the others a cure is looked for (`cure.rs`), written as a change of the text (`edit.rs`)
+//! and tried (`trial.rs`): it is proposed only if the program so changed has this error no more, and no new one.
+//!
 //! **It is fast** because a capture has a way out if a neighbour that waits for it has one, and else
 //! mostly if it or a neighbouring cell sees the sky. Only the rest is searched for, along the walls
 //! (`way.rs`). The work is bounded; what was not decided within the bound is told.
@@ -31,29 +35,42 @@ mod cure;
 mod descent;
 mod edit;
 mod picture;
+mod reachable;
 mod sealed;
 mod standing;
 mod tell;
 mod tight;
 mod trail;
+mod trial;
 mod way;
 
-use stochc_grammar::Symbols;
-use stochc_grammar::tree::Assembly;
+use std::borrow::Cow;
 
-use crate::finding::Finding;
+use petgraph::Direction::{Incoming, Outgoing};
+use petgraph::graph::NodeIndex;
+use petgraph::visit::EdgeRef;
+use rustc_hash::{FxHashMap, FxHashSet};
+use stochc_grammar::tree::{Assembly, Pattern};
+use stochc_grammar::{Symbol, Symbols};
+
+use crate::finding::{Code, Finding};
 use crate::graph::DependencyGraph;
 use crate::layout::Layout;
 use crate::order::Order;
 use crate::plan::{Deed, EventId, Plan};
 use crate::presence::Presence;
+use crate::turns;
 use crate::{Cell, FileId, Sources};
 use descent::Descent;
 use standing::Standing;
 use trail::Trail;
+pub use trial::Trial;
 
 /// Cells that may be searched for every event, besides those that the limits say.
 const STEPS_PER_EVENT: u64 = 10;
+
+/// Of the cells that may be searched, the part that counts for events of the programs in which cures are tried.
+const TRIED: u64 = 100;
 
 /// A program in which nothing else is wrong.
 #[derive(Clone, Copy)]
@@ -68,14 +85,17 @@ pub struct Subject<'a> {
     pub graph: &'a DependencyGraph,
     /// What surely waits for what, in every order.
     pub certain: &'a DependencyGraph,
-    /// The same in one way in which everything can happen.
-    pub straight: &'a DependencyGraph,
     /// An order of it.
     pub order: &'a Order,
     /// Its text, as a tree.
     pub assembly: &'a Assembly,
-    /// The file of that.
+    /// The patterns of the files.
+    pub patterns: &'a FxHashMap<Symbol, (FileId, &'a Pattern)>,
+    /// The file of the assembly.
     pub file: FileId,
+    /// Checks the files again with a change; `None`: such a check is under way, and only the titles of
+    /// findings matter.
+    pub trial: Option<&'a Trial<'a>>,
     /// Its texts.
     pub sources: &'a Sources,
     /// Its words.
@@ -99,6 +119,12 @@ pub fn check(subject: Subject, search: u64, findings: &mut Vec<Finding>) {
         trails: Default::default(),
         proof: effort(1),
         warning: effort(10),
+        cures: effort(1),
+        trials: Effort {
+            steps: 0,
+            budget: search / TRIED,
+        },
+        untouched: None,
     };
     let events = events_by_phase(plan, subject.order);
     for (number, events) in events.iter().enumerate() {
@@ -134,7 +160,15 @@ struct Survey<'a> {
     /// Work done and work allowed, for the proof and for the warning.
     proof: Effort,
     warning: Effort,
+    /// The same for saying what is wrong and what helps, and events that are written out again to try it.
+    cures: Effort,
+    trials: Effort,
+    /// The errors of the files as they are, once a cure has been tried.
+    untouched: Option<Vec<Told>>,
 }
+
+/// What is told of an error, without its places.
+pub type Told = (Code, String);
 
 /// Places searched, and how many may be.
 struct Effort {
@@ -168,7 +202,9 @@ impl Survey<'_> {
         }
         self.trails.iter_mut().for_each(Trail::begin_phase);
         let stuck = self.stuck(events, descent);
-        self.tell_sealed(events, descent, &stuck, findings);
+        if !stuck.is_empty() {
+            self.tell_sealed(events, descent, &stuck, findings);
+        }
         if stuck.is_empty() {
             self.tell_tight(number, events, descent, findings);
         }
@@ -194,4 +230,49 @@ impl Survey<'_> {
     fn is_capture(&self, id: EventId) -> bool {
         matches!(self.subject.plan.event(id).deed, Deed::Capture { .. })
     }
+
+    /// Whether some capture has a choice of those it waits for.
+    fn has_choice(&self) -> bool {
+        !self.subject.order.unneeded.is_empty()
+    }
+}
+
+impl<'a> Survey<'a> {
+    /// The graph with every choice made: one way in which everything can happen, with as little as can be behind
+    /// the events that are `late`. What does not wait for any of these in every order does not here.
+    fn straight(&self, is_late: impl Fn(EventId) -> bool) -> Cow<'a, DependencyGraph> {
+        let graph = self.subject.graph;
+        if !self.has_choice() {
+            return Cow::Borrowed(graph);
+        }
+        let length = |i: usize| match EventId(i as u32) {
+            id if is_late(id) => f64::INFINITY,
+            id => f64::from(u8::from(self.is_capture(id))),
+        };
+        let unneeded = turns::unneeded(graph, &turns::earliest(graph, length));
+        Cow::Owned(turns::straight(graph, &unneeded))
+    }
+}
+
+/// What an event waits for.
+fn before(graph: &DependencyGraph, id: EventId) -> impl Iterator<Item = EventId> {
+    (graph.edges_directed(NodeIndex::new(id.0 as usize), Incoming)).map(|edge| graph[edge.source()])
+}
+
+/// What waits for an event.
+fn after(graph: &DependencyGraph, id: EventId) -> impl Iterator<Item = EventId> {
+    (graph.edges_directed(NodeIndex::new(id.0 as usize), Outgoing)).map(|edge| graph[edge.target()])
+}
+
+/// Events and all that they wait for.
+fn all_before(
+    graph: &DependencyGraph,
+    events: impl IntoIterator<Item = EventId>,
+) -> FxHashSet<EventId> {
+    let mut open: Vec<EventId> = events.into_iter().collect();
+    let mut found: FxHashSet<EventId> = open.iter().copied().collect();
+    while let Some(id) = open.pop() {
+        open.extend(before(graph, id).filter(|&first| found.insert(first)));
+    }
+    found
 }

@@ -1,24 +1,18 @@
 //! The worst case of every capture.
-use petgraph::Direction::Outgoing;
-use petgraph::graph::NodeIndex;
-use petgraph::visit::EdgeRef;
 use stochc_grammar::Face;
 
 use super::descent::Descent;
 use super::way::{Search, Way};
-use super::{Cell, EventId, Survey};
+use super::{Cell, EventId, Survey, after};
 use crate::turns::is_ready;
 
 /// A capture that may wait for ever.
 pub struct Stuck {
     /// Which.
     pub capture: EventId,
-    /// The empty cells along the walls of its pocket; `None`: it was not decided.
-    pub pocket: Option<Vec<Cell>>,
+    /// Whether its worst case has no way out; else the search was given up.
+    pub is_shown: bool,
 }
-
-/// Captures whose pockets are remembered; more than anybody would read of.
-const MOST_STUCK: usize = 100;
 
 impl Survey<'_> {
     /// The captures of a phase without a way out in their worst case, in source order.
@@ -80,10 +74,7 @@ impl Survey<'_> {
             return true;
         }
         // A block that waits for this one, comes to a cell beside it, and has a way out.
-        let graph = self.subject.certain;
-        let mut next = graph.edges_directed(NodeIndex::new(id.0 as usize), Outgoing);
-        next.any(|edge| {
-            let next = graph[edge.target()];
+        after(self.subject.certain, id).any(|next| {
             self.is_safe[next.0 as usize]
                 && (self.cell(next))
                     .is_some_and(|next| touch(cell, next) && !standing.is_held_over(next))
@@ -108,18 +99,14 @@ impl Survey<'_> {
         };
         let is_safe = &self.is_safe;
         let is_out = |next: EventId| is_safe[next.0 as usize] && following.contains(next);
-        let pocket = match search.run([cell], &is_out, &mut self.trails[0], &mut self.proof) {
-            Way::Out => return true,
-            Way::Sealed(pocket) => Some(pocket),
-            Way::Unknown => None,
-        };
-        if stuck.len() < MOST_STUCK {
+        let way = search.run([cell], &is_out, &mut self.trails[0], &mut self.proof);
+        if !matches!(way, Way::Out) {
             stuck.push(Stuck {
                 capture: id,
-                pocket,
+                is_shown: matches!(way, Way::Sealed(_)),
             });
         }
-        false
+        matches!(way, Way::Out)
     }
 }
 

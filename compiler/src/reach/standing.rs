@@ -10,7 +10,7 @@ use crate::plan::EventId;
 pub type Has<'a> = &'a dyn Fn(EventId) -> bool;
 
 /// The structure, with the captures of the phase at hand.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub struct Standing {
     /// The capture that fills a cell.
     cells: FxHashMap<Cell, EventId>,

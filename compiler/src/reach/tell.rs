@@ -1,24 +1,68 @@
 //! What is said of captures that cannot, or hardly, be reached.
-use petgraph::Direction::Incoming;
-use petgraph::graph::NodeIndex;
-use petgraph::visit::EdgeRef;
+use std::borrow::Cow;
+
 use rustc_hash::FxHashSet;
 use stochc_grammar::Face;
 
-use super::cure::Cure;
 use super::descent::Descent;
-use super::edit::waits_for;
 use super::picture;
+use super::reachable::Dismantled;
 use super::sealed::Stuck;
-use super::way::{Search, Way};
-use super::{EventId, Survey};
-use crate::finding::{Code, Finding, tell};
+use super::standing::Has;
+use super::trial::Proposal;
+use super::way::Way;
+use super::{Cell, EventId, Survey, all_before, before};
+use crate::finding::{Code, Finding, Fix, tell};
 use crate::graph::DependencyGraph;
 
 /// Blocks of a wall that are labelled.
 const MOST_WALLS: usize = 6;
 /// Events of an order that are written out.
 const MOST_EVENTS: usize = 12;
+
+/// Cells told of, at most, in one phase; more than anybody would read.
+const MOST_TOLD: usize = 100;
+
+/// What becomes of a capture that can be closed in.
+enum Fate {
+    /// No order reaches it, and this is why.
+    Never(Why),
+    /// Some orders reach it, and one closes it in: that in which all the walls come first.
+    Walled(Vec<EventId>),
+    /// It has no way out when all stands that need not wait for it; whether that can come about is not known.
+    Doubtful,
+}
+
+/// Why no order reaches a capture.
+enum Why {
+    /// It is closed in by what it waits for, and by earlier phases.
+    Walls,
+    /// It waits for a capture that no order reaches.
+    Waits(EventId),
+    /// What it waits for cannot be built together.
+    Together,
+}
+
+/// A phase in which something can be closed in.
+pub struct Case<'a> {
+    /// Its events, each behind all it waits for.
+    events: &'a [EventId],
+    /// Which follow from which.
+    pub descent: &'a Descent,
+    /// What no order reaches.
+    pub never: FxHashSet<EventId>,
+    /// What waits for what, with every choice made, if it can be by what some order reaches.
+    straight: Cow<'a, DependencyGraph>,
+    /// The rest, taken apart; `None`: there are releases in it, or it was given up.
+    pub apart: Option<Dismantled>,
+}
+
+impl Case<'_> {
+    /// Whether one order reaches everything but what no order does.
+    pub fn is_whole(&self) -> bool {
+        self.apart.as_ref().is_some_and(|apart| apart.is_whole)
+    }
+}
 
 impl Survey<'_> {
     /// Tells of stuck captures.
@@ -29,139 +73,251 @@ impl Survey<'_> {
         stuck: &[Stuck],
         findings: &mut Vec<Finding>,
     ) {
-        if stuck.is_empty() {
-            return;
-        }
+        let never = self.never(events, descent);
+        let straight = self.straight(|id| never.contains(&id));
         let has_releases = events.iter().any(|&id| !self.is_capture(id));
-        let cures = if has_releases {
-            stuck.iter().map(|_| Cure::Unknown).collect()
-        } else {
-            self.cures(events, descent, stuck)
+        let apart = match has_releases {
+            true => None,
+            false => self.dismantle(&straight, events, descent, &|id| !never.contains(&id)),
         };
-        // Where there is a cavity, what the search had no time for says nothing more.
-        let is_sealed = stuck.iter().any(|stuck| stuck.pocket.is_some());
-        for (stuck, cure) in stuck.iter().zip(cures) {
-            if is_sealed && stuck.pocket.is_none() {
-                continue;
+        let case = Case {
+            events,
+            descent,
+            never,
+            straight,
+            apart,
+        };
+        let most = match self.subject.trial {
+            Some(_) => MOST_TOLD,
+            None => usize::MAX,
+        };
+        let mut told = 0;
+        for stuck in stuck.iter().filter(|stuck| stuck.is_shown) {
+            if told == most {
+                break;
             }
-            let finding = match &stuck.pocket {
-                Some(pocket) => {
-                    let walls = self.walls(stuck.capture, pocket, descent);
-                    self.sealed(events, descent, stuck.capture, &walls, cure)
+            if let Some(finding) = self.sealed(&case, stuck.capture) {
+                match self.subject.trial {
+                    Some(_) => tell(findings, finding),
+                    // Each by itself, so that it is seen which of them a cure cures.
+                    None => findings.push(finding),
                 }
-                None => self.undecided(stuck.capture),
-            };
-            tell(findings, finding);
+                told += 1;
+            }
+        }
+        // Where there is a cavity, what the search had no time for says nothing more.
+        if told == 0 {
+            for stuck in stuck.iter().take(most) {
+                tell(findings, self.undecided(stuck.capture));
+            }
         }
     }
 
+    /// What is said of a stuck capture; `None`: only blocks that never come close it in.
+    fn sealed(&mut self, case: &Case, id: EventId) -> Option<Finding> {
+        let Self { subject, .. } = *self;
+        let plan = subject.plan;
+        let event = plan.event(id);
+        let cell = self.cell(id)?;
+        let name = plan.roles.name(event.role, subject.symbols);
+        let own = all_before(subject.certain, [id]);
+        let following = case.descent.of(id, &mut self.cures.steps);
+        let is_never = case.never.contains(&id);
+        // What of the phase is there when its turn has come: at best, where that is too much already.
+        let has = |other: EventId| match is_never {
+            _ if !case.descent.has(other) => true,
+            true => other != id && own.contains(&other),
+            false => !following.contains(other) && !case.never.contains(&other),
+        };
+        let pocket = match self.way_out(id, &has) {
+            Way::Sealed(pocket) => pocket,
+            Way::Out if !is_never => return None,
+            _ => Vec::new(),
+        };
+        let walls = self.walls(&pocket, case, &has);
+        let fate = self.fate(case, id, &walls);
+        let title = match fate {
+            Fate::Never(_) => format!("no block can ever come to `{name}`"),
+            Fate::Walled(_) => format!("`{name}` can be walled in before its block comes"),
+            Fate::Doubtful => format!("`{name}` may be walled in before its block comes"),
+        };
+        let mut finding = Finding::new(Code::SealedCavity, title);
+        if subject.trial.is_none() {
+            return Some(finding.label(event.site, ""));
+        }
+        let what = match &fate {
+            Fate::Never(Why::Walls) => format!("its cell {cell} has no way out"),
+            Fate::Never(Why::Waits(_)) => "it waits for another one that cannot be reached".into(),
+            Fate::Never(Why::Together) => "what it waits for cannot be built together".into(),
+            _ => format!("its cell {cell} has no way out once its walls stand"),
+        };
+        finding = finding.label(event.site, what);
+        let mut help = String::new();
+        match fate {
+            Fate::Never(Why::Waits(first)) => {
+                let is_sure = own.contains(&first);
+                let first = plan.describe(first, subject.symbols);
+                return Some(finding.help(match is_sure {
+                    true => format!("`{first}` has to come first, and never can"),
+                    false => format!("too many of those that it waits for never can come: `{first}` is one"),
+                }));
+            }
+            Fate::Never(Why::Together) => {
+                return Some(finding.help("no order of the phase reaches all of it: leave an opening"));
+            }
+            Fate::Never(Why::Walls) if walls.is_empty() => help.push_str(
+                "the blocks of earlier phases close it: it has to come before them, or they leave an opening\n",
+            ),
+            Fate::Never(Why::Walls) => {
+                let needed = all_before(subject.certain, walls.iter().copied());
+                let order = case.events.iter().filter(|id| needed.contains(id));
+                let order = self.story(order.copied());
+                help.push_str(&format!("it waits for its walls: {order}\nleave an opening\n"));
+            }
+            Fate::Walled(order) => {
+                let order = self.story(order);
+                help.push_str(&format!("an order that leads there: {order}\n"));
+            }
+            Fate::Doubtful => {}
+        }
+        for &wall in walls.iter().take(MOST_WALLS) {
+            let wall = plan.event(wall);
+            let name = plan.roles.name(wall.role, subject.symbols);
+            finding = finding.label(wall.site, format!("`{name}` is part of the wall"));
+        }
+        if !is_never {
+            let (text, fix) = self.cure(case, id, &walls, &finding.title);
+            help.push_str(&text);
+            finding.fix = fix;
+        }
+        let is_full = |cell| self.standing.is_blocked(cell, &has);
+        help.push_str(&picture::layer(cell, is_full));
+        Some(finding.help(help))
+    }
+
+    /// What helps, in words and as a change of the text.
+    fn cure(
+        &mut self,
+        case: &Case,
+        id: EventId,
+        walls: &[EventId],
+        title: &str,
+    ) -> (String, Option<Fix>) {
+        let later = match &case.apart {
+            Some(apart) => self.later(case, apart, id, &[]),
+            None => None,
+        };
+        let lists = match &later {
+            Some(later) => vec![later.clone()],
+            None => walls.iter().map(|&wall| vec![wall]).collect(),
+        };
+        if let Some(Proposal { waits, fix }) = self.proposal(case, id, lists, title) {
+            let (statements, names): (Vec<_>, Vec<_>) = waits.into_iter().unzip();
+            let text = if names.iter().all(|name| *name == names[0]) {
+                format!(
+                    "{} must come later: write `after {}` there\n",
+                    listed(&statements),
+                    names[0]
+                )
+            } else {
+                let waits = statements.iter().zip(&names);
+                let waits: Vec<String> = waits
+                    .map(|(statement, name)| format!("{statement} after {name}"))
+                    .collect();
+                format!("some must come later: write {}\n", listed(&waits))
+            };
+            return (text, Some(fix));
+        }
+        let Self { subject, .. } = *self;
+        let text = match later {
+            // It agrees with an order of the phase, and leaves the way open.
+            Some(later) if case.is_whole() => {
+                let name = subject.plan.roles.name(subject.plan.event(id).role, subject.symbols);
+                let waits: Vec<String> = (later.iter())
+                    .map(|&other| {
+                        let other = subject.plan.describe(other, subject.symbols);
+                        format!("{other} after {name}")
+                    })
+                    .collect();
+                let its_own = match waits.len() {
+                    1 => "as a statement of its own",
+                    _ => "as statements of their own",
+                };
+                let naming = match waits.iter().any(|wait| wait.contains('#')) {
+                    true => "; name the instance of the pattern for it: `... as a`",
+                    false => "",
+                };
+                format!("write {} {its_own}{naming}\n", listed(&waits))
+            }
+            _ if !self.has_choice() && case.apart.as_ref().is_some_and(|apart| !apart.is_whole) => {
+                "no order of the phase reaches all of its cells, so no `after` helps: leave an opening\n"
+                    .to_owned()
+            }
+            _ => "no `after` was found that keeps the way open: leave an opening\n".to_owned(),
+        };
+        (text, None)
+    }
+
+    /// What becomes of a capture that its walls can close in.
+    fn fate(&mut self, case: &Case, id: EventId, walls: &[EventId]) -> Fate {
+        let Case {
+            events,
+            descent,
+            never,
+            straight,
+            ..
+        } = case;
+        if never.contains(&id) {
+            let unreached = |id: EventId| before(straight, id).find(|first| never.contains(first));
+            let first = std::iter::successors(unreached(id), |&first| unreached(first)).last();
+            return Fate::Never(first.map_or(Why::Walls, Why::Waits));
+        }
+        let Some(apart) = &case.apart else {
+            return Fate::Doubtful;
+        };
+        if !apart.has_gone(id) {
+            let own = all_before(straight, [id]);
+            match self.dismantle(straight, events, descent, &|other| own.contains(&other)) {
+                Some(own) if own.is_whole => {}
+                Some(_) if !self.has_choice() => return Fate::Never(Why::Together),
+                _ => return Fate::Doubtful,
+            }
+        }
+        // The walls come without it, whatever choices that takes.
+        let straight = self.straight(|other| other == id || never.contains(&other));
+        let needed = all_before(&straight, walls.iter().copied());
+        if needed.contains(&id) {
+            return Fate::Doubtful;
+        }
+        let built = match apart.is_whole && !self.has_choice() {
+            true => None,
+            false => self.dismantle(&straight, events, descent, &|other| needed.contains(&other)),
+        };
+        let built = built.as_ref().unwrap_or(apart);
+        if walls.is_empty() || !needed.iter().all(|&other| built.has_gone(other)) {
+            return Fate::Doubtful;
+        }
+        let mut order: Vec<EventId> = needed.into_iter().collect();
+        order.sort_by_key(|&other| std::cmp::Reverse(built.gone_at(other)));
+        Fate::Walled(order)
+    }
+
     /// The captures of the phase that close a pocket, in source order.
-    fn walls(&self, id: EventId, pocket: &[crate::Cell], descent: &Descent) -> Vec<EventId> {
-        let mut steps = 0;
-        let following = descent.of(id, &mut steps);
+    fn walls(&self, pocket: &[Cell], case: &Case, has: Has) -> Vec<EventId> {
         let mut walls: Vec<EventId> = (pocket.iter())
             .flat_map(|cell| Face::ALL.into_iter().filter_map(|face| cell.across(face)))
             .filter_map(|cell| self.standing.at(cell))
-            .filter(|&by| descent.has(by) && !following.contains(by))
+            .filter(|&by| case.descent.has(by) && has(by))
             .collect();
         walls.sort_unstable();
         walls.dedup();
         walls
     }
 
-    fn sealed(
-        &mut self,
-        events: &[EventId],
-        descent: &Descent,
-        id: EventId,
-        walls: &[EventId],
-        cure: Cure,
-    ) -> Finding {
-        let Self { subject, .. } = *self;
-        let plan = subject.plan;
-        let event = plan.event(id);
-        let name = plan.roles.name(event.role, subject.symbols);
-        let Some(cell) = self.cell(id) else {
-            return self.undecided(id);
-        };
-        let is_always = matches!(cure, Cure::None) || self.is_sealed_by_its_own(id, descent);
-        let title = if is_always {
-            format!("no block can ever come to `{name}`")
-        } else {
-            format!("`{name}` can be walled in before its block comes")
-        };
-        let when = if is_always {
-            ""
-        } else {
-            " once its walls stand"
-        };
-        let mut finding = Finding::new(Code::SealedCavity, title)
-            .label(event.site, format!("its cell {cell} has no way out{when}"));
-        for &wall in walls.iter().take(MOST_WALLS) {
-            let wall = plan.event(wall);
-            let name = plan.roles.name(wall.role, subject.symbols);
-            finding = finding.label(wall.site, format!("`{name}` is part of the wall"));
-        }
-        let mut help = String::new();
-        if walls.is_empty() {
-            help.push_str("the blocks of earlier phases close it: capture it before them\n");
-        } else {
-            let which = if is_always {
-                "every order ends like this"
-            } else {
-                "an order that leads there"
-            };
-            help.push_str(&format!("{which}: {}\n", self.story(events, walls)));
-        }
-        match &cure {
-            Cure::Later(later) if !is_always => {
-                let events: Vec<String> = (later.iter())
-                    .map(|&later| format!("`{}`", plan.describe(later, subject.symbols)))
-                    .collect();
-                help.push_str(&format!(
-                    "{} must come later: write `after {name}` there\n",
-                    events.join(" and ")
-                ));
-                if let Some(fix) = waits_for(&subject, later, event.role) {
-                    finding = finding.fix(fix);
-                }
-            }
-            _ if is_always && !walls.is_empty() => {
-                help.push_str("leave an opening, or capture it in an earlier phase\n");
-            }
-            Cure::Unknown => help.push_str(
-                "capture it in an earlier phase, or release in a phase of its own what closes the way\n",
-            ),
-            _ => {}
-        }
-        let mut steps = 0;
-        let following = descent.of(id, &mut steps);
-        let has = |other: EventId| !following.contains(other);
-        let is_full = |cell| self.standing.is_blocked(cell, &has);
-        help.push_str(&picture::layer(cell, is_full));
-        finding.help(help)
-    }
-
-    /// Whether a capture is walled in by what it waits for, and by earlier phases.
-    fn is_sealed_by_its_own(&mut self, id: EventId, descent: &Descent) -> bool {
-        let own = all_before(self.subject.certain, [id]);
-        let has = |other: EventId| !descent.has(other) || (other != id && own.contains(&other));
-        let search = Search {
-            standing: &self.standing,
-            has: &has,
-            size: 1,
-        };
-        let start = self.cell(id);
-        let way = search.run(start, &|_| false, &mut self.trails[0], &mut self.proof);
-        matches!(way, Way::Sealed(_))
-    }
-
-    /// An order in which the walls come to stand.
-    fn story(&self, events: &[EventId], walls: &[EventId]) -> String {
-        let needed = all_before(self.subject.straight, walls.iter().copied());
-        let story: Vec<String> = (events.iter())
-            .filter(|id| needed.contains(id))
-            .map(|&id| self.subject.plan.describe(id, self.subject.symbols))
+    /// Events one after the other.
+    fn story(&self, events: impl IntoIterator<Item = EventId>) -> String {
+        let story: Vec<String> = (events.into_iter())
+            .map(|id| self.subject.plan.describe(id, self.subject.symbols))
             .collect();
         let more = story.len().saturating_sub(MOST_EVENTS);
         let mut text = story[..story.len() - more].join(", ");
@@ -225,20 +381,8 @@ impl Survey<'_> {
     }
 }
 
-/// Events and all that they wait for.
-fn all_before(
-    graph: &DependencyGraph,
-    events: impl IntoIterator<Item = EventId>,
-) -> FxHashSet<EventId> {
-    let mut open: Vec<EventId> = events.into_iter().collect();
-    let mut found: FxHashSet<EventId> = open.iter().copied().collect();
-    while let Some(id) = open.pop() {
-        for edge in graph.edges_directed(NodeIndex::new(id.0 as usize), Incoming) {
-            let first = graph[edge.source()];
-            if found.insert(first) {
-                open.push(first);
-            }
-        }
-    }
-    found
+/// Pieces of text, one beside the other.
+fn listed(texts: &[String]) -> String {
+    let texts: Vec<String> = texts.iter().map(|text| format!("`{text}`")).collect();
+    texts.join(" and ")
 }

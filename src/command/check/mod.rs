@@ -27,7 +27,8 @@ pub struct Options {
     /// Output format of the findings; all but `graphical` write to standard output
     #[arg(long, value_name = "FORM", default_value = "graphical")]
     format: Format,
-    /// List the N captures that are likely to take longest [default: 10]
+    /// Print how deep and wide each phase is, and how open the cells are: the N most enclosed [default: 10]. This is
+    /// geometry, and predicts no time
     #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "10", value_parser = at_least_one)]
     cost: Option<usize>,
     /// Print the physics of the scenes of programs without errors: terms, values, absent terms, and

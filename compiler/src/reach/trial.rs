@@ -1,0 +1,158 @@
+//! Cures as changes of the text, each of them tried.
+use super::edit::Statement;
+use super::tell::Case;
+use super::{EventId, Survey, Told};
+use crate::Site;
+use crate::finding::{Code, Fix};
+
+/// Checks a program's files again with changes of the program's own file, and gives the errors, sorted, also those
+/// that are told as one. `None`: the changes do not fit together.
+pub type Trial<'a> = dyn Fn(&[&Fix]) -> Option<Vec<Told>> + 'a;
+
+/// Statements that have to wait for a block, and how that is written.
+pub struct Proposal {
+    /// The statements as they are written, each with the name that it has to wait for.
+    pub waits: Vec<(String, String)>,
+    /// The change.
+    pub fix: Fix,
+}
+
+/// A statement that has to wait.
+#[derive(Clone)]
+struct Late<'a> {
+    statement: Statement<'a>,
+    /// Where it stands.
+    site: Site,
+    /// The name that it has to wait for.
+    name: String,
+}
+
+/// Lists of captures that are tried for one cell.
+const MOST_LISTS: usize = 6;
+/// Ways to write the name that are tried for one list.
+const MOST_WRITINGS: usize = 16;
+/// Events that a trial counts for, besides those of the program.
+const OVERHEAD: u64 = 250;
+
+impl<'a> Survey<'a> {
+    /// A change of the text that takes the error of this title away, which speaks of capture `id`, and brings no
+    /// other; none of its parts can be left out. `first`: captures that may help if they come later.
+    pub fn proposal(
+        &mut self,
+        case: &Case,
+        id: EventId,
+        first: Vec<Vec<EventId>>,
+        title: &str,
+    ) -> Option<Proposal> {
+        let error = (Code::SealedCavity, title.to_owned());
+        let plan = self.subject.plan;
+        let mut lists = first;
+        let mut barred: Vec<Site> = Vec::new();
+        for i in 0..MOST_LISTS {
+            let later = lists.get(i)?;
+            for mut late in self.writings(id, later) {
+                if !self.helps(&error, &late)? {
+                    continue;
+                }
+                let mut i = 0;
+                while i < late.len() && late.len() > 1 {
+                    let mut fewer = late.clone();
+                    fewer.remove(i);
+                    match self.helps(&error, &fewer)? {
+                        true => late = fewer,
+                        false => i += 1,
+                    }
+                }
+                return Some(self.propose(case, &late));
+            }
+            // Another way out, by other statements.
+            barred.extend(later.iter().map(|&other| plan.event(other).site));
+            if let (Some(apart), true) = (&case.apart, i + 1 == lists.len()) {
+                lists.extend(self.later(case, apart, id, &barred));
+            }
+        }
+        None
+    }
+
+    /// The ways to write that some captures wait for the block of another one, the likeliest first.
+    fn writings(&self, id: EventId, later: &[EventId]) -> Vec<Vec<Late<'a>>> {
+        let plan = self.subject.plan;
+        let role = plan.event(id).role;
+        let mut statements: Vec<(Statement<'a>, Site, Vec<String>)> = Vec::new();
+        for &other in later {
+            let site = plan.event(other).site;
+            if statements.iter().any(|(_, known, _)| *known == site) {
+                continue;
+            }
+            let Some(statement) = Statement::of(&self.subject, other) else {
+                return Vec::new();
+            };
+            let names = statement.names(&self.subject, other, role);
+            if names.is_empty() {
+                return Vec::new();
+            }
+            statements.push((statement, site, names));
+        }
+        let most = statements.iter().map(|(.., names)| names.len()).max();
+        (0..most.unwrap_or(0).min(MOST_WRITINGS))
+            .map(|choice| {
+                let late = |(statement, site, names): &(Statement<'a>, Site, Vec<String>)| Late {
+                    statement: *statement,
+                    site: *site,
+                    name: names[choice.min(names.len() - 1)].clone(),
+                };
+                statements.iter().map(late).collect()
+            })
+            .collect()
+    }
+
+    fn fix(&self, late: &[Late<'a>]) -> Fix {
+        let mut names: Vec<String> = late.iter().map(|late| format!("`{}`", late.name)).collect();
+        names.dedup();
+        Fix {
+            title: format!("wait for {}", names.join(" and ")),
+            edits: (late.iter())
+                .flat_map(|late| late.statement.wait(&self.subject, &late.name))
+                .collect(),
+            safe: false,
+        }
+    }
+
+    fn propose(&self, case: &Case, late: &[Late<'a>]) -> Proposal {
+        let plan = self.subject.plan;
+        let mut fix = self.fix(late);
+        if let [late] = late {
+            let mut made = plan.events.iter().filter(|event| event.site == late.site);
+            let is_plain = made
+                .next()
+                .is_some_and(|event| plan.roles.key(event.role).scope == 0);
+            // One more order, and the same structure: all such changes agree with one order of the phase.
+            fix.safe = is_plain && made.next().is_none() && case.is_whole();
+        }
+        let text = |late: &Late<'a>| late.statement.text(&self.subject).to_owned();
+        Proposal {
+            waits: late
+                .iter()
+                .map(|late| (text(late), late.name.clone()))
+                .collect(),
+            fix,
+        }
+    }
+
+    /// Whether an error goes with a change, and no other comes; `None`: no more is tried.
+    fn helps(&mut self, error: &Told, late: &[Late<'a>]) -> Option<bool> {
+        let trial = self.subject.trial.filter(|_| !self.trials.is_spent())?;
+        self.trials.steps += self.subject.plan.events.len() as u64 + OVERHEAD;
+        let before = match self.untouched.take() {
+            Some(before) => before,
+            None => trial(&[])?,
+        };
+        let helps = trial(&[&self.fix(late)]).is_some_and(|after| {
+            let times = |told: &[Told], one: &Told| told.iter().filter(|told| *told == one).count();
+            times(&after, error) < times(&before, error)
+                && (after.iter()).all(|one| times(&after, one) <= times(&before, one))
+        });
+        self.untouched = Some(before);
+        Some(helps)
+    }
+}
