@@ -5,13 +5,14 @@ use stochc::compiler::finding::Code;
 use stochc::compiler::{Checked, Limits, check};
 
 /// Pages without a wrong program, and why.
-const WITHOUT: [(Code, &str); 8] = [
+const WITHOUT: [(Code, &str); 9] = [
     (Code::NotUtf8, "a page is UTF-8 itself"),
     (Code::FileTooLarge, "4 GiB are too many for a test as well"),
     (Code::TooDeep, "a hundred braces on a page help nobody"),
     (Code::StatementTooLong, "a statement of 4 MiB"),
     (Code::TooManyErrors, "a hundred errors"),
     (Code::ReachUndecided, "a hall of a million blocks"),
+    (Code::InternalError, "the compiler is not known to make this mistake"),
     (Code::ImportMissing, "a fence has no files beside it"),
     (Code::ImportCycle, "a fence has no files beside it"),
 ];

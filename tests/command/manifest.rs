@@ -40,8 +40,8 @@ fn what_is_no_manifest_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let file = path(folder.path(), "manifest.json");
     for (text, reason) in [
-        ("", "no manifest"),
-        ("{}", "no manifest"),
+        ("", "not the manifest"),
+        ("{}", "not the manifest"),
         (r#"{"format": 999}"#, "format is 999"),
         (r#"{"format": 1}"#, "damaged"),
     ] {

@@ -168,7 +168,7 @@ fn files_of_others_are_left_alone() {
     let said = stochc_with(TOWER, &["--out", mine]);
     assert_eq!(said.status, 2);
     assert!(
-        said.err.contains("files that are no results"),
+        said.err.contains("other files than results"),
         "{}",
         said.err
     );

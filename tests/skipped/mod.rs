@@ -24,7 +24,8 @@ pub fn skipped(package: &str, command: &str) {
     // Past the test's own capture, so that it is seen.
     let _ = std::io::stderr().write_all(note.as_bytes());
     if let Some(record) = std::env::var_os(RECORD) {
-        let file = std::fs::OpenOptions::new().append(true).create(true);
+        let mut options = std::fs::OpenOptions::new();
+        let file = options.append(true).create(true);
         let mut file = file
             .open(record)
             .expect("the record of skipped tests opens");

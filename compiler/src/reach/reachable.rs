@@ -81,7 +81,8 @@ impl Survey<'_> {
                 }
             }
             // Of a choice, what comes later in this order may be enough.
-            if !opens_ways && !(has_more && self.has_choice()) {
+            let is_over = !has_more || !(opens_ways || self.has_choice());
+            if is_over {
                 break;
             }
         }

@@ -29,7 +29,8 @@ enum Fate {
     Never(Why),
     /// Some orders reach it, and one closes it in: that in which all the walls come first.
     Walled(Vec<EventId>),
-    /// It has no way out when all stands that need not wait for it; whether that can come about is not known.
+    /// It has no way out when all stands that need not wait for it; whether that can come about is not known, because of
+    /// releases or choices of faces.
     Doubtful,
 }
 

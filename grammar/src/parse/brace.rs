@@ -152,22 +152,35 @@ fn is_head(rule: Rule) -> bool {
 /// Whether a piece can stand in a block with this head; without one, in the file.
 fn holds(head: Option<Rule>, next: Rule) -> bool {
     use Rule as R;
-    match (head, next) {
-        (Some(R::program), _) | (_, R::level | R::let_) => true,
-        (None, R::assembly_head | R::aggregate | R::scene_head | R::import)
-        | (None | Some(R::assembly_head), R::pattern_head | R::shape_head)
-        | (Some(R::assembly_head), R::seed_head | R::phase_head | R::for_head)
-        | (Some(R::seed_head), R::seat | R::chain | R::for_head)
-        | (Some(R::phase_head), R::yields)
-        | (
-            Some(R::phase_head | R::pattern_head),
-            R::chain | R::release | R::instance | R::for_head,
-        )
-        | (Some(R::scene_head), R::word | R::quantity | R::span_of_values | R::open)
-        | (Some(R::shape_head), R::layer_head)
-        | (Some(R::layer_head), R::row) => true,
-        _ => false,
-    }
+    matches!(
+        (head, next),
+        (Some(R::program), _)
+            | (_, R::level | R::let_)
+            | (
+                None,
+                R::assembly_head | R::aggregate | R::scene_head | R::import
+            )
+            | (
+                None | Some(R::assembly_head),
+                R::pattern_head | R::shape_head
+            )
+            | (
+                Some(R::assembly_head),
+                R::seed_head | R::phase_head | R::for_head
+            )
+            | (Some(R::seed_head), R::seat | R::chain | R::for_head)
+            | (Some(R::phase_head), R::yields)
+            | (
+                Some(R::phase_head | R::pattern_head),
+                R::chain | R::release | R::instance | R::for_head,
+            )
+            | (
+                Some(R::scene_head),
+                R::word | R::quantity | R::span_of_values | R::open
+            )
+            | (Some(R::shape_head), R::layer_head)
+            | (Some(R::layer_head), R::row)
+    )
 }
 
 /// How many more braces of a text close than open.
