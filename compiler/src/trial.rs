@@ -182,7 +182,10 @@ pub(crate) fn cures(
 }
 
 /// Where findings stand, by their code and the name of their file.
-struct Places<'a>(FxHashMap<(Code, Option<&'a str>), Vec<(usize, usize)>>);
+struct Places<'a>(FxHashMap<Kind<'a>, Vec<(usize, usize)>>);
+
+/// The code of a finding, and the name of its file.
+type Kind<'a> = (Code, Option<&'a str>);
 
 impl<'a> Places<'a> {
     /// Whether a place of one code lies in one of the same code here.

@@ -1,5 +1,5 @@
 //! One statement in a loop, or in a pattern, may be wrong many times: it is told of once.
-use super::Finding;
+use super::{Code, Finding};
 
 /// Findings like another one, at the same place.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -39,6 +39,10 @@ impl Finding {
         }
         if self.title == other.title {
             return true;
+        }
+        // Several things may be missing at one place.
+        if self.code == Code::MissingTerm {
+            return false;
         }
         let Some(subject) = difference(&self.title, &other.title) else {
             return false;
