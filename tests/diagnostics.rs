@@ -12,7 +12,10 @@ const WITHOUT: [(Code, &str); 9] = [
     (Code::StatementTooLong, "a statement of 4 MiB"),
     (Code::TooManyErrors, "a hundred errors"),
     (Code::ReachUndecided, "a hall of a million blocks"),
-    (Code::InternalError, "the compiler is not known to make this mistake"),
+    (
+        Code::InternalError,
+        "the compiler is not known to make this mistake",
+    ),
     (Code::ImportMissing, "a fence has no files beside it"),
     (Code::ImportCycle, "a fence has no files beside it"),
 ];

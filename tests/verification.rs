@@ -213,7 +213,7 @@ fn random(draw: &mut dyn FnMut(usize) -> usize) -> String {
                 for face in Face::ALL {
                     let next = cell.across(face).unwrap();
                     let sides = (next.x - 1).abs() + (next.y - 1).abs();
-                    let fits = next.z == 1 && sides <= 1 || next.z == 2 && sides <= 1;
+                    let fits = (1..=2).contains(&next.z) && sides <= 1;
                     let is_seen = cell.z > 0 || face == Face::Up;
                     let is_wall = sides == 1 || next.z == 2;
                     if fits

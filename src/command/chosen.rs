@@ -191,7 +191,8 @@ impl Chosen {
         let path = path(&self.folder, self.program, self.run);
         match files::open(&path) {
             Ok(file) => return self.checked(file, &path),
-            Err(error) if error.kind() == ErrorKind::NotFound => {}
+            Err(error)
+                if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {}
             Err(error) => return Err(useless(&path, &error.to_string())),
         }
         let header = Header {

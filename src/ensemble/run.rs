@@ -11,6 +11,10 @@ use super::progress::{Display, during};
 use super::{Finished, Folder, FolderError, JournalError, Manifest};
 
 /// Where the runs of an ensemble go.
+#[allow(
+    clippy::large_enum_variant,
+    reason = "there is one of them in a process"
+)]
 #[derive(Debug)]
 pub enum Place<'a> {
     /// Nowhere: they are gone with the process.

@@ -92,7 +92,7 @@ fn what_is_no_results_folder_is_refused() {
     for wrong in ["tests/fixtures", "Cargo.toml", "no/such/folder"] {
         let said = stochc_with("report", &[&out, wrong]);
         assert_eq!((said.status, said.out.as_str()), (2, ""), "{wrong}");
-        let told = format!("`{wrong}` holds no results; give the folder");
+        let told = format!("`{wrong}` holds no results; give a folder");
         assert!(said.err.contains(&told), "{}", said.err);
     }
     assert_eq!(stochc_with("report", &[]).status, 2, "no folder at all");
