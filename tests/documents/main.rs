@@ -15,7 +15,7 @@ use std::process::{Command, Output, Stdio};
 use page::{Block, blocks, commands};
 
 /// What a document may hold besides commands (`sh`).
-const NOT_COMMANDS: [&str; 5] = ["lua", "sa", "sa,fragment", "text", "toml"];
+const NOT_COMMANDS: [&str; 6] = ["lua", "sa", "sa,fragment", "text", "toml", "sql"];
 
 /// The README and all of `docs/`, by name.
 fn documents() -> BTreeMap<String, String> {
