@@ -376,8 +376,8 @@ impl Survey<'_> {
             );
             finding = finding.label(plan.event(tight.capture).site, text);
         }
-        let help = "a block has no clearance there when all that need not wait for it has been captured \
-                    already: capture it first, with `after` or in an earlier phase, or expect it to take long";
+        let help = "its neighbours may be in place before it: capture it before them, with `after` or in an earlier \
+                    phase; in a gap of its own width a block jams easily, and the capture may take long";
         tell(findings, finding.help(help));
     }
 }
