@@ -43,6 +43,8 @@ pub enum SyntaxErrorKind {
         within: &'static str,
         /// Where it belongs.
         belongs: &'static str,
+        /// Whether the grammar has a place for it, so that it is in the tree all the same.
+        is_read: bool,
     },
     /// Parentheses round the list behind a word of the language; the span is from one to the other.
     Parentheses {
@@ -85,7 +87,7 @@ impl SyntaxErrorKind {
     pub fn is_of_grammar(&self) -> bool {
         !matches!(
             self,
-            SyntaxErrorKind::Misplaced { .. }
+            SyntaxErrorKind::Misplaced { is_read: true, .. }
                 | SyntaxErrorKind::ReservedWord { .. }
                 | SyntaxErrorKind::FaceMisused { .. }
                 | SyntaxErrorKind::DanglingDoc

@@ -52,6 +52,7 @@ impl Finding {
                 what,
                 within,
                 belongs,
+                ..
             } => Finding::new(
                 Code::Misplaced,
                 format!("{what} does not belong in {within}"),

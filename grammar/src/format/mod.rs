@@ -70,7 +70,7 @@ pub(crate) fn lay_out(text: &str) -> Option<String> {
         use crate::SyntaxErrorKind as K;
         matches!(
             error.kind,
-            K::Misplaced { .. } | K::ReservedWord { .. } | K::FaceMisused { .. }
+            K::Misplaced { is_read: true, .. } | K::ReservedWord { .. } | K::FaceMisused { .. }
         )
     };
     let whole = parsed.errors.iter().all(is_whole);

@@ -135,6 +135,7 @@ impl Parser<'_, '_> {
                     what,
                     within,
                     belongs,
+                    is_read: true,
                 },
                 span,
             );

@@ -125,6 +125,7 @@ impl Parser<'_, '_> {
                 what,
                 within,
                 belongs,
+                is_read: false,
             },
             span,
         );

@@ -35,6 +35,7 @@ impl Parser<'_, '_> {
                             what: "a row of cells",
                             within: "a shape",
                             belongs: "a layer: `layer 1 { ... }`",
+                            is_read: true,
                         },
                         span,
                     );
@@ -62,6 +63,7 @@ impl Parser<'_, '_> {
                     what: "a layer",
                     within: "a layer",
                     belongs: "a shape: close the layer before it",
+                    is_read: true,
                 },
                 span,
             );
