@@ -8,6 +8,7 @@
 //! and leaves the wrong part out, so that the next one can go on.
 pub mod cost;
 pub mod emit;
+mod executable;
 mod expand;
 mod exposed;
 pub mod finding;

@@ -8,7 +8,6 @@
 mod error;
 mod format;
 mod json;
-mod lazy;
 mod parse;
 mod print;
 mod span;
@@ -18,7 +17,6 @@ pub mod tree;
 pub use error::{SyntaxError, SyntaxErrorKind};
 pub use format::{Refusal, format};
 pub use json::to_json;
-pub use lazy::Json;
 pub use parse::{MAX_DEPTH, MAX_ERRORS, MAX_STATEMENT, MAX_TERMS, Parsed, accepts, is_unit, parse};
 pub use print::print;
 pub use span::Span;

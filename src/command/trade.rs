@@ -4,16 +4,17 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::{ArgGroup, Args};
+use stochc_runtime::Settings;
 use stochc_runtime::world::SceneError;
 
 use super::levels::LevelOptions;
 use super::results::Form;
-use super::simulate::{self, Ready};
+use super::simulate;
 use super::terminal::{output_has_colour, output_width, print, warn};
 use crate::cli::Exit;
 use crate::ensemble::{Display, Manifest, Program, stop_on_interrupt};
 use crate::files::atomic;
-use crate::trade::{Extent, FINEST, Setup, Subject, Trade, measure, svg};
+use crate::trade::{Extent, FINEST, Setup, Trade, measure, svg};
 
 /// What `trade` is given.
 #[derive(Debug, Args)]
@@ -60,12 +61,12 @@ const BUDGET: Duration = Duration::from_secs(600);
 
 /// Measures what accuracy costs.
 pub fn run(options: &Options) -> Exit {
-    let (programs, ready) = match simulate::programs(&options.files, &options.levels.levels) {
+    let programs = match simulate::programs(&options.files, &options.levels.levels) {
         Ok(programs) => programs,
         Err(exit) => return exit,
     };
     // Programs of the same name are told apart as in an ensemble.
-    let programs = Manifest::new("", options.seed, 0, programs).programs;
+    let programs = Manifest::new(Settings::default(), options.seed, 0, programs).programs;
     if let Some(out) = &options.out
         && let Err(reason) = claim(out)
     {
@@ -88,7 +89,7 @@ pub fn run(options: &Options) -> Exit {
         display: Display::on_standard_error(options.quiet),
         stop,
     };
-    let trade = match of(&programs, &ready, &setup) {
+    let trade = match of(&programs, &setup) {
         Ok(trade) => trade,
         Err(exit) => return exit,
     };
@@ -109,16 +110,9 @@ pub fn run(options: &Options) -> Exit {
     }
 }
 
-/// Measures programs that are ready to run.
-pub(super) fn of(programs: &[Program], ready: &[Ready], setup: &Setup) -> Result<Trade, Exit> {
-    let subjects: Vec<Subject> = ready
-        .iter()
-        .map(|ready| Subject {
-            tables: &ready.tables,
-            scene: &ready.scene,
-        })
-        .collect();
-    measure(programs, &subjects, setup).map_err(|(program, error): (usize, SceneError)| {
+/// Measures programs.
+pub(super) fn of(programs: &[Program], setup: &Setup) -> Result<Trade, Exit> {
+    measure(programs, setup).map_err(|(program, error): (usize, SceneError)| {
         warn(&format!("error: {}: {error}\n", programs[program].name));
         Exit::WrongProgram
     })
