@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use petgraph::Direction::Incoming;
 use petgraph::graph::NodeIndex;
 use proptest::prelude::*;
-use stochc_compiler::finding::{Code, Finding, Fix, mended};
+use stochc_compiler::finding::{Change, Code, Finding, Fix};
 use stochc_compiler::plan::{Deed, Event, EventId};
 use stochc_compiler::turns::is_ready;
 use stochc_compiler::{Cell, Checked, Face, FileId, Limits, Program, check};
@@ -375,7 +375,7 @@ fn finding_event(program: &Program, finding: &Finding) -> u32 {
 
 /// The text after a fix.
 fn after_fix(text: &str, finding: &Finding) -> Option<String> {
-    Some(mended(text, FileId(0), [finding.fix.as_ref()?]).0)
+    Some(changed(text, finding.fix.as_ref()?))
 }
 
 fn others(checked: &Checked) -> Vec<&Finding> {
@@ -647,9 +647,9 @@ fn cures_cure_in(text: &str) -> Cures {
 }
 
 fn changed(text: &str, fix: &Fix) -> String {
-    let (new, count) = mended(text, FileId(0), [fix]);
-    assert_eq!(count, 1, "{fix:?}");
-    new
+    let mut change = Change::new(FileId(0), text);
+    assert!(change.add(fix), "{fix:?}");
+    change.text()
 }
 
 /// Whether all that a finding speaks of is gone, and nothing is told that was not told before.

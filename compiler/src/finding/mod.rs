@@ -8,7 +8,7 @@ mod repeat;
 mod slips;
 mod syntax;
 
-pub use change::{Change, mended};
+pub use change::Change;
 pub use code::{Code, Severity};
 pub(crate) use fix::{LONG, entry, named, removal};
 pub use graphical::{Renderer, is_hostile, visible};
