@@ -1094,6 +1094,54 @@ assembly well {
     assert_eq!(codes, [Code::TightApproach]);
 }
 
+/// Two wells whose walls are written out one by one, with a core each from one loop.
+#[test]
+fn rounds_of_a_loop_that_need_different_cures_are_told_each() {
+    let wells = |count: i32| {
+        let well = |k: i32| {
+            let (west, east) = (4 * k, 4 * k + 2);
+            format!(
+                "M[{west}, 1].up -> W[{k}].up -> V[{k}].east -> LID[{k}] M[{east}, 1].up -> E[{k}]
+                 M[{0}, 0].up -> S[{k}] M[{0}, 2].up -> N[{k}]\n",
+                west + 1
+            )
+        };
+        format!(
+            "assembly wells {{ seed plate {width} x 3 {{ for i in 0..{width} - 1 {{ for j in 0..2 {{ M[i, j] at (i, j) }} }} }}
+             phase p {{ for k in 0..{last} {{ M[4 * k + 1, 1].up -> CORE[k] }}\n{} }} }}",
+            (0..count).map(well).collect::<String>(),
+            width = 4 * count,
+            last = count - 1,
+        )
+    };
+    let help = |text: &str| {
+        let now = checked(text);
+        let found = sealed(&now);
+        assert_eq!(found.len(), 1, "{found:#?}");
+        assert_eq!(found[0].fix, None, "it would mend one of them");
+        found[0].help.clone().unwrap()
+    };
+    let cure = |k: i32| {
+        let east = 4 * k + 2;
+        format!("`M[{east}, 1].up -> E[{k}]` must come later: write `after CORE[{k}]` there\n")
+    };
+    let two = help(&wells(2));
+    let told = format!("{}for `CORE[1]`, {}", cure(0), cure(1));
+    assert!(two.contains(&told), "{two}");
+    let four = help(&wells(4));
+    let told = format!(
+        "{told}for `CORE[2]`, {}others need changes of their own\n",
+        cure(2)
+    );
+    assert!(four.contains(&told), "{four}");
+    // What is told does cure.
+    let cured = |text: String, k: i32| {
+        let wall = format!("M[{}, 1].up -> E[{k}]", 4 * k + 2);
+        text.replace(&wall, &format!("{wall} after CORE[{k}]"))
+    };
+    assert!(sealed(&checked(&(0..2).fold(wells(2), cured))).is_empty());
+}
+
 /// The core and one wall come from the same statement: an `after` there would be a circle.
 const GRID: &str = "\
 assembly grid {

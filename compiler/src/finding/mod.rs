@@ -31,6 +31,8 @@ pub struct Finding {
     pub labels: Vec<Label>,
     /// What to do next.
     pub help: Option<String>,
+    /// The part of `help` that others, told as one with this finding, may need otherwise.
+    pub(crate) cure: Option<String>,
     /// A change of the text that mends it.
     pub fix: Option<Fix>,
     /// The same, said of others: of the other rounds of a loop.
@@ -119,6 +121,7 @@ impl Finding {
             title: title.into(),
             labels: Vec::new(),
             help: None,
+            cure: None,
             fix: None,
             others: Others::default(),
         }

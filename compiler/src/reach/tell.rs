@@ -189,6 +189,7 @@ impl Survey<'_> {
         if !is_never {
             let (text, fix) = self.cure(case, id, &walls, &finding.title);
             help.push_str(&text);
+            finding.cure = Some(text.trim_end().to_owned());
             finding.fix = fix;
         }
         let is_full = |cell| self.standing.is_blocked(cell, &has);
