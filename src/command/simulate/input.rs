@@ -67,6 +67,7 @@ fn from_files(options: &Options) -> Result<(Manifest, Vec<Ready>), Exit> {
     let mut manifest = Manifest::new(settings.model.name(), options.seed, options.runs, entries);
     write_down(&settings, &mut manifest);
     manifest.max_ticks = settings.max_ticks;
+    manifest.within_limits().map_err(|reason| usage(&reason))?;
     Ok((manifest, ready))
 }
 
