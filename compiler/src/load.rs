@@ -212,8 +212,8 @@ impl Loader<'_> {
         let circle = &stack[first.unwrap_or(0)..];
         let title = match circle.len() {
             1 => "a file imports itself".to_owned(),
-            count @ 2..=MOST => format!("{count} files import each other in a circle"),
-            count => format!("{count} files import each other in a circle; {MOST} are shown"),
+            count @ 2..=MOST => format!("{count} files import each other in a cycle"),
+            count => format!("{count} files import each other in a cycle; {MOST} are shown"),
         };
         let mut finding = Finding::new(Code::ImportCycle, title);
         for pending in circle.iter().take(MOST) {

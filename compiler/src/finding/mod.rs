@@ -84,7 +84,7 @@ pub(crate) fn tell(findings: &mut Vec<Finding>, finding: Finding) {
         let title = format!("more than {MOST_FINDINGS} findings; the rest is not told");
         let labels = finding.labels.into_iter().take(1);
         let mut last =
-            Finding::new(Code::TooManyErrors, title).help("mend the first few and check again");
+            Finding::new(Code::TooManyErrors, title).help("fix the first few and check again");
         last.labels.extend(labels);
         findings.push(last);
     }

@@ -334,7 +334,7 @@ impl Survey<'_> {
         let name = plan.roles.name(plan.event(id).role, self.subject.symbols);
         let title = format!("whether a block can come to `{name}` was not decided");
         Finding::new(Code::ReachUndecided, title)
-            .label(plan.event(id).site, "the search was given up")
+            .label(plan.event(id).site, "the search has reached its limit")
             .help("the walls around it are too large; build them in fewer phases, or leave a wider opening")
     }
 
