@@ -58,10 +58,7 @@ fn another_file_is_told_from_a_damaged_one() {
     let newer = text.replacen("\"format\":1", "\"format\":7", 1);
     assert_eq!(read(newer.as_bytes()), ExecutableError::OtherFormat(7));
     let half = &text[..text.len() / 2];
-    assert!(matches!(
-        read(half.as_bytes()),
-        ExecutableError::Damaged(_)
-    ));
+    assert!(matches!(read(half.as_bytes()), ExecutableError::Damaged(_)));
     for (what, otherwise) in [
         ("\"faces\":1", "\"faces\":9"),
         ("\"role\":0", "\"role\":4000"),
@@ -72,7 +69,10 @@ fn another_file_is_told_from_a_damaged_one() {
         let damaged = text.replacen(what, otherwise, 1);
         assert_ne!(damaged, text, "{what}");
         let error = read(damaged.as_bytes());
-        assert!(matches!(error, ExecutableError::Damaged(_)), "{what}: {error}");
+        assert!(
+            matches!(error, ExecutableError::Damaged(_)),
+            "{what}: {error}"
+        );
     }
 }
 

@@ -12,7 +12,7 @@ use super::results::Form;
 use super::simulate;
 use super::terminal::{output_has_colour, output_width, print, warn};
 use crate::cli::Exit;
-use crate::ensemble::{Display, Manifest, Program, stop_on_interrupt};
+use crate::ensemble::{Display, MOST_RUNS, Manifest, Program, stop_on_interrupt};
 use crate::files::atomic;
 use crate::trade::{Extent, FINEST, Setup, Trade, measure, svg};
 
@@ -27,7 +27,7 @@ pub struct Options {
     #[arg(long, value_name = "TIME", value_parser = time)]
     budget: Option<Duration>,
     /// Make N runs of each program at each setting instead, however long they take
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(2..=10_000_000))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(2..=MOST_RUNS))]
     runs: Option<u64>,
     /// Seed of the random numbers, the same at every setting
     #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
@@ -66,7 +66,11 @@ pub fn run(options: &Options) -> Exit {
         Err(exit) => return exit,
     };
     // Programs of the same name are told apart as in an ensemble.
-    let programs = Manifest::new(Settings::default(), options.seed, 0, programs).programs;
+    let manifest = Manifest::new(Settings::default(), options.seed, 1, programs);
+    if let Err(reason) = manifest.within_limits() {
+        return refuse(&reason);
+    }
+    let programs = manifest.programs;
     if let Some(out) = &options.out
         && let Err(reason) = claim(out)
     {

@@ -74,7 +74,7 @@ pub use folder::{Folder, State};
 pub use interrupt::{INTERRUPTED, stop_on_interrupt};
 pub use journal::{Finished, JournalError};
 pub(crate) use layout::{Layout, paragraph};
-pub use manifest::{Compiled, FORMAT, Manifest, Program, Source, Varied};
+pub use manifest::{Compiled, FORMAT, MOST_RUNS, Manifest, Program, Source, Varied};
 pub use named::named;
 pub use parquet::{ColumnShape, TableShape, tables};
 pub use progress::Display;

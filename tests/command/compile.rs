@@ -86,7 +86,10 @@ fn an_executable_is_simulated_without_its_text() {
     let compile = "compile --emit executable tests/fixtures/importing.sa";
     let said = stochc_with(compile, &["--out", &program]);
     assert_eq!((said.status, said.out.as_str()), (0, ""), "{}", said.err);
-    assert_eq!(stochc(compile).out, std::fs::read_to_string(&program).unwrap());
+    assert_eq!(
+        stochc(compile).out,
+        std::fs::read_to_string(&program).unwrap()
+    );
     let options = ["--model", "shuffle", "--runs", "5", "--quiet", "--out"];
     let simulate = |file: &str, out: &str| {
         let said = stochc_with("simulate", &[&[file], &options[..], &[out]].concat());
@@ -113,9 +116,15 @@ fn a_damaged_executable_is_refused() {
     stochc_with(compile, &[&program]);
     let text = std::fs::read_to_string(&program).unwrap();
     for (edited, reason) in [
-        (text.replacen("\"format\":1", "\"format\":2", 1), "its format is 2"),
+        (
+            text.replacen("\"format\":1", "\"format\":2", 1),
+            "its format is 2",
+        ),
         (text[..text.len() / 2].to_owned(), "it is damaged"),
-        (text.replacen("\"faces\":1", "\"faces\":7", 1), "has no 7 faces"),
+        (
+            text.replacen("\"faces\":1", "\"faces\":7", 1),
+            "has no 7 faces",
+        ),
     ] {
         std::fs::write(&program, edited).unwrap();
         let said = stochc_with("simulate", &[&program]);

@@ -1,6 +1,8 @@
 //! A folder's manifest reruns it, and a folder goes on where it was left.
 use std::fs;
 
+use serde_json::{Value, json};
+
 use crate::stochc::{path, stochc_with, tables};
 
 const TOWER: &str = "simulate --model shuffle --quiet tests/fixtures/tower.sa";
@@ -52,6 +54,33 @@ fn what_is_no_manifest_is_refused() {
     }
     let said = stochc_with("simulate --seed 2 --manifest", &[&file]);
     assert_eq!(said.status, 2, "the manifest says the seed");
+}
+
+/// What would take memory without end, and what would make nothing.
+#[test]
+fn a_manifest_beyond_all_bounds_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = path(folder.path(), "out");
+    stochc_with(TOWER, &["--runs", "1", "--out", &out]);
+    let file = path(out.as_ref(), "manifest.json");
+    let sound: Value = serde_json::from_slice(&fs::read(&file).unwrap()).unwrap();
+    let of = |key: &str, value: Value| {
+        let mut manifest = sound.clone();
+        manifest[key] = value;
+        manifest
+    };
+    let program = &sound["programs"][0];
+    for (manifest, reason) in [
+        (of("runs", json!(10_000_001)), "at most 10000000"),
+        (of("runs", json!(0)), "no runs"),
+        (of("programs", json!([])), "no programs"),
+        (of("programs", json!(vec![program; 1_001])), "at most 1000"),
+    ] {
+        fs::write(&file, manifest.to_string()).unwrap();
+        let said = stochc_with("simulate --manifest", &[&file]);
+        assert_eq!((said.status, said.out.as_str()), (2, ""), "{reason}");
+        assert!(said.err.contains(reason), "{}", said.err);
+    }
 }
 
 /// A folder of an older layout lacks a part of each run, and what its manifest says does not.

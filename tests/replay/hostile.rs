@@ -2,7 +2,6 @@
 use std::fs::File;
 use std::sync::Arc;
 
-
 use crate::browser::browser;
 use crate::folder::Results;
 

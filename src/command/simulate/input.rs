@@ -57,12 +57,9 @@ fn from_files(options: &Options) -> Result<Manifest, Exit> {
         max_ticks: Some(options.max_ticks),
     };
     let settings = settings.resolved();
-    Ok(Manifest::new(
-        settings,
-        options.seed,
-        options.runs,
-        programs,
-    ))
+    let manifest = Manifest::new(settings, options.seed, options.runs, programs);
+    manifest.within_limits().map_err(|reason| usage(&reason))?;
+    Ok(manifest)
 }
 
 /// Programs that were compiled elsewhere.
@@ -110,6 +107,7 @@ fn from_manifest(path: &std::path::Path, levels: &Levels) -> Result<Manifest, Ex
         older @ 1..FORMAT => older::read(older, &text, path, levels)?,
         _ => Manifest::from_json(&text).map_err(refuse)?,
     };
+    manifest.within_limits().map_err(refuse)?;
     tell_of_build(&manifest.builds);
     // Its runs are made by this one now.
     manifest.builds = vec![this_build()];

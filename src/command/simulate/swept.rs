@@ -10,13 +10,10 @@ use super::super::check::verdict;
 use super::super::terminal::{has_colour, message_width, warn};
 use super::{Options, usage};
 use crate::cli::Exit;
-use crate::ensemble::{Compiled, Finished, Manifest, Program};
+use crate::ensemble::{Compiled, Finished, MOST_RUNS, Manifest, Program};
 use crate::files::atomic;
 use crate::findings::drawn;
 use crate::sweep::{MOST_POINTS, Sweep, pictures, points as combine};
-
-/// Runs of an ensemble at most.
-const MOST_RUNS: u64 = 10_000_000;
 
 /// Each program at each point, compiled with the values of the point.
 ///

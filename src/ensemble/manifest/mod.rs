@@ -1,6 +1,7 @@
 //! What has to be known to rerun an ensemble exactly.
 mod stored;
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
@@ -84,6 +85,12 @@ pub struct Source {
     /// All of it.
     pub text: String,
 }
+
+/// Runs of each program, at most.
+pub const MOST_RUNS: u64 = 10_000_000;
+
+/// Programs that are compared with each other, at most: each pair of them is.
+pub const MOST_PROGRAMS: usize = 1_000;
 
 /// The part of a manifest that decides what a run with a given number does.
 #[derive(Serialize)]
@@ -182,6 +189,30 @@ impl Manifest {
             }
         }
         found
+    }
+
+    /// # Errors
+    /// In words, when nothing is to be run, or more than can be kept and compared.
+    pub fn within_limits(&self) -> Result<(), String> {
+        if self.programs.is_empty() || self.runs == 0 {
+            return Err("it has no programs, or no runs".to_owned());
+        }
+        if self.runs > MOST_RUNS {
+            let runs = self.runs;
+            return Err(format!(
+                "{runs} runs of each program; at most {MOST_RUNS} are possible"
+            ));
+        }
+        let mut together: BTreeMap<String, usize> = BTreeMap::new();
+        for program in &self.programs {
+            *together.entry(program.point()).or_default() += 1;
+        }
+        match together.into_values().max() {
+            Some(count) if count > MOST_PROGRAMS => Err(format!(
+                "{count} programs that are all compared with each other; at most {MOST_PROGRAMS} are possible"
+            )),
+            _ => Ok(()),
+        }
     }
 
     /// The numbers of the scene that a sweep varies, in its order; empty: it is no sweep.

@@ -136,14 +136,15 @@ impl Manifest {
                 sources: sources.collect::<Option<_>>().ok_or_else(missing)?,
             })
         });
-        Ok(Manifest {
+        let manifest = Manifest {
             stochc: stored.stochc,
             settings: stored.settings,
             seed: stored.seed,
             runs: stored.runs,
             builds: stored.builds,
             programs: programs.collect::<Result<_, String>>()?,
-        })
+        };
+        manifest.within_limits().map(|()| manifest)
     }
 
     /// The format of the text of a `manifest.json`, which may be another one than [`FORMAT`].
