@@ -191,6 +191,8 @@ impl Manifest {
         found
     }
 
+    /// Holds it against what can be run, kept and compared.
+    ///
     /// # Errors
     /// In words, when nothing is to be run, or more than can be kept and compared.
     pub fn within_limits(&self) -> Result<(), String> {
