@@ -1,4 +1,8 @@
 //! Motions beyond which a world gives up, because what it computes would mean nothing.
+use nalgebra::{UnitQuaternion, Vector3};
+
+use super::Fault;
+use super::real::Real;
 
 /// A faster block \[side / tick, rad / tick\] is a fault.
 const MOST_SPEED: f64 = 100.0;
@@ -40,26 +44,44 @@ impl Limits {
         Limits { far, ..self }
     }
 
-    /// What is wrong with a block of this speed and spin, so far from the plate and with an
-    /// orientation of this length; `None`: nothing.
-    pub fn excess(&self, speed: f64, spin: f64, far: f64, length: f64) -> Option<String> {
+    /// Checks the place, the velocity and the spin of a block, and how it is turned.
+    ///
+    /// # Errors
+    /// If they make no sense.
+    pub fn check<R: Real>(
+        &self,
+        body: u32,
+        [position, velocity, spin]: [Vector3<R>; 3],
+        rotation: &UnitQuaternion<R>,
+    ) -> Result<(), Fault> {
+        // Far from all limits is quicker to see than within them.
+        let below = |square: R, most: f64| square < R::of(0.99 * most * most);
+        if below(velocity.norm_squared(), self.speed)
+            && below(spin.norm_squared(), self.spin)
+            && below(position.norm_squared(), self.far)
+            && below(rotation.coords.norm_squared(), 2.0)
+        {
+            return Ok(());
+        }
+        let [speed, spin, far] = [velocity, spin, position].map(|vector| vector.norm().double());
         // What is not a number is not below anything.
         let sound = |value: f64, most: f64| value < most;
-        if !sound(speed, MOST_SPEED) {
-            Some(format!("its speed is {speed} sides per tick"))
+        let what = if !sound(speed, MOST_SPEED) {
+            format!("its speed is {speed} sides per tick")
         } else if !sound(speed, self.speed) {
-            Some(format!(
+            format!(
                 "its speed is {speed:.2} sides per tick, too fast to detect collisions; use more \
                  substeps"
-            ))
+            )
         } else if !sound(spin, self.spin) {
-            Some(format!("its spin is {spin} radians per tick"))
+            format!("its spin is {spin} radians per tick")
         } else if !sound(far, self.far) {
-            Some(format!("it is {far} sides from the plate"))
-        } else if !length.is_finite() {
-            Some("its orientation is not a number".to_owned())
+            format!("it is {far} sides from the plate")
+        } else if !rotation.coords.norm().double().is_finite() {
+            "its orientation is not a number".to_owned()
         } else {
-            None
-        }
+            return Ok(());
+        };
+        Err(Fault { body, what })
     }
 }

@@ -1,5 +1,6 @@
 //! Where free blocks move, and what the control of a structure can do to them.
 mod ambient;
+mod blocks;
 mod error;
 mod free_bonds;
 mod groups;
@@ -13,6 +14,8 @@ pub mod rigid;
 pub mod shuffle;
 mod start;
 mod state;
+#[expect(private_bounds, reason = "the integrators are those of this crate")]
+mod stepper;
 mod terms;
 
 pub use error::SceneError;

@@ -172,20 +172,6 @@ pub(crate) struct Suction {
     pub seal: f64,
 }
 
-impl Contact {
-    /// Its law where a force leaves only this part of its effect in a step: what drag takes is not there to
-    /// be parted.
-    pub fn law_with(&self, response: f64) -> ContactLaw {
-        match self.law {
-            ContactLaw::Rigid { restitution } => ContactLaw::Rigid { restitution },
-            ContactLaw::Compliant { stiffness, damping } => ContactLaw::Compliant {
-                stiffness: stiffness * response,
-                damping: damping * response,
-            },
-        }
-    }
-}
-
 impl Magnet {
     /// Beyond this distance between the centres of two faces, nothing is felt \[side\].
     pub fn reach(&self) -> f64 {
@@ -485,6 +471,23 @@ impl Units {
 }
 
 impl Terms {
+    /// Where a force leaves only this part of its effect in a step: what drag takes of walls and contacts is not
+    /// there to be parted.
+    pub fn weakened(mut self, response: f64) -> Terms {
+        if let Some(shell) = &mut self.shell {
+            shell.stiffness *= response;
+        }
+        if let Some(Contact {
+            law: ContactLaw::Compliant { stiffness, damping },
+            ..
+        }) = &mut self.contact
+        {
+            *stiffness *= response;
+            *damping *= response;
+        }
+        self
+    }
+
     /// Whether the steps are short enough.
     ///
     /// # Errors

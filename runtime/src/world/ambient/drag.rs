@@ -1,7 +1,7 @@
 //! Drag of a cube in a fluid: Stokes' and that of its wake.
 use nalgebra::Vector3;
 
-use super::Motion;
+use crate::world::blocks::Motion;
 use crate::world::terms::Resistance;
 
 /// What is left of the effect of a constant force, and of a torque, over a step.

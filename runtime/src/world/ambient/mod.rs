@@ -16,15 +16,8 @@ pub(crate) use drag::{Response, mean as response};
 use eddies::EddyField;
 use thermal::Heat;
 
+use super::blocks::Motion;
 use super::terms::{Stream, Terms, built};
-
-/// How a block moves, in block units.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Motion {
-    pub position: Vector3<f64>,
-    pub velocity: Vector3<f64>,
-    pub spin: Vector3<f64>,
-}
 
 /// How a fluid moves at a place.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

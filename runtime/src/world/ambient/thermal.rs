@@ -1,9 +1,9 @@
 //! Brownian motion: fluctuations that balance the viscous drag.
 use nalgebra::Vector3;
 
-use super::Motion;
 use super::drag::mean;
 use crate::draw::{Draws, Stream, gaussians};
+use crate::world::blocks::Motion;
 use crate::world::magnet::INVERSE_INERTIA;
 use crate::world::terms::Resistance;
 

@@ -1,7 +1,7 @@
 //! Several cubes as one rigid body.
 use nalgebra::{Matrix3, Vector3};
 
-use crate::world::ambient::Motion;
+use crate::world::blocks::Motion;
 use crate::world::magnet::INVERSE_INERTIA;
 
 /// The motion of a rigid body that has the momentum and the angular momentum of its cubes.

@@ -3,7 +3,8 @@ use nalgebra::Vector3;
 
 use super::compound::Compound;
 use super::{Group, connected};
-use crate::world::ambient::{Motion, Response};
+use crate::world::ambient::Response;
+use crate::world::blocks::Motion;
 use crate::world::magnet::INVERSE_INERTIA;
 
 /// The bond that is loaded most, and its load \[side / tick^2\]; `None` without bonds.

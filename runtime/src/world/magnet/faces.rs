@@ -1,27 +1,20 @@
 //! Who comes into reach of a magnetized face, who docks there, and which face holds whom.
 use std::collections::BTreeMap;
 
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::Vector3;
 
 use super::hydraulics::Pressures;
 use super::placed::Placed;
 use super::target::{Near, Push, Target, best_turn};
 use crate::orientation::Orientation;
 use crate::world::ambient::Sink;
+use crate::world::blocks::Blocks;
 use crate::world::real::{Real, cast, normal};
 use crate::world::terms::{Attraction, Magnet};
 use crate::world::{Body, Docking, Site};
 
 /// From the centre of a block to its faces \[side\].
 const INSIDE: f64 = 0.5;
-
-/// The blocks, as magnetized faces see them.
-pub(crate) trait Cloud<R: Real> {
-    /// Where a block is, unless it is anchored.
-    fn position(&self, id: u32) -> Option<Vector3<R>>;
-    /// How it is turned.
-    fn rotation(&mut self, id: u32) -> UnitQuaternion<R>;
-}
 
 /// All magnetized faces of a world, and what they hold.
 #[derive(Clone, Debug)]
@@ -300,21 +293,13 @@ impl<R: Real> Faces<R> {
     }
 
     /// Says which blocks may be in reach of an active face from now on, in rising order.
-    pub fn set_nearby(&mut self, active: usize, nearby: impl IntoIterator<Item = u32>) {
-        let list = &mut self.active[active].nearby;
-        list.clear();
-        list.extend(nearby);
-    }
-
-    /// Any of so many blocks may be in reach of any face.
-    pub fn set_nearby_all(&mut self, count: u32) {
-        for active in 0..self.count() {
-            self.set_nearby(active, 0..count);
-        }
+    pub fn set_nearby(&mut self, active: usize, nearby: &[u32]) {
+        self.active[active].nearby.clear();
+        self.active[active].nearby.extend_from_slice(nearby);
     }
 
     /// Finds who is in reach of what, and counts entries as of `tick`.
-    pub fn survey(&mut self, tick: u64, blocks: &mut impl Cloud<R>) {
+    pub fn survey(&mut self, tick: u64, blocks: &mut impl Blocks<Real = R>) {
         if self.seen {
             return;
         }
@@ -325,7 +310,8 @@ impl<R: Real> Faces<R> {
         for (i, active) in self.active.iter_mut().enumerate() {
             let before = self.sightings.len();
             for &body in &active.nearby {
-                if let Some(position) = blocks.position(body)
+                let position = blocks.position(body);
+                if blocks.is_free(body)
                     && (position - active.target.centre).norm_squared() < far
                     && let Some(near) = active.target.near(position, blocks.rotation(body), reach)
                 {
@@ -350,14 +336,14 @@ impl<R: Real> Faces<R> {
     }
 
     /// What the magnets do to the blocks in reach, in the order of faces and numbers.
-    pub fn pull(&mut self, blocks: &mut impl Cloud<R>, mut push: impl FnMut(u32, Push<R>)) {
+    pub fn pull(&mut self, blocks: &mut impl Blocks<Real = R>, mut push: impl FnMut(u32, Push<R>)) {
         self.solve();
         for sighting in &self.sightings {
             let id = sighting.body;
-            if let Some(position) = blocks.position(id) {
+            if blocks.is_free(id) {
                 let Active { target, site, .. } = &self.active[sighting.active];
-                let (rotation, drop) = (blocks.rotation(id), R::of(self.drop(*site)));
-                let near = &sighting.near;
+                let (position, rotation) = (blocks.position(id), blocks.rotation(id));
+                let (near, drop) = (&sighting.near, R::of(self.drop(*site)));
                 push(
                     id,
                     target.push(near, position, rotation, &self.magnet, drop),
@@ -372,7 +358,7 @@ impl<R: Real> Faces<R> {
     pub fn capture(
         &mut self,
         tick: u64,
-        blocks: &mut impl Cloud<R>,
+        blocks: &mut impl Blocks<Real = R>,
         mut hold: impl FnMut(Held<R>, Docking),
     ) {
         self.seen = false;

@@ -5,5 +5,5 @@ pub(crate) mod pairs;
 mod placed;
 mod target;
 
-pub(crate) use faces::{Cloud, Faces, Held, Release};
+pub(crate) use faces::{Faces, Held, Release};
 pub(crate) use target::INVERSE_INERTIA;

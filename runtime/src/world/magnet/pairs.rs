@@ -1,21 +1,15 @@
 //! Free blocks whose magnets always attract: how two of them pull each other, and when they bond.
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::Vector3;
 use stochc_compiler::Face;
 
 use super::target::{Push, Target, best_turn};
 use crate::orientation::Orientation;
+use crate::world::blocks::Pose;
 use crate::world::real::normal;
 use crate::world::terms::{Attraction, Magnet, Passive};
 
 /// From the centre of a block to its faces \[side\].
 const INSIDE: f64 = 0.5;
-
-/// How a block is placed.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Pose {
-    pub position: Vector3<f64>,
-    pub rotation: UnitQuaternion<f64>,
-}
 
 /// Two faces that are near each other.
 #[derive(Clone, Copy, Debug)]
@@ -97,6 +91,7 @@ pub(crate) fn seat(first: &Pose, face: Face, second: &Pose, other: Face) -> Pose
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::UnitQuaternion;
     use stochc_compiler::scene::Measure;
 
     use super::*;

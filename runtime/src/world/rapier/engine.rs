@@ -4,12 +4,12 @@ use rapier3d::dynamics::{
     IntegrationParameters, MassProperties, RigidBodyBuilder, RigidBodyHandle, SpringCoefficients,
 };
 use rapier3d::geometry::ColliderBuilder;
-use rapier3d::glamx::{Pose3, Vec3};
+use rapier3d::glamx::Vec3;
 use rapier3d::pipeline::PhysicsWorld;
 use stochc_compiler::scene::ContactLaw;
 use stochc_compiler::table::Plate;
 
-use super::convert::{quat, vec3};
+use super::convert::{pose3, vec3};
 use crate::settings::Settings;
 use crate::world::magnet::INVERSE_INERTIA;
 use crate::world::real::cast;
@@ -70,7 +70,7 @@ pub(super) fn engine(
     }
     let handles = blocks.iter().map(|state| {
         let block = RigidBodyBuilder::dynamic()
-            .pose(pose(state))
+            .pose(pose3(cast(state.position), state.orientation.cast()))
             .linvel(vec3(cast(state.velocity)))
             .angvel(vec3(cast(state.spin)))
             .can_sleep(false)
@@ -141,9 +141,4 @@ fn ground(shell: Option<Shell>, plate: &Plate) -> Vector3<f32> {
         }
         None => Vector3::new(plate.width as f32 / 2.0, plate.depth as f32 / 2.0, 0.5),
     }
-}
-
-/// The pose of a block.
-pub(super) fn pose(state: &BodyState) -> Pose3 {
-    Pose3::from_parts(vec3(cast(state.position)), quat(state.orientation.cast()))
 }

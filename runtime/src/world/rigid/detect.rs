@@ -5,12 +5,15 @@ use stochc_compiler::table::Plate;
 
 use super::bodies::Bodies;
 use super::grid::TOUCH;
-use super::kernel::{Contacts, Kernel};
 use super::lanes::{ABREAST, Lane};
+use super::neighbours::Neighbours;
 use super::overlap::{Cuboid, Patch, ball_on_ground, balls, boxes, cube_on_ground};
+use super::solver::{Law, Solver};
+use crate::settings::{ROUNDS, Reduction, Settings};
+use crate::world::blocks::Blocks;
 use crate::world::free_bonds::FreeBonds;
 use crate::world::real::Real;
-use crate::world::terms::built;
+use crate::world::terms::Contact;
 
 /// What blocks and ground look like to each other.
 #[derive(Clone, Copy, Debug)]
@@ -47,19 +50,19 @@ impl<R: Lane> Shape<R> {
     fn keep_near_ground(&self, bodies: &Bodies<R>, low: &mut Vec<u32>) {
         if let Ground::Plate(plate) = &self.ground {
             low.retain(|&id| {
-                let way = (bodies.centre(id as usize) - plate.centre).abs() - plate.half;
+                let way = (bodies.position(id) - plate.centre).abs() - plate.half;
                 way.max() < R::of(TOUCH / 2.0)
             });
         }
     }
 
-    /// How block `i` and the ground overlap.
-    fn on_ground(&self, bodies: &Bodies<R>, i: usize) -> Option<Patch<R>> {
+    /// How a block and the ground overlap.
+    fn on_ground(&self, bodies: &Bodies<R>, id: u32) -> Option<Patch<R>> {
         match &self.ground {
-            Ground::Plane if self.spheres => ball_on_ground(bodies.centre(i)),
-            Ground::Plane => cube_on_ground(bodies.centre(i), bodies.axes(i)),
+            Ground::Plane if self.spheres => ball_on_ground(bodies.position(id)),
+            Ground::Plane => cube_on_ground(bodies.position(id), bodies.axes(id)),
             // A ball on an edge of the plate is a rare thing that is not worth a rule of its own.
-            Ground::Plate(plate) => boxes(&[(cube(bodies, i), *plate)]).next().flatten(),
+            Ground::Plate(plate) => boxes(&[(cube(bodies, id), *plate)]).next().flatten(),
         }
     }
 
@@ -71,42 +74,79 @@ impl<R: Lane> Shape<R> {
 }
 
 /// A block.
-fn cube<R: Lane>(bodies: &Bodies<R>, id: usize) -> Cuboid<R> {
-    Cuboid::cube(bodies.centre(id), *bodies.axes(id))
+fn cube<R: Lane>(bodies: &Bodies<R>, id: u32) -> Cuboid<R> {
+    Cuboid::cube(bodies.position(id), *bodies.axes(id))
 }
 
-impl<R: Lane> Kernel<R> {
-    /// Finds all contacts, in an order that depends on nothing but the blocks' numbers.
-    pub(super) fn detect(&mut self) {
-        let (true, Some(contacts), Some(neighbours)) =
-            (built::CONTACT, &mut self.contacts, &mut self.neighbours)
-        else {
-            return;
+/// Who can touch what, and who does.
+#[derive(Clone, Debug)]
+pub(super) struct Contacts<R: Lane> {
+    shape: Shape<R>,
+    pub solver: Solver<R>,
+    /// Free blocks touch each other, and not only what does not move.
+    mutual: bool,
+    /// Who may touch the ground, and who each other; kept to be used again.
+    low: Vec<u32>,
+    close: Vec<(u32, u32)>,
+}
+
+impl<R: Lane> Contacts<R> {
+    pub fn new(
+        contact: &Contact,
+        floor: bool,
+        plate: &Plate,
+        settings: &Settings,
+        count: usize,
+    ) -> Contacts<R> {
+        let without = |reduction| settings.reduction == Some(reduction);
+        let law = Law {
+            friction: if without(Reduction::NoFriction) {
+                R::zero()
+            } else {
+                R::of(contact.friction)
+            },
+            ..Law::new(contact)
         };
-        let bodies = &mut self.bodies;
+        let turns = !without(Reduction::NoRotation);
+        let rounds = settings.solver_iterations.unwrap_or(ROUNDS);
+        Contacts {
+            shape: Shape::new(floor, plate, without(Reduction::Spheres)),
+            solver: Solver::new(law, count, rounds, turns),
+            mutual: !without(Reduction::NoBlockContact),
+            low: Vec::new(),
+            close: Vec::new(),
+        }
+    }
+
+    /// Finds all contacts, in an order that depends on nothing but the blocks' numbers.
+    pub fn find(
+        &mut self,
+        bodies: &mut Bodies<R>,
+        neighbours: &mut Neighbours<R>,
+        bonds: Option<&FreeBonds>,
+    ) {
         let Contacts {
             shape,
             solver,
             mutual,
             low,
             close,
-        } = contacts;
+        } = self;
         solver.clear();
         bodies.list_below(R::of(TOUCH / 2.0), low);
         shape.keep_near_ground(bodies, low);
         neighbours.close_pairs(bodies, close);
         close.retain(|&(a, b)| {
-            let apart = |bonds: &FreeBonds| !bonds.groups.same(a, b);
-            let free = [a, b].map(|id| bodies.is_free(id as usize));
+            let free = [a, b].map(|id| bodies.is_free(id));
             free != [false, false]
                 && (free != [true, true] || *mutual)
-                && self.free_bonds.as_ref().is_none_or(apart)
+                && bonds.is_none_or(|bonds| !bonds.groups.same(a, b))
         });
         let [on_ground, mutually] = shape.has_edges();
         bodies.show(low.iter().copied().filter(|_| on_ground));
         bodies.show(close.iter().flat_map(|&(a, b)| [a, b]).filter(|_| mutually));
         for &id in &*low {
-            if let Some(patch) = shape.on_ground(bodies, id as usize) {
+            if let Some(patch) = shape.on_ground(bodies, id) {
                 solver.add(bodies, id, None, &patch);
             }
         }
@@ -118,12 +158,11 @@ impl<R: Lane> Kernel<R> {
             };
             if shape.spheres {
                 for &(a, b) in pairs {
-                    let patch = balls(bodies.centre(a as usize), bodies.centre(b as usize));
-                    add((a, b), patch);
+                    add((a, b), balls(bodies.position(a), bodies.position(b)));
                 }
             } else {
                 let cubes: SmallVec<[_; ABREAST]> = (pairs.iter())
-                    .map(|&(a, b)| (cube(bodies, a as usize), cube(bodies, b as usize)))
+                    .map(|&(a, b)| (cube(bodies, a), cube(bodies, b)))
                     .collect();
                 for (&pair, patch) in pairs.iter().zip(boxes(&cubes)) {
                     add(pair, patch);

@@ -56,7 +56,7 @@ impl<R: Lane> Flight<R> {
         draws: &mut Vec<u8>,
     ) -> bool {
         let kicks = kicks.filter(|_| built::AGITATION).map(|(kicks, step)| {
-            step.fill(bodies.count().next_multiple_of(LANES), draws);
+            step.fill(bodies.mobility.len(), draws);
             Kick::new(kicks)
         });
         if built::AGITATION && kicks.is_some() {

@@ -4,8 +4,11 @@
 //! side in the sorted list: of all cells that touch it, half are two stretches of that list, and
 //! three more where a block is close to the end of its cell in x. Stretches are short, and asked
 //! four blocks at once, whether or not anybody is there: a guess that fails would cost more.
+use nalgebra::Vector3;
+
 use super::bodies::Bodies;
 use super::lanes::{ABREAST, LANES, Lane, Wide};
+use crate::world::blocks::Blocks;
 
 /// Farther apart than this \[side\], the centres of two cubes: they do not touch.
 pub(super) const TOUCH: f64 = 1.732_050_9;
@@ -54,8 +57,8 @@ pub(super) struct Grid<R: Lane> {
 struct Tag(u32);
 
 impl Tag {
-    fn new(id: usize, anchored: bool) -> Tag {
-        Tag((id as u32) << 1 | u32::from(anchored))
+    fn new(id: u32, anchored: bool) -> Tag {
+        Tag(id << 1 | u32::from(anchored))
     }
 
     fn id(self) -> u32 {
@@ -124,7 +127,7 @@ impl<R: Lane> Grid<R> {
             let place = &mut self.start[cell as usize + 1];
             let at = *place as usize;
             *place += 1;
-            self.sorted[at] = (cell, Tag::new(i, !bodies.is_free(i)));
+            self.sorted[at] = (cell, Tag::new(i as u32, !bodies.is_free(i as u32)));
             (to_x[at], to_y[at], to_z[at]) = (x[i], y[i], z[i]);
         }
     }
@@ -238,7 +241,7 @@ impl<R: Lane> Grid<R> {
     }
 
     /// The blocks that may be within `reach` of a place, in rising order.
-    pub fn around(&self, centre: [R; 3], reach: R, found: &mut Vec<u32>) {
+    pub fn around(&self, centre: Vector3<R>, reach: R, found: &mut Vec<u32>) {
         found.clear();
         let range =
             |axis: usize| [centre[axis] - reach, centre[axis] + reach].map(|x| self.along(axis, x));
@@ -270,7 +273,6 @@ fn squares<R: Lane>([x, y, z]: [&[R]; 3], here: &[R::Quad; 3], from: usize) -> R
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::Vector3;
     use rand::{RngExt as _, SeedableRng as _};
     use rand_chacha::ChaCha8Rng;
 
@@ -298,7 +300,7 @@ mod tests {
             let anchored = |i: u32| i.is_multiple_of(4);
             for i in (0..40).filter(|&i| anchored(i)) {
                 let place = blocks[i as usize].position;
-                bodies.anchor(i as usize, place, Orientation::IDENTITY);
+                bodies.anchor(i, place, Orientation::IDENTITY);
             }
             let mut grid = Grid::new(blocks.len(), span, floor, near);
             let mut found = Vec::new();

@@ -1,7 +1,10 @@
 //! Which blocks are near each other, looked up once for several substeps (Verlet 1967).
+use nalgebra::Vector3;
+
 use super::bodies::Bodies;
 use super::grid::{Grid, TOUCH};
 use super::lanes::{LANES, Lane, Wide, square};
+use crate::world::blocks::Blocks;
 use crate::world::limits::FARTHEST;
 
 /// So much farther apart than touching \[side\], pairs are on a list that is to last.
@@ -80,13 +83,15 @@ impl<R: Lane> Neighbours<R> {
             0.0
         };
         let mut span = self.span;
-        while span < FARTHEST && bodies.count_beyond(R::of(span)) > bodies.count() / OUTSIDE {
+        while span < FARTHEST
+            && bodies.count_beyond(R::of(span)) > bodies.count() as usize / OUTSIDE
+        {
             span *= 1.5;
         }
         if (skin, span) != (self.skin, self.span) {
             (self.skin, self.span) = (skin, span);
             let floor = self.floor.unwrap_or(-span);
-            self.grid = Grid::new(bodies.count(), span, floor, TOUCH + skin);
+            self.grid = Grid::new(bodies.count() as usize, span, floor, TOUCH + skin);
             self.forget();
         }
     }
@@ -117,14 +122,14 @@ impl<R: Lane> Neighbours<R> {
         let touch = R::of(TOUCH * TOUCH);
         pairs.clear();
         pairs.extend(self.pairs.iter().filter(|&&(i, j)| {
-            let way = bodies.centre(i as usize) - bodies.centre(j as usize);
+            let way = bodies.position(i) - bodies.position(j);
             way.norm_squared() < touch
         }));
     }
 
     /// The blocks that may come within `reach` of a place before the list is made anew, in rising
     /// order.
-    pub fn around(&self, centre: [R; 3], reach: R, found: &mut Vec<u32>) {
+    pub fn around(&self, centre: Vector3<R>, reach: R, found: &mut Vec<u32>) {
         self.grid
             .around(centre, reach + R::of(self.skin / 2.0), found);
     }
@@ -132,7 +137,6 @@ impl<R: Lane> Neighbours<R> {
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::Vector3;
     use rand::{RngExt as _, SeedableRng as _};
     use rand_chacha::ChaCha8Rng;
 
@@ -150,10 +154,11 @@ mod tests {
         let (mut found, mut lists, mut without) = (Vec::new(), 0, 0);
         for step in 0..1000 {
             let speed = [0.02, 0.6][step / 200 % 2];
-            for i in 0..blocks.len() {
-                let home = bodies.centre(i) * -0.01;
-                bodies.set_velocity(i, vector(speed).map(|v| v as f32) + home);
-                bodies.set_centre(i, bodies.centre(i) + bodies.velocity(i));
+            for id in 0..bodies.count() {
+                let home = bodies.position(id) * -0.01;
+                let velocity = vector(speed).map(|v| v as f32) + home;
+                bodies.set_velocity(id, velocity, Vector3::zeros());
+                bodies.set_position(id, bodies.position(id) + velocity);
             }
             let anew = neighbours.follow(&bodies);
             lists += u32::from(!anew);
@@ -161,7 +166,7 @@ mod tests {
             neighbours.close_pairs(&bodies, &mut found);
             let all = (0..60).flat_map(|i| (i + 1..60).map(move |j| (i, j)));
             let near = |&(i, j): &(u32, u32)| {
-                let way = bodies.centre(i as usize) - bodies.centre(j as usize);
+                let way = bodies.position(i) - bodies.position(j);
                 way.norm_squared() < (TOUCH * TOUCH) as f32
             };
             assert_eq!(found, all.filter(near).collect::<Vec<_>>(), "step {step}");

@@ -18,13 +18,13 @@ pub(super) const PRECISION: f64 = 1e-4;
 
 /// The law of all contacts.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Law<R> {
+pub struct Law<R> {
     pub friction: R,
     pub kind: Kind<R>,
 }
 
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Kind<R> {
+pub enum Kind<R> {
     Rigid {
         restitution: R,
     },

@@ -16,9 +16,10 @@ use nalgebra::Vector3;
 use super::bodies::Bodies;
 use super::lanes::{Lane, Quad};
 use super::overlap::Patch;
-use crate::world::terms::Contact;
+use crate::world::blocks::Blocks;
 use chain::Chains;
-use law::{FASTEST, Law, PRECISION};
+pub(super) use law::Law;
+use law::{FASTEST, PRECISION};
 use motion::{GROUND, Moving};
 use pair::Abreast;
 use touch::Touches;
@@ -38,9 +39,9 @@ pub(super) struct Solver<R: Lane> {
 
 impl<R: Lane> Solver<R> {
     /// `turns`: whether contacts can turn blocks at all.
-    pub fn new(contact: &Contact, count: usize, iterations: u32, turns: bool) -> Solver<R> {
+    pub fn new(law: Law<R>, count: usize, iterations: u32, turns: bool) -> Solver<R> {
         Solver {
-            law: Law::new(contact),
+            law,
             iterations: iterations.max(1),
             touches: Touches::new(),
             moving: Moving::new(count, turns),
@@ -59,10 +60,10 @@ impl<R: Lane> Solver<R> {
     /// Adds the contact of block `a` with block `b`, or with something that never moves.
     pub fn add(&mut self, bodies: &Bodies<R>, a: u32, b: Option<u32>, patch: &Patch<R>) {
         let places = [Some(a), b].map(|id| match id {
-            Some(id) if bodies.is_free(id as usize) => self.moving.place(id),
+            Some(id) if bodies.is_free(id) => self.moving.place(id),
             _ => GROUND,
         });
-        let centres = [Some(a), b].map(|id| id.map(|id| bodies.centre(id as usize)));
+        let centres = [Some(a), b].map(|id| id.map(|id| bodies.position(id)));
         self.touches.add(places, centres, patch);
     }
 
@@ -77,31 +78,29 @@ impl<R: Lane> Solver<R> {
         &mut self,
         bodies: &mut Bodies<R>,
         late: impl Fn(Vector3<R>) -> Vector3<R>,
-        mut moved: impl FnMut(&Bodies<R>, usize),
+        mut moved: impl FnMut(&Bodies<R>, u32),
     ) {
         if self.touches.list.is_empty() {
             return;
         }
-        self.moving.start(|i| {
-            let velocity = bodies.velocity(i);
-            let place = bodies.centre(i) - velocity * bodies.dt;
-            (velocity - late(place), bodies.spin[i])
+        self.moving.start(|id| {
+            let velocity = bodies.velocity(id);
+            let place = bodies.position(id) - velocity * bodies.dt;
+            (velocity - late(place), bodies.spin(id))
         });
         self.find_impulses(bodies.dt);
         let dt = bodies.dt;
         let rigid = self.law.restitution().is_some();
-        for (i, change) in self.moving.changes() {
+        for (id, change) in self.moving.changes() {
             let way = change.velocity + change.shift.velocity.unpack();
-            bodies.set_centre(i, bodies.centre(i) + way * dt);
-            bodies.set_velocity(i, bodies.velocity(i) + change.velocity);
+            bodies.set_position(id, bodies.position(id) + way * dt);
             if rigid {
-                bodies.turn_now(i, change.shift.spin.unpack() * dt);
+                bodies.turn_now(id, change.shift.spin.unpack() * dt);
             } else {
-                // What it is turned by now, it was turned to before its spin changes.
-                bodies.rotation_now(i);
+                bodies.rotation(id);
             }
-            bodies.spin[i] = change.spin;
-            moved(bodies, i);
+            bodies.set_velocity(id, bodies.velocity(id) + change.velocity, change.spin);
+            moved(bodies, id);
         }
     }
 
@@ -149,6 +148,7 @@ mod tests {
     use super::*;
     use crate::world::BodyState;
     use crate::world::rigid::overlap::Point;
+    use crate::world::terms::Contact;
 
     const BLOCKS: u32 = 41;
 
@@ -165,7 +165,7 @@ mod tests {
             })
             .collect();
         let bodies = Bodies::<f32>::new(&blocks, 0.5);
-        let mut solver = Solver::new(contact, blocks.len(), 50, true);
+        let mut solver = Solver::new(Law::new(contact), blocks.len(), 50, true);
         solver.clear();
         // By rounding, a corner that is below the ground may seem to be level with it.
         let least = match contact.law {
@@ -175,7 +175,7 @@ mod tests {
         let mut id = 0;
         while id + 1 < BLOCKS {
             let single = id % 5 < 2;
-            let middle = bodies.centre(id as usize) + vector(0.5);
+            let middle = bodies.position(id) + vector(0.5);
             let points = (0..=id % 4).map(|n| Point {
                 place: middle + vector(0.5),
                 depth: least + 0.01 * n as f32,
@@ -187,7 +187,7 @@ mod tests {
             id += if single { 1 } else { 2 };
         }
         let moving = &mut solver.moving;
-        moving.start(|i| (bodies.velocity(i), bodies.spin[i]));
+        moving.start(|id| (bodies.velocity(id), bodies.spin(id)));
         if !side_by_side {
             moving.entangle();
         }

@@ -113,11 +113,11 @@ impl<R: Lane> Moving<R> {
     }
 
     /// Begins with the velocities and spins of the blocks.
-    pub fn start(&mut self, motion_of: impl Fn(usize) -> (Vector3<R>, Vector3<R>)) {
+    pub fn start(&mut self, motion_of: impl Fn(u32) -> (Vector3<R>, Vector3<R>)) {
         self.shifts.clear();
         self.shifts.extend_from_slice(&self.motions);
         for (motion, &id) in self.motions.iter_mut().zip(&self.blocks).skip(1) {
-            let (velocity, spin) = motion_of(id as usize);
+            let (velocity, spin) = motion_of(id);
             motion.velocity = R::Quad::pack(velocity);
             motion.spin = R::Quad::pack(spin);
         }
@@ -125,7 +125,7 @@ impl<R: Lane> Moving<R> {
     }
 
     /// What has become of each block.
-    pub fn changes(&self) -> impl Iterator<Item = (usize, Change<R>)> + '_ {
+    pub fn changes(&self) -> impl Iterator<Item = (u32, Change<R>)> + '_ {
         let places = self.blocks.iter().enumerate().skip(1);
         places.map(|(place, &id)| {
             let motion = &self.motions[place];
@@ -134,7 +134,7 @@ impl<R: Lane> Moving<R> {
                 spin: motion.spin.unpack(),
                 shift: self.shifts[place],
             };
-            (id as usize, change)
+            (id, change)
         })
     }
 
