@@ -4,12 +4,12 @@ use petgraph::graph::NodeIndex;
 use petgraph::visit::EdgeRef as _;
 use rustc_hash::FxHashMap;
 use stochc_grammar::tree::ItemKind;
+use stochc_ir::table::RoleId;
 
 use crate::expand::{Limits, Probe, expand_probed};
 use crate::graph::Dependency;
 use crate::plan::{Deed, EventId, Plan};
 use crate::program::declarations;
-use crate::table::RoleId;
 use crate::{Checked, FileId, Program};
 
 /// Blocks of one assembly.

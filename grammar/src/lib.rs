@@ -6,7 +6,6 @@
 //! text out in the one canonical way, comments included. The grammar itself is `src/sa.pest`; no
 //! other crate names a rule of it.
 mod error;
-mod face;
 mod format;
 mod json;
 mod lazy;
@@ -17,7 +16,6 @@ mod symbol;
 pub mod tree;
 
 pub use error::{SyntaxError, SyntaxErrorKind};
-pub use face::Face;
 pub use format::{Refusal, format};
 pub use json::to_json;
 pub use lazy::Json;

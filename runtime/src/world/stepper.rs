@@ -4,9 +4,9 @@
 //! free blocks), has the integrator move all blocks and let them collide, and then sees who docks and who bonds. As
 //! positions move with the velocities just changed, this is the symplectic Euler method.
 use nalgebra::Vector3;
-use stochc_compiler::scene::Scene;
-use stochc_compiler::table::Plate;
-use stochc_compiler::{Cell, Face};
+use stochc_ir::scene::Scene;
+use stochc_ir::table::Plate;
+use stochc_ir::{Cell, Face};
 
 use super::ambient::{Ambient, Response};
 use super::blocks::Blocks;

@@ -1,6 +1,6 @@
 //! Moves blocks and lets them collide by the engine.
 use nalgebra::Vector3;
-use stochc_compiler::table::Plate;
+use stochc_ir::table::Plate;
 
 use super::bodies::Bodies;
 use super::engine::{engine, ground_reach};

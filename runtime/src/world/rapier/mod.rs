@@ -9,8 +9,9 @@ mod engine;
 mod integrator;
 mod joints;
 
-use super::stepper::Stepper;
 use integrator::Rapier;
+
+use super::stepper::Stepper;
 
 /// A world of rigid cubes.
 pub type RapierWorld = Stepper<Rapier>;

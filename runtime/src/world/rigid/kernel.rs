@@ -1,6 +1,6 @@
 //! Moves full rigid cubes and lets them collide, most of which fly alone most of the time.
 use nalgebra::Vector3;
-use stochc_compiler::table::Plate;
+use stochc_ir::table::Plate;
 
 use super::bodies::Bodies;
 use super::detect::Contacts;

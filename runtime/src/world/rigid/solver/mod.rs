@@ -11,13 +11,13 @@ mod motion;
 mod pair;
 mod touch;
 
+use chain::Chains;
 use nalgebra::Vector3;
 
 use super::bodies::Bodies;
 use super::lanes::{Lane, Quad};
 use super::overlap::Patch;
 use crate::world::blocks::Blocks;
-use chain::Chains;
 pub(super) use law::Law;
 use law::{FASTEST, PRECISION};
 use motion::{GROUND, Moving};
@@ -143,7 +143,7 @@ impl<R: Lane> Solver<R> {
 mod tests {
     use rand::{RngExt as _, SeedableRng as _};
     use rand_chacha::ChaCha8Rng;
-    use stochc_compiler::scene::ContactLaw;
+    use stochc_ir::scene::ContactLaw;
 
     use super::*;
     use crate::world::BodyState;
