@@ -18,7 +18,7 @@ fn main() {
     let ticks: u64 = args[2].parse().expect("a number of ticks");
     let (scene, blocks) = (scene(&args[1]), lattice());
     let settings = Settings::of(Model::Rigid, 1);
-    let mut world = RigidWorld::<f32>::with_blocks(&scene, &PLATE, &settings, 1, 0, &blocks)
+    let mut world = RigidWorld::with_blocks(&scene, &PLATE, &settings, 1, 0, &blocks)
         .expect("a scene that this build computes");
     for face in Face::ALL {
         let body = Body::Seed(Cell::new(1, 1, 0));

@@ -8,7 +8,7 @@ use stochc_ir::table::{PhaseId, Tables};
 use crate::aggregate::gather;
 use crate::control::Controller;
 use crate::observe::{Event, Lookout, Observer};
-use crate::settings::{Model, Precision, Settings};
+use crate::settings::{Model, Settings};
 use crate::world::rapier::RapierWorld;
 use crate::world::rigid::RigidWorld;
 use crate::world::shuffle::ShuffleWorld;
@@ -85,12 +85,8 @@ pub fn run(
             let mut world = RapierWorld::new(scene, &tables.plate, settings, seed, run)?;
             drive(tables, messages, &mut world, limit, (seed, run), watch)
         }
-        Model::Rigid if settings.precision == Precision::Double => {
-            let mut world = RigidWorld::<f64>::new(scene, &tables.plate, settings, seed, run)?;
-            drive(tables, messages, &mut world, limit, (seed, run), watch)
-        }
         Model::Rigid => {
-            let mut world = RigidWorld::<f32>::new(scene, &tables.plate, settings, seed, run)?;
+            let mut world = RigidWorld::new(scene, &tables.plate, settings, seed, run)?;
             drive(tables, messages, &mut world, limit, (seed, run), watch)
         }
         Model::Shuffle => {
@@ -129,12 +125,8 @@ pub fn observe(
             let world = RapierWorld::new(scene, &tables.plate, settings, seed, run)?;
             look(tables, scene, world, settings, key, watch, observer)
         }
-        Model::Rigid if settings.precision == Precision::Double => {
-            let world = RigidWorld::<f64>::new(scene, &tables.plate, settings, seed, run)?;
-            look(tables, scene, world, settings, key, watch, observer)
-        }
         Model::Rigid => {
-            let world = RigidWorld::<f32>::new(scene, &tables.plate, settings, seed, run)?;
+            let world = RigidWorld::new(scene, &tables.plate, settings, seed, run)?;
             look(tables, scene, world, settings, key, watch, observer)
         }
         Model::Shuffle => Err(RunError::Nowhere),

@@ -1,6 +1,7 @@
 //! Where free blocks move, and what the control of a structure can do to them.
 mod ambient;
 mod blocks;
+mod delegate;
 mod error;
 mod free_bonds;
 mod groups;
@@ -14,7 +15,6 @@ pub mod rigid;
 pub mod shuffle;
 mod start;
 mod state;
-#[expect(private_bounds, reason = "the integrators are those of this crate")]
 mod stepper;
 mod terms;
 

@@ -81,7 +81,7 @@ pub(crate) trait Integrator: Sized {
 }
 
 /// A world of rigid cubes that an integrator moves.
-pub struct Stepper<I: Integrator> {
+pub(crate) struct Stepper<I: Integrator> {
     tick: u64,
     substeps: u32,
     /// Length of a substep \[tick\].

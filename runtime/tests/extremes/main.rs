@@ -471,7 +471,7 @@ fn left_of_the_energy(substeps: u32) -> f64 {
         substeps,
         ..Settings::of(Model::Rapier, 1)
     };
-    let mut world = RigidWorld::<f32>::new(&scene, &PLATE, &settings, 1, 0).expect("it fits");
+    let mut world = RigidWorld::new(&scene, &PLATE, &settings, 1, 0).expect("it fits");
     let mut dice = scenes::Dice::new(5);
     for id in 0..count {
         let state = world.state(id);

@@ -181,7 +181,7 @@ impl Kind for Single {
 }
 
 impl Kind for Double {
-    type World = RigidWorld<f64>;
+    type World = RigidWorld;
     const ROUNDING: f64 = SINGLE * SINGLE / 32.0;
     fn settings() -> Settings {
         Settings {

@@ -10,7 +10,7 @@ use stochc_peers::scene::{DRAG, radius};
 use stochc_runtime::world::rapier::RapierWorld;
 use stochc_runtime::world::rigid::RigidWorld;
 use stochc_runtime::world::{Arena, Docking};
-use stochc_runtime::{Model, Settings};
+use stochc_runtime::{Model, Precision, Settings};
 
 const PLATE: Plate = Plate { width: 3, depth: 3 };
 const SEED: u64 = 1;
@@ -18,19 +18,22 @@ const SEED: u64 = 1;
 fn main() -> Result<(), Box<dyn Error>> {
     let (engine, blocks, kick) = arguments()?;
     let scene = scene(blocks, kick)?;
-    let settings = Settings::of(Model::Rigid, 1);
+    let precision = match engine.as_str() {
+        "rigid-world-double" => Precision::Double,
+        _ => Precision::Single,
+    };
+    let settings = Settings {
+        precision,
+        ..Settings::of(Model::Rigid, 1)
+    };
     let mut gas: Box<dyn Gas> = match engine.as_str() {
         "as-the-project" => Box::new(Rapier::as_the_project(blocks, kick)),
         "rapier-world" => Own::of(
             RapierWorld::new(&scene, &PLATE, &settings, SEED, 0)?,
             blocks,
         ),
-        "rigid-world" => Own::of(
-            RigidWorld::<f32>::new(&scene, &PLATE, &settings, SEED, 0)?,
-            blocks,
-        ),
-        "rigid-world-double" => Own::of(
-            RigidWorld::<f64>::new(&scene, &PLATE, &settings, SEED, 0)?,
+        "rigid-world" | "rigid-world-double" => Own::of(
+            RigidWorld::new(&scene, &PLATE, &settings, SEED, 0)?,
             blocks,
         ),
         _ => return Err("unknown engine".into()),

@@ -15,7 +15,7 @@ use crate::world::terms::{Kicks, Shell, Terms};
 use crate::world::{BodyState, Fault, SceneError};
 
 /// The engine as an integrator.
-pub struct Rapier {
+pub(super) struct Rapier {
     shell: Option<Shell>,
     /// Factor on the velocity in each substep.
     drag: Option<f32>,

@@ -9,9 +9,30 @@ mod engine;
 mod integrator;
 mod joints;
 
+use nalgebra::Vector3;
+use stochc_ir::Cell;
+use stochc_ir::scene::Scene;
+use stochc_ir::table::Plate;
+
+use super::delegate::delegate;
+use super::stepper::Stepper;
+use super::{Arena, BodyState, Docking, Fault, SceneError, Site, World};
+use crate::orientation::Orientation;
+use crate::settings::Settings;
 use integrator::Rapier;
 
-use super::stepper::Stepper;
-
 /// A world of rigid cubes.
-pub type RapierWorld = Stepper<Rapier>;
+pub struct RapierWorld(Box<Stepper<Rapier>>);
+
+/// In single precision only, which [`Rapier`] insists on.
+macro_rules! only {
+    (new $precision:expr, $stepper:expr) => {
+        Box::new($stepper)
+    };
+    ($world:expr, $stepper:ident => $what:expr) => {{
+        let $stepper = $world;
+        $what
+    }};
+}
+
+delegate!(RapierWorld, only);

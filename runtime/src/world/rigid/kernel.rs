@@ -17,7 +17,7 @@ use crate::world::terms::{Kicks, Terms, built};
 use crate::world::{BodyState, Fault, SceneError};
 
 /// An integrator in one precision.
-pub struct Kernel<R: Lane> {
+pub(super) struct Kernel<R: Lane> {
     flight: Flight<R>,
     /// The words of one tick, kept to be used again.
     words: Vec<u8>,

@@ -8,7 +8,6 @@ mod bodies;
 mod detect;
 mod flight;
 mod grid;
-#[expect(private_bounds, reason = "there are two precisions, `f32` and `f64`")]
 mod kernel;
 mod lanes;
 mod neighbours;
@@ -16,10 +15,42 @@ mod overlap;
 mod solver;
 mod turn;
 
+use nalgebra::Vector3;
+use stochc_ir::Cell;
+use stochc_ir::scene::Scene;
+use stochc_ir::table::Plate;
+
+use super::delegate::delegate;
 use super::stepper::Stepper;
+use super::{Arena, BodyState, Docking, Fault, SceneError, Site, World};
+use crate::orientation::Orientation;
+use crate::settings::{Precision, Settings};
 #[cfg(test)]
 pub(super) use bodies::Bodies;
 use kernel::Kernel;
 
-/// A world of rigid cubes in single precision, `f32`, or in double precision, `f64`.
-pub type RigidWorld<R = f32> = Stepper<Kernel<R>>;
+/// A world of rigid cubes.
+pub struct RigidWorld(Inner);
+
+enum Inner {
+    Single(Box<Stepper<Kernel<f32>>>),
+    Double(Box<Stepper<Kernel<f64>>>),
+}
+
+/// The same for either precision.
+macro_rules! either {
+    (new $precision:expr, $stepper:expr) => {
+        match $precision {
+            Precision::Single => Inner::Single(Box::new($stepper)),
+            Precision::Double => Inner::Double(Box::new($stepper)),
+        }
+    };
+    ($world:expr, $stepper:ident => $what:expr) => {
+        match $world {
+            Inner::Single($stepper) => $what,
+            Inner::Double($stepper) => $what,
+        }
+    };
+}
+
+delegate!(RigidWorld, either);
