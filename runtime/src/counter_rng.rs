@@ -1,4 +1,4 @@
-//! Chance, without state: a draw is a pure function of (seed, run, stream, block, step).
+//! Random numbers without state (counter-based): a draw is a pure function of (seed, run, stream, block, step).
 //!
 //! ChaCha8 is keyed by (seed, run, stream), its nonce is the step, and the words of a block sit at
 //! `block * WORDS`, so that one keystream serves all blocks of a tick in order. Any draw can be

@@ -7,15 +7,15 @@ use super::real::normal;
 
 /// The cells of a structure, in a world whose origin is the centre of the plate's upper side.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Seats {
+pub(crate) struct CellCentres {
     /// The centre of cell (0, 0, 0).
     corner: Vector3<f64>,
 }
 
-impl Seats {
-    pub fn new(plate: &Plate) -> Seats {
+impl CellCentres {
+    pub fn new(plate: &Plate) -> CellCentres {
         let half = |blocks: u32| -(f64::from(blocks) - 1.0) / 2.0;
-        Seats {
+        CellCentres {
             corner: Vector3::new(half(plate.width), half(plate.depth), -0.5),
         }
     }

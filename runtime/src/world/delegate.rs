@@ -20,68 +20,41 @@ macro_rules! delegate {
                 )))
             }
 
-            fn count(&self) -> u32 {
-                $by!(&self.0, stepper => stepper.count())
-            }
-
-            fn state(&self, id: u32) -> BodyState {
-                $by!(&self.0, stepper => stepper.state(id))
-            }
-
-            fn set_state(&mut self, id: u32, state: &BodyState) {
-                $by!(&mut self.0, stepper => stepper.set_state(id, state))
-            }
-
-            fn anchored(&self, id: u32) -> Option<Orientation> {
-                $by!(&self.0, stepper => stepper.anchored(id))
-            }
-
-            fn active(&self) -> Vec<(Site, u32)> {
-                $by!(&self.0, stepper => stepper.active())
-            }
-
-            fn groups(&self) -> Vec<Vec<u32>> {
-                $by!(&self.0, stepper => stepper.groups())
-            }
-
-            fn in_reach(&self) -> Vec<(Site, u32, u64)> {
-                $by!(&self.0, stepper => stepper.in_reach())
-            }
-
-            fn centre(&self, cell: Cell) -> Vector3<f64> {
-                $by!(&self.0, stepper => stepper.centre(cell))
-            }
+            delegate!(@read $by
+                count() -> u32,
+                state(id: u32) -> BodyState,
+                anchored(id: u32) -> Option<Orientation>,
+                active() -> Vec<(Site, u32)>,
+                groups() -> Vec<Vec<u32>>,
+                in_reach() -> Vec<(Site, u32, u64)>,
+                centre(cell: Cell) -> Vector3<f64>
+            );
+            delegate!(@change $by set_state(id: u32, state: &BodyState) -> ());
         }
 
         impl World for $world {
-            fn tick(&self) -> u64 {
-                $by!(&self.0, stepper => stepper.tick())
-            }
-
-            fn magnetize(&mut self, site: Site) {
-                $by!(&mut self.0, stepper => stepper.magnetize(site))
-            }
-
-            fn switch_off(&mut self, site: Site) {
-                $by!(&mut self.0, stepper => stepper.switch_off(site))
-            }
-
-            fn plant(&mut self, site: Site) -> Option<Docking> {
-                $by!(&mut self.0, stepper => stepper.plant(site))
-            }
-
-            fn entries(&self, site: Site) -> u32 {
-                $by!(&self.0, stepper => stepper.entries(site))
-            }
-
-            fn largest_group(&self) -> u32 {
-                $by!(&self.0, stepper => stepper.largest_group())
-            }
-
-            fn step(&mut self, dockings: &mut Vec<Docking>) -> Result<(), Fault> {
-                $by!(&mut self.0, stepper => stepper.step(dockings))
-            }
+            delegate!(@read $by
+                tick() -> u64,
+                entries(site: Site) -> u32,
+                largest_group() -> u32
+            );
+            delegate!(@change $by
+                magnetize(site: Site) -> (),
+                switch_off(site: Site) -> (),
+                plant(site: Site) -> Option<Docking>,
+                step(dockings: &mut Vec<Docking>) -> Result<(), Fault>
+            );
         }
+    };
+    (@read $by:ident $($name:ident($($with:ident: $kind:ty),*) -> $out:ty),+) => {
+        $(fn $name(&self, $($with: $kind),*) -> $out {
+            $by!(&self.0, stepper => stepper.$name($($with),*))
+        })+
+    };
+    (@change $by:ident $($name:ident($($with:ident: $kind:ty),*) -> $out:ty),+) => {
+        $(fn $name(&mut self, $($with: $kind),*) -> $out {
+            $by!(&mut self.0, stepper => stepper.$name($($with),*))
+        })+
     };
 }
 pub(super) use delegate;

@@ -3,11 +3,11 @@ use std::collections::BTreeSet;
 
 use nalgebra::Vector3;
 
-use super::ambient::Response;
 use super::blocks::{Blocks, Motion, Pose};
+use super::bonding::pair_attraction::{close, energy, meet, seat};
+use super::external_forces::Response;
 use super::groups::{Groups, lost};
-use super::magnet::pairs::{close, energy, meet, seat};
-use super::terms::{Attraction, Magnet, Passive};
+use super::parameters::{Attraction, Magnet, Passive};
 
 /// Bonds without a structure.
 #[derive(Debug)]

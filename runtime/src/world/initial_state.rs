@@ -3,7 +3,7 @@ use nalgebra::Vector3;
 use stochc_ir::scene::{Arrangement, Scene};
 use stochc_ir::table::Plate;
 
-use super::terms::{Shell, Terms};
+use super::parameters::{Parameters, Shell};
 use super::{BodyState, SceneError};
 
 /// Least distance of a centre from the ground and from the shell \[side\].
@@ -14,12 +14,12 @@ const LEAST_SPACING: f64 = 1.1;
 
 /// The free blocks of a scene at tick 0.
 pub(super) fn blocks(scene: &Scene, plate: &Plate) -> Result<Vec<BodyState>, SceneError> {
-    let terms = Terms::new(scene, plate)?;
+    let parameters = Parameters::new(scene, plate)?;
     let count = scene.free.count;
     if count == 0 {
         return Ok(Vec::new());
     }
-    let Some(shell) = terms.shell else {
+    let Some(shell) = parameters.shell else {
         return Err(SceneError::NoEnclosure { count });
     };
     match scene.free.arrangement {

@@ -16,18 +16,18 @@ pub(crate) const FARTHEST: f64 = 1e5;
 
 /// The greatest sound speed and spin \[side / tick, rad / tick\].
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Limits {
+pub(crate) struct MotionLimits {
     pub speed: f64,
     pub spin: f64,
     /// The greatest sound distance from the plate \[side\].
     pub far: f64,
 }
 
-impl Limits {
+impl MotionLimits {
     /// For so many steps a tick, with or without collisions.
-    pub fn new(substeps: u32, collide: bool) -> Limits {
+    pub fn new(substeps: u32, collide: bool) -> MotionLimits {
         let step = FARTHEST_STEP * f64::from(substeps);
-        Limits {
+        MotionLimits {
             speed: if collide {
                 step.min(MOST_SPEED)
             } else {
@@ -39,9 +39,9 @@ impl Limits {
     }
 
     /// Where the ground ends sooner than the numbers do.
-    pub fn within(self, far: f64) -> Limits {
+    pub fn within(self, far: f64) -> MotionLimits {
         let far = self.far.min(far);
-        Limits { far, ..self }
+        MotionLimits { far, ..self }
     }
 
     /// Checks the place, the velocity and the spin of a block, and how it is turned.

@@ -8,15 +8,15 @@ use stochc_ir::scene::Scene;
 use stochc_ir::table::Plate;
 use stochc_ir::{Cell, Face};
 
-use super::ambient::{Ambient, Response};
 use super::blocks::Blocks;
+use super::bonding::{Anchored, Faces, Release};
+use super::cell_centres::CellCentres;
+use super::external_forces::{ExternalForces, Response};
 use super::free_bonds::FreeBonds;
-use super::magnet::{Faces, Held, Release};
-use super::plate::Seats;
+use super::parameters::{Kicks, Parameters, built};
 use super::real::{Real, cast};
-use super::terms::{Kicks, Terms, built};
 use super::{Arena, Body, BodyState, Docking, Fault, SceneError, Site, World};
-use crate::draw::{Draws, Step, Stream};
+use crate::counter_rng::{Draws, Step, Stream};
 use crate::orientation::Orientation;
 use crate::settings::{Reduction, Settings};
 
@@ -30,7 +30,7 @@ pub(crate) trait Integrator: Sized {
     /// # Errors
     /// If there is a term or a setting that it cannot compute.
     fn new(
-        terms: &Terms,
+        parameters: &Parameters,
         plate: &Plate,
         settings: &Settings,
         blocks: &[BodyState],
@@ -91,7 +91,7 @@ pub(crate) struct Stepper<I: Integrator> {
     kicks: Option<(Kicks, Draws)>,
     faces: Option<Faces<I::Real>>,
     /// `None` where nothing is around the blocks.
-    ambient: Option<Ambient>,
+    external_forces: Option<ExternalForces>,
     response: Response,
     /// `None` where free blocks do not bond to each other.
     free_bonds: Option<FreeBonds>,
@@ -104,7 +104,7 @@ pub(crate) struct Stepper<I: Integrator> {
     stale: bool,
     /// A face does not know yet who is near it.
     blind: bool,
-    seats: Seats,
+    cells: CellCentres,
     /// Whether blocks turn at all.
     turns: bool,
 }
@@ -149,19 +149,21 @@ impl<I: Integrator> Stepper<I> {
 
     /// What is around the blocks, for each of them alone.
     fn surround(&mut self, substep: u32) -> Result<(), Fault> {
-        let (true, Some(ambient)) = (built::FLUID || built::GRAVITY, &mut self.ambient) else {
+        let (true, Some(external_forces)) =
+            (built::FLUID || built::GRAVITY, &mut self.external_forces)
+        else {
             return Ok(());
         };
         let faces = self.faces.as_mut().filter(|_| built::BOND);
         let sinks = faces.map(Faces::sinks).unwrap_or_default();
         let step = self.tick * u64::from(self.substeps) + u64::from(substep);
-        ambient.begin(self.tick, substep, step);
+        external_forces.begin(self.tick, substep, step);
         for id in 0..self.blocks.count() {
             if !self.blocks.is_free(id) {
                 continue;
             }
             let mut motion = self.blocks.motion(id);
-            ambient.act(id, &mut motion, &sinks);
+            external_forces.act(id, &mut motion, &sinks);
             if !self.turns {
                 motion.spin = Vector3::zeros();
             }
@@ -231,7 +233,7 @@ impl<I: Integrator> Stepper<I> {
         }
     }
 
-    fn anchor(&mut self, held: &Held<I::Real>) {
+    fn anchor(&mut self, held: &Anchored<I::Real>) {
         (self.blocks).anchor(held.body, held.seat, held.orientation);
         self.disturb();
         self.blind = true;
@@ -260,30 +262,32 @@ impl<I: Integrator> Arena for Stepper<I> {
         run: u64,
         blocks: &[BodyState],
     ) -> Result<Stepper<I>, SceneError> {
-        let terms = Terms::new(scene, plate)?;
-        terms.check(settings)?;
+        let parameters = Parameters::new(scene, plate)?;
+        parameters.check(settings)?;
         let substeps = settings.substeps.max(1);
-        let ambient = Ambient::new(&terms, substeps, seed, run);
-        let response = ambient.as_ref().map_or(Response::FREE, Ambient::response);
-        let terms = terms.weakened(response.linear);
-        let (blocks, integrator) = I::new(&terms, plate, settings, blocks)?;
+        let external_forces = ExternalForces::new(&parameters, substeps, seed, run);
+        let response = external_forces
+            .as_ref()
+            .map_or(Response::FREE, ExternalForces::response);
+        let parameters = parameters.weakened(response.linear);
+        let (blocks, integrator) = I::new(&parameters, plate, settings, blocks)?;
         Ok(Stepper {
             tick: 0,
             substeps,
             dt: I::Real::of(1.0 / f64::from(substeps)),
             blocks,
             integrator,
-            kicks: (terms.kicks).map(|kicks| (kicks, Draws::new(seed, run, Stream::Kick))),
-            faces: terms.bond.map(Faces::new),
-            ambient,
+            kicks: (parameters.kicks).map(|kicks| (kicks, Draws::new(seed, run, Stream::Kick))),
+            faces: parameters.bond.map(Faces::new),
+            external_forces,
             response,
-            free_bonds: terms.bond.as_ref().and_then(FreeBonds::new),
+            free_bonds: parameters.bond.as_ref().and_then(FreeBonds::new),
             free: Vec::new(),
             nearby: Vec::new(),
             doubtful: true,
             stale: true,
             blind: true,
-            seats: Seats::new(plate),
+            cells: CellCentres::new(plate),
             turns: settings.reduction != Some(Reduction::NoRotation),
         })
     }
@@ -322,7 +326,7 @@ impl<I: Integrator> Arena for Stepper<I> {
     }
 
     fn centre(&self, cell: Cell) -> Vector3<f64> {
-        self.seats.centre(cell)
+        self.cells.centre(cell)
     }
 }
 
@@ -333,7 +337,7 @@ impl<I: Integrator> World for Stepper<I> {
 
     fn magnetize(&mut self, site: Site) {
         let (centre, orientation) = match site.body {
-            Body::Seed(cell) => (cast(self.seats.centre(cell)), Orientation::IDENTITY),
+            Body::Seed(cell) => (cast(self.cells.centre(cell)), Orientation::IDENTITY),
             Body::Free(id) => {
                 let Some(orientation) = self.blocks.anchored(id) else {
                     return;

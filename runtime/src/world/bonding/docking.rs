@@ -3,14 +3,14 @@ use std::collections::BTreeMap;
 
 use nalgebra::Vector3;
 
-use super::hydraulics::Pressures;
-use super::placed::Placed;
-use super::target::{Near, Push, Target, best_turn};
+use super::face_attraction::{AttractingFace, Near, Push, best_turn};
+use super::hydraulic_network::Pressures;
+use super::open_faces::PlacedBlocks;
 use crate::orientation::Orientation;
-use crate::world::ambient::Sink;
 use crate::world::blocks::Blocks;
+use crate::world::external_forces::Sink;
+use crate::world::parameters::{Attraction, Magnet};
 use crate::world::real::{Real, cast, normal};
-use crate::world::terms::{Attraction, Magnet};
 use crate::world::{Body, Docking, Site};
 
 /// From the centre of a block to its faces \[side\].
@@ -29,7 +29,7 @@ pub(crate) struct Faces<R: Real> {
     /// Whether the sightings are those of the blocks' present places.
     seen: bool,
     /// Where all blocks of the structure sit whose faces attract by themselves.
-    placed: Placed<R>,
+    placed: PlacedBlocks<R>,
     /// Blocks that have been rejected, and still are where some face would anchor them.
     rejected: Vec<u32>,
     /// In the chambers of the blocks, if faces draw fluid; `None`: not known yet.
@@ -48,7 +48,7 @@ pub(crate) struct Release<R: Real> {
 #[derive(Clone, Debug)]
 struct Active<R: Real> {
     site: Site,
-    target: Target<R>,
+    target: AttractingFace<R>,
     /// Times that a block came into reach.
     entries: u32,
     /// The blocks in reach by number, with the tick of their entry.
@@ -72,7 +72,7 @@ struct Sighting<R: Real> {
 
 /// A block that has just docked, and how it is held.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Held<R: Real> {
+pub(crate) struct Anchored<R: Real> {
     pub body: u32,
     /// Of its centre.
     pub seat: Vector3<R>,
@@ -85,7 +85,7 @@ impl<R: Real> Active<R> {
         let face = parent.to_structure(site.face);
         Active {
             site,
-            target: Target::new(centre, face),
+            target: AttractingFace::new(centre, face),
             entries: 0,
             inside: Vec::new(),
             nearby: Vec::new(),
@@ -103,7 +103,7 @@ impl<R: Real> Faces<R> {
             holds: BTreeMap::new(),
             sightings: Vec::new(),
             seen: false,
-            placed: Placed::default(),
+            placed: PlacedBlocks::default(),
             rejected: Vec::new(),
             pressures: None,
         }
@@ -157,7 +157,7 @@ impl<R: Real> Faces<R> {
     }
 
     /// Captures a block by hand on a face that is on; `None`: it is off, or holds something.
-    pub fn plant(&mut self, site: Site, body: u32, tick: u64) -> Option<(Held<R>, Docking)> {
+    pub fn plant(&mut self, site: Site, body: u32, tick: u64) -> Option<(Anchored<R>, Docking)> {
         let at = (self.active)
             .binary_search_by_key(&site, |on| on.site)
             .ok()?;
@@ -173,7 +173,7 @@ impl<R: Real> Faces<R> {
             entered: tick,
         };
         let seat = active.seat;
-        let held = Held {
+        let held = Anchored {
             body,
             seat,
             orientation,
@@ -183,7 +183,7 @@ impl<R: Real> Faces<R> {
     }
 
     /// A face holds a block from now on.
-    fn hold(&mut self, site: Site, held: &Held<R>) {
+    fn hold(&mut self, site: Site, held: &Anchored<R>) {
         self.holds.insert(site, held.body);
         self.change();
         if let Attraction::Passive(_) = self.magnet.law {
@@ -359,7 +359,7 @@ impl<R: Real> Faces<R> {
         &mut self,
         tick: u64,
         blocks: &mut impl Blocks<Real = R>,
-        mut hold: impl FnMut(Held<R>, Docking),
+        mut hold: impl FnMut(Anchored<R>, Docking),
     ) {
         self.seen = false;
         // Entries of this step are seen at its end, and docking may follow at once.
@@ -414,7 +414,7 @@ impl<R: Real> Faces<R> {
                 entries: active.entries,
                 entered: entry.map_or(tick, |&(_, entered)| entered),
             };
-            let held = Held {
+            let held = Anchored {
                 body: sighting.body,
                 seat: active.seat,
                 orientation,

@@ -4,8 +4,8 @@ use stochc_ir::Face;
 use stochc_ir::scene::Measure;
 
 use crate::orientation::Orientation;
+use crate::world::parameters::{Attraction, Magnet, Passive, Pull, Suction};
 use crate::world::real::{Real, normal};
-use crate::world::terms::{Attraction, Magnet, Passive, Pull, Suction};
 
 /// Below this distance \[side\] a pull has no direction.
 const COINCIDENT: f64 = 1e-6;
@@ -15,7 +15,7 @@ pub(crate) const INVERSE_INERTIA: f64 = 6.0;
 
 /// A magnetized face in space.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Target<R: Real> {
+pub(crate) struct AttractingFace<R: Real> {
     /// Of the face.
     pub centre: Vector3<R>,
     /// Outward.
@@ -41,16 +41,20 @@ pub(crate) struct Push<R: Real> {
     pub angular: Vector3<R>,
 }
 
-impl<R: Real> Target<R> {
+impl<R: Real> AttractingFace<R> {
     /// Of the structure's face `face` of the block whose centre is `centre`.
-    pub fn new(centre: Vector3<R>, face: Face) -> Target<R> {
-        Target::turned(centre, UnitQuaternion::identity(), face)
+    pub fn new(centre: Vector3<R>, face: Face) -> AttractingFace<R> {
+        AttractingFace::turned(centre, UnitQuaternion::identity(), face)
     }
 
     /// Of the own face `face` of a block that may be turned anyhow.
-    pub fn turned(centre: Vector3<R>, rotation: UnitQuaternion<R>, face: Face) -> Target<R> {
+    pub fn turned(
+        centre: Vector3<R>,
+        rotation: UnitQuaternion<R>,
+        face: Face,
+    ) -> AttractingFace<R> {
         let out = rotation * normal::<R>(face.normal());
-        Target {
+        AttractingFace {
             centre: centre + out * R::of(0.5),
             normal: out,
             corners: corners(rotation, face).map(|corner| centre + corner),
@@ -64,7 +68,7 @@ impl<R: Real> Target<R> {
         rotation: UnitQuaternion<R>,
         reach: R,
     ) -> Option<Near<R>> {
-        let face = Target::facing(position, rotation, self.centre);
+        let face = AttractingFace::facing(position, rotation, self.centre);
         let near = self.at(position, rotation, face);
         let distance = near.distance;
         // Not a number must not pass either.

@@ -5,7 +5,7 @@
 //! All resistances are constant, so that the tree is solved once from its leaves to the pump and once back.
 use std::collections::BTreeMap;
 
-use crate::world::terms::Suction;
+use crate::world::parameters::Suction;
 use crate::world::{Body, Site};
 
 /// The pressure below that of the fluid around, by chamber \[1 / tick^2\]; chambers that reach no pump

@@ -1,9 +1,9 @@
 //! Magnetized faces: the same in every world of rigid blocks.
-mod faces;
-mod hydraulics;
-pub(crate) mod pairs;
-mod placed;
-mod target;
+mod docking;
+mod face_attraction;
+mod hydraulic_network;
+mod open_faces;
+pub(crate) mod pair_attraction;
 
-pub(crate) use faces::{Faces, Held, Release};
-pub(crate) use target::INVERSE_INERTIA;
+pub(crate) use docking::{Anchored, Faces, Release};
+pub(crate) use face_attraction::INVERSE_INERTIA;

@@ -10,15 +10,15 @@ use crate::world::{Body, Site};
 
 /// Blocks and their places.
 #[derive(Clone, Debug)]
-pub(super) struct Placed<R: Real>(BTreeMap<Body, (Vector3<R>, Orientation)>);
+pub(super) struct PlacedBlocks<R: Real>(BTreeMap<Body, (Vector3<R>, Orientation)>);
 
-impl<R: Real> Default for Placed<R> {
-    fn default() -> Placed<R> {
-        Placed(BTreeMap::new())
+impl<R: Real> Default for PlacedBlocks<R> {
+    fn default() -> PlacedBlocks<R> {
+        PlacedBlocks(BTreeMap::new())
     }
 }
 
-impl<R: Real> Placed<R> {
+impl<R: Real> PlacedBlocks<R> {
     pub fn insert(&mut self, body: Body, centre: Vector3<R>, orientation: Orientation) {
         self.0.insert(body, (centre, orientation));
     }

@@ -2,11 +2,11 @@
 use nalgebra::Vector3;
 use stochc_ir::Face;
 
-use super::target::{Push, Target, best_turn};
+use super::face_attraction::{AttractingFace, Push, best_turn};
 use crate::orientation::Orientation;
 use crate::world::blocks::Pose;
+use crate::world::parameters::{Attraction, Magnet, Passive};
 use crate::world::real::normal;
-use crate::world::terms::{Attraction, Magnet, Passive};
 
 /// From the centre of a block to its faces \[side\].
 const INSIDE: f64 = 0.5;
@@ -58,15 +58,15 @@ pub(crate) fn meet(magnet: &Magnet, first: &Pose, second: &Pose) -> Option<Meeti
         return None;
     };
     // The face of each that points most towards the other's centre.
-    let face = Target::<f64>::facing(first.position, first.rotation, second.position);
-    let target = Target::turned(first.position, first.rotation, face);
-    let other = Target::<f64>::facing(second.position, second.rotation, first.position);
+    let face = AttractingFace::<f64>::facing(first.position, first.rotation, second.position);
+    let target = AttractingFace::turned(first.position, first.rotation, face);
+    let other = AttractingFace::<f64>::facing(second.position, second.rotation, first.position);
     let near = target.at(second.position, second.rotation, other);
     if near.distance >= passive.within {
         return None;
     }
     let second_push = target.push(&near, second.position, second.rotation, magnet, 0.0);
-    let back = Target::turned(second.position, second.rotation, other);
+    let back = AttractingFace::turned(second.position, second.rotation, other);
     let first_near = back.at(first.position, first.rotation, face);
     let first_push = back.push(&first_near, first.position, first.rotation, magnet, 0.0);
     Some(Meeting {
@@ -213,11 +213,13 @@ mod tests {
 
     #[test]
     fn the_sweep_finds_all_pairs() {
-        let mut draws = crate::draw::Draws::new(1, 2, crate::draw::Stream::Shuffle);
+        let mut draws = crate::counter_rng::Draws::new(1, 2, crate::counter_rng::Stream::Shuffle);
         let mut step = draws.step(0);
         let blocks: Vec<(u32, Vector3<f64>)> = (0..200)
             .map(|i| {
-                let [x, y, z, _] = step.block(i).map(|word| crate::draw::unit(word) * 8.0);
+                let [x, y, z, _] = step
+                    .block(i)
+                    .map(|word| crate::counter_rng::unit(word) * 8.0);
                 (i, Vector3::new(x, y, z))
             })
             .collect();

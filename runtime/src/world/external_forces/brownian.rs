@@ -2,24 +2,24 @@
 use nalgebra::Vector3;
 
 use super::drag::mean;
-use crate::draw::{Draws, Stream, gaussians};
+use crate::counter_rng::{Draws, Stream, gaussians};
 use crate::world::blocks::Motion;
-use crate::world::magnet::INVERSE_INERTIA;
-use crate::world::terms::Resistance;
+use crate::world::bonding::INVERSE_INERTIA;
+use crate::world::parameters::Resistance;
 
 /// The fluctuations of a step.
 #[derive(Debug)]
-pub(super) struct Heat {
+pub(super) struct Brownian {
     /// Rms change of each component of the velocity, and of the spin.
     rms: (f64, f64),
     step: u64,
     draws: Draws,
 }
 
-impl Heat {
+impl Brownian {
     /// `energy` is k T.
-    pub fn new(fluid: &Resistance, energy: f64, dt: f64, seed: u64, run: u64) -> Heat {
-        Heat {
+    pub fn new(fluid: &Resistance, energy: f64, dt: f64, seed: u64, run: u64) -> Brownian {
+        Brownian {
             rms: (
                 rms(fluid.viscous.0, energy, dt),
                 rms(fluid.viscous.1, energy * INVERSE_INERTIA, dt),

@@ -2,7 +2,7 @@
 use nalgebra::Vector3;
 
 use crate::world::blocks::Motion;
-use crate::world::terms::Resistance;
+use crate::world::parameters::Resistance;
 
 /// What is left of the effect of a constant force, and of a torque, over a step.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,7 +4,7 @@ use std::f64::consts::{LN_2, TAU};
 use nalgebra::Vector3;
 
 use super::Wind;
-use crate::world::terms::Stream;
+use crate::world::parameters::MeanFlow;
 
 /// Diameters after which the middle of a round turbulent jet slows down, and half of its width at half of its
 /// speed over the distance: S. B. Pope, Turbulent Flows (2000), section 5.1.
@@ -12,9 +12,9 @@ const CORE: f64 = 6.2;
 const SPREAD: f64 = 0.094;
 
 /// Adds what the fluid does at a place.
-pub(super) fn add(stream: &Stream, place: Vector3<f64>, wind: &mut Wind) {
+pub(super) fn add(stream: &MeanFlow, place: Vector3<f64>, wind: &mut Wind) {
     match *stream {
-        Stream::Vortex { radius, rate } => {
+        MeanFlow::Vortex { radius, rate } => {
             let across = place.x.hypot(place.y);
             let turning = if across < radius {
                 rate
@@ -28,7 +28,7 @@ pub(super) fn add(stream: &Stream, place: Vector3<f64>, wind: &mut Wind) {
                 wind.spin.z += rate;
             }
         }
-        Stream::Jets {
+        MeanFlow::Jets {
             count,
             speed,
             diameter,
@@ -63,14 +63,14 @@ pub(super) fn add(stream: &Stream, place: Vector3<f64>, wind: &mut Wind) {
 mod tests {
     use super::*;
 
-    fn wind(stream: &Stream, place: Vector3<f64>) -> Wind {
+    fn wind(stream: &MeanFlow, place: Vector3<f64>) -> Wind {
         let mut wind = Wind::default();
         add(stream, place, &mut wind);
         wind
     }
 
     /// Half of the curl of the velocity, from differences.
-    fn spin(stream: &Stream, place: Vector3<f64>) -> Vector3<f64> {
+    fn spin(stream: &MeanFlow, place: Vector3<f64>) -> Vector3<f64> {
         let h = 1e-5;
         let slope = |axis: Vector3<f64>| {
             let (more, less) = (
@@ -87,7 +87,7 @@ mod tests {
         Vector3::new(y.z - z.y, z.x - x.z, x.y - y.x) / 2.0
     }
 
-    const VORTEX: Stream = Stream::Vortex {
+    const VORTEX: MeanFlow = MeanFlow::Vortex {
         radius: 2.0,
         rate: 0.1,
     };
@@ -112,7 +112,7 @@ mod tests {
 
     #[test]
     fn a_jet_keeps_its_momentum_and_turns_what_is_beside_it() {
-        let jets = Stream::Jets {
+        let jets = MeanFlow::Jets {
             count: 1,
             speed: 0.5,
             diameter: 0.2,

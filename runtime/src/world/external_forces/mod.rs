@@ -4,20 +4,20 @@
 //! With a viscous drag of the rate γ, a constant force acts on average over a step of length dt with
 //! the factor φ = (1 - exp(-γ dt)) / (γ dt) on the velocity. Velocities are averages over a step then, and the
 //! laws that last, terminal velocity and diffusion, hold for steps of any length.
+mod brownian;
 mod drag;
-mod eddies;
-mod stream;
-mod thermal;
+mod mean_flow;
+mod turbulence;
 
 use nalgebra::Vector3;
 
+use brownian::Brownian;
 use drag::Drag;
 pub(crate) use drag::{Response, mean as response};
-use eddies::EddyField;
-use thermal::Heat;
+use turbulence::Turbulence;
 
 use super::blocks::Motion;
-use super::terms::{Stream, Terms, built};
+use super::parameters::{MeanFlow, Parameters, built};
 
 /// How a fluid moves at a place.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -42,36 +42,41 @@ pub(crate) struct Sink {
 
 /// The surroundings of a scene.
 #[derive(Debug)]
-pub(crate) struct Ambient {
+pub(crate) struct ExternalForces {
     weight: Option<f64>,
     drag: Option<Drag>,
-    stream: Option<Stream>,
-    eddies: Option<EddyField>,
-    heat: Option<Heat>,
+    mean_flow: Option<MeanFlow>,
+    eddies: Option<Turbulence>,
+    heat: Option<Brownian>,
     displaced: f64,
     /// Length of a step \[tick\].
     dt: f64,
 }
 
-impl Ambient {
+impl ExternalForces {
     /// `None` where nothing is around the blocks.
-    pub fn new(terms: &Terms, substeps: u32, seed: u64, run: u64) -> Option<Ambient> {
-        let weight = terms.weight.filter(|_| built::GRAVITY);
-        let fluid = terms.fluid.filter(|_| built::FLUID);
+    pub fn new(
+        parameters: &Parameters,
+        substeps: u32,
+        seed: u64,
+        run: u64,
+    ) -> Option<ExternalForces> {
+        let weight = parameters.weight.filter(|_| built::GRAVITY);
+        let fluid = parameters.fluid.filter(|_| built::FLUID);
         if weight.is_none() && fluid.is_none() {
             return None;
         }
         let dt = 1.0 / f64::from(substeps);
-        Some(Ambient {
+        Some(ExternalForces {
             weight,
             drag: fluid.map(|fluid| Drag::new(&fluid, dt)),
-            stream: terms.flow.filter(|_| fluid.is_some()),
-            eddies: (terms.eddies)
+            mean_flow: parameters.flow.filter(|_| fluid.is_some()),
+            eddies: (parameters.eddies)
                 .filter(|_| fluid.is_some())
-                .map(|eddies| EddyField::new(&eddies, seed, run)),
+                .map(|eddies| Turbulence::new(&eddies, seed, run)),
             heat: fluid
-                .zip(terms.thermal)
-                .map(|(fluid, energy)| Heat::new(&fluid, energy, dt, seed, run)),
+                .zip(parameters.thermal)
+                .map(|(fluid, energy)| Brownian::new(&fluid, energy, dt, seed, run)),
             displaced: fluid.map_or(0.0, |fluid| fluid.displaced),
             dt,
         })
@@ -114,8 +119,8 @@ impl Ambient {
 
     fn wind(&self, place: Vector3<f64>, sinks: &[Sink]) -> Wind {
         let mut wind = Wind::default();
-        if let Some(stream) = &self.stream {
-            stream::add(stream, place, &mut wind);
+        if let Some(flow) = &self.mean_flow {
+            mean_flow::add(flow, place, &mut wind);
         }
         if let Some(eddies) = &self.eddies {
             eddies.add(place, &mut wind);

@@ -6,8 +6,8 @@
 use nalgebra::Vector3;
 
 use super::Wind;
-use crate::draw::{Draws, Stream, gaussians};
-use crate::world::terms::Eddies;
+use crate::counter_rng::{Draws, Stream, gaussians};
+use crate::world::parameters::Eddies;
 
 /// Axes of the waves.
 const WAVES: usize = 31;
@@ -16,7 +16,7 @@ const WAVES: usize = 31;
 const BEGINNING: u64 = u64::MAX;
 
 #[derive(Debug)]
-pub(super) struct EddyField {
+pub(super) struct Turbulence {
     waves: Vec<Wave>,
     /// Part of an amplitude that is left after a tick.
     left: f64,
@@ -36,8 +36,8 @@ struct Wave {
     amplitudes: [f64; 4],
 }
 
-impl EddyField {
-    pub fn new(eddies: &Eddies, seed: u64, run: u64) -> EddyField {
+impl Turbulence {
+    pub fn new(eddies: &Eddies, seed: u64, run: u64) -> Turbulence {
         let waves = axes().map(|axis| {
             let other = if axis.x.abs() < 0.6 {
                 Vector3::x()
@@ -51,7 +51,7 @@ impl EddyField {
                 amplitudes: [0.0; 4],
             }
         });
-        let mut field = EddyField {
+        let mut field = Turbulence {
             waves: waves.collect(),
             left: eddies.left,
             // A wave has two directions, each a third of three components.
@@ -141,7 +141,7 @@ mod tests {
         }
     }
 
-    fn wind(field: &EddyField, place: Vector3<f64>) -> Wind {
+    fn wind(field: &Turbulence, place: Vector3<f64>) -> Wind {
         let mut wind = Wind::default();
         field.add(place, &mut wind);
         wind
@@ -163,7 +163,7 @@ mod tests {
     fn there_are_no_sources_and_the_spin_is_half_the_curl() {
         let h = 1e-5;
         for vertical in [1.0, 0.4, 2.5] {
-            let field = EddyField::new(&eddies(vertical), 3, 5);
+            let field = Turbulence::new(&eddies(vertical), 3, 5);
             for place in [Vector3::new(1.0, -2.0, 3.0), Vector3::new(7.0, 0.3, 0.1)] {
                 let slope = |axis: Vector3<f64>| {
                     let (more, less) = (
@@ -190,7 +190,7 @@ mod tests {
     #[test]
     fn speed_memory_and_anisotropy_are_those_asked_for() {
         let (mut field, place) = (
-            EddyField::new(&eddies(0.5), 1, 2),
+            Turbulence::new(&eddies(0.5), 1, 2),
             Vector3::new(2.0, 1.0, 4.0),
         );
         let ticks = 40_000;

@@ -1,11 +1,11 @@
 //! What the bonds of a group have to hold.
 use nalgebra::Vector3;
 
-use super::compound::Compound;
+use super::rigid_motion::RigidMotion;
 use super::{Group, connected};
-use crate::world::ambient::Response;
 use crate::world::blocks::Motion;
-use crate::world::magnet::INVERSE_INERTIA;
+use crate::world::bonding::INVERSE_INERTIA;
+use crate::world::external_forces::Response;
 
 /// The bond that is loaded most, and its load \[side / tick^2\]; `None` without bonds.
 ///
@@ -15,7 +15,7 @@ use crate::world::magnet::INVERSE_INERTIA;
 pub(super) fn worst(
     group: &Group,
     before: &[Motion],
-    compound: &Compound,
+    compound: &RigidMotion,
     response: Response,
     dt: f64,
 ) -> Option<(usize, f64)> {

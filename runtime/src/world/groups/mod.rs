@@ -3,17 +3,17 @@
 //! A group is a tree of bonds, and its blocks keep their places in its own frame. Forces act on each block as if
 //! it were alone; then the group takes the motion of a rigid body that has its momentum and its angular
 //! momentum. What a bond has to pass on for that is its load.
-mod compound;
-mod load;
+mod bond_load;
+mod rigid_motion;
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use super::ambient::Response;
 use super::blocks::{Blocks, Motion, Pose};
-use compound::Compound;
-pub(crate) use compound::lost;
+use super::external_forces::Response;
+use rigid_motion::RigidMotion;
+pub(crate) use rigid_motion::lost;
 
 /// All groups.
 #[derive(Clone, Debug, Default)]
@@ -110,7 +110,7 @@ impl Groups {
             // Whatever its bonds would have to hold for that.
             let group = &self.groups[&key];
             let motions = group.motions(blocks);
-            group.stiffen(&Compound::of(&motions), &motions, blocks);
+            group.stiffen(&RigidMotion::of(&motions), &motions, blocks);
         }
     }
 
@@ -152,8 +152,8 @@ impl Groups {
                 continue;
             };
             let before = group.motions(blocks);
-            let compound = Compound::of(&before);
-            let worst = load::worst(group, &before, &compound, response, dt);
+            let compound = RigidMotion::of(&before);
+            let worst = bond_load::worst(group, &before, &compound, response, dt);
             if let Some((bond, load)) = worst
                 && load > hold
             {
@@ -178,9 +178,9 @@ impl Groups {
         for group in self.groups.values_mut() {
             let motions = group.motions(blocks);
             // Flying straight keeps the angular momentum; the shape is that of the group.
-            let (mut compound, turning) = Compound::momenta(&motions);
+            let (mut compound, turning) = RigidMotion::momenta(&motions);
             let spin = |rotation: UnitQuaternion<f64>, members: &[Member]| {
-                compound::spin(
+                rigid_motion::spin(
                     turning,
                     members.iter().map(|member| rotation * member.offset),
                 )
@@ -223,7 +223,7 @@ impl Groups {
             return None;
         };
         let motions: Vec<Motion> = ids.iter().map(|&id| blocks.motion(id)).collect();
-        let (Compound { middle, .. }, _) = Compound::momenta(&motions);
+        let (RigidMotion { middle, .. }, _) = RigidMotion::momenta(&motions);
         let members = ids.iter().map(|&id| {
             let pose = blocks.pose(id);
             Member {
@@ -253,7 +253,7 @@ impl Group {
     }
 
     /// Gives its members, which are there, the motion of a rigid body.
-    fn stiffen(&self, body: &Compound, there: &[Motion], blocks: &mut impl Blocks) {
+    fn stiffen(&self, body: &RigidMotion, there: &[Motion], blocks: &mut impl Blocks) {
         for (member, motion) in self.members.iter().zip(there) {
             let (velocity, spin) = body.at(motion.position);
             blocks.set_motion(member.id, velocity, spin);

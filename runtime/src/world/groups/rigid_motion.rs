@@ -2,34 +2,34 @@
 use nalgebra::{Matrix3, Vector3};
 
 use crate::world::blocks::Motion;
-use crate::world::magnet::INVERSE_INERTIA;
+use crate::world::bonding::INVERSE_INERTIA;
 
 /// The motion of a rigid body that has the momentum and the angular momentum of its cubes.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Compound {
+pub(super) struct RigidMotion {
     pub middle: Vector3<f64>,
     pub velocity: Vector3<f64>,
     pub spin: Vector3<f64>,
 }
 
-impl Compound {
+impl RigidMotion {
     /// Of cubes of side 1 and mass 1; at least one.
-    pub fn of(cubes: &[Motion]) -> Compound {
-        let (mut compound, turning) = Compound::momenta(cubes);
+    pub fn of(cubes: &[Motion]) -> RigidMotion {
+        let (mut compound, turning) = RigidMotion::momenta(cubes);
         let middle = compound.middle;
         compound.spin = spin(turning, cubes.iter().map(|cube| cube.position - middle));
         compound
     }
 
     /// Their middle and its velocity, without a spin; and their angular momentum about it.
-    pub fn momenta(cubes: &[Motion]) -> (Compound, Vector3<f64>) {
+    pub fn momenta(cubes: &[Motion]) -> (RigidMotion, Vector3<f64>) {
         let count = cubes.len() as f64;
         let middle = cubes.iter().map(|cube| cube.position).sum::<Vector3<f64>>() / count;
         let velocity = cubes.iter().map(|cube| cube.velocity).sum::<Vector3<f64>>() / count;
         let turning = |cube: &Motion| {
             (cube.position - middle).cross(&cube.velocity) + cube.spin / INVERSE_INERTIA
         };
-        let compound = Compound {
+        let compound = RigidMotion {
             middle,
             velocity,
             spin: Vector3::zeros(),
@@ -63,7 +63,7 @@ pub(crate) fn lost(cubes: &[Motion]) -> f64 {
     let energy = |velocity: Vector3<f64>, spin: Vector3<f64>| {
         (velocity.norm_squared() + spin.norm_squared() / INVERSE_INERTIA) / 2.0
     };
-    let compound = Compound::of(cubes);
+    let compound = RigidMotion::of(cubes);
     let each = |cube: &Motion| {
         let (velocity, spin) = compound.at(cube.position);
         energy(cube.velocity, cube.spin) - energy(velocity, spin)

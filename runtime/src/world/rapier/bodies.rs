@@ -7,12 +7,12 @@ use rapier3d::pipeline::PhysicsWorld;
 use super::convert::{pose3, unit_quaternion, vec3, vector};
 use crate::orientation::Orientation;
 use crate::world::blocks::{Blocks, Pose};
-use crate::world::limits::Limits;
+use crate::world::motion_limits::MotionLimits;
 use crate::world::real::{Real, cast};
 use crate::world::{BodyState, Fault};
 
 /// The blocks by number; the copies are read once a substep.
-pub(crate) struct Bodies {
+pub(crate) struct EngineBodies {
     pub(super) engine: Box<PhysicsWorld>,
     pub(super) handles: Vec<RigidBodyHandle>,
     pub(super) copies: Vec<Copied>,
@@ -43,14 +43,14 @@ impl Copied {
     }
 }
 
-impl Bodies {
+impl EngineBodies {
     pub fn new(
         engine: Box<PhysicsWorld>,
         handles: Vec<RigidBodyHandle>,
         blocks: &[BodyState],
-    ) -> Bodies {
+    ) -> EngineBodies {
         let copies = blocks.iter().map(Copied::free).collect();
-        Bodies {
+        EngineBodies {
             engine,
             handles,
             copies,
@@ -83,7 +83,7 @@ impl Bodies {
     ///
     /// # Errors
     /// If that makes no sense.
-    pub fn read(&mut self, limits: &Limits) -> Result<(), Fault> {
+    pub fn read(&mut self, limits: &MotionLimits) -> Result<(), Fault> {
         let quarantine = self.engine.physics_pipeline.quarantine();
         if !quarantine.is_empty() {
             let lost = |handle| quarantine.bodies().contains(handle);
@@ -107,7 +107,7 @@ impl Bodies {
     }
 }
 
-impl Blocks for Bodies {
+impl Blocks for EngineBodies {
     type Real = f32;
 
     fn count(&self) -> u32 {

@@ -2,16 +2,16 @@
 use nalgebra::Vector3;
 use stochc_ir::table::Plate;
 
-use super::bodies::Bodies;
+use super::bodies::EngineBodies;
 use super::engine::{engine, ground_reach};
 use super::joints::Joints;
-use crate::draw::{Step, direction, unit};
+use crate::counter_rng::{Step, direction, unit};
 use crate::settings::{Precision, Settings};
 use crate::world::blocks::Blocks;
 use crate::world::free_bonds::FreeBonds;
-use crate::world::limits::Limits;
+use crate::world::motion_limits::MotionLimits;
+use crate::world::parameters::{Kicks, Parameters, Shell};
 use crate::world::stepper::Integrator;
-use crate::world::terms::{Kicks, Shell, Terms};
 use crate::world::{BodyState, Fault, SceneError};
 
 /// The engine as an integrator.
@@ -22,19 +22,19 @@ pub(super) struct Rapier {
     /// Length of a substep \[tick\].
     dt: f32,
     joints: Joints,
-    limits: Limits,
+    limits: MotionLimits,
 }
 
 impl Integrator for Rapier {
     type Real = f32;
-    type Blocks = Bodies;
+    type Blocks = EngineBodies;
 
     fn new(
-        terms: &Terms,
+        parameters: &Parameters,
         plate: &Plate,
         settings: &Settings,
         blocks: &[BodyState],
-    ) -> Result<(Bodies, Rapier), SceneError> {
+    ) -> Result<(EngineBodies, Rapier), SceneError> {
         let cannot = |what| SceneError::NotInModel {
             what,
             model: "rapier",
@@ -46,33 +46,33 @@ impl Integrator for Rapier {
         if settings.reduction.is_some() {
             return Err(cannot("term that can be left out"));
         }
-        let (engine, handles) = engine(terms, plate, settings, blocks)?;
+        let (engine, handles) = engine(parameters, plate, settings, blocks)?;
         let substeps = settings.substeps.max(1);
-        let limits = Limits::new(substeps, terms.contact.is_some());
-        let limits = match (&terms.contact, terms.shell) {
+        let limits = MotionLimits::new(substeps, parameters.contact.is_some());
+        let limits = match (&parameters.contact, parameters.shell) {
             (Some(_), Some(shell)) => limits.within(ground_reach(shell.radius + shell.height)),
             _ => limits,
         };
         let left = |rate: f64| libm::exp(-rate / f64::from(substeps)) as f32;
         let rapier = Rapier {
-            shell: terms.shell,
-            drag: terms.drag.map(left),
+            shell: parameters.shell,
+            drag: parameters.drag.map(left),
             dt: 1.0 / substeps as f32,
             joints: Joints::default(),
             limits,
         };
-        Ok((Bodies::new(engine, handles, blocks), rapier))
+        Ok((EngineBodies::new(engine, handles, blocks), rapier))
     }
 
     /// All blocks, whom it would take as long to tell apart.
-    fn near(&self, bodies: &Bodies, _place: Vector3<f32>, _reach: f32, found: &mut Vec<u32>) {
+    fn near(&self, bodies: &EngineBodies, _place: Vector3<f32>, _reach: f32, found: &mut Vec<u32>) {
         found.clear();
         found.extend(0..bodies.count());
     }
 
     fn advance(
         &mut self,
-        bodies: &mut Bodies,
+        bodies: &mut EngineBodies,
         mut kicks: Option<(&Kicks, Step<'_>)>,
         bonds: Option<&mut FreeBonds>,
     ) -> Result<(), Fault> {
@@ -107,7 +107,7 @@ impl Integrator for Rapier {
         bodies.read(&self.limits)
     }
 
-    fn joined(&mut self, bodies: &mut Bodies, bonds: &FreeBonds) {
+    fn joined(&mut self, bodies: &mut EngineBodies, bonds: &FreeBonds) {
         bodies.show_moved();
         self.joints.follow(bodies, bonds.groups.bonds());
     }

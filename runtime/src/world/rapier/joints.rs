@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 
 use rapier3d::dynamics::{FixedJointBuilder, ImpulseJointHandle};
 
-use super::bodies::Bodies;
+use super::bodies::EngineBodies;
 
 /// The joints, by the numbers of their blocks.
 #[derive(Debug, Default)]
@@ -15,9 +15,9 @@ impl Joints {
     /// Blocks that are joined do not touch each other.
     pub fn follow(
         &mut self,
-        Bodies {
+        EngineBodies {
             engine, handles, ..
-        }: &mut Bodies,
+        }: &mut EngineBodies,
         bonds: impl Iterator<Item = (u32, u32)>,
     ) {
         let mut old = std::mem::take(&mut self.0);

@@ -1,14 +1,13 @@
 //! Where every block is and how it moves, in arrays.
 use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 
-use super::lanes::{ABREAST, LANES, Lane, Wide, square, transposed};
-use super::turn::{SMALL, columns, large, small, turned};
+use super::quaternion::{SMALL, columns, large, small, turned};
+use super::simd::{ABREAST, LANES, Lane, Wide, square, transposed};
 use crate::orientation::Orientation;
-use crate::world::Fault;
 use crate::world::blocks::{Blocks, Pose};
-use crate::world::limits::Limits;
+use crate::world::motion_limits::MotionLimits;
 use crate::world::real::{Real, cast};
-use crate::world::state::BodyState;
+use crate::world::{BodyState, Fault};
 
 /// No substep.
 const NEVER: u64 = u64::MAX;
@@ -89,7 +88,7 @@ impl<R: Lane> Bodies<R> {
 
     /// # Errors
     /// If the motion of a block makes no sense.
-    pub fn check(&self, id: u32, limits: &Limits) -> Result<(), Fault> {
+    pub fn check(&self, id: u32, limits: &MotionLimits) -> Result<(), Fault> {
         let motion = [self.position(id), self.velocity(id), self.spin(id)];
         limits.check(id, motion, &self.rotation[id as usize])
     }

@@ -7,7 +7,7 @@
 use nalgebra::Vector3;
 
 use super::bodies::Bodies;
-use super::lanes::{ABREAST, LANES, Lane, Wide};
+use super::simd::{ABREAST, LANES, Lane, Wide};
 use crate::world::blocks::Blocks;
 
 /// Farther apart than this \[side\], the centres of two cubes: they do not touch.
@@ -30,7 +30,7 @@ const MANY: f64 = 4_000_000.0;
 /// neighbour is a fixed number away. Blocks outside of the grid count as inside of its outermost
 /// cells, which loses no neighbours.
 #[derive(Clone, Debug)]
-pub(super) struct Grid<R: Lane> {
+pub(super) struct CellList<R: Lane> {
     /// The middle of the first cell.
     low: [R; 3],
     /// Cells per side.
@@ -70,10 +70,10 @@ impl Tag {
     }
 }
 
-impl<R: Lane> Grid<R> {
+impl<R: Lane> CellList<R> {
     /// For blocks that mostly stay within `span` of the origin, and above `floor`, and of which
     /// those closer than `near` are looked for \[side\].
-    pub fn new(count: usize, span: f64, floor: f64, near: f64) -> Grid<R> {
+    pub fn new(count: usize, span: f64, floor: f64, near: f64) -> CellList<R> {
         let mut edge = near * MARGIN;
         let span = span.max(edge);
         let most = (count as f64 * CELLS_PER_BLOCK).clamp(FEW, MANY);
@@ -88,7 +88,7 @@ impl<R: Lane> Grid<R> {
             [2.0 * span, span - floor].map(|length| along(length, edge).floor() as usize);
         let stride = [wide + 1, (wide + 1) * (high + 2)];
         let last = [slabs, wide as f64, high as f64].map(|cells| R::of(cells - 1.0));
-        Grid {
+        CellList {
             // In x cells end where slabs do; elsewhere it does not matter.
             low: [length / 2.0 - span, -span, floor].map(R::of),
             scale: [length, edge, edge].map(|edge| R::of(1.0 / edge)),
@@ -302,7 +302,7 @@ mod tests {
                 let place = blocks[i as usize].position;
                 bodies.anchor(i, place, Orientation::IDENTITY);
             }
-            let mut grid = Grid::new(blocks.len(), span, floor, near);
+            let mut grid = CellList::new(blocks.len(), span, floor, near);
             let mut found = Vec::new();
             grid.sort(&bodies);
             grid.close_pairs(&mut found);

@@ -4,16 +4,16 @@ use smallvec::SmallVec;
 use stochc_ir::table::Plate;
 
 use super::bodies::Bodies;
-use super::grid::TOUCH;
-use super::lanes::{ABREAST, Lane};
-use super::neighbours::Neighbours;
-use super::overlap::{Cuboid, Patch, ball_on_ground, balls, boxes, cube_on_ground};
+use super::cell_list::TOUCH;
+use super::narrow_phase::{Cuboid, Manifold, ball_on_ground, balls, boxes, cube_on_ground};
+use super::neighbour_list::NeighbourList;
+use super::simd::{ABREAST, Lane};
 use super::solver::{Law, Solver};
 use crate::settings::{ROUNDS, Reduction, Settings};
 use crate::world::blocks::Blocks;
 use crate::world::free_bonds::FreeBonds;
+use crate::world::parameters::Contact;
 use crate::world::real::Real;
-use crate::world::terms::Contact;
 
 /// What blocks and ground look like to each other.
 #[derive(Clone, Copy, Debug)]
@@ -57,7 +57,7 @@ impl<R: Lane> Shape<R> {
     }
 
     /// How a block and the ground overlap.
-    fn on_ground(&self, bodies: &Bodies<R>, id: u32) -> Option<Patch<R>> {
+    fn on_ground(&self, bodies: &Bodies<R>, id: u32) -> Option<Manifold<R>> {
         match &self.ground {
             Ground::Plane if self.spheres => ball_on_ground(bodies.position(id)),
             Ground::Plane => cube_on_ground(bodies.position(id), bodies.axes(id)),
@@ -122,7 +122,7 @@ impl<R: Lane> Contacts<R> {
     pub fn find(
         &mut self,
         bodies: &mut Bodies<R>,
-        neighbours: &mut Neighbours<R>,
+        neighbours: &mut NeighbourList<R>,
         bonds: Option<&FreeBonds>,
     ) {
         let Contacts {
@@ -151,7 +151,7 @@ impl<R: Lane> Contacts<R> {
             }
         }
         for pairs in close.chunks(ABREAST) {
-            let mut add = |(a, b): (u32, u32), patch: Option<Patch<R>>| {
+            let mut add = |(a, b): (u32, u32), patch: Option<Manifold<R>>| {
                 if let Some(patch) = patch {
                     solver.add(bodies, a, Some(b), &patch);
                 }

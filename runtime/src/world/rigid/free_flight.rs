@@ -2,25 +2,25 @@
 use nalgebra::Vector3;
 
 use super::bodies::Bodies;
-use super::lanes::{LANES, Lane, Wide, square};
-use crate::draw::{Step, WORDS};
-use crate::world::limits::Limits;
-use crate::world::terms::{self, Kicks, built};
+use super::simd::{LANES, Lane, Wide, square};
+use crate::counter_rng::{Step, WORDS};
+use crate::world::motion_limits::MotionLimits;
+use crate::world::parameters::{self, Kicks, built};
 
 /// Groups of blocks after which speeds and distances are looked at.
 const CHECKED: usize = 8;
 
 /// The terms that act on all blocks.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Flight<R: Lane> {
-    pub shell: Option<Shell<R>>,
+pub(super) struct FreeFlight<R: Lane> {
+    pub shell: Option<ShellForce<R>>,
     /// Factor on the velocity in each substep.
     pub drag: Option<R>,
-    limits: Limits,
+    limits: MotionLimits,
 }
 
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Shell<R> {
+pub(super) struct ShellForce<R> {
     radius: R,
     /// Of its centre.
     height: R,
@@ -28,15 +28,15 @@ pub(super) struct Shell<R> {
     pull: R,
 }
 
-impl<R: Lane> Flight<R> {
+impl<R: Lane> FreeFlight<R> {
     pub fn new(
-        shell: Option<terms::Shell>,
+        shell: Option<parameters::Shell>,
         drag: Option<f64>,
-        limits: Limits,
+        limits: MotionLimits,
         dt: f64,
-    ) -> Flight<R> {
-        Flight {
-            shell: shell.map(|shell| Shell {
+    ) -> FreeFlight<R> {
+        FreeFlight {
+            shell: shell.map(|shell| ShellForce {
                 radius: R::of(shell.radius),
                 height: R::of(shell.height),
                 pull: R::of(shell.stiffness * dt),
@@ -59,36 +59,18 @@ impl<R: Lane> Flight<R> {
             step.fill(bodies.mobility.len(), draws);
             Kick::new(kicks)
         });
-        if built::AGITATION && kicks.is_some() {
-            self.shell_or_not::<true>(bodies, draws, kicks)
-        } else {
-            self.shell_or_not::<false>(bodies, draws, kicks)
-        }
-    }
-
-    fn shell_or_not<const KICKS: bool>(
-        &self,
-        bodies: &mut Bodies<R>,
-        draws: &[u8],
-        kicks: Option<Kick<R>>,
-    ) -> bool {
-        if built::ENCLOSURE && self.shell.is_some() {
-            self.drag_or_not::<KICKS, true>(bodies, draws, kicks)
-        } else {
-            self.drag_or_not::<KICKS, false>(bodies, draws, kicks)
-        }
-    }
-
-    fn drag_or_not<const KICKS: bool, const SHELL: bool>(
-        &self,
-        bodies: &mut Bodies<R>,
-        draws: &[u8],
-        kicks: Option<Kick<R>>,
-    ) -> bool {
-        if built::DRAG && self.drag.is_some() {
-            self.pass::<KICKS, SHELL, true>(bodies, draws, kicks)
-        } else {
-            self.pass::<KICKS, SHELL, false>(bodies, draws, kicks)
+        let kicked = built::AGITATION && kicks.is_some();
+        let walled = built::ENCLOSURE && self.shell.is_some();
+        let dragged = built::DRAG && self.drag.is_some();
+        match (kicked, walled, dragged) {
+            (true, true, true) => self.pass::<true, true, true>(bodies, draws, kicks),
+            (true, true, false) => self.pass::<true, true, false>(bodies, draws, kicks),
+            (true, false, true) => self.pass::<true, false, true>(bodies, draws, kicks),
+            (true, false, false) => self.pass::<true, false, false>(bodies, draws, kicks),
+            (false, true, true) => self.pass::<false, true, true>(bodies, draws, kicks),
+            (false, true, false) => self.pass::<false, true, false>(bodies, draws, kicks),
+            (false, false, true) => self.pass::<false, false, true>(bodies, draws, kicks),
+            (false, false, false) => self.pass::<false, false, false>(bodies, draws, kicks),
         }
     }
 
@@ -101,7 +83,7 @@ impl<R: Lane> Flight<R> {
     ) -> bool {
         let dt = bodies.dt;
         let kick = kicks.unwrap_or(Kick::none());
-        let shell = self.shell.unwrap_or(Shell {
+        let shell = self.shell.unwrap_or(ShellForce {
             radius: R::zero(),
             height: R::zero(),
             pull: R::zero(),
@@ -166,7 +148,7 @@ impl<R: Lane> Flight<R> {
     }
 }
 
-impl<R: Lane> Shell<R> {
+impl<R: Lane> ShellForce<R> {
     /// Half of what the velocity of a block there is changed by in a substep.
     pub fn half_push(&self, place: Vector3<R>) -> Vector3<R> {
         let way = place - Vector3::z() * self.height;
@@ -217,7 +199,7 @@ impl<R: Lane> Kick<R> {
         }
     }
 
-    /// From the same words as `draw::direction` and `draw::unit`, for many blocks at once.
+    /// From the same words as `counter_rng::direction` and `counter_rng::unit`, for many blocks at once.
     #[inline(always)]
     fn draw(&self, drawn: &[[u8; 4]; WORDS as usize * LANES]) -> [R::Wide; 3] {
         let all = R::Wide::splat;

@@ -3,28 +3,28 @@ use nalgebra::Vector3;
 use stochc_ir::table::Plate;
 
 use super::bodies::Bodies;
-use super::detect::Contacts;
-use super::flight::Flight;
-use super::lanes::Lane;
-use super::neighbours::Neighbours;
-use crate::draw::Step;
+use super::collision_detection::Contacts;
+use super::free_flight::FreeFlight;
+use super::neighbour_list::NeighbourList;
+use super::simd::Lane;
+use crate::counter_rng::Step;
 use crate::settings::Settings;
 use crate::world::blocks::Blocks;
 use crate::world::free_bonds::FreeBonds;
-use crate::world::limits::Limits;
+use crate::world::motion_limits::MotionLimits;
+use crate::world::parameters::{Kicks, Parameters, built};
 use crate::world::stepper::Integrator;
-use crate::world::terms::{Kicks, Terms, built};
 use crate::world::{BodyState, Fault, SceneError};
 
 /// An integrator in one precision.
 pub(super) struct Kernel<R: Lane> {
-    flight: Flight<R>,
+    flight: FreeFlight<R>,
     /// The words of one tick, kept to be used again.
     words: Vec<u8>,
     contacts: Option<Contacts<R>>,
     /// `None` where nobody asks who is near whom.
-    neighbours: Option<Neighbours<R>>,
-    limits: Limits,
+    neighbours: Option<NeighbourList<R>>,
+    limits: MotionLimits,
 }
 
 impl<R: Lane> Integrator for Kernel<R> {
@@ -32,27 +32,27 @@ impl<R: Lane> Integrator for Kernel<R> {
     type Blocks = Bodies<R>;
 
     fn new(
-        terms: &Terms,
+        parameters: &Parameters,
         plate: &Plate,
         settings: &Settings,
         blocks: &[BodyState],
     ) -> Result<(Bodies<R>, Kernel<R>), SceneError> {
         let substeps = settings.substeps.max(1);
         let dt = 1.0 / f64::from(substeps);
-        let limits = Limits::new(substeps, terms.contact.is_some());
-        let floor = terms.shell.is_some();
-        let contacts = (terms.contact.as_ref())
+        let limits = MotionLimits::new(substeps, parameters.contact.is_some());
+        let floor = parameters.shell.is_some();
+        let contacts = (parameters.contact.as_ref())
             .map(|contact| Contacts::new(contact, floor, plate, settings, blocks.len()));
-        let neighbours = (contacts.is_some() || terms.bond.is_some()).then(|| {
+        let neighbours = (contacts.is_some() || parameters.bond.is_some()).then(|| {
             let farthest = blocks.iter().map(|b| b.position.amax()).fold(0.0, f64::max);
-            let (span, floor) = match terms.shell {
+            let (span, floor) = match parameters.shell {
                 Some(shell) => (shell.radius + shell.height, Some(0.0)),
                 None => (farthest, None),
             };
-            Neighbours::new(blocks.len(), span + 2.0, floor)
+            NeighbourList::new(blocks.len(), span + 2.0, floor)
         });
         let kernel = Kernel {
-            flight: Flight::new(terms.shell, terms.drag, limits, dt),
+            flight: FreeFlight::new(parameters.shell, parameters.drag, limits, dt),
             words: Vec::new(),
             contacts,
             neighbours,
@@ -115,11 +115,8 @@ impl<R: Lane> Kernel<R> {
         let (true, Some(contacts)) = (built::CONTACT, &mut self.contacts) else {
             return Ok(());
         };
-        let (mut sound, limits, shell) = (Ok(()), &self.limits, &self.flight.shell);
-        let late = |place| {
-            let shell = shell.as_ref();
-            shell.map_or_else(Vector3::zeros, |shell| shell.half_push(place))
-        };
+        let (mut sound, limits, shell) = (Ok(()), &self.limits, self.flight.shell);
+        let late = |place| shell.map_or_else(Vector3::zeros, |shell| shell.half_push(place));
         contacts.solver.solve(bodies, late, |bodies, id| {
             if sound.is_ok() {
                 sound = bodies.check(id, limits);

@@ -5,15 +5,15 @@
 //! its flight, and nothing more: contacts are looked for among neighbours only, and orientations
 //! are computed when somebody looks.
 mod bodies;
-mod detect;
-mod flight;
-mod grid;
-mod kernel;
-mod lanes;
-mod neighbours;
-mod overlap;
+mod cell_list;
+mod collision_detection;
+mod free_flight;
+mod integrator;
+mod narrow_phase;
+mod neighbour_list;
+mod quaternion;
+mod simd;
 mod solver;
-mod turn;
 
 use nalgebra::Vector3;
 use stochc_ir::Cell;
@@ -27,7 +27,7 @@ use crate::orientation::Orientation;
 use crate::settings::{Precision, Settings};
 #[cfg(test)]
 pub(super) use bodies::Bodies;
-use kernel::Kernel;
+use integrator::Kernel;
 
 /// A world of rigid cubes.
 pub struct RigidWorld(Inner);

@@ -2,10 +2,10 @@
 use nalgebra::Vector3;
 
 use super::bodies::Bodies;
-use super::grid::{Grid, TOUCH};
-use super::lanes::{LANES, Lane, Wide, square};
+use super::cell_list::{CellList, TOUCH};
+use super::simd::{LANES, Lane, Wide, square};
 use crate::world::blocks::Blocks;
-use crate::world::limits::FARTHEST;
+use crate::world::motion_limits::FARTHEST;
 
 /// So much farther apart than touching \[side\], pairs are on a list that is to last.
 const SKIN: f64 = 1.2;
@@ -21,11 +21,11 @@ const OUTSIDE: usize = 8;
 
 /// The blocks near each other and near places.
 #[derive(Clone, Debug)]
-pub(super) struct Neighbours<R: Lane> {
+pub(super) struct NeighbourList<R: Lane> {
     /// The blocks mostly stay within this of the origin, and above the floor if there is one \[side\].
     span: f64,
     floor: Option<f64>,
-    grid: Grid<R>,
+    grid: CellList<R>,
     /// [`SKIN`], or 0: there is no list, and everybody is looked up in every step.
     skin: f64,
     pairs: Vec<(u32, u32)>,
@@ -35,13 +35,13 @@ pub(super) struct Neighbours<R: Lane> {
     due: u32,
 }
 
-impl<R: Lane> Neighbours<R> {
+impl<R: Lane> NeighbourList<R> {
     /// For blocks that mostly stay within `span` of the origin so far, and above `floor` \[side\].
-    pub fn new(count: usize, span: f64, floor: Option<f64>) -> Neighbours<R> {
-        Neighbours {
+    pub fn new(count: usize, span: f64, floor: Option<f64>) -> NeighbourList<R> {
+        NeighbourList {
             span,
             floor,
-            grid: Grid::new(count, span, floor.unwrap_or(-span), TOUCH + SKIN),
+            grid: CellList::new(count, span, floor.unwrap_or(-span), TOUCH + SKIN),
             skin: SKIN,
             pairs: Vec::new(),
             places: [const { Vec::new() }; 3],
@@ -91,7 +91,7 @@ impl<R: Lane> Neighbours<R> {
         if (skin, span) != (self.skin, self.span) {
             (self.skin, self.span) = (skin, span);
             let floor = self.floor.unwrap_or(-span);
-            self.grid = Grid::new(bodies.count() as usize, span, floor, TOUCH + skin);
+            self.grid = CellList::new(bodies.count() as usize, span, floor, TOUCH + skin);
             self.forget();
         }
     }
@@ -150,7 +150,7 @@ mod tests {
         let mut vector = |size: f64| Vector3::from_fn(|_, _| dice.random_range(-size..size));
         let blocks: Vec<BodyState> = (0..60).map(|_| BodyState::at_rest(vector(5.0))).collect();
         let mut bodies = Bodies::<f32>::new(&blocks, 1.0);
-        let mut neighbours = Neighbours::new(blocks.len(), 2.0, None);
+        let mut neighbours = NeighbourList::new(blocks.len(), 2.0, None);
         let (mut found, mut lists, mut without) = (Vec::new(), 0, 0);
         for step in 0..1000 {
             let speed = [0.02, 0.6][step / 200 % 2];

@@ -128,34 +128,21 @@ macro_rules! wide {
                 <$wide>::splat(value)
             }
             #[inline(always)]
-            fn sqrt(self) -> $wide {
-                self.sqrt()
-            }
-            #[inline(always)]
-            fn most(self, other: $wide) -> $wide {
-                self.fast_max(other)
-            }
-            #[inline(always)]
-            fn least(self, other: $wide) -> $wide {
-                self.fast_min(other)
-            }
-            #[inline(always)]
-            fn abs(self) -> $wide {
-                self.abs()
-            }
-            #[inline(always)]
-            fn above(self, other: $wide) -> $wide {
-                self.simd_gt(other)
-            }
-            #[inline(always)]
-            fn choose(self, yes: $wide, no: $wide) -> $wide {
-                self.select(yes, no)
-            }
-            #[inline(always)]
             fn bits(self) -> u32 {
                 self.to_bitmask()
             }
+            wide!(@same $wide; sqrt() = sqrt, abs() = abs, most(other) = fast_max,
+                least(other) = fast_min, above(other) = simd_gt, choose(yes, no) = select);
         }
+    };
+    // What only has another name there.
+    (@same $wide:ty; $($name:ident($($with:ident),*) = $theirs:ident),+) => {
+        $(
+            #[inline(always)]
+            fn $name(self, $($with: $wide),*) -> $wide {
+                <$wide>::$theirs(self, $($with),*)
+            }
+        )+
     };
 }
 

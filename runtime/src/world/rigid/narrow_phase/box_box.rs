@@ -2,11 +2,11 @@
 use nalgebra::{Rotation3, Vector3};
 use smallvec::smallvec;
 
-use super::clip::face_points;
-use super::least::{Direction, Least, least};
-use super::{Patch, Point};
+use super::clipping::face_points;
+use super::separating_axis::{Direction, LeastOverlap, least};
+use super::{Manifold, ManifoldPoint};
 use crate::world::real::Real;
-use crate::world::rigid::lanes::Lane;
+use crate::world::rigid::simd::Lane;
 
 /// A box in space.
 #[derive(Clone, Copy, Debug)]
@@ -36,26 +36,28 @@ impl<R: Real> Cuboid<R> {
 /// How each of at most [`ABREAST`] pairs of boxes overlaps; `None`: they do not. Normals point from
 /// the second box to the first.
 ///
-/// [`ABREAST`]: crate::world::rigid::lanes::ABREAST
-pub fn boxes<R: Lane>(pairs: &[(Cuboid<R>, Cuboid<R>)]) -> impl Iterator<Item = Option<Patch<R>>> {
+/// [`ABREAST`]: crate::world::rigid::simd::ABREAST
+pub fn boxes<R: Lane>(
+    pairs: &[(Cuboid<R>, Cuboid<R>)],
+) -> impl Iterator<Item = Option<Manifold<R>>> {
     let all = pairs.iter().zip(least(pairs));
     all.map(|((a, b), least)| least.and_then(|least| patch(a, b, &least)))
 }
 
 /// Where two boxes touch that overlap least like this.
-fn patch<R: Lane>(a: &Cuboid<R>, b: &Cuboid<R>, least: &Least<R>) -> Option<Patch<R>> {
+fn patch<R: Lane>(a: &Cuboid<R>, b: &Cuboid<R>, least: &LeastOverlap<R>) -> Option<Manifold<R>> {
     let offset = b.centre - a.centre;
     match least.direction {
         Direction::Face { first: true, axis } => {
             let out = outward(a.axis(axis), offset);
-            face_points(a, b, out, axis).map(|points| Patch {
+            face_points(a, b, out, axis).map(|points| Manifold {
                 normal: -out,
                 points,
             })
         }
         Direction::Face { first: false, axis } => {
             let out = outward(b.axis(axis), -offset);
-            face_points(b, a, out, axis).map(|points| Patch {
+            face_points(b, a, out, axis).map(|points| Manifold {
                 normal: out,
                 points,
             })
@@ -64,9 +66,9 @@ fn patch<R: Lane>(a: &Cuboid<R>, b: &Cuboid<R>, least: &Least<R>) -> Option<Patc
             let across = a.axis(own).cross(&b.axis(other));
             let out = outward(across / across.norm(), offset);
             let place = between(a, own, b, other, out);
-            Some(Patch {
+            Some(Manifold {
                 normal: -out,
-                points: smallvec![Point {
+                points: smallvec![ManifoldPoint {
                     place,
                     depth: least.depth,
                 }],

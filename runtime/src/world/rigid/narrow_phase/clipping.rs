@@ -2,7 +2,7 @@
 use nalgebra::Vector3;
 use smallvec::SmallVec;
 
-use super::{Cuboid, Point};
+use super::{Cuboid, ManifoldPoint};
 use crate::world::real::Real;
 
 type Polygon<R> = SmallVec<[Vector3<R>; 8]>;
@@ -14,7 +14,7 @@ pub fn face_points<R: Real>(
     other: &Cuboid<R>,
     out: Vector3<R>,
     axis: usize,
-) -> Option<SmallVec<[Point<R>; 8]>> {
+) -> Option<SmallVec<[ManifoldPoint<R>; 8]>> {
     let mut polygon = opposite_face(other, out);
     for step in 1..3 {
         let side = (axis + step) % 3;
@@ -28,7 +28,7 @@ pub fn face_points<R: Real>(
         .iter()
         .filter_map(|&corner| {
             let depth = level - out.dot(&corner);
-            (depth > R::zero()).then(|| Point {
+            (depth > R::zero()).then(|| ManifoldPoint {
                 place: corner + out * (depth * R::of(0.5)),
                 depth,
             })

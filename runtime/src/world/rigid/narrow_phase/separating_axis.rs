@@ -2,7 +2,7 @@
 //! by side: most pairs that are near each other do not touch, and which axis says so is hard to
 //! guess.
 use super::Cuboid;
-use crate::world::rigid::lanes::{ABREAST, Lane, Wide, first, sum, transposed};
+use crate::world::rigid::simd::{ABREAST, Lane, Wide, first, sum, transposed};
 
 /// Edges count as parallel when the sine of their angle is below this.
 const PARALLEL: f64 = 1e-3;
@@ -22,20 +22,20 @@ pub(super) enum Direction {
 
 /// How two boxes overlap.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Least<R> {
+pub(super) struct LeastOverlap<R> {
     pub direction: Direction,
     pub depth: R,
 }
 
 /// Three numbers of each pair, or three times three.
-type Vector<R> = [<R as Lane>::Quad; 3];
-type Matrix<R> = [Vector<R>; 3];
+type LaneVector<R> = [<R as Lane>::Quad; 3];
+type LaneMatrix<R> = [LaneVector<R>; 3];
 
 /// One box of each pair.
 struct Boxes<R: Lane> {
     /// Own directions in the world.
-    axes: Matrix<R>,
-    half: Vector<R>,
+    axes: LaneMatrix<R>,
+    half: LaneVector<R>,
 }
 
 /// What has been found so far.
@@ -48,13 +48,15 @@ struct Search<R: Lane> {
 }
 
 /// How each of at most [`ABREAST`] pairs of boxes overlaps; `None`: they do not.
-pub(super) fn least<R: Lane>(pairs: &[(Cuboid<R>, Cuboid<R>)]) -> [Option<Least<R>>; ABREAST] {
+pub(super) fn least<R: Lane>(
+    pairs: &[(Cuboid<R>, Cuboid<R>)],
+) -> [Option<LeastOverlap<R>>; ABREAST] {
     let (a, b) = (gather(pairs, |pair| &pair.0), gather(pairs, |pair| &pair.1));
     let offset = vector(pairs, |(a, b)| b.centre - a.centre);
-    let dot = |u: &Vector<R>, v: &Vector<R>| sum([0, 1, 2].map(|i| u[i] * v[i]));
+    let dot = |u: &LaneVector<R>, v: &LaneVector<R>| sum([0, 1, 2].map(|i| u[i] * v[i]));
     let in_a = [0, 1, 2].map(|i| dot(&a.axes[i], &offset));
-    let turn: Matrix<R> = [0, 1, 2].map(|i| [0, 1, 2].map(|j| dot(&a.axes[i], &b.axes[j])));
-    let column = |of: &Matrix<R>, j: usize| [0, 1, 2].map(|i| of[i][j]);
+    let turn: LaneMatrix<R> = [0, 1, 2].map(|i| [0, 1, 2].map(|j| dot(&a.axes[i], &b.axes[j])));
+    let column = |of: &LaneMatrix<R>, j: usize| [0, 1, 2].map(|i| of[i][j]);
     let in_b = [0, 1, 2].map(|j| dot(&column(&turn, j), &in_a));
     let size = turn.map(|row| row.map(Wide::abs));
     let mut search = Search::<R>::new(pairs.len());
@@ -126,7 +128,7 @@ impl<R: Lane> Search<R> {
         self.axis = least.choose(R::Quad::splat(R::of_int(number as i32)), self.axis);
     }
 
-    fn found(&self) -> [Option<Least<R>>; ABREAST] {
+    fn found(&self) -> [Option<LeastOverlap<R>>; ABREAST] {
         let meet = self.meet.bits();
         let (depth, axis) = (self.depth.store(), self.axis.store());
         std::array::from_fn(|lane| {
@@ -143,7 +145,7 @@ impl<R: Lane> Search<R> {
                     },
                 };
                 let depth = depth[lane];
-                Least { direction, depth }
+                LeastOverlap { direction, depth }
             })
         })
     }
@@ -163,6 +165,6 @@ fn gather<R: Lane>(
 fn vector<R: Lane>(
     pairs: &[(Cuboid<R>, Cuboid<R>)],
     of: impl Fn(&(Cuboid<R>, Cuboid<R>)) -> nalgebra::Vector3<R>,
-) -> Vector<R> {
+) -> LaneVector<R> {
     transposed(pairs.iter().map(|pair| of(pair).into()))
 }

@@ -1,8 +1,8 @@
 //! What a contact does.
 use stochc_ir::scene::ContactLaw;
 
+use crate::world::parameters::Contact;
 use crate::world::real::Real;
-use crate::world::terms::Contact;
 
 /// Part of an overlap that is undone in a substep.
 pub(super) const RECOVERY: f64 = 0.2;

@@ -4,11 +4,11 @@ use std::ops::Range;
 use nalgebra::Vector3;
 
 use crate::world::real::Real;
-use crate::world::rigid::overlap::Patch;
+use crate::world::rigid::narrow_phase::Manifold;
 
 /// Two bodies that touch, or one and the ground.
 #[derive(Clone, Debug)]
-pub(super) struct Touch<R: Real> {
+pub(super) struct TouchingBodies<R: Real> {
     pub bodies: [usize; 2],
     /// Along the normal, and across it.
     pub frame: [Vector3<R>; 3],
@@ -18,7 +18,7 @@ pub(super) struct Touch<R: Real> {
 
 /// One point of a contact.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Point<R: Real> {
+pub(super) struct ContactPoint<R: Real> {
     /// How far the bodies overlap here.
     pub depth: R,
     /// From the centres of the two bodies.
@@ -27,14 +27,14 @@ pub(super) struct Point<R: Real> {
 
 /// The contacts of a substep, and their points.
 #[derive(Clone, Debug)]
-pub(super) struct Touches<R: Real> {
-    pub list: Vec<Touch<R>>,
-    pub points: Vec<Point<R>>,
+pub(super) struct ContactList<R: Real> {
+    pub list: Vec<TouchingBodies<R>>,
+    pub points: Vec<ContactPoint<R>>,
 }
 
-impl<R: Real> Touches<R> {
-    pub fn new() -> Touches<R> {
-        Touches {
+impl<R: Real> ContactList<R> {
+    pub fn new() -> ContactList<R> {
+        ContactList {
             list: Vec::new(),
             points: Vec::new(),
         }
@@ -46,7 +46,12 @@ impl<R: Real> Touches<R> {
     }
 
     /// Adds the contact of two bodies with these centres; `None`: something that never moves.
-    pub fn add(&mut self, bodies: [usize; 2], centres: [Option<Vector3<R>>; 2], patch: &Patch<R>) {
+    pub fn add(
+        &mut self,
+        bodies: [usize; 2],
+        centres: [Option<Vector3<R>>; 2],
+        patch: &Manifold<R>,
+    ) {
         let normal = patch.normal;
         let across = if normal.x.abs() < R::of(0.7) {
             Vector3::x()
@@ -56,14 +61,14 @@ impl<R: Real> Touches<R> {
         let one = normal.cross(&across).normalize();
         let from = self.points.len();
         self.points.extend(patch.points.iter().map(|point| {
-            Point {
+            ContactPoint {
                 depth: point.depth,
                 arms: centres.map(|centre| {
                     centre.map_or_else(Vector3::zeros, |centre| point.place - centre)
                 }),
             }
         }));
-        self.list.push(Touch {
+        self.list.push(TouchingBodies {
             bodies,
             frame: [normal, one, normal.cross(&one)],
             points: from..self.points.len(),
@@ -71,7 +76,7 @@ impl<R: Real> Touches<R> {
     }
 
     /// The points of a contact.
-    pub fn points_of(&self, touch: &Touch<R>) -> &[Point<R>] {
+    pub fn points_of(&self, touch: &TouchingBodies<R>) -> &[ContactPoint<R>] {
         &self.points[touch.points.clone()]
     }
 }

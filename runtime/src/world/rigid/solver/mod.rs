@@ -5,36 +5,36 @@
 //! A compliant one is a spring and a damper, taken implicitly. Most bodies touch one thing only:
 //! such contacts are solved side by side, and all others one after the other, by the same
 //! arithmetic.
-mod chain;
-mod law;
-mod motion;
-mod pair;
-mod touch;
+mod contact_law;
+mod contact_list;
+mod parallel;
+mod sequential;
+mod solver_bodies;
 
-use chain::Chains;
 use nalgebra::Vector3;
+use sequential::SequentialContacts;
 
 use super::bodies::Bodies;
-use super::lanes::{Lane, Quad};
-use super::overlap::Patch;
+use super::narrow_phase::Manifold;
+use super::simd::{Lane, Quad};
 use crate::world::blocks::Blocks;
-pub(super) use law::Law;
-use law::{FASTEST, PRECISION};
-use motion::{GROUND, Moving};
-use pair::Abreast;
-use touch::Touches;
+pub(super) use contact_law::Law;
+use contact_law::{FASTEST, PRECISION};
+use contact_list::ContactList;
+use parallel::ParallelContacts;
+use solver_bodies::{GROUND, SolverBodies};
 
 /// Finds the impulses of all contacts of a substep.
 #[derive(Clone, Debug)]
 pub(super) struct Solver<R: Lane> {
     law: Law<R>,
     iterations: u32,
-    touches: Touches<R>,
-    moving: Moving<R>,
+    touches: ContactList<R>,
+    moving: SolverBodies<R>,
     /// The contacts that share no body with another: with something that does not move, and of two.
-    single: Abreast<R, 1>,
-    double: Abreast<R, 2>,
-    chains: Chains<R>,
+    single: ParallelContacts<R, 1>,
+    double: ParallelContacts<R, 2>,
+    chains: SequentialContacts<R>,
 }
 
 impl<R: Lane> Solver<R> {
@@ -43,11 +43,11 @@ impl<R: Lane> Solver<R> {
         Solver {
             law,
             iterations: iterations.max(1),
-            touches: Touches::new(),
-            moving: Moving::new(count, turns),
-            single: Abreast::new(),
-            double: Abreast::new(),
-            chains: Chains::new(),
+            touches: ContactList::new(),
+            moving: SolverBodies::new(count, turns),
+            single: ParallelContacts::new(),
+            double: ParallelContacts::new(),
+            chains: SequentialContacts::new(),
         }
     }
 
@@ -58,7 +58,7 @@ impl<R: Lane> Solver<R> {
     }
 
     /// Adds the contact of block `a` with block `b`, or with something that never moves.
-    pub fn add(&mut self, bodies: &Bodies<R>, a: u32, b: Option<u32>, patch: &Patch<R>) {
+    pub fn add(&mut self, bodies: &Bodies<R>, a: u32, b: Option<u32>, patch: &Manifold<R>) {
         let places = [Some(a), b].map(|id| match id {
             Some(id) if bodies.is_free(id) => self.moving.place(id),
             _ => GROUND,
@@ -147,8 +147,8 @@ mod tests {
 
     use super::*;
     use crate::world::BodyState;
-    use crate::world::rigid::overlap::Point;
-    use crate::world::terms::Contact;
+    use crate::world::parameters::Contact;
+    use crate::world::rigid::narrow_phase::ManifoldPoint;
 
     const BLOCKS: u32 = 41;
 
@@ -176,13 +176,13 @@ mod tests {
         while id + 1 < BLOCKS {
             let single = id % 5 < 2;
             let middle = bodies.position(id) + vector(0.5);
-            let points = (0..=id % 4).map(|n| Point {
+            let points = (0..=id % 4).map(|n| ManifoldPoint {
                 place: middle + vector(0.5),
                 depth: least + 0.01 * n as f32,
             });
             let points = points.collect();
             let normal = vector(1.0).normalize();
-            let patch = Patch { normal, points };
+            let patch = Manifold { normal, points };
             solver.add(&bodies, id, (!single).then_some(id + 1), &patch);
             id += if single { 1 } else { 2 };
         }

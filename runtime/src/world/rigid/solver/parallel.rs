@@ -1,71 +1,71 @@
 //! Contacts that share no body with another: solved side by side.
 //!
-//! Each lane is a contact of its own, with the arithmetic of [`super::chain`] in the same order: it
+//! Each lane is a contact of its own, with the arithmetic of [`super::sequential`] in the same order: it
 //! does not matter to a contact which others are beside it. What a lane no longer takes part in
 //! goes on as a change by nothing.
-use super::law::{FASTEST, Kind, Law, RECOVERY, SLOP};
-use super::motion::{Motion, Moving};
-use super::touch::Touches;
-use crate::world::rigid::lanes::{ABREAST, Lane, Wide, cross, first, sum, transposed};
+use super::contact_law::{FASTEST, Kind, Law, RECOVERY, SLOP};
+use super::contact_list::ContactList;
+use super::solver_bodies::{SolverBodies, SolverBody};
+use crate::world::rigid::simd::{ABREAST, Lane, Wide, cross, first, sum, transposed};
 
 /// Contacts of `N` bodies that move: two, or one with something that does not.
 #[derive(Clone, Debug)]
-pub(super) struct Abreast<R: Lane, const N: usize> {
+pub(super) struct ParallelContacts<R: Lane, const N: usize> {
     /// Their numbers among all.
     numbers: Vec<usize>,
     /// More than are needed now are kept to be used again.
-    groups: Vec<Pairs<R, N>>,
+    groups: Vec<Batch<R, N>>,
 }
 
 /// At most [`ABREAST`] of them.
 #[derive(Clone, Debug)]
-struct Pairs<R: Lane, const N: usize> {
+struct Batch<R: Lane, const N: usize> {
     /// Where the bodies are in the lists.
     places: [[usize; N]; ABREAST],
     /// The lanes that hold a contact.
     real: R::Quad,
-    bodies: [Body<R>; N],
-    shifts: [Body<R>; N],
+    bodies: [BatchBody<R>; N],
+    shifts: [BatchBody<R>; N],
     /// Along the normal, and across it.
-    frame: [Vector<R>; 3],
+    frame: [BatchVector<R>; 3],
     /// How much an impulse softens the velocity.
     softness: R::Quad,
-    spots: Vec<Spot<R, N>>,
+    spots: Vec<BatchPoint<R, N>>,
 }
 
 /// A vector of each lane.
-type Vector<R> = [<R as Lane>::Quad; 3];
+type BatchVector<R> = [<R as Lane>::Quad; 3];
 
 /// A body of each contact.
 #[derive(Clone, Copy, Debug)]
-struct Body<R: Lane> {
-    velocity: Vector<R>,
-    spin: Vector<R>,
+struct BatchBody<R: Lane> {
+    velocity: BatchVector<R>,
+    spin: BatchVector<R>,
     inverse_mass: R::Quad,
     inverse_inertia: R::Quad,
 }
 
 /// A point of each contact.
 #[derive(Clone, Copy, Debug)]
-struct Spot<R: Lane, const N: usize> {
+struct BatchPoint<R: Lane, const N: usize> {
     /// Which contacts have so many points.
     real: R::Quad,
     depth: R::Quad,
     /// Velocity along the normal that is asked for, or what a spring asks for.
     target: R::Quad,
-    /// Motion per tick that undoes the overlap.
+    /// SolverBody per tick that undoes the overlap.
     recovery: R::Quad,
     /// Torques of unit impulses, in the directions of the frame, about the centres of the bodies.
-    torques: [[Vector<R>; N]; 3],
+    torques: [[BatchVector<R>; N]; 3],
     /// Impulses that change the velocity here by one: along the normal, and across it.
     masses: [R::Quad; 2],
-    impulses: Vector<R>,
+    impulses: BatchVector<R>,
     shift: R::Quad,
 }
 
-impl<R: Lane, const N: usize> Abreast<R, N> {
-    pub fn new() -> Abreast<R, N> {
-        Abreast {
+impl<R: Lane, const N: usize> ParallelContacts<R, N> {
+    pub fn new() -> ParallelContacts<R, N> {
+        ParallelContacts {
             numbers: Vec::new(),
             groups: Vec::new(),
         }
@@ -80,18 +80,24 @@ impl<R: Lane, const N: usize> Abreast<R, N> {
     }
 
     /// The groups that are in use.
-    fn groups(&mut self) -> &mut [Pairs<R, N>] {
+    fn groups(&mut self) -> &mut [Batch<R, N>] {
         &mut self.groups[..self.numbers.len().div_ceil(ABREAST)]
     }
 
     /// Looks all contacts up; how fast their points approach at most.
-    pub fn load(&mut self, touches: &Touches<R>, moving: &Moving<R>, law: &Law<R>, dt: R) -> R {
+    pub fn load(
+        &mut self,
+        touches: &ContactList<R>,
+        moving: &SolverBodies<R>,
+        law: &Law<R>,
+        dt: R,
+    ) -> R {
         // Those with equally many points side by side.
         let points = |&number: &usize| std::cmp::Reverse(touches.list[number].points.len());
         self.numbers.sort_by_key(points);
         let groups = self.numbers.chunks(ABREAST);
         if self.groups.len() < groups.len() {
-            self.groups.resize_with(groups.len(), Pairs::new);
+            self.groups.resize_with(groups.len(), Batch::new);
         }
         groups
             .zip(&mut self.groups)
@@ -115,18 +121,18 @@ impl<R: Lane, const N: usize> Abreast<R, N> {
     }
 
     /// Writes down what has been found.
-    pub fn store(&mut self, moving: &mut Moving<R>) {
+    pub fn store(&mut self, moving: &mut SolverBodies<R>) {
         for group in self.groups() {
             group.store(moving);
         }
     }
 }
 
-impl<R: Lane, const N: usize> Pairs<R, N> {
+impl<R: Lane, const N: usize> Batch<R, N> {
     /// No contacts.
-    fn new() -> Pairs<R, N> {
-        let nothing = Body::gather(all::<R>(0.0), std::iter::empty());
-        Pairs {
+    fn new() -> Batch<R, N> {
+        let nothing = BatchBody::gather(all::<R>(0.0), std::iter::empty());
+        Batch {
             places: [[0; N]; ABREAST],
             real: all::<R>(0.0),
             bodies: [nothing; N],
@@ -141,9 +147,9 @@ impl<R: Lane, const N: usize> Pairs<R, N> {
     /// that it had; how fast their points approach at most.
     fn load(
         &mut self,
-        touches: &Touches<R>,
+        touches: &ContactList<R>,
         numbers: &[usize],
-        moving: &Moving<R>,
+        moving: &SolverBodies<R>,
         law: &Law<R>,
         dt: R,
     ) -> R {
@@ -155,8 +161,8 @@ impl<R: Lane, const N: usize> Pairs<R, N> {
         self.frame = [0, 1, 2].map(|row| transposed(list().map(|touch| touch.frame[row].into())));
         for which in 0..N {
             let motions = list().map(|touch| &moving.motions[touch.bodies[which]]);
-            self.bodies[which] = Body::gather(self.real, motions);
-            self.shifts[which] = Body {
+            self.bodies[which] = BatchBody::gather(self.real, motions);
+            self.shifts[which] = BatchBody {
                 velocity: [all::<R>(0.0); 3],
                 spin: [all::<R>(0.0); 3],
                 ..self.bodies[which]
@@ -168,10 +174,10 @@ impl<R: Lane, const N: usize> Pairs<R, N> {
         for nth in 0..most {
             let points = || list().map_while(|touch| touches.points_of(touch).get(nth));
             let [depth] = transposed(points().map(|point| [point.depth]));
-            let arms: [Vector<R>; N] = std::array::from_fn(|which| {
+            let arms: [BatchVector<R>; N] = std::array::from_fn(|which| {
                 transposed(points().map(|point| point.arms[which].into()))
             });
-            self.spots.push(Spot {
+            self.spots.push(BatchPoint {
                 real: first::<R>(points().count()),
                 depth,
                 target: all::<R>(0.0),
@@ -303,13 +309,13 @@ impl<R: Lane, const N: usize> Pairs<R, N> {
         greatest
     }
 
-    /// See [`super::chain::Chains`]: bodies must not be livelier than before.
-    fn keep_energy(&mut self, before: &[Body<R>; N], inertia: R) {
+    /// See [`super::sequential::Chains`]: bodies must not be livelier than before.
+    fn keep_energy(&mut self, before: &[BatchBody<R>; N], inertia: R) {
         let inertia = R::Quad::splat(inertia);
         let (mut work, mut square) = (all::<R>(0.0), all::<R>(0.0));
         for (now, before) in self.bodies.iter().zip(before) {
             let (faster, livelier) = now.less(before);
-            let energy = |v: &Vector<R>, w: &Vector<R>| {
+            let energy = |v: &BatchVector<R>, w: &BatchVector<R>| {
                 sum([0, 1, 2]
                     .map(|axis| v[axis] * faster[axis] + w[axis] * livelier[axis] * inertia))
             };
@@ -329,7 +335,7 @@ impl<R: Lane, const N: usize> Pairs<R, N> {
         }
     }
 
-    fn store(&self, moving: &mut Moving<R>) {
+    fn store(&self, moving: &mut SolverBodies<R>) {
         let count = self.real.bits().count_ones() as usize;
         for which in 0..N {
             let places = self.places[..count].iter().map(|places| places[which]);
@@ -339,7 +345,7 @@ impl<R: Lane, const N: usize> Pairs<R, N> {
     }
 }
 
-impl<R: Lane, const N: usize> Spot<R, N> {
+impl<R: Lane, const N: usize> BatchPoint<R, N> {
     /// Makes an impulse what is wanted where contacts are active; the change.
     #[inline(always)]
     fn press(&mut self, row: usize, wanted: R::Quad, active: R::Quad) -> R::Quad {
@@ -349,14 +355,14 @@ impl<R: Lane, const N: usize> Spot<R, N> {
     }
 }
 
-impl<R: Lane> Body<R> {
-    fn gather<'a>(real: R::Quad, motions: impl Iterator<Item = &'a Motion<R>>) -> Body<R> {
+impl<R: Lane> BatchBody<R> {
+    fn gather<'a>(real: R::Quad, motions: impl Iterator<Item = &'a SolverBody<R>>) -> BatchBody<R> {
         let [x, y, z, u, v, w, mass, inertia] = transposed(motions.map(|motion| {
             let ([x, y, z, _], [u, v, w, _]) = (motion.velocity.store(), motion.spin.store());
             let (mass, inertia) = (motion.inverse_mass, motion.inverse_inertia);
             [x, y, z, u, v, w, mass, inertia]
         }));
-        Body {
+        BatchBody {
             velocity: [x, y, z],
             spin: [u, v, w],
             // What nobody is in has a mass, so that nothing is divided by zero.
@@ -366,7 +372,7 @@ impl<R: Lane> Body<R> {
     }
 
     /// What does not move is not changed: nothing has pushed it.
-    fn scatter(&self, places: impl Iterator<Item = usize>, motions: &mut [Motion<R>]) {
+    fn scatter(&self, places: impl Iterator<Item = usize>, motions: &mut [SolverBody<R>]) {
         let [velocity, spin] = [self.velocity, self.spin].map(|vector| vector.map(Wide::store));
         for (lane, place) in places.enumerate() {
             let vector = |[x, y, z]: &[[R; ABREAST]; 3]| {
@@ -378,7 +384,7 @@ impl<R: Lane> Body<R> {
     }
 
     /// By how much velocity and spin are other than before.
-    fn less(&self, before: &Body<R>) -> (Vector<R>, Vector<R>) {
+    fn less(&self, before: &BatchBody<R>) -> (BatchVector<R>, BatchVector<R>) {
         (
             [0, 1, 2].map(|axis| self.velocity[axis] - before.velocity[axis]),
             [0, 1, 2].map(|axis| self.spin[axis] - before.spin[axis]),
@@ -395,9 +401,9 @@ fn all<R: Lane>(value: f64) -> R::Quad {
 /// Of the first body as seen from the second, at a point and in a direction.
 #[inline(always)]
 fn velocity<R: Lane, const N: usize>(
-    direction: &Vector<R>,
-    torques: &[Vector<R>; N],
-    bodies: &[Body<R>; N],
+    direction: &BatchVector<R>,
+    torques: &[BatchVector<R>; N],
+    bodies: &[BatchBody<R>; N],
 ) -> R::Quad {
     sum([0, 1, 2].map(|axis| {
         let mut moved = bodies[0].velocity[axis];
@@ -413,9 +419,9 @@ fn velocity<R: Lane, const N: usize>(
 /// How much the velocity in one direction of the frame changes by a unit impulse in the other.
 #[inline(always)]
 fn yields<R: Lane, const N: usize>(
-    frame: &[Vector<R>; 3],
-    torques: &[[Vector<R>; N]; 3],
-    bodies: &[Body<R>; N],
+    frame: &[BatchVector<R>; 3],
+    torques: &[[BatchVector<R>; N]; 3],
+    bodies: &[BatchBody<R>; N],
     one: usize,
     two: usize,
 ) -> R::Quad {
@@ -437,9 +443,9 @@ fn yields<R: Lane, const N: usize>(
 #[inline(always)]
 fn push<R: Lane, const N: usize>(
     impulse: R::Quad,
-    direction: &Vector<R>,
-    torques: &[Vector<R>; N],
-    bodies: &mut [Body<R>; N],
+    direction: &BatchVector<R>,
+    torques: &[BatchVector<R>; N],
+    bodies: &mut [BatchBody<R>; N],
 ) {
     for which in 0..N {
         let body = &mut bodies[which];

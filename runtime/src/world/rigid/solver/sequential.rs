@@ -5,24 +5,24 @@ use std::ops::Range;
 
 use petgraph::unionfind::UnionFind;
 
-use super::law::{FASTEST, Kind, Law, RECOVERY, SLOP};
-use super::motion::{GROUND, Motion, Moving};
-use super::touch::{Point, Touch, Touches};
-use crate::world::rigid::lanes::{Lane, Quad};
+use super::contact_law::{FASTEST, Kind, Law, RECOVERY, SLOP};
+use super::contact_list::{ContactList, ContactPoint, TouchingBodies};
+use super::solver_bodies::{GROUND, SolverBodies, SolverBody};
+use crate::world::rigid::simd::{Lane, Quad};
 
 /// The contacts of bodies that touch several things.
 #[derive(Clone, Debug)]
-pub(super) struct Chains<R: Lane> {
-    contacts: Vec<Link>,
+pub(super) struct SequentialContacts<R: Lane> {
+    contacts: Vec<SequentialContact>,
     /// The points of all contacts.
-    spots: Vec<Spot<R>>,
+    spots: Vec<PointConstraint<R>>,
     /// When a body was changed last, counted in visits.
     changed: Vec<u32>,
 }
 
 /// A contact that has been visited or not.
 #[derive(Clone, Debug)]
-struct Link {
+struct SequentialContact {
     a: usize,
     b: usize,
     points: Range<usize>,
@@ -33,14 +33,14 @@ struct Link {
 
 /// One point of a contact, ready to be solved.
 #[derive(Clone, Copy, Debug)]
-struct Spot<R: Lane> {
+struct PointConstraint<R: Lane> {
     /// How far the bodies overlap here.
     depth: R,
     /// Velocity along the normal that is asked for, or what a spring asks for.
     target: R,
     /// Of a compliant contact: how much an impulse softens the velocity.
     softness: R,
-    /// Motion per tick that undoes the overlap.
+    /// SolverBody per tick that undoes the overlap.
     recovery: R,
     along: Row<R>,
     across: [Row<R>; 2],
@@ -58,9 +58,9 @@ struct Row<R: Lane> {
     impulse: R,
 }
 
-impl<R: Lane> Chains<R> {
-    pub fn new() -> Chains<R> {
-        Chains {
+impl<R: Lane> SequentialContacts<R> {
+    pub fn new() -> SequentialContacts<R> {
+        SequentialContacts {
             contacts: Vec::new(),
             spots: Vec::new(),
             changed: Vec::new(),
@@ -75,18 +75,18 @@ impl<R: Lane> Chains<R> {
     /// Adds a contact; how fast its points approach at most.
     pub fn add(
         &mut self,
-        touches: &Touches<R>,
-        touch: &Touch<R>,
-        motions: &[Motion<R>],
+        touches: &ContactList<R>,
+        touch: &TouchingBodies<R>,
+        motions: &[SolverBody<R>],
         law: &Law<R>,
         dt: R,
     ) -> R {
         let from = self.spots.len();
         let points = touches.points_of(touch).iter();
         self.spots
-            .extend(points.map(|point| Spot::new(touch, point)));
+            .extend(points.map(|point| PointConstraint::new(touch, point)));
         let [a, b] = touch.bodies;
-        let contact = Link {
+        let contact = SequentialContact {
             a,
             b,
             points: from..self.spots.len(),
@@ -99,7 +99,7 @@ impl<R: Lane> Chains<R> {
     }
 
     /// Finds the velocities of all bodies; those at points change by less than `tolerance` at last.
-    pub fn push(&mut self, moving: &mut Moving<R>, law: &Law<R>, rounds: u32, tolerance: R) {
+    pub fn push(&mut self, moving: &mut SolverBodies<R>, law: &Law<R>, rounds: u32, tolerance: R) {
         let (motions, friction) = (&mut moving.motions, law.friction);
         self.repeat(motions, rounds, |contact, spots, motions| {
             contact.push(spots, motions, friction) > tolerance
@@ -110,7 +110,7 @@ impl<R: Lane> Chains<R> {
     }
 
     /// Finds the motions that undo overlaps.
-    pub fn part(&mut self, moving: &mut Moving<R>, rounds: u32, tolerance: R) {
+    pub fn part(&mut self, moving: &mut SolverBodies<R>, rounds: u32, tolerance: R) {
         self.repeat(&mut moving.shifts, rounds, |contact, spots, shifts| {
             contact.part(spots, shifts) > tolerance
         });
@@ -119,7 +119,7 @@ impl<R: Lane> Chains<R> {
     /// Takes back what rounds cut short have given too much: blocks that hang together by contacts
     /// must not be livelier than before. All their impulses are made smaller alike, which keeps
     /// momentum.
-    fn keep_energy(&self, moving: &mut Moving<R>) {
+    fn keep_energy(&self, moving: &mut SolverBodies<R>) {
         let mut groups = UnionFind::<usize>::new(moving.motions.len());
         let mut chained = vec![false; moving.motions.len()];
         for contact in &self.contacts {
@@ -130,7 +130,7 @@ impl<R: Lane> Chains<R> {
         }
         let inertia = moving.inertia();
         let of_chains = |place: &usize| chained[*place];
-        let Moving {
+        let SolverBodies {
             motions, before, ..
         } = moving;
         let before = |place: usize| (before[place].velocity, before[place].spin);
@@ -159,9 +159,9 @@ impl<R: Lane> Chains<R> {
     /// Visits contacts until none changes anything, or for as many rounds as are allowed.
     fn repeat(
         &mut self,
-        motions: &mut [Motion<R>],
+        motions: &mut [SolverBody<R>],
         rounds: u32,
-        visit: impl Fn(&Link, &mut [Spot<R>], &mut [Motion<R>]) -> bool,
+        visit: impl Fn(&SequentialContact, &mut [PointConstraint<R>], &mut [SolverBody<R>]) -> bool,
     ) {
         let mut visits = 0;
         for contact in &mut self.contacts {
@@ -196,15 +196,15 @@ impl<R: Lane> Chains<R> {
     }
 }
 
-impl<R: Lane> Spot<R> {
-    fn new(touch: &Touch<R>, point: &Point<R>) -> Spot<R> {
+impl<R: Lane> PointConstraint<R> {
+    fn new(touch: &TouchingBodies<R>, point: &ContactPoint<R>) -> PointConstraint<R> {
         let [along, one, two] = touch.frame.map(|direction| Row {
             direction: R::Quad::pack(direction),
             torques: point.arms.map(|arm| R::Quad::pack(arm.cross(&direction))),
             mass: R::zero(),
             impulse: R::zero(),
         });
-        Spot {
+        PointConstraint {
             depth: point.depth,
             target: R::zero(),
             softness: R::zero(),
@@ -216,12 +216,12 @@ impl<R: Lane> Spot<R> {
     }
 }
 
-impl Link {
+impl SequentialContact {
     /// Works out what each point asks for; the fastest approach.
     fn prepare<R: Lane>(
         &self,
-        spots: &mut [Spot<R>],
-        motions: &[Motion<R>],
+        spots: &mut [PointConstraint<R>],
+        motions: &[SolverBody<R>],
         law: &Law<R>,
         dt: R,
     ) -> R {
@@ -275,7 +275,12 @@ impl Link {
     }
 
     /// One round of impulses; the greatest change of velocity at a point.
-    fn push<R: Lane>(&self, spots: &mut [Spot<R>], motions: &mut [Motion<R>], friction: R) -> R {
+    fn push<R: Lane>(
+        &self,
+        spots: &mut [PointConstraint<R>],
+        motions: &mut [SolverBody<R>],
+        friction: R,
+    ) -> R {
         let mut greatest = R::zero();
         let (mut a, mut b) = (motions[self.a], motions[self.b]);
         for point in spots {
@@ -306,7 +311,7 @@ impl Link {
     }
 
     /// One round of undoing overlaps; the greatest change of speed at a point.
-    fn part<R: Lane>(&self, spots: &mut [Spot<R>], motions: &mut [Motion<R>]) -> R {
+    fn part<R: Lane>(&self, spots: &mut [PointConstraint<R>], motions: &mut [SolverBody<R>]) -> R {
         let mut greatest = R::zero();
         let (mut a, mut b) = (motions[self.a], motions[self.b]);
         for point in spots {
@@ -325,7 +330,7 @@ impl Link {
 
 impl<R: Lane> Row<R> {
     /// How much the velocity in this direction changes by a unit impulse in the other.
-    fn yields(&self, other: &Row<R>, a: &Motion<R>, b: &Motion<R>) -> R {
+    fn yields(&self, other: &Row<R>, a: &SolverBody<R>, b: &SolverBody<R>) -> R {
         let turned = |i: usize| self.torques[i] * other.torques[i];
         let moved = self.direction * other.direction;
         (moved.scaled(a.inverse_mass + b.inverse_mass)
@@ -336,14 +341,14 @@ impl<R: Lane> Row<R> {
 
     /// Of `a` as seen from `b`.
     #[inline(always)]
-    fn velocity(&self, a: &Motion<R>, b: &Motion<R>) -> R {
+    fn velocity(&self, a: &SolverBody<R>, b: &SolverBody<R>) -> R {
         let turned = self.torques[0] * a.spin - self.torques[1] * b.spin;
         (self.direction * (a.velocity - b.velocity) + turned).sum()
     }
 
     /// Makes the impulse what is given; how much that has changed the velocity here.
     #[inline(always)]
-    fn apply(&mut self, impulse: R, a: &mut Motion<R>, b: &mut Motion<R>) -> R {
+    fn apply(&mut self, impulse: R, a: &mut SolverBody<R>, b: &mut SolverBody<R>) -> R {
         let change = impulse - self.impulse;
         self.impulse = impulse;
         self.push(change, a, b);
@@ -352,7 +357,7 @@ impl<R: Lane> Row<R> {
 
     /// Pushes both bodies apart by an impulse.
     #[inline(always)]
-    fn push(&self, impulse: R, a: &mut Motion<R>, b: &mut Motion<R>) {
+    fn push(&self, impulse: R, a: &mut SolverBody<R>, b: &mut SolverBody<R>) {
         a.velocity += self.direction.scaled(impulse * a.inverse_mass);
         a.spin += self.torques[0].scaled(impulse * a.inverse_inertia);
         b.velocity -= self.direction.scaled(impulse * b.inverse_mass);

@@ -1,12 +1,12 @@
 //! The bodies that touch something, and how contacts change their motion.
 use nalgebra::Vector3;
 
-use crate::world::magnet::INVERSE_INERTIA;
-use crate::world::rigid::lanes::{Lane, Quad};
+use crate::world::bonding::INVERSE_INERTIA;
+use crate::world::rigid::simd::{Lane, Quad};
 
 /// How a body moves, and how much it minds being pushed.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Motion<R: Lane> {
+pub(super) struct SolverBody<R: Lane> {
     pub velocity: R::Quad,
     pub spin: R::Quad,
     pub inverse_mass: R,
@@ -21,16 +21,16 @@ pub(super) const NOBODY: u32 = u32::MAX;
 
 /// All bodies, [`GROUND`] first: the arrays are in the same order.
 #[derive(Clone, Debug)]
-pub(super) struct Moving<R: Lane> {
+pub(super) struct SolverBodies<R: Lane> {
     /// Their numbers as blocks.
     blocks: Vec<u32>,
     /// In how many contacts each is.
     contacts: Vec<u32>,
-    pub motions: Vec<Motion<R>>,
+    pub motions: Vec<SolverBody<R>>,
     /// Their motions before any impulse.
-    pub before: Vec<Motion<R>>,
+    pub before: Vec<SolverBody<R>>,
     /// What undoes overlaps: moves the blocks in this substep and is forgotten.
-    pub shifts: Vec<Motion<R>>,
+    pub shifts: Vec<SolverBody<R>>,
     /// Which body a block is, or [`NOBODY`].
     place: Vec<u32>,
     inverse_inertia: R,
@@ -43,12 +43,12 @@ pub(super) struct Change<R: Lane> {
     pub velocity: Vector3<R>,
     /// Its spin now.
     pub spin: Vector3<R>,
-    pub shift: Motion<R>,
+    pub shift: SolverBody<R>,
 }
 
-impl<R: Lane> Motion<R> {
-    fn rest(inverse_mass: R, inverse_inertia: R) -> Motion<R> {
-        Motion {
+impl<R: Lane> SolverBody<R> {
+    fn rest(inverse_mass: R, inverse_inertia: R) -> SolverBody<R> {
+        SolverBody {
             velocity: R::Quad::default(),
             spin: R::Quad::default(),
             inverse_mass,
@@ -57,10 +57,10 @@ impl<R: Lane> Motion<R> {
     }
 }
 
-impl<R: Lane> Moving<R> {
+impl<R: Lane> SolverBodies<R> {
     /// Of `count` blocks in all; `turns`: whether contacts can turn blocks at all.
-    pub fn new(count: usize, turns: bool) -> Moving<R> {
-        Moving {
+    pub fn new(count: usize, turns: bool) -> SolverBodies<R> {
+        SolverBodies {
             blocks: Vec::new(),
             contacts: Vec::new(),
             motions: Vec::new(),
@@ -84,7 +84,7 @@ impl<R: Lane> Moving<R> {
         self.contacts.clear();
         self.contacts.push(0);
         self.motions.clear();
-        self.motions.push(Motion::rest(R::zero(), R::zero()));
+        self.motions.push(SolverBody::rest(R::zero(), R::zero()));
     }
 
     /// The body of a free block in one more contact; it gets its place in the lists at its first one.
@@ -95,7 +95,7 @@ impl<R: Lane> Moving<R> {
             self.blocks.push(id);
             self.contacts.push(0);
             self.motions
-                .push(Motion::rest(R::one(), self.inverse_inertia));
+                .push(SolverBody::rest(R::one(), self.inverse_inertia));
         }
         self.contacts[*place as usize] += 1;
         *place as usize
