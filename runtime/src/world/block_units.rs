@@ -30,10 +30,7 @@ impl Parameters {
             }
         }
         let units = Units::of(scene)?;
-        let enclosure = scene.enclosure.as_ref();
-        let shell = enclosure
-            .map(|enclosure| units.shell(enclosure, plate))
-            .transpose()?;
+        let shell = made(&scene.enclosure, |enclosure| units.shell(enclosure, plate))?;
         let (mut kicks, mut thermal) = (None, None);
         match &scene.agitation {
             Some(Agitation::Kicks { speed: (low, high) }) => {
@@ -47,37 +44,20 @@ impl Parameters {
             }
             _ => {}
         }
-        let drag = scene.drag.as_ref();
-        let weight = |gravity| units.weight(gravity, scene.fluid.as_ref());
+        let weight = |&gravity: &f64| units.weight(gravity, scene.fluid.as_ref());
         Ok(Parameters {
             shell,
             kicks,
-            drag: drag
-                .map(|drag| number("the drag", drag.rate * units.tick))
-                .transpose()?,
-            weight: scene.gravity.map(weight).transpose()?,
-            fluid: scene
-                .fluid
-                .as_ref()
-                .map(|fluid| units.resistance(fluid))
-                .transpose()?,
-            flow: scene
-                .flow
-                .as_ref()
-                .map(|flow| units.stream(flow, shell))
-                .transpose()?,
+            drag: made(&scene.drag, |drag| {
+                number("the drag", drag.rate * units.tick)
+            })?,
+            weight: made(&scene.gravity, weight)?,
+            fluid: made(&scene.fluid, |fluid| units.resistance(fluid))?,
+            flow: made(&scene.flow, |flow| units.stream(flow, shell))?,
             eddies: units.eddies(scene)?,
             thermal,
-            contact: scene
-                .contact
-                .as_ref()
-                .map(|contact| units.contact(contact))
-                .transpose()?,
-            bond: scene
-                .bond
-                .as_ref()
-                .map(|bond| units.magnet(bond))
-                .transpose()?,
+            contact: made(&scene.contact, |contact| units.contact(contact))?,
+            bond: made(&scene.bond, |bond| units.magnet(bond))?,
         })
     }
 }
@@ -91,6 +71,11 @@ struct Units {
 }
 
 type Made<T> = Result<T, SceneError>;
+
+/// A term that a scene need not have.
+fn made<A, B>(term: &Option<A>, make: impl FnOnce(&A) -> Made<B>) -> Made<Option<B>> {
+    term.as_ref().map(make).transpose()
+}
 
 impl Units {
     fn of(scene: &Scene) -> Made<Units> {
@@ -244,10 +229,7 @@ impl Units {
         let law = match bond {
             Bond::Attract { pull, align, .. } => Attraction::Switched {
                 pull: self.reach("the pull", pull)?,
-                align: match align {
-                    Some(align) => Some(self.reach("the aligning force", align)?),
-                    None => None,
-                },
+                align: made(align, |align| self.reach("the aligning force", align))?,
             },
             Bond::Reject {
                 magnets, impulse, ..

@@ -48,6 +48,7 @@ impl MotionLimits {
     ///
     /// # Errors
     /// If they make no sense.
+    #[inline(always)]
     pub fn check<R: Real>(
         &self,
         body: u32,
@@ -63,6 +64,16 @@ impl MotionLimits {
         {
             return Ok(());
         }
+        self.look_closely(body, [position, velocity, spin], rotation)
+    }
+
+    #[cold]
+    fn look_closely<R: Real>(
+        &self,
+        body: u32,
+        [position, velocity, spin]: [Vector3<R>; 3],
+        rotation: &UnitQuaternion<R>,
+    ) -> Result<(), Fault> {
         let [speed, spin, far] = [velocity, spin, position].map(|vector| vector.norm().double());
         // What is not a number is not below anything.
         let sound = |value: f64, most: f64| value < most;

@@ -9,14 +9,8 @@ use crate::world::real::{Real, normal};
 use crate::world::{Body, Site};
 
 /// Blocks and their places.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct PlacedBlocks<R: Real>(BTreeMap<Body, (Vector3<R>, Orientation)>);
-
-impl<R: Real> Default for PlacedBlocks<R> {
-    fn default() -> PlacedBlocks<R> {
-        PlacedBlocks(BTreeMap::new())
-    }
-}
 
 impl<R: Real> PlacedBlocks<R> {
     pub fn insert(&mut self, body: Body, centre: Vector3<R>, orientation: Orientation) {

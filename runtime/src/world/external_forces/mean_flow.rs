@@ -3,7 +3,7 @@ use std::f64::consts::{LN_2, TAU};
 
 use nalgebra::Vector3;
 
-use super::Wind;
+use super::LocalFlow;
 use crate::world::parameters::MeanFlow;
 
 /// Diameters after which the middle of a round turbulent jet slows down, and half of its width at half of its
@@ -12,7 +12,7 @@ const CORE: f64 = 6.2;
 const SPREAD: f64 = 0.094;
 
 /// Adds what the fluid does at a place.
-pub(super) fn add(stream: &MeanFlow, place: Vector3<f64>, wind: &mut Wind) {
+pub(super) fn add(stream: &MeanFlow, place: Vector3<f64>, wind: &mut LocalFlow) {
     match *stream {
         MeanFlow::Vortex { radius, rate } => {
             let across = place.x.hypot(place.y);
@@ -63,8 +63,8 @@ pub(super) fn add(stream: &MeanFlow, place: Vector3<f64>, wind: &mut Wind) {
 mod tests {
     use super::*;
 
-    fn wind(stream: &MeanFlow, place: Vector3<f64>) -> Wind {
-        let mut wind = Wind::default();
+    fn wind(stream: &MeanFlow, place: Vector3<f64>) -> LocalFlow {
+        let mut wind = LocalFlow::default();
         add(stream, place, &mut wind);
         wind
     }

@@ -21,7 +21,7 @@ use super::parameters::{MeanFlow, Parameters, built};
 
 /// How a fluid moves at a place.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Wind {
+struct LocalFlow {
     velocity: Vector3<f64>,
     /// Half of its vorticity: as fast a small body turns that is taken along.
     spin: Vector3<f64>,
@@ -117,8 +117,8 @@ impl ExternalForces {
         }
     }
 
-    fn wind(&self, place: Vector3<f64>, sinks: &[Sink]) -> Wind {
-        let mut wind = Wind::default();
+    fn wind(&self, place: Vector3<f64>, sinks: &[Sink]) -> LocalFlow {
+        let mut wind = LocalFlow::default();
         if let Some(flow) = &self.mean_flow {
             mean_flow::add(flow, place, &mut wind);
         }

@@ -5,7 +5,7 @@
 //! Its four amplitudes are independent Ornstein-Uhlenbeck processes: R. H. Kraichnan, Phys. Fluids 13, 22 (1970).
 use nalgebra::Vector3;
 
-use super::Wind;
+use super::LocalFlow;
 use crate::counter_rng::{Draws, Stream, gaussians};
 use crate::world::parameters::Eddies;
 
@@ -81,7 +81,7 @@ impl Turbulence {
     /// Adds the fluid's motion at a place.
     ///
     /// The isotropic field u(x, y, z) becomes (u_x, u_y, v u_z)(x, y, z / v), which has no sources either.
-    pub fn add(&self, place: Vector3<f64>, wind: &mut Wind) {
+    pub fn add(&self, place: Vector3<f64>, wind: &mut LocalFlow) {
         let stretched = Vector3::new(place.x, place.y, place.z / self.vertical);
         let scale = |u: Vector3<f64>| Vector3::new(u.x, u.y, u.z * self.vertical);
         for wave in &self.waves {
@@ -141,8 +141,8 @@ mod tests {
         }
     }
 
-    fn wind(field: &Turbulence, place: Vector3<f64>) -> Wind {
-        let mut wind = Wind::default();
+    fn wind(field: &Turbulence, place: Vector3<f64>) -> LocalFlow {
+        let mut wind = LocalFlow::default();
         field.add(place, &mut wind);
         wind
     }

@@ -32,7 +32,7 @@ pub(crate) struct Bodies<R: Lane> {
     /// The same as matrices, as of `shown`.
     axes: Vec<Rotation3<R>>,
     shown: Vec<u64>,
-    pub spin: Vec<Vector3<R>>,
+    spin: Vec<Vector3<R>>,
     /// How a block sits in the structure; `None`: it is free.
     anchored: Vec<Option<Orientation>>,
     /// Substeps that have passed.
@@ -63,6 +63,12 @@ impl<R: Lane> Bodies<R> {
             bodies.set_state(id, block);
         }
         bodies
+    }
+
+    /// Changes the motion of a block whose rotation is up to date.
+    pub fn set_velocity_of_turned(&mut self, id: u32, velocity: Vector3<R>, spin: Vector3<R>) {
+        scatter(&mut self.velocity, id, velocity);
+        self.spin[id as usize] = spin;
     }
 
     pub fn set_position(&mut self, id: u32, position: Vector3<R>) {
@@ -229,8 +235,7 @@ impl<R: Lane> Blocks for Bodies<R> {
 
     fn set_state(&mut self, id: u32, state: &BodyState) {
         self.set_position(id, cast(state.position));
-        scatter(&mut self.velocity, id, cast(state.velocity));
-        self.spin[id as usize] = cast(state.spin);
+        self.set_velocity_of_turned(id, cast(state.velocity), cast(state.spin));
         self.set_rotation(id, state.orientation);
     }
 
@@ -240,12 +245,11 @@ impl<R: Lane> Blocks for Bodies<R> {
     }
 
     fn set_velocity(&mut self, id: u32, velocity: Vector3<R>, spin: Vector3<R>) {
-        scatter(&mut self.velocity, id, velocity);
         if self.spin[id as usize] != spin {
             // What it is turned by now, it was turned to before its spin changes.
             self.rotation(id);
-            self.spin[id as usize] = spin;
         }
+        self.set_velocity_of_turned(id, velocity, spin);
     }
 
     fn anchor(&mut self, id: u32, centre: Vector3<R>, orientation: Orientation) {

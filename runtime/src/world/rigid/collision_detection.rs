@@ -146,14 +146,14 @@ impl<R: Lane> Contacts<R> {
         bodies.show(low.iter().copied().filter(|_| on_ground));
         bodies.show(close.iter().flat_map(|&(a, b)| [a, b]).filter(|_| mutually));
         for &id in &*low {
-            if let Some(patch) = shape.on_ground(bodies, id) {
-                solver.add(bodies, id, None, &patch);
+            if let Some(manifold) = shape.on_ground(bodies, id) {
+                solver.add(bodies, id, None, &manifold);
             }
         }
         for pairs in close.chunks(ABREAST) {
-            let mut add = |(a, b): (u32, u32), patch: Option<Manifold<R>>| {
-                if let Some(patch) = patch {
-                    solver.add(bodies, a, Some(b), &patch);
+            let mut add = |(a, b): (u32, u32), manifold: Option<Manifold<R>>| {
+                if let Some(manifold) = manifold {
+                    solver.add(bodies, a, Some(b), &manifold);
                 }
             };
             if shape.spheres {
@@ -164,8 +164,8 @@ impl<R: Lane> Contacts<R> {
                 let cubes: SmallVec<[_; ABREAST]> = (pairs.iter())
                     .map(|&(a, b)| (cube(bodies, a), cube(bodies, b)))
                     .collect();
-                for (&pair, patch) in pairs.iter().zip(boxes(&cubes)) {
-                    add(pair, patch);
+                for (&pair, manifold) in pairs.iter().zip(boxes(&cubes)) {
+                    add(pair, manifold);
                 }
             }
         }

@@ -41,11 +41,11 @@ pub fn boxes<R: Lane>(
     pairs: &[(Cuboid<R>, Cuboid<R>)],
 ) -> impl Iterator<Item = Option<Manifold<R>>> {
     let all = pairs.iter().zip(least(pairs));
-    all.map(|((a, b), least)| least.and_then(|least| patch(a, b, &least)))
+    all.map(|((a, b), least)| least.and_then(|least| manifold(a, b, &least)))
 }
 
 /// Where two boxes touch that overlap least like this.
-fn patch<R: Lane>(a: &Cuboid<R>, b: &Cuboid<R>, least: &LeastOverlap<R>) -> Option<Manifold<R>> {
+fn manifold<R: Lane>(a: &Cuboid<R>, b: &Cuboid<R>, least: &LeastOverlap<R>) -> Option<Manifold<R>> {
     let offset = b.centre - a.centre;
     match least.direction {
         Direction::Face { first: true, axis } => {

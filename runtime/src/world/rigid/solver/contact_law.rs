@@ -20,11 +20,11 @@ pub(super) const PRECISION: f64 = 1e-4;
 #[derive(Clone, Copy, Debug)]
 pub struct Law<R> {
     pub friction: R,
-    pub kind: Kind<R>,
+    pub kind: LawKind<R>,
 }
 
 #[derive(Clone, Copy, Debug)]
-pub enum Kind<R> {
+pub enum LawKind<R> {
     Rigid {
         restitution: R,
     },
@@ -40,10 +40,10 @@ impl<R: Real> Law<R> {
         Law {
             friction: R::of(contact.friction),
             kind: match contact.law {
-                ContactLaw::Rigid { restitution } => Kind::Rigid {
+                ContactLaw::Rigid { restitution } => LawKind::Rigid {
                     restitution: R::of(restitution),
                 },
-                ContactLaw::Compliant { stiffness, damping } => Kind::Compliant {
+                ContactLaw::Compliant { stiffness, damping } => LawKind::Compliant {
                     stiffness: R::of(stiffness),
                     damping: R::of(damping),
                 },
@@ -54,8 +54,8 @@ impl<R: Real> Law<R> {
     /// Of bodies that do not yield: how much of their approach they recede with.
     pub fn restitution(&self) -> Option<R> {
         match self.kind {
-            Kind::Rigid { restitution } => Some(restitution),
-            Kind::Compliant { .. } => None,
+            LawKind::Rigid { restitution } => Some(restitution),
+            LawKind::Compliant { .. } => None,
         }
     }
 }

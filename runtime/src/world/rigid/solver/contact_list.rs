@@ -26,20 +26,13 @@ pub(super) struct ContactPoint<R: Real> {
 }
 
 /// The contacts of a substep, and their points.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct ContactList<R: Real> {
     pub list: Vec<TouchingBodies<R>>,
     pub points: Vec<ContactPoint<R>>,
 }
 
 impl<R: Real> ContactList<R> {
-    pub fn new() -> ContactList<R> {
-        ContactList {
-            list: Vec::new(),
-            points: Vec::new(),
-        }
-    }
-
     pub fn clear(&mut self) {
         self.list.clear();
         self.points.clear();
@@ -50,9 +43,9 @@ impl<R: Real> ContactList<R> {
         &mut self,
         bodies: [usize; 2],
         centres: [Option<Vector3<R>>; 2],
-        patch: &Manifold<R>,
+        manifold: &Manifold<R>,
     ) {
-        let normal = patch.normal;
+        let normal = manifold.normal;
         let across = if normal.x.abs() < R::of(0.7) {
             Vector3::x()
         } else {
@@ -60,7 +53,7 @@ impl<R: Real> ContactList<R> {
         };
         let one = normal.cross(&across).normalize();
         let from = self.points.len();
-        self.points.extend(patch.points.iter().map(|point| {
+        self.points.extend(manifold.points.iter().map(|point| {
             ContactPoint {
                 depth: point.depth,
                 arms: centres.map(|centre| {

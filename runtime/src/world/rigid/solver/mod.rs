@@ -43,11 +43,11 @@ impl<R: Lane> Solver<R> {
         Solver {
             law,
             iterations: iterations.max(1),
-            touches: ContactList::new(),
+            touches: ContactList::default(),
             moving: SolverBodies::new(count, turns),
-            single: ParallelContacts::new(),
-            double: ParallelContacts::new(),
-            chains: SequentialContacts::new(),
+            single: ParallelContacts::default(),
+            double: ParallelContacts::default(),
+            chains: SequentialContacts::default(),
         }
     }
 
@@ -58,13 +58,13 @@ impl<R: Lane> Solver<R> {
     }
 
     /// Adds the contact of block `a` with block `b`, or with something that never moves.
-    pub fn add(&mut self, bodies: &Bodies<R>, a: u32, b: Option<u32>, patch: &Manifold<R>) {
+    pub fn add(&mut self, bodies: &Bodies<R>, a: u32, b: Option<u32>, manifold: &Manifold<R>) {
         let places = [Some(a), b].map(|id| match id {
             Some(id) if bodies.is_free(id) => self.moving.place(id),
             _ => GROUND,
         });
         let centres = [Some(a), b].map(|id| id.map(|id| bodies.position(id)));
-        self.touches.add(places, centres, patch);
+        self.touches.add(places, centres, manifold);
     }
 
     /// Solves all contacts, whose bodies have been moved with the velocities that they would have
@@ -99,7 +99,8 @@ impl<R: Lane> Solver<R> {
             } else {
                 bodies.rotation(id);
             }
-            bodies.set_velocity(id, bodies.velocity(id) + change.velocity, change.spin);
+            let velocity = bodies.velocity(id) + change.velocity;
+            bodies.set_velocity_of_turned(id, velocity, change.spin);
             moved(bodies, id);
         }
     }
@@ -182,8 +183,8 @@ mod tests {
             });
             let points = points.collect();
             let normal = vector(1.0).normalize();
-            let patch = Manifold { normal, points };
-            solver.add(&bodies, id, (!single).then_some(id + 1), &patch);
+            let manifold = Manifold { normal, points };
+            solver.add(&bodies, id, (!single).then_some(id + 1), &manifold);
             id += if single { 1 } else { 2 };
         }
         let moving = &mut solver.moving;

@@ -3,13 +3,13 @@
 //! Each lane is a contact of its own, with the arithmetic of [`super::sequential`] in the same order: it
 //! does not matter to a contact which others are beside it. What a lane no longer takes part in
 //! goes on as a change by nothing.
-use super::contact_law::{FASTEST, Kind, Law, RECOVERY, SLOP};
+use super::contact_law::{FASTEST, Law, LawKind, RECOVERY, SLOP};
 use super::contact_list::ContactList;
 use super::solver_bodies::{SolverBodies, SolverBody};
 use crate::world::rigid::simd::{ABREAST, Lane, Wide, cross, first, sum, transposed};
 
 /// Contacts of `N` bodies that move: two, or one with something that does not.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct ParallelContacts<R: Lane, const N: usize> {
     /// Their numbers among all.
     numbers: Vec<usize>,
@@ -53,7 +53,7 @@ struct BatchPoint<R: Lane, const N: usize> {
     depth: R::Quad,
     /// Velocity along the normal that is asked for, or what a spring asks for.
     target: R::Quad,
-    /// SolverBody per tick that undoes the overlap.
+    /// Motion per tick that undoes the overlap.
     recovery: R::Quad,
     /// Torques of unit impulses, in the directions of the frame, about the centres of the bodies.
     torques: [[BatchVector<R>; N]; 3],
@@ -64,13 +64,6 @@ struct BatchPoint<R: Lane, const N: usize> {
 }
 
 impl<R: Lane, const N: usize> ParallelContacts<R, N> {
-    pub fn new() -> ParallelContacts<R, N> {
-        ParallelContacts {
-            numbers: Vec::new(),
-            groups: Vec::new(),
-        }
-    }
-
     pub fn clear(&mut self) {
         self.numbers.clear();
     }
@@ -205,12 +198,12 @@ impl<R: Lane, const N: usize> Batch<R, N> {
             let approach = velocity(&self.frame[0], &spot.torques[0], &self.bodies);
             fastest = fastest.most(spot.real.choose(approach.abs(), all::<R>(0.0)));
             match law.kind {
-                Kind::Rigid { restitution } => {
+                LawKind::Rigid { restitution } => {
                     spot.target = R::Quad::splat(-restitution) * approach;
                     let excess = (spot.depth - all::<R>(SLOP)).most(all::<R>(0.0));
                     spot.recovery = (excess * all::<R>(RECOVERY) / dt).least(all::<R>(FASTEST));
                 }
-                Kind::Compliant { stiffness, damping } => {
+                LawKind::Compliant { stiffness, damping } => {
                     let share = deepest / depths;
                     let stiffness = R::Quad::splat(stiffness) * share;
                     let damping = R::Quad::splat(damping) * share;

@@ -5,13 +5,13 @@ use std::ops::Range;
 
 use petgraph::unionfind::UnionFind;
 
-use super::contact_law::{FASTEST, Kind, Law, RECOVERY, SLOP};
+use super::contact_law::{FASTEST, Law, LawKind, RECOVERY, SLOP};
 use super::contact_list::{ContactList, ContactPoint, TouchingBodies};
 use super::solver_bodies::{GROUND, SolverBodies, SolverBody};
 use crate::world::rigid::simd::{Lane, Quad};
 
 /// The contacts of bodies that touch several things.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct SequentialContacts<R: Lane> {
     contacts: Vec<SequentialContact>,
     /// The points of all contacts.
@@ -40,7 +40,7 @@ struct PointConstraint<R: Lane> {
     target: R,
     /// Of a compliant contact: how much an impulse softens the velocity.
     softness: R,
-    /// SolverBody per tick that undoes the overlap.
+    /// Motion per tick that undoes the overlap.
     recovery: R,
     along: Row<R>,
     across: [Row<R>; 2],
@@ -59,14 +59,6 @@ struct Row<R: Lane> {
 }
 
 impl<R: Lane> SequentialContacts<R> {
-    pub fn new() -> SequentialContacts<R> {
-        SequentialContacts {
-            contacts: Vec::new(),
-            spots: Vec::new(),
-            changed: Vec::new(),
-        }
-    }
-
     pub fn clear(&mut self) {
         self.contacts.clear();
         self.spots.clear();
@@ -229,8 +221,8 @@ impl SequentialContact {
         let mut fastest = R::zero();
         // Together the points of a compliant contact are as stiff as one at the deepest of them.
         let share = match law.kind {
-            Kind::Rigid { .. } => R::one(),
-            Kind::Compliant { .. } => {
+            LawKind::Rigid { .. } => R::one(),
+            LawKind::Compliant { .. } => {
                 let depths = spots.iter().map(|p| p.depth);
                 let deepest = depths
                     .clone()
@@ -242,14 +234,14 @@ impl SequentialContact {
             let approach = point.along.velocity(&a, &b);
             fastest = fastest.max(approach.abs());
             match law.kind {
-                Kind::Rigid { restitution } => {
+                LawKind::Rigid { restitution } => {
                     // Of a point that recedes as well: what a rocking patch is given must not
                     // make it livelier than it was.
                     point.target = -restitution * approach;
                     let excess = (point.depth - R::of(SLOP)).max(R::zero());
                     point.recovery = (excess * R::of(RECOVERY) / dt).min(R::of(FASTEST));
                 }
-                Kind::Compliant { stiffness, damping } => {
+                LawKind::Compliant { stiffness, damping } => {
                     let (stiffness, damping) = (stiffness * share, damping * share);
                     let firmness = dt * (damping + dt * stiffness);
                     point.softness = R::one() / firmness;
