@@ -5,7 +5,6 @@ use stochc_ir::record::{Limit, Outcome, RunRecord};
 use stochc_ir::table::{PhaseId, Tables};
 
 use crate::observe::Event;
-use crate::run::{RunError, Watch};
 use crate::world::World;
 
 /// Steps a world until its largest group has the size that the tables say; `look` is called at every
@@ -14,16 +13,15 @@ use crate::world::World;
 /// Phase i takes from the end of the one before to the first tick with a group of i + 2 blocks, 0 ticks if
 /// several sizes are reached at once. A group that breaks again has been reached all the same.
 ///
-/// # Errors
-/// [`RunError::Cancelled`] when `watch` says so.
+/// `None`: `watch`, which is asked before every tick, has cancelled it.
 pub(crate) fn gather<W: World>(
     tables: &Tables,
     world: &mut W,
     max_ticks: Option<u64>,
     run: u64,
-    watch: &mut (impl Watch + ?Sized),
+    mut watch: impl FnMut(u64, PhaseId) -> ControlFlow<()>,
     mut look: impl FnMut(&W, &[Event]),
-) -> Result<RunRecord, RunError> {
+) -> Option<RunRecord> {
     let mut dockings = Vec::new();
     let mut phase_ticks: Vec<u64> = Vec::new();
     let mut began = world.tick();
@@ -51,8 +49,8 @@ pub(crate) fn gather<W: World>(
         if let Some(by) = Limit::reached(is_late, tick, max_ticks) {
             break Outcome::TimedOut { phase, by };
         }
-        if let ControlFlow::Break(()) = watch.tick(tick, phase) {
-            return Err(RunError::Cancelled);
+        if watch(tick, phase).is_break() {
+            return None;
         }
         dockings.clear();
         if let Err(fault) = world.step(&mut dockings) {
@@ -60,7 +58,7 @@ pub(crate) fn gather<W: World>(
             break Outcome::Failed { phase, reason };
         }
     };
-    Ok(RunRecord {
+    Some(RunRecord {
         run,
         outcome,
         ticks: world.tick(),

@@ -5,7 +5,7 @@
 //! the tables and a [`World`](world::World) moves the blocks; neither knows the other's business.
 mod aggregate;
 pub mod control;
-pub mod draw;
+pub mod counter_rng;
 pub mod explore;
 pub mod observe;
 pub mod orientation;

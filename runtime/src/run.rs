@@ -146,7 +146,8 @@ fn look(
     let limit = settings.max_ticks;
     if tables.aggregate.is_some() {
         let look = |world: &_, events: &[Event]| lookout.look(world, events.to_vec());
-        return gather(tables, &mut world, limit, run, watch, look);
+        let watch = |tick, phase| watch.tick(tick, phase);
+        return gather(tables, &mut world, limit, run, watch, look).ok_or(RunError::Cancelled);
     }
     let mut controller = Controller::new(tables, scene.messages.as_ref(), seed, run);
     controller.keep_log();
@@ -181,7 +182,9 @@ pub fn drive(
     watch: &mut (impl Watch + ?Sized),
 ) -> Result<RunRecord, RunError> {
     if tables.aggregate.is_some() {
-        return gather(tables, world, max_ticks, run, watch, |_, _| {});
+        let watch = |tick, phase| watch.tick(tick, phase);
+        let record = gather(tables, world, max_ticks, run, watch, |_, _| {});
+        return record.ok_or(RunError::Cancelled);
     }
     let controller = Controller::new(tables, messages, seed, run);
     follow(controller, world, max_ticks, run, watch, |_, _| {})

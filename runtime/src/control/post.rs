@@ -12,7 +12,7 @@ use stochc_ir::scene::Messages;
 use super::link::Links;
 use super::medium::Recalled;
 use super::message::Message;
-use crate::draw::{Draws, Stream, unit};
+use crate::counter_rng::{Draws, Stream, unit};
 use crate::observe::{Event, Log};
 use crate::world::Body;
 

@@ -4,7 +4,7 @@ use super::faults::Doom;
 use super::report::{Bound, Report, Verdict};
 use super::state::{Setting, State};
 use super::step::Step;
-use crate::draw::{Draws, Stream, below};
+use crate::counter_rng::{Draws, Stream, below};
 
 /// Follows schedules from beginning to end: each step is one of the possible ones, all equally
 /// likely.

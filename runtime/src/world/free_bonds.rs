@@ -3,10 +3,11 @@ use std::collections::BTreeSet;
 
 use nalgebra::Vector3;
 
-use super::ambient::{Motion, Response};
-use super::groups::{Flock, Groups, lost};
-use super::magnet::pairs::{Pose, close, energy, meet, seat};
-use super::terms::{Attraction, Magnet, Passive};
+use super::blocks::{Blocks, Motion, Pose};
+use super::bonding::pair_attraction::{close, energy, meet, seat};
+use super::external_forces::Response;
+use super::groups::{Groups, lost};
+use super::parameters::{Attraction, Magnet, Passive};
 
 /// Bonds without a structure.
 #[derive(Debug)]
@@ -30,50 +31,50 @@ impl FreeBonds {
     }
 
     /// What the free blocks do to each other's velocities in a step.
-    pub fn pull(&self, free: &[u32], flock: &mut impl Flock, dt: f64, response: Response) {
-        let places = places(free, flock);
+    pub fn pull(&self, free: &[u32], blocks: &mut impl Blocks, dt: f64, response: Response) {
+        let places = places(free, blocks);
         for (a, b) in close(&places, self.passive.within) {
             let (a, b) = (places[a].0, places[b].0);
             if self.groups.same(a, b) {
                 continue;
             }
-            let Some(met) = meet(&self.magnet, &flock.pose(a), &flock.pose(b)) else {
+            let Some(met) = meet(&self.magnet, &blocks.pose(a), &blocks.pose(b)) else {
                 continue;
             };
             for (id, push) in [(a, met.pushes[0]), (b, met.pushes[1])] {
-                let Motion { velocity, spin, .. } = flock.motion(id);
+                let Motion { velocity, spin, .. } = blocks.motion(id);
                 let linear = push.linear * (dt * response.linear);
                 let angular = push.angular * (dt * response.angular);
-                flock.set_velocity(id, velocity + linear, spin + angular);
+                blocks.set_motion(id, velocity + linear, spin + angular);
             }
         }
     }
 
     /// All forces of a step have acted: groups take them up as one body, or are torn.
-    pub fn settle(&mut self, flock: &mut impl Flock, dt: f64, response: Response) {
-        self.groups.settle(flock, self.passive.hold, response, dt);
+    pub fn settle(&mut self, blocks: &mut impl Blocks, dt: f64, response: Response) {
+        self.groups.settle(blocks, self.passive.hold, response, dt);
     }
 
     /// Blocks have been moved one by one.
-    pub fn carry(&mut self, flock: &mut impl Flock, dt: f64) {
-        self.groups.carry(flock, dt);
+    pub fn carry(&mut self, blocks: &mut impl Blocks, dt: f64) {
+        self.groups.carry(blocks, dt);
     }
 
     /// Bonds the blocks that are close and straight enough, unless more energy would have to go than the bond can
     /// take up; whether some did, and were moved into their places.
-    pub fn join(&mut self, free: &[u32], flock: &mut impl Flock, dt: f64) -> bool {
-        let places = places(free, flock);
+    pub fn join(&mut self, free: &[u32], blocks: &mut impl Blocks, dt: f64) -> bool {
+        let places = places(free, blocks);
         let mut parting = BTreeSet::new();
         let mut ready = Vec::new();
         for (i, j) in close(&places, self.magnet.anchoring()) {
             let (a, b) = (places[i].0, places[j].0);
-            if let Some(met) = meet(&self.magnet, &flock.pose(a), &flock.pose(b))
+            if let Some(met) = meet(&self.magnet, &blocks.pose(a), &blocks.pose(b))
                 && met.bonds
             {
                 // A pair that has been torn is let bond again when it parts no faster than its magnets can stop
                 // in a step.
                 let way = (places[j].1 - places[i].1).normalize();
-                let (one, other) = (flock.motion(a), flock.motion(b));
+                let (one, other) = (blocks.motion(a), blocks.motion(b));
                 let turning = other.spin - one.spin;
                 // Their middles, or two of their edges.
                 let opening = (other.velocity - one.velocity).dot(&way)
@@ -93,11 +94,11 @@ impl FreeBonds {
             let motions: Vec<Motion> = [a, b]
                 .into_iter()
                 .flat_map(|id| self.groups.with(id))
-                .map(|id| flock.motion(id))
+                .map(|id| blocks.motion(id))
                 .collect();
             if lost(&motions) < energy(&self.passive) {
-                let seat = seat(&flock.pose(a), met.face, &flock.pose(b), met.other);
-                self.groups.join(a, b, &seat, flock);
+                let seat = seat(&blocks.pose(a), met.face, &blocks.pose(b), met.other);
+                self.groups.join(a, b, &seat, blocks);
                 joined = true;
             }
         }
@@ -105,26 +106,26 @@ impl FreeBonds {
     }
 
     /// A structure has taken a block, which rejects what hangs on it: who that is.
-    pub fn leave(&mut self, id: u32, flock: &mut impl Flock) -> Vec<u32> {
-        let from = flock.pose(id).position;
-        let neighbours = self.groups.remove(id, flock);
+    pub fn leave(&mut self, id: u32, blocks: &mut impl Blocks) -> Vec<u32> {
+        let from = blocks.pose(id).position;
+        let neighbours = self.groups.remove(id, blocks);
         for &neighbour in &neighbours {
             let Motion {
                 position,
                 velocity,
                 spin,
-            } = flock.motion(neighbour);
+            } = blocks.motion(neighbour);
             let way = position - from;
             let kick = way * (self.passive.impulse / way.norm().max(1e-9));
-            flock.set_velocity(neighbour, velocity + kick, spin);
+            blocks.set_motion(neighbour, velocity + kick, spin);
         }
         neighbours
     }
 }
 
-fn places(free: &[u32], flock: &mut impl Flock) -> Vec<(u32, Vector3<f64>)> {
+fn places(free: &[u32], blocks: &mut impl Blocks) -> Vec<(u32, Vector3<f64>)> {
     let place = |&id: &u32| {
-        let Pose { position, .. } = flock.pose(id);
+        let Pose { position, .. } = blocks.pose(id);
         (id, position)
     };
     free.iter().map(place).collect()

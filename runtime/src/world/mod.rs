@@ -1,22 +1,26 @@
 //! Where free blocks move, and what the control of a structure can do to them.
-mod ambient;
+mod block_units;
+mod blocks;
+mod bonding;
+mod cell_centres;
+mod delegate;
 mod error;
+mod external_forces;
 mod free_bonds;
 mod groups;
+mod initial_state;
 pub(crate) mod lattice;
-mod limits;
-mod magnet;
-mod plate;
+mod motion_limits;
+mod parameters;
 pub mod rapier;
 mod real;
 pub mod rigid;
 pub mod shuffle;
-mod start;
-mod state;
-mod terms;
+mod step_limit;
+mod stepper;
 
+pub use blocks::BodyState;
 pub use error::SceneError;
-pub use state::BodyState;
 
 use nalgebra::Vector3;
 use stochc_ir::scene::Scene;
@@ -136,7 +140,7 @@ pub trait Arena: World + Sized {
         seed: u64,
         run: u64,
     ) -> Result<Self, SceneError> {
-        let blocks = start::blocks(scene, plate)?;
+        let blocks = initial_state::blocks(scene, plate)?;
         Self::with_blocks(scene, plate, settings, seed, run, &blocks)
     }
 

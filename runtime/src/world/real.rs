@@ -2,7 +2,7 @@
 use nalgebra::{RealField, Vector3};
 
 /// A floating point number that a world can compute with.
-pub(crate) trait Real: RealField + Copy {
+pub(crate) trait Real: RealField + Copy + Default {
     /// The nearest number to `value`.
     fn of(value: f64) -> Self;
     /// Exact in double precision, within 2^-24 of it in single precision.

@@ -8,7 +8,7 @@ use stochc_ir::{Cell, Face};
 
 use super::lattice::Lattice;
 use super::{Body, Docking, Fault, Site, World};
-use crate::draw::{Draws, Stream, below, unit};
+use crate::counter_rng::{Draws, Stream, below, unit};
 use crate::orientation::Orientation;
 
 /// A world of cells.

@@ -6,7 +6,7 @@ use stochc_ir::scene::{
     Reach, Scene,
 };
 use stochc_ir::table::Plate;
-use stochc_runtime::draw::{Draws, Stream, direction, unit};
+use stochc_runtime::counter_rng::{Draws, Stream, direction, unit};
 use stochc_runtime::world::rapier::RapierWorld;
 use stochc_runtime::world::rigid::RigidWorld;
 use stochc_runtime::world::{Arena, BodyState, World};

@@ -3,25 +3,17 @@
 //! A group is a tree of bonds, and its blocks keep their places in its own frame. Forces act on each block as if
 //! it were alone; then the group takes the motion of a rigid body that has its momentum and its angular
 //! momentum. What a bond has to pass on for that is its load.
-mod compound;
-mod load;
+mod bond_load;
+mod rigid_motion;
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use super::ambient::{Motion, Response};
-use super::magnet::pairs::Pose;
-use compound::Compound;
-pub(crate) use compound::lost;
-
-/// The blocks, as groups see them.
-pub(crate) trait Flock {
-    fn pose(&mut self, id: u32) -> Pose;
-    fn motion(&self, id: u32) -> Motion;
-    fn set_pose(&mut self, id: u32, pose: &Pose);
-    fn set_velocity(&mut self, id: u32, velocity: Vector3<f64>, spin: Vector3<f64>);
-}
+use super::blocks::{Blocks, Motion, Pose};
+use super::external_forces::Response;
+use rigid_motion::RigidMotion;
+pub(crate) use rigid_motion::lost;
 
 /// All groups.
 #[derive(Clone, Debug, Default)]
@@ -96,14 +88,14 @@ impl Groups {
 
     /// Bonds two blocks of different groups. `b` and all that moves with it comes to `seat`, its place on `a`, and
     /// all move as one body at once.
-    pub fn join(&mut self, a: u32, b: u32, seat: &Pose, flock: &mut impl Flock) {
-        let was = flock.pose(b);
+    pub fn join(&mut self, a: u32, b: u32, seat: &Pose, blocks: &mut impl Blocks) {
+        let was = blocks.pose(b);
         let turn = seat.rotation * was.rotation.inverse();
         let (mut members, mut bonds) = self.take(a);
         let (moved, others) = self.take(b);
         for &id in &moved {
-            let pose = flock.pose(id);
-            flock.set_pose(
+            let pose = blocks.pose(id);
+            blocks.set_pose(
                 id,
                 &Pose {
                     position: seat.position + turn * (pose.position - was.position),
@@ -114,16 +106,16 @@ impl Groups {
         members.extend(moved);
         bonds.extend(others);
         bonds.push((a, b));
-        if let Some(key) = self.add(members, bonds, flock) {
+        if let Some(key) = self.add(members, bonds, blocks) {
             // Whatever its bonds would have to hold for that.
             let group = &self.groups[&key];
-            let motions = group.motions(flock);
-            group.stiffen(&Compound::of(&motions), &motions, flock);
+            let motions = group.motions(blocks);
+            group.stiffen(&RigidMotion::of(&motions), &motions, blocks);
         }
     }
 
     /// Takes a block out of its group, which may fall to pieces: those that it was bonded to.
-    pub fn remove(&mut self, id: u32, flock: &mut impl Flock) -> Vec<u32> {
+    pub fn remove(&mut self, id: u32, blocks: &mut impl Blocks) -> Vec<u32> {
         if !self.of.contains_key(&id) {
             return Vec::new();
         }
@@ -139,7 +131,7 @@ impl Groups {
             .filter(|bond| other(bond).is_none())
             .collect();
         for part in parts(members.into_iter().filter(|&member| member != id), &bonds) {
-            self.add(part.0, part.1, flock);
+            self.add(part.0, part.1, blocks);
         }
         neighbours
     }
@@ -148,7 +140,7 @@ impl Groups {
     /// they hold; how many.
     pub fn settle(
         &mut self,
-        flock: &mut impl Flock,
+        blocks: &mut impl Blocks,
         hold: f64,
         response: Response,
         dt: f64,
@@ -159,9 +151,9 @@ impl Groups {
             let Some(group) = self.groups.get(&key) else {
                 continue;
             };
-            let before = group.motions(flock);
-            let compound = Compound::of(&before);
-            let worst = load::worst(group, &before, &compound, response, dt);
+            let before = group.motions(blocks);
+            let compound = RigidMotion::of(&before);
+            let worst = bond_load::worst(group, &before, &compound, response, dt);
             if let Some((bond, load)) = worst
                 && load > hold
             {
@@ -171,24 +163,24 @@ impl Groups {
                 let (members, mut bonds) = self.take(a);
                 bonds.remove(bond);
                 for (members, bonds) in parts(members.into_iter(), &bonds) {
-                    todo.extend(self.add(members, bonds, flock));
+                    todo.extend(self.add(members, bonds, blocks));
                 }
                 continue;
             }
-            group.stiffen(&compound, &before, flock);
+            group.stiffen(&compound, &before, blocks);
         }
         torn
     }
 
     /// After all blocks have been moved by themselves, and perhaps pushed by others: puts each where its
     /// group is, which turns by its spin for this time.
-    pub fn carry(&mut self, flock: &mut impl Flock, dt: f64) {
+    pub fn carry(&mut self, blocks: &mut impl Blocks, dt: f64) {
         for group in self.groups.values_mut() {
-            let motions = group.motions(flock);
+            let motions = group.motions(blocks);
             // Flying straight keeps the angular momentum; the shape is that of the group.
-            let (mut compound, turning) = Compound::momenta(&motions);
+            let (mut compound, turning) = RigidMotion::momenta(&motions);
             let spin = |rotation: UnitQuaternion<f64>, members: &[Member]| {
-                compound::spin(
+                rigid_motion::spin(
                     turning,
                     members.iter().map(|member| rotation * member.offset),
                 )
@@ -200,9 +192,9 @@ impl Groups {
             for member in &group.members {
                 let position = compound.middle + group.rotation * member.offset;
                 let rotation = group.rotation * member.turn;
-                flock.set_pose(member.id, &Pose { position, rotation });
+                blocks.set_pose(member.id, &Pose { position, rotation });
                 let (velocity, spin) = compound.at(position);
-                flock.set_velocity(member.id, velocity, spin);
+                blocks.set_motion(member.id, velocity, spin);
             }
         }
     }
@@ -224,16 +216,16 @@ impl Groups {
         &mut self,
         mut ids: Vec<u32>,
         bonds: Vec<(u32, u32)>,
-        flock: &mut impl Flock,
+        blocks: &mut impl Blocks,
     ) -> Option<u32> {
         ids.sort_unstable();
         let &[key, _, ..] = &ids[..] else {
             return None;
         };
-        let motions: Vec<Motion> = ids.iter().map(|&id| flock.motion(id)).collect();
-        let (Compound { middle, .. }, _) = Compound::momenta(&motions);
+        let motions: Vec<Motion> = ids.iter().map(|&id| blocks.motion(id)).collect();
+        let (RigidMotion { middle, .. }, _) = RigidMotion::momenta(&motions);
         let members = ids.iter().map(|&id| {
-            let pose = flock.pose(id);
+            let pose = blocks.pose(id);
             Member {
                 id,
                 offset: pose.position - middle,
@@ -255,16 +247,16 @@ impl Groups {
 
 impl Group {
     /// How its members move, in their order.
-    fn motions(&self, flock: &impl Flock) -> Vec<Motion> {
-        let motion = |member: &Member| flock.motion(member.id);
+    fn motions(&self, blocks: &impl Blocks) -> Vec<Motion> {
+        let motion = |member: &Member| blocks.motion(member.id);
         self.members.iter().map(motion).collect()
     }
 
     /// Gives its members, which are there, the motion of a rigid body.
-    fn stiffen(&self, body: &Compound, there: &[Motion], flock: &mut impl Flock) {
+    fn stiffen(&self, body: &RigidMotion, there: &[Motion], blocks: &mut impl Blocks) {
         for (member, motion) in self.members.iter().zip(there) {
             let (velocity, spin) = body.at(motion.position);
-            flock.set_velocity(member.id, velocity, spin);
+            blocks.set_motion(member.id, velocity, spin);
         }
     }
 }

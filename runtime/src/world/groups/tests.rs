@@ -1,68 +1,35 @@
 use super::*;
+use crate::world::BodyState;
+use crate::world::rigid::Bodies;
 
 const INERTIA: f64 = 1.0 / 6.0;
 
-/// Blocks in a list.
-struct Blocks(Vec<(Pose, Motion)>);
-
-impl Flock for Blocks {
-    fn pose(&mut self, id: u32) -> Pose {
-        self.0[id as usize].0
-    }
-
-    fn motion(&self, id: u32) -> Motion {
-        self.0[id as usize].1
-    }
-
-    fn set_pose(&mut self, id: u32, pose: &Pose) {
-        let block = &mut self.0[id as usize];
-        block.0 = *pose;
-        block.1.position = pose.position;
-    }
-
-    fn set_velocity(&mut self, id: u32, velocity: Vector3<f64>, spin: Vector3<f64>) {
-        let motion = &mut self.0[id as usize].1;
-        (motion.velocity, motion.spin) = (velocity, spin);
-    }
+/// At rest at these places.
+fn at(places: &[[f64; 3]]) -> Bodies<f64> {
+    let states = places.iter().map(|&place| BodyState::at_rest(place.into()));
+    Bodies::new(&states.collect::<Vec<_>>(), 1.0)
 }
 
-impl Blocks {
-    /// At rest at these places.
-    fn at(places: &[[f64; 3]]) -> Blocks {
-        let block = |&place: &[f64; 3]| {
-            let position = Vector3::from(place);
-            let pose = Pose {
-                position,
-                rotation: UnitQuaternion::identity(),
-            };
-            let motion = Motion {
-                position,
-                velocity: Vector3::zeros(),
-                spin: Vector3::zeros(),
-            };
-            (pose, motion)
-        };
-        Blocks(places.iter().map(block).collect())
-    }
+fn motions(blocks: &Bodies<f64>) -> impl Iterator<Item = Motion> {
+    (0..blocks.count()).map(|id| blocks.motion(id))
+}
 
-    fn momenta(&self) -> (Vector3<f64>, Vector3<f64>) {
-        let momentum = self.0.iter().map(|(_, m)| m.velocity).sum();
-        let turning = |(_, m): &(Pose, Motion)| m.position.cross(&m.velocity) + m.spin * INERTIA;
-        (momentum, self.0.iter().map(turning).sum())
-    }
+fn momenta(blocks: &Bodies<f64>) -> (Vector3<f64>, Vector3<f64>) {
+    let turning = |m: Motion| m.position.cross(&m.velocity) + m.spin * INERTIA;
+    let momentum = motions(blocks).map(|motion| motion.velocity).sum();
+    (momentum, motions(blocks).map(turning).sum())
+}
 
-    fn fly(&mut self, dt: f64) {
-        for (pose, motion) in &mut self.0 {
-            motion.position += motion.velocity * dt;
-            pose.position = motion.position;
-        }
+fn fly(blocks: &mut Bodies<f64>, dt: f64) {
+    for id in 0..blocks.count() {
+        blocks.set_position(id, blocks.position(id) + blocks.velocity(id) * dt);
     }
 }
 
 /// Blocks side by side along x, bonded in a row.
-fn row(count: u32) -> (Groups, Blocks) {
+fn row(count: u32) -> (Groups, Bodies<f64>) {
     let places: Vec<[f64; 3]> = (0..count).map(|i| [f64::from(i), 0.0, 0.0]).collect();
-    let (mut groups, mut blocks) = (Groups::default(), Blocks::at(&places));
+    let (mut groups, mut blocks) = (Groups::default(), at(&places));
     for b in 1..count {
         let seat = blocks.pose(b);
         groups.join(b - 1, b, &seat, &mut blocks);
@@ -75,29 +42,29 @@ fn a_group_moves_as_one_and_keeps_its_momenta() {
     let (mut groups, mut blocks) = row(3);
     assert_eq!(groups.list(), [[0, 1, 2]]);
     blocks.set_velocity(2, Vector3::new(0.1, 0.3, -0.2), Vector3::new(0.1, 0.0, 0.4));
-    let before = blocks.momenta();
+    let before = momenta(&blocks);
     assert_eq!(groups.settle(&mut blocks, 1e9, Response::FREE, 1.0), 0);
     for _ in 0..1000 {
-        blocks.fly(0.1);
+        fly(&mut blocks, 0.1);
         groups.carry(&mut blocks, 0.1);
         for (a, b) in [(0, 1), (1, 2)] {
-            let way = blocks.0[b].1.position - blocks.0[a].1.position;
+            let way = blocks.position(b) - blocks.position(a);
             assert!((way.norm() - 1.0).abs() < 1e-9);
         }
     }
-    let after = blocks.momenta();
+    let after = momenta(&blocks);
     assert!((before.0 - after.0).norm() < 1e-12);
     assert!((before.1 - after.1).norm() < 1e-9, "{before:?} {after:?}");
 }
 
 #[test]
 fn what_bonds_moves_as_one_at_once() {
-    let (mut groups, mut blocks) = (Groups::default(), Blocks::at(&[[0.0; 3], [1.0, 0.0, 0.0]]));
+    let (mut groups, mut blocks) = (Groups::default(), at(&[[0.0; 3], [1.0, 0.0, 0.0]]));
     blocks.set_velocity(1, Vector3::new(-0.4, 0.2, 0.0), Vector3::z() * 0.1);
-    let before = blocks.momenta();
+    let before = momenta(&blocks);
     let seat = blocks.pose(1);
     groups.join(0, 1, &seat, &mut blocks);
-    let after = blocks.momenta();
+    let after = momenta(&blocks);
     assert!((before.0 - after.0).norm() + (before.1 - after.1).norm() < 1e-12);
     // Nothing is left for the bond to hold but the circles on which they turn.
     let turning = blocks.motion(0).spin.norm_squared() / 2.0;
@@ -161,7 +128,7 @@ fn a_squeezed_bond_holds() {
     blocks.set_velocity(0, Vector3::x(), Vector3::zeros());
     blocks.set_velocity(1, -Vector3::x(), Vector3::zeros());
     assert_eq!(groups.settle(&mut blocks, 1e-9, Response::FREE, 1.0), 0);
-    assert!(blocks.momenta().0.norm() < 1e-12);
+    assert!(momenta(&blocks).0.norm() < 1e-12);
 }
 
 #[test]
@@ -198,7 +165,7 @@ fn a_group_that_joins_another_comes_along_as_it_is() {
         [2.02, 0.0, 0.0],
         [2.02, 1.0, 0.0],
     ];
-    let (mut groups, mut blocks) = (Groups::default(), Blocks::at(&places));
+    let (mut groups, mut blocks) = (Groups::default(), at(&places));
     let seat = blocks.pose(1);
     groups.join(0, 1, &seat, &mut blocks);
     let seat = blocks.pose(3);

@@ -4,16 +4,16 @@ use rapier3d::dynamics::{
     IntegrationParameters, MassProperties, RigidBodyBuilder, RigidBodyHandle, SpringCoefficients,
 };
 use rapier3d::geometry::ColliderBuilder;
-use rapier3d::glamx::{Pose3, Vec3};
+use rapier3d::glamx::Vec3;
 use rapier3d::pipeline::PhysicsWorld;
 use stochc_ir::scene::ContactLaw;
 use stochc_ir::table::Plate;
 
-use super::convert::{quat, vec3};
+use super::convert::{pose3, vec3};
 use crate::settings::Settings;
-use crate::world::magnet::INVERSE_INERTIA;
+use crate::world::bonding::INVERSE_INERTIA;
+use crate::world::parameters::{Contact, Parameters, Shell};
 use crate::world::real::cast;
-use crate::world::terms::{Contact, Shell, Terms};
 use crate::world::{BodyState, SceneError};
 
 /// Thickness of the ground \[side\]: so much that nothing is ever pushed out below it.
@@ -25,7 +25,7 @@ const GROUND: f32 = 20.0;
 /// the paper's scene: a side of 0.2 m and a tick of 0.02 s. So every scene, at whichever scale, has
 /// the contacts with which `hemisphere_2005` is calibrated. The margins are for what a step lets
 /// through, and become finer with it, so that a refined step leaves nothing of them.
-fn parameters(settings: &Settings) -> IntegrationParameters {
+fn contact_settings(settings: &Settings) -> IntegrationParameters {
     let softness = |natural_frequency| SpringCoefficients {
         natural_frequency,
         damping_ratio: 10.0,
@@ -50,19 +50,19 @@ fn parameters(settings: &Settings) -> IntegrationParameters {
 
 /// An engine with ground and blocks, and the handles of the blocks by their numbers.
 pub(super) fn engine(
-    terms: &Terms,
+    parameters: &Parameters,
     plate: &Plate,
     settings: &Settings,
     blocks: &[BodyState],
 ) -> Result<(Box<PhysicsWorld>, Vec<RigidBodyHandle>), SceneError> {
-    let contact = terms.contact.as_ref().map(surface).transpose()?;
+    let contact = parameters.contact.as_ref().map(surface).transpose()?;
     let mut engine = Box::new(PhysicsWorld {
         gravity: Vec3::ZERO,
-        integration_parameters: parameters(settings),
+        integration_parameters: contact_settings(settings),
         ..PhysicsWorld::default()
     });
     if let Some(contact) = contact {
-        let ground = ground(terms.shell, plate);
+        let ground = ground(parameters.shell, plate);
         engine.insert(
             RigidBodyBuilder::fixed().translation(Vec3::new(0.0, 0.0, -ground.z)),
             contact.of(ColliderBuilder::cuboid(ground.x, ground.y, ground.z)),
@@ -70,7 +70,7 @@ pub(super) fn engine(
     }
     let handles = blocks.iter().map(|state| {
         let block = RigidBodyBuilder::dynamic()
-            .pose(pose(state))
+            .pose(pose3(cast(state.position), state.orientation.cast()))
             .linvel(vec3(cast(state.velocity)))
             .angvel(vec3(cast(state.spin)))
             .can_sleep(false)
@@ -141,9 +141,4 @@ fn ground(shell: Option<Shell>, plate: &Plate) -> Vector3<f32> {
         }
         None => Vector3::new(plate.width as f32 / 2.0, plate.depth as f32 / 2.0, 0.5),
     }
-}
-
-/// The pose of a block.
-pub(super) fn pose(state: &BodyState) -> Pose3 {
-    Pose3::from_parts(vec3(cast(state.position)), quat(state.orientation.cast()))
 }

@@ -1,8 +1,9 @@
 //! Bonds between free blocks as joints of the engine.
 use std::collections::BTreeMap;
 
-use rapier3d::dynamics::{FixedJointBuilder, ImpulseJointHandle, RigidBodyHandle};
-use rapier3d::pipeline::PhysicsWorld;
+use rapier3d::dynamics::{FixedJointBuilder, ImpulseJointHandle};
+
+use super::bodies::EngineBodies;
 
 /// The joints, by the numbers of their blocks.
 #[derive(Debug, Default)]
@@ -14,8 +15,9 @@ impl Joints {
     /// Blocks that are joined do not touch each other.
     pub fn follow(
         &mut self,
-        engine: &mut PhysicsWorld,
-        handles: &[RigidBodyHandle],
+        EngineBodies {
+            engine, handles, ..
+        }: &mut EngineBodies,
         bonds: impl Iterator<Item = (u32, u32)>,
     ) {
         let mut old = std::mem::take(&mut self.0);

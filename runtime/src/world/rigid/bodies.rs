@@ -1,15 +1,13 @@
 //! Where every block is and how it moves, in arrays.
 use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 
-use super::lanes::{ABREAST, LANES, Lane, Wide, square, transposed};
-use super::turn::{SMALL, columns, large, small, turned};
+use super::quaternion::{SMALL, columns, large, small, turned};
+use super::simd::{ABREAST, LANES, Lane, Wide, square, transposed};
 use crate::orientation::Orientation;
-use crate::world::ambient::Motion;
-use crate::world::groups::Flock;
-use crate::world::magnet::Cloud;
-use crate::world::magnet::pairs::Pose;
+use crate::world::blocks::{Blocks, Pose};
+use crate::world::motion_limits::MotionLimits;
 use crate::world::real::{Real, cast};
-use crate::world::state::BodyState;
+use crate::world::{BodyState, Fault};
 
 /// No substep.
 const NEVER: u64 = u64::MAX;
@@ -20,7 +18,7 @@ const NEVER: u64 = u64::MAX;
 /// Orientations are brought up to date only when somebody looks: between two changes of its spin
 /// a cube turns at a constant rate, whatever its motion, as its inertia is the same about all axes.
 #[derive(Clone, Debug)]
-pub(super) struct Bodies<R: Lane> {
+pub(crate) struct Bodies<R: Lane> {
     pub position: [Vec<R>; 3],
     pub velocity: [Vec<R>; 3],
     /// 1 if the block is free, 0 if it is anchored.
@@ -34,9 +32,9 @@ pub(super) struct Bodies<R: Lane> {
     /// The same as matrices, as of `shown`.
     axes: Vec<Rotation3<R>>,
     shown: Vec<u64>,
-    pub spin: Vec<Vector3<R>>,
+    spin: Vec<Vector3<R>>,
     /// How a block sits in the structure; `None`: it is free.
-    pub anchored: Vec<Option<Orientation>>,
+    anchored: Vec<Option<Orientation>>,
     /// Substeps that have passed.
     pub now: u64,
     /// Length of a substep \[tick\].
@@ -61,34 +59,20 @@ impl<R: Lane> Bodies<R> {
             now: 0,
             dt,
         };
-        for (i, block) in blocks.iter().enumerate() {
-            bodies.set_state(i, block);
+        for (id, block) in (0..).zip(blocks) {
+            bodies.set_state(id, block);
         }
         bodies
     }
 
-    pub fn count(&self) -> usize {
-        self.anchored.len()
+    /// Changes the motion of a block whose rotation is up to date.
+    pub fn set_velocity_of_turned(&mut self, id: u32, velocity: Vector3<R>, spin: Vector3<R>) {
+        scatter(&mut self.velocity, id, velocity);
+        self.spin[id as usize] = spin;
     }
 
-    pub fn is_free(&self, i: usize) -> bool {
-        self.anchored[i].is_none()
-    }
-
-    pub fn centre(&self, i: usize) -> Vector3<R> {
-        gather(&self.position, i)
-    }
-
-    pub fn velocity(&self, i: usize) -> Vector3<R> {
-        gather(&self.velocity, i)
-    }
-
-    pub fn set_centre(&mut self, i: usize, centre: Vector3<R>) {
-        scatter(&mut self.position, i, centre);
-    }
-
-    pub fn set_velocity(&mut self, i: usize, velocity: Vector3<R>) {
-        scatter(&mut self.velocity, i, velocity);
+    pub fn set_position(&mut self, id: u32, position: Vector3<R>) {
+        scatter(&mut self.position, id, position);
     }
 
     /// The greatest speed \[side / tick\].
@@ -104,24 +88,15 @@ impl<R: Lane> Bodies<R> {
 
     /// How many blocks have a coordinate beyond this \[side\].
     pub fn count_beyond(&self, span: R) -> usize {
-        let beyond = |i: &usize| self.centre(*i).amax() > span;
+        let beyond = |&id: &u32| self.position(id).amax() > span;
         (0..self.count()).filter(beyond).count()
     }
 
-    /// How a block was turned when somebody looked last.
-    pub fn rotation(&self, i: usize) -> &UnitQuaternion<R> {
-        &self.rotation[i]
-    }
-
-    /// How a block is turned now.
-    pub fn rotation_now(&mut self, i: usize) -> UnitQuaternion<R> {
-        let late = self.now - self.turned[i];
-        if late > 0 {
-            self.turned[i] = self.now;
-            let angle = self.spin[i] * (self.dt * R::of(late as f64));
-            self.rotation[i] = turn(angle, self.rotation[i]);
-        }
-        self.rotation[i]
+    /// # Errors
+    /// If the motion of a block makes no sense.
+    pub fn check(&self, id: u32, limits: &MotionLimits) -> Result<(), Fault> {
+        let motion = [self.position(id), self.velocity(id), self.spin(id)];
+        limits.check(id, motion, &self.rotation[id as usize])
     }
 
     /// Brings the matrices of these blocks up to date, several side by side.
@@ -176,54 +151,15 @@ impl<R: Lane> Bodies<R> {
     }
 
     /// The same as a matrix, own directions to the world's, as of the last time that it was shown.
-    pub fn axes(&self, i: usize) -> &Rotation3<R> {
-        &self.axes[i]
+    pub fn axes(&self, id: u32) -> &Rotation3<R> {
+        &self.axes[id as usize]
     }
 
     /// Turns a block at once, about its centre.
-    pub fn turn_now(&mut self, i: usize, angle: Vector3<R>) {
-        self.rotation[i] = turn(angle, self.rotation_now(i));
-        self.shown[i] = NEVER;
-    }
-
-    pub fn state(&self, i: usize) -> BodyState {
-        let late = R::of((self.now - self.turned[i]) as f64);
-        let rotation = turn(self.spin[i] * (self.dt * late), self.rotation[i]);
-        BodyState {
-            position: cast(self.centre(i)),
-            orientation: UnitQuaternion::from_quaternion(rotation.coords.map(Real::double).into()),
-            velocity: cast(self.velocity(i)),
-            spin: cast(self.spin[i]),
-        }
-    }
-
-    pub fn set_state(&mut self, i: usize, state: &BodyState) {
-        self.set_centre(i, cast(state.position));
-        self.set_velocity(i, cast(state.velocity));
-        self.spin[i] = cast(state.spin);
-        self.set_rotation(i, state.orientation);
-    }
-
-    /// Fixes a block.
-    pub fn anchor(&mut self, i: usize, centre: Vector3<R>, orientation: Orientation) {
-        self.set_centre(i, centre);
-        self.set_velocity(i, Vector3::zeros());
-        self.spin[i] = Vector3::zeros();
-        self.set_rotation(i, orientation.quaternion());
-        self.anchored[i] = Some(orientation);
-        self.mobility[i] = R::zero();
-    }
-
-    /// Lets a block go, at rest.
-    pub fn release(&mut self, i: usize) {
-        self.anchored[i] = None;
-        self.mobility[i] = R::one();
-    }
-
-    /// The free blocks, in rising order.
-    pub fn list_free(&self, free: &mut Vec<u32>) {
-        free.clear();
-        free.extend((0..self.count() as u32).filter(|&id| self.is_free(id as usize)));
+    pub fn turn_now(&mut self, id: u32, angle: Vector3<R>) {
+        let turned = turn(angle, self.rotation(id));
+        self.rotation[id as usize] = turned;
+        self.shown[id as usize] = NEVER;
     }
 
     /// The free blocks whose centres are below a height, in rising order.
@@ -233,28 +169,17 @@ impl<R: Lane> Bodies<R> {
         for (group, z) in self.position[2].as_chunks::<LANES>().0.iter().enumerate() {
             let mut low = height.above(R::Wide::load(z)).bits();
             while low != 0 {
-                let i = group * LANES + low.trailing_zeros() as usize;
+                let id = (group * LANES) as u32 + low.trailing_zeros();
                 low &= low - 1;
-                if i < self.count() && self.is_free(i) {
-                    found.push(i as u32);
+                if id < self.count() && self.is_free(id) {
+                    found.push(id);
                 }
             }
         }
     }
 
-    /// Sets a free block's velocity and spin.
-    pub fn set_velocity_of(&mut self, id: u32, velocity: Vector3<f64>, spin: Vector3<f64>) {
+    fn set_rotation(&mut self, id: u32, rotation: UnitQuaternion<f64>) {
         let i = id as usize;
-        self.set_velocity(i, cast(velocity));
-        let spin = cast(spin);
-        if self.spin[i] != spin {
-            // What it is turned by now, it was turned to before its spin changes.
-            self.rotation_now(i);
-            self.spin[i] = spin;
-        }
-    }
-
-    fn set_rotation(&mut self, i: usize, rotation: UnitQuaternion<f64>) {
         let rotation = rotation.coords.map(R::of);
         self.rotation[i] = UnitQuaternion::from_quaternion(rotation.into());
         self.turned[i] = self.now;
@@ -262,53 +187,96 @@ impl<R: Lane> Bodies<R> {
     }
 }
 
-impl<R: Lane> Cloud<R> for Bodies<R> {
-    fn position(&self, id: u32) -> Option<Vector3<R>> {
-        let i = id as usize;
-        self.is_free(i).then(|| self.centre(i))
+impl<R: Lane> Blocks for Bodies<R> {
+    type Real = R;
+
+    fn count(&self) -> u32 {
+        self.anchored.len() as u32
+    }
+
+    fn anchored(&self, id: u32) -> Option<Orientation> {
+        self.anchored[id as usize]
+    }
+
+    fn position(&self, id: u32) -> Vector3<R> {
+        gather(&self.position, id)
+    }
+
+    fn velocity(&self, id: u32) -> Vector3<R> {
+        gather(&self.velocity, id)
+    }
+
+    fn spin(&self, id: u32) -> Vector3<R> {
+        self.spin[id as usize]
     }
 
     fn rotation(&mut self, id: u32) -> UnitQuaternion<R> {
-        self.rotation_now(id as usize)
-    }
-}
-
-impl<R: Lane> Flock for Bodies<R> {
-    fn pose(&mut self, id: u32) -> Pose {
         let i = id as usize;
-        let rotation = self.rotation_now(i).coords.map(Real::double);
-        Pose {
-            position: cast(self.centre(i)),
-            rotation: UnitQuaternion::from_quaternion(rotation.into()),
+        let late = self.now - self.turned[i];
+        if late > 0 {
+            self.turned[i] = self.now;
+            let angle = self.spin[i] * (self.dt * R::of(late as f64));
+            self.rotation[i] = turn(angle, self.rotation[i]);
         }
+        self.rotation[i]
     }
 
-    fn motion(&self, id: u32) -> Motion {
+    fn state(&self, id: u32) -> BodyState {
         let i = id as usize;
-        Motion {
-            position: cast(self.centre(i)),
-            velocity: cast(self.velocity(i)),
+        let late = R::of((self.now - self.turned[i]) as f64);
+        let rotation = turn(self.spin[i] * (self.dt * late), self.rotation[i]);
+        BodyState {
+            position: cast(self.position(id)),
+            orientation: UnitQuaternion::from_quaternion(rotation.coords.map(Real::double).into()),
+            velocity: cast(self.velocity(id)),
             spin: cast(self.spin[i]),
         }
     }
 
-    fn set_pose(&mut self, id: u32, pose: &Pose) {
-        self.set_centre(id as usize, cast(pose.position));
-        self.set_rotation(id as usize, pose.rotation);
+    fn set_state(&mut self, id: u32, state: &BodyState) {
+        self.set_position(id, cast(state.position));
+        self.set_velocity_of_turned(id, cast(state.velocity), cast(state.spin));
+        self.set_rotation(id, state.orientation);
     }
 
-    fn set_velocity(&mut self, id: u32, velocity: Vector3<f64>, spin: Vector3<f64>) {
-        self.set_velocity_of(id, velocity, spin);
+    fn set_pose(&mut self, id: u32, pose: &Pose) {
+        self.set_position(id, cast(pose.position));
+        self.set_rotation(id, pose.rotation);
+    }
+
+    fn set_velocity(&mut self, id: u32, velocity: Vector3<R>, spin: Vector3<R>) {
+        if self.spin[id as usize] != spin {
+            // What it is turned by now, it was turned to before its spin changes.
+            self.rotation(id);
+        }
+        self.set_velocity_of_turned(id, velocity, spin);
+    }
+
+    fn anchor(&mut self, id: u32, centre: Vector3<R>, orientation: Orientation) {
+        let state = BodyState {
+            orientation: orientation.quaternion(),
+            ..BodyState::at_rest(cast(centre))
+        };
+        self.set_state(id, &state);
+        self.anchored[id as usize] = Some(orientation);
+        self.mobility[id as usize] = R::zero();
+    }
+
+    fn release(&mut self, id: u32, velocity: Vector3<R>) {
+        self.anchored[id as usize] = None;
+        self.mobility[id as usize] = R::one();
+        scatter(&mut self.velocity, id, velocity);
     }
 }
 
-fn gather<R: Real>(arrays: &[Vec<R>; 3], i: usize) -> Vector3<R> {
+fn gather<R: Real>(arrays: &[Vec<R>; 3], id: u32) -> Vector3<R> {
+    let i = id as usize;
     Vector3::new(arrays[0][i], arrays[1][i], arrays[2][i])
 }
 
-fn scatter<R: Real>(arrays: &mut [Vec<R>; 3], i: usize, value: Vector3<R>) {
+fn scatter<R: Real>(arrays: &mut [Vec<R>; 3], id: u32, value: Vector3<R>) {
     for (axis, array) in arrays.iter_mut().enumerate() {
-        array[i] = value[axis];
+        array[id as usize] = value[axis];
     }
 }
 

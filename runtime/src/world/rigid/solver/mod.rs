@@ -5,48 +5,49 @@
 //! A compliant one is a spring and a damper, taken implicitly. Most bodies touch one thing only:
 //! such contacts are solved side by side, and all others one after the other, by the same
 //! arithmetic.
-mod chain;
-mod law;
-mod motion;
-mod pair;
-mod touch;
+mod contact_law;
+mod contact_list;
+mod parallel;
+mod sequential;
+mod solver_bodies;
 
-use chain::Chains;
-use law::{FASTEST, Law, PRECISION};
-use motion::{GROUND, Moving};
 use nalgebra::Vector3;
-use pair::Abreast;
-use touch::Touches;
+use sequential::SequentialContacts;
 
 use super::bodies::Bodies;
-use super::lanes::{Lane, Quad};
-use super::overlap::Patch;
-use crate::world::terms::Contact;
+use super::narrow_phase::Manifold;
+use super::simd::{Lane, Quad};
+use crate::world::blocks::Blocks;
+pub(super) use contact_law::Law;
+use contact_law::{FASTEST, PRECISION};
+use contact_list::ContactList;
+use parallel::ParallelContacts;
+use solver_bodies::{GROUND, SolverBodies};
 
 /// Finds the impulses of all contacts of a substep.
 #[derive(Clone, Debug)]
 pub(super) struct Solver<R: Lane> {
     law: Law<R>,
     iterations: u32,
-    touches: Touches<R>,
-    moving: Moving<R>,
+    touches: ContactList<R>,
+    moving: SolverBodies<R>,
     /// The contacts that share no body with another: with something that does not move, and of two.
-    single: Abreast<R, 1>,
-    double: Abreast<R, 2>,
-    chains: Chains<R>,
+    single: ParallelContacts<R, 1>,
+    double: ParallelContacts<R, 2>,
+    chains: SequentialContacts<R>,
 }
 
 impl<R: Lane> Solver<R> {
     /// `turns`: whether contacts can turn blocks at all.
-    pub fn new(contact: &Contact, count: usize, iterations: u32, turns: bool) -> Solver<R> {
+    pub fn new(law: Law<R>, count: usize, iterations: u32, turns: bool) -> Solver<R> {
         Solver {
-            law: Law::new(contact),
+            law,
             iterations: iterations.max(1),
-            touches: Touches::new(),
-            moving: Moving::new(count, turns),
-            single: Abreast::new(),
-            double: Abreast::new(),
-            chains: Chains::new(),
+            touches: ContactList::default(),
+            moving: SolverBodies::new(count, turns),
+            single: ParallelContacts::default(),
+            double: ParallelContacts::default(),
+            chains: SequentialContacts::default(),
         }
     }
 
@@ -57,13 +58,13 @@ impl<R: Lane> Solver<R> {
     }
 
     /// Adds the contact of block `a` with block `b`, or with something that never moves.
-    pub fn add(&mut self, bodies: &Bodies<R>, a: u32, b: Option<u32>, patch: &Patch<R>) {
+    pub fn add(&mut self, bodies: &Bodies<R>, a: u32, b: Option<u32>, manifold: &Manifold<R>) {
         let places = [Some(a), b].map(|id| match id {
-            Some(id) if bodies.is_free(id as usize) => self.moving.place(id),
+            Some(id) if bodies.is_free(id) => self.moving.place(id),
             _ => GROUND,
         });
-        let centres = [Some(a), b].map(|id| id.map(|id| bodies.centre(id as usize)));
-        self.touches.add(places, centres, patch);
+        let centres = [Some(a), b].map(|id| id.map(|id| bodies.position(id)));
+        self.touches.add(places, centres, manifold);
     }
 
     /// Solves all contacts, whose bodies have been moved with the velocities that they would have
@@ -77,31 +78,30 @@ impl<R: Lane> Solver<R> {
         &mut self,
         bodies: &mut Bodies<R>,
         late: impl Fn(Vector3<R>) -> Vector3<R>,
-        mut moved: impl FnMut(&Bodies<R>, usize),
+        mut moved: impl FnMut(&Bodies<R>, u32),
     ) {
         if self.touches.list.is_empty() {
             return;
         }
-        self.moving.start(|i| {
-            let velocity = bodies.velocity(i);
-            let place = bodies.centre(i) - velocity * bodies.dt;
-            (velocity - late(place), bodies.spin[i])
+        self.moving.start(|id| {
+            let velocity = bodies.velocity(id);
+            let place = bodies.position(id) - velocity * bodies.dt;
+            (velocity - late(place), bodies.spin(id))
         });
         self.find_impulses(bodies.dt);
         let dt = bodies.dt;
         let rigid = self.law.restitution().is_some();
-        for (i, change) in self.moving.changes() {
+        for (id, change) in self.moving.changes() {
             let way = change.velocity + change.shift.velocity.unpack();
-            bodies.set_centre(i, bodies.centre(i) + way * dt);
-            bodies.set_velocity(i, bodies.velocity(i) + change.velocity);
+            bodies.set_position(id, bodies.position(id) + way * dt);
             if rigid {
-                bodies.turn_now(i, change.shift.spin.unpack() * dt);
+                bodies.turn_now(id, change.shift.spin.unpack() * dt);
             } else {
-                // What it is turned by now, it was turned to before its spin changes.
-                bodies.rotation_now(i);
+                bodies.rotation(id);
             }
-            bodies.spin[i] = change.spin;
-            moved(bodies, i);
+            let velocity = bodies.velocity(id) + change.velocity;
+            bodies.set_velocity_of_turned(id, velocity, change.spin);
+            moved(bodies, id);
         }
     }
 
@@ -148,7 +148,8 @@ mod tests {
 
     use super::*;
     use crate::world::BodyState;
-    use crate::world::rigid::overlap::Point;
+    use crate::world::parameters::Contact;
+    use crate::world::rigid::narrow_phase::ManifoldPoint;
 
     const BLOCKS: u32 = 41;
 
@@ -165,7 +166,7 @@ mod tests {
             })
             .collect();
         let bodies = Bodies::<f32>::new(&blocks, 0.5);
-        let mut solver = Solver::new(contact, blocks.len(), 50, true);
+        let mut solver = Solver::new(Law::new(contact), blocks.len(), 50, true);
         solver.clear();
         // By rounding, a corner that is below the ground may seem to be level with it.
         let least = match contact.law {
@@ -175,19 +176,19 @@ mod tests {
         let mut id = 0;
         while id + 1 < BLOCKS {
             let single = id % 5 < 2;
-            let middle = bodies.centre(id as usize) + vector(0.5);
-            let points = (0..=id % 4).map(|n| Point {
+            let middle = bodies.position(id) + vector(0.5);
+            let points = (0..=id % 4).map(|n| ManifoldPoint {
                 place: middle + vector(0.5),
                 depth: least + 0.01 * n as f32,
             });
             let points = points.collect();
             let normal = vector(1.0).normalize();
-            let patch = Patch { normal, points };
-            solver.add(&bodies, id, (!single).then_some(id + 1), &patch);
+            let manifold = Manifold { normal, points };
+            solver.add(&bodies, id, (!single).then_some(id + 1), &manifold);
             id += if single { 1 } else { 2 };
         }
         let moving = &mut solver.moving;
-        moving.start(|i| (bodies.velocity(i), bodies.spin[i]));
+        moving.start(|id| (bodies.velocity(id), bodies.spin(id)));
         if !side_by_side {
             moving.entangle();
         }

@@ -1,0 +1,430 @@
+//! Who comes into reach of a magnetized face, who docks there, and which face holds whom.
+use std::collections::BTreeMap;
+
+use nalgebra::Vector3;
+
+use super::face_attraction::{AttractingFace, Near, Push, best_turn};
+use super::hydraulic_network::Pressures;
+use super::open_faces::PlacedBlocks;
+use crate::orientation::Orientation;
+use crate::world::blocks::Blocks;
+use crate::world::external_forces::Sink;
+use crate::world::parameters::{Attraction, Magnet};
+use crate::world::real::{Real, cast, normal};
+use crate::world::{Body, Docking, Site};
+
+/// From the centre of a block to its faces \[side\].
+const INSIDE: f64 = 0.5;
+
+/// All magnetized faces of a world, and what they hold.
+#[derive(Clone, Debug)]
+pub(crate) struct Faces<R: Real> {
+    magnet: Magnet,
+    /// The faces that are on and hold nothing, by site.
+    active: Vec<Active<R>>,
+    /// The faces that hold a block.
+    holds: BTreeMap<Site, u32>,
+    /// Who is in reach of what, by face and number.
+    sightings: Vec<Sighting<R>>,
+    /// Whether the sightings are those of the blocks' present places.
+    seen: bool,
+    /// Where all blocks of the structure sit whose faces attract by themselves.
+    placed: PlacedBlocks<R>,
+    /// Blocks that have been rejected, and still are where some face would anchor them.
+    rejected: Vec<u32>,
+    /// In the chambers of the blocks, if faces draw fluid; `None`: not known yet.
+    pressures: Option<Pressures>,
+}
+
+/// A block that a face lets go.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Release<R: Real> {
+    pub body: u32,
+    /// What it leaves with.
+    pub velocity: Vector3<R>,
+}
+
+/// A face that is on and holds nothing.
+#[derive(Clone, Debug)]
+struct Active<R: Real> {
+    site: Site,
+    target: AttractingFace<R>,
+    /// Times that a block came into reach.
+    entries: u32,
+    /// The blocks in reach by number, with the tick of their entry.
+    inside: Vec<(u32, u64)>,
+    /// The blocks that may be in reach, in rising order.
+    nearby: Vec<u32>,
+    /// Where a captured block will sit.
+    seat: Vector3<R>,
+    /// How the block sits whose face this is.
+    parent: Orientation,
+}
+
+/// A free block in reach of an active face.
+#[derive(Clone, Copy, Debug)]
+struct Sighting<R: Real> {
+    /// Index of the face.
+    active: usize,
+    body: u32,
+    near: Near<R>,
+}
+
+/// A block that has just docked, and how it is held.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Anchored<R: Real> {
+    pub body: u32,
+    /// Of its centre.
+    pub seat: Vector3<R>,
+    pub orientation: Orientation,
+}
+
+impl<R: Real> Active<R> {
+    /// The face of a block at `centre` that sits in `parent`.
+    fn new(site: Site, centre: Vector3<R>, parent: Orientation) -> Active<R> {
+        let face = parent.to_structure(site.face);
+        Active {
+            site,
+            target: AttractingFace::new(centre, face),
+            entries: 0,
+            inside: Vec::new(),
+            nearby: Vec::new(),
+            seat: centre + normal::<R>(face.normal()),
+            parent,
+        }
+    }
+}
+
+impl<R: Real> Faces<R> {
+    pub fn new(magnet: Magnet) -> Faces<R> {
+        Faces {
+            magnet,
+            active: Vec::new(),
+            holds: BTreeMap::new(),
+            sightings: Vec::new(),
+            seen: false,
+            placed: PlacedBlocks::default(),
+            rejected: Vec::new(),
+            pressures: None,
+        }
+    }
+
+    /// Switches a face on, unless it is or holds something; the block it belongs to is at `centre`. Where all
+    /// faces attract by themselves, those of the block do from now on.
+    ///
+    /// Whether faces are on that were not: see [`Faces::set_nearby`].
+    pub fn magnetize(&mut self, site: Site, centre: Vector3<R>, parent: Orientation) -> bool {
+        if let Attraction::Passive(_) = self.magnet.law {
+            self.placed.insert(site.body, centre, parent);
+            return self.expose();
+        }
+        if self.holds.contains_key(&site) {
+            return false;
+        }
+        let Err(at) = self.active.binary_search_by_key(&site, |on| on.site) else {
+            return false;
+        };
+        self.active.insert(at, Active::new(site, centre, parent));
+        self.change();
+        true
+    }
+
+    /// Which faces are on has changed, or which hold something.
+    fn change(&mut self) {
+        self.seen = false;
+        self.pressures = None;
+    }
+
+    /// Has all faces on that attract by themselves and have a free cell before them; whether some were not.
+    fn expose(&mut self) -> bool {
+        self.change();
+        let mut old = std::mem::take(&mut self.active);
+        let mut is_new = false;
+        for (site, centre, parent) in self.placed.open_faces() {
+            if self.holds.contains_key(&site) {
+                continue;
+            }
+            // Both lists are in the order of sites.
+            match old.binary_search_by_key(&site, |on| on.site) {
+                Ok(at) => self.active.push(old.remove(at)),
+                Err(_) => {
+                    is_new = true;
+                    self.active.push(Active::new(site, centre, parent));
+                }
+            }
+        }
+        is_new
+    }
+
+    /// Captures a block by hand on a face that is on; `None`: it is off, or holds something.
+    pub fn plant(&mut self, site: Site, body: u32, tick: u64) -> Option<(Anchored<R>, Docking)> {
+        let at = (self.active)
+            .binary_search_by_key(&site, |on| on.site)
+            .ok()?;
+        let active = self.active.remove(at);
+        let orientation = Orientation::IDENTITY;
+        let (child_face, turn) = orientation.as_docked(active.parent, site.face)?;
+        let docking = Docking {
+            site,
+            child: body,
+            child_face,
+            turn,
+            entries: 1,
+            entered: tick,
+        };
+        let seat = active.seat;
+        let held = Anchored {
+            body,
+            seat,
+            orientation,
+        };
+        self.hold(site, &held);
+        Some((held, docking))
+    }
+
+    /// A face holds a block from now on.
+    fn hold(&mut self, site: Site, held: &Anchored<R>) {
+        self.holds.insert(site, held.body);
+        self.change();
+        if let Attraction::Passive(_) = self.magnet.law {
+            let body = Body::Free(held.body);
+            self.placed.insert(body, held.seat, held.orientation);
+            self.expose();
+        }
+    }
+
+    /// Switches a face off: what it held, if it held something. A face that attracts by itself stays on, and
+    /// rejects what it held.
+    pub fn switch_off(&mut self, site: Site) -> Option<Release<R>> {
+        self.change();
+        let Attraction::Passive(passive) = self.magnet.law else {
+            if let Ok(at) = self.active.binary_search_by_key(&site, |on| on.site) {
+                self.active.remove(at);
+            }
+            return Some(Release {
+                body: self.holds.remove(&site)?,
+                velocity: Vector3::zeros(),
+            });
+        };
+        let body = self.holds.remove(&site)?;
+        self.placed.remove(Body::Free(body));
+        let out = self.placed.outward(site);
+        self.rejected.push(body);
+        self.expose();
+        Some(Release {
+            body,
+            velocity: out * R::of(passive.impulse),
+        })
+    }
+
+    /// No face anchors a block before it has been where none would.
+    pub fn reject(&mut self, body: u32) {
+        self.rejected.push(body);
+    }
+
+    /// The faces that draw fluid.
+    pub fn sinks(&mut self) -> Vec<Sink> {
+        let Attraction::Suction(suction) = self.magnet.law else {
+            return Vec::new();
+        };
+        self.solve();
+        let sink = |active: &Active<R>| Sink {
+            centre: cast(active.target.centre),
+            normal: cast(active.target.normal),
+            flow: self.drop(active.site) / suction.valve,
+        };
+        self.active.iter().map(sink).collect()
+    }
+
+    /// Finds the pressures again, if faces draw fluid and something has changed.
+    fn solve(&mut self) {
+        if let (Attraction::Suction(suction), None) = (self.magnet.law, &self.pressures) {
+            let open = self.active.iter().map(|active| active.site);
+            self.pressures = Some(Pressures::of(&suction, open, &self.holds));
+        }
+    }
+
+    /// Pressure drop on a face, as the acceleration of a block; none where faces draw no fluid.
+    fn drop(&self, site: Site) -> f64 {
+        let pressures = self.pressures.as_ref();
+        pressures.map_or(0.0, |pressures| pressures.at(site.body))
+    }
+
+    /// The blocks have been moved by something other than a step.
+    pub fn disturb(&mut self) {
+        self.seen = false;
+    }
+
+    /// The faces that are on and hold nothing, each with the entries into its reach so far.
+    pub fn active(&self) -> impl Iterator<Item = (Site, u32)> + '_ {
+        self.active
+            .iter()
+            .map(|active| (active.site, active.entries))
+    }
+
+    /// Entries into the reach of a face so far; 0 for one that is off or holds something.
+    pub fn entries(&self, site: Site) -> u32 {
+        let at = self.active.binary_search_by_key(&site, |on| on.site);
+        at.map_or(0, |at| self.active[at].entries)
+    }
+
+    /// Who is in reach of which active face, with the tick of the entry.
+    pub fn in_reach(&self) -> impl Iterator<Item = (Site, u32, u64)> + '_ {
+        (self.active.iter()).flat_map(|active| {
+            let site = active.site;
+            let inside = active.inside.iter();
+            inside.map(move |&(body, entered)| (site, body, entered))
+        })
+    }
+
+    /// How many faces are on and hold nothing.
+    pub fn count(&self) -> usize {
+        self.active.len()
+    }
+
+    /// The centre of an active face.
+    pub fn centre(&self, active: usize) -> Vector3<R> {
+        self.active[active].target.centre
+    }
+
+    /// Farther from the centre of a face than this, a block's centre is not in its reach \[side\].
+    pub fn horizon(&self) -> R {
+        R::of((self.magnet.reach() + INSIDE) * 1.001)
+    }
+
+    /// Says which blocks may be in reach of an active face from now on, in rising order.
+    pub fn set_nearby(&mut self, active: usize, nearby: &[u32]) {
+        self.active[active].nearby.clear();
+        self.active[active].nearby.extend_from_slice(nearby);
+    }
+
+    /// Finds who is in reach of what, and counts entries as of `tick`.
+    pub fn survey(&mut self, tick: u64, blocks: &mut impl Blocks<Real = R>) {
+        if self.seen {
+            return;
+        }
+        self.seen = true;
+        self.sightings.clear();
+        let reach = R::of(self.magnet.reach());
+        let far = self.horizon() * self.horizon();
+        for (i, active) in self.active.iter_mut().enumerate() {
+            let before = self.sightings.len();
+            for &body in &active.nearby {
+                let position = blocks.position(body);
+                if blocks.is_free(body)
+                    && (position - active.target.centre).norm_squared() < far
+                    && let Some(near) = active.target.near(position, blocks.rotation(body), reach)
+                {
+                    self.sightings.push(Sighting {
+                        active: i,
+                        body,
+                        near,
+                    });
+                }
+            }
+            let seen = &self.sightings[before..];
+            active
+                .inside
+                .retain(|&(id, _)| seen.iter().any(|s| s.body == id));
+            for sighting in seen {
+                if active.inside.iter().all(|&(id, _)| id != sighting.body) {
+                    active.inside.push((sighting.body, tick));
+                    active.entries += 1;
+                }
+            }
+        }
+    }
+
+    /// What the magnets do to the blocks in reach, in the order of faces and numbers.
+    pub fn pull(&mut self, blocks: &mut impl Blocks<Real = R>, mut push: impl FnMut(u32, Push<R>)) {
+        self.solve();
+        for sighting in &self.sightings {
+            let id = sighting.body;
+            if blocks.is_free(id) {
+                let Active { target, site, .. } = &self.active[sighting.active];
+                let (position, rotation) = (blocks.position(id), blocks.rotation(id));
+                let (near, drop) = (&sighting.near, R::of(self.drop(*site)));
+                push(
+                    id,
+                    target.push(near, position, rotation, &self.magnet, drop),
+                );
+            }
+        }
+    }
+
+    /// The blocks have moved: surveys them, and anchors those that are close and straight enough:
+    /// the closest first, then the lowest number, then the lowest site. A face takes one block, and
+    /// a block one face.
+    pub fn capture(
+        &mut self,
+        tick: u64,
+        blocks: &mut impl Blocks<Real = R>,
+        mut hold: impl FnMut(Anchored<R>, Docking),
+    ) {
+        self.seen = false;
+        // Entries of this step are seen at its end, and docking may follow at once.
+        self.survey(tick + 1, blocks);
+        let mut ready: Vec<Sighting<R>> = Vec::new();
+        for sighting in &self.sightings {
+            let target = &self.active[sighting.active].target;
+            let rotation = blocks.rotation(sighting.body);
+            if target.anchors(&sighting.near, rotation, &self.magnet) {
+                ready.push(*sighting);
+            }
+        }
+        if !self.rejected.is_empty() {
+            (self.rejected).retain(|&body| ready.iter().any(|s| s.body == body));
+            ready.retain(|s| !self.rejected.contains(&s.body));
+        }
+        if ready.is_empty() {
+            return;
+        }
+        self.seen = false;
+        ready.sort_by(|a, b| {
+            let key = |s: &Sighting<R>| (s.body, s.active);
+            let distance = a
+                .near
+                .distance
+                .double()
+                .total_cmp(&b.near.distance.double());
+            distance.then(key(a).cmp(&key(b)))
+        });
+        let mut taken: Vec<Site> = Vec::new();
+        let mut anchored: Vec<u32> = Vec::new();
+        let mut docked = Vec::new();
+        for sighting in ready {
+            let active = &self.active[sighting.active];
+            if anchored.contains(&sighting.body) || taken.contains(&active.site) {
+                continue;
+            }
+            taken.push(active.site);
+            anchored.push(sighting.body);
+            let (turn, orientation) = best_turn(
+                active.parent,
+                active.site.face,
+                sighting.near.face,
+                blocks.rotation(sighting.body),
+            );
+            let entry = active.inside.iter().find(|&&(id, _)| id == sighting.body);
+            let docking = Docking {
+                site: active.site,
+                child: sighting.body,
+                child_face: sighting.near.face,
+                turn,
+                entries: active.entries,
+                entered: entry.map_or(tick, |&(_, entered)| entered),
+            };
+            let held = Anchored {
+                body: sighting.body,
+                seat: active.seat,
+                orientation,
+            };
+            docked.push((held, docking));
+        }
+        self.active.retain(|active| !taken.contains(&active.site));
+        for (held, docking) in docked {
+            self.hold(docking.site, &held);
+            hold(held, docking);
+        }
+    }
+}

@@ -1,0 +1,247 @@
+//! What a magnetized face does to a free block near it: pull, alignment, and when it anchors.
+use nalgebra::{UnitQuaternion, Vector3};
+use stochc_ir::Face;
+use stochc_ir::scene::Measure;
+
+use crate::orientation::Orientation;
+use crate::world::parameters::{Attraction, Magnet, Passive, Pull, Suction};
+use crate::world::real::{Real, normal};
+
+/// Below this distance \[side\] a pull has no direction.
+const COINCIDENT: f64 = 1e-6;
+
+/// Of a cube of side 1 and mass 1.
+pub(crate) const INVERSE_INERTIA: f64 = 6.0;
+
+/// A magnetized face in space.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct AttractingFace<R: Real> {
+    /// Of the face.
+    pub centre: Vector3<R>,
+    /// Outward.
+    pub normal: Vector3<R>,
+    /// Its corners, counterclockwise seen from outside.
+    corners: [Vector3<R>; 4],
+}
+
+/// The nearest face of a free block, seen from a magnetized one.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Near<R: Real> {
+    pub face: Face,
+    /// Of the face.
+    pub centre: Vector3<R>,
+    /// Between the centres of the two faces.
+    pub distance: R,
+}
+
+/// Change of velocity and of spin per tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Push<R: Real> {
+    pub linear: Vector3<R>,
+    pub angular: Vector3<R>,
+}
+
+impl<R: Real> AttractingFace<R> {
+    /// Of the structure's face `face` of the block whose centre is `centre`.
+    pub fn new(centre: Vector3<R>, face: Face) -> AttractingFace<R> {
+        AttractingFace::turned(centre, UnitQuaternion::identity(), face)
+    }
+
+    /// Of the own face `face` of a block that may be turned anyhow.
+    pub fn turned(
+        centre: Vector3<R>,
+        rotation: UnitQuaternion<R>,
+        face: Face,
+    ) -> AttractingFace<R> {
+        let out = rotation * normal::<R>(face.normal());
+        AttractingFace {
+            centre: centre + out * R::of(0.5),
+            normal: out,
+            corners: corners(rotation, face).map(|corner| centre + corner),
+        }
+    }
+
+    /// The nearest face of a block, if it is closer than `reach`.
+    pub fn near(
+        &self,
+        position: Vector3<R>,
+        rotation: UnitQuaternion<R>,
+        reach: R,
+    ) -> Option<Near<R>> {
+        let face = AttractingFace::facing(position, rotation, self.centre);
+        let near = self.at(position, rotation, face);
+        let distance = near.distance;
+        // Not a number must not pass either.
+        (distance < reach).then_some(near)
+    }
+
+    /// A face of a block, seen from here.
+    pub fn at(&self, position: Vector3<R>, rotation: UnitQuaternion<R>, face: Face) -> Near<R> {
+        let centre = position + rotation * (normal::<R>(face.normal()) * R::of(0.5));
+        Near {
+            face,
+            centre,
+            distance: (self.centre - centre).norm(),
+        }
+    }
+
+    /// The face of a block that points most towards a place.
+    pub fn facing(position: Vector3<R>, rotation: UnitQuaternion<R>, to: Vector3<R>) -> Face {
+        let own = rotation.inverse_transform_vector(&(to - position));
+        let size = own.abs();
+        let positive = |axis: usize| own[axis] >= R::zero();
+        let pick = |axis, up, down| if positive(axis) { up } else { down };
+        if size.x >= size.y && size.x >= size.z {
+            pick(0, Face::East, Face::West)
+        } else if size.y >= size.z {
+            pick(1, Face::North, Face::South)
+        } else {
+            pick(2, Face::Up, Face::Down)
+        }
+    }
+
+    /// What the face does to a block within its reach.
+    ///
+    /// `drop` is the pressure drop on a face that draws fluid, as the acceleration of a block; 0 for others.
+    pub fn push(
+        &self,
+        near: &Near<R>,
+        position: Vector3<R>,
+        rotation: UnitQuaternion<R>,
+        magnet: &Magnet,
+        drop: R,
+    ) -> Push<R> {
+        let mut push = Push {
+            linear: Vector3::zeros(),
+            angular: Vector3::zeros(),
+        };
+        let mut pull = |from: Vector3<R>, to: Vector3<R>, force: &dyn Fn(R) -> R| {
+            let way = to - from;
+            let length = way.norm();
+            if length > R::of(COINCIDENT) {
+                let force = way * (force(length) / length);
+                push.linear += force;
+                push.angular += (from - position).cross(&force) * R::of(INVERSE_INERTIA);
+            }
+        };
+        let own = || corners(rotation, near.face).map(|corner| position + corner);
+        match magnet.law {
+            Attraction::Switched {
+                pull: to_centre,
+                align,
+            } => {
+                let force = R::of(to_centre.force);
+                pull(near.centre, self.centre, &|_| force);
+                if let Some(Pull { force, within }) = align
+                    && near.distance < R::of(within)
+                {
+                    let (own, force) = (own(), R::of(force));
+                    let turn = self.pairing(&own);
+                    for (i, &corner) in own.iter().enumerate() {
+                        pull(corner, self.counterpart(turn, i), &|_| force);
+                    }
+                }
+            }
+            Attraction::Passive(Passive { hold, depth, .. }) => {
+                let half = |corner: Vector3<R>, centre: Vector3<R>| {
+                    centre + (corner - centre) * R::of(0.5)
+                };
+                let (hold, depth) = (R::of(hold / 4.0), R::of(depth));
+                let dipoles = |length: R| {
+                    let closeness = depth / (depth + length);
+                    let square = closeness * closeness;
+                    hold * square * square
+                };
+                let own = own();
+                let turn = self.pairing(&own);
+                for (i, &corner) in own.iter().enumerate() {
+                    let to = half(self.counterpart(turn, i), self.centre);
+                    pull(half(corner, near.centre), to, &dipoles);
+                }
+            }
+            Attraction::Suction(Suction { seal, .. }) => {
+                if near.distance < R::of(seal) {
+                    let own = own();
+                    let turn = self.pairing(&own);
+                    pull(near.centre, self.centre, &|_| drop * R::of(0.5));
+                    for (i, &corner) in own.iter().enumerate() {
+                        pull(corner, self.counterpart(turn, i), &|_| drop * R::of(0.125));
+                    }
+                }
+            }
+        }
+        push
+    }
+
+    /// The quarter turn that leaves the corners closest to their counterparts.
+    fn pairing(&self, own: &[Vector3<R>; 4]) -> usize {
+        let misfit = |turn| {
+            let squares = own
+                .iter()
+                .enumerate()
+                .map(|(i, &corner)| (corner - self.counterpart(turn, i)).norm_squared());
+            squares.fold(R::zero(), |sum, square| sum + square)
+        };
+        (1..4).fold(0, |best, turn| {
+            if misfit(turn) < misfit(best) {
+                turn
+            } else {
+                best
+            }
+        })
+    }
+
+    /// Faces that touch see each other's corners in opposite order.
+    fn counterpart(&self, turn: usize, own: usize) -> Vector3<R> {
+        self.corners[(turn + 4 - own) % 4]
+    }
+
+    /// Whether a block within reach is close and straight enough to be anchored.
+    pub fn anchors(&self, near: &Near<R>, rotation: UnitQuaternion<R>, magnet: &Magnet) -> bool {
+        let within = R::of(magnet.within);
+        let close = match magnet.measure {
+            Measure::Centres => near.distance < within,
+            Measure::Gap => {
+                let offset = near.centre - self.centre;
+                let gap = offset.dot(&self.normal);
+                gap.abs() < within && (offset - self.normal * gap).norm() < R::of(0.5)
+            }
+        };
+        let own = rotation * normal::<R>(near.face.normal());
+        close && own.dot(&self.normal) < -R::of(magnet.cos_tilt)
+    }
+}
+
+/// The corners of a face from the centre of its block, counterclockwise seen from outside.
+fn corners<R: Real>(rotation: UnitQuaternion<R>, face: Face) -> [Vector3<R>; 4] {
+    let out = normal::<R>(face.normal());
+    let across = Vector3::new(out.z, out.x, out.y);
+    let along = out.cross(&across);
+    let half = R::of(0.5);
+    [(half, half), (-half, half), (-half, -half), (half, -half)]
+        .map(|(a, b)| rotation * (out * half + across * a + along * b))
+}
+
+/// How a block that touches `parent_face` sits best: the quarter turn of [`Orientation::docked`]
+/// whose rotation is closest to the block's own.
+pub(crate) fn best_turn<R: Real>(
+    parent: Orientation,
+    parent_face: Face,
+    child_face: Face,
+    rotation: UnitQuaternion<R>,
+) -> (u8, Orientation) {
+    let own = rotation.to_rotation_matrix();
+    let likeness = |orientation: Orientation| {
+        let axes = orientation.matrix().map(R::of);
+        own.matrix().dot(&axes)
+    };
+    let turned = |turn| Orientation::docked(parent, parent_face, child_face, turn);
+    let best = (1..4).fold(0, |best, turn| {
+        if likeness(turned(turn)) > likeness(turned(best)) {
+            turn
+        } else {
+            best
+        }
+    });
+    (best, turned(best))
+}

@@ -1,0 +1,180 @@
+//! A pump, and how the faces of a structure share it.
+//!
+//! Every block has a chamber. An open face lets fluid into it through a valve; a held block's chamber is joined to that
+//! of its holder by a passage; all blocks of the plate share one chamber, to which the pump is joined by its supply.
+//! All resistances are constant, so that the tree is solved once from its leaves to the pump and once back.
+use std::collections::BTreeMap;
+
+use crate::world::parameters::Suction;
+use crate::world::{Body, Site};
+
+/// The pressure below that of the fluid around, by chamber \[1 / tick^2\]; chambers that reach no pump
+/// are not among them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Pressures {
+    plate: f64,
+    chambers: BTreeMap<u32, f64>,
+}
+
+/// What is joined to a chamber.
+#[derive(Clone, Debug, Default)]
+struct Chamber {
+    open: u32,
+    children: Vec<u32>,
+}
+
+impl Pressures {
+    /// Of the structure with these open faces and these joints.
+    pub fn of(
+        suction: &Suction,
+        open: impl Iterator<Item = Site>,
+        holds: &BTreeMap<Site, u32>,
+    ) -> Pressures {
+        // The plate is chamber `None`.
+        let mut chambers: BTreeMap<Option<u32>, Chamber> = BTreeMap::new();
+        let key = |body: Body| match body {
+            Body::Seed(_) => None,
+            Body::Free(id) => Some(id),
+        };
+        for site in open {
+            chambers.entry(key(site.body)).or_default().open += 1;
+        }
+        for (site, &child) in holds {
+            let chamber = chambers.entry(key(site.body)).or_default();
+            chamber.children.push(child);
+        }
+        // From the plate outwards; backwards, children come before their holders.
+        let mut order: Vec<Option<u32>> = vec![None];
+        let mut next = 0;
+        while let Some(&at) = order.get(next) {
+            next += 1;
+            if let Some(chamber) = chambers.get(&at) {
+                order.extend(chamber.children.iter().map(|&child| Some(child)));
+            }
+        }
+        let mut conductance: BTreeMap<Option<u32>, f64> = BTreeMap::new();
+        for &at in order.iter().rev() {
+            let Some(chamber) = chambers.get(&at) else {
+                continue;
+            };
+            let open = f64::from(chamber.open) / suction.valve;
+            let through = (chamber.children.iter())
+                .filter_map(|&child| conductance.get(&Some(child)))
+                .map(|&own| own / (1.0 + suction.passage * own));
+            conductance.insert(at, open + through.sum::<f64>());
+        }
+        let of = |at: Option<u32>| conductance.get(&at).copied().unwrap_or(0.0);
+        let plate = suction.head / (1.0 + suction.supply * of(None));
+        let mut pressures = Pressures {
+            plate,
+            chambers: BTreeMap::new(),
+        };
+        for &at in &order {
+            let pressure = pressures.chamber(at);
+            let Some(chamber) = chambers.get(&at) else {
+                continue;
+            };
+            for &child in &chamber.children {
+                let below = pressure / (1.0 + suction.passage * of(Some(child)));
+                pressures.chambers.insert(child, below);
+            }
+        }
+        pressures
+    }
+
+    fn chamber(&self, at: Option<u32>) -> f64 {
+        match at {
+            None => self.plate,
+            Some(id) => self.chambers.get(&id).copied().unwrap_or(0.0),
+        }
+    }
+
+    /// In the chamber of a block.
+    pub fn at(&self, body: Body) -> f64 {
+        match body {
+            Body::Seed(_) => self.plate,
+            Body::Free(id) => self.chamber(Some(id)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use stochc_ir::{Cell, Face};
+
+    use super::*;
+
+    const SUCTION: Suction = Suction {
+        head: 6.0,
+        supply: 1.0,
+        valve: 2.0,
+        passage: 0.5,
+        seal: 0.1,
+    };
+
+    fn seed(face: Face) -> Site {
+        let cell = Cell { x: 0, y: 0, z: 0 };
+        let body = Body::Seed(cell);
+        Site { body, face }
+    }
+
+    fn free(id: u32, face: Face) -> Site {
+        let body = Body::Free(id);
+        Site { body, face }
+    }
+
+    fn pressures(open: &[Site], holds: &[(Site, u32)]) -> Pressures {
+        let holds = holds.iter().copied().collect();
+        Pressures::of(&SUCTION, open.iter().copied(), &holds)
+    }
+
+    #[test]
+    fn closed_faces_feel_the_whole_head() {
+        let closed = pressures(&[], &[(seed(Face::Up), 4)]);
+        assert_eq!(closed.at(seed(Face::Up).body), 6.0);
+        assert_eq!(closed.at(Body::Free(4)), 6.0);
+        assert_eq!(closed.at(Body::Free(5)), 0.0);
+    }
+
+    #[test]
+    fn resistances_add_in_a_row() {
+        // Pump, supply 1, two passages of 0.5, valve 2: 4 in all.
+        let row = pressures(
+            &[free(1, Face::East)],
+            &[(seed(Face::Up), 0), (free(0, Face::Up), 1)],
+        );
+        let flow = 6.0 / 4.0;
+        assert!((row.at(Body::Free(1)) / SUCTION.valve - flow).abs() < 1e-12);
+        assert!((row.at(Body::Free(0)) - (6.0 - 1.5 * flow)).abs() < 1e-12);
+        assert!((row.at(seed(Face::Up).body) - (6.0 - flow)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn open_faces_side_by_side_share_the_flow() {
+        // On one block n valves make 2 / n, after 1.5 of supply and passage.
+        let faces = [Face::East, Face::West, Face::North, Face::South];
+        let mut before = f64::INFINITY;
+        for n in 1..=4 {
+            let open: Vec<Site> = faces[..n].iter().map(|&face| free(0, face)).collect();
+            let shared = pressures(&open, &[(seed(Face::Up), 0)]);
+            let each = shared.at(Body::Free(0)) / SUCTION.valve;
+            let told = 6.0 / (1.5 + 2.0 / n as f64) / n as f64;
+            assert!((each - told).abs() < 1e-12, "{n}: {each} {told}");
+            assert!(each < before);
+            before = each;
+        }
+    }
+
+    #[test]
+    fn a_chain_of_a_hundred_thousand_is_solved() {
+        let holds: Vec<(Site, u32)> = (0..100_000)
+            .map(|i| match i {
+                0 => (seed(Face::Up), 0),
+                i => (free(i - 1, Face::Up), i),
+            })
+            .collect();
+        let long = pressures(&[free(99_999, Face::Up)], &holds);
+        let flow = 6.0 / (1.0 + 0.5 * 1e5 + 2.0);
+        assert!((long.at(Body::Free(99_999)) / 2.0 / flow - 1.0).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,9 @@
+//! Magnetized faces: the same in every world of rigid blocks.
+mod docking;
+mod face_attraction;
+mod hydraulic_network;
+mod open_faces;
+pub(crate) mod pair_attraction;
+
+pub(crate) use docking::{Anchored, Faces, Release};
+pub(crate) use face_attraction::INVERSE_INERTIA;

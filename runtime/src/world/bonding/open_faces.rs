@@ -1,0 +1,51 @@
+//! Where the blocks of a structure sit whose faces attract by themselves.
+use std::collections::{BTreeMap, BTreeSet};
+
+use nalgebra::Vector3;
+use stochc_ir::Face;
+
+use crate::orientation::Orientation;
+use crate::world::real::{Real, normal};
+use crate::world::{Body, Site};
+
+/// Blocks and their places.
+#[derive(Clone, Debug, Default)]
+pub(super) struct PlacedBlocks<R: Real>(BTreeMap<Body, (Vector3<R>, Orientation)>);
+
+impl<R: Real> PlacedBlocks<R> {
+    pub fn insert(&mut self, body: Body, centre: Vector3<R>, orientation: Orientation) {
+        self.0.insert(body, (centre, orientation));
+    }
+
+    pub fn remove(&mut self, body: Body) {
+        self.0.remove(&body);
+    }
+
+    /// Where a face points to.
+    pub fn outward(&self, site: Site) -> Vector3<R> {
+        let place = self.0.get(&site.body);
+        place.map_or_else(Vector3::zeros, |(_, orientation)| {
+            normal(orientation.to_structure(site.face).normal())
+        })
+    }
+
+    /// The faces with a free cell above the ground before them, in the order of sites; each with the centre of
+    /// its block and how that sits.
+    pub fn open_faces(&self) -> Vec<(Site, Vector3<R>, Orientation)> {
+        let cell = |centre: Vector3<R>| {
+            [centre.x, centre.y, centre.z].map(|x| libm::round(2.0 * x.double()) as i64)
+        };
+        let full: BTreeSet<[i64; 3]> = self.0.values().map(|&(centre, _)| cell(centre)).collect();
+        let mut open = Vec::new();
+        for (&body, &(centre, orientation)) in &self.0 {
+            for face in Face::ALL {
+                let before = centre + normal::<R>(orientation.to_structure(face).normal());
+                if before.z > R::zero() && !full.contains(&cell(before)) {
+                    open.push((Site { body, face }, centre, orientation));
+                }
+            }
+        }
+        open.sort_unstable_by_key(|&(site, ..)| site);
+        open
+    }
+}

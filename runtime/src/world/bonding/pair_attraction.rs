@@ -1,0 +1,230 @@
+//! Free blocks whose magnets always attract: how two of them pull each other, and when they bond.
+use nalgebra::Vector3;
+use stochc_ir::Face;
+
+use super::face_attraction::{AttractingFace, Push, best_turn};
+use crate::orientation::Orientation;
+use crate::world::blocks::Pose;
+use crate::world::parameters::{Attraction, Magnet, Passive};
+use crate::world::real::normal;
+
+/// From the centre of a block to its faces \[side\].
+const INSIDE: f64 = 0.5;
+
+/// Two faces that are near each other.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Meeting {
+    /// Of the first block.
+    pub face: Face,
+    /// Of the second.
+    pub other: Face,
+    /// Whether they are close and straight enough to bond.
+    pub bonds: bool,
+    /// What each of the two feels.
+    pub pushes: [Push<f64>; 2],
+}
+
+/// The pairs of blocks that may be in each other's reach, in rising order: a sweep along x.
+pub(crate) fn close(blocks: &[(u32, Vector3<f64>)], reach: f64) -> Vec<(usize, usize)> {
+    let far = reach + 2.0 * INSIDE;
+    let mut order: Vec<usize> = (0..blocks.len()).collect();
+    order.sort_by(|&a, &b| blocks[a].1.x.total_cmp(&blocks[b].1.x));
+    let mut pairs = Vec::new();
+    for (rank, &a) in order.iter().enumerate() {
+        let from = blocks[a].1;
+        for &b in &order[rank + 1..] {
+            let way = blocks[b].1 - from;
+            if way.x > far {
+                break;
+            }
+            if way.norm_squared() < far * far {
+                pairs.push((a.min(b), a.max(b)));
+            }
+        }
+    }
+    pairs.sort_unstable();
+    pairs
+}
+
+/// The work that parts two faces, for faces that attract each other \[side^2 / tick^2\]: the integral of
+/// F (1 + d / depth)^-4.
+pub(crate) fn energy(passive: &Passive) -> f64 {
+    passive.hold * passive.depth / 3.0
+}
+
+/// How two blocks meet; `None`: too far apart, or faces do not attract by themselves.
+pub(crate) fn meet(magnet: &Magnet, first: &Pose, second: &Pose) -> Option<Meeting> {
+    let Attraction::Passive(passive) = magnet.law else {
+        return None;
+    };
+    // The face of each that points most towards the other's centre.
+    let face = AttractingFace::<f64>::facing(first.position, first.rotation, second.position);
+    let target = AttractingFace::turned(first.position, first.rotation, face);
+    let other = AttractingFace::<f64>::facing(second.position, second.rotation, first.position);
+    let near = target.at(second.position, second.rotation, other);
+    if near.distance >= passive.within {
+        return None;
+    }
+    let second_push = target.push(&near, second.position, second.rotation, magnet, 0.0);
+    let back = AttractingFace::turned(second.position, second.rotation, other);
+    let first_near = back.at(first.position, first.rotation, face);
+    let first_push = back.push(&first_near, first.position, first.rotation, magnet, 0.0);
+    Some(Meeting {
+        face,
+        other,
+        bonds: target.anchors(&near, second.rotation, magnet),
+        pushes: [first_push, second_push],
+    })
+}
+
+/// Where the second block sits straight on a face of the first, in the quarter turn next to its own.
+pub(crate) fn seat(first: &Pose, face: Face, second: &Pose, other: Face) -> Pose {
+    // As if the first sat on the lattice.
+    let relative = first.rotation.inverse() * second.rotation;
+    let (_, orientation) = best_turn(Orientation::IDENTITY, face, other, relative);
+    let out = normal::<f64>(face.normal());
+    Pose {
+        position: first.position + first.rotation * out,
+        rotation: first.rotation * orientation.quaternion(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::UnitQuaternion;
+    use stochc_ir::scene::Measure;
+
+    use super::*;
+
+    fn magnet() -> Magnet {
+        Magnet {
+            law: Attraction::Passive(Passive {
+                hold: 0.8,
+                depth: 0.2,
+                within: 1.5,
+                impulse: 0.0,
+            }),
+            measure: Measure::Centres,
+            within: 0.05,
+            cos_tilt: 0.96,
+        }
+    }
+
+    fn pose(x: f64, y: f64, z: f64, turn: Vector3<f64>) -> Pose {
+        Pose {
+            position: Vector3::new(x, y, z),
+            rotation: UnitQuaternion::from_scaled_axis(turn),
+        }
+    }
+
+    #[test]
+    fn straight_faces_attract_as_the_law_says() {
+        for gap in [0.0, 0.1, 0.5, 1.2] {
+            let met = meet(
+                &magnet(),
+                &pose(0.0, 0.0, 0.0, Vector3::zeros()),
+                &pose(
+                    1.0 + gap,
+                    0.0,
+                    0.0,
+                    Vector3::z() * std::f64::consts::FRAC_PI_2,
+                ),
+            );
+            let met = met.expect("in reach");
+            let force = if gap == 0.0 {
+                0.0
+            } else {
+                0.8 / (1.0 + gap / 0.2).powi(4)
+            };
+            let [first, second] = met.pushes;
+            assert!(
+                (first.linear - Vector3::x() * force).norm() < 1e-12,
+                "{gap}"
+            );
+            assert!(
+                (second.linear + Vector3::x() * force).norm() < 1e-12,
+                "{gap}"
+            );
+            assert!(first.angular.norm() + second.angular.norm() < 1e-12);
+            assert_eq!(met.bonds, gap < 0.05);
+        }
+    }
+
+    #[test]
+    fn the_work_that_parts_two_faces_is_the_energy() {
+        let Attraction::Passive(passive) = magnet().law else {
+            panic!("magnets are passive");
+        };
+        let step = 1e-4;
+        let work: f64 = (0..1_000_000)
+            .map(|i| {
+                step * passive.hold / (1.0 + (f64::from(i) + 0.5) * step / passive.depth).powi(4)
+            })
+            .sum();
+        assert!((work / energy(&passive) - 1.0).abs() < 1e-4);
+    }
+
+    #[test]
+    fn a_pair_keeps_its_momentum_and_its_angular_momentum() {
+        let a = pose(0.1, -0.2, 0.3, Vector3::new(0.2, -0.4, 0.1));
+        let b = pose(1.2, 0.3, 0.1, Vector3::new(-0.3, 0.1, 0.7));
+        let [first, second] = meet(&magnet(), &a, &b).expect("in reach").pushes;
+        assert!(first.linear.norm() > 1e-3);
+        assert!((first.linear + second.linear).norm() < 1e-12);
+        let turning = |pose: &Pose, push: &Push<f64>| {
+            pose.position.cross(&push.linear) + push.angular / super::super::INVERSE_INERTIA
+        };
+        assert!((turning(&a, &first) + turning(&b, &second)).norm() < 1e-12);
+    }
+
+    #[test]
+    fn a_twisted_block_is_turned_to_the_nearest_quarter() {
+        let (a, twist) = (pose(0.0, 0.0, 0.0, Vector3::zeros()), 0.2);
+        for (angle, sense) in [(twist, -1.0), (std::f64::consts::FRAC_PI_2 - twist, 1.0)] {
+            let b = pose(1.05, 0.0, 0.0, Vector3::x() * angle);
+            let [_, second] = meet(&magnet(), &a, &b).expect("in reach").pushes;
+            assert!(
+                second.angular.x * sense > 1e-3,
+                "{angle}: {}",
+                second.angular
+            );
+        }
+    }
+
+    #[test]
+    fn a_seat_is_face_to_face_and_close_to_where_the_block_is() {
+        let a = pose(0.1, -0.2, 0.3, Vector3::new(0.2, -0.4, 0.1));
+        // Straight before the north face, a little off and twisted.
+        let off = a.rotation * Vector3::new(0.01, 1.02, -0.01);
+        let twist = UnitQuaternion::from_scaled_axis(Vector3::new(0.03, 1.6, 0.02));
+        let b = Pose {
+            position: a.position + off,
+            rotation: a.rotation * twist,
+        };
+        let met = meet(&magnet(), &a, &b).expect("in reach");
+        assert_eq!(met.face, Face::North);
+        let seat = seat(&a, met.face, &b, met.other);
+        assert!((seat.position - b.position).norm() < 0.03);
+        assert!(seat.rotation.angle_to(&b.rotation) < 0.06);
+        let straight = meet(&magnet(), &a, &seat).expect("in reach");
+        assert!(straight.bonds);
+        assert!(straight.pushes[0].linear.norm() < 1e-9);
+    }
+
+    #[test]
+    fn the_sweep_finds_all_pairs() {
+        let mut draws = crate::counter_rng::Draws::new(1, 2, crate::counter_rng::Stream::Shuffle);
+        let mut step = draws.step(0);
+        let blocks: Vec<(u32, Vector3<f64>)> = (0..200)
+            .map(|i| {
+                let [x, y, z, _] = step
+                    .block(i)
+                    .map(|word| crate::counter_rng::unit(word) * 8.0);
+                (i, Vector3::new(x, y, z))
+            })
+            .collect();
+        let all = (0..200).flat_map(|a| (a + 1..200).map(move |b| (a, b)));
+        let near = |&(a, b): &(usize, usize)| (blocks[a].1 - blocks[b].1).norm() < 2.5;
+        assert_eq!(close(&blocks, 1.5), all.filter(near).collect::<Vec<_>>());
+    }
+}

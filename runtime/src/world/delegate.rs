@@ -1,0 +1,60 @@
+//! A world that is one of several steppers, and no generic type: so that its physics is compiled in this crate, and not
+//! once more in every crate that uses it.
+
+/// Has `$world` pass on all that is asked of it: `$by!(&self.0, stepper => ...)` asks its stepper, and
+/// `$by!(new precision, ...)` holds a new one.
+macro_rules! delegate {
+    ($world:ident, $by:ident) => {
+        impl Arena for $world {
+            fn with_blocks(
+                scene: &Scene,
+                plate: &Plate,
+                settings: &Settings,
+                seed: u64,
+                run: u64,
+                blocks: &[BodyState],
+            ) -> Result<$world, SceneError> {
+                Ok($world($by!(
+                    new settings.precision,
+                    Stepper::with_blocks(scene, plate, settings, seed, run, blocks)?
+                )))
+            }
+
+            delegate!(@read $by
+                count() -> u32,
+                state(id: u32) -> BodyState,
+                anchored(id: u32) -> Option<Orientation>,
+                active() -> Vec<(Site, u32)>,
+                groups() -> Vec<Vec<u32>>,
+                in_reach() -> Vec<(Site, u32, u64)>,
+                centre(cell: Cell) -> Vector3<f64>
+            );
+            delegate!(@change $by set_state(id: u32, state: &BodyState) -> ());
+        }
+
+        impl World for $world {
+            delegate!(@read $by
+                tick() -> u64,
+                entries(site: Site) -> u32,
+                largest_group() -> u32
+            );
+            delegate!(@change $by
+                magnetize(site: Site) -> (),
+                switch_off(site: Site) -> (),
+                plant(site: Site) -> Option<Docking>,
+                step(dockings: &mut Vec<Docking>) -> Result<(), Fault>
+            );
+        }
+    };
+    (@read $by:ident $($name:ident($($with:ident: $kind:ty),*) -> $out:ty),+) => {
+        $(fn $name(&self, $($with: $kind),*) -> $out {
+            $by!(&self.0, stepper => stepper.$name($($with),*))
+        })+
+    };
+    (@change $by:ident $($name:ident($($with:ident: $kind:ty),*) -> $out:ty),+) => {
+        $(fn $name(&mut self, $($with: $kind),*) -> $out {
+            $by!(&mut self.0, stepper => stepper.$name($($with),*))
+        })+
+    };
+}
+pub(super) use delegate;

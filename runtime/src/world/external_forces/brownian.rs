@@ -1,0 +1,55 @@
+//! Brownian motion: fluctuations that balance the viscous drag.
+use nalgebra::Vector3;
+
+use super::drag::mean;
+use crate::counter_rng::{Draws, Stream, gaussians};
+use crate::world::blocks::Motion;
+use crate::world::bonding::INVERSE_INERTIA;
+use crate::world::parameters::Resistance;
+
+/// The fluctuations of a step.
+#[derive(Debug)]
+pub(super) struct Brownian {
+    /// Rms change of each component of the velocity, and of the spin.
+    rms: (f64, f64),
+    step: u64,
+    draws: Draws,
+}
+
+impl Brownian {
+    /// `energy` is k T.
+    pub fn new(fluid: &Resistance, energy: f64, dt: f64, seed: u64, run: u64) -> Brownian {
+        Brownian {
+            rms: (
+                rms(fluid.viscous.0, energy, dt),
+                rms(fluid.viscous.1, energy * INVERSE_INERTIA, dt),
+            ),
+            step: 0,
+            draws: Draws::new(seed, run, Stream::Heat),
+        }
+    }
+
+    pub fn begin(&mut self, step: u64) {
+        self.step = step;
+    }
+
+    /// Changes the motion of a block.
+    pub fn shake(&mut self, id: u32, motion: &mut Motion) {
+        let mut step = self.draws.step(self.step);
+        let [x, y, z, a] = gaussians(step.block(2 * id));
+        let [b, c, ..] = gaussians(step.block(2 * id + 1));
+        motion.velocity += Vector3::new(x, y, z) * self.rms.0;
+        motion.spin += Vector3::new(a, b, c) * self.rms.1;
+    }
+}
+
+/// Rms change per step of a velocity that decays by `rate`, whose variance would be `energy` in the limit of
+/// short steps.
+///
+/// With c = exp(-rate dt) left of it in a step, the mean velocity of a step has to have the variance
+/// 2 energy (1 - c) / (rate dt (1 + c)) for a place to diffuse with energy / rate, whatever dt.
+fn rms(rate: f64, energy: f64, dt: f64) -> f64 {
+    let left = libm::exp(-rate * dt);
+    let variance = 2.0 * energy * mean(rate * dt) / (1.0 + left);
+    (variance * (1.0 - left * left)).sqrt()
+}

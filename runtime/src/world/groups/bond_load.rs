@@ -1,0 +1,57 @@
+//! What the bonds of a group have to hold.
+use nalgebra::Vector3;
+
+use super::rigid_motion::RigidMotion;
+use super::{Group, connected};
+use crate::world::blocks::Motion;
+use crate::world::bonding::INVERSE_INERTIA;
+use crate::world::external_forces::Response;
+
+/// The bond that is loaded most, and its load \[side / tick^2\]; `None` without bonds.
+///
+/// A bond passes on what the blocks behind it need, beyond what acts on them, to move with the group. Two faces that
+/// attract each other with a force F part when the tension, together with a moment over half a side that
+/// tips one about the other's edge, is more than F. The pattern of the faces holds what would shift or twist them.
+pub(super) fn worst(
+    group: &Group,
+    before: &[Motion],
+    compound: &RigidMotion,
+    response: Response,
+    dt: f64,
+) -> Option<(usize, f64)> {
+    let at = |id: u32| (group.members).binary_search_by_key(&id, |member| member.id);
+    let mut worst: Option<(usize, f64)> = None;
+    for (bond, &(a, b)) in group.bonds.iter().enumerate() {
+        let (Ok(first), Ok(second)) = (at(a), at(b)) else {
+            continue;
+        };
+        let joint = (before[first].position + before[second].position) / 2.0;
+        let way = (before[second].position - before[first].position).normalize();
+        let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
+        for id in behind(group, bond) {
+            let Ok(member) = at(id) else { continue };
+            let motion = &before[member];
+            let (velocity, spin) = compound.at(motion.position);
+            let arm = motion.position - compound.middle;
+            let push = (velocity - motion.velocity) / (dt * response.linear)
+                + compound.spin.cross(&compound.spin.cross(&arm));
+            let turn = (spin - motion.spin) / (dt * response.angular * INVERSE_INERTIA);
+            force += push;
+            moment += (motion.position - joint).cross(&push) + turn;
+        }
+        let tension = -force.dot(&way);
+        let bending = (moment - way * moment.dot(&way)).norm();
+        let load = tension + 2.0 * bending;
+        if worst.is_none_or(|(_, most)| load > most) {
+            worst = Some((bond, load));
+        }
+    }
+    worst
+}
+
+/// The members on the second block's side of a bond.
+fn behind(group: &Group, bond: usize) -> Vec<u32> {
+    let mut others = group.bonds.clone();
+    let (_, second) = others.remove(bond);
+    connected(second, &others)
+}

@@ -1,0 +1,114 @@
+//! Moves blocks and lets them collide by the engine.
+use nalgebra::Vector3;
+use stochc_ir::table::Plate;
+
+use super::bodies::EngineBodies;
+use super::engine::{engine, ground_reach};
+use super::joints::Joints;
+use crate::counter_rng::{Step, direction, unit};
+use crate::settings::{Precision, Settings};
+use crate::world::blocks::Blocks;
+use crate::world::free_bonds::FreeBonds;
+use crate::world::motion_limits::MotionLimits;
+use crate::world::parameters::{Kicks, Parameters, Shell};
+use crate::world::stepper::Integrator;
+use crate::world::{BodyState, Fault, SceneError};
+
+/// The engine as an integrator.
+pub(super) struct Rapier {
+    shell: Option<Shell>,
+    /// Factor on the velocity in each substep.
+    drag: Option<f32>,
+    /// Length of a substep \[tick\].
+    dt: f32,
+    joints: Joints,
+    limits: MotionLimits,
+}
+
+impl Integrator for Rapier {
+    type Real = f32;
+    type Blocks = EngineBodies;
+
+    fn new(
+        parameters: &Parameters,
+        plate: &Plate,
+        settings: &Settings,
+        blocks: &[BodyState],
+    ) -> Result<(EngineBodies, Rapier), SceneError> {
+        let cannot = |what| SceneError::NotInModel {
+            what,
+            model: "rapier",
+            instead: "rigid",
+        };
+        if settings.precision == Precision::Double {
+            return Err(cannot("double precision"));
+        }
+        if settings.reduction.is_some() {
+            return Err(cannot("term that can be left out"));
+        }
+        let (engine, handles) = engine(parameters, plate, settings, blocks)?;
+        let substeps = settings.substeps.max(1);
+        let limits = MotionLimits::new(substeps, parameters.contact.is_some());
+        let limits = match (&parameters.contact, parameters.shell) {
+            (Some(_), Some(shell)) => limits.within(ground_reach(shell.radius + shell.height)),
+            _ => limits,
+        };
+        let left = |rate: f64| libm::exp(-rate / f64::from(substeps)) as f32;
+        let rapier = Rapier {
+            shell: parameters.shell,
+            drag: parameters.drag.map(left),
+            dt: 1.0 / substeps as f32,
+            joints: Joints::default(),
+            limits,
+        };
+        Ok((EngineBodies::new(engine, handles, blocks), rapier))
+    }
+
+    /// All blocks, whom it would take as long to tell apart.
+    fn near(&self, bodies: &EngineBodies, _place: Vector3<f32>, _reach: f32, found: &mut Vec<u32>) {
+        found.clear();
+        found.extend(0..bodies.count());
+    }
+
+    fn advance(
+        &mut self,
+        bodies: &mut EngineBodies,
+        mut kicks: Option<(&Kicks, Step<'_>)>,
+        bonds: Option<&mut FreeBonds>,
+    ) -> Result<(), Fault> {
+        if let Some(bonds) = bonds {
+            self.joints.follow(bodies, bonds.groups.bonds());
+        }
+        for id in 0..bodies.copies.len() {
+            let block = &mut bodies.copies[id];
+            if block.anchored.is_some() {
+                continue;
+            }
+            if let Some(shell) = self.shell {
+                let way = block.position - Vector3::z() * shell.height as f32;
+                let distance = way.norm();
+                let depth = distance - shell.radius as f32;
+                if depth > 0.0 {
+                    let stiffness = shell.stiffness as f32;
+                    block.velocity -= way * (stiffness * depth / distance * self.dt);
+                }
+            }
+            if let Some((Kicks { speed: (low, high) }, step)) = &mut kicks {
+                let [speed, height, azimuth, _] = step.block(id as u32);
+                let speed = (low + (high - low) * unit(speed)) as f32;
+                block.velocity += speed * Vector3::from(direction(height, azimuth));
+            }
+            if let Some(factor) = self.drag {
+                block.velocity *= factor;
+            }
+            bodies.show_velocity(id);
+        }
+        bodies.engine.step();
+        bodies.read(&self.limits)
+    }
+
+    fn joined(&mut self, bodies: &mut EngineBodies, bonds: &FreeBonds) {
+        bodies.show_moved();
+        self.joints.follow(bodies, bonds.groups.bonds());
+    }
+}

@@ -1,0 +1,173 @@
+//! Who touches whom at the beginning of a substep.
+use nalgebra::Vector3;
+use smallvec::SmallVec;
+use stochc_ir::table::Plate;
+
+use super::bodies::Bodies;
+use super::cell_list::TOUCH;
+use super::narrow_phase::{Cuboid, Manifold, ball_on_ground, balls, boxes, cube_on_ground};
+use super::neighbour_list::NeighbourList;
+use super::simd::{ABREAST, Lane};
+use super::solver::{Law, Solver};
+use crate::settings::{ROUNDS, Reduction, Settings};
+use crate::world::blocks::Blocks;
+use crate::world::free_bonds::FreeBonds;
+use crate::world::parameters::Contact;
+use crate::world::real::Real;
+
+/// What blocks and ground look like to each other.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Shape<R: Real> {
+    spheres: bool,
+    ground: Ground<R>,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Ground<R: Real> {
+    /// The plane z = 0, level with the plate.
+    Plane,
+    /// Nothing but the plate.
+    Plate(Cuboid<R>),
+}
+
+impl<R: Lane> Shape<R> {
+    /// Without an enclosure there is no floor.
+    pub fn new(floor: bool, plate: &Plate, spheres: bool) -> Shape<R> {
+        let half = |blocks: u32| R::of(f64::from(blocks) / 2.0);
+        let ground = if floor {
+            Ground::Plane
+        } else {
+            Ground::Plate(Cuboid {
+                centre: Vector3::z() * R::of(-0.5),
+                axes: nalgebra::Rotation3::identity(),
+                half: Vector3::new(half(plate.width), half(plate.depth), R::of(0.5)),
+            })
+        };
+        Shape { spheres, ground }
+    }
+
+    /// Leaves out blocks, low enough for it, that cannot touch the ground.
+    fn keep_near_ground(&self, bodies: &Bodies<R>, low: &mut Vec<u32>) {
+        if let Ground::Plate(plate) = &self.ground {
+            low.retain(|&id| {
+                let way = (bodies.position(id) - plate.centre).abs() - plate.half;
+                way.max() < R::of(TOUCH / 2.0)
+            });
+        }
+    }
+
+    /// How a block and the ground overlap.
+    fn on_ground(&self, bodies: &Bodies<R>, id: u32) -> Option<Manifold<R>> {
+        match &self.ground {
+            Ground::Plane if self.spheres => ball_on_ground(bodies.position(id)),
+            Ground::Plane => cube_on_ground(bodies.position(id), bodies.axes(id)),
+            // A ball on an edge of the plate is a rare thing that is not worth a rule of its own.
+            Ground::Plate(plate) => boxes(&[(cube(bodies, id), *plate)]).next().flatten(),
+        }
+    }
+
+    /// Whether it matters how blocks are turned that touch the ground, and those that touch each other.
+    fn has_edges(&self) -> [bool; 2] {
+        let balls_only = self.spheres && matches!(self.ground, Ground::Plane);
+        [!balls_only, !self.spheres]
+    }
+}
+
+/// A block.
+fn cube<R: Lane>(bodies: &Bodies<R>, id: u32) -> Cuboid<R> {
+    Cuboid::cube(bodies.position(id), *bodies.axes(id))
+}
+
+/// Who can touch what, and who does.
+#[derive(Clone, Debug)]
+pub(super) struct Contacts<R: Lane> {
+    shape: Shape<R>,
+    pub solver: Solver<R>,
+    /// Free blocks touch each other, and not only what does not move.
+    mutual: bool,
+    /// Who may touch the ground, and who each other; kept to be used again.
+    low: Vec<u32>,
+    close: Vec<(u32, u32)>,
+}
+
+impl<R: Lane> Contacts<R> {
+    pub fn new(
+        contact: &Contact,
+        floor: bool,
+        plate: &Plate,
+        settings: &Settings,
+        count: usize,
+    ) -> Contacts<R> {
+        let without = |reduction| settings.reduction == Some(reduction);
+        let law = Law {
+            friction: if without(Reduction::NoFriction) {
+                R::zero()
+            } else {
+                R::of(contact.friction)
+            },
+            ..Law::new(contact)
+        };
+        let turns = !without(Reduction::NoRotation);
+        let rounds = settings.solver_iterations.unwrap_or(ROUNDS);
+        Contacts {
+            shape: Shape::new(floor, plate, without(Reduction::Spheres)),
+            solver: Solver::new(law, count, rounds, turns),
+            mutual: !without(Reduction::NoBlockContact),
+            low: Vec::new(),
+            close: Vec::new(),
+        }
+    }
+
+    /// Finds all contacts, in an order that depends on nothing but the blocks' numbers.
+    pub fn find(
+        &mut self,
+        bodies: &mut Bodies<R>,
+        neighbours: &mut NeighbourList<R>,
+        bonds: Option<&FreeBonds>,
+    ) {
+        let Contacts {
+            shape,
+            solver,
+            mutual,
+            low,
+            close,
+        } = self;
+        solver.clear();
+        bodies.list_below(R::of(TOUCH / 2.0), low);
+        shape.keep_near_ground(bodies, low);
+        neighbours.close_pairs(bodies, close);
+        close.retain(|&(a, b)| {
+            let free = [a, b].map(|id| bodies.is_free(id));
+            free != [false, false]
+                && (free != [true, true] || *mutual)
+                && bonds.is_none_or(|bonds| !bonds.groups.same(a, b))
+        });
+        let [on_ground, mutually] = shape.has_edges();
+        bodies.show(low.iter().copied().filter(|_| on_ground));
+        bodies.show(close.iter().flat_map(|&(a, b)| [a, b]).filter(|_| mutually));
+        for &id in &*low {
+            if let Some(manifold) = shape.on_ground(bodies, id) {
+                solver.add(bodies, id, None, &manifold);
+            }
+        }
+        for pairs in close.chunks(ABREAST) {
+            let mut add = |(a, b): (u32, u32), manifold: Option<Manifold<R>>| {
+                if let Some(manifold) = manifold {
+                    solver.add(bodies, a, Some(b), &manifold);
+                }
+            };
+            if shape.spheres {
+                for &(a, b) in pairs {
+                    add((a, b), balls(bodies.position(a), bodies.position(b)));
+                }
+            } else {
+                let cubes: SmallVec<[_; ABREAST]> = (pairs.iter())
+                    .map(|&(a, b)| (cube(bodies, a), cube(bodies, b)))
+                    .collect();
+                for (&pair, manifold) in pairs.iter().zip(boxes(&cubes)) {
+                    add(pair, manifold);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,279 @@
+//! What all blocks do in every substep, wherever the others are: shell, kicks, drag, and moving on.
+use nalgebra::Vector3;
+
+use super::bodies::Bodies;
+use super::simd::{LANES, Lane, Wide, square};
+use crate::counter_rng::{Step, WORDS};
+use crate::world::motion_limits::MotionLimits;
+use crate::world::parameters::{self, Kicks, built};
+
+/// Groups of blocks after which speeds and distances are looked at.
+const CHECKED: usize = 8;
+
+/// The terms that act on all blocks.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FreeFlight<R: Lane> {
+    pub shell: Option<ShellForce<R>>,
+    /// Factor on the velocity in each substep.
+    pub drag: Option<R>,
+    limits: MotionLimits,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ShellForce<R> {
+    radius: R,
+    /// Of its centre.
+    height: R,
+    /// Change of velocity per depth in a substep.
+    pull: R,
+}
+
+impl<R: Lane> FreeFlight<R> {
+    pub fn new(
+        shell: Option<parameters::Shell>,
+        drag: Option<f64>,
+        limits: MotionLimits,
+        dt: f64,
+    ) -> FreeFlight<R> {
+        FreeFlight {
+            shell: shell.map(|shell| ShellForce {
+                radius: R::of(shell.radius),
+                height: R::of(shell.height),
+                pull: R::of(shell.stiffness * dt),
+            }),
+            drag: drag.map(|rate| R::of(libm::exp(-rate * dt))),
+            limits,
+        }
+    }
+
+    /// Changes all velocities, then moves all blocks; whether all motions still make sense.
+    ///
+    /// `kicks` are those of this substep, if it is one that has kicks.
+    pub fn fly(
+        &self,
+        bodies: &mut Bodies<R>,
+        kicks: Option<(&Kicks, Step<'_>)>,
+        draws: &mut Vec<u8>,
+    ) -> bool {
+        let kicks = kicks.filter(|_| built::AGITATION).map(|(kicks, step)| {
+            step.fill(bodies.mobility.len(), draws);
+            Kick::new(kicks)
+        });
+        let kicked = built::AGITATION && kicks.is_some();
+        let walled = built::ENCLOSURE && self.shell.is_some();
+        let dragged = built::DRAG && self.drag.is_some();
+        match (kicked, walled, dragged) {
+            (true, true, true) => self.pass::<true, true, true>(bodies, draws, kicks),
+            (true, true, false) => self.pass::<true, true, false>(bodies, draws, kicks),
+            (true, false, true) => self.pass::<true, false, true>(bodies, draws, kicks),
+            (true, false, false) => self.pass::<true, false, false>(bodies, draws, kicks),
+            (false, true, true) => self.pass::<false, true, true>(bodies, draws, kicks),
+            (false, true, false) => self.pass::<false, true, false>(bodies, draws, kicks),
+            (false, false, true) => self.pass::<false, false, true>(bodies, draws, kicks),
+            (false, false, false) => self.pass::<false, false, false>(bodies, draws, kicks),
+        }
+    }
+
+    /// One pass over all blocks; a term that is absent leaves no code behind.
+    fn pass<const KICKS: bool, const SHELL: bool, const DRAG: bool>(
+        &self,
+        bodies: &mut Bodies<R>,
+        draws: &[u8],
+        kicks: Option<Kick<R>>,
+    ) -> bool {
+        let dt = bodies.dt;
+        let kick = kicks.unwrap_or(Kick::none());
+        let shell = self.shell.unwrap_or(ShellForce {
+            radius: R::zero(),
+            height: R::zero(),
+            pull: R::zero(),
+        });
+        let drag = self.drag.unwrap_or(R::one());
+        // Below one as long as no speed and no distance is beyond its bound, and all are numbers.
+        let (speeds, ways) = (
+            R::of(1.0 / (self.limits.speed * self.limits.speed)),
+            R::of(1.0 / (self.limits.far * self.limits.far)),
+        );
+        let mut sound = true;
+        let [px, py, pz] = bodies
+            .position
+            .each_mut()
+            .map(|x| x.as_chunks_mut::<LANES>().0);
+        let [vx, vy, vz] = bodies
+            .velocity
+            .each_mut()
+            .map(|v| v.as_chunks_mut::<LANES>().0);
+        let mobility = bodies.mobility.as_chunks::<LANES>().0;
+        let (words, _) = draws.as_chunks::<4>();
+        let (words, _) = words.as_chunks::<{ WORDS as usize * LANES }>();
+        let groups = mobility.len();
+        let (px, py, pz) = (&mut px[..groups], &mut py[..groups], &mut pz[..groups]);
+        let (vx, vy, vz) = (&mut vx[..groups], &mut vy[..groups], &mut vz[..groups]);
+        let (speeds, ways) = (R::Wide::splat(speeds), R::Wide::splat(ways));
+        let (dt, drag) = (R::Wide::splat(dt), R::Wide::splat(drag));
+        let load = R::Wide::load;
+        for from in (0..groups).step_by(CHECKED) {
+            let mut excess = R::Wide::splat(R::zero());
+            for group in from..(from + CHECKED).min(groups) {
+                let mut x = [load(&px[group]), load(&py[group]), load(&pz[group])];
+                let mut v = [load(&vx[group]), load(&vy[group]), load(&vz[group])];
+                let mobility = load(&mobility[group]);
+                if SHELL {
+                    let way = [x[0], x[1], x[2] - R::Wide::splat(shell.height)];
+                    let by = shell.factor(&way) * mobility;
+                    for axis in 0..3 {
+                        v[axis] -= way[axis] * by;
+                    }
+                }
+                if KICKS {
+                    let kick = kick.draw(&words[group]);
+                    for axis in 0..3 {
+                        v[axis] += kick[axis] * mobility;
+                    }
+                }
+                for axis in 0..3 {
+                    if DRAG {
+                        v[axis] *= drag;
+                    }
+                    x[axis] += v[axis] * dt;
+                }
+                excess += square(v) * speeds + square(x) * ways;
+                [px[group], py[group], pz[group]] = x.map(Wide::store);
+                [vx[group], vy[group], vz[group]] = v.map(Wide::store);
+            }
+            // What is not a number is not below anything.
+            sound &= excess.store().iter().all(|&excess| excess < R::one());
+        }
+        sound
+    }
+}
+
+impl<R: Lane> ShellForce<R> {
+    /// Half of what the velocity of a block there is changed by in a substep.
+    pub fn half_push(&self, place: Vector3<R>) -> Vector3<R> {
+        let way = place - Vector3::z() * self.height;
+        if way.norm_squared() < R::of(0.99) * self.radius * self.radius {
+            return Vector3::zeros();
+        }
+        let distance = way.norm();
+        let depth = distance - self.radius;
+        if depth > R::zero() {
+            way * (-self.pull * depth / distance * R::of(0.5))
+        } else {
+            Vector3::zeros()
+        }
+    }
+
+    /// What the velocity changes by, per distance from the centre and inward.
+    #[inline(always)]
+    fn factor(&self, x: &[R::Wide; 3]) -> R::Wide {
+        let distance = square(*x).sqrt();
+        let zero = R::Wide::splat(R::zero());
+        let depth = (distance - R::Wide::splat(self.radius)).most(zero);
+        // In the middle the distance is 0, and so is the depth.
+        let tiny = R::Wide::splat(R::of(1e-30));
+        R::Wide::splat(self.pull) * depth / distance.most(tiny)
+    }
+}
+
+/// Kicks of speed `low + span u`, u evenly spread over (0, 1), in an isotropic direction.
+#[derive(Clone, Copy, Debug)]
+struct Kick<R> {
+    low: R,
+    span: R,
+}
+
+impl<R: Lane> Kick<R> {
+    fn new(kicks: &Kicks) -> Kick<R> {
+        let (low, high) = kicks.speed;
+        Kick {
+            low: R::of(low),
+            span: R::of(high - low),
+        }
+    }
+
+    fn none() -> Kick<R> {
+        Kick {
+            low: R::zero(),
+            span: R::zero(),
+        }
+    }
+
+    /// From the same words as `counter_rng::direction` and `counter_rng::unit`, for many blocks at once.
+    #[inline(always)]
+    fn draw(&self, drawn: &[[u8; 4]; WORDS as usize * LANES]) -> [R::Wide; 3] {
+        let all = R::Wide::splat;
+        let unit = |word: usize| {
+            let mut bits = [R::zero(); LANES];
+            for (lane, bits) in bits.iter_mut().enumerate() {
+                let word = u32::from_le_bytes(drawn[lane * WORDS as usize + word]);
+                *bits = R::of_int((word >> 8) as i32);
+            }
+            // Midpoints of 2^24 bins: what single precision can tell apart.
+            let bin = all(R::of(1.0 / 16_777_216.0));
+            (R::Wide::load(&bits) + all(R::of(0.5))) * bin
+        };
+        let speed = all(self.low) + all(self.span) * unit(0);
+        let z = all(R::of(2.0)) * unit(1) - all(R::one());
+        let across = (all(R::one()) - z * z).sqrt() * speed;
+        let (sin, cos) = sincos_turns::<R>(unit(2));
+        [across * cos, across * sin, speed * z]
+    }
+}
+
+/// Sine and cosine of 2 pi `turns`, for `turns` in [0, 1], within 4e-8 but for rounding.
+///
+/// By polynomials instead of the library's functions, so that many are computed side by side.
+#[inline(always)]
+fn sincos_turns<R: Lane>(turns: R::Wide) -> (R::Wide, R::Wide) {
+    let all = |value: f64| R::Wide::splat(R::of(value));
+    // Half of the angle, measured from the opposite direction: -1/2 .. 1/2 half turns.
+    let a = turns - all(0.5);
+    let s = a * a;
+    let mut cos = all(COS[0]);
+    let mut sin = all(SIN[0]);
+    for k in 1..COS.len() {
+        cos = cos * s + all(COS[k]);
+        sin = sin * s + all(SIN[k]);
+    }
+    let sin = sin * a;
+    // The whole angle, and the opposite of that.
+    (all(-2.0) * sin * cos, all(2.0) * sin * sin - all(1.0))
+}
+
+/// Taylor coefficients of cos(pi a) in a^2, highest first: within 7e-9 for |a| <= 1/2.
+const COS: [f64; 7] = series(0);
+
+/// The same of sin(pi a) / a.
+const SIN: [f64; 7] = series(1);
+
+const fn series(odd: u32) -> [f64; 7] {
+    let pi = std::f64::consts::PI;
+    let mut coefficients = [0.0; 7];
+    let mut term = if odd == 1 { pi } else { 1.0 };
+    let mut k = 0;
+    while k < 7 {
+        coefficients[6 - k as usize] = term;
+        let n = 2 * k + odd;
+        term *= -pi * pi / ((n + 1) as f64 * (n + 2) as f64);
+        k += 1;
+    }
+    coefficients
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_polynomials_are_sine_and_cosine() {
+        for i in 0..=1000 {
+            let turns = f64::from(i) / 1000.0;
+            let (sin, cos) = sincos_turns::<f64>(Wide::splat(turns));
+            let (sin, cos) = (sin.store()[3], cos.store()[3]);
+            let exact = libm::sincos(std::f64::consts::TAU * turns);
+            assert!((sin - exact.0).abs() < 4e-8, "{turns}: {sin} {exact:?}");
+            assert!((cos - exact.1).abs() < 4e-8, "{turns}: {cos} {exact:?}");
+        }
+    }
+}

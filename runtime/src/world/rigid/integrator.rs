@@ -1,0 +1,127 @@
+//! Moves full rigid cubes and lets them collide, most of which fly alone most of the time.
+use nalgebra::Vector3;
+use stochc_ir::table::Plate;
+
+use super::bodies::Bodies;
+use super::collision_detection::Contacts;
+use super::free_flight::FreeFlight;
+use super::neighbour_list::NeighbourList;
+use super::simd::Lane;
+use crate::counter_rng::Step;
+use crate::settings::Settings;
+use crate::world::blocks::Blocks;
+use crate::world::free_bonds::FreeBonds;
+use crate::world::motion_limits::MotionLimits;
+use crate::world::parameters::{Kicks, Parameters, built};
+use crate::world::stepper::Integrator;
+use crate::world::{BodyState, Fault, SceneError};
+
+/// An integrator in one precision.
+pub(super) struct Kernel<R: Lane> {
+    flight: FreeFlight<R>,
+    /// The words of one tick, kept to be used again.
+    words: Vec<u8>,
+    contacts: Option<Contacts<R>>,
+    /// `None` where nobody asks who is near whom.
+    neighbours: Option<NeighbourList<R>>,
+    limits: MotionLimits,
+}
+
+impl<R: Lane> Integrator for Kernel<R> {
+    type Real = R;
+    type Blocks = Bodies<R>;
+
+    fn new(
+        parameters: &Parameters,
+        plate: &Plate,
+        settings: &Settings,
+        blocks: &[BodyState],
+    ) -> Result<(Bodies<R>, Kernel<R>), SceneError> {
+        let substeps = settings.substeps.max(1);
+        let dt = 1.0 / f64::from(substeps);
+        let limits = MotionLimits::new(substeps, parameters.contact.is_some());
+        let floor = parameters.shell.is_some();
+        let contacts = (parameters.contact.as_ref())
+            .map(|contact| Contacts::new(contact, floor, plate, settings, blocks.len()));
+        let neighbours = (contacts.is_some() || parameters.bond.is_some()).then(|| {
+            let farthest = blocks.iter().map(|b| b.position.amax()).fold(0.0, f64::max);
+            let (span, floor) = match parameters.shell {
+                Some(shell) => (shell.radius + shell.height, Some(0.0)),
+                None => (farthest, None),
+            };
+            NeighbourList::new(blocks.len(), span + 2.0, floor)
+        });
+        let kernel = Kernel {
+            flight: FreeFlight::new(parameters.shell, parameters.drag, limits, dt),
+            words: Vec::new(),
+            contacts,
+            neighbours,
+            limits,
+        };
+        Ok((Bodies::new(blocks, R::of(dt)), kernel))
+    }
+
+    fn follow(&mut self, bodies: &Bodies<R>) -> bool {
+        let neighbours = self.neighbours.as_mut();
+        neighbours.is_some_and(|neighbours| neighbours.follow(bodies))
+    }
+
+    fn near(&self, _bodies: &Bodies<R>, place: Vector3<R>, reach: R, found: &mut Vec<u32>) {
+        if let Some(neighbours) = &self.neighbours {
+            neighbours.around(place, reach, found);
+        }
+    }
+
+    fn find_contacts(&mut self, bodies: &mut Bodies<R>, bonds: Option<&FreeBonds>) {
+        if built::CONTACT
+            && let (Some(contacts), Some(neighbours)) = (&mut self.contacts, &mut self.neighbours)
+        {
+            contacts.find(bodies, neighbours, bonds);
+        }
+    }
+
+    fn check(&self, bodies: &Bodies<R>, id: u32) -> Result<(), Fault> {
+        bodies.check(id, &self.limits)
+    }
+
+    fn advance(
+        &mut self,
+        bodies: &mut Bodies<R>,
+        kicks: Option<(&Kicks, Step<'_>)>,
+        bonds: Option<&mut FreeBonds>,
+    ) -> Result<(), Fault> {
+        if !self.flight.fly(bodies, kicks, &mut self.words) {
+            (0..bodies.count()).try_for_each(|id| self.check(bodies, id))?;
+        }
+        self.collide(bodies)?;
+        bodies.now += 1;
+        if let Some(bonds) = bonds {
+            let dt = bodies.dt.double();
+            bonds.carry(bodies, dt);
+        }
+        Ok(())
+    }
+
+    fn released(&mut self) {
+        if let Some(neighbours) = &mut self.neighbours {
+            neighbours.forget();
+        }
+    }
+}
+
+impl<R: Lane> Kernel<R> {
+    /// Corrects the motion of the blocks that touch something.
+    fn collide(&mut self, bodies: &mut Bodies<R>) -> Result<(), Fault> {
+        let (true, Some(contacts)) = (built::CONTACT, &mut self.contacts) else {
+            return Ok(());
+        };
+        let (mut sound, limits, shell) = (Ok(()), &self.limits, self.flight.shell);
+        let late = |place| shell.map_or_else(Vector3::zeros, |shell| shell.half_push(place));
+        contacts.solver.solve(bodies, late, |bodies, id| {
+            if sound.is_ok() {
+                sound = bodies.check(id, limits);
+            }
+        });
+        sound
+    }
+}

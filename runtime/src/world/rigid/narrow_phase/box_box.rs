@@ -1,0 +1,112 @@
+//! Two boxes: where they touch.
+use nalgebra::{Rotation3, Vector3};
+use smallvec::smallvec;
+
+use super::clipping::face_points;
+use super::separating_axis::{Direction, LeastOverlap, least};
+use super::{Manifold, ManifoldPoint};
+use crate::world::real::Real;
+use crate::world::rigid::simd::Lane;
+
+/// A box in space.
+#[derive(Clone, Copy, Debug)]
+pub struct Cuboid<R: Real> {
+    pub centre: Vector3<R>,
+    /// Own directions to the world's.
+    pub axes: Rotation3<R>,
+    /// Half of its edges.
+    pub half: Vector3<R>,
+}
+
+impl<R: Real> Cuboid<R> {
+    /// A block.
+    pub fn cube(centre: Vector3<R>, axes: Rotation3<R>) -> Cuboid<R> {
+        Cuboid {
+            centre,
+            axes,
+            half: Vector3::repeat(R::of(0.5)),
+        }
+    }
+
+    pub fn axis(&self, i: usize) -> Vector3<R> {
+        self.axes.matrix().column(i).into_owned()
+    }
+}
+
+/// How each of at most [`ABREAST`] pairs of boxes overlaps; `None`: they do not. Normals point from
+/// the second box to the first.
+///
+/// [`ABREAST`]: crate::world::rigid::simd::ABREAST
+pub fn boxes<R: Lane>(
+    pairs: &[(Cuboid<R>, Cuboid<R>)],
+) -> impl Iterator<Item = Option<Manifold<R>>> {
+    let all = pairs.iter().zip(least(pairs));
+    all.map(|((a, b), least)| least.and_then(|least| manifold(a, b, &least)))
+}
+
+/// Where two boxes touch that overlap least like this.
+fn manifold<R: Lane>(a: &Cuboid<R>, b: &Cuboid<R>, least: &LeastOverlap<R>) -> Option<Manifold<R>> {
+    let offset = b.centre - a.centre;
+    match least.direction {
+        Direction::Face { first: true, axis } => {
+            let out = outward(a.axis(axis), offset);
+            face_points(a, b, out, axis).map(|points| Manifold {
+                normal: -out,
+                points,
+            })
+        }
+        Direction::Face { first: false, axis } => {
+            let out = outward(b.axis(axis), -offset);
+            face_points(b, a, out, axis).map(|points| Manifold {
+                normal: out,
+                points,
+            })
+        }
+        Direction::Edges { own, other } => {
+            let across = a.axis(own).cross(&b.axis(other));
+            let out = outward(across / across.norm(), offset);
+            let place = between(a, own, b, other, out);
+            Some(Manifold {
+                normal: -out,
+                points: smallvec![ManifoldPoint {
+                    place,
+                    depth: least.depth,
+                }],
+            })
+        }
+    }
+}
+
+/// `axis` or its opposite, whichever points along `towards`.
+fn outward<R: Real>(axis: Vector3<R>, towards: Vector3<R>) -> Vector3<R> {
+    if axis.dot(&towards) < R::zero() {
+        -axis
+    } else {
+        axis
+    }
+}
+
+/// Halfway between the edge of `a` that is farthest along `out` and the edge of `b` farthest back.
+fn between<R: Real>(
+    a: &Cuboid<R>,
+    own: usize,
+    b: &Cuboid<R>,
+    other: usize,
+    out: Vector3<R>,
+) -> Vector3<R> {
+    let middle = |of: &Cuboid<R>, edge: usize, towards: Vector3<R>| {
+        (1..3).fold(of.centre, |middle, step| {
+            let axis = (edge + step) % 3;
+            middle + outward(of.axis(axis), towards) * of.half[axis]
+        })
+    };
+    let (from, to) = (middle(a, own, out), middle(b, other, -out));
+    let (u, v) = (a.axis(own), b.axis(other));
+    // The closest points of two lines that are not parallel.
+    let way = to - from;
+    let (uv, uw, vw) = (u.dot(&v), u.dot(&way), v.dot(&way));
+    let rest = R::one() - uv * uv;
+    let on_a = from + u * ((uw - uv * vw) / rest);
+    let on_b = to + v * ((uv * uw - vw) / rest);
+    (on_a + on_b) * R::of(0.5)
+}

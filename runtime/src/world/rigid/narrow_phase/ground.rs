@@ -1,0 +1,49 @@
+//! Bodies on the plane z = 0.
+use nalgebra::{Rotation3, Vector3};
+use smallvec::{SmallVec, smallvec};
+
+use super::{Manifold, ManifoldPoint};
+use crate::world::real::Real;
+
+/// The corners of a cube that are below the ground.
+pub fn cube_on_ground<R: Real>(centre: Vector3<R>, axes: &Rotation3<R>) -> Option<Manifold<R>> {
+    let half = R::of(0.5);
+    let row = axes.matrix().row(2) * half;
+    if centre.z >= row[0].abs() + row[1].abs() + row[2].abs() {
+        return None;
+    }
+    let mut points = SmallVec::new();
+    for corner in 0..8 {
+        let above = |axis: usize| {
+            if corner >> axis & 1 == 1 {
+                row[axis]
+            } else {
+                -row[axis]
+            }
+        };
+        if centre.z + above(0) + above(1) + above(2) < R::zero() {
+            let side = |axis: usize| if corner >> axis & 1 == 1 { half } else { -half };
+            let own = Vector3::new(side(0), side(1), side(2));
+            points.push(raised(centre + axes * own));
+        }
+    }
+    let normal = Vector3::z();
+    (!points.is_empty()).then_some(Manifold { normal, points })
+}
+
+/// A ball of diameter 1 that reaches below the ground.
+pub fn ball_on_ground<R: Real>(centre: Vector3<R>) -> Option<Manifold<R>> {
+    let lowest = centre - Vector3::z() * R::of(0.5);
+    (lowest.z < R::zero()).then(|| Manifold {
+        normal: Vector3::z(),
+        points: smallvec![raised(lowest)],
+    })
+}
+
+/// A place below the ground, as a contact halfway up.
+fn raised<R: Real>(place: Vector3<R>) -> ManifoldPoint<R> {
+    ManifoldPoint {
+        place: Vector3::new(place.x, place.y, place.z * R::of(0.5)),
+        depth: -place.z,
+    }
+}

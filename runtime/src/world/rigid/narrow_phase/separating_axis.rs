@@ -1,0 +1,170 @@
+//! The fifteen separating axes of two boxes (Gottschalk, Lin, Manocha 1996), for several pairs side
+//! by side: most pairs that are near each other do not touch, and which axis says so is hard to
+//! guess.
+use super::Cuboid;
+use crate::world::rigid::simd::{ABREAST, Lane, Wide, first, sum, transposed};
+
+/// Edges count as parallel when the sine of their angle is below this.
+const PARALLEL: f64 = 1e-3;
+
+/// A face is preferred to an edge that is not shallower by more than this \[side\]: several points
+/// hold better than one.
+const PREFER_FACE: f64 = 1e-3;
+
+/// The direction in which two boxes overlap least.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Direction {
+    /// Normal to a face of the first or second box.
+    Face { first: bool, axis: usize },
+    /// Normal to an edge of each.
+    Edges { own: usize, other: usize },
+}
+
+/// How two boxes overlap.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LeastOverlap<R> {
+    pub direction: Direction,
+    pub depth: R,
+}
+
+/// Three numbers of each pair, or three times three.
+type LaneVector<R> = [<R as Lane>::Quad; 3];
+type LaneMatrix<R> = [LaneVector<R>; 3];
+
+/// One box of each pair.
+struct Boxes<R: Lane> {
+    /// Own directions in the world.
+    axes: LaneMatrix<R>,
+    half: LaneVector<R>,
+}
+
+/// What has been found so far.
+struct Search<R: Lane> {
+    /// The pairs that no axis separates.
+    meet: R::Quad,
+    /// The least depth, and the number of its axis.
+    depth: R::Quad,
+    axis: R::Quad,
+}
+
+/// How each of at most [`ABREAST`] pairs of boxes overlaps; `None`: they do not.
+pub(super) fn least<R: Lane>(
+    pairs: &[(Cuboid<R>, Cuboid<R>)],
+) -> [Option<LeastOverlap<R>>; ABREAST] {
+    let (a, b) = (gather(pairs, |pair| &pair.0), gather(pairs, |pair| &pair.1));
+    let offset = vector(pairs, |(a, b)| b.centre - a.centre);
+    let dot = |u: &LaneVector<R>, v: &LaneVector<R>| sum([0, 1, 2].map(|i| u[i] * v[i]));
+    let in_a = [0, 1, 2].map(|i| dot(&a.axes[i], &offset));
+    let turn: LaneMatrix<R> = [0, 1, 2].map(|i| [0, 1, 2].map(|j| dot(&a.axes[i], &b.axes[j])));
+    let column = |of: &LaneMatrix<R>, j: usize| [0, 1, 2].map(|i| of[i][j]);
+    let in_b = [0, 1, 2].map(|j| dot(&column(&turn, j), &in_a));
+    let size = turn.map(|row| row.map(Wide::abs));
+    let mut search = Search::<R>::new(pairs.len());
+    for axis in 0..3 {
+        let reach = a.half[axis] + dot(&size[axis], &b.half);
+        search.face(axis, reach - in_a[axis].abs());
+    }
+    for (axis, apart) in in_b.into_iter().enumerate() {
+        let reach = b.half[axis] + dot(&column(&size, axis), &a.half);
+        search.face(3 + axis, reach - apart.abs());
+    }
+    let face = search.depth - R::Quad::splat(R::of(PREFER_FACE));
+    let skew = R::Quad::splat(R::of(PARALLEL * PARALLEL));
+    for own in 0..3 {
+        let (own1, own2) = ((own + 1) % 3, (own + 2) % 3);
+        for other in 0..3 {
+            let (other1, other2) = ((other + 1) % 3, (other + 2) % 3);
+            // The cross product of the two edges, in the frame of `a`.
+            let square = R::Quad::splat(R::one()) - turn[own][other] * turn[own][other];
+            let reach = a.half[own1] * size[own2][other]
+                + a.half[own2] * size[own1][other]
+                + b.half[other1] * size[own][other2]
+                + b.half[other2] * size[own][other1];
+            let apart = in_a[own2] * turn[own1][other] - in_a[own1] * turn[own2][other];
+            let overlap = reach - apart.abs();
+            search.edges(3 * own + other, overlap, square, skew.above(square), face);
+        }
+    }
+    search.found()
+}
+
+impl<R: Lane> Search<R> {
+    fn new(pairs: usize) -> Search<R> {
+        Search {
+            meet: first::<R>(pairs),
+            depth: R::Quad::splat(R::of(f64::from(f32::MAX))),
+            axis: R::Quad::splat(R::zero()),
+        }
+    }
+
+    #[inline(always)]
+    fn face(&mut self, number: usize, overlap: R::Quad) {
+        self.meet = self.meet & overlap.above(R::Quad::splat(R::zero()));
+        self.keep(number, overlap, self.depth.above(overlap));
+    }
+
+    #[inline(always)]
+    fn edges(
+        &mut self,
+        number: usize,
+        overlap: R::Quad,
+        square: R::Quad,
+        parallel: R::Quad,
+        face: R::Quad,
+    ) {
+        let zero = R::Quad::splat(R::zero());
+        let overlap = parallel.choose(
+            R::Quad::splat(R::of(f64::from(f32::MAX))),
+            overlap / square.most(zero).sqrt(),
+        );
+        self.meet = self.meet & overlap.above(zero);
+        let least = self.depth.above(overlap) & face.above(overlap);
+        self.keep(6 + number, overlap, least);
+    }
+
+    #[inline(always)]
+    fn keep(&mut self, number: usize, overlap: R::Quad, least: R::Quad) {
+        self.depth = least.choose(overlap, self.depth);
+        self.axis = least.choose(R::Quad::splat(R::of_int(number as i32)), self.axis);
+    }
+
+    fn found(&self) -> [Option<LeastOverlap<R>>; ABREAST] {
+        let meet = self.meet.bits();
+        let (depth, axis) = (self.depth.store(), self.axis.store());
+        std::array::from_fn(|lane| {
+            (meet >> lane & 1 == 1).then(|| {
+                let number = axis[lane].round_small() as usize;
+                let direction = match number {
+                    0..6 => Direction::Face {
+                        first: number < 3,
+                        axis: number % 3,
+                    },
+                    _ => Direction::Edges {
+                        own: (number - 6) / 3,
+                        other: number % 3,
+                    },
+                };
+                let depth = depth[lane];
+                LeastOverlap { direction, depth }
+            })
+        })
+    }
+}
+
+fn gather<R: Lane>(
+    pairs: &[(Cuboid<R>, Cuboid<R>)],
+    which: impl Fn(&(Cuboid<R>, Cuboid<R>)) -> &Cuboid<R>,
+) -> Boxes<R> {
+    Boxes {
+        axes: [0, 1, 2].map(|axis| vector(pairs, |pair| which(pair).axis(axis))),
+        half: vector(pairs, |pair| which(pair).half),
+    }
+}
+
+/// A vector of each pair.
+fn vector<R: Lane>(
+    pairs: &[(Cuboid<R>, Cuboid<R>)],
+    of: impl Fn(&(Cuboid<R>, Cuboid<R>)) -> nalgebra::Vector3<R>,
+) -> LaneVector<R> {
+    transposed(pairs.iter().map(|pair| of(pair).into()))
+}

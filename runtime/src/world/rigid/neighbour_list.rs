@@ -1,0 +1,176 @@
+//! Which blocks are near each other, looked up once for several substeps (Verlet 1967).
+use nalgebra::Vector3;
+
+use super::bodies::Bodies;
+use super::cell_list::{CellList, TOUCH};
+use super::simd::{LANES, Lane, Wide, square};
+use crate::world::blocks::Blocks;
+use crate::world::motion_limits::FARTHEST;
+
+/// So much farther apart than touching \[side\], pairs are on a list that is to last.
+const SKIN: f64 = 1.2;
+
+/// A list has to last for so many steps, or it costs more than it saves.
+const LASTING: f64 = 2.5;
+
+/// Steps until it is looked again how long a list would last, and how far blocks have spread.
+const REVIEW: u32 = 64;
+
+/// At most one block in so many may be outside of the grid, where cells are crowded.
+const OUTSIDE: usize = 8;
+
+/// The blocks near each other and near places.
+#[derive(Clone, Debug)]
+pub(super) struct NeighbourList<R: Lane> {
+    /// The blocks mostly stay within this of the origin, and above the floor if there is one \[side\].
+    span: f64,
+    floor: Option<f64>,
+    grid: CellList<R>,
+    /// [`SKIN`], or 0: there is no list, and everybody is looked up in every step.
+    skin: f64,
+    pairs: Vec<(u32, u32)>,
+    /// Where the blocks were when the list was made; empty: there is none.
+    places: [Vec<R>; 3],
+    /// Steps until the next review.
+    due: u32,
+}
+
+impl<R: Lane> NeighbourList<R> {
+    /// For blocks that mostly stay within `span` of the origin so far, and above `floor` \[side\].
+    pub fn new(count: usize, span: f64, floor: Option<f64>) -> NeighbourList<R> {
+        NeighbourList {
+            span,
+            floor,
+            grid: CellList::new(count, span, floor.unwrap_or(-span), TOUCH + SKIN),
+            skin: SKIN,
+            pairs: Vec::new(),
+            places: [const { Vec::new() }; 3],
+            due: 0,
+        }
+    }
+
+    /// Takes in where the blocks are now; whether they had to be looked up anew.
+    pub fn follow(&mut self, bodies: &Bodies<R>) -> bool {
+        match self.due.checked_sub(1) {
+            Some(due) => self.due = due,
+            None => self.review(bodies),
+        }
+        if !self.places[0].is_empty() && self.holds(bodies) {
+            return false;
+        }
+        self.grid.sort(bodies);
+        if self.skin > 0.0 {
+            for (kept, now) in self.places.iter_mut().zip(&bodies.position) {
+                kept.clone_from(now);
+            }
+            self.grid.close_pairs(&mut self.pairs);
+        }
+        true
+    }
+
+    /// A block that was anchored is free: its pairs with others that still are may not be listed.
+    pub fn forget(&mut self) {
+        self.places.iter_mut().for_each(Vec::clear);
+    }
+
+    /// Decides whether there is to be a list, and how far the grid reaches.
+    fn review(&mut self, bodies: &Bodies<R>) {
+        self.due = REVIEW;
+        let step = bodies.fastest().double() * bodies.dt.double();
+        let skin = if step * LASTING < SKIN / 2.0 {
+            SKIN
+        } else {
+            0.0
+        };
+        let mut span = self.span;
+        while span < FARTHEST
+            && bodies.count_beyond(R::of(span)) > bodies.count() as usize / OUTSIDE
+        {
+            span *= 1.5;
+        }
+        if (skin, span) != (self.skin, self.span) {
+            (self.skin, self.span) = (skin, span);
+            let floor = self.floor.unwrap_or(-span);
+            self.grid = CellList::new(bodies.count() as usize, span, floor, TOUCH + skin);
+            self.forget();
+        }
+    }
+
+    /// Whether no block has moved by half of the skin.
+    fn holds(&self, bodies: &Bodies<R>) -> bool {
+        let load = |x: &[R; LANES]| R::Wide::load(x);
+        let [x, y, z] = [0, 1, 2].map(|axis| {
+            let now = bodies.position[axis].as_chunks::<LANES>().0;
+            now.iter().zip(self.places[axis].as_chunks::<LANES>().0)
+        });
+        let mut farthest = R::Wide::splat(R::zero());
+        for ((x, y), z) in x.zip(y).zip(z) {
+            let way = [x, y, z].map(|(now, then)| load(now) - load(then));
+            farthest = square(way).most(farthest);
+        }
+        let most = R::of(self.skin * self.skin / 4.0);
+        farthest.store().iter().all(|&square| square < most)
+    }
+
+    /// Every pair of blocks that may touch, but those of which both are anchored; once, the lower
+    /// number first, in rising order.
+    pub fn close_pairs(&mut self, bodies: &Bodies<R>, pairs: &mut Vec<(u32, u32)>) {
+        if self.skin == 0.0 {
+            self.grid.close_pairs(pairs);
+            return;
+        }
+        let touch = R::of(TOUCH * TOUCH);
+        pairs.clear();
+        pairs.extend(self.pairs.iter().filter(|&&(i, j)| {
+            let way = bodies.position(i) - bodies.position(j);
+            way.norm_squared() < touch
+        }));
+    }
+
+    /// The blocks that may come within `reach` of a place before the list is made anew, in rising
+    /// order.
+    pub fn around(&self, centre: Vector3<R>, reach: R, found: &mut Vec<u32>) {
+        self.grid
+            .around(centre, reach + R::of(self.skin / 2.0), found);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::{RngExt as _, SeedableRng as _};
+    use rand_chacha::ChaCha8Rng;
+
+    use super::*;
+    use crate::world::BodyState;
+
+    /// Against every pair asked, while blocks are slow enough for a list by times.
+    #[test]
+    fn no_pair_is_lost_when_blocks_get_faster_and_slower() {
+        let mut dice = ChaCha8Rng::seed_from_u64(1);
+        let mut vector = |size: f64| Vector3::from_fn(|_, _| dice.random_range(-size..size));
+        let blocks: Vec<BodyState> = (0..60).map(|_| BodyState::at_rest(vector(5.0))).collect();
+        let mut bodies = Bodies::<f32>::new(&blocks, 1.0);
+        let mut neighbours = NeighbourList::new(blocks.len(), 2.0, None);
+        let (mut found, mut lists, mut without) = (Vec::new(), 0, 0);
+        for step in 0..1000 {
+            let speed = [0.02, 0.6][step / 200 % 2];
+            for id in 0..bodies.count() {
+                let home = bodies.position(id) * -0.01;
+                let velocity = vector(speed).map(|v| v as f32) + home;
+                bodies.set_velocity(id, velocity, Vector3::zeros());
+                bodies.set_position(id, bodies.position(id) + velocity);
+            }
+            let anew = neighbours.follow(&bodies);
+            lists += u32::from(!anew);
+            without += u32::from(neighbours.skin == 0.0);
+            neighbours.close_pairs(&bodies, &mut found);
+            let all = (0..60).flat_map(|i| (i + 1..60).map(move |j| (i, j)));
+            let near = |&(i, j): &(u32, u32)| {
+                let way = bodies.position(i) - bodies.position(j);
+                way.norm_squared() < (TOUCH * TOUCH) as f32
+            };
+            assert_eq!(found, all.filter(near).collect::<Vec<_>>(), "step {step}");
+        }
+        assert!(lists > 300 && without > 200, "{lists} {without}");
+    }
+}

@@ -1,0 +1,458 @@
+//! Contacts that share no body with another: solved side by side.
+//!
+//! Each lane is a contact of its own, with the arithmetic of [`super::sequential`] in the same order: it
+//! does not matter to a contact which others are beside it. What a lane no longer takes part in
+//! goes on as a change by nothing.
+use super::contact_law::{FASTEST, Law, LawKind, RECOVERY, SLOP};
+use super::contact_list::ContactList;
+use super::solver_bodies::{SolverBodies, SolverBody};
+use crate::world::rigid::simd::{ABREAST, Lane, Wide, cross, first, sum, transposed};
+
+/// Contacts of `N` bodies that move: two, or one with something that does not.
+#[derive(Clone, Debug, Default)]
+pub(super) struct ParallelContacts<R: Lane, const N: usize> {
+    /// Their numbers among all.
+    numbers: Vec<usize>,
+    /// More than are needed now are kept to be used again.
+    groups: Vec<Batch<R, N>>,
+}
+
+/// At most [`ABREAST`] of them.
+#[derive(Clone, Debug)]
+struct Batch<R: Lane, const N: usize> {
+    /// Where the bodies are in the lists.
+    places: [[usize; N]; ABREAST],
+    /// The lanes that hold a contact.
+    real: R::Quad,
+    bodies: [BatchBody<R>; N],
+    shifts: [BatchBody<R>; N],
+    /// Along the normal, and across it.
+    frame: [BatchVector<R>; 3],
+    /// How much an impulse softens the velocity.
+    softness: R::Quad,
+    spots: Vec<BatchPoint<R, N>>,
+}
+
+/// A vector of each lane.
+type BatchVector<R> = [<R as Lane>::Quad; 3];
+
+/// A body of each contact.
+#[derive(Clone, Copy, Debug)]
+struct BatchBody<R: Lane> {
+    velocity: BatchVector<R>,
+    spin: BatchVector<R>,
+    inverse_mass: R::Quad,
+    inverse_inertia: R::Quad,
+}
+
+/// A point of each contact.
+#[derive(Clone, Copy, Debug)]
+struct BatchPoint<R: Lane, const N: usize> {
+    /// Which contacts have so many points.
+    real: R::Quad,
+    depth: R::Quad,
+    /// Velocity along the normal that is asked for, or what a spring asks for.
+    target: R::Quad,
+    /// Motion per tick that undoes the overlap.
+    recovery: R::Quad,
+    /// Torques of unit impulses, in the directions of the frame, about the centres of the bodies.
+    torques: [[BatchVector<R>; N]; 3],
+    /// Impulses that change the velocity here by one: along the normal, and across it.
+    masses: [R::Quad; 2],
+    impulses: BatchVector<R>,
+    shift: R::Quad,
+}
+
+impl<R: Lane, const N: usize> ParallelContacts<R, N> {
+    pub fn clear(&mut self) {
+        self.numbers.clear();
+    }
+
+    pub fn add(&mut self, number: usize) {
+        self.numbers.push(number);
+    }
+
+    /// The groups that are in use.
+    fn groups(&mut self) -> &mut [Batch<R, N>] {
+        &mut self.groups[..self.numbers.len().div_ceil(ABREAST)]
+    }
+
+    /// Looks all contacts up; how fast their points approach at most.
+    pub fn load(
+        &mut self,
+        touches: &ContactList<R>,
+        moving: &SolverBodies<R>,
+        law: &Law<R>,
+        dt: R,
+    ) -> R {
+        // Those with equally many points side by side.
+        let points = |&number: &usize| std::cmp::Reverse(touches.list[number].points.len());
+        self.numbers.sort_by_key(points);
+        let groups = self.numbers.chunks(ABREAST);
+        if self.groups.len() < groups.len() {
+            self.groups.resize_with(groups.len(), Batch::new);
+        }
+        groups
+            .zip(&mut self.groups)
+            .fold(R::zero(), |fastest, (numbers, group)| {
+                fastest.max(group.load(touches, numbers, moving, law, dt))
+            })
+    }
+
+    /// Finds the velocities of all bodies, those at points up to `tolerance`.
+    pub fn push(&mut self, law: &Law<R>, rounds: u32, tolerance: R, inertia: R) {
+        for group in self.groups() {
+            group.push(law, rounds, tolerance, inertia);
+        }
+    }
+
+    /// Finds the motions that undo overlaps.
+    pub fn part(&mut self, rounds: u32, tolerance: R) {
+        for group in self.groups() {
+            group.part(rounds, tolerance);
+        }
+    }
+
+    /// Writes down what has been found.
+    pub fn store(&mut self, moving: &mut SolverBodies<R>) {
+        for group in self.groups() {
+            group.store(moving);
+        }
+    }
+}
+
+impl<R: Lane, const N: usize> Batch<R, N> {
+    /// No contacts.
+    fn new() -> Batch<R, N> {
+        let nothing = BatchBody::gather(all::<R>(0.0), std::iter::empty());
+        Batch {
+            places: [[0; N]; ABREAST],
+            real: all::<R>(0.0),
+            bodies: [nothing; N],
+            shifts: [nothing; N],
+            frame: [[all::<R>(0.0); 3]; 3],
+            softness: all::<R>(0.0),
+            spots: Vec::new(),
+        }
+    }
+
+    /// Takes the contacts with these numbers, those with most points first, in the place of those
+    /// that it had; how fast their points approach at most.
+    fn load(
+        &mut self,
+        touches: &ContactList<R>,
+        numbers: &[usize],
+        moving: &SolverBodies<R>,
+        law: &Law<R>,
+        dt: R,
+    ) -> R {
+        let list = || numbers.iter().map(|&number| &touches.list[number]);
+        self.real = first::<R>(numbers.len());
+        for (places, touch) in self.places.iter_mut().zip(list()) {
+            places.copy_from_slice(&touch.bodies[..N]);
+        }
+        self.frame = [0, 1, 2].map(|row| transposed(list().map(|touch| touch.frame[row].into())));
+        for which in 0..N {
+            let motions = list().map(|touch| &moving.motions[touch.bodies[which]]);
+            self.bodies[which] = BatchBody::gather(self.real, motions);
+            self.shifts[which] = BatchBody {
+                velocity: [all::<R>(0.0); 3],
+                spin: [all::<R>(0.0); 3],
+                ..self.bodies[which]
+            };
+        }
+        self.spots.clear();
+        // Contacts with most points come first.
+        let most = list().next().map_or(0, |touch| touch.points.len());
+        for nth in 0..most {
+            let points = || list().map_while(|touch| touches.points_of(touch).get(nth));
+            let [depth] = transposed(points().map(|point| [point.depth]));
+            let arms: [BatchVector<R>; N] = std::array::from_fn(|which| {
+                transposed(points().map(|point| point.arms[which].into()))
+            });
+            self.spots.push(BatchPoint {
+                real: first::<R>(points().count()),
+                depth,
+                target: all::<R>(0.0),
+                recovery: all::<R>(0.0),
+                torques: (self.frame).map(|direction| arms.map(|arm| cross(arm, direction))),
+                masses: [all::<R>(0.0); 2],
+                impulses: [all::<R>(0.0); 3],
+                shift: all::<R>(0.0),
+            });
+        }
+        self.prepare(law, dt)
+    }
+
+    /// Works out what each point asks for; the fastest approach.
+    fn prepare(&mut self, law: &Law<R>, dt: R) -> R {
+        let mut fastest = all::<R>(0.0);
+        let dt = R::Quad::splat(dt);
+        let (mut deepest, mut depths) = (all::<R>(0.0), all::<R>(0.0));
+        for spot in &self.spots {
+            deepest = deepest.most(spot.depth);
+            depths += spot.depth;
+        }
+        self.softness = all::<R>(0.0);
+        for spot in &mut self.spots {
+            let approach = velocity(&self.frame[0], &spot.torques[0], &self.bodies);
+            fastest = fastest.most(spot.real.choose(approach.abs(), all::<R>(0.0)));
+            match law.kind {
+                LawKind::Rigid { restitution } => {
+                    spot.target = R::Quad::splat(-restitution) * approach;
+                    let excess = (spot.depth - all::<R>(SLOP)).most(all::<R>(0.0));
+                    spot.recovery = (excess * all::<R>(RECOVERY) / dt).least(all::<R>(FASTEST));
+                }
+                LawKind::Compliant { stiffness, damping } => {
+                    let share = deepest / depths;
+                    let stiffness = R::Quad::splat(stiffness) * share;
+                    let damping = R::Quad::splat(damping) * share;
+                    let firmness = dt * (damping + dt * stiffness);
+                    self.softness = all::<R>(1.0) / firmness;
+                    spot.target = spot.depth * stiffness * dt / firmness;
+                }
+            }
+            let yields =
+                |one: usize, two: usize| yields(&self.frame, &spot.torques, &self.bodies, one, two);
+            spot.masses[0] = all::<R>(1.0) / (yields(0, 0) + self.softness);
+            if law.friction > R::zero() {
+                let (k11, k22, k12) = (yields(1, 1), yields(2, 2), yields(1, 2));
+                let (mean, half) = ((k11 + k22) * all::<R>(0.5), (k11 - k22) * all::<R>(0.5));
+                spot.masses[1] = all::<R>(1.0) / (mean + (half * half + k12 * k12).sqrt());
+            }
+        }
+        (fastest.store().into_iter()).fold(R::zero(), |most, approach| most.max(approach))
+    }
+
+    fn push(&mut self, law: &Law<R>, rounds: u32, tolerance: R, inertia: R) {
+        let before = self.bodies;
+        let mut active = self.real;
+        for _ in 0..rounds {
+            let greatest = self.push_once(law.friction, active);
+            active = active & greatest.above(R::Quad::splat(tolerance));
+            if active.bits() == 0 {
+                break;
+            }
+        }
+        if law.restitution().is_some_and(|part| part > R::zero()) {
+            self.keep_energy(&before, inertia);
+        }
+    }
+
+    /// One round of impulses; the greatest change of velocity at a point.
+    fn push_once(&mut self, friction: R, active: R::Quad) -> R::Quad {
+        let mut greatest = all::<R>(0.0);
+        let mut bodies = self.bodies;
+        let [along, across @ ..] = &self.frame;
+        for spot in &mut self.spots {
+            let active = active & spot.real;
+            let missing = spot.target
+                - velocity(along, &spot.torques[0], &bodies)
+                - self.softness * spot.impulses[0];
+            let wanted = (spot.impulses[0] + missing * spot.masses[0]).most(all::<R>(0.0));
+            let change = spot.press(0, wanted, active);
+            push(change, along, &spot.torques[0], &mut bodies);
+            greatest = greatest.most((change / spot.masses[0]).abs());
+            if friction > R::zero() {
+                // Coulomb's cone, of the impulse that presses now.
+                let most = R::Quad::splat(friction) * spot.impulses[0];
+                let [one, two] = [0, 1].map(|row| {
+                    let slip = velocity(&across[row], &spot.torques[row + 1], &bodies);
+                    spot.impulses[row + 1] - slip * spot.masses[1]
+                });
+                let square = one * one + two * two;
+                let by = (square.above(most * most)).choose(most / square.sqrt(), all::<R>(1.0));
+                for (row, wanted) in [one * by, two * by].into_iter().enumerate() {
+                    let change = spot.press(row + 1, wanted, active);
+                    push(change, &across[row], &spot.torques[row + 1], &mut bodies);
+                    greatest = greatest.most((change / spot.masses[1]).abs());
+                }
+            }
+        }
+        self.bodies = bodies;
+        greatest
+    }
+
+    fn part(&mut self, rounds: u32, tolerance: R) {
+        let mut active = self.real;
+        for _ in 0..rounds {
+            let greatest = self.part_once(active);
+            active = active & greatest.above(R::Quad::splat(tolerance));
+            if active.bits() == 0 {
+                break;
+            }
+        }
+    }
+
+    /// One round of undoing overlaps; the greatest change of speed at a point.
+    fn part_once(&mut self, active: R::Quad) -> R::Quad {
+        let mut greatest = all::<R>(0.0);
+        let mut shifts = self.shifts;
+        let along = &self.frame[0];
+        for spot in &mut self.spots {
+            let relative = velocity(along, &spot.torques[0], &shifts);
+            let wanted = spot.shift + (spot.recovery - relative) * spot.masses[0];
+            let wanted = (active & spot.real).choose(wanted.most(all::<R>(0.0)), spot.shift);
+            let change = wanted - spot.shift;
+            spot.shift = wanted;
+            push(change, along, &spot.torques[0], &mut shifts);
+            greatest = greatest.most((change / spot.masses[0]).abs());
+        }
+        self.shifts = shifts;
+        greatest
+    }
+
+    /// See [`super::sequential::Chains`]: bodies must not be livelier than before.
+    fn keep_energy(&mut self, before: &[BatchBody<R>; N], inertia: R) {
+        let inertia = R::Quad::splat(inertia);
+        let (mut work, mut square) = (all::<R>(0.0), all::<R>(0.0));
+        for (now, before) in self.bodies.iter().zip(before) {
+            let (faster, livelier) = now.less(before);
+            let energy = |v: &BatchVector<R>, w: &BatchVector<R>| {
+                sum([0, 1, 2]
+                    .map(|axis| v[axis] * faster[axis] + w[axis] * livelier[axis] * inertia))
+            };
+            work += energy(&before.velocity, &before.spin);
+            square += energy(&faster, &livelier);
+        }
+        let too_much = (work + work + square).above(all::<R>(0.0));
+        let part = ((all::<R>(0.0) - (work + work)) / square).most(all::<R>(0.0));
+        for (now, before) in self.bodies.iter_mut().zip(before) {
+            let (faster, livelier) = now.less(before);
+            for axis in 0..3 {
+                let velocity = before.velocity[axis] + faster[axis] * part;
+                let spin = before.spin[axis] + livelier[axis] * part;
+                now.velocity[axis] = too_much.choose(velocity, now.velocity[axis]);
+                now.spin[axis] = too_much.choose(spin, now.spin[axis]);
+            }
+        }
+    }
+
+    fn store(&self, moving: &mut SolverBodies<R>) {
+        let count = self.real.bits().count_ones() as usize;
+        for which in 0..N {
+            let places = self.places[..count].iter().map(|places| places[which]);
+            self.bodies[which].scatter(places.clone(), &mut moving.motions);
+            self.shifts[which].scatter(places, &mut moving.shifts);
+        }
+    }
+}
+
+impl<R: Lane, const N: usize> BatchPoint<R, N> {
+    /// Makes an impulse what is wanted where contacts are active; the change.
+    #[inline(always)]
+    fn press(&mut self, row: usize, wanted: R::Quad, active: R::Quad) -> R::Quad {
+        let before = self.impulses[row];
+        self.impulses[row] = active.choose(wanted, before);
+        self.impulses[row] - before
+    }
+}
+
+impl<R: Lane> BatchBody<R> {
+    fn gather<'a>(real: R::Quad, motions: impl Iterator<Item = &'a SolverBody<R>>) -> BatchBody<R> {
+        let [x, y, z, u, v, w, mass, inertia] = transposed(motions.map(|motion| {
+            let ([x, y, z, _], [u, v, w, _]) = (motion.velocity.store(), motion.spin.store());
+            let (mass, inertia) = (motion.inverse_mass, motion.inverse_inertia);
+            [x, y, z, u, v, w, mass, inertia]
+        }));
+        BatchBody {
+            velocity: [x, y, z],
+            spin: [u, v, w],
+            // What nobody is in has a mass, so that nothing is divided by zero.
+            inverse_mass: real.choose(mass, all::<R>(1.0)),
+            inverse_inertia: inertia,
+        }
+    }
+
+    /// What does not move is not changed: nothing has pushed it.
+    fn scatter(&self, places: impl Iterator<Item = usize>, motions: &mut [SolverBody<R>]) {
+        let [velocity, spin] = [self.velocity, self.spin].map(|vector| vector.map(Wide::store));
+        for (lane, place) in places.enumerate() {
+            let vector = |[x, y, z]: &[[R; ABREAST]; 3]| {
+                R::Quad::load(&[x[lane], y[lane], z[lane], R::zero()])
+            };
+            motions[place].velocity = vector(&velocity);
+            motions[place].spin = vector(&spin);
+        }
+    }
+
+    /// By how much velocity and spin are other than before.
+    fn less(&self, before: &BatchBody<R>) -> (BatchVector<R>, BatchVector<R>) {
+        (
+            [0, 1, 2].map(|axis| self.velocity[axis] - before.velocity[axis]),
+            [0, 1, 2].map(|axis| self.spin[axis] - before.spin[axis]),
+        )
+    }
+}
+
+/// The same in all lanes.
+#[inline(always)]
+fn all<R: Lane>(value: f64) -> R::Quad {
+    R::Quad::splat(R::of(value))
+}
+
+/// Of the first body as seen from the second, at a point and in a direction.
+#[inline(always)]
+fn velocity<R: Lane, const N: usize>(
+    direction: &BatchVector<R>,
+    torques: &[BatchVector<R>; N],
+    bodies: &[BatchBody<R>; N],
+) -> R::Quad {
+    sum([0, 1, 2].map(|axis| {
+        let mut moved = bodies[0].velocity[axis];
+        let mut turned = torques[0][axis] * bodies[0].spin[axis];
+        for which in 1..N {
+            moved -= bodies[which].velocity[axis];
+            turned -= torques[which][axis] * bodies[which].spin[axis];
+        }
+        direction[axis] * moved + turned
+    }))
+}
+
+/// How much the velocity in one direction of the frame changes by a unit impulse in the other.
+#[inline(always)]
+fn yields<R: Lane, const N: usize>(
+    frame: &[BatchVector<R>; 3],
+    torques: &[[BatchVector<R>; N]; 3],
+    bodies: &[BatchBody<R>; N],
+    one: usize,
+    two: usize,
+) -> R::Quad {
+    let mut lightness = bodies[0].inverse_mass;
+    for body in &bodies[1..] {
+        lightness += body.inverse_mass;
+    }
+    sum([0, 1, 2].map(|axis| {
+        let mut all = frame[one][axis] * frame[two][axis] * lightness;
+        for which in 0..N {
+            let turned = torques[one][which][axis] * torques[two][which][axis];
+            all += turned * bodies[which].inverse_inertia;
+        }
+        all
+    }))
+}
+
+/// Pushes the bodies apart by an impulse.
+#[inline(always)]
+fn push<R: Lane, const N: usize>(
+    impulse: R::Quad,
+    direction: &BatchVector<R>,
+    torques: &[BatchVector<R>; N],
+    bodies: &mut [BatchBody<R>; N],
+) {
+    for which in 0..N {
+        let body = &mut bodies[which];
+        let moved = impulse * body.inverse_mass;
+        let turned = impulse * body.inverse_inertia;
+        for axis in 0..3 {
+            let (by, about) = (direction[axis] * moved, torques[which][axis] * turned);
+            if which == 0 {
+                body.velocity[axis] += by;
+                body.spin[axis] += about;
+            } else {
+                body.velocity[axis] -= by;
+                body.spin[axis] -= about;
+            }
+        }
+    }
+}

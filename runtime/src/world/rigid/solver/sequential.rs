@@ -1,0 +1,358 @@
+//! Contacts that share bodies: solved one after the other, again and again.
+//!
+//! A contact is visited again only as long as one of its two bodies has changed since.
+use std::ops::Range;
+
+use petgraph::unionfind::UnionFind;
+
+use super::contact_law::{FASTEST, Law, LawKind, RECOVERY, SLOP};
+use super::contact_list::{ContactList, ContactPoint, TouchingBodies};
+use super::solver_bodies::{GROUND, SolverBodies, SolverBody};
+use crate::world::rigid::simd::{Lane, Quad};
+
+/// The contacts of bodies that touch several things.
+#[derive(Clone, Debug, Default)]
+pub(super) struct SequentialContacts<R: Lane> {
+    contacts: Vec<SequentialContact>,
+    /// The points of all contacts.
+    spots: Vec<PointConstraint<R>>,
+    /// When a body was changed last, counted in visits.
+    changed: Vec<u32>,
+}
+
+/// A contact that has been visited or not.
+#[derive(Clone, Debug)]
+struct SequentialContact {
+    a: usize,
+    b: usize,
+    points: Range<usize>,
+    /// When it was visited last, in visits; whether it was content then.
+    visited: u32,
+    content: bool,
+}
+
+/// One point of a contact, ready to be solved.
+#[derive(Clone, Copy, Debug)]
+struct PointConstraint<R: Lane> {
+    /// How far the bodies overlap here.
+    depth: R,
+    /// Velocity along the normal that is asked for, or what a spring asks for.
+    target: R,
+    /// Of a compliant contact: how much an impulse softens the velocity.
+    softness: R,
+    /// Motion per tick that undoes the overlap.
+    recovery: R,
+    along: Row<R>,
+    across: [Row<R>; 2],
+    shift: R,
+}
+
+/// A direction at a point, in which the bodies can push each other.
+#[derive(Clone, Copy, Debug)]
+struct Row<R: Lane> {
+    direction: R::Quad,
+    /// Torque of a unit impulse about the centres of the two bodies.
+    torques: [R::Quad; 2],
+    /// Impulse that changes the velocity here by one.
+    mass: R,
+    impulse: R,
+}
+
+impl<R: Lane> SequentialContacts<R> {
+    pub fn clear(&mut self) {
+        self.contacts.clear();
+        self.spots.clear();
+    }
+
+    /// Adds a contact; how fast its points approach at most.
+    pub fn add(
+        &mut self,
+        touches: &ContactList<R>,
+        touch: &TouchingBodies<R>,
+        motions: &[SolverBody<R>],
+        law: &Law<R>,
+        dt: R,
+    ) -> R {
+        let from = self.spots.len();
+        let points = touches.points_of(touch).iter();
+        self.spots
+            .extend(points.map(|point| PointConstraint::new(touch, point)));
+        let [a, b] = touch.bodies;
+        let contact = SequentialContact {
+            a,
+            b,
+            points: from..self.spots.len(),
+            visited: 0,
+            content: false,
+        };
+        let approach = contact.prepare(&mut self.spots[from..], motions, law, dt);
+        self.contacts.push(contact);
+        approach
+    }
+
+    /// Finds the velocities of all bodies; those at points change by less than `tolerance` at last.
+    pub fn push(&mut self, moving: &mut SolverBodies<R>, law: &Law<R>, rounds: u32, tolerance: R) {
+        let (motions, friction) = (&mut moving.motions, law.friction);
+        self.repeat(motions, rounds, |contact, spots, motions| {
+            contact.push(spots, motions, friction) > tolerance
+        });
+        if law.restitution().is_some_and(|part| part > R::zero()) {
+            self.keep_energy(moving);
+        }
+    }
+
+    /// Finds the motions that undo overlaps.
+    pub fn part(&mut self, moving: &mut SolverBodies<R>, rounds: u32, tolerance: R) {
+        self.repeat(&mut moving.shifts, rounds, |contact, spots, shifts| {
+            contact.part(spots, shifts) > tolerance
+        });
+    }
+
+    /// Takes back what rounds cut short have given too much: blocks that hang together by contacts
+    /// must not be livelier than before. All their impulses are made smaller alike, which keeps
+    /// momentum.
+    fn keep_energy(&self, moving: &mut SolverBodies<R>) {
+        let mut groups = UnionFind::<usize>::new(moving.motions.len());
+        let mut chained = vec![false; moving.motions.len()];
+        for contact in &self.contacts {
+            (chained[contact.a], chained[contact.b]) = (true, true);
+            if contact.a != GROUND && contact.b != GROUND {
+                groups.union(contact.a, contact.b);
+            }
+        }
+        let inertia = moving.inertia();
+        let of_chains = |place: &usize| chained[*place];
+        let SolverBodies {
+            motions, before, ..
+        } = moving;
+        let before = |place: usize| (before[place].velocity, before[place].spin);
+        // Twice the energy is E0 + 2 s work + s^2 square, with s the part of the impulses.
+        let mut sums = vec![(R::zero(), R::zero()); motions.len()];
+        for place in (1..motions.len()).filter(of_chains) {
+            let motion = &motions[place];
+            let (velocity, spin) = before(place);
+            let (faster, livelier) = (motion.velocity - velocity, motion.spin - spin);
+            let (work, square) = &mut sums[groups.find(place)];
+            *work += (velocity * faster + (spin * livelier).scaled(inertia)).sum();
+            *square += (faster * faster + (livelier * livelier).scaled(inertia)).sum();
+        }
+        for place in (1..motions.len()).filter(of_chains) {
+            let (work, square) = sums[groups.find(place)];
+            if work + work + square > R::zero() {
+                let part = (-(work + work) / square).max(R::zero());
+                let (velocity, spin) = before(place);
+                let motion = &mut motions[place];
+                motion.velocity = velocity + (motion.velocity - velocity).scaled(part);
+                motion.spin = spin + (motion.spin - spin).scaled(part);
+            }
+        }
+    }
+
+    /// Visits contacts until none changes anything, or for as many rounds as are allowed.
+    fn repeat(
+        &mut self,
+        motions: &mut [SolverBody<R>],
+        rounds: u32,
+        visit: impl Fn(&SequentialContact, &mut [PointConstraint<R>], &mut [SolverBody<R>]) -> bool,
+    ) {
+        let mut visits = 0;
+        for contact in &mut self.contacts {
+            (contact.visited, contact.content) = (0, false);
+        }
+        self.changed.clear();
+        self.changed.resize(motions.len(), 0);
+        for _ in 0..rounds {
+            let mut content = true;
+            for contact in &mut self.contacts {
+                let last = self.changed[contact.a].max(self.changed[contact.b]);
+                if contact.content && last <= contact.visited {
+                    continue;
+                }
+                visits += 1;
+                let spots = &mut self.spots[contact.points.clone()];
+                let has_changed = visit(contact, spots, motions);
+                contact.content = !has_changed;
+                contact.visited = visits;
+                if has_changed {
+                    content = false;
+                    self.changed[contact.a] = visits;
+                    self.changed[contact.b] = visits;
+                    // Whatever happens, the ground has not changed.
+                    self.changed[GROUND] = 0;
+                }
+            }
+            if content {
+                break;
+            }
+        }
+    }
+}
+
+impl<R: Lane> PointConstraint<R> {
+    fn new(touch: &TouchingBodies<R>, point: &ContactPoint<R>) -> PointConstraint<R> {
+        let [along, one, two] = touch.frame.map(|direction| Row {
+            direction: R::Quad::pack(direction),
+            torques: point.arms.map(|arm| R::Quad::pack(arm.cross(&direction))),
+            mass: R::zero(),
+            impulse: R::zero(),
+        });
+        PointConstraint {
+            depth: point.depth,
+            target: R::zero(),
+            softness: R::zero(),
+            recovery: R::zero(),
+            along,
+            across: [one, two],
+            shift: R::zero(),
+        }
+    }
+}
+
+impl SequentialContact {
+    /// Works out what each point asks for; the fastest approach.
+    fn prepare<R: Lane>(
+        &self,
+        spots: &mut [PointConstraint<R>],
+        motions: &[SolverBody<R>],
+        law: &Law<R>,
+        dt: R,
+    ) -> R {
+        let (a, b) = (motions[self.a], motions[self.b]);
+        let mut fastest = R::zero();
+        // Together the points of a compliant contact are as stiff as one at the deepest of them.
+        let share = match law.kind {
+            LawKind::Rigid { .. } => R::one(),
+            LawKind::Compliant { .. } => {
+                let depths = spots.iter().map(|p| p.depth);
+                let deepest = depths
+                    .clone()
+                    .fold(R::zero(), |most, depth| most.max(depth));
+                deepest / depths.fold(R::zero(), |sum, depth| sum + depth)
+            }
+        };
+        for point in spots {
+            let approach = point.along.velocity(&a, &b);
+            fastest = fastest.max(approach.abs());
+            match law.kind {
+                LawKind::Rigid { restitution } => {
+                    // Of a point that recedes as well: what a rocking patch is given must not
+                    // make it livelier than it was.
+                    point.target = -restitution * approach;
+                    let excess = (point.depth - R::of(SLOP)).max(R::zero());
+                    point.recovery = (excess * R::of(RECOVERY) / dt).min(R::of(FASTEST));
+                }
+                LawKind::Compliant { stiffness, damping } => {
+                    let (stiffness, damping) = (stiffness * share, damping * share);
+                    let firmness = dt * (damping + dt * stiffness);
+                    point.softness = R::one() / firmness;
+                    point.target = point.depth * stiffness * dt / firmness;
+                }
+            }
+            point.along.mass =
+                R::one() / (point.along.yields(&point.along, &a, &b) + point.softness);
+            if law.friction > R::zero() {
+                let [one, two] = &point.across;
+                let (k11, k22) = (one.yields(one, &a, &b), two.yields(two, &a, &b));
+                let k12 = one.yields(two, &a, &b);
+                let (mean, half) = ((k11 + k22) * R::of(0.5), (k11 - k22) * R::of(0.5));
+                // One mass for all sideways directions, the least there is: with one for each, a
+                // contact that slides would be held in another direction than it slides in.
+                let mass = R::one() / (mean + (half * half + k12 * k12).sqrt());
+                for across in &mut point.across {
+                    across.mass = mass;
+                }
+            }
+        }
+        fastest
+    }
+
+    /// One round of impulses; the greatest change of velocity at a point.
+    fn push<R: Lane>(
+        &self,
+        spots: &mut [PointConstraint<R>],
+        motions: &mut [SolverBody<R>],
+        friction: R,
+    ) -> R {
+        let mut greatest = R::zero();
+        let (mut a, mut b) = (motions[self.a], motions[self.b]);
+        for point in spots {
+            let row = &mut point.along;
+            let missing = point.target - row.velocity(&a, &b) - point.softness * row.impulse;
+            let impulse = (row.impulse + missing * row.mass).max(R::zero());
+            greatest = greatest.max(row.apply(impulse, &mut a, &mut b));
+            // Coulomb's cone, of the impulse that presses now.
+            let most = friction * point.along.impulse;
+            if most > R::zero() || point.across[0].impulse != R::zero() {
+                let mut wanted = [R::zero(); 2];
+                for (wanted, row) in wanted.iter_mut().zip(&point.across) {
+                    *wanted = row.impulse - row.velocity(&a, &b) * row.mass;
+                }
+                let [one, two] = wanted;
+                let square = one * one + two * two;
+                if square > most * most {
+                    let by = most / square.sqrt();
+                    wanted = [one * by, two * by];
+                }
+                for (wanted, row) in wanted.into_iter().zip(&mut point.across) {
+                    greatest = greatest.max(row.apply(wanted, &mut a, &mut b));
+                }
+            }
+        }
+        (motions[self.b], motions[self.a]) = (b, a);
+        greatest
+    }
+
+    /// One round of undoing overlaps; the greatest change of speed at a point.
+    fn part<R: Lane>(&self, spots: &mut [PointConstraint<R>], motions: &mut [SolverBody<R>]) -> R {
+        let mut greatest = R::zero();
+        let (mut a, mut b) = (motions[self.a], motions[self.b]);
+        for point in spots {
+            let row = &point.along;
+            let relative = row.velocity(&a, &b);
+            let shift = (point.shift + (point.recovery - relative) * row.mass).max(R::zero());
+            let change = shift - point.shift;
+            point.shift = shift;
+            row.push(change, &mut a, &mut b);
+            greatest = greatest.max((change / row.mass).abs());
+        }
+        (motions[self.b], motions[self.a]) = (b, a);
+        greatest
+    }
+}
+
+impl<R: Lane> Row<R> {
+    /// How much the velocity in this direction changes by a unit impulse in the other.
+    fn yields(&self, other: &Row<R>, a: &SolverBody<R>, b: &SolverBody<R>) -> R {
+        let turned = |i: usize| self.torques[i] * other.torques[i];
+        let moved = self.direction * other.direction;
+        (moved.scaled(a.inverse_mass + b.inverse_mass)
+            + turned(0).scaled(a.inverse_inertia)
+            + turned(1).scaled(b.inverse_inertia))
+        .sum()
+    }
+
+    /// Of `a` as seen from `b`.
+    #[inline(always)]
+    fn velocity(&self, a: &SolverBody<R>, b: &SolverBody<R>) -> R {
+        let turned = self.torques[0] * a.spin - self.torques[1] * b.spin;
+        (self.direction * (a.velocity - b.velocity) + turned).sum()
+    }
+
+    /// Makes the impulse what is given; how much that has changed the velocity here.
+    #[inline(always)]
+    fn apply(&mut self, impulse: R, a: &mut SolverBody<R>, b: &mut SolverBody<R>) -> R {
+        let change = impulse - self.impulse;
+        self.impulse = impulse;
+        self.push(change, a, b);
+        (change / self.mass).abs()
+    }
+
+    /// Pushes both bodies apart by an impulse.
+    #[inline(always)]
+    fn push(&self, impulse: R, a: &mut SolverBody<R>, b: &mut SolverBody<R>) {
+        a.velocity += self.direction.scaled(impulse * a.inverse_mass);
+        a.spin += self.torques[0].scaled(impulse * a.inverse_inertia);
+        b.velocity -= self.direction.scaled(impulse * b.inverse_mass);
+        b.spin -= self.torques[1].scaled(impulse * b.inverse_inertia);
+    }
+}

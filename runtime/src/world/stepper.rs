@@ -1,0 +1,406 @@
+//! What happens in a step of a world of rigid blocks, in which order: the same for every integrator.
+//!
+//! A substep finds who is near what and who touches whom, changes velocities (surroundings, faces, bonds between
+//! free blocks), has the integrator move all blocks and let them collide, and then sees who docks and who bonds. As
+//! positions move with the velocities just changed, this is the symplectic Euler method.
+use nalgebra::Vector3;
+use stochc_ir::scene::Scene;
+use stochc_ir::table::Plate;
+use stochc_ir::{Cell, Face};
+
+use super::blocks::Blocks;
+use super::bonding::{Anchored, Faces, Release};
+use super::cell_centres::CellCentres;
+use super::external_forces::{ExternalForces, Response};
+use super::free_bonds::FreeBonds;
+use super::parameters::{Kicks, Parameters, built};
+use super::real::{Real, cast};
+use super::{Arena, Body, BodyState, Docking, Fault, SceneError, Site, World};
+use crate::counter_rng::{Draws, Step, Stream};
+use crate::orientation::Orientation;
+use crate::settings::{Reduction, Settings};
+
+/// Moves blocks and lets them collide: all in which two worlds of rigid blocks differ.
+pub(crate) trait Integrator: Sized {
+    type Real: Real;
+    type Blocks: Blocks<Real = Self::Real>;
+
+    /// For the terms of a scene, each spring as weak as the drag makes it.
+    ///
+    /// # Errors
+    /// If there is a term or a setting that it cannot compute.
+    fn new(
+        parameters: &Parameters,
+        plate: &Plate,
+        settings: &Settings,
+        blocks: &[BodyState],
+    ) -> Result<(Self::Blocks, Self), SceneError>;
+
+    /// Takes in where the blocks are; whether what [`Integrator::near`] says may be other than before.
+    fn follow(&mut self, _blocks: &Self::Blocks) -> bool {
+        false
+    }
+
+    /// The blocks that may be within `reach` of a place until it says otherwise, in rising order.
+    fn near(
+        &self,
+        blocks: &Self::Blocks,
+        place: Vector3<Self::Real>,
+        reach: Self::Real,
+        found: &mut Vec<u32>,
+    );
+
+    /// Finds who touches whom, before any velocity is changed.
+    fn find_contacts(&mut self, _blocks: &mut Self::Blocks, _bonds: Option<&FreeBonds>) {}
+
+    /// Checks a block whose motion has been changed by a force; not needed where [`Integrator::advance`] looks at
+    /// everything.
+    ///
+    /// # Errors
+    /// If its motion makes no sense.
+    fn check(&self, _blocks: &Self::Blocks, _id: u32) -> Result<(), Fault> {
+        Ok(())
+    }
+
+    /// Moves all blocks by a substep, by enclosure, `kicks` and linear drag, and lets them collide; groups stay together.
+    ///
+    /// # Errors
+    /// If the motion of a block makes no sense any more.
+    fn advance(
+        &mut self,
+        blocks: &mut Self::Blocks,
+        kicks: Option<(&Kicks, Step<'_>)>,
+        bonds: Option<&mut FreeBonds>,
+    ) -> Result<(), Fault>;
+
+    /// An anchored block has been set free.
+    fn released(&mut self) {}
+
+    /// Free blocks may have bonded, and been moved for it.
+    fn joined(&mut self, _blocks: &mut Self::Blocks, _bonds: &FreeBonds) {}
+}
+
+/// A world of rigid cubes that an integrator moves.
+pub(crate) struct Stepper<I: Integrator> {
+    tick: u64,
+    substeps: u32,
+    /// Length of a substep \[tick\].
+    dt: I::Real,
+    blocks: I::Blocks,
+    integrator: I,
+    kicks: Option<(Kicks, Draws)>,
+    faces: Option<Faces<I::Real>>,
+    /// `None` where nothing is around the blocks.
+    external_forces: Option<ExternalForces>,
+    response: Response,
+    /// `None` where free blocks do not bond to each other.
+    free_bonds: Option<FreeBonds>,
+    /// The free blocks, and those near a face: kept to be used again.
+    free: Vec<u32>,
+    nearby: Vec<u32>,
+    /// Somebody has set a block in motion by hand.
+    doubtful: bool,
+    /// Something has moved since it was looked who is where.
+    stale: bool,
+    /// A face does not know yet who is near it.
+    blind: bool,
+    cells: CellCentres,
+    /// Whether blocks turn at all.
+    turns: bool,
+}
+
+impl<I: Integrator> Stepper<I> {
+    /// Something other than a step has moved, freed or fixed a block.
+    fn disturb(&mut self) {
+        self.stale = true;
+        if let Some(faces) = &mut self.faces {
+            faces.disturb();
+        }
+    }
+
+    /// Looks again who is where, if something has moved.
+    fn refresh(&mut self) {
+        if !std::mem::take(&mut self.stale) {
+            return;
+        }
+        let anew = self.integrator.follow(&self.blocks);
+        if let Some(faces) = &mut self.faces
+            && (anew || self.blind)
+        {
+            self.blind = false;
+            for active in 0..faces.count() {
+                let (centre, horizon) = (faces.centre(active), faces.horizon());
+                (self.integrator).near(&self.blocks, centre, horizon, &mut self.nearby);
+                faces.set_nearby(active, &self.nearby);
+            }
+        }
+    }
+
+    /// Finds who is near which face, and who touches whom.
+    fn survey(&mut self) {
+        self.refresh();
+        if built::BOND
+            && let Some(faces) = &mut self.faces
+        {
+            faces.survey(self.tick, &mut self.blocks);
+        }
+        (self.integrator).find_contacts(&mut self.blocks, self.free_bonds.as_ref());
+    }
+
+    /// What is around the blocks, for each of them alone.
+    fn surround(&mut self, substep: u32) -> Result<(), Fault> {
+        let (true, Some(external_forces)) =
+            (built::FLUID || built::GRAVITY, &mut self.external_forces)
+        else {
+            return Ok(());
+        };
+        let faces = self.faces.as_mut().filter(|_| built::BOND);
+        let sinks = faces.map(Faces::sinks).unwrap_or_default();
+        let step = self.tick * u64::from(self.substeps) + u64::from(substep);
+        external_forces.begin(self.tick, substep, step);
+        for id in 0..self.blocks.count() {
+            if !self.blocks.is_free(id) {
+                continue;
+            }
+            let mut motion = self.blocks.motion(id);
+            external_forces.act(id, &mut motion, &sinks);
+            if !self.turns {
+                motion.spin = Vector3::zeros();
+            }
+            self.blocks.set_motion(id, motion.velocity, motion.spin);
+            self.integrator.check(&self.blocks, id)?;
+        }
+        Ok(())
+    }
+
+    /// What faces do to the blocks in their reach.
+    fn pull(&mut self) -> Result<(), Fault> {
+        let (true, Some(faces)) = (built::BOND, &mut self.faces) else {
+            return Ok(());
+        };
+        let [linear, angular] = [self.response.linear, self.response.angular].map(I::Real::of);
+        let mut pushes = Vec::new();
+        faces.pull(&mut self.blocks, |id, push| pushes.push((id, push)));
+        for (id, push) in pushes {
+            let velocity = self.blocks.velocity(id) + push.linear * (self.dt * linear);
+            let mut spin = self.blocks.spin(id);
+            if self.turns {
+                spin += push.angular * (self.dt * angular);
+            }
+            self.blocks.set_velocity(id, velocity, spin);
+            self.integrator.check(&self.blocks, id)?;
+        }
+        Ok(())
+    }
+
+    /// What free blocks do to each other from afar, and what becomes of groups.
+    fn settle(&mut self) {
+        let (true, Some(bonds)) = (built::BOND, &mut self.free_bonds) else {
+            return;
+        };
+        let (dt, response) = (self.dt.double(), self.response);
+        self.blocks.list_free(&mut self.free);
+        bonds.pull(&self.free, &mut self.blocks, dt, response);
+        bonds.settle(&mut self.blocks, dt, response);
+    }
+
+    fn advance(&mut self, substep: u32) -> Result<(), Fault> {
+        let kicks = self.kicks.as_mut().filter(|_| substep == 0);
+        let kicks = kicks.map(|(kicks, draws)| (&*kicks, draws.step(self.tick)));
+        let bonds = self.free_bonds.as_mut().filter(|_| built::BOND);
+        self.integrator.advance(&mut self.blocks, kicks, bonds)?;
+        self.stale = true;
+        Ok(())
+    }
+
+    /// Anchors the blocks that dock.
+    fn capture(&mut self, dockings: &mut Vec<Docking>) {
+        self.refresh();
+        let (true, Some(faces)) = (built::BOND, &mut self.faces) else {
+            return;
+        };
+        let mut held = Vec::new();
+        faces.capture(self.tick, &mut self.blocks, |block, docking| {
+            held.push(block);
+            dockings.push(docking);
+        });
+        for block in held {
+            if let (Some(bonds), Some(faces)) = (&mut self.free_bonds, &mut self.faces) {
+                let hanging = bonds.leave(block.body, &mut self.blocks);
+                hanging.into_iter().for_each(|body| faces.reject(body));
+            }
+            self.anchor(&block);
+        }
+    }
+
+    fn anchor(&mut self, held: &Anchored<I::Real>) {
+        (self.blocks).anchor(held.body, held.seat, held.orientation);
+        self.disturb();
+        self.blind = true;
+    }
+
+    /// Bonds the free blocks that are close enough to each other.
+    fn join(&mut self) {
+        let (true, Some(bonds)) = (built::BOND, &mut self.free_bonds) else {
+            return;
+        };
+        self.blocks.list_free(&mut self.free);
+        let joined = bonds.join(&self.free, &mut self.blocks, self.dt.double());
+        self.integrator.joined(&mut self.blocks, bonds);
+        if joined {
+            self.disturb();
+        }
+    }
+}
+
+impl<I: Integrator> Arena for Stepper<I> {
+    fn with_blocks(
+        scene: &Scene,
+        plate: &Plate,
+        settings: &Settings,
+        seed: u64,
+        run: u64,
+        blocks: &[BodyState],
+    ) -> Result<Stepper<I>, SceneError> {
+        let parameters = Parameters::new(scene, plate)?;
+        parameters.check(settings)?;
+        let substeps = settings.substeps.max(1);
+        let external_forces = ExternalForces::new(&parameters, substeps, seed, run);
+        let response = external_forces
+            .as_ref()
+            .map_or(Response::FREE, ExternalForces::response);
+        let parameters = parameters.weakened(response.linear);
+        let (blocks, integrator) = I::new(&parameters, plate, settings, blocks)?;
+        Ok(Stepper {
+            tick: 0,
+            substeps,
+            dt: I::Real::of(1.0 / f64::from(substeps)),
+            blocks,
+            integrator,
+            kicks: (parameters.kicks).map(|kicks| (kicks, Draws::new(seed, run, Stream::Kick))),
+            faces: parameters.bond.map(Faces::new),
+            external_forces,
+            response,
+            free_bonds: parameters.bond.as_ref().and_then(FreeBonds::new),
+            free: Vec::new(),
+            nearby: Vec::new(),
+            doubtful: true,
+            stale: true,
+            blind: true,
+            cells: CellCentres::new(plate),
+            turns: settings.reduction != Some(Reduction::NoRotation),
+        })
+    }
+
+    fn count(&self) -> u32 {
+        self.blocks.count()
+    }
+
+    fn state(&self, id: u32) -> BodyState {
+        self.blocks.state(id)
+    }
+
+    fn set_state(&mut self, id: u32, state: &BodyState) {
+        if self.blocks.is_free(id) {
+            self.blocks.set_state(id, state);
+            self.doubtful = true;
+            self.disturb();
+        }
+    }
+
+    fn anchored(&self, id: u32) -> Option<Orientation> {
+        self.blocks.anchored(id)
+    }
+
+    fn active(&self) -> Vec<(Site, u32)> {
+        self.faces.iter().flat_map(Faces::active).collect()
+    }
+
+    fn groups(&self) -> Vec<Vec<u32>> {
+        let groups = self.free_bonds.as_ref().map(|bonds| bonds.groups.list());
+        groups.unwrap_or_default()
+    }
+
+    fn in_reach(&self) -> Vec<(Site, u32, u64)> {
+        self.faces.iter().flat_map(Faces::in_reach).collect()
+    }
+
+    fn centre(&self, cell: Cell) -> Vector3<f64> {
+        self.cells.centre(cell)
+    }
+}
+
+impl<I: Integrator> World for Stepper<I> {
+    fn tick(&self) -> u64 {
+        self.tick
+    }
+
+    fn magnetize(&mut self, site: Site) {
+        let (centre, orientation) = match site.body {
+            Body::Seed(cell) => (cast(self.cells.centre(cell)), Orientation::IDENTITY),
+            Body::Free(id) => {
+                let Some(orientation) = self.blocks.anchored(id) else {
+                    return;
+                };
+                (self.blocks.position(id), orientation)
+            }
+        };
+        if let Some(faces) = &mut self.faces
+            && faces.magnetize(site, centre, orientation)
+        {
+            (self.stale, self.blind) = (true, true);
+        }
+    }
+
+    fn switch_off(&mut self, site: Site) {
+        let Some(faces) = &mut self.faces else {
+            return;
+        };
+        if let Some(Release { body: id, velocity }) = faces.switch_off(site) {
+            self.blocks.release(id, velocity);
+            self.integrator.released();
+            self.disturb();
+            self.blind = true;
+            for face in Face::ALL {
+                let body = Body::Free(id);
+                self.switch_off(Site { body, face });
+            }
+        }
+    }
+
+    fn plant(&mut self, site: Site) -> Option<Docking> {
+        self.magnetize(site);
+        let id = (0..self.count())
+            .rev()
+            .find(|&id| self.blocks.is_free(id))?;
+        let (held, docking) = self.faces.as_mut()?.plant(site, id, self.tick)?;
+        self.anchor(&held);
+        Some(docking)
+    }
+
+    fn entries(&self, site: Site) -> u32 {
+        self.faces.as_ref().map_or(0, |faces| faces.entries(site))
+    }
+
+    fn largest_group(&self) -> u32 {
+        let sizes = self.groups().into_iter().map(|group| group.len() as u32);
+        sizes.max().unwrap_or(1)
+    }
+
+    fn step(&mut self, dockings: &mut Vec<Docking>) -> Result<(), Fault> {
+        if std::mem::take(&mut self.doubtful) {
+            (0..self.count()).try_for_each(|id| self.integrator.check(&self.blocks, id))?;
+        }
+        for substep in 0..self.substeps {
+            self.survey();
+            self.surround(substep)?;
+            self.pull()?;
+            self.settle();
+            self.advance(substep)?;
+            self.capture(dockings);
+            self.join();
+        }
+        self.tick += 1;
+        Ok(())
+    }
+}
