@@ -1,6 +1,6 @@
 //! Where every block sits, and what is there already.
 use rustc_hash::FxHashMap;
-use stochc_grammar::{Face, Symbols};
+use stochc_grammar::{Cancellation, Cancelled, Face, Symbols};
 
 use crate::Cell;
 use crate::finding::{Code, Finding, tell};
@@ -46,12 +46,17 @@ struct Seat {
 }
 
 /// Works out the cells, and tells of captures that cannot dock.
+///
+/// # Errors
+///
+/// [`Cancelled`] if nobody waits for it.
 pub fn lay_out(
     plan: &mut Plan,
     presence: &Presence,
     symbols: &Symbols,
+    cancellation: Cancellation<'_>,
     findings: &mut Vec<Finding>,
-) -> Layout {
+) -> Result<Layout, Cancelled> {
     let count = plan.events.len();
     let mut seats: Vec<Option<Seat>> = vec![None; plan.roles.count()];
     let mut taken: FxHashMap<Cell, RoleId> = FxHashMap::default();
@@ -83,21 +88,23 @@ pub fn lay_out(
         plan,
         presence,
         symbols,
+        cancellation,
         findings,
         layout,
         seats,
         taken,
     };
     for phase in 0..surveyor.plan.phases.len() {
-        surveyor.phase(phase);
+        surveyor.phase(phase)?;
     }
-    surveyor.layout
+    Ok(surveyor.layout)
 }
 
 struct Surveyor<'a> {
     plan: &'a mut Plan,
     presence: &'a Presence,
     symbols: &'a Symbols,
+    cancellation: Cancellation<'a>,
     findings: &'a mut Vec<Finding>,
     layout: Layout,
     /// Where the blocks are that are anchored at the start of the phase.
@@ -107,7 +114,7 @@ struct Surveyor<'a> {
 }
 
 impl Surveyor<'_> {
-    fn phase(&mut self, number: usize) {
+    fn phase(&mut self, number: usize) -> Result<(), Cancelled> {
         let events: Vec<EventId> = self.plan.events_of(&self.plan.phases[number]).collect();
         // Releases of this phase, by the block that goes.
         let mut leaving: FxHashMap<Holder, EventId> = FxHashMap::default();
@@ -117,7 +124,7 @@ impl Surveyor<'_> {
                 leaving.insert(self.presence.actor(self.plan, id), id);
             }
         }
-        let arrivals = self.captures(&events, &leaving);
+        let arrivals = self.captures(&events, &leaving)?;
         for &id in &events {
             let event = *self.plan.event(id);
             if event.sound && event.deed == Deed::Release {
@@ -136,8 +143,9 @@ impl Surveyor<'_> {
                 self.layout.parents[id.0 as usize] = on;
             }
         }
-        self.adrift(&events, &leaving, &arrivals);
+        self.adrift(&events, &leaving, &arrivals)?;
         self.settle(&events, &leaving);
+        Ok(())
     }
 
     /// The cells of the phase's captures; whoever takes a cell first.
@@ -145,7 +153,7 @@ impl Surveyor<'_> {
         &mut self,
         events: &[EventId],
         leaving: &FxHashMap<Holder, EventId>,
-    ) -> FxHashMap<Cell, EventId> {
+    ) -> Result<FxHashMap<Cell, EventId>, Cancelled> {
         let mut arrivals: FxHashMap<Cell, EventId> = FxHashMap::default();
         // Captures whose parent is captured by an event that has not been placed yet.
         let mut waiting: FxHashMap<EventId, Vec<EventId>> = FxHashMap::default();
@@ -162,13 +170,14 @@ impl Surveyor<'_> {
                 _ => ready.push(id),
             }
             while let Some(id) = ready.pop() {
+                self.cancellation.check()?;
                 self.place(id, leaving, &mut arrivals);
                 if let Some(children) = waiting.remove(&id) {
                     ready.extend(children.into_iter().rev());
                 }
             }
         }
-        arrivals
+        Ok(arrivals)
     }
 
     /// Works out the cell of one capture.
@@ -314,8 +323,9 @@ impl Surveyor<'_> {
         events: &[EventId],
         leaving: &FxHashMap<Holder, EventId>,
         arrivals: &FxHashMap<Cell, EventId>,
-    ) {
+    ) -> Result<(), Cancelled> {
         for &id in events {
+            self.cancellation.check()?;
             let event = *self.plan.event(id);
             let Some(cell) = self.layout.cells[id.0 as usize] else {
                 continue;
@@ -351,6 +361,7 @@ impl Surveyor<'_> {
                 }
             }
         }
+        Ok(())
     }
 
     /// The blocks that hang on `parent` in a cell at some time of the phase, with their captures: one

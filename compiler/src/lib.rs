@@ -42,9 +42,11 @@ pub use expand::{Limits, MAX_NESTING};
 pub use levels::{Allowed, Level, Levels};
 pub use load::{Module, Reader, join as join_import};
 pub use mend::{Mended, mend};
-pub use program::{Checked, Program, Stage, check, check_changed, check_observed, check_with};
+pub use program::{
+    Checked, Program, Stage, check, check_cancellable, check_changed, check_observed, check_with,
+};
 pub use source::{FileId, Site, SourceFile, Sources};
-pub use stochc_grammar::{Face, Span, Symbols};
+pub use stochc_grammar::{Cancellation, Cancelled, Face, Span, Symbols};
 
 /// A digest of this crate's sources: two builds with one digest compute the same.
 pub const SOURCES: &str = env!("STOCHC_SOURCES");

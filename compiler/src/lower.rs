@@ -2,7 +2,7 @@
 use petgraph::Direction::{Incoming, Outgoing};
 use petgraph::graph::NodeIndex;
 use petgraph::visit::EdgeRef;
-use stochc_grammar::Symbols;
+use stochc_grammar::{Cancellation, Cancelled, Symbols};
 
 use crate::graph::{Dependency, DependencyGraph};
 use crate::layout::Layout;
@@ -12,6 +12,10 @@ use crate::scene::{BondKind, Scene};
 use crate::table::{Action, Condition, News, Phase, PhaseId, Role, RoleId, Tables, Trigger};
 
 /// Lowers a program in which nothing is wrong.
+///
+/// # Errors
+///
+/// [`Cancelled`] if nobody waits for it.
 pub fn lower(
     plan: &Plan,
     presence: &Presence,
@@ -19,7 +23,8 @@ pub fn lower(
     graph: &DependencyGraph,
     scene: &Scene,
     symbols: &Symbols,
-) -> Tables {
+    cancellation: Cancellation<'_>,
+) -> Result<Tables, Cancelled> {
     let mut lowering = Lowering {
         plan,
         presence,
@@ -32,10 +37,12 @@ pub fn lower(
     };
     for (number, phase) in plan.phases.iter().enumerate() {
         for id in plan.events_of(phase) {
+            cancellation.check()?;
             lowering.event(id, PhaseId(number as u32));
         }
     }
-    lowering.finish(scene, symbols)
+    cancellation.check()?;
+    Ok(lowering.finish(scene, symbols))
 }
 
 /// For every event, whether the block it anchors has more to do in the same phase.

@@ -50,7 +50,7 @@ pub fn mend(path: &str, reader: &mut dyn Reader, limits: Limits, levels: &Levels
 fn round(
     now: &Checked,
     reader: &mut dyn Reader,
-    again: &mut trial::Again<'_>,
+    again: &mut dyn FnMut(&mut dyn Reader) -> Checked,
 ) -> Option<(Checked, usize)> {
     const OWN: FileId = FileId(0);
     let text = &now.sources.files().first()?.text;

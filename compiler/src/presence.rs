@@ -1,6 +1,6 @@
 //! Which names stand for an anchored block, phase by phase.
 use rustc_hash::{FxHashMap, FxHashSet};
-use stochc_grammar::{Symbol, Symbols};
+use stochc_grammar::{Cancellation, Cancelled, Symbol, Symbols};
 
 use crate::finding::{
     Code, Finding, Fix, MOST_FINDINGS, entry, hand_in, is_repeated, named, removal, tell,
@@ -93,13 +93,18 @@ enum Origin {
 }
 
 /// Checks every name; events that make no sense are marked so in the plan.
+///
+/// # Errors
+///
+/// [`Cancelled`] if nobody waits for it.
 pub fn check(
     plan: &mut Plan,
     sources: &Sources,
     symbols: &Symbols,
     doubtful: &FxHashSet<Symbol>,
+    cancellation: Cancellation<'_>,
     findings: &mut Vec<Finding>,
-) -> Presence {
+) -> Result<Presence, Cancelled> {
     let mut checker = Checker {
         states: vec![State::default(); plan.roles.count()],
         used: vec![false; plan.seeds.len()],
@@ -114,8 +119,8 @@ pub fn check(
         first_captures: None,
         plan,
     };
-    checker.run();
-    checker.presence
+    checker.run(cancellation)?;
+    Ok(checker.presence)
 }
 
 struct Checker<'a> {
@@ -133,7 +138,7 @@ struct Checker<'a> {
 }
 
 impl Checker<'_> {
-    fn run(&mut self) {
+    fn run(&mut self, cancellation: Cancellation<'_>) -> Result<(), Cancelled> {
         for i in 0..self.plan.seeds.len() {
             let role = self.plan.seeds[i].role;
             self.states[role.0 as usize].holder = Some(Origin::Seed);
@@ -143,9 +148,11 @@ impl Checker<'_> {
             let stamp = number as u32 + 1;
             let events: Vec<EventId> = self.plan.events_of(&self.plan.phases[number]).collect();
             for &event in &events {
+                cancellation.check()?;
                 self.enter(event, stamp);
             }
             for &event in &events {
+                cancellation.check()?;
                 self.resolve(event, stamp);
             }
             let end = self.plan.phases[number].events.end;
@@ -155,6 +162,7 @@ impl Checker<'_> {
                 .get(afters)
                 .is_some_and(|after| after.event.0 < end)
             {
+                cancellation.check()?;
                 self.resolve_after(afters, stamp);
                 afters += 1;
             }
@@ -183,6 +191,7 @@ impl Checker<'_> {
                 tell(self.findings, finding);
             }
         }
+        Ok(())
     }
 
     /// An `after` in a loop over phases may wait for nothing in one of them and be needed in

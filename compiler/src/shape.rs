@@ -1,7 +1,7 @@
 //! Claimed shapes against built ones.
 use rustc_hash::{FxHashMap, FxHashSet};
 use stochc_grammar::tree::{Entry, Expr, ExprKind, Operator, Shape};
-use stochc_grammar::{Symbol, Symbols};
+use stochc_grammar::{Cancellation, Cancelled, Symbol, Symbols};
 
 use crate::finding::{Code, Finding, MOST_FINDINGS, tell};
 use crate::layout::Layout;
@@ -13,13 +13,18 @@ use crate::{Cell, FileId, Site};
 pub(crate) const MOST_CELLS: usize = 50_000_000;
 
 /// Compares what phases claim with what they build.
+///
+/// # Errors
+///
+/// [`Cancelled`] if nobody waits for it.
 pub fn check(
     plan: &Plan,
     layout: &Layout,
     shapes: &FxHashMap<Symbol, (FileId, &Shape)>,
     symbols: &Symbols,
+    cancellation: Cancellation<'_>,
     findings: &mut Vec<Finding>,
-) {
+) -> Result<(), Cancelled> {
     // Sorted, or `None` for what is no shape.
     let mut known: FxHashMap<Symbol, Option<Vec<Cell>>> = FxHashMap::default();
     let mut built: FxHashSet<Cell> = FxHashSet::default();
@@ -29,6 +34,7 @@ pub fn check(
         }
         built.extend(filled);
         for &(name, site) in &phase.claims {
+            cancellation.check()?;
             let word = symbols.word(name);
             let Some(&(file, shape)) = shapes.get(&name) else {
                 let known = shapes.keys().map(|&known| symbols.word(known));
@@ -61,6 +67,7 @@ pub fn check(
             tell(findings, difference(word, site, declared, claimed, &built));
         }
     }
+    Ok(())
 }
 
 /// The cells of a shape, unsorted.

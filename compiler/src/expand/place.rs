@@ -274,7 +274,10 @@ impl Expander<'_, '_> {
                     format!("the program grows beyond {room} captures and releases"),
                 )
                 .label(self.site(segment.name.span), "this range alone is larger")
-                .help("check the ends of the range: both are included"),
+                .help(
+                    self.limits
+                        .help("check the ends of the range: both are included"),
+                ),
             );
             return None;
         };

@@ -51,7 +51,7 @@ use petgraph::graph::NodeIndex;
 use petgraph::visit::EdgeRef;
 use rustc_hash::{FxHashMap, FxHashSet};
 use stochc_grammar::tree::{Assembly, Pattern};
-use stochc_grammar::{Symbol, Symbols};
+use stochc_grammar::{Cancellation, Cancelled, Symbol, Symbols};
 
 use crate::finding::{Code, Finding};
 use crate::graph::DependencyGraph;
@@ -100,17 +100,25 @@ pub struct Subject<'a> {
     pub sources: &'a Sources,
     /// Its words.
     pub symbols: &'a Symbols,
+    /// Whether anybody still waits for it.
+    pub cancellation: Cancellation<'a>,
 }
 
 /// Tells of captures that no free block may be able to come to, or only through a narrow gap.
 ///
 /// `search`: cells that may be searched, besides some for every event; 0: none at all.
-pub fn check(subject: Subject, search: u64, findings: &mut Vec<Finding>) {
+///
+/// # Errors
+///
+/// [`Cancelled`] if nobody waits for it.
+pub fn check(subject: Subject, search: u64, findings: &mut Vec<Finding>) -> Result<(), Cancelled> {
     let plan = subject.plan;
     let count = plan.events.len();
+    let cancellation = subject.cancellation;
     let effort = |share| Effort {
         steps: 0,
         budget: search / share + STEPS_PER_EVENT * count as u64 * u64::from(search > 0),
+        cancellation,
     };
     let mut survey = Survey {
         subject,
@@ -123,15 +131,19 @@ pub fn check(subject: Subject, search: u64, findings: &mut Vec<Finding>) {
         trials: Effort {
             steps: 0,
             budget: search / TRIED,
+            cancellation,
         },
         untouched: None,
     };
     let events = events_by_phase(plan, subject.order);
     for (number, events) in events.iter().enumerate() {
+        cancellation.check()?;
         let first = plan.phases[number].events.start;
         let descent = Descent::new(subject.certain, first, events);
         survey.phase(number, events, &descent, findings);
     }
+    // A search that nobody waits for has been given up.
+    cancellation.check()
 }
 
 /// The events of each phase, each behind all it waits for.
@@ -158,11 +170,11 @@ struct Survey<'a> {
     /// Known ways out, of a cube of one cell and of one of two.
     trails: [Trail; 2],
     /// Work done and work allowed, for the proof and for the warning.
-    proof: Effort,
-    warning: Effort,
+    proof: Effort<'a>,
+    warning: Effort<'a>,
     /// The same for saying what is wrong and what helps, and events that are written out again to try it.
-    cures: Effort,
-    trials: Effort,
+    cures: Effort<'a>,
+    trials: Effort<'a>,
     /// The errors of the files as they are, once a cure has been tried.
     untouched: Option<Vec<Told>>,
 }
@@ -171,15 +183,16 @@ struct Survey<'a> {
 pub type Told = (Code, String);
 
 /// Places searched, and how many may be.
-struct Effort {
+struct Effort<'a> {
     steps: u64,
     budget: u64,
+    cancellation: Cancellation<'a>,
 }
 
-impl Effort {
-    /// Whether no more is allowed.
+impl Effort<'_> {
+    /// Whether no more is allowed, or nobody waits for it.
     fn is_spent(&self) -> bool {
-        self.steps > self.budget
+        self.steps > self.budget || self.cancellation.is_cancelled()
     }
 }
 

@@ -103,7 +103,7 @@ impl Search<'_> {
         starts: impl IntoIterator<Item = Cell>,
         is_out: &dyn Fn(EventId) -> bool,
         trail: &mut Trail,
-        effort: &mut Effort,
+        effort: &mut Effort<'_>,
     ) -> Way {
         // Where each place was reached from.
         let mut found: FxHashMap<Cell, Cell> = FxHashMap::default();
