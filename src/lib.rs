@@ -27,6 +27,7 @@ pub mod trade;
 mod wrong;
 
 pub use stochc_compiler as compiler;
+pub use stochc_ir as ir;
 pub use stochc_runtime as runtime;
 pub use wrong::Wrong;
 

@@ -10,8 +10,8 @@ use petgraph::visit::EdgeRef as _;
 use stochc_compiler::finding::{Code, Finding};
 use stochc_compiler::graph::Dependency;
 use stochc_compiler::plan::{Deed, EventId};
-use stochc_compiler::table::{News, PhaseId, Tables};
 use stochc_compiler::{Checked, Program};
+use stochc_ir::table::{News, PhaseId, Tables};
 use stochc_runtime::explore::{Bounds, Expected, Exploration, Faults, Meant, Violation};
 
 /// Captures and releases of a program that is explored on every check, at most.

@@ -6,8 +6,8 @@
 use std::fmt::Write as _;
 
 use stochc::compiler::finding::{Code, Finding, Renderer, Severity};
-use stochc::compiler::table::{Action, Tables};
 use stochc::compiler::{Checked, FileId, Limits, Sources, Span, check};
+use stochc::ir::table::{Action, Tables};
 use stochc_grammar::{SyntaxError, SyntaxErrorKind};
 
 const PAGE: &str = "docs/diagnostics.md";

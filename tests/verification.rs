@@ -9,8 +9,9 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use stochc::compiler::finding::{Code, Finding};
-use stochc::compiler::table::Tables;
-use stochc::compiler::{Cell, Checked, Face, Limits, check};
+use stochc::compiler::{Checked, Limits, check};
+use stochc::ir::table::Tables;
+use stochc::ir::{Cell, Face};
 use stochc::runtime::explore::{Bounds, Expected, Exploration, Faults, Property, Report, Verdict};
 
 const PAGE: &str = "docs/verification.md";

@@ -1,14 +1,14 @@
 //! What hardware does whose faces always attract: blocks dock where nobody expects them, and what
 //! is let go is pushed away.
 use rustc_hash::{FxHashMap, FxHashSet};
-use stochc_grammar::{Cancellation, Cancelled, Face, Symbols};
+use stochc_grammar::{Cancellation, Cancelled, Symbols};
+use stochc_ir::table::RoleId;
+use stochc_ir::{Cell, Face};
 
-use crate::Cell;
 use crate::finding::{Code, Finding, tell};
 use crate::layout::Layout;
 use crate::order::Order;
 use crate::plan::{Deed, EventId, Plan};
-use crate::table::RoleId;
 
 /// Faces that a message names.
 const NAMED: usize = 3;

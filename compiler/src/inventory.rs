@@ -1,8 +1,9 @@
 //! Whether the scene has the blocks and the room.
+use stochc_ir::scene::{BondKind, Scene};
+
 use crate::finding::{Code, Finding};
 use crate::layout::Layout;
 use crate::plan::{Deed, Plan};
-use crate::scene::{BondKind, Scene};
 
 /// Compares an aggregate with its scene: blocks have to bond to each other unasked, and there have to be enough.
 pub fn check_aggregate(plan: &Plan, scene: &Scene, findings: &mut Vec<Finding>) {

@@ -1,12 +1,12 @@
 //! Where every block sits, and what is there already.
 use rustc_hash::FxHashMap;
-use stochc_grammar::{Cancellation, Cancelled, Face, Symbols};
+use stochc_grammar::{Cancellation, Cancelled, Symbols};
+use stochc_ir::table::RoleId;
+use stochc_ir::{Cell, Face};
 
-use crate::Cell;
 use crate::finding::{Code, Finding, tell};
 use crate::plan::{Deed, EventId, Plan};
 use crate::presence::{Holder, Presence};
-use crate::table::RoleId;
 
 /// The geometry of a program.
 #[derive(Clone, Debug)]

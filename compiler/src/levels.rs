@@ -2,10 +2,10 @@
 use rustc_hash::FxHashMap;
 use stochc_grammar::tree::{Item, ItemKind, Level as Statement, Verdict};
 use stochc_grammar::{Span, Symbols};
+use stochc_ir::suggest::nearest;
 
 use crate::finding::{Code, Finding, Fix, Severity, removal, tell};
 use crate::load::Module;
-use crate::suggest::nearest;
 use crate::{FileId, Site, Sources};
 
 /// What becomes of a warning.

@@ -6,7 +6,6 @@
 //! proved (`reach`); then shapes and the scene are compared with what is
 //! built, and what is right is lowered to event tables ([`table`]). Each stage tells what it finds
 //! and leaves the wrong part out, so that the next one can go on.
-mod cell;
 pub mod cost;
 pub mod emit;
 mod expand;
@@ -31,13 +30,10 @@ pub mod scene;
 mod scenes;
 mod shape;
 mod source;
-mod suggest;
-pub mod table;
 mod trial;
 pub mod turns;
 mod unused;
 
-pub use cell::Cell;
 pub use expand::{Limits, MAX_NESTING};
 pub use levels::{Allowed, Level, Levels};
 pub use load::{Module, Reader, join as join_import};
@@ -46,7 +42,7 @@ pub use program::{
     Checked, Program, Stage, check, check_cancellable, check_changed, check_observed, check_with,
 };
 pub use source::{FileId, Site, SourceFile, Sources};
-pub use stochc_grammar::{Cancellation, Cancelled, Face, Span, Symbols};
+pub use stochc_grammar::{Cancellation, Cancelled, Span, Symbols};
 
 /// A digest of this crate's sources: two builds with one digest compute the same.
 pub const SOURCES: &str = env!("STOCHC_SOURCES");

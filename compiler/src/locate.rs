@@ -5,12 +5,12 @@ use petgraph::visit::EdgeRef as _;
 use rustc_hash::FxHashMap;
 use stochc_grammar::tree::ItemKind;
 use stochc_grammar::{Cancellation, Cancelled};
+use stochc_ir::table::RoleId;
 
 use crate::expand::{Bounds, Limits, Probe, expand_probed};
 use crate::graph::Dependency;
 use crate::plan::{Deed, EventId, Plan};
 use crate::program::declarations;
-use crate::table::RoleId;
 use crate::{Checked, FileId, Program};
 
 /// Blocks of one assembly.

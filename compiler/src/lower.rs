@@ -3,13 +3,13 @@ use petgraph::Direction::{Incoming, Outgoing};
 use petgraph::graph::NodeIndex;
 use petgraph::visit::EdgeRef;
 use stochc_grammar::{Cancellation, Cancelled, Symbols};
+use stochc_ir::scene::{BondKind, Scene};
+use stochc_ir::table::{Action, Condition, News, Phase, PhaseId, Role, RoleId, Tables, Trigger};
 
 use crate::graph::{Dependency, DependencyGraph};
 use crate::layout::Layout;
 use crate::plan::{Deed, EventId, Plan};
 use crate::presence::{Holder, Presence};
-use crate::scene::{BondKind, Scene};
-use crate::table::{Action, Condition, News, Phase, PhaseId, Role, RoleId, Tables, Trigger};
 
 /// Lowers a program in which nothing is wrong.
 ///
@@ -238,30 +238,22 @@ impl Lowering<'_> {
         self.rules
             .sort_by_key(|rule| (rule.role, rule.phase, rule.trigger));
         let bond = BondKind::of(scene);
-        let mut tables = Tables {
-            assembly: self.plan.name.clone(),
-            bond,
-            faces: bond.faces(scene.block.faces),
-            aggregate: self.plan.aggregate,
-            plate: self.plan.plate.clone(),
-            phases: (self.plan.phases.iter().zip(&self.reports))
-                .map(|(phase, &reports)| Phase {
-                    name: phase.name.clone(),
-                    timeout: phase.timeout.map(|timeout| timeout.ticks(scene.tick)),
-                    reports,
-                    planted: phase.planted,
-                })
-                .collect(),
-            roles: (0..self.plan.roles.count() as u32)
-                .map(|role| Role {
-                    name: self.plan.roles.name(RoleId(role), symbols),
-                    seed: self.plan.seeds.get(role as usize).map(|seed| seed.cell),
-                })
-                .collect(),
-            duties: Vec::new(),
-            rules: Vec::with_capacity(self.rules.len()),
-            conditions: Vec::with_capacity(self.conditions.len()),
-        };
+        let phases = (self.plan.phases.iter().zip(&self.reports)).map(|(phase, &reports)| Phase {
+            name: phase.name.clone(),
+            timeout: phase.timeout.map(|timeout| timeout.ticks(scene.tick)),
+            reports,
+            planted: phase.planted,
+        });
+        let roles = (0..self.plan.roles.count() as u32).map(|role| Role {
+            name: self.plan.roles.name(RoleId(role), symbols),
+            seed: self.plan.seeds.get(role as usize).map(|seed| seed.cell),
+        });
+        let (name, plate) = (self.plan.name.clone(), self.plan.plate.clone());
+        let faces = bond.faces(scene.block.faces);
+        let mut tables = Tables::new(name, faces, plate, phases.collect(), roles.collect());
+        tables.bond = bond;
+        tables.aggregate = self.plan.aggregate;
+        tables.reserve(self.rules.len(), self.conditions.len());
         let mut open = None;
         for rule in &self.rules {
             let key = (rule.role, rule.phase, rule.trigger);

@@ -1,9 +1,13 @@
 //! A program with its patterns and loops written out: a flat list of captures and releases.
 use rustc_hash::FxHashMap;
-use stochc_grammar::{Face, Symbol, Symbols};
+use stochc_grammar::tree::Quantity;
+use stochc_grammar::{Symbol, Symbols};
+use stochc_ir::scene::units::Dimension;
+use stochc_ir::table::{Plate, RoleId};
+use stochc_ir::{Cell, Face};
 
-use crate::table::{Plate, RoleId};
-use crate::{Cell, Site};
+use crate::Site;
+use crate::scene::to_si;
 
 /// A program, written out.
 #[derive(Clone, Debug)]
@@ -81,6 +85,30 @@ pub enum Timeout {
     Ticks(u64),
     /// In seconds.
     Seconds(f64),
+}
+
+impl Timeout {
+    /// The time that a quantity stands for, if it is a positive time.
+    pub fn of(quantity: &Quantity) -> Option<Timeout> {
+        let (value, dimension) = to_si(quantity);
+        /// Beyond this a double does not count ticks one by one.
+        const MOST: f64 = 9e15;
+        match dimension {
+            Dimension::TICKS if (1.0..MOST).contains(&value) && value.fract() == 0.0 => {
+                Some(Timeout::Ticks(value as u64))
+            }
+            Dimension::TIME if value > 0.0 => Some(Timeout::Seconds(value)),
+            _ => None,
+        }
+    }
+
+    /// In ticks of a clock \[s\], at least one.
+    pub fn ticks(self, tick: f64) -> u64 {
+        match self {
+            Timeout::Ticks(ticks) => ticks,
+            Timeout::Seconds(seconds) => ((seconds / tick).round() as u64).max(1),
+        }
+    }
 }
 
 /// A capture or release; an index into [`Plan::events`].

@@ -1,14 +1,14 @@
 //! Which names stand for an anchored block, phase by phase.
 use rustc_hash::{FxHashMap, FxHashSet};
 use stochc_grammar::{Cancellation, Cancelled, Symbol, Symbols};
+use stochc_ir::suggest::nearest;
+use stochc_ir::table::{RoleId, Trigger};
 
 use crate::finding::{
     Code, Finding, Fix, MOST_FINDINGS, entry, hand_in, is_repeated, named, removal, tell,
 };
 use crate::members::members;
 use crate::plan::{Deed, EventId, Grown, Key, Plan};
-use crate::suggest::nearest;
-use crate::table::{RoleId, Trigger};
 use crate::{Site, Sources};
 
 /// Who holds the names, and what becomes of them in each phase.

@@ -2,6 +2,9 @@
 use rustc_hash::FxHashMap;
 use stochc_grammar::tree::{Assembly, ItemKind, Tree};
 use stochc_grammar::{Cancellation, Cancelled, Symbols};
+use stochc_ir::scene::scalars::{self, Change};
+use stochc_ir::scene::{BondKind, Scene};
+use stochc_ir::table::Tables;
 
 use crate::expand::{Bounds, Declarations, Limits, duplicate, expand, expand_aggregate};
 use crate::finding::{Code, Finding, Fix, fold, mended, tell};
@@ -11,13 +14,10 @@ use crate::levels::{Allowed, FileLevels, Levels};
 use crate::load::{Loaded, Module, Reader, load};
 use crate::order::{self, Order};
 use crate::plan::Plan;
-use crate::scene::scalars::{self, Change};
-use crate::scene::{BondKind, Scene};
 use crate::scenes::Scenes;
-use crate::table::Tables;
 use crate::{
-    FileId, Site, Sources, exposed, inventory, layout, lower, presence, reach, shape, trial, turns,
-    unused,
+    FileId, Site, Sources, exposed, inventory, layout, lower, presence, reach, scene, shape, trial,
+    turns, unused,
 };
 
 /// Everything that is known of a file after looking at all of it.
@@ -357,7 +357,7 @@ fn programs(
         let (changed, changes) = about.changes;
         let scene = match scene {
             Some(scene) if symbols.word(name.symbol) == changed => {
-                let wrong = |error| tell(findings, scalars::finding(&error, site));
+                let wrong = |error| tell(findings, scene::finding(&error, site));
                 scalars::changed(scene, changes).map_err(wrong).ok()
             }
             scene => scene,

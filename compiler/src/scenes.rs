@@ -2,11 +2,12 @@
 use rustc_hash::FxHashMap;
 use stochc_grammar::tree::{ItemKind, Name, Scene as Tree};
 use stochc_grammar::{Symbol, Symbols};
+use stochc_ir::scene::Scene;
+use stochc_ir::suggest::nearest;
 
 use crate::finding::{Code, Finding, tell};
 use crate::load::Module;
-use crate::scene::{BUILT_IN, DEFAULT, Scene, built_in, read};
-use crate::suggest::nearest;
+use crate::scene::{BUILT_IN, DEFAULT, built_in, read};
 use crate::{FileId, Site};
 
 /// Every scene that a program may name.

@@ -2,12 +2,13 @@
 use rustc_hash::{FxHashMap, FxHashSet};
 use stochc_grammar::tree::{Entry, Expr, ExprKind, Operator, Shape};
 use stochc_grammar::{Cancellation, Cancelled, Symbol, Symbols};
+use stochc_ir::Cell;
+use stochc_ir::suggest::nearest;
 
 use crate::finding::{Code, Finding, MOST_FINDINGS, tell};
 use crate::layout::Layout;
 use crate::plan::Plan;
-use crate::suggest::nearest;
-use crate::{Cell, FileId, Site};
+use crate::{FileId, Site};
 
 /// Cells of a shape, at most.
 pub(crate) const MOST_CELLS: usize = 50_000_000;

@@ -8,7 +8,8 @@ use proptest::prelude::*;
 use stochc_compiler::finding::{Code, Finding, Fix, mended};
 use stochc_compiler::plan::{Deed, Event, EventId};
 use stochc_compiler::turns::is_ready;
-use stochc_compiler::{Cell, Checked, Face, FileId, Limits, Program, check};
+use stochc_compiler::{Checked, FileId, Limits, Program, check};
+use stochc_ir::{Cell, Face};
 
 /// Cells of the box in which random programs build.
 #[derive(Clone, Copy)]

@@ -7,7 +7,6 @@
 //! other crate names a rule of it.
 mod cancellation;
 mod error;
-mod face;
 mod format;
 mod json;
 mod lazy;
@@ -19,7 +18,6 @@ pub mod tree;
 
 pub use cancellation::{Cancellation, Cancelled};
 pub use error::{SyntaxError, SyntaxErrorKind};
-pub use face::Face;
 pub use format::{Refusal, format};
 pub use json::to_json;
 pub use lazy::Json;

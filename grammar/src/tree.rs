@@ -1,7 +1,8 @@
 //! The syntax tree: what a file says, with the place of every word.
 use smallvec::SmallVec;
+use stochc_ir::Face;
 
-use crate::{Face, Span, Symbol};
+use crate::{Span, Symbol};
 
 /// A whole file.
 #[derive(Clone, Debug, Default, PartialEq)]

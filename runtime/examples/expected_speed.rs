@@ -2,9 +2,10 @@
 //! run --release -p stochc-runtime --example expected_speed`.
 //!
 //! The default scene, with one thing changed in each row, and no face magnetized. Speeds in sides a tick.
-use stochc_compiler::scene::groups::{BlockUnits, Gas, speed};
-use stochc_compiler::scene::{Agitation, Contact, ContactLaw, Drag, Scene, built_in};
-use stochc_compiler::table::Plate;
+use stochc_compiler::scene::built_in;
+use stochc_ir::scene::groups::{BlockUnits, Gas, speed};
+use stochc_ir::scene::{Agitation, Contact, ContactLaw, Drag, Scene};
+use stochc_ir::table::Plate;
 use stochc_runtime::world::rapier::RapierWorld;
 use stochc_runtime::world::{Arena as _, World as _};
 use stochc_runtime::{Model, Settings};

@@ -8,8 +8,9 @@
 use nalgebra::{UnitQuaternion, UnitVector3, Vector3};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use stochc_compiler::scene::{Bond, Enclosure, Scene, built_in};
-use stochc_compiler::table::Plate;
+use stochc_compiler::scene::built_in;
+use stochc_ir::scene::{Bond, Enclosure, Scene};
+use stochc_ir::table::Plate;
 use stochc_runtime::world::rapier::RapierWorld;
 use stochc_runtime::world::{Arena as _, World as _};
 use stochc_runtime::{Model, Settings};

@@ -6,9 +6,10 @@
 use std::time::Instant;
 
 use nalgebra::Vector3;
-use stochc_compiler::scene::{Bond, Enclosure, Scene, built_in};
-use stochc_compiler::table::Plate;
-use stochc_compiler::{Cell, Face};
+use stochc_compiler::scene::built_in;
+use stochc_ir::scene::{Bond, Enclosure, Scene};
+use stochc_ir::table::Plate;
+use stochc_ir::{Cell, Face};
 use stochc_runtime::world::rigid::RigidWorld;
 use stochc_runtime::world::{Arena as _, Body, BodyState, Site, World as _};
 use stochc_runtime::{Model, Settings};

@@ -1,7 +1,8 @@
 //! Cost of one block in one tick:
 //! `cargo run --release -p stochc-runtime --example speed -- MODEL BLOCKS TICKS [SUBSTEPS [SCENE]]`.
-use stochc_compiler::scene::{Enclosure, built_in};
-use stochc_compiler::table::Plate;
+use stochc_compiler::scene::built_in;
+use stochc_ir::scene::Enclosure;
+use stochc_ir::table::Plate;
 use stochc_runtime::world::Arena;
 use stochc_runtime::world::rapier::RapierWorld;
 use stochc_runtime::world::rigid::RigidWorld;

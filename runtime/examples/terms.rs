@@ -3,11 +3,10 @@
 //! `cargo run --release -p stochc-runtime --example terms -- WITHOUT TICKS` moves 300 blocks with all terms
 //! but one, or with one that does next to nothing (`idle-drag`), and prints a number that depends on every bit of where
 //! they end.
-use stochc_compiler::scene::{
-    Agitation, Arrangement, Bond, Drag, Flow, Fluid, Scene, Stir, built_in,
-};
-use stochc_compiler::table::Plate;
-use stochc_compiler::{Cell, Face};
+use stochc_compiler::scene::built_in;
+use stochc_ir::scene::{Agitation, Arrangement, Bond, Drag, Flow, Fluid, Scene, Stir};
+use stochc_ir::table::Plate;
+use stochc_ir::{Cell, Face};
 use stochc_runtime::world::rigid::RigidWorld;
 use stochc_runtime::world::{Arena as _, Body, BodyState, Site, World as _};
 use stochc_runtime::{Model, Settings};

@@ -1,10 +1,10 @@
 //! Free blocks that bond to each other: a run without a plate, and so without anybody to control it.
 use std::ops::ControlFlow;
 
-use stochc_compiler::table::{PhaseId, Tables};
+use stochc_ir::record::{Limit, Outcome, RunRecord};
+use stochc_ir::table::{PhaseId, Tables};
 
 use crate::observe::Event;
-use crate::record::{Limit, Outcome, RunRecord};
 use crate::run::{RunError, Watch};
 use crate::world::World;
 

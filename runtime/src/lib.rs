@@ -9,7 +9,6 @@ pub mod draw;
 pub mod explore;
 pub mod observe;
 pub mod orientation;
-pub mod record;
 mod run;
 mod settings;
 pub mod world;

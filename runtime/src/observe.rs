@@ -1,6 +1,6 @@
 //! Looking on while a run goes: where every block is, and what the structure does.
-use stochc_compiler::table::{PhaseId, RoleId};
-use stochc_compiler::{Cell, Face};
+use stochc_ir::table::{PhaseId, RoleId};
+use stochc_ir::{Cell, Face};
 
 use crate::orientation::Orientation;
 use crate::world::{Arena, Body};

@@ -1,6 +1,6 @@
 //! The 24 ways in which a cube can sit on the lattice.
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion};
-use stochc_compiler::Face;
+use stochc_ir::Face;
 
 /// A rotation of the cube onto itself: takes a block's own faces to the structure's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]

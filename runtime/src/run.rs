@@ -1,13 +1,13 @@
 //! One run, from the first tick to its record.
 use std::ops::ControlFlow;
 
-use stochc_compiler::scene::{Messages, Scene};
-use stochc_compiler::table::{PhaseId, Tables};
+use stochc_ir::record::{Limit, Outcome, RunRecord};
+use stochc_ir::scene::{Messages, Scene};
+use stochc_ir::table::{PhaseId, Tables};
 
 use crate::aggregate::gather;
 use crate::control::Controller;
 use crate::observe::{Event, Lookout, Observer};
-use crate::record::{Limit, Outcome, RunRecord};
 use crate::settings::{Model, Settings};
 use crate::world::rapier::RapierWorld;
 use crate::world::rigid::RigidWorld;

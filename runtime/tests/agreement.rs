@@ -6,10 +6,11 @@ mod tables;
 use std::ops::ControlFlow;
 
 use statistics::{gap, kolmogorov_smirnov, mann_whitney, mean};
-use stochc_compiler::Face;
-use stochc_compiler::scene::{Enclosure, built_in};
-use stochc_compiler::table::PhaseId;
-use stochc_runtime::record::Outcome;
+use stochc_compiler::scene::built_in;
+use stochc_ir::Face;
+use stochc_ir::record::Outcome;
+use stochc_ir::scene::Enclosure;
+use stochc_ir::table::PhaseId;
 use stochc_runtime::{Model, Settings, run};
 use tables::chain;
 

@@ -3,7 +3,7 @@ mod scenes;
 
 use nalgebra::Vector3;
 use scenes::{Dice, attract, empty, hemisphere, pass, world};
-use stochc_compiler::{Cell, Face};
+use stochc_ir::{Cell, Face};
 use stochc_runtime::world::{Arena, Body, BodyState, Site};
 use stochc_runtime::{Model, Settings};
 

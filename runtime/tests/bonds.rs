@@ -3,8 +3,8 @@ mod scenes;
 
 use nalgebra::{UnitQuaternion, Vector3};
 use scenes::{at, contact, empty, hemisphere, states};
-use stochc_compiler::scene::{Anchor, Bond, Flow, Fluid, Jets, Magnets, Measure, Pump, Scene};
-use stochc_compiler::{Cell, Face};
+use stochc_ir::scene::{Anchor, Bond, Flow, Fluid, Jets, Magnets, Measure, Pump, Scene};
+use stochc_ir::{Cell, Face};
 use stochc_runtime::world::{Arena, Body, BodyState, Docking, Site};
 use stochc_runtime::{Model, Settings};
 

@@ -7,8 +7,8 @@ mod scenes;
 
 use nalgebra::{UnitQuaternion, Vector3};
 use scenes::{Dice, Kind, at, attract, contact, empty, hemisphere, pass, states};
-use stochc_compiler::scene::Scene;
-use stochc_compiler::{Cell, Face};
+use stochc_ir::scene::Scene;
+use stochc_ir::{Cell, Face};
 use stochc_runtime::world::{Arena, Body, BodyState, Site, World};
 
 in_every_kind!(

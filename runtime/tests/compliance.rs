@@ -8,7 +8,7 @@ mod scenes;
 
 use nalgebra::{UnitQuaternion, Vector3};
 use scenes::{Kind, at, compliant, empty, hemisphere, pass};
-use stochc_compiler::scene::Scene;
+use stochc_ir::scene::Scene;
 use stochc_runtime::world::{Arena, BodyState};
 
 in_either_precision!(

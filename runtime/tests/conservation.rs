@@ -7,7 +7,7 @@ mod scenes;
 
 use nalgebra::Vector3;
 use scenes::{Dice, Double, Kind, Single, compliant, contact, empty, energy, pass, states};
-use stochc_compiler::scene::{Contact, Scene};
+use stochc_ir::scene::{Contact, Scene};
 use stochc_runtime::world::{Arena, BodyState};
 use stochc_runtime::{Reduction, Settings};
 

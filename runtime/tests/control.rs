@@ -5,11 +5,11 @@ mod tables;
 use std::ops::ControlFlow;
 
 use proptest::prelude::*;
-use stochc_compiler::scene::{BondKind, Messages};
-use stochc_compiler::table::{Action, Condition, News, PhaseId, RoleId, Tables};
-use stochc_compiler::{Cell, Face};
+use stochc_ir::record::{BondRecord, Limit, Origin, Outcome, RunRecord};
+use stochc_ir::scene::{BondKind, Messages};
+use stochc_ir::table::{Action, Condition, News, PhaseId, RoleId, Tables};
+use stochc_ir::{Cell, Face};
 use stochc_runtime::control::Controller;
-use stochc_runtime::record::{BondRecord, Limit, Origin, Outcome, RunRecord};
 use stochc_runtime::world::shuffle::ShuffleWorld;
 use stochc_runtime::world::{Body, World};
 use stochc_runtime::{RunError, drive};

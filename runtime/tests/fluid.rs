@@ -3,7 +3,7 @@ mod scenes;
 
 use nalgebra::Vector3;
 use scenes::{at, empty, pass, states, world};
-use stochc_compiler::scene::{
+use stochc_ir::scene::{
     Agitation, BOLTZMANN, Enclosure, Flow, Fluid, Jets, Scene, Stir, Strength, Turbulence,
 };
 use stochc_runtime::world::{Arena, BodyState};

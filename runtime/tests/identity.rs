@@ -6,10 +6,10 @@ use std::ops::ControlFlow;
 
 use nalgebra::Vector3;
 use scenes::{Dice, Kind, at, compliant, contact, empty, hemisphere, kicks, paper, pass};
-use stochc_compiler::Face;
-use stochc_compiler::scene::{Agitation, Bond, Contact, ContactLaw, Drag, Scene};
-use stochc_compiler::table::{PhaseId, Tables};
-use stochc_runtime::record::{Outcome, RunRecord};
+use stochc_ir::Face;
+use stochc_ir::record::{Outcome, RunRecord};
+use stochc_ir::scene::{Agitation, Bond, Contact, ContactLaw, Drag, Scene};
+use stochc_ir::table::{PhaseId, Tables};
 use stochc_runtime::world::{Arena, BodyState};
 use stochc_runtime::{Reduction, Settings, run};
 use tables::chain;

@@ -1,7 +1,7 @@
 //! The 24 rotations are a group, and agree with matrices and quaternions.
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use stochc_compiler::Face;
+use stochc_ir::Face;
 use stochc_runtime::orientation::Orientation;
 
 fn orientation() -> impl Strategy<Value = Orientation> {

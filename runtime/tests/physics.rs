@@ -3,8 +3,8 @@ mod scenes;
 
 use nalgebra::{UnitQuaternion, Vector3};
 use scenes::{Dice, attract, contact, empty, hemisphere, kicks, pass, world};
-use stochc_compiler::scene::Drag;
-use stochc_compiler::{Cell, Face};
+use stochc_ir::scene::Drag;
+use stochc_ir::{Cell, Face};
 use stochc_runtime::world::{Arena, Body, BodyState, Site};
 use stochc_runtime::{Model, Settings};
 

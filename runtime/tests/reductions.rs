@@ -3,8 +3,8 @@ mod scenes;
 
 use nalgebra::Vector3;
 use scenes::{Dice, Kind, at, attract, contact, empty, hemisphere, kicks, pass, states};
-use stochc_compiler::scene::Scene;
-use stochc_compiler::{Cell, Face};
+use stochc_ir::scene::Scene;
+use stochc_ir::{Cell, Face};
 use stochc_runtime::world::{Arena, Body, BodyState, Site, World};
 use stochc_runtime::{Reduction, Settings};
 

@@ -6,10 +6,10 @@ use std::ops::ControlFlow;
 
 use nalgebra::Vector3;
 use scenes::{attract, compliant, contact, empty, hemisphere, kicks, paper, pass, world};
-use stochc_compiler::scene::{Agitation, Bond, Scene};
-use stochc_compiler::table::{Action, Condition, PhaseId, RoleId, Tables};
-use stochc_compiler::{Cell, Face};
-use stochc_runtime::record::{Limit, Origin, Outcome, ReleaseRecord, RunRecord};
+use stochc_ir::record::{Limit, Origin, Outcome, ReleaseRecord, RunRecord};
+use stochc_ir::scene::{Agitation, Bond, Scene};
+use stochc_ir::table::{Action, Condition, PhaseId, RoleId, Tables};
+use stochc_ir::{Cell, Face};
 use stochc_runtime::world::rapier::RapierWorld;
 use stochc_runtime::world::rigid::RigidWorld;
 use stochc_runtime::world::{Arena, Body, BodyState, SceneError, Site, World};

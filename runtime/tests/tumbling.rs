@@ -3,7 +3,7 @@ mod scenes;
 
 use nalgebra::{UnitQuaternion, Vector3};
 use scenes::{Dice, Kind, at, attract, empty, pass};
-use stochc_compiler::{Cell, Face};
+use stochc_ir::{Cell, Face};
 use stochc_runtime::world::{Arena, Body, BodyState, Site, World};
 
 in_every_kind!(

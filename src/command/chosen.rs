@@ -9,8 +9,8 @@ use clap::Args;
 use serde_json::{Value, json};
 use stochc_compiler::Levels;
 use stochc_compiler::emit::graph_json;
+use stochc_ir::record::RunRecord;
 use stochc_runtime::observe::Observer;
-use stochc_runtime::record::RunRecord;
 use stochc_runtime::{RunError, Settings, observe};
 
 use super::check::verdict;

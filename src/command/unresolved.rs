@@ -1,6 +1,6 @@
 //! What a scene does that so many steps a tick do not resolve, and what it does not do at all.
-use stochc_compiler::scene::Scene;
-use stochc_compiler::scene::groups::{Group, groups};
+use stochc_ir::scene::Scene;
+use stochc_ir::scene::groups::{Group, groups};
 
 /// A doubt about a scene: the figure that gives rise to it, and what comes of it.
 #[derive(Clone, Debug, PartialEq)]

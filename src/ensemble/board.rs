@@ -3,8 +3,8 @@ use std::ops::ControlFlow;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, AtomicUsize, Ordering};
 
-use stochc_compiler::table::PhaseId;
-use stochc_runtime::record::Outcome;
+use stochc_ir::record::Outcome;
+use stochc_ir::table::PhaseId;
 
 use super::{Finished, Manifest};
 

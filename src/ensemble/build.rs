@@ -10,6 +10,7 @@ pub(super) const UNKNOWN: &str = "unknown";
 /// The digest of this build: 16 hexadecimal digits.
 pub fn this_build() -> String {
     let sources = [
+        stochc_ir::SOURCES,
         stochc_grammar::SOURCES,
         stochc_compiler::SOURCES,
         stochc_runtime::SOURCES,

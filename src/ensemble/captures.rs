@@ -5,9 +5,9 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
-use stochc_compiler::Face;
-use stochc_compiler::table::{PhaseId, RoleId};
-use stochc_runtime::record::{BondRecord, Origin, Outcome, RunRecord, WaitRecord};
+use stochc_ir::Face;
+use stochc_ir::record::{BondRecord, Origin, Outcome, RunRecord, WaitRecord};
+use stochc_ir::table::{PhaseId, RoleId};
 
 use super::layout::{Layout, paragraph};
 use super::table::{mean, ticks};

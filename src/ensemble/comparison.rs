@@ -1,7 +1,7 @@
 //! The figures that compare programs: what `--format json` says, and [`Comparison::to_text`] draws.
 use serde::Serialize;
-use stochc_compiler::table::PhaseId;
-use stochc_runtime::record::{Limit, Outcome, RunRecord};
+use stochc_ir::record::{Limit, Outcome, RunRecord};
+use stochc_ir::table::PhaseId;
 
 use super::contrast::{Clock, Side, Verdict, contrasts, runs, time};
 use super::{Finished, Manifest, Program};

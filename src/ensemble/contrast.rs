@@ -1,5 +1,5 @@
 //! Programs side by side: one test and one wording, for the terminal, `results`, sweeps and reports.
-use stochc_runtime::record::{Outcome, RunRecord};
+use stochc_ir::record::{Outcome, RunRecord};
 
 use super::manifest::{Program, Varied};
 use crate::figures::number;

@@ -13,7 +13,7 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
-use stochc_runtime::record::RunRecord;
+use stochc_ir::record::RunRecord;
 
 use super::clock;
 use crate::files;

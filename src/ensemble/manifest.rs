@@ -4,10 +4,10 @@ use std::fmt::Write as _;
 
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
-use stochc_compiler::scene::Scene;
-use stochc_compiler::scene::scalars::Change;
-use stochc_compiler::table::{Action, PLANTED, PhaseId, RoleId, Tables};
 use stochc_compiler::{Checked, Levels, Limits, check_changed};
+use stochc_ir::scene::Scene;
+use stochc_ir::scene::scalars::Change;
+use stochc_ir::table::{Action, PLANTED, PhaseId, RoleId, Tables};
 
 use super::build::this_build;
 

@@ -10,8 +10,8 @@
 //!     captures_to_text, run, stop_on_interrupt,
 //! };
 //! # use stochc_compiler::{scene::Scene, table::Tables};
-//! # use stochc_runtime::record::RunRecord;
-//! # fn simulate(_: &Tables, _: u64, _: &mut dyn FnMut(u64, stochc_compiler::table::PhaseId) -> bool)
+//! # use stochc_ir::record::RunRecord;
+//! # fn simulate(_: &Tables, _: u64, _: &mut dyn FnMut(u64, stochc_ir::table::PhaseId) -> bool)
 //! #     -> Option<RunRecord> { None }
 //! # fn command(text: String, scene: Scene, tables: Tables) -> Result<(), Box<dyn std::error::Error>> {
 //! let stop = stop_on_interrupt()?;

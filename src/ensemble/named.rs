@@ -1,7 +1,7 @@
 //! A record of a run as JSON that needs no other file to be read.
 use serde_json::{Value, json};
-use stochc_compiler::table::{PhaseId, RoleId};
-use stochc_runtime::record::RunRecord;
+use stochc_ir::record::RunRecord;
+use stochc_ir::table::{PhaseId, RoleId};
 
 use super::Program;
 

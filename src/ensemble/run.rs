@@ -2,7 +2,7 @@
 use std::num::NonZeroUsize;
 use std::sync::atomic::AtomicBool;
 
-use stochc_runtime::record::RunRecord;
+use stochc_ir::record::RunRecord;
 
 use super::board::{Board, Watch};
 use super::execute::{Cancelled, execute, jobs};

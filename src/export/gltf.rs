@@ -3,9 +3,9 @@ use std::collections::BTreeMap;
 use std::io::{self, Write};
 
 use serde_json::{Value, json};
-use stochc_compiler::scene::Scene;
-use stochc_compiler::table::{PhaseId, Tables};
-use stochc_compiler::{Cell, Face};
+use stochc_ir::scene::Scene;
+use stochc_ir::table::{PhaseId, Tables};
+use stochc_ir::{Cell, Face};
 use stochc_runtime::observe::{Event, Observer};
 use stochc_runtime::world::Arena;
 

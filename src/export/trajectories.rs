@@ -11,7 +11,7 @@ use ::parquet::file::properties::WriterProperties;
 use ::parquet::file::writer::SerializedFileWriter;
 use ::parquet::schema::parser::parse_message_type;
 use ::parquet::schema::types::ColumnPath;
-use stochc_compiler::table::Tables;
+use stochc_ir::table::Tables;
 use stochc_runtime::observe::{Event, Observer};
 use stochc_runtime::world::Arena;
 

@@ -4,8 +4,8 @@
 use std::collections::BTreeMap;
 
 use serde_json::{Value, json};
-use stochc_compiler::table::{PhaseId, RoleId, Tables};
-use stochc_compiler::{Cell, Face};
+use stochc_ir::table::{PhaseId, RoleId, Tables};
+use stochc_ir::{Cell, Face};
 use stochc_runtime::observe::{Event, Said};
 use stochc_runtime::world::Body;
 

@@ -1,8 +1,8 @@
 //! Reading recordings.
 use std::io::Read;
 
-use stochc_compiler::table::Tables;
-use stochc_runtime::record::RunRecord;
+use stochc_ir::record::RunRecord;
+use stochc_ir::table::Tables;
 
 use super::chunk::Chunk;
 use super::events::{Happening, Seeds};

@@ -1,9 +1,9 @@
 //! Recording, while a run goes.
 use std::io::{self, Write};
 
-use stochc_compiler::table::Tables;
+use stochc_ir::record::RunRecord;
+use stochc_ir::table::Tables;
 use stochc_runtime::observe::{Event, Observer};
-use stochc_runtime::record::RunRecord;
 use stochc_runtime::world::Arena;
 
 use super::chunk::{Chunk, NUMBERS};

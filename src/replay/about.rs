@@ -1,7 +1,7 @@
 //! What a page has to know besides the recording.
 use serde_json::{Value, json};
 use stochc_compiler::emit::table_json;
-use stochc_compiler::table::Tables;
+use stochc_ir::table::Tables;
 
 use crate::ensemble::{Manifest, Program};
 use crate::figures::visible;

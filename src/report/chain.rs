@@ -5,8 +5,8 @@
 //! met end to end. Every other wait of the run was over before it mattered.
 use std::collections::{HashMap, VecDeque};
 
-use stochc_compiler::table::PhaseId;
-use stochc_runtime::record::{Outcome, RunRecord};
+use stochc_ir::record::{Outcome, RunRecord};
+use stochc_ir::table::PhaseId;
 
 use super::events::{Deed, Event, Events, Why};
 
@@ -268,9 +268,9 @@ fn since(events: &Events, moments: &[Moment], event: usize) -> Option<(usize, Wh
 
 #[cfg(test)]
 mod tests {
-    use stochc_compiler::table::RoleId;
-    use stochc_compiler::{Cell, Face};
-    use stochc_runtime::record::{BondRecord, Limit, Origin, ReleaseRecord, WaitRecord};
+    use stochc_ir::record::{BondRecord, Limit, Origin, ReleaseRecord, WaitRecord};
+    use stochc_ir::table::RoleId;
+    use stochc_ir::{Cell, Face};
 
     use super::*;
 

@@ -6,9 +6,10 @@ use petgraph::graph::NodeIndex;
 use petgraph::visit::EdgeRef as _;
 use stochc_compiler::graph::Dependency;
 use stochc_compiler::plan::{self, EventId};
-use stochc_compiler::table::{PhaseId, RoleId};
-use stochc_compiler::{Checked, Face, Levels, emit};
-use stochc_runtime::record::{BondRecord, RunRecord, WaitRecord};
+use stochc_compiler::{Checked, Levels, emit};
+use stochc_ir::Face;
+use stochc_ir::record::{BondRecord, RunRecord, WaitRecord};
+use stochc_ir::table::{PhaseId, RoleId};
 
 use crate::ensemble::Program;
 

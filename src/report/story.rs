@@ -1,5 +1,5 @@
 //! A run in words: the chain of events that decided how long it took.
-use stochc_runtime::record::{Limit, Origin, Outcome};
+use stochc_ir::record::{Limit, Origin, Outcome};
 
 use super::chain::{Link, What};
 use super::events::Why;

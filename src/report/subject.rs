@@ -1,5 +1,5 @@
 //! One program of one folder: its runs, and what can be told of each.
-use stochc_runtime::record::{Outcome, RunRecord};
+use stochc_ir::record::{Outcome, RunRecord};
 
 use super::chain::{Link, chain, moments};
 use super::events::Events;

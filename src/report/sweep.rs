@@ -2,7 +2,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::Value as Json;
-use stochc_compiler::scene::scalars::scalars;
+use stochc_ir::scene::scalars::scalars;
 
 use super::subject::{Input, Subject};
 use crate::ensemble::Clock;

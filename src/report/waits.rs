@@ -1,6 +1,6 @@
 //! The captures of a program in figures: how long each was waited for, and how much that mattered.
-use stochc_compiler::table::{PhaseId, RoleId};
-use stochc_runtime::record::Outcome;
+use stochc_ir::record::Outcome;
+use stochc_ir::table::{PhaseId, RoleId};
 
 use super::events::Deed;
 use super::subject::Subject;

@@ -1,5 +1,6 @@
 //! What the command line says of one number: `free=50..600/6 log`.
-use stochc_compiler::scene::scalars::{Scalar, quantity};
+use stochc_compiler::scene::{quantity, to_si};
+use stochc_ir::scene::scalars::Scalar;
 
 use crate::ensemble::Varied;
 
@@ -64,7 +65,9 @@ impl Axis {
         let mut out: Vec<Varied> = Vec::new();
         for said in self.said(scalar)? {
             let given = quantity(&format!("{said} {}", self.unit))?;
-            let value = scalar.si(&given).map_err(|error| error.to_string())?;
+            let value = scalar
+                .accept(to_si(&given))
+                .map_err(|error| error.to_string())?;
             let varied = Varied {
                 of: scalar.name().to_owned(),
                 value,
@@ -205,7 +208,7 @@ fn common(values: &[(f64, String)]) -> Result<String, String> {
 #[cfg(test)]
 mod tests {
     use stochc_compiler::scene::built_in;
-    use stochc_compiler::scene::scalars::find;
+    use stochc_ir::scene::scalars::find;
 
     use super::*;
 

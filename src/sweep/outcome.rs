@@ -1,6 +1,6 @@
 //! What came of a sweep, point by point.
 use serde::Serialize;
-use stochc_runtime::record::{Origin, Outcome, RunRecord};
+use stochc_ir::record::{Origin, Outcome, RunRecord};
 
 use crate::ensemble::{Finished, Manifest, Program, Time, Varied};
 use crate::figures::Tick;

@@ -1,6 +1,6 @@
 //! All combinations of the values of several axes.
-use stochc_compiler::scene::Scene;
-use stochc_compiler::scene::scalars::find;
+use stochc_ir::scene::Scene;
+use stochc_ir::scene::scalars::find;
 
 use super::Axis;
 use crate::ensemble::Varied;

@@ -5,8 +5,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Condvar, Mutex};
 use std::time::Duration;
 
-use stochc_compiler::scene::Scene;
-use stochc_compiler::table::Tables;
+use stochc_ir::scene::Scene;
+use stochc_ir::table::Tables;
 use stochc_runtime::world::SceneError;
 use stochc_runtime::{RunError, Settings, run as run_once};
 

@@ -1,6 +1,6 @@
 //! What came of it: what `trade.json` holds, and everything else is drawn from.
 use serde::{Deserialize, Serialize};
-use stochc_compiler::scene::Scene;
+use stochc_ir::scene::Scene;
 use stochc_runtime::Settings;
 
 use super::advice::advice;

@@ -1,5 +1,5 @@
 //! What the runs of one program at one setting have shown.
-use stochc_runtime::record::{Outcome, RunRecord};
+use stochc_ir::record::{Outcome, RunRecord};
 
 use crate::statistics::{Observation, Runs, median};
 

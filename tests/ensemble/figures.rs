@@ -4,8 +4,8 @@ use stochc::ensemble::{
     Comparison, Display, Finished, Manifest, Means, Place, captures, captures_to_text, run,
 };
 use stochc::statistics::{Test, median};
-use stochc_compiler::table::PhaseId;
-use stochc_runtime::record::{Limit, Outcome, RunRecord};
+use stochc_ir::record::{Limit, Outcome, RunRecord};
+use stochc_ir::table::PhaseId;
 
 use crate::world::{manifest, means, program, scene, simulate};
 

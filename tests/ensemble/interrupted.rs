@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use stochc::ensemble::{Folder, Place, State, run};
-use stochc_runtime::record::Outcome;
+use stochc_ir::record::Outcome;
 
 use crate::world::{bytes, complete, manifest, means, put, simulate};
 

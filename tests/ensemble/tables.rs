@@ -7,8 +7,8 @@ use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use parquet::record::Field;
 use serde_json::{Value, json};
 use stochc::ensemble::{Finished, Varied, tables};
-use stochc_compiler::table::PhaseId;
-use stochc_runtime::record::{Limit, Origin, Outcome};
+use stochc_ir::record::{Limit, Origin, Outcome};
+use stochc_ir::table::PhaseId;
 
 use crate::world::{complete, manifest, scene};
 

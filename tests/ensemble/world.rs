@@ -6,12 +6,12 @@ use std::sync::atomic::AtomicBool;
 use stochc::ensemble::{
     Cancelled, Display, Folder, Manifest, Means, Place, Program, Results, Source, Watch, run,
 };
-use stochc_compiler::scene::{Arrangement, Block, Enclosure, Free, Scene};
-use stochc_compiler::table::{Action, Phase, PhaseId, Plate, Role, RoleId, Tables, Trigger};
-use stochc_compiler::{Cell, Face};
-use stochc_runtime::record::{
+use stochc_ir::record::{
     BondRecord, Limit, Origin, Outcome, ReleaseRecord, RunRecord, UnplannedRecord, WaitRecord,
 };
+use stochc_ir::scene::{Arrangement, Block, Enclosure, Free, Scene};
+use stochc_ir::table::{Action, Phase, PhaseId, Plate, Role, RoleId, Tables, Trigger};
+use stochc_ir::{Cell, Face};
 
 /// A scene whose numbers do not survive a careless reader of JSON.
 pub fn scene() -> Scene {

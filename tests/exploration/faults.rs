@@ -3,7 +3,7 @@ use std::cell::Cell;
 use std::collections::BTreeSet;
 
 use proptest::prelude::*;
-use stochc::compiler::table::Tables;
+use stochc::ir::table::Tables;
 use stochc::runtime::explore::{
     Bounds, Expected, Exploration, Faults, Property, Report, Verdict, Violation,
 };

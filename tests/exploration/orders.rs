@@ -2,7 +2,7 @@
 use std::cell::Cell;
 
 use proptest::prelude::*;
-use stochc::compiler::table::PhaseId;
+use stochc::ir::table::PhaseId;
 use stochc::runtime::explore::{Bound, Bounds, Expected, Exploration, Faults, Verdict};
 
 use crate::programs::{BUSY, explore, explore_as, tables, tables_of};

@@ -1,11 +1,11 @@
 //! Hardware whose faces always attract, and blocks that are attached by hand.
-use stochc::compiler::scene::BondKind;
+use stochc::ir::scene::BondKind;
 use stochc::runtime::explore::{Faults, Property, Verdict};
 
 use crate::programs::{BUSY, explore, explore_as, tables, tables_of};
 
 /// Programs with releases, names that are given again, and messages.
-fn passive() -> Vec<stochc::compiler::table::Tables> {
+fn passive() -> Vec<stochc::ir::table::Tables> {
     let mut all = vec![tables(BUSY)];
     for path in [
         "examples/five_tower.sa",

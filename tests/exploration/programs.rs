@@ -1,5 +1,5 @@
 //! Programs to explore, and ways to explore them.
-use stochc::compiler::table::Tables;
+use stochc::ir::table::Tables;
 use stochc::runtime::explore::{Bounds, Expected, Exploration, Faults, Report};
 
 /// The tables of the one assembly of a text.

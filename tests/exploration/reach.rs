@@ -3,7 +3,7 @@ use std::collections::BTreeSet;
 
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
-use stochc::compiler::{Cell, Face};
+use stochc::ir::{Cell, Face};
 use stochc::runtime::explore::{Property, Verdict};
 
 use crate::programs::{explore, explore_as, tables};

@@ -3,8 +3,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
 use stochc::compiler::finding::Code;
-use stochc::compiler::table::Tables;
-use stochc::compiler::{Cell, Face};
+use stochc::ir::table::Tables;
+use stochc::ir::{Cell, Face};
 
 /// A program, and what it builds.
 #[derive(Clone, Debug)]

@@ -2,7 +2,7 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use stochc::compiler::table::Tables;
+use stochc::ir::table::Tables;
 use stochc::recording::{Recording, path};
 
 /// A program whose structure grows and is taken apart again.

@@ -1,9 +1,9 @@
 //! What an observer of a run sees.
 use std::ops::ControlFlow;
 
-use stochc::compiler::table::PhaseId;
+use stochc::ir::record::{BondRecord, RunRecord};
+use stochc::ir::table::PhaseId;
 use stochc::runtime::observe::{Event, Observer};
-use stochc::runtime::record::{BondRecord, RunRecord};
 use stochc::runtime::world::{Arena, Body};
 use stochc::runtime::{Model, RunError, Settings, observe, run};
 

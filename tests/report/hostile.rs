@@ -1,7 +1,7 @@
 //! Names that would be more than names.
-use stochc::compiler::table::{PhaseId, RoleId};
+use stochc::ir::record::{Limit, Outcome};
+use stochc::ir::table::{PhaseId, RoleId};
 use stochc::report::address;
-use stochc::runtime::record::{Limit, Outcome};
 
 use crate::sample::{five, parsed, told};
 

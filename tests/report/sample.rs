@@ -2,13 +2,14 @@
 use std::collections::BTreeMap;
 
 use roxmltree::{Document, ParsingOptions};
-use stochc::compiler::table::{PhaseId, RoleId};
-use stochc::compiler::{Cell, Face, Levels, Limits};
+use stochc::compiler::{Levels, Limits};
 use stochc::ensemble::{Finished, Manifest, Program, Source};
-use stochc::report::{Input, Report, Surroundings, report};
-use stochc::runtime::record::{
+use stochc::ir::record::{
     BondRecord, Limit, Origin, Outcome, ReleaseRecord, RunRecord, WaitRecord,
 };
+use stochc::ir::table::{PhaseId, RoleId};
+use stochc::ir::{Cell, Face};
+use stochc::report::{Input, Report, Surroundings, report};
 
 /// Two towers side by side, then the second block of one is let go and M takes a block.
 pub const TEXT: &str = "\

@@ -1,9 +1,10 @@
 //! How open the surroundings of a cell are.
 use rustc_hash::FxHashMap;
 use smallvec::{SmallVec, smallvec};
+use stochc_ir::Cell;
 
+use crate::Program;
 use crate::plan::Deed;
-use crate::{Cell, Program};
 
 /// Sides from a cell at which a direction counts as open.
 const FAR: f64 = 8.0;

@@ -1,13 +1,13 @@
 //! Event tables and the graph as JSON.
 use serde_json::{Value, json};
 use stochc_grammar::{Json, Symbols};
+use stochc_ir::scene::BondKind;
+use stochc_ir::table::{Action, Condition, Duty, News, RoleId, Tables, Trigger};
 
 use super::graph_text::waits;
 use crate::graph::{Dependency, DependencyGraph};
 use crate::order::Order;
 use crate::plan::{Deed, EventId, Plan};
-use crate::scene::BondKind;
-use crate::table::{Action, Condition, Duty, News, RoleId, Tables, Trigger};
 
 /// Event tables with every name written out.
 ///

@@ -4,13 +4,13 @@ use std::rc::Rc;
 
 use serde_json::json;
 use stochc_grammar::{Json, Symbols};
+use stochc_ir::Cell;
+use stochc_ir::table::RoleId;
 
 use super::Text;
-use crate::Cell;
 use crate::layout::Layout;
 use crate::plan::{Deed, Plan};
 use crate::shape::MOST_CELLS;
-use crate::table::RoleId;
 
 /// A block of the structure.
 #[derive(Clone, Copy)]

@@ -1,6 +1,7 @@
 //! What a pattern is given, held against what it needs.
 use stochc_grammar::Span;
 use stochc_grammar::tree::{Argument, Expr, ExprKind, Instance, Pattern, Place};
+use stochc_ir::suggest::nearest;
 
 use super::Expander;
 use super::place::face_meant;
@@ -8,7 +9,6 @@ use super::scope::Value;
 use super::uses::{Kind, Uses};
 use crate::finding::{Code, Edit, Finding, Fix};
 use crate::plan::{Grown, Key};
-use crate::suggest::nearest;
 use crate::{FileId, Site};
 
 /// An argument of the wrong kind.
@@ -172,7 +172,7 @@ impl<'a> Expander<'a, '_> {
             (Kind::Face, Some((_, word))) => {
                 let word = name(word);
                 let meant = face_meant(word)
-                    .or_else(|| nearest(word, stochc_grammar::Face::ALL.map(|face| face.word())));
+                    .or_else(|| nearest(word, stochc_ir::Face::ALL.map(|face| face.word())));
                 if meant.is_some() {
                     let finding =
                         Finding::new(Code::UnknownName, format!("no face is called `{word}`"))

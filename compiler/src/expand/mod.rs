@@ -18,10 +18,10 @@ use stochc_grammar::{Cancellation, Cancelled, Span, Symbol, Symbols};
 
 use crate::finding::{Code, Finding, Fix, LONG, MOST_FINDINGS, removal, tell};
 use crate::plan::{After, Event, EventId, Key, Plan, PlanPhase, Roles, Timeout};
-use crate::table::{Plate, RoleId};
 use crate::{FileId, Site, Sources};
 pub use probe::Probe;
 use scope::{Scope, Value};
+use stochc_ir::table::{Plate, RoleId};
 
 /// How large a program may grow when it is written out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,6 +1,7 @@
 //! Names of blocks: paths with indices and ranges.
-use stochc_grammar::Face;
 use stochc_grammar::tree::{Entry, Place, Segment};
+use stochc_ir::Face;
+use stochc_ir::suggest::{Suggestion, nearest};
 
 use super::scope::Value;
 use super::uses::Kind;
@@ -8,7 +9,6 @@ use super::{Expander, Pass};
 use crate::finding::{Code, Finding};
 use crate::members::members;
 use crate::plan::Key;
-use crate::suggest::{Suggestion, nearest};
 
 /// A place, worked out.
 pub struct Blocks {

@@ -1,7 +1,8 @@
 //! What the words of a program stand for.
 use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
-use stochc_grammar::{Face, Symbol};
+use stochc_grammar::Symbol;
+use stochc_ir::Face;
 
 use crate::Site;
 use crate::plan::Key;

@@ -1,12 +1,13 @@
 //! The seed plate.
 use stochc_grammar::Span;
 use stochc_grammar::tree::{Expr, Item, ItemKind, Seat};
+use stochc_ir::Cell;
+use stochc_ir::table::{PLANTED, Plate};
 
 use super::{Expander, Pass, Seeding, duplicate};
+use crate::Site;
 use crate::finding::{Code, Finding};
 use crate::plan::{PlanPhase, Seed};
-use crate::table::{PLANTED, Plate};
-use crate::{Cell, Site};
 
 /// Whether anything is attached by hand; loops are as deep as the parser lets them be.
 fn has_captures(items: &[Item]) -> bool {

@@ -1,14 +1,15 @@
 //! Captures, releases, loops and instances.
 use stochc_grammar::tree::{Arrow, Chain, For, Instance, Place, Release, Subject};
-use stochc_grammar::{Face, Span, Symbol};
+use stochc_grammar::{Span, Symbol};
+use stochc_ir::Face;
+use stochc_ir::suggest::nearest;
+use stochc_ir::table::RoleId;
 
 use super::scope::Value;
 use super::{Expander, Pass};
 use crate::Site;
 use crate::finding::{Code, Finding, Fix};
 use crate::plan::{After, Deed, Event, EventId, Key};
-use crate::suggest::nearest;
-use crate::table::RoleId;
 
 impl<'a> Expander<'a, '_> {
     /// Captures, one after the other.

@@ -1,13 +1,13 @@
 //! Names that stand for nothing here, or for something else.
 use stochc_grammar::tree::{Item, ItemKind};
 use stochc_grammar::{Span, Symbol};
+use stochc_ir::suggest::nearest;
 
 use super::Expander;
 use super::scope::Value;
 use super::uses::Kind;
 use crate::Site;
 use crate::finding::{Code, Finding, hand_in};
-use crate::suggest::nearest;
 
 impl Expander<'_, '_> {
     /// Tells of a name that stands for something else than what is needed.

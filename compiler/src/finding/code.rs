@@ -144,7 +144,7 @@ impl Code {
     /// The name most like one that no code has, if one is near enough.
     pub fn nearest(name: &str) -> Option<&'static str> {
         let known = Code::ALL.iter().map(|code| code.name());
-        crate::suggest::nearest(name, known)
+        stochc_ir::suggest::nearest(name, known)
             .and_then(|meant| Code::from_name(&meant.word).map(Code::name))
     }
 

@@ -1,4 +1,6 @@
 //! Changes of the text that mend findings.
+use stochc_ir::suggest::Suggestion;
+
 use super::{Edit, Fix};
 use crate::{Site, Sources, Span};
 
@@ -16,6 +18,12 @@ impl Fix {
     /// Takes away what stands at `site`; safe unless said otherwise.
     pub(crate) fn remove(site: Site, title: impl Into<String>) -> Fix {
         Fix::replace(site, "", title)
+    }
+
+    /// Puts a known word in the place of the unknown one at `site`; safe if it is clear.
+    pub(crate) fn word(site: Site, meant: &Suggestion) -> Fix {
+        let title = format!("write `{}`", meant.word);
+        Fix::replace(site, &meant.word, title).unsafe_if(!meant.clear)
     }
 
     /// Only to be shown.

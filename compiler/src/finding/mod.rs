@@ -15,8 +15,8 @@ pub use graphical::{Renderer, is_hostile, visible};
 pub(crate) use hand_in::hand_in;
 pub use repeat::Others;
 
-use crate::suggest::Suggestion;
 use crate::{FileId, Site};
+use stochc_ir::suggest::Suggestion;
 
 /// One message, with the places it speaks of.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -170,7 +170,7 @@ impl Finding {
         let Some(meant) = meant else {
             return self.help(otherwise());
         };
-        self.fix = Some(meant.fix(site));
+        self.fix = Some(Fix::word(site, &meant));
         self.help(meant.help())
     }
 

@@ -1,7 +1,8 @@
 //! The most frequent slips of syntax: what to do about them, and how they are mended.
+use stochc_ir::suggest::{Suggestion, nearest};
+
 use super::{Edit, Fix};
 use crate::scene::unit_meant;
-use crate::suggest::{Suggestion, nearest};
 use crate::{Site, Span};
 
 /// A place where something else had to stand.
@@ -82,7 +83,7 @@ impl Slip<'_> {
     /// What to do, and how.
     pub fn advice(&self) -> (Option<String>, Option<Fix>) {
         if let Some((word, meant)) = self.misspelt() {
-            return (Some(meant.help()), Some(meant.fix(word)));
+            return (Some(meant.help()), Some(Fix::word(word, &meant)));
         }
         let fix = self.fix();
         let behind = self.behind;

@@ -2,7 +2,7 @@
 use std::collections::VecDeque;
 
 use rustc_hash::FxHashMap;
-use stochc_grammar::Face;
+use stochc_ir::Face;
 
 use super::descent::{Descendants, Descent};
 use super::reachable::Dismantled;

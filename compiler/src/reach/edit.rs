@@ -1,11 +1,11 @@
 //! An `after` as a change of the text.
 use stochc_grammar::tree::{Chain, Entry, Expr, ExprKind, Item, ItemKind, Operator, Place};
 use stochc_grammar::{Span, Symbol};
+use stochc_ir::table::RoleId;
 
 use super::{EventId, Subject};
 use crate::finding::Edit;
 use crate::plan::{Deed, Key};
-use crate::table::RoleId;
 use crate::{FileId, Site};
 
 /// One arrow of a chain, with what it captures: in a row, a loop or a pattern, many times.

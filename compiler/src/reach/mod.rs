@@ -46,12 +46,16 @@ mod way;
 
 use std::borrow::Cow;
 
+use descent::Descent;
 use petgraph::Direction::{Incoming, Outgoing};
 use petgraph::graph::NodeIndex;
 use petgraph::visit::EdgeRef;
 use rustc_hash::{FxHashMap, FxHashSet};
+use standing::Standing;
 use stochc_grammar::tree::{Assembly, Pattern};
 use stochc_grammar::{Cancellation, Cancelled, Symbol, Symbols};
+use stochc_ir::Cell;
+use trail::Trail;
 
 use crate::finding::{Code, Finding};
 use crate::graph::DependencyGraph;
@@ -59,11 +63,7 @@ use crate::layout::Layout;
 use crate::order::Order;
 use crate::plan::{Deed, EventId, Plan};
 use crate::presence::Presence;
-use crate::turns;
-use crate::{Cell, FileId, Sources};
-use descent::Descent;
-use standing::Standing;
-use trail::Trail;
+use crate::{FileId, Sources, turns};
 pub use trial::Trial;
 
 /// Cells that may be searched for every event, besides those that the limits say.

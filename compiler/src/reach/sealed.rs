@@ -1,5 +1,5 @@
 //! The worst case of every capture.
-use stochc_grammar::Face;
+use stochc_ir::Face;
 
 use super::descent::Descent;
 use super::way::{Search, Way};

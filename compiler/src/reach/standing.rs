@@ -2,8 +2,8 @@
 use std::collections::BTreeSet;
 
 use rustc_hash::{FxHashMap, FxHashSet};
+use stochc_ir::Cell;
 
-use crate::Cell;
 use crate::plan::EventId;
 
 /// Whether a capture has happened.

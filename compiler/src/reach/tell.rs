@@ -2,16 +2,15 @@
 use std::borrow::Cow;
 
 use rustc_hash::FxHashSet;
-use stochc_grammar::Face;
+use stochc_ir::Face;
 
 use super::descent::Descent;
-use super::picture;
 use super::reachable::Dismantled;
 use super::sealed::Stuck;
 use super::standing::Has;
 use super::trial::Proposal;
 use super::way::Way;
-use super::{Cell, EventId, Survey, all_before, before};
+use super::{Cell, EventId, Survey, all_before, before, picture};
 use crate::finding::{Code, Finding, Fix, tell};
 use crate::graph::DependencyGraph;
 

@@ -2,7 +2,7 @@
 use std::collections::VecDeque;
 
 use rustc_hash::{FxHashMap, FxHashSet};
-use stochc_grammar::Face;
+use stochc_ir::Face;
 
 use super::descent::Descent;
 use super::way::{Search, Way, offset};

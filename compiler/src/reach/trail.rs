@@ -3,9 +3,9 @@
 //! Phase after phase, blocks come in by the same door. A way that was found is kept as long as nothing stands
 //! in it, so that the next search ends where it meets one.
 use rustc_hash::FxHashMap;
+use stochc_ir::Cell;
 
 use super::way::Search;
-use crate::Cell;
 
 /// Places from which a cube of one size gets out, whatever the captures of the phase at hand do.
 #[derive(Default)]

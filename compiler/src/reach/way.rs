@@ -10,12 +10,11 @@ use std::collections::VecDeque;
 use std::collections::hash_map::Entry;
 
 use rustc_hash::FxHashMap;
-use stochc_grammar::Face;
+use stochc_ir::{Cell, Face};
 
 use super::Effort;
 use super::standing::{Has, Standing};
 use super::trail::Trail;
-use crate::Cell;
 use crate::plan::EventId;
 
 /// What a search looks at.

@@ -1,8 +1,9 @@
 //! The scenes that every program knows, written in the language itself.
 use stochc_grammar::tree::ItemKind;
 use stochc_grammar::{Symbols, parse};
+use stochc_ir::scene::Scene;
 
-use super::{Scene, read};
+use super::read;
 use crate::Sources;
 
 /// The built-in scenes: a name, and the text that declares it.

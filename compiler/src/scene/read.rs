@@ -7,15 +7,15 @@ mod sample;
 
 use stochc_grammar::tree::{Name, Quantity, Term};
 use stochc_grammar::{Span, Symbols, is_unit};
-
-use super::unit_meant;
-use super::units::{Dimension, to_si};
-use super::{
+use stochc_ir::scene::units::Dimension;
+use stochc_ir::scene::{
     Agitation, Arrangement, Block, Bond, Contact, Drag, Enclosure, Flow, Fluid, Free, Messages,
     Scene,
 };
+use stochc_ir::suggest::nearest;
+
+use super::{to_si, unit_meant};
 use crate::finding::{Code, Finding, Fix, tell};
-use crate::suggest::nearest;
 use crate::{FileId, Site};
 
 /// The clauses that a scene may have.
@@ -423,7 +423,7 @@ impl<'a> Reader<'a, '_> {
                     .label(site, "here")
                     .help(help);
                 let fix = match (nearest(found, known), known) {
-                    (Some(meant), _) => Some(meant.fix(site)),
+                    (Some(meant), _) => Some(Fix::word(site, &meant)),
                     (None, [only]) => {
                         Some(Fix::replace(site, *only, format!("write `{only}`")).unsafe_if(true))
                     }

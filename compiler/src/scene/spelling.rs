@@ -1,5 +1,5 @@
 //! Units as people write them.
-use crate::suggest::{Suggestion, nearest};
+use stochc_ir::suggest::{Suggestion, nearest};
 
 /// What a unit may be made of, for suggestions.
 const BASES: [&str; 19] = [

@@ -11,6 +11,7 @@ mod slips;
 // The random programs speak of the whole project.
 extern crate self as stochc;
 pub use stochc_compiler as compiler;
+pub use stochc_ir as ir;
 
 use proptest::prelude::*;
 use stochc_compiler::finding::{Code, Finding, Fix, mended};

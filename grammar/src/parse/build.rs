@@ -1,17 +1,18 @@
 //! Pieces to items of the tree.
 use pest::iterators::Pair;
 use smallvec::SmallVec;
+use stochc_ir::Face;
 
 use super::expr::two;
 use super::frame::{Content, Mode};
 use super::{Parser, Rule, span_of};
+use crate::Span;
 use crate::error::SyntaxErrorKind;
 use crate::tree::{
     Aggregate, Argument, Arrow, Assembly, Chain, Expr, For, Import, Instance, Item, ItemKind, Let,
     Level, Link, Name, Pattern, Phase, Place, Release, Scene, Seat, Seed, Segment, Shape, Subject,
     Verdict,
 };
-use crate::{Face, Span};
 
 impl Parser<'_, '_> {
     /// Builds a piece and puts it where it belongs.

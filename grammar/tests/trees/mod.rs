@@ -7,7 +7,8 @@ use stochc_grammar::tree::{
     Quantity, Release, Row, Scene, Seat, Seed, Segment, Shape, Subject, Term, Tree, UnitFactor,
     Verdict,
 };
-use stochc_grammar::{Face, Span, Symbols};
+use stochc_grammar::{Span, Symbols};
+use stochc_ir::Face;
 
 /// Names that look like words of the language, units or signs, and are none.
 const NAMES: [&str; 14] = [

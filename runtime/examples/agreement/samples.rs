@@ -1,7 +1,7 @@
 //! What is kept of a run: one line of a file with commas.
 use std::fmt;
 
-use stochc_runtime::record::{Outcome, RunRecord};
+use stochc_ir::record::{Outcome, RunRecord};
 
 use super::cases::Cell;
 

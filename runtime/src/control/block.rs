@@ -1,8 +1,8 @@
 //! What one anchored block keeps in mind.
 use std::collections::BTreeMap;
 
-use stochc_compiler::table::{Action, Condition, PhaseId, RoleId, Tables, Trigger};
-use stochc_compiler::{Cell, Face};
+use stochc_ir::table::{Action, Condition, PhaseId, RoleId, Tables, Trigger};
+use stochc_ir::{Cell, Face};
 
 use super::message::Message;
 use crate::orientation::Orientation;

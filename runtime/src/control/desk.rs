@@ -1,15 +1,15 @@
 //! The books of a run: the clock, the post, and the record of what happened when.
 use std::collections::BTreeMap;
 
-use stochc_compiler::Face;
-use stochc_compiler::table::{PhaseId, RoleId};
+use stochc_ir::Face;
+use stochc_ir::record::{BondRecord, Origin, ReleaseRecord, UnplannedRecord};
+use stochc_ir::table::{PhaseId, RoleId};
 
 use super::block::Open;
 use super::medium::{Capture, Medium, Recalled};
 use super::message::{Message, Reporter};
 use super::post::Post;
 use crate::observe::{Event, Log};
-use crate::record::{BondRecord, Origin, ReleaseRecord, UnplannedRecord};
 use crate::world::{Body, Docking, Site, World};
 
 /// What a run keeps besides the structure and the world.

@@ -1,6 +1,6 @@
 //! What lies between the blocks of a structure: contacts, and the world outside.
-use stochc_compiler::table::{PhaseId, RoleId};
-use stochc_compiler::{Cell, Face};
+use stochc_ir::table::{PhaseId, RoleId};
+use stochc_ir::{Cell, Face};
 
 use super::block::Open;
 use super::message::{Message, Reporter};

@@ -1,5 +1,5 @@
 //! What blocks say to each other.
-use stochc_compiler::table::{News, RoleId, Trigger};
+use stochc_ir::table::{News, RoleId, Trigger};
 
 use crate::observe::Said;
 use crate::world::Body;

@@ -22,17 +22,17 @@ pub(crate) mod structure;
 
 use std::collections::BTreeSet;
 
-use stochc_compiler::Cell;
-use stochc_compiler::scene::Messages;
-use stochc_compiler::table::{PhaseId, RoleId, Tables};
+use desk::Desk;
+use post::Post;
+use stochc_ir::Cell;
+use stochc_ir::record::{BondRecord, Outcome, RunRecord, WaitRecord};
+use stochc_ir::scene::Messages;
+use stochc_ir::table::{PhaseId, RoleId, Tables};
+use structure::Structure;
 
 use crate::observe::{Event, Log};
 use crate::orientation::Orientation;
-use crate::record::{BondRecord, Outcome, RunRecord, WaitRecord};
 use crate::world::{Body, Docking, Site, World};
-use desk::Desk;
-use post::Post;
-use structure::Structure;
 
 /// Runs event tables in a world.
 #[derive(Debug)]

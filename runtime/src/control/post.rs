@@ -7,7 +7,7 @@
 //! the transfer, not a message of its own.
 use std::collections::BTreeMap;
 
-use stochc_compiler::scene::Messages;
+use stochc_ir::scene::Messages;
 
 use super::link::Links;
 use super::medium::Recalled;

@@ -4,7 +4,7 @@
 //! body, so that crossing it is no hop. News for a role that nobody holds yet waits at the block
 //! that will capture it: every block has the program, and knows which one that is. A block that is
 //! let go leaves what it has heard to the next one in its role.
-use stochc_compiler::table::{Action, RoleId};
+use stochc_ir::table::{Action, RoleId};
 
 use super::medium::Medium;
 use super::message::{Message, Target};

@@ -2,7 +2,7 @@
 //! to it.
 use std::collections::BTreeMap;
 
-use stochc_compiler::table::{Action, Condition, PhaseId, RoleId, Tables, Trigger};
+use stochc_ir::table::{Action, Condition, PhaseId, RoleId, Tables, Trigger};
 
 use super::block::{Block, Open};
 use super::medium::{Capture, Medium};
@@ -242,7 +242,7 @@ impl<'t> Structure<'t> {
     fn let_go(
         &mut self,
         body: Body,
-        own: stochc_compiler::Face,
+        own: stochc_ir::Face,
         child: RoleId,
         medium: &mut impl Medium,
     ) {

@@ -1,5 +1,5 @@
 //! What the structure decides, carried out in a state.
-use stochc_compiler::table::{News, RoleId};
+use stochc_ir::table::{News, RoleId};
 
 use super::expected::Stage;
 use super::faults::Faults;

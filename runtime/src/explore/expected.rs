@@ -1,8 +1,8 @@
 //! What a program is meant to do, phase by phase.
 use std::collections::{BTreeMap, BTreeSet};
 
-use stochc_compiler::Cell;
-use stochc_compiler::table::{Action, Condition, News, PhaseId, RoleId, Tables};
+use stochc_ir::Cell;
+use stochc_ir::table::{Action, Condition, News, PhaseId, RoleId, Tables};
 
 use crate::control::message::Reporter;
 

@@ -1,8 +1,8 @@
 //! What can go wrong in hardware.
 use std::collections::BTreeSet;
 
-use stochc_compiler::table::{RoleId, Tables};
-use stochc_compiler::{Cell, Face};
+use stochc_ir::table::{RoleId, Tables};
+use stochc_ir::{Cell, Face};
 
 use super::expected::Expected;
 

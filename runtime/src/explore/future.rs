@@ -5,8 +5,8 @@
 //! rules until nothing new comes true finds every event that any order of events could bring.
 use std::collections::{BTreeMap, BTreeSet};
 
-use stochc_compiler::Cell;
-use stochc_compiler::table::{Action, Condition, Duty, News, PhaseId, RoleId, Tables, Trigger};
+use stochc_ir::Cell;
+use stochc_ir::table::{Action, Condition, Duty, News, PhaseId, RoleId, Tables, Trigger};
 
 use super::roles::Roles;
 use super::state::{Setting, State};

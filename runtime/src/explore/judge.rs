@@ -1,8 +1,8 @@
 //! What is wrong with a step, or with a state in which nothing can happen any more.
 use std::collections::{BTreeMap, BTreeSet};
 
-use stochc_compiler::Cell;
-use stochc_compiler::table::{PhaseId, RoleId};
+use stochc_ir::Cell;
+use stochc_ir::table::{PhaseId, RoleId};
 
 use super::bench::Effects;
 use super::expected::{Expected, Stage};

@@ -31,8 +31,8 @@ mod story;
 
 use std::collections::BTreeSet;
 
-use stochc_compiler::Cell;
-use stochc_compiler::table::Tables;
+use stochc_ir::Cell;
+use stochc_ir::table::Tables;
 
 pub use expected::{Expected, Meant};
 pub use faults::Faults;

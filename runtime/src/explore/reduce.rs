@@ -42,8 +42,8 @@
 use std::collections::BTreeSet;
 use std::rc::Rc;
 
-use stochc_compiler::Cell;
-use stochc_compiler::table::News;
+use stochc_ir::Cell;
+use stochc_ir::table::News;
 
 use super::Reach;
 use super::bench::Effects;

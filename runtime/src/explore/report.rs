@@ -1,5 +1,5 @@
 //! What an exploration finds out.
-use stochc_compiler::table::PhaseId;
+use stochc_ir::table::PhaseId;
 
 /// What came of an exploration.
 #[derive(Clone, Debug, PartialEq, Eq)]

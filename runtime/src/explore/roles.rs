@@ -1,5 +1,5 @@
 //! Sets of roles.
-use stochc_compiler::table::RoleId;
+use stochc_ir::table::RoleId;
 
 /// A set of roles, one bit each.
 #[derive(Clone, Debug, PartialEq, Eq)]

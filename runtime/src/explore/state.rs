@@ -1,9 +1,8 @@
 //! A state of a program: the structure, its cells, and all that is under way.
 use std::collections::BTreeSet;
 
-use stochc_compiler::Cell;
-use stochc_compiler::Face;
-use stochc_compiler::table::{News, RoleId, Tables};
+use stochc_ir::table::{News, RoleId, Tables};
+use stochc_ir::{Cell, Face};
 
 use super::bench::{Bench, Effects, Fault};
 use super::expected::{Expected, Stage};

@@ -1,5 +1,5 @@
 //! What can happen next.
-use stochc_compiler::table::RoleId;
+use stochc_ir::table::RoleId;
 
 use crate::control::message::Message;
 use crate::world::{Body, Site};

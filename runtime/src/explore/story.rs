@@ -1,5 +1,5 @@
 //! Steps in the program's own words.
-use stochc_compiler::table::{News, RoleId, Tables};
+use stochc_ir::table::{News, RoleId, Tables};
 
 use super::bench::{Effects, Fault};
 use super::state::{Setting, State};
@@ -150,11 +150,7 @@ impl Story<'_> {
     }
 
     /// Whose face it is, which, and whom it waits for.
-    fn face(
-        &self,
-        state: &State<'_>,
-        site: Site,
-    ) -> Option<(RoleId, stochc_compiler::Face, RoleId)> {
+    fn face(&self, state: &State<'_>, site: Site) -> Option<(RoleId, stochc_ir::Face, RoleId)> {
         let block = state.structure.blocks().get(&site.body)?;
         let open = block.open().iter().find(|open| open.own == site.face)?;
         Some((block.role, open.face, open.child))

@@ -1,7 +1,7 @@
 //! Cells, and who sits in them: the geometry of a structure without anything that moves.
 use std::collections::{BTreeMap, BTreeSet};
 
-use stochc_compiler::{Cell, Face};
+use stochc_ir::{Cell, Face};
 
 use super::{Body, Docking, Site};
 use crate::orientation::Orientation;

@@ -19,9 +19,9 @@ pub use error::SceneError;
 pub use state::BodyState;
 
 use nalgebra::Vector3;
-use stochc_compiler::scene::Scene;
-use stochc_compiler::table::Plate;
-use stochc_compiler::{Cell, Face};
+use stochc_ir::scene::Scene;
+use stochc_ir::table::Plate;
+use stochc_ir::{Cell, Face};
 
 use crate::orientation::Orientation;
 use crate::settings::Settings;

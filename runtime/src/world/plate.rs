@@ -1,7 +1,7 @@
 //! Where cells are in space.
 use nalgebra::Vector3;
-use stochc_compiler::Cell;
-use stochc_compiler::table::Plate;
+use stochc_ir::Cell;
+use stochc_ir::table::Plate;
 
 use super::real::normal;
 

@@ -4,7 +4,7 @@
 //! events, useless for times.
 use std::collections::{BTreeMap, BTreeSet};
 
-use stochc_compiler::{Cell, Face};
+use stochc_ir::{Cell, Face};
 
 use super::lattice::Lattice;
 use super::{Body, Docking, Fault, Site, World};

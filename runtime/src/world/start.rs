@@ -1,7 +1,7 @@
 //! Where the free blocks are at tick 0.
 use nalgebra::Vector3;
-use stochc_compiler::scene::{Arrangement, Scene};
-use stochc_compiler::table::Plate;
+use stochc_ir::scene::{Arrangement, Scene};
+use stochc_ir::table::Plate;
 
 use super::terms::{Shell, Terms};
 use super::{BodyState, SceneError};
@@ -101,7 +101,8 @@ fn lattice(radius: f64, spacing: f64, low: f64, height: f64) -> impl Iterator<It
 #[cfg(test)]
 mod tests {
     use super::*;
-    use stochc_compiler::scene::{Enclosure, built_in};
+    use stochc_compiler::scene::built_in;
+    use stochc_ir::scene::Enclosure;
 
     fn start(radius: f64, count: u32) -> Result<Vec<BodyState>, SceneError> {
         let mut scene = built_in("hemisphere").expect("built in");

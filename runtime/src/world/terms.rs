@@ -1,10 +1,10 @@
 //! The scene in block units: side 1, mass 1, and the tick as the unit of time.
 //!
 //! Single precision and contact settings then mean the same for a block of 10 um and of 20 cm.
-use stochc_compiler::scene::{
+use stochc_ir::scene::{
     Agitation, Anchor, BOLTZMANN, Bond, ContactLaw, Enclosure, Flow, Fluid, Measure, Reach, Scene,
 };
-use stochc_compiler::table::Plate;
+use stochc_ir::table::Plate;
 
 use super::SceneError;
 use super::ambient::response;
@@ -418,7 +418,7 @@ impl Units {
         }))
     }
 
-    fn contact(self, contact: &stochc_compiler::scene::Contact) -> Made<Contact> {
+    fn contact(self, contact: &stochc_ir::scene::Contact) -> Made<Contact> {
         Ok(Contact {
             law: match contact.law {
                 ContactLaw::Rigid { restitution } => ContactLaw::Rigid {

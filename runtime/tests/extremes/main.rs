@@ -11,9 +11,9 @@ use std::fmt::Write as _;
 
 use nalgebra::Vector3;
 use scenes::{PLATE, contact, hemisphere, paper};
-use stochc_compiler::scene::{Agitation, Bond, Contact, ContactLaw, Enclosure, Scene};
-use stochc_compiler::table::Plate;
-use stochc_compiler::{Cell, Face};
+use stochc_ir::scene::{Agitation, Bond, Contact, ContactLaw, Enclosure, Scene};
+use stochc_ir::table::Plate;
+use stochc_ir::{Cell, Face};
 use stochc_runtime::world::rapier::RapierWorld;
 use stochc_runtime::world::rigid::RigidWorld;
 use stochc_runtime::world::{Arena, Body, BodyState, Site, World};

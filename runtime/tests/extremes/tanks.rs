@@ -1,10 +1,9 @@
 //! The tanks at their extremes: fluids, magnets that always attract, and suction.
 use std::fmt::Write as _;
 
-use stochc_compiler::scene::{
-    Agitation, Arrangement, Bond, Enclosure, Flow, Fluid, Scene, Strength, built_in,
-};
-use stochc_compiler::table::Plate;
+use stochc_compiler::scene::built_in;
+use stochc_ir::scene::{Agitation, Arrangement, Bond, Enclosure, Flow, Fluid, Scene, Strength};
+use stochc_ir::table::Plate;
 use stochc_runtime::world::rapier::RapierWorld;
 use stochc_runtime::world::rigid::RigidWorld;
 use stochc_runtime::world::{Arena, World};
@@ -70,7 +69,7 @@ fn suction(change: impl FnOnce(&mut Scene)) -> (Ground, Scene) {
     (Ground::Plate, scene)
 }
 
-fn pump(change: impl FnOnce(&mut stochc_compiler::scene::Pump)) -> (Ground, Scene) {
+fn pump(change: impl FnOnce(&mut stochc_ir::scene::Pump)) -> (Ground, Scene) {
     suction(|scene| {
         if let Some(Bond::Suction { pump, .. }) = &mut scene.bond {
             change(pump);

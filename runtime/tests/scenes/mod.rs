@@ -1,11 +1,11 @@
 //! Scenes for tests, one term at a time, in block units: side 1 m, mass 1 kg, tick 1 s.
 #![allow(dead_code, reason = "each test file sets other scenes")]
 use nalgebra::{UnitQuaternion, Vector3};
-use stochc_compiler::scene::{
+use stochc_ir::scene::{
     Agitation, Anchor, Arrangement, Block, Bond, Contact, ContactLaw, Enclosure, Free, Measure,
     Reach, Scene,
 };
-use stochc_compiler::table::Plate;
+use stochc_ir::table::Plate;
 use stochc_runtime::draw::{Draws, Stream, direction, unit};
 use stochc_runtime::world::rapier::RapierWorld;
 use stochc_runtime::world::rigid::RigidWorld;

@@ -1,9 +1,7 @@
 //! Event tables written by hand.
 #![allow(dead_code, reason = "each test file writes other tables")]
-use stochc_compiler::table::{
-    Action, Condition, Phase, PhaseId, Plate, Role, RoleId, Tables, Trigger,
-};
-use stochc_compiler::{Cell, Face};
+use stochc_ir::table::{Action, Condition, Phase, PhaseId, Plate, Role, RoleId, Tables, Trigger};
+use stochc_ir::{Cell, Face};
 
 type Rules = Vec<(Vec<Condition>, Action)>;
 

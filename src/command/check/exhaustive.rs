@@ -2,7 +2,7 @@
 use std::fmt::Write as _;
 
 use stochc_compiler::Checked;
-use stochc_compiler::table::Tables;
+use stochc_ir::table::Tables;
 use stochc_runtime::explore::{Bound, Bounds, Exploration, Faults, Report, Verdict};
 
 use super::super::terminal::warn;

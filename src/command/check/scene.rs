@@ -3,9 +3,9 @@ use std::fmt::Write as _;
 
 use serde_json::{Value as Json, json};
 use stochc_compiler::Checked;
-use stochc_compiler::scene::describe::{Absent, Term, Value, absent, terms};
-use stochc_compiler::scene::groups::{BlockUnits, Group, Speed, SpeedFrom, groups, speed};
-use stochc_compiler::scene::{ContactLaw, Scene};
+use stochc_ir::scene::describe::{Absent, Term, Value, absent, terms};
+use stochc_ir::scene::groups::{BlockUnits, Group, Speed, SpeedFrom, groups, speed};
+use stochc_ir::scene::{ContactLaw, Scene};
 use stochc_runtime::SUBSTEPS;
 
 use super::super::unresolved::{Doubt, doubts, short};

@@ -10,8 +10,8 @@ mod swept;
 use std::num::NonZeroUsize;
 use std::sync::atomic::AtomicBool;
 
-use stochc_compiler::scene::Scene;
-use stochc_compiler::table::{Action, Tables};
+use stochc_ir::scene::Scene;
+use stochc_ir::table::{Action, Tables};
 use stochc_runtime::{Model, RunError, Settings, run as run_once};
 
 pub(super) use input::{programs, settings};

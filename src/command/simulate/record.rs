@@ -3,7 +3,7 @@ use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-use stochc_runtime::record::RunRecord;
+use stochc_ir::record::RunRecord;
 use stochc_runtime::{RunError, Settings, Watch, observe};
 
 use super::super::terminal::warn;

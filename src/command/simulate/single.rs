@@ -3,10 +3,8 @@ use std::fmt::Write as _;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use stochc_compiler::table::PhaseId;
-use stochc_runtime::record::{
-    BondRecord, Limit, Origin, Outcome, ReleaseRecord, RunRecord, WaitRecord,
-};
+use stochc_ir::record::{BondRecord, Limit, Origin, Outcome, ReleaseRecord, RunRecord, WaitRecord};
+use stochc_ir::table::PhaseId;
 use stochc_runtime::{Settings, run as run_once};
 
 use super::super::results::Form;

@@ -1,6 +1,6 @@
 //! What a Parquet file says of its ensemble, as pairs of keys and values.
 use serde_json::json;
-use stochc_compiler::table::PhaseId;
+use stochc_ir::table::PhaseId;
 
 use crate::ensemble::{Manifest, Program};
 

@@ -1,7 +1,7 @@
 //! `bonds.parquet`.
-use stochc_compiler::Cell;
-use stochc_compiler::table::{PhaseId, RoleId};
-use stochc_runtime::record::{BondRecord, Origin, WaitRecord};
+use stochc_ir::Cell;
+use stochc_ir::record::{BondRecord, Origin, WaitRecord};
+use stochc_ir::table::{PhaseId, RoleId};
 
 use super::column::{Column, Table, integer, small, text, truth};
 use super::row::{Row, Run, key, phase};

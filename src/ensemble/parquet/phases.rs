@@ -1,5 +1,5 @@
 //! `phases.parquet`.
-use stochc_compiler::table::PhaseId;
+use stochc_ir::table::PhaseId;
 
 use super::column::{Column, Table, integer, text};
 use super::row::{Row, Run, key, outcome, phase};

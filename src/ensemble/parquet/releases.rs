@@ -1,5 +1,5 @@
 //! `releases.parquet`.
-use stochc_runtime::record::ReleaseRecord;
+use stochc_ir::record::ReleaseRecord;
 
 use super::column::{Column, Table, integer, text};
 use super::row::{Row, key, phase};

@@ -1,6 +1,6 @@
 //! Rows of runs, and the columns that all tables have.
-use stochc_compiler::table::PhaseId;
-use stochc_runtime::record::{Limit, Outcome, RunRecord};
+use stochc_ir::record::{Limit, Outcome, RunRecord};
+use stochc_ir::table::PhaseId;
 
 use super::column::{Column, integer, real, text, truth};
 use crate::ensemble::{Finished, Manifest, Program, Varied};

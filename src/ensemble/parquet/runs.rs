@@ -1,6 +1,6 @@
 //! `runs.parquet`.
-use stochc_compiler::table::PhaseId;
-use stochc_runtime::record::{Outcome, RunRecord};
+use stochc_ir::record::{Outcome, RunRecord};
+use stochc_ir::table::PhaseId;
 
 use super::column::{Column, Table, integer, integers, real, text, texts, unsigned};
 use super::row::{Row, key, outcome};

@@ -1,5 +1,5 @@
 //! `unplanned.parquet`.
-use stochc_runtime::record::UnplannedRecord;
+use stochc_ir::record::UnplannedRecord;
 
 use super::column::{Column, Table, integer, text};
 use super::row::{Row, key, phase};

@@ -1,4 +1,6 @@
 //! When runs completed: curves, means, differences.
+use stochc_ir::record::Outcome;
+
 use super::common::{figures, show, tick};
 use super::{Parts, ROWS};
 use crate::ensemble::{Contrast, Time, Verdict, method, probability};
@@ -7,7 +9,6 @@ use crate::report::html::{Cell, Html, code, name};
 use crate::report::picture;
 use crate::report::picture::Curve;
 use crate::report::subject::Subject;
-use stochc_runtime::record::Outcome;
 
 pub(super) fn completion(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawing>) {
     out.heading(2, "completion", "Time to completion");

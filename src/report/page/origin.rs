@@ -1,11 +1,12 @@
 //! What was run, how to run it again, and how to read the page.
+use stochc_ir::scene::describe;
+
 use super::Parts;
 use super::common::{inside, lines, link};
 use crate::ensemble::Program;
 use crate::figures::{Drawing, number};
 use crate::report::html::{Cell, Html, code, command, name};
 use crate::report::{data, shell};
-use stochc_compiler::scene::describe;
 
 /// What was run, and how to run it again.
 pub(super) fn origin(parts: &Parts, out: &mut Html) {

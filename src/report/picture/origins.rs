@@ -1,7 +1,7 @@
 //! Where captured blocks came from.
 use std::collections::BTreeMap;
 
-use stochc_compiler::table::RoleId;
+use stochc_ir::table::RoleId;
 
 use super::{WIDTH, short};
 use crate::ensemble::Program;

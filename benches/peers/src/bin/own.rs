@@ -1,8 +1,9 @@
 //! The project's own worlds through their public interface, and Rapier as they set it up.
 use std::error::Error;
 
-use stochc_compiler::scene::{Drag, Enclosure, Scene, built_in};
-use stochc_compiler::table::Plate;
+use stochc_ir::scene::{Drag, Enclosure, Scene};
+use stochc_compiler::scene::built_in;
+use stochc_ir::table::Plate;
 use stochc_peers::drive::{Gas, State, arguments, serve};
 use stochc_peers::rapier::Rapier;
 use stochc_peers::scene::{DRAG, radius};
@@ -49,7 +50,7 @@ fn scene(blocks: u32, kick: f64) -> Result<Scene, Box<dyn Error>> {
         *own = side * radius(blocks);
     }
     let speed = (0.0, kick * side / scene.tick);
-    scene.agitation = Some(stochc_compiler::scene::Agitation::Kicks { speed });
+    scene.agitation = Some(stochc_ir::scene::Agitation::Kicks { speed });
     scene.drag = Some(Drag {
         rate: DRAG / scene.tick,
     });

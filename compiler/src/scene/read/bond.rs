@@ -1,8 +1,8 @@
 //! The clause `bond`, of three kinds.
 use stochc_grammar::tree::Name;
+use stochc_ir::scene::units::Dimension;
+use stochc_ir::scene::{Anchor, Bond, Magnets, Measure, Pump, Reach};
 
-use super::super::units::Dimension;
-use super::super::{Anchor, Bond, Magnets, Measure, Pump, Reach};
 use super::{Reader, span};
 use crate::finding::Code;
 

@@ -1,9 +1,9 @@
 //! The clause `contact`, which is of one of two kinds.
 use stochc_grammar::Span;
 use stochc_grammar::tree::{Name, Term};
+use stochc_ir::scene::units::Dimension;
+use stochc_ir::scene::{Contact, ContactLaw};
 
-use super::super::units::Dimension;
-use super::super::{Contact, ContactLaw};
 use super::Reader;
 use crate::finding::{Code, Finding, tell};
 

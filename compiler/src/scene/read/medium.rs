@@ -1,8 +1,8 @@
 //! The clauses of what is around the blocks: `fluid`, `flow` and `agitation`.
 use stochc_grammar::tree::Name;
+use stochc_ir::scene::units::Dimension;
+use stochc_ir::scene::{Agitation, Flow, Fluid, Jets, Stir, Strength, Turbulence};
 
-use super::super::units::Dimension;
-use super::super::{Agitation, Flow, Fluid, Jets, Stir, Strength, Turbulence};
 use super::{Draft, Reader};
 use crate::finding::{Code, Finding, tell};
 
@@ -198,7 +198,7 @@ impl Reader<'_, '_> {
 mod tests {
     use super::super::sample;
     use super::*;
-    use crate::scene::Scene;
+    use stochc_ir::scene::Scene;
 
     /// A scene from `hemisphere` with these clauses, and what is told of it.
     fn scene(clauses: &str) -> (Option<Scene>, Vec<(Code, String)>) {

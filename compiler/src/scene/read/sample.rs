@@ -1,11 +1,12 @@
 //! Scenes for tests of the reader.
 use stochc_grammar::tree::ItemKind;
 use stochc_grammar::{Symbols, parse, print};
+use stochc_ir::scene::Scene;
 
 use super::read;
 use crate::Sources;
 use crate::finding::Finding;
-use crate::scene::{Scene, built_in};
+use crate::scene::built_in;
 
 /// A scene from `hemisphere` with these clauses instead, and what is found in it.
 pub fn scene(clauses: &str) -> (Option<Scene>, Vec<Finding>) {

@@ -100,7 +100,7 @@ impl Pressures {
 
 #[cfg(test)]
 mod tests {
-    use stochc_compiler::{Cell, Face};
+    use stochc_ir::{Cell, Face};
 
     use super::*;
 

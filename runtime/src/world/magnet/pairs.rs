@@ -1,6 +1,6 @@
 //! Free blocks whose magnets always attract: how two of them pull each other, and when they bond.
 use nalgebra::{UnitQuaternion, Vector3};
-use stochc_compiler::Face;
+use stochc_ir::Face;
 
 use super::target::{Push, Target, best_turn};
 use crate::orientation::Orientation;
@@ -97,7 +97,7 @@ pub(crate) fn seat(first: &Pose, face: Face, second: &Pose, other: Face) -> Pose
 
 #[cfg(test)]
 mod tests {
-    use stochc_compiler::scene::Measure;
+    use stochc_ir::scene::Measure;
 
     use super::*;
 

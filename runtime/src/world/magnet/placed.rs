@@ -2,7 +2,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::Vector3;
-use stochc_compiler::Face;
+use stochc_ir::Face;
 
 use crate::orientation::Orientation;
 use crate::world::real::{Real, normal};

@@ -1,7 +1,7 @@
 //! What a magnetized face does to a free block near it: pull, alignment, and when it anchors.
 use nalgebra::{UnitQuaternion, Vector3};
-use stochc_compiler::Face;
-use stochc_compiler::scene::Measure;
+use stochc_ir::Face;
+use stochc_ir::scene::Measure;
 
 use crate::orientation::Orientation;
 use crate::world::real::{Real, normal};

@@ -6,8 +6,8 @@ use rapier3d::dynamics::{
 use rapier3d::geometry::ColliderBuilder;
 use rapier3d::glamx::{Pose3, Vec3};
 use rapier3d::pipeline::PhysicsWorld;
-use stochc_compiler::scene::ContactLaw;
-use stochc_compiler::table::Plate;
+use stochc_ir::scene::ContactLaw;
+use stochc_ir::table::Plate;
 
 use super::convert::{quat, vec3};
 use crate::settings::Settings;

@@ -16,13 +16,15 @@ mod fault;
 mod joints;
 mod push;
 
+use convert::{quat, vec3};
+use joints::Joints;
 use nalgebra::{UnitQuaternion, Vector3};
 use rapier3d::dynamics::{RigidBodyHandle, RigidBodyType};
 use rapier3d::glamx::{Pose3, Vec3};
 use rapier3d::pipeline::PhysicsWorld;
-use stochc_compiler::scene::Scene;
-use stochc_compiler::table::Plate;
-use stochc_compiler::{Cell, Face};
+use stochc_ir::scene::Scene;
+use stochc_ir::table::Plate;
+use stochc_ir::{Cell, Face};
 
 use super::ambient::{Ambient, Motion, Response};
 use super::free_bonds::FreeBonds;
@@ -37,8 +39,6 @@ use super::{Arena, Body, BodyState, Docking, Fault, SceneError, Site, World};
 use crate::draw::{Draws, Stream};
 use crate::orientation::Orientation;
 use crate::settings::{Precision, Settings};
-use convert::{quat, vec3};
-use joints::Joints;
 
 /// A world of rigid cubes.
 pub struct RapierWorld {

@@ -1,7 +1,7 @@
 //! Who touches whom at the beginning of a substep.
 use nalgebra::Vector3;
 use smallvec::SmallVec;
-use stochc_compiler::table::Plate;
+use stochc_ir::table::Plate;
 
 use super::bodies::Bodies;
 use super::grid::TOUCH;

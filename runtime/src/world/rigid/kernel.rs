@@ -1,7 +1,7 @@
 //! The terms of a scene put together, one substep after the other.
 use nalgebra::Vector3;
-use stochc_compiler::table::Plate;
-use stochc_compiler::{Cell, Face};
+use stochc_ir::table::Plate;
+use stochc_ir::{Cell, Face};
 
 use super::bodies::Bodies;
 use super::detect::Shape;

@@ -21,16 +21,16 @@ mod overlap;
 mod solver;
 mod turn;
 
+use kernel::Kernel;
 use nalgebra::Vector3;
-use stochc_compiler::Cell;
-use stochc_compiler::scene::Scene;
-use stochc_compiler::table::Plate;
+use stochc_ir::Cell;
+use stochc_ir::scene::Scene;
+use stochc_ir::table::Plate;
 
 use super::terms::Terms;
 use super::{Arena, BodyState, Docking, Fault, SceneError, Site, World};
 use crate::orientation::Orientation;
 use crate::settings::{Precision, Settings};
-use kernel::Kernel;
 
 /// A world of rigid cubes.
 pub struct RigidWorld(Inner);

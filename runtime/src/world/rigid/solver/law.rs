@@ -1,5 +1,5 @@
 //! What a contact does.
-use stochc_compiler::scene::ContactLaw;
+use stochc_ir::scene::ContactLaw;
 
 use crate::world::real::Real;
 use crate::world::terms::Contact;

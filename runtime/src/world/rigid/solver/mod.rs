@@ -11,17 +11,17 @@ mod motion;
 mod pair;
 mod touch;
 
+use chain::Chains;
+use law::{FASTEST, Law, PRECISION};
+use motion::{GROUND, Moving};
 use nalgebra::Vector3;
+use pair::Abreast;
+use touch::Touches;
 
 use super::bodies::Bodies;
 use super::lanes::{Lane, Quad};
 use super::overlap::Patch;
 use crate::world::terms::Contact;
-use chain::Chains;
-use law::{FASTEST, Law, PRECISION};
-use motion::{GROUND, Moving};
-use pair::Abreast;
-use touch::Touches;
 
 /// Finds the impulses of all contacts of a substep.
 #[derive(Clone, Debug)]
@@ -144,7 +144,7 @@ impl<R: Lane> Solver<R> {
 mod tests {
     use rand::{RngExt as _, SeedableRng as _};
     use rand_chacha::ChaCha8Rng;
-    use stochc_compiler::scene::ContactLaw;
+    use stochc_ir::scene::ContactLaw;
 
     use super::*;
     use crate::world::BodyState;

@@ -5,8 +5,6 @@ use serde::{Deserialize, Serialize};
 
 use super::super::Scene;
 use super::{SCALARS, find};
-use crate::Site;
-use crate::finding::{Code, Finding};
 
 /// Another value for a number of a scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -114,7 +112,10 @@ impl ScalarError {
 }
 
 /// A scene with some of its numbers changed; what depends on another comes after it.
-pub(crate) fn changed(mut scene: Scene, changes: &[Change]) -> Result<Scene, ScalarError> {
+///
+/// # Errors
+/// For the first change that cannot be made.
+pub fn changed(mut scene: Scene, changes: &[Change]) -> Result<Scene, ScalarError> {
     let mut found = Vec::new();
     for change in changes {
         found.push((find(&scene, &change.of)?, change.value));
@@ -125,19 +126,4 @@ pub(crate) fn changed(mut scene: Scene, changes: &[Change]) -> Result<Scene, Sca
         scalar.set(&mut scene, value)?;
     }
     Ok(scene)
-}
-
-/// What is wrong with a change, as a finding at the assembly whose scene it is.
-pub(crate) fn finding(error: &ScalarError, assembly: Site) -> Finding {
-    let code = match error {
-        ScalarError::Unknown { .. } => Code::UnknownTerm,
-        ScalarError::Absent { .. } => Code::MissingTerm,
-        ScalarError::Dimension { .. } => Code::WrongDimension,
-        ScalarError::Range { .. } => Code::WrongValue,
-    };
-    let finding = Finding::new(code, error.to_string()).label(assembly, "in the scene of this");
-    match error.has() {
-        [] => finding,
-        has => finding.help(format!("the scene has {}", has.join(", "))),
-    }
 }

@@ -1,7 +1,4 @@
 //! Units and dimensions of the values of a scene.
-use stochc_grammar::tree::{Quantity, UnitFactor};
-
-use crate::plan::Timeout;
 
 /// Powers of kilogram, metre, second, ampere and kelvin, and of the tick, the scene's own clock.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -151,20 +148,22 @@ impl Dimension {
     }
 }
 
-/// A value in SI units, with its dimension.
-pub fn to_si(quantity: &Quantity) -> (f64, Dimension) {
-    let mut value = quantity.value;
+/// A value in a unit, such as `[("N", 1), ("m", -1)]`, in SI units, with its dimension.
+pub fn to_si<'a>(
+    mut value: f64,
+    unit: impl IntoIterator<Item = (&'a str, i8)>,
+) -> (f64, Dimension) {
     let mut dimension = NONE;
-    for UnitFactor { symbol, power } in &quantity.unit {
+    for (symbol, power) in unit {
         let (scale, base) = factor(symbol);
         // One multiplication or division by a power of ten keeps `20cm` the nearest double to 0.2.
         let parts = scale.recip().round();
         if scale < 1.0 && (parts * scale - 1.0).abs() < 1e-9 {
-            value /= parts.powi(i32::from(*power));
+            value /= parts.powi(i32::from(power));
         } else {
-            value *= scale.powi(i32::from(*power));
+            value *= scale.powi(i32::from(power));
         }
-        dimension = dimension.times(base, *power);
+        dimension = dimension.times(base, power);
     }
     (value, dimension)
 }
@@ -247,44 +246,12 @@ fn base(symbol: &str) -> Option<(f64, Dimension)> {
     })
 }
 
-impl Timeout {
-    /// The time that a quantity stands for, if it is a positive time.
-    pub fn of(quantity: &Quantity) -> Option<Timeout> {
-        let (value, dimension) = to_si(quantity);
-        /// Beyond this a double does not count ticks one by one.
-        const MOST: f64 = 9e15;
-        match dimension {
-            Dimension::TICKS if (1.0..MOST).contains(&value) && value.fract() == 0.0 => {
-                Some(Timeout::Ticks(value as u64))
-            }
-            Dimension::TIME if value > 0.0 => Some(Timeout::Seconds(value)),
-            _ => None,
-        }
-    }
-
-    /// In ticks of a clock \[s\], at least one.
-    pub fn ticks(self, tick: f64) -> u64 {
-        match self {
-            Timeout::Ticks(ticks) => ticks,
-            Timeout::Seconds(seconds) => ((seconds / tick).round() as u64).max(1),
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn si(value: f64, unit: &[(&str, i8)]) -> (f64, Dimension) {
-        let unit = unit.iter().map(|&(symbol, power)| UnitFactor {
-            symbol: symbol.to_owned(),
-            power,
-        });
-        to_si(&Quantity {
-            value,
-            unit: unit.collect(),
-            span: Default::default(),
-        })
+        to_si(value, unit.iter().copied())
     }
 
     #[test]

@@ -2,10 +2,14 @@ use proptest::prelude::*;
 use stochc_grammar::tree::ItemKind;
 use stochc_grammar::{Symbols, parse};
 
-use super::super::{Agitation, Block, Bond, Contact, ContactLaw, Enclosure};
-use super::super::{Anchor, Drag, Measure, Messages, Reach, built_in, read};
-use super::*;
+use stochc_ir::scene::describe::{absent, terms};
+use stochc_ir::scene::{
+    Agitation, Anchor, Block, Bond, Contact, ContactLaw, Drag, Enclosure, Measure, Messages, Reach,
+    Scene,
+};
+
 use crate::Sources;
+use crate::scene::{built_in, read};
 
 /// The scene that a text declares.
 fn scene(text: &str) -> Scene {

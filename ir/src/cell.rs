@@ -1,5 +1,6 @@
 use serde::{Deserialize, Serialize};
-use stochc_grammar::Face;
+
+use crate::Face;
 
 /// A site of the structure's cubic lattice, in block sides: x east, y north, z up.
 ///

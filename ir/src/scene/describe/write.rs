@@ -1,6 +1,4 @@
 //! Values as they are written in a scene.
-use stochc_grammar::tree::{Quantity, UnitFactor};
-
 use super::super::units::to_si;
 
 /// A unit: how it is written, and its factors.
@@ -183,18 +181,7 @@ fn text(number: f64, unit: &str) -> String {
 
 /// The number with the fewest digits, up to [`CHOSEN`], that is `value` in a unit, but for a share of it.
 fn shortest(value: f64, (_, factors): Unit, rounding: f64) -> Option<f64> {
-    let in_si = |value: f64| {
-        let unit = factors.iter().map(|&(symbol, power)| UnitFactor {
-            symbol: symbol.to_owned(),
-            power,
-        });
-        let (value, _) = to_si(&Quantity {
-            value,
-            unit: unit.collect(),
-            span: Default::default(),
-        });
-        value
-    };
+    let in_si = |value: f64| to_si(value, factors.iter().copied()).0;
     let about = value / in_si(1.0);
     (0..CHOSEN)
         .filter_map(|digits| format!("{about:.digits$e}").parse().ok())
@@ -279,15 +266,7 @@ mod tests {
         for (units, spellings) in kinds {
             for factors in spellings {
                 for value in [1.0, 2.5, 7.0, 0.3, 1.018, 94.5, 920.05, 33.0, 0.07] {
-                    let unit = factors.iter().map(|&(symbol, power)| UnitFactor {
-                        symbol: symbol.to_owned(),
-                        power,
-                    });
-                    let (si, _) = to_si(&Quantity {
-                        value,
-                        unit: unit.collect(),
-                        span: Default::default(),
-                    });
+                    let (si, _) = to_si(value, factors.iter().copied());
                     let told = write(si, units);
                     let (number, _) = told.split_once(' ').unwrap();
                     let digits = number.split('e').next().unwrap();

@@ -1,8 +1,16 @@
 //! A value that stands alone, read as in a scene.
 use stochc_grammar::tree::{ItemKind, Quantity, Term};
 use stochc_grammar::{Symbols, parse};
+use stochc_ir::scene::units::{self, Dimension};
 
-use super::super::unit_meant;
+use super::unit_meant;
+
+/// A value in SI units, with its dimension.
+pub fn to_si(quantity: &Quantity) -> (f64, Dimension) {
+    let factors = quantity.unit.iter();
+    let factors = factors.map(|factor| (factor.symbol.as_str(), factor.power));
+    units::to_si(quantity.value, factors)
+}
 
 /// Reads a number with its unit, such as `4.5 N`, by the rules of the language.
 ///
@@ -38,7 +46,6 @@ pub fn quantity(text: &str) -> Result<Quantity, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::units::{Dimension, to_si};
 
     #[test]
     fn values_are_those_of_the_language() {

@@ -376,4 +376,30 @@ impl Group {
 }
 
 #[cfg(test)]
-mod tests;
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_fewest_steps_that_resolve_a_group_are_told() {
+        for (value, most, power, substeps) in [
+            (0.05, 0.1, 1, Some(1)),
+            (0.1, 0.1, 1, Some(1)),
+            (0.2636, 0.1, 1, Some(3)),
+            (6.0, 1.0, 2, Some(3)),
+            (4.0, 1.0, 2, Some(2)),
+            (4.0001, 1.0, 2, Some(3)),
+            (1e12, 1.0, 1, None),
+            (f64::INFINITY, 1.0, 2, None),
+        ] {
+            let at = |steps: f64| value / steps.powi(power);
+            let group = Group::new("", "", value).limited(most, at, "");
+            assert_eq!(group.substeps(), substeps, "{value}");
+            assert_eq!(group.is_exceeded(1), substeps != Some(1), "{value}");
+            if let Some(substeps) = substeps {
+                assert!(!group.is_exceeded(substeps) && !group.is_exceeded(substeps + 1));
+                assert!(substeps == 1 || group.is_exceeded(substeps - 1), "{value}");
+            }
+        }
+        assert_eq!(Group::new("", "", 1e9).substeps(), None);
+    }
+}

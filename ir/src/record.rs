@@ -1,7 +1,8 @@
 //! What one run leaves behind.
 use serde::{Deserialize, Serialize};
-use stochc_compiler::table::{PhaseId, RoleId};
-use stochc_compiler::{Cell, Face};
+
+use crate::table::{PhaseId, RoleId};
+use crate::{Cell, Face};
 
 /// Everything that is kept of one run: a pure function of (tables, scene, settings, seed, run).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -73,13 +74,13 @@ pub enum Outcome {
 pub enum Limit {
     /// The timeout that the program gives the phase.
     Timeout,
-    /// The limit of ticks of the whole run, [`Settings::max_ticks`](crate::Settings::max_ticks).
+    /// The limit of ticks of the whole run, `Settings::max_ticks`.
     MaxTicks,
 }
 
 impl Limit {
     /// What stops a run at this tick; `is_late`: its phase has used up its time.
-    pub(crate) fn reached(is_late: bool, tick: u64, max_ticks: Option<u64>) -> Option<Limit> {
+    pub fn reached(is_late: bool, tick: u64, max_ticks: Option<u64>) -> Option<Limit> {
         if is_late {
             return Some(Limit::Timeout);
         }

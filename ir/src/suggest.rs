@@ -1,6 +1,4 @@
 //! The nearest known word to an unknown one.
-use crate::Site;
-use crate::finding::Fix;
 
 /// Words that are compared at most, so that a large program with many errors stays quick.
 const MOST: usize = 5_000;
@@ -18,12 +16,6 @@ impl Suggestion {
     /// ``did you mean `tower`?``
     pub fn help(&self) -> String {
         format!("did you mean `{}`?", self.word)
-    }
-
-    /// Puts the word in the place of the unknown one; safe if it is clear.
-    pub fn fix(&self, site: Site) -> Fix {
-        let title = format!("write `{}`", self.word);
-        Fix::replace(site, &self.word, title).unsafe_if(!self.clear)
     }
 }
 

@@ -1,5 +1,9 @@
-use super::super::{Contact, Drag, built_in};
-use super::*;
+use stochc_ir::scene::groups::{Group, Settling, SpeedFrom, groups, speed};
+use stochc_ir::scene::{
+    Agitation, BOLTZMANN, Bond, Contact, ContactLaw, Drag, Enclosure, Flow, Fluid, Scene, Strength,
+};
+
+use crate::scene::built_in;
 
 fn hemisphere() -> Scene {
     built_in("hemisphere_2005").expect("it is built in")
@@ -147,7 +151,7 @@ fn a_scene_at_another_scale_has_the_same_groups() {
         *radius *= side;
         *wall *= force / side;
     }
-    if let Some(super::super::Agitation::Kicks { speed }) = &mut scaled.agitation {
+    if let Some(Agitation::Kicks { speed }) = &mut scaled.agitation {
         *speed = (speed.0 * side / tick, speed.1 * side / tick);
     }
     scaled.drag = Some(Drag { rate: 0.5 / tick });
@@ -166,26 +170,6 @@ fn a_scene_at_another_scale_has_the_same_groups() {
 
 #[test]
 fn substeps_are_as_many_as_a_limit_needs() {
-    for (value, most, power, substeps) in [
-        (0.05, 0.1, 1, Some(1)),
-        (0.1, 0.1, 1, Some(1)),
-        (0.2636, 0.1, 1, Some(3)),
-        (6.0, 1.0, 2, Some(3)),
-        (4.0, 1.0, 2, Some(2)),
-        (4.0001, 1.0, 2, Some(3)),
-        (1e12, 1.0, 1, None),
-        (f64::INFINITY, 1.0, 2, None),
-    ] {
-        let at = |steps: f64| value / steps.powi(power);
-        let group = Group::new("", "", value).limited(most, at, "");
-        assert_eq!(group.substeps(), substeps, "{value}");
-        assert_eq!(group.is_exceeded(1), substeps != Some(1), "{value}");
-        if let Some(substeps) = substeps {
-            assert!(!group.is_exceeded(substeps) && !group.is_exceeded(substeps + 1));
-            assert!(substeps == 1 || group.is_exceeded(substeps - 1), "{value}");
-        }
-    }
-    assert_eq!(Group::new("", "", 1e9).substeps(), None);
     let exceeded: Vec<_> = (groups(&hemisphere()).iter())
         .filter(|group| group.is_exceeded(1))
         .map(|group| (group.symbol, group.substeps()))
@@ -195,7 +179,6 @@ fn substeps_are_as_many_as_a_limit_needs() {
 
 /// The scene of `examples/microns.sa`.
 fn microns() -> Scene {
-    use super::super::{Agitation, Fluid};
     let mut scene = hemisphere();
     (scene.tick, scene.block.side, scene.block.mass) = (10.0, 10e-6, 1.05e-12);
     scene.enclosure = Some(Enclosure::Hemisphere {
@@ -278,7 +261,6 @@ fn drag_that_needs_longer_than_a_step_changes_nothing() {
 
 #[test]
 fn sinking_is_held_against_what_stirs() {
-    use super::super::{Agitation, Flow, Fluid, Strength};
     let mut scene = microns();
     assert_eq!(Settling::of(&scene), None, "without gravity");
     scene.gravity = Some(9.81);
@@ -361,7 +343,6 @@ fn sinking_is_held_against_what_stirs() {
 
 #[test]
 fn heat_and_eddies_give_blocks_their_speed() {
-    use super::super::{Agitation, Flow, Fluid, Strength};
     let mut tank = built_in("magnet_tank").unwrap();
     let told = speed(&tank);
     assert_eq!(told.from, SpeedFrom::Eddies);

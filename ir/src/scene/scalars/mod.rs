@@ -4,13 +4,8 @@
 //! number of a scene that has none, and for one that goes by another name or rule than in the
 //! language.
 mod change;
-mod quantity;
-#[cfg(test)]
-mod tests;
 
-pub use change::{Change, ScalarError};
-pub(crate) use change::{changed, finding};
-pub use quantity::quantity;
+pub use change::{Change, ScalarError, changed};
 
 use super::units::Dimension;
 use super::{
@@ -353,6 +348,11 @@ const fn scalar(
     }
 }
 
+/// Every number of any scene, in the order of the language reference.
+pub fn all() -> &'static [Scalar] {
+    SCALARS
+}
+
 /// Every number that a scene has a place for, in the order of the language reference.
 pub fn scalars(scene: &Scene) -> impl Iterator<Item = &'static Scalar> {
     let mut scene = scene.clone();
@@ -435,8 +435,7 @@ impl Scalar {
     ///
     /// # Errors
     /// When it is of another dimension, or out of its range.
-    pub fn si(&self, quantity: &stochc_grammar::tree::Quantity) -> Result<f64, ScalarError> {
-        let (value, found) = super::units::to_si(quantity);
+    pub fn accept(&self, (value, found): (f64, Dimension)) -> Result<f64, ScalarError> {
         if found != self.dimension {
             return Err(ScalarError::Dimension {
                 name: self.name(),
@@ -483,7 +482,10 @@ impl Scalar {
     }
 
     /// Gives it another value in a scene, in SI units.
-    fn set(&self, scene: &mut Scene, value: f64) -> Result<(), ScalarError> {
+    ///
+    /// # Errors
+    /// When it is out of its range.
+    pub fn set(&self, scene: &mut Scene, value: f64) -> Result<(), ScalarError> {
         self.check(value)?;
         match (self.at)(scene) {
             // Whole and within the range of its type, or `check` would have refused it.

@@ -2,8 +2,6 @@
 mod bond;
 mod clauses;
 mod medium;
-#[cfg(test)]
-mod tests;
 mod value;
 mod write;
 

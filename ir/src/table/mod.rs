@@ -10,10 +10,9 @@
 mod hardware;
 
 use serde::{Deserialize, Serialize};
-use stochc_grammar::Face;
 
-use crate::Cell;
 use crate::scene::BondKind;
+use crate::{Cell, Face};
 
 /// A name that blocks take in turn; an index into [`Tables::roles`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
@@ -42,11 +41,11 @@ pub struct Tables {
     /// Every role: first the seeds in source order, then the captured ones by first capture.
     pub roles: Vec<Role>,
     /// All duties, sorted by (role, phase, trigger).
-    pub(crate) duties: Vec<DutyRow>,
+    duties: Vec<DutyRow>,
     /// All rules; a duty owns a contiguous range.
-    pub(crate) rules: Vec<RuleRow>,
+    rules: Vec<RuleRow>,
     /// All conditions; a rule owns a contiguous range.
-    pub(crate) conditions: Vec<Condition>,
+    conditions: Vec<Condition>,
 }
 
 /// The seed plate: `width` x `depth` blocks at z = 0, only their upper faces exposed.
@@ -184,7 +183,7 @@ pub struct Duty<'a> {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct DutyRow {
+struct DutyRow {
     pub role: RoleId,
     pub phase: PhaseId,
     pub trigger: Trigger,
@@ -193,7 +192,7 @@ pub(crate) struct DutyRow {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct RuleRow {
+struct RuleRow {
     /// Where its conditions begin; they end where the next rule's begin.
     pub when: u32,
     pub then: Action,
@@ -241,6 +240,28 @@ impl Duty<'_> {
 pub type LooseDuty = (RoleId, PhaseId, Trigger, Vec<(Vec<Condition>, Action)>);
 
 impl Tables {
+    /// Tables in which nobody does anything yet, of the default bond.
+    pub fn new(
+        assembly: impl Into<String>,
+        faces: u8,
+        plate: Plate,
+        phases: Vec<Phase>,
+        roles: Vec<Role>,
+    ) -> Tables {
+        Tables {
+            assembly: assembly.into(),
+            bond: BondKind::default(),
+            faces,
+            aggregate: None,
+            plate,
+            phases,
+            roles,
+            duties: Vec::new(),
+            rules: Vec::new(),
+            conditions: Vec::new(),
+        }
+    }
+
     /// Puts tables together from loose duties, for tools and tests that write them by hand.
     ///
     /// `duties` may come in any order; an empty list of rules is left out. The bond is the default
@@ -254,18 +275,7 @@ impl Tables {
         mut duties: Vec<LooseDuty>,
     ) -> Tables {
         duties.sort_by_key(|&(role, phase, trigger, _)| (role, phase, trigger));
-        let mut tables = Tables {
-            assembly: assembly.into(),
-            bond: BondKind::default(),
-            faces,
-            aggregate: None,
-            plate,
-            phases,
-            roles,
-            duties: Vec::with_capacity(duties.len()),
-            rules: Vec::new(),
-            conditions: Vec::new(),
-        };
+        let mut tables = Tables::new(assembly, faces, plate, phases, roles);
         for (role, phase, trigger, rules) in duties {
             if !rules.is_empty() {
                 tables.begin_duty(role, phase, trigger);
@@ -277,8 +287,14 @@ impl Tables {
         tables
     }
 
+    /// Takes the memory for so many more rules and conditions at once.
+    pub fn reserve(&mut self, rules: usize, conditions: usize) {
+        self.rules.reserve_exact(rules);
+        self.conditions.reserve_exact(conditions);
+    }
+
     /// Opens a duty; duties have to come in the order of (role, phase, trigger).
-    pub(crate) fn begin_duty(&mut self, role: RoleId, phase: PhaseId, trigger: Trigger) {
+    pub fn begin_duty(&mut self, role: RoleId, phase: PhaseId, trigger: Trigger) {
         let rules = self.rules.len() as u32;
         self.duties.push(DutyRow {
             role,
@@ -289,7 +305,7 @@ impl Tables {
     }
 
     /// Adds a rule to the duty opened last.
-    pub(crate) fn push_rule(&mut self, when: impl IntoIterator<Item = Condition>, then: Action) {
+    pub fn push_rule(&mut self, when: impl IntoIterator<Item = Condition>, then: Action) {
         let start = self.conditions.len() as u32;
         self.conditions.extend(when);
         self.rules.push(RuleRow { when: start, then });

@@ -5,10 +5,11 @@ use serde_json::Value;
 use stochc_grammar::tree::{ItemKind, Scene as Tree, Term};
 use stochc_grammar::{Symbols, parse};
 
-use super::super::read;
-use super::*;
+use stochc_ir::scene::scalars::{self, Change, ScalarError, changed, find, scalars};
+use stochc_ir::scene::{Agitation, Scene};
+
 use crate::finding::Code;
-use crate::scene::{BUILT_IN, built_in};
+use crate::scene::{BUILT_IN, built_in, quantity, read, to_si};
 use crate::{FileId, Sources};
 
 /// Scenes that between them have every term of the model; a new term belongs in one of them.
@@ -113,7 +114,7 @@ fn put(terms: &mut [Term], words: &[&str], value: f64, symbols: &Symbols) -> Opt
         _ => return None,
     };
     quantity.value = 1.0;
-    let (unit, _) = crate::scene::units::to_si(quantity);
+    let (unit, _) = to_si(quantity);
     quantity.value = value / unit;
     Some(())
 }
@@ -208,7 +209,7 @@ fn the_scenes_of_this_test_have_every_term() {
             "no scene of this test says `{at}`: add it to FULL"
         );
     }
-    for scalar in SCALARS {
+    for scalar in scalars::all() {
         let has = |scene: &Scene| scalar.get(scene).is_some();
         assert!(
             texts().any(|text| has(&text.scene().unwrap())),
@@ -347,7 +348,7 @@ fn names_that_a_scene_does_not_have_are_told_with_those_it_has() {
 fn a_value_of_another_dimension_is_told_with_the_right_one() {
     let of = |name, text| {
         let scalar = find(&scene(0), name).unwrap();
-        scalar.si(&quantity(text).unwrap())
+        scalar.accept(to_si(&quantity(text).unwrap()))
     };
     assert_eq!(of("block.side", "20cm"), Ok(0.2));
     let told = |name, text| of(name, text).unwrap_err().to_string();

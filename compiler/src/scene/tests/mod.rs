@@ -1,0 +1,3 @@
+mod describe;
+mod groups;
+mod scalars;

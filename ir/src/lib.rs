@@ -1,0 +1,16 @@
+//! What a program is once it is compiled, as plain values: no text, no physics.
+//!
+//! The compiler makes [event tables](table) and reads [scenes](scene); the runtime runs the one in the other and leaves
+//! [records](record). All three are here, so that neither needs to know the other.
+mod cell;
+mod face;
+pub mod record;
+pub mod scene;
+pub mod suggest;
+pub mod table;
+
+pub use cell::Cell;
+pub use face::Face;
+
+/// A digest of this crate's sources: two builds with one digest compute the same.
+pub const SOURCES: &str = env!("STOCHC_SOURCES");
