@@ -9,6 +9,7 @@ use stochc_ir::table::RoleId;
 
 use crate::expand::{Bounds, Limits, Probe, expand_probed};
 use crate::graph::Dependency;
+use crate::names::{Keep, Names};
 use crate::plan::{Deed, EventId, Plan};
 use crate::program::declarations;
 use crate::{Checked, FileId, Program};
@@ -39,7 +40,8 @@ pub fn blocks_at(
     let mut symbols = checked.symbols.clone();
     // What is wrong has been told.
     let mut findings = Vec::new();
-    let declarations = declarations(checked.trees(), &symbols, &mut findings);
+    let names = Names::of_trees(checked.trees(), Keep::Declarations, cancellation)?;
+    let declarations = declarations(checked.trees(), &names, &symbols, &mut findings);
     let assemblies = checked
         .tree
         .items

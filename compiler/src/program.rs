@@ -12,6 +12,7 @@ use crate::graph::{self, DependencyGraph};
 use crate::layout::Layout;
 use crate::levels::{Allowed, FileLevels, Levels};
 use crate::load::{Loaded, Module, Reader, load};
+use crate::names::{Keep, Names};
 use crate::order::{self, Order};
 use crate::plan::Plan;
 use crate::scenes::Scenes;
@@ -223,9 +224,18 @@ fn check_all(
         changes,
         is_trial,
     };
-    let mut programs = programs(&mut loaded, &about, &mut findings, done)?;
+    let trees = loaded.modules.iter();
+    let trees = trees.map(|module| (module.file, &module.tree));
+    let names = Names::of_trees(trees, Keep::Declarations, bounds.cancellation)?;
+    let mut programs = programs(&mut loaded, &names, &about, &mut findings, done)?;
     if !findings.iter().any(Finding::is_error) {
-        unused::check(&loaded.modules, &sources, &loaded.symbols, &mut findings);
+        unused::check(
+            &loaded.modules,
+            &names,
+            &sources,
+            &loaded.symbols,
+            &mut findings,
+        );
     }
     doubt_fixes(&mut findings, syntax);
     let tree = loaded
@@ -321,6 +331,7 @@ impl About<'_> {
 
 fn programs(
     loaded: &mut Loaded,
+    names: &Names,
     about: &About,
     findings: &mut Vec<Finding>,
     done: &mut dyn FnMut(Stage),
@@ -332,7 +343,7 @@ fn programs(
     } = loaded;
     let scenes = Scenes::of(modules, symbols, findings);
     let trees = modules.iter().map(|module| (module.file, &module.tree));
-    let declarations = declarations(trees, symbols, findings);
+    let declarations = declarations(trees, names, symbols, findings);
     let Some(own) = modules.last() else {
         return Ok(Vec::new());
     };
@@ -430,6 +441,7 @@ fn compile_aggregate(
 /// What the files declare at top level.
 pub(crate) fn declarations<'a>(
     trees: impl Iterator<Item = (FileId, &'a Tree)>,
+    names: &'a Names,
     symbols: &Symbols,
     findings: &mut Vec<Finding>,
 ) -> Declarations<'a> {
@@ -437,6 +449,7 @@ pub(crate) fn declarations<'a>(
         patterns: FxHashMap::default(),
         shapes: FxHashMap::default(),
         lets: Vec::new(),
+        names,
     };
     for (file, tree) in trees {
         for item in &tree.items {

@@ -34,7 +34,7 @@ impl Analysis {
         cancellation: Cancellation<'_>,
     ) -> Result<Analysis, Cancelled> {
         let checked = check_cancellable(path, reader, Limits::EDITOR, cancellation)?;
-        let names = Names::of(&checked);
+        let names = Names::of(&checked, cancellation)?;
         let files = checked.sources.files().iter();
         let lines = files.map(|file| line_starts(&file.text)).collect();
         Ok(Analysis {

@@ -133,7 +133,8 @@ fn stays_the_same(
         None => Err("not read before".to_owned()),
     };
     let new = check_cancellable(&root.name, &mut reader, Limits::EDITOR, cancellation)?;
-    if !same_structure(&analysis.names, &Names::of(&new)) || codes(old) != codes(&new) {
+    let names = Names::of(&new, cancellation)?;
+    if !same_structure(&analysis.names, &names) || codes(old) != codes(&new) {
         let why = format!("`{new_name}` already means something where it would stand");
         return Err(Failure::refusal(why));
     }

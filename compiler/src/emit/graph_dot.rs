@@ -1,5 +1,5 @@
 //! The dependency graph for Graphviz.
-use std::fmt::{self, Display, Formatter};
+use std::fmt::{Display, Formatter};
 
 use stochc_grammar::Symbols;
 
@@ -16,45 +16,37 @@ pub fn graph_dot(
     order: &Order,
     symbols: &Symbols,
 ) -> impl Display {
-    Text(move |out: &mut Formatter<'_>| write_dot(out, plan, graph, order, symbols))
-}
-
-fn write_dot(
-    out: &mut Formatter<'_>,
-    plan: &Plan,
-    graph: &DependencyGraph,
-    order: &Order,
-    symbols: &Symbols,
-) -> fmt::Result {
-    writeln!(out, "digraph {} {{", quoted(&plan.name))?;
-    out.write_str(
-        "    rankdir=LR;\n    node [shape=box, style=rounded, fontname=\"Helvetica\"];\n",
-    )?;
-    out.write_str("    edge [fontname=\"Helvetica\", fontsize=10];\n")?;
-    for (number, (phase, chain)) in plan.phases.iter().zip(&order.chains).enumerate() {
-        writeln!(out, "    subgraph cluster_{number} {{")?;
-        writeln!(out, "        label={};", quoted(&phase.name))?;
-        for id in plan.events_of(phase) {
-            let style = match plan.event(id).deed {
-                Deed::Release => ", style=\"rounded,dashed\"",
-                Deed::Capture { .. } if chain.contains(&id) => ", penwidth=2.5",
-                Deed::Capture { .. } => "",
-            };
-            let label = quoted(&plan.describe(id, symbols));
-            writeln!(out, "        e{} [label={label}{style}];", id.0)?;
-        }
-        for id in plan.events_of(phase) {
-            for (why, first) in waits(graph, id) {
-                let style = match why {
-                    Dependency::Anchored => String::new(),
-                    why => format!(" [label=\"{}\", style=dashed]", label(why)),
+    Text(move |out: &mut Formatter<'_>| {
+        writeln!(out, "digraph {} {{", quoted(&plan.name))?;
+        out.write_str(
+            "    rankdir=LR;\n    node [shape=box, style=rounded, fontname=\"Helvetica\"];\n",
+        )?;
+        out.write_str("    edge [fontname=\"Helvetica\", fontsize=10];\n")?;
+        for (number, (phase, chain)) in plan.phases.iter().zip(&order.chains).enumerate() {
+            writeln!(out, "    subgraph cluster_{number} {{")?;
+            writeln!(out, "        label={};", quoted(&phase.name))?;
+            for id in plan.events_of(phase) {
+                let style = match plan.event(id).deed {
+                    Deed::Release => ", style=\"rounded,dashed\"",
+                    Deed::Capture { .. } if chain.contains(&id) => ", penwidth=2.5",
+                    Deed::Capture { .. } => "",
                 };
-                writeln!(out, "        e{} -> e{}{style};", first.0, id.0)?;
+                let label = quoted(&plan.describe(id, symbols));
+                writeln!(out, "        e{} [label={label}{style}];", id.0)?;
             }
+            for id in plan.events_of(phase) {
+                for (why, first) in waits(graph, id) {
+                    let style = match why {
+                        Dependency::Anchored => String::new(),
+                        why => format!(" [label=\"{}\", style=dashed]", label(why)),
+                    };
+                    writeln!(out, "        e{} -> e{}{style};", first.0, id.0)?;
+                }
+            }
+            out.write_str("    }\n")?;
         }
-        out.write_str("    }\n")?;
-    }
-    out.write_str("}\n")
+        out.write_str("}\n")
+    })
 }
 
 fn quoted(text: &str) -> String {

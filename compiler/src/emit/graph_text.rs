@@ -1,5 +1,5 @@
 //! The dependency graph as text.
-use std::fmt::{self, Display, Formatter};
+use std::fmt::{Display, Formatter};
 
 use petgraph::Direction::Incoming;
 use petgraph::graph::NodeIndex;
@@ -18,45 +18,37 @@ pub fn graph_text(
     order: &Order,
     symbols: &Symbols,
 ) -> impl Display {
-    Text(move |out: &mut Formatter<'_>| write_graph(out, plan, graph, order, symbols))
-}
-
-fn write_graph(
-    out: &mut Formatter<'_>,
-    plan: &Plan,
-    graph: &DependencyGraph,
-    order: &Order,
-    symbols: &Symbols,
-) -> fmt::Result {
-    if plan.aggregate.is_some() {
-        return writeln!(out, "aggregate {}: nothing is ordered", plan.name);
-    }
-    writeln!(out, "assembly {}", plan.name)?;
-    for (phase, chain) in plan.phases.iter().zip(&order.chains) {
-        let planted = if phase.planted {
-            ", attached by hand"
-        } else {
-            ""
-        };
-        writeln!(out, "\nphase {}{planted}", phase.name)?;
-        for id in plan.events_of(phase) {
-            writeln!(out, "    {}", plan.describe(id, symbols))?;
-            for (why, first) in waits(graph, id) {
-                let first = plan.describe(first, symbols);
-                writeln!(out, "        {}: {first}", label(why))?;
+    Text(move |out: &mut Formatter<'_>| {
+        if plan.aggregate.is_some() {
+            return writeln!(out, "aggregate {}: nothing is ordered", plan.name);
+        }
+        writeln!(out, "assembly {}", plan.name)?;
+        for (phase, chain) in plan.phases.iter().zip(&order.chains) {
+            let planted = if phase.planted {
+                ", attached by hand"
+            } else {
+                ""
+            };
+            writeln!(out, "\nphase {}{planted}", phase.name)?;
+            for id in plan.events_of(phase) {
+                writeln!(out, "    {}", plan.describe(id, symbols))?;
+                for (why, first) in waits(graph, id) {
+                    let first = plan.describe(first, symbols);
+                    writeln!(out, "        {}: {first}", label(why))?;
+                }
             }
+            if phase.planted {
+                continue;
+            }
+            writeln!(
+                out,
+                "    longest serial chain, {}: {}",
+                Order::length(plan, chain),
+                chain_text(plan, chain, symbols)
+            )?;
         }
-        if phase.planted {
-            continue;
-        }
-        writeln!(
-            out,
-            "    longest serial chain, {}: {}",
-            Order::length(plan, chain),
-            chain_text(plan, chain, symbols)
-        )?;
-    }
-    Ok(())
+        Ok(())
+    })
 }
 
 /// What an event waits for, sorted.

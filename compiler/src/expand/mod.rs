@@ -17,6 +17,7 @@ use stochc_grammar::tree::{
 use stochc_grammar::{Cancellation, Cancelled, Span, Symbol, Symbols};
 
 use crate::finding::{Code, Finding, Fix, LONG, MOST_FINDINGS, removal, tell};
+use crate::names::{Names, Thing};
 use crate::plan::{After, Event, EventId, Key, Plan, PlanPhase, Roles, Timeout};
 use crate::{FileId, Site, Sources};
 pub use probe::Probe;
@@ -89,6 +90,8 @@ pub struct Declarations<'a> {
     pub shapes: FxHashMap<Symbol, (FileId, &'a Shape)>,
     /// The numbers, with their files, in source order.
     pub lets: Vec<(FileId, &'a Item)>,
+    /// What the names of the files refer to.
+    pub names: &'a Names,
 }
 
 /// What a program is written out to, and the shapes that it knows.
@@ -243,6 +246,8 @@ struct Expander<'a, 'f> {
     plan: Plan,
     patterns: FxHashMap<Symbol, (FileId, &'a Pattern)>,
     shapes: FxHashMap<Symbol, (FileId, &'a Shape)>,
+    /// What the names of the files refer to.
+    names: &'a Names,
     scope: Scope,
     /// What the patterns use their parameters as.
     known: uses::Known,
@@ -307,6 +312,7 @@ impl<'a, 'f> Expander<'a, 'f> {
             },
             patterns: declarations.patterns.clone(),
             shapes: declarations.shapes.clone(),
+            names: declarations.names,
             scope: Scope::default(),
             known: uses::Known::default(),
             lets: declarations.lets.clone(),
@@ -505,20 +511,31 @@ impl<'a> Expander<'a, '_> {
         let ItemKind::Let(let_) = &item.kind else {
             return;
         };
-        let site = self.site(let_.name.span);
         // Where its value is in doubt, so is the name: it is declared all the same.
         let value = self
             .evaluate(&let_.value)
             .map_or(Value::Unknown, Value::Number);
-        self.define(let_.name.symbol, value, site);
+        self.define(let_.name, value);
     }
 
     /// Gives a name a value, unless it has one in the same block.
-    fn define(&mut self, name: Symbol, value: Value, site: Site) {
-        if let Some(old) = self.scope.define(name, value, site) {
-            let finding = duplicate(self.symbols.word(name), old, site, "a `let`");
+    fn define(&mut self, name: Name, value: Value) {
+        let site = self.site(name.span);
+        if let Some(old) = self.scope.define(self.named(name), value, site) {
+            let finding = duplicate(self.symbols.word(name.symbol), old, site, "a `let`");
             tell(self.findings, finding);
         }
+    }
+
+    /// The word of a name of the file at hand, and the number, counter or parameter that it is the name of.
+    fn named(&self, name: Name) -> (Symbol, Option<Thing>) {
+        (name.symbol, self.names.value(self.file, name.span))
+    }
+
+    /// The value of what a name of the file at hand stands for, if it has one yet.
+    fn value(&self, name: Name) -> Option<Value> {
+        let (word, thing) = self.named(name);
+        self.scope.get(word, thing?).map(|(value, _)| value)
     }
 
     fn phase(&mut self, phase: &'a Phase, item: &'a Item) {
