@@ -4,8 +4,8 @@ use stochc_grammar::{Cancellation, Cancelled};
 
 use crate::Site;
 use crate::layout::Layout;
+use crate::liveness::Liveness;
 use crate::plan::{Deed, EventId, Plan};
-use crate::presence::Presence;
 
 /// Captures and releases, and what each waits for.
 ///
@@ -62,7 +62,7 @@ impl Dependency {
 /// [`Cancelled`] if nobody waits for it.
 pub fn build(
     plan: &Plan,
-    presence: &Presence,
+    liveness: &Liveness,
     layout: &Layout,
     faces: u8,
     cancellation: Cancellation<'_>,
@@ -81,7 +81,7 @@ pub fn build(
     };
     for id in (0..count as u32).map(EventId) {
         cancellation.check()?;
-        let context = presence.contexts[id.0 as usize];
+        let context = liveness.contexts[id.0 as usize];
         if let Some(first) = context.anchored_by {
             add(first, id, Dependency::Anchored);
         }
@@ -92,7 +92,7 @@ pub fn build(
     for (first, then, why) in face_turns(plan, faces, cancellation)? {
         add(first, then, why);
     }
-    for (after, subject) in plan.afters.iter().zip(&presence.subjects) {
+    for (after, subject) in plan.afters.iter().zip(&liveness.subjects) {
         if let Some(first) = *subject {
             add(first, after.event, Dependency::After(after.site));
         }

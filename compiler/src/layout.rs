@@ -5,8 +5,8 @@ use stochc_ir::table::RoleId;
 use stochc_ir::{Cell, Face};
 
 use crate::finding::{Code, Finding, tell};
+use crate::liveness::{Holder, Liveness};
 use crate::plan::{Deed, EventId, Plan};
-use crate::presence::{Holder, Presence};
 
 /// The geometry of a program.
 #[derive(Clone, Debug)]
@@ -52,7 +52,7 @@ struct Seat {
 /// [`Cancelled`] if nobody waits for it.
 pub fn lay_out(
     plan: &mut Plan,
-    presence: &Presence,
+    liveness: &Liveness,
     symbols: &Symbols,
     cancellation: Cancellation<'_>,
     findings: &mut Vec<Finding>,
@@ -86,7 +86,7 @@ pub fn lay_out(
     };
     let mut surveyor = Surveyor {
         plan,
-        presence,
+        liveness,
         symbols,
         cancellation,
         findings,
@@ -102,7 +102,7 @@ pub fn lay_out(
 
 struct Surveyor<'a> {
     plan: &'a mut Plan,
-    presence: &'a Presence,
+    liveness: &'a Liveness,
     symbols: &'a Symbols,
     cancellation: Cancellation<'a>,
     findings: &'a mut Vec<Finding>,
@@ -121,14 +121,14 @@ impl Surveyor<'_> {
         for &id in &events {
             let event = self.plan.event(id);
             if event.sound && event.deed == Deed::Release {
-                leaving.insert(self.presence.actor(self.plan, id), id);
+                leaving.insert(self.liveness.actor(self.plan, id), id);
             }
         }
         let arrivals = self.captures(&events, &leaving)?;
         for &id in &events {
             let event = *self.plan.event(id);
             if event.sound && event.deed == Deed::Release {
-                let context = self.presence.contexts[id.0 as usize];
+                let context = self.liveness.contexts[id.0 as usize];
                 let (cell, on) = match context.anchored_by {
                     Some(capture) => {
                         let i = capture.0 as usize;
@@ -163,7 +163,7 @@ impl Surveyor<'_> {
             if !event.sound || event.deed == Deed::Release {
                 continue;
             }
-            match self.presence.contexts[id.0 as usize].anchored_by {
+            match self.liveness.contexts[id.0 as usize].anchored_by {
                 Some(parent) if self.layout.cells[parent.0 as usize].is_none() => {
                     waiting.entry(parent).or_default().push(id);
                 }
@@ -191,7 +191,7 @@ impl Surveyor<'_> {
         let Deed::Capture { parent, face } = event.deed else {
             return;
         };
-        let base = match self.presence.contexts[id.0 as usize].anchored_by {
+        let base = match self.liveness.contexts[id.0 as usize].anchored_by {
             Some(capture) => {
                 let i = capture.0 as usize;
                 self.layout.cells[i].map(|cell| Seat {
@@ -333,7 +333,7 @@ impl Surveyor<'_> {
             if !event.sound || event.deed != Deed::Release {
                 continue;
             }
-            let parent = self.presence.actor(self.plan, id);
+            let parent = self.liveness.actor(self.plan, id);
             for face in Face::ALL {
                 let Some(neighbour) = cell.across(face) else {
                     continue;
@@ -379,7 +379,7 @@ impl Surveyor<'_> {
         });
         let arrives = arrivals.get(&cell).and_then(|&capture| {
             let child = Holder::captured(self.plan.event(capture).role, capture);
-            (self.presence.actor(self.plan, capture) == parent).then_some((child, capture))
+            (self.liveness.actor(self.plan, capture) == parent).then_some((child, capture))
         });
         there.into_iter().chain(arrives)
     }
@@ -391,7 +391,7 @@ impl Surveyor<'_> {
             let event = *self.plan.event(id);
             if event.sound
                 && event.deed == Deed::Release
-                && self.presence.contexts[id.0 as usize].anchored_by.is_none()
+                && self.liveness.contexts[id.0 as usize].anchored_by.is_none()
                 && let Some(seat) = self.seats[event.role.0 as usize].take()
             {
                 self.taken.remove(&seat.cell);

@@ -8,8 +8,8 @@ use stochc_ir::table::{Action, Condition, News, Phase, PhaseId, Role, RoleId, Ta
 
 use crate::graph::{Dependency, DependencyGraph};
 use crate::layout::Layout;
+use crate::liveness::{Holder, Liveness};
 use crate::plan::{Deed, EventId, Plan};
-use crate::presence::{Holder, Presence};
 
 /// Lowers a program in which nothing is wrong.
 ///
@@ -18,7 +18,7 @@ use crate::presence::{Holder, Presence};
 /// [`Cancelled`] if nobody waits for it.
 pub fn lower(
     plan: &Plan,
-    presence: &Presence,
+    liveness: &Liveness,
     layout: &Layout,
     graph: &DependencyGraph,
     scene: &Scene,
@@ -27,7 +27,7 @@ pub fn lower(
 ) -> Result<Tables, Cancelled> {
     let mut lowering = Lowering {
         plan,
-        presence,
+        liveness,
         layout,
         graph,
         rules: Vec::with_capacity(plan.events.len() * 2),
@@ -68,7 +68,7 @@ struct Loose {
 
 struct Lowering<'a> {
     plan: &'a Plan,
-    presence: &'a Presence,
+    liveness: &'a Liveness,
     layout: &'a Layout,
     graph: &'a DependencyGraph,
     rules: Vec<Loose>,
@@ -80,7 +80,7 @@ struct Lowering<'a> {
 impl Lowering<'_> {
     fn event(&mut self, id: EventId, phase: PhaseId) {
         let event = *self.plan.event(id);
-        let actor = self.presence.actor(self.plan, id);
+        let actor = self.liveness.actor(self.plan, id);
         match event.deed {
             Deed::Capture { face, .. } => {
                 let Some(cell) = self.layout.cells[id.0 as usize] else {
@@ -158,10 +158,10 @@ impl Lowering<'_> {
     /// The block that sees an event happen at its own face.
     fn witness(&self, id: EventId) -> Holder {
         if let Deed::Capture { .. } = self.plan.event(id).deed {
-            return self.presence.actor(self.plan, id);
+            return self.liveness.actor(self.plan, id);
         }
-        match self.presence.contexts[id.0 as usize].anchored_by {
-            Some(capture) => self.presence.actor(self.plan, capture),
+        match self.liveness.contexts[id.0 as usize].anchored_by {
+            Some(capture) => self.liveness.actor(self.plan, capture),
             None => {
                 let on = self.layout.parents[id.0 as usize];
                 let role = on.map_or(self.plan.event(id).role, |on| on.parent);
@@ -193,7 +193,7 @@ impl Lowering<'_> {
         let witness = self.witness(id);
         let mut receivers: Vec<RoleId> = (self.graph.edges_directed(node, Outgoing))
             .filter(|edge| matches!(edge.weight(), Dependency::After(_) | Dependency::Freed))
-            .map(|edge| self.presence.actor(self.plan, self.graph[edge.target()]))
+            .map(|edge| self.liveness.actor(self.plan, self.graph[edge.target()]))
             // A block knows of its own anchoring.
             .filter(|actor| *actor != witness && actor.since != Some(id))
             .map(|actor| actor.role)

@@ -7,18 +7,18 @@ use stochc_ir::scene::{BondKind, Scene};
 use stochc_ir::table::Tables;
 
 use crate::expand::{Bounds, Declarations, Limits, duplicate, expand, expand_aggregate};
-use crate::finding::{Code, Finding, Fix, fold, mended, tell};
+use crate::finding::{Code, Finding, Fix, apply_fixes, fold, tell};
 use crate::graph::{self, DependencyGraph};
 use crate::layout::Layout;
-use crate::levels::{Allowed, FileLevels, Levels};
+use crate::lint_levels::{Allowed, FileLevels, Levels};
 use crate::load::{Loaded, Module, Reader, load};
 use crate::names::{Keep, Names};
 use crate::order::{self, Order};
 use crate::plan::Plan;
 use crate::scenes::Scenes;
 use crate::{
-    FileId, Site, Sources, exposed, inventory, layout, lower, presence, reach, scene, shape, trial,
-    turns, unused,
+    FileId, Site, Sources, capacity, layout, liveness, lower, reach, scene, shape, trial, turns,
+    unplanned_bonds, unused,
 };
 
 /// Everything that is known of a file after looking at all of it.
@@ -300,7 +300,7 @@ impl About<'_> {
     fn errors_with(&self, fixes: &[&Fix]) -> Option<Vec<(Code, String)>> {
         let files = self.sources.files();
         let own = files.first()?;
-        let (text, count) = mended(&own.text, FileId(0), fixes.iter().copied());
+        let (text, count) = apply_fixes(&own.text, FileId(0), fixes.iter().copied());
         if count != fixes.len() {
             return None;
         }
@@ -414,18 +414,18 @@ fn compile_aggregate(
     findings: &mut Vec<Finding>,
 ) -> Result<Program, Cancelled> {
     if let Some(scene) = &scene {
-        inventory::check_aggregate(&plan, scene, findings);
+        capacity::check_aggregate(&plan, scene, findings);
     }
     let doubtful = Default::default();
     // It has no events.
     let never = Cancellation::NEVER;
-    let presence = presence::check(&mut plan, sources, symbols, &doubtful, never, findings)?;
-    let layout = layout::lay_out(&mut plan, &presence, symbols, never, findings)?;
-    let graph = graph::build(&plan, &presence, &layout, 1, never)?;
+    let liveness = liveness::check(&mut plan, sources, symbols, &doubtful, never, findings)?;
+    let layout = layout::lay_out(&mut plan, &liveness, symbols, never, findings)?;
+    let graph = graph::build(&plan, &liveness, &layout, 1, never)?;
     let order = order::sort(&plan, &graph, symbols, never, findings)?;
     let is_right = !wrong && !findings.iter().any(Finding::is_error);
     let tables = (scene.as_ref().filter(|_| is_right))
-        .map(|scene| lower::lower(&plan, &presence, &layout, &graph, scene, symbols, never))
+        .map(|scene| lower::lower(&plan, &liveness, &layout, &graph, scene, symbols, never))
         .transpose()?;
     Ok(Program {
         plan,
@@ -535,7 +535,7 @@ impl<'a> Input<'a> {
             plan.clear();
         }
         let mut names = Vec::new();
-        let presence = presence::check(
+        let liveness = liveness::check(
             &mut plan,
             self.sources,
             symbols,
@@ -549,11 +549,11 @@ impl<'a> Input<'a> {
         done(Stage::Names);
         // What follows from a statement that could not be read would only confuse.
         let mut later = Vec::new();
-        let layout = layout::lay_out(&mut plan, &presence, symbols, cancellation, &mut later)?;
+        let layout = layout::lay_out(&mut plan, &liveness, symbols, cancellation, &mut later)?;
         done(Stage::Layout);
         let faces =
             (scene.as_ref()).map_or(1, |scene| BondKind::of(scene).faces(scene.block.faces));
-        let graph = graph::build(&plan, &presence, &layout, faces, cancellation)?;
+        let graph = graph::build(&plan, &liveness, &layout, faces, cancellation)?;
         done(Stage::Graph);
         let order = order::sort(&plan, &graph, symbols, cancellation, &mut later)?;
         done(Stage::Order);
@@ -575,7 +575,7 @@ impl<'a> Input<'a> {
             let certain = has_choice.then(|| turns::certain(&graph, &order.events));
             let subject = reach::Subject {
                 plan: &plan,
-                presence: &presence,
+                liveness: &liveness,
                 layout: &layout,
                 graph: &graph,
                 certain: certain.as_ref().unwrap_or(&graph),
@@ -593,12 +593,12 @@ impl<'a> Input<'a> {
         done(Stage::Reach);
         let is_passive = (scene.as_ref()).is_some_and(|scene| BondKind::of(scene).is_passive());
         if let (Some(order), true, true) = (&order, is_whole, is_passive) {
-            exposed::check(&plan, &layout, order, symbols, cancellation, &mut later)?;
+            unplanned_bonds::check(&plan, &layout, order, symbols, cancellation, &mut later)?;
         }
         if is_sound {
             shape::check(&plan, &layout, &shapes, symbols, cancellation, &mut later)?;
             if let Some(scene) = &scene {
-                inventory::check(&plan, &layout, scene, &mut later);
+                capacity::check(&plan, &layout, scene, &mut later);
             }
         }
         done(Stage::Compare);
@@ -617,7 +617,7 @@ impl<'a> Input<'a> {
         let lower = |scene| {
             lower::lower(
                 &plan,
-                &presence,
+                &liveness,
                 &layout,
                 &graph,
                 scene,

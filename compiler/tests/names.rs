@@ -4,9 +4,9 @@ use std::fmt::Write as _;
 
 use proptest::prelude::*;
 use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
-use stochc_compiler::locate::blocks_at;
 use stochc_compiler::names::{Kind, Names, Thing};
 use stochc_compiler::plan::Deed;
+use stochc_compiler::source_map::blocks_at;
 use stochc_compiler::{Cancellation, Checked, Levels, Limits, check_observed};
 
 const NEVER: Cancellation<'static> = Cancellation::NEVER;

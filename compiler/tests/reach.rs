@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use petgraph::Direction::Incoming;
 use petgraph::graph::NodeIndex;
 use proptest::prelude::*;
-use stochc_compiler::finding::{Code, Finding, Fix, mended};
+use stochc_compiler::finding::{Code, Finding, Fix, apply_fixes};
 use stochc_compiler::plan::{Deed, Event, EventId};
 use stochc_compiler::turns::is_ready;
 use stochc_compiler::{Checked, FileId, Limits, Program, check};
@@ -376,7 +376,7 @@ fn finding_event(program: &Program, finding: &Finding) -> u32 {
 
 /// The text after a fix.
 fn after_fix(text: &str, finding: &Finding) -> Option<String> {
-    Some(mended(text, FileId(0), [finding.fix.as_ref()?]).0)
+    Some(apply_fixes(text, FileId(0), [finding.fix.as_ref()?]).0)
 }
 
 fn others(checked: &Checked) -> Vec<&Finding> {
@@ -648,7 +648,7 @@ fn cures_cure_in(text: &str) -> Cures {
 }
 
 fn changed(text: &str, fix: &Fix) -> String {
-    let (new, count) = mended(text, FileId(0), [fix]);
+    let (new, count) = apply_fixes(text, FileId(0), [fix]);
     assert_eq!(count, 1, "{fix:?}");
     new
 }

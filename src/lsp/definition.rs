@@ -2,8 +2,8 @@
 use std::collections::BTreeSet;
 
 use gen_lsp_types::Range;
-use stochc_compiler::locate::{Ancestry, blocks_at};
 use stochc_compiler::names::{Kind, Occurrence};
+use stochc_compiler::source_map::{Ancestry, blocks_at};
 use stochc_compiler::{Cancellation, Cancelled, FileId, Limits, Site};
 use stochc_grammar::tree::ItemKind;
 

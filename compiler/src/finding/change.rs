@@ -93,7 +93,7 @@ impl<'a> Change<'a> {
 }
 
 /// The text of a file with every change that fits, and how many those are.
-pub fn mended<'a>(
+pub fn apply_fixes<'a>(
     text: &'a str,
     file: FileId,
     fixes: impl IntoIterator<Item = &'a Fix>,
@@ -137,25 +137,25 @@ mod tests {
 
     #[test]
     fn the_first_of_two_overlapping_changes_counts() {
-        let mended = |fixes: &[Fix]| mended("0123456789", FileId(0), fixes);
+        let applied = |fixes: &[Fix]| apply_fixes("0123456789", FileId(0), fixes);
         assert_eq!(
-            mended(&[fix(&[(1, 3, "a")]), fix(&[(2, 4, "b")])]),
+            applied(&[fix(&[(1, 3, "a")]), fix(&[(2, 4, "b")])]),
             ("0a3456789".into(), 1)
         );
         assert_eq!(
-            mended(&[fix(&[(2, 4, "b")]), fix(&[(1, 3, "a")])]),
+            applied(&[fix(&[(2, 4, "b")]), fix(&[(1, 3, "a")])]),
             ("01b456789".into(), 1)
         );
         assert_eq!(
-            mended(&[fix(&[(1, 3, "a")]), fix(&[(3, 4, "b")])]),
+            applied(&[fix(&[(1, 3, "a")]), fix(&[(3, 4, "b")])]),
             ("0ab456789".into(), 2)
         );
         assert_eq!(
-            mended(&[fix(&[(1, 1, "a")]), fix(&[(1, 1, "b")])]),
+            applied(&[fix(&[(1, 1, "a")]), fix(&[(1, 1, "b")])]),
             ("0a123456789".into(), 1)
         );
         assert_eq!(
-            mended(&[fix(&[(0, 10, "")]), fix(&[(5, 5, "b")])]),
+            applied(&[fix(&[(0, 10, "")]), fix(&[(5, 5, "b")])]),
             (String::new(), 1)
         );
     }
@@ -164,20 +164,20 @@ mod tests {
     fn a_change_is_made_as_a_whole_or_not_at_all() {
         let two = fix(&[(8, 9, "x"), (1, 2, "y")]);
         assert_eq!(
-            mended("0123456789", FileId(0), &[fix(&[(1, 3, "a")]), two.clone()]),
+            apply_fixes("0123456789", FileId(0), &[fix(&[(1, 3, "a")]), two.clone()]),
             ("0a3456789".into(), 1)
         );
         assert_eq!(
-            mended("0123456789", FileId(0), [&two]),
+            apply_fixes("0123456789", FileId(0), [&two]),
             ("0y234567x9".into(), 1)
         );
-        assert_eq!(mended("012", FileId(0), [&two]), ("012".into(), 0));
+        assert_eq!(apply_fixes("012", FileId(0), [&two]), ("012".into(), 0));
         assert_eq!(
-            mended("0123456789", FileId(1), [&two]),
+            apply_fixes("0123456789", FileId(1), [&two]),
             ("0123456789".into(), 0)
         );
         assert_eq!(
-            mended("0µ2", FileId(0), &[fix(&[(2, 3, "x")])]),
+            apply_fixes("0µ2", FileId(0), &[fix(&[(2, 3, "x")])]),
             ("0µ2".into(), 0)
         );
     }

@@ -5,10 +5,10 @@ mod fix;
 mod graphical;
 mod hand_in;
 mod repeat;
-mod slips;
 mod syntax;
+mod syntax_hints;
 
-pub use change::{Change, mended};
+pub use change::{Change, apply_fixes};
 pub use code::{Code, Severity};
 pub(crate) use fix::{LONG, entry, named, removal};
 pub use graphical::{Renderer, is_hostile, visible};

@@ -5,7 +5,7 @@
 //! it, and editors are answered by it.
 //!
 //! Names are words here: `T[1]` and `T[i + 1]` are uses of the same `T`, since only writing the
-//! program out could tell them apart ([`crate::locate`] does). A name that may stand for several
+//! program out could tell them apart ([`crate::source_map`] does). A name that may stand for several
 //! things, such as a number of the assembly that grows a pattern, makes them one.
 mod resolve;
 mod things;

@@ -13,7 +13,7 @@ use crate::{Site, Sources};
 
 /// Who holds the names, and what becomes of them in each phase.
 #[derive(Clone, Debug)]
-pub struct Presence {
+pub struct Liveness {
     /// For every event, what its names mean.
     pub contexts: Vec<Context>,
     /// For every `after`, the event that is waited for; `None`: it has already happened.
@@ -60,7 +60,7 @@ impl Holder {
     }
 }
 
-impl Presence {
+impl Liveness {
     /// The block that an event is up to: the one that captures, or the one that asks to be let go.
     pub fn actor(&self, plan: &Plan, id: EventId) -> Holder {
         let event = plan.event(id);
@@ -104,11 +104,11 @@ pub fn check(
     doubtful: &FxHashSet<Symbol>,
     cancellation: Cancellation<'_>,
     findings: &mut Vec<Finding>,
-) -> Result<Presence, Cancelled> {
+) -> Result<Liveness, Cancelled> {
     let mut checker = Checker {
         states: vec![State::default(); plan.roles.count()],
         used: vec![false; plan.seeds.len()],
-        presence: Presence {
+        liveness: Liveness {
             contexts: vec![Context::default(); plan.events.len()],
             subjects: vec![None; plan.afters.len()],
         },
@@ -120,7 +120,7 @@ pub fn check(
         plan,
     };
     checker.run(cancellation)?;
-    Ok(checker.presence)
+    Ok(checker.liveness)
 }
 
 struct Checker<'a> {
@@ -128,7 +128,7 @@ struct Checker<'a> {
     states: Vec<State>,
     /// Seeds that have been spoken of.
     used: Vec<bool>,
-    presence: Presence,
+    liveness: Liveness,
     sources: &'a Sources,
     symbols: &'a Symbols,
     doubtful: &'a FxHashSet<Symbol>,
@@ -204,7 +204,7 @@ impl Checker<'_> {
             return;
         }
         let place = |site: Site| (site.file, site.span.start);
-        let needed: FxHashSet<_> = (self.plan.afters.iter().zip(&self.presence.subjects))
+        let needed: FxHashSet<_> = (self.plan.afters.iter().zip(&self.liveness.subjects))
             .filter(|(_, subject)| subject.is_some())
             .map(|(after, _)| place(after.site))
             .collect();
@@ -312,7 +312,7 @@ impl Checker<'_> {
                 }
             }
         };
-        self.presence.contexts[id.0 as usize] = context;
+        self.liveness.contexts[id.0 as usize] = context;
     }
 
     fn resolve_after(&mut self, number: usize, stamp: u32) {
@@ -325,7 +325,7 @@ impl Checker<'_> {
             state.captured
         };
         if subject.is_some() {
-            self.presence.subjects[number] = subject;
+            self.liveness.subjects[number] = subject;
             return;
         }
         if self.findings.len() > MOST_FINDINGS || self.is_doubtful(after.role) {
@@ -375,7 +375,7 @@ impl Checker<'_> {
         if !event.sound {
             return;
         }
-        let context = self.presence.contexts[id.0 as usize];
+        let context = self.liveness.contexts[id.0 as usize];
         let state = &mut self.states[event.role.0 as usize];
         match event.deed {
             // A name that is freed and taken again ends up taken; the other way round, free.
