@@ -4,7 +4,7 @@
 //! # fn main() -> Result<(), stochc::Wrong> {
 //! let checked = stochc::check("examples/five_tower.sa");
 //! let tables = checked.programs[0].tables.as_ref().ok_or(stochc::Wrong)?;
-//! println!("{}", stochc::compiler::emit::table_text(tables));
+//! println!("{}", stochc::ir::emit::table_text(tables));
 //! # Ok(())
 //! # }
 //! ```
@@ -32,6 +32,7 @@ pub use stochc_runtime as runtime;
 pub use wrong::Wrong;
 
 use compiler::{Checked, Levels, Limits};
+use ir::scene::scalars::Change;
 
 /// Checks a file of the disk and all it imports, and compiles its assemblies.
 ///
@@ -45,6 +46,27 @@ pub fn check(path: &str) -> Checked {
 /// Small programs are tried [in every order of events](orders) as well.
 pub fn check_with(path: &str, levels: &Levels) -> Checked {
     let mut checked = compiler::check_with(path, &mut files::read, Limits::default(), levels);
+    orders::try_out(&mut checked);
+    checked
+}
+
+/// [`check_with`], from texts instead of the disk, the program's own first; with other numbers for the scene of the
+/// assembly of a name.
+pub fn check_texts(
+    texts: &[(&str, &str)],
+    levels: &Levels,
+    assembly: &str,
+    changes: &[Change],
+) -> Checked {
+    let mut reader = |path: &str| {
+        let found = texts.iter().find(|(name, _)| *name == path);
+        found
+            .map(|(_, text)| text.as_bytes().to_vec())
+            .ok_or("it is not among the texts".to_owned())
+    };
+    let root = texts.first().map_or("", |(name, _)| name);
+    let limits = Limits::default();
+    let mut checked = compiler::check_changed(root, &mut reader, limits, levels, assembly, changes);
     orders::try_out(&mut checked);
     checked
 }

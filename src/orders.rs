@@ -4,14 +4,10 @@
 //! are explored on every check, and `check --exhaustive` goes on where that ends.
 use std::fmt::Write as _;
 
-use petgraph::Direction::Incoming;
-use petgraph::graph::NodeIndex;
-use petgraph::visit::EdgeRef as _;
 use stochc_compiler::finding::{Code, Finding};
-use stochc_compiler::graph::Dependency;
-use stochc_compiler::plan::{Deed, EventId};
 use stochc_compiler::{Checked, Program};
-use stochc_ir::table::{News, PhaseId, Tables};
+use stochc_ir::graph::{Dependency, EventGraph, EventId};
+use stochc_ir::table::Tables;
 use stochc_runtime::explore::{Bounds, Expected, Exploration, Faults, Meant, Violation};
 
 /// Captures and releases of a program that is explored on every check, at most.
@@ -48,7 +44,7 @@ fn fault(program: &Program) -> Option<Finding> {
     if tables.aggregate.is_some() {
         return None;
     }
-    let expected = expected(program, tables);
+    let expected = expected(&program.event_graph(), tables);
     let exploration = Exploration::new(tables, &expected, BOUNDS, Faults::default());
     let report = exploration.run();
     let found = report.violation()?;
@@ -66,29 +62,19 @@ fn fault(program: &Program) -> Option<Finding> {
 }
 
 /// What tables are meant to do, by the dependency graph: it does not matter how they say it.
-pub fn expected(program: &Program, tables: &Tables) -> Expected {
-    let (plan, graph) = (&program.plan, &program.graph);
-    let news = |id: EventId| {
-        let event = plan.event(id);
-        match event.deed {
-            Deed::Capture { .. } => News::Anchored(event.role),
-            Deed::Release => News::Released(event.role),
-        }
-    };
-    let events = (0..)
-        .zip(&plan.phases)
-        .flat_map(|(number, phase)| plan.events_of(phase).map(move |id| (PhaseId(number), id)));
-    let meant = events.map(|(phase, id)| {
+pub fn expected(graph: &EventGraph, tables: &Tables) -> Expected {
+    let meant = (0..graph.events.len() as u32).map(EventId).map(|id| {
+        let event = graph.event(id);
         let mut meant = Meant {
-            phase,
-            event: news(id),
-            cell: program.layout.cells[id.0 as usize],
+            phase: event.phase,
+            event: event.action.news(),
+            cell: event.cell,
             waits_for: Vec::new(),
             turn: (0, Vec::new()),
         };
-        for edge in graph.edges_directed(NodeIndex::new(id.0 as usize), Incoming) {
-            let first = news(graph[edge.source()]);
-            match *edge.weight() {
+        for edge in graph.waits_for(id) {
+            let first = graph.event(edge.first).action.news();
+            match edge.why {
                 Dependency::Face { needed, .. } => {
                     meant.turn.0 = usize::from(needed);
                     meant.turn.1.push(first);

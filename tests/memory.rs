@@ -4,12 +4,12 @@ use std::io::{Write as _, sink};
 use std::sync::{Mutex, PoisonError};
 
 use peak_alloc::PeakAlloc;
-use stochc::compiler::emit::{
-    graph_dot, graph_json, graph_text, structure_json, structure_text, table_json, table_text,
-};
+use stochc::compiler::emit::{structure_json, structure_text};
 use stochc::compiler::finding::Code;
 use stochc::compiler::{Checked, Limits, check};
-use stochc_grammar::{Json, to_json};
+use stochc::ir::Json;
+use stochc::ir::emit::{graph_dot, graph_json, graph_text, table_json, table_text};
+use stochc_grammar::to_json;
 
 #[global_allocator]
 static MEMORY: PeakAlloc = PeakAlloc;
@@ -69,8 +69,7 @@ fn showing_a_program_takes_no_more_memory_than_compiling_it_has() {
         let checked = checked(&program(towers, in_one));
         assert!(!checked.has_errors(), "{:?}", checked.findings);
         let (program, symbols) = (&checked.programs[0], &checked.symbols);
-        let (plan, layout, graph) = (&program.plan, &program.layout, &program.graph);
-        let order = program.order.as_ref().unwrap();
+        let (plan, layout, graph) = (&program.plan, &program.layout, &program.event_graph());
         let tables = program.tables.as_ref().unwrap();
         assert_eq!(plan.events.len(), 4 * towers);
         // The structure is sorted by cell.
@@ -79,17 +78,9 @@ fn showing_a_program_takes_no_more_memory_than_compiling_it_has() {
             ("tree", 0, json(to_json(&checked.tree, symbols))),
             ("table as JSON", 0, json(table_json(tables))),
             ("table", 0, text(&table_text(tables))),
-            (
-                "graph as JSON",
-                0,
-                json(graph_json(plan, graph, order, symbols)),
-            ),
-            ("graph", 0, text(&graph_text(plan, graph, order, symbols))),
-            (
-                "graph as DOT",
-                0,
-                text(&graph_dot(plan, graph, order, symbols)),
-            ),
+            ("graph as JSON", 0, json(graph_json(graph, tables))),
+            ("graph", 0, text(&graph_text(graph, tables))),
+            ("graph as DOT", 0, text(&graph_dot(graph, tables))),
             (
                 "structure as JSON",
                 sorted,

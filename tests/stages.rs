@@ -1,5 +1,5 @@
 //! Every stage of every example, held in snapshots.
-use stochc::compiler::emit::{graph_dot, graph_json, graph_text, table_json, table_text};
+use stochc::ir::emit::{graph_dot, graph_json, graph_text, table_json, table_text};
 
 #[test]
 fn examples_compile_as_before() {
@@ -20,19 +20,18 @@ fn examples_compile_as_before() {
                 format!("{:#}", stochc_grammar::to_json(&checked.tree, symbols))
             );
             for program in &checked.programs {
-                let order = program.order.as_ref().unwrap();
                 let tables = program.tables.as_ref().unwrap();
-                let (plan, graph) = (&program.plan, &program.graph);
+                let graph = program.event_graph();
                 // Of several programs in a file, each has its own.
                 let name = |stage: &str| match &checked.programs[..] {
                     [_] => stage.to_owned(),
                     _ => format!("{stage}_{}", tables.assembly),
                 };
-                let text = graph_text(plan, graph, order, symbols);
+                let text = graph_text(&graph, tables);
                 insta::assert_snapshot!(name("graph"), text.to_string());
-                let dot = graph_dot(plan, graph, order, symbols);
+                let dot = graph_dot(&graph, tables);
                 insta::assert_snapshot!(name("graph_dot"), dot.to_string());
-                let json = graph_json(plan, graph, order, symbols);
+                let json = graph_json(&graph, tables);
                 insta::assert_snapshot!(name("graph_json"), format!("{json:#}"));
                 insta::assert_snapshot!(name("table"), table_text(tables).to_string());
                 insta::assert_snapshot!(name("table_json"), format!("{:#}", table_json(tables)));

@@ -65,7 +65,7 @@ fn round(
         if fixed.is_empty() {
             return None;
         }
-        let next = again(&mut trial::changed(now, &change, reader));
+        let next = again(&mut change.over(&now.sources, reader));
         if trial::cures(now, &fixed, &change, &next) {
             return Some((next, fixed.len()));
         }

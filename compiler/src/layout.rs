@@ -344,7 +344,19 @@ impl Surveyor<'_> {
                         continue;
                     }
                     let name = self.plan.roles.name(event.role, self.symbols);
+                    let is_reused = leaving.contains_key(&Holder::standing(child.role));
+                    let is_new = child.since.is_some();
                     let child = self.plan.roles.name(child.role, self.symbols);
+                    let help = match (is_new, is_reused) {
+                        (false, _) => {
+                            format!("release `{child}` as well, in this phase or before it")
+                        }
+                        (true, false) => format!("release `{child}` as well, in this phase"),
+                        (true, true) => format!(
+                            "the `{child}` that this phase releases is an earlier one: release `{name}` in a later phase, \
+                             together with the new `{child}`"
+                        ),
+                    };
                     let site = self.plan.event(capture).site;
                     self.reject(
                         id,
@@ -354,9 +366,7 @@ impl Surveyor<'_> {
                         )
                         .label(event.site, format!("`{name}` is let go"))
                         .label(site, format!("`{child}` hangs on it"))
-                        .help(format!(
-                            "release `{child}` as well, in this phase or before it"
-                        )),
+                        .help(help),
                     );
                 }
             }

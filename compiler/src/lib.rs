@@ -9,6 +9,7 @@
 mod capacity;
 pub mod cost;
 pub mod emit;
+mod executable;
 mod expand;
 pub mod finding;
 mod fix;

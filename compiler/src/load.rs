@@ -167,8 +167,8 @@ impl Loader<'_> {
         };
         self.bytes = self.bytes.saturating_add(bytes.len() as u64);
         let (text, invalid) = decode(bytes);
-        let file = self.sources.add(path.clone(), text);
         if let Some(at) = invalid {
+            let file = self.sources.add_lossy(path.clone(), text);
             let at = at as u32;
             let span = Span::new(at, at + '\u{fffd}'.len_utf8() as u32);
             self.findings.push(
@@ -179,6 +179,7 @@ impl Loader<'_> {
             self.state.insert(path, State::Done);
             return Ok(None);
         }
+        let file = self.sources.add(path.clone(), text);
         let text = self.sources.file(file).text.clone();
         let parsed = parse_cancellable(&text, &mut self.loaded.symbols, self.cancellation)?;
         self.loaded.doubtful.extend(parsed.doubtful);
@@ -221,8 +222,8 @@ impl Loader<'_> {
         let circle = &stack[first.unwrap_or(0)..];
         let title = match circle.len() {
             1 => "a file imports itself".to_owned(),
-            count @ 2..=MOST => format!("{count} files import each other in a circle"),
-            count => format!("{count} files import each other in a circle; {MOST} are shown"),
+            count @ 2..=MOST => format!("{count} files import each other in a cycle"),
+            count => format!("{count} files import each other in a cycle; {MOST} are shown"),
         };
         let mut finding = Finding::new(Code::ImportCycle, title);
         for pending in circle.iter().take(MOST) {

@@ -203,7 +203,7 @@ fn describe(
     let count = cycle.len();
     let title = match count {
         1 => "an event waits for itself".to_owned(),
-        count => format!("{count} events wait for each other in a circle"),
+        count => format!("{count} events wait for each other in a cycle"),
     };
     let mut finding = Finding::new(Code::Cycle, title);
     for &(first, then, why) in cycle.iter().take(MOST_LABELS) {

@@ -2,6 +2,7 @@
 use rustc_hash::FxHashMap;
 use stochc_grammar::tree::Quantity;
 use stochc_grammar::{Symbol, Symbols};
+pub use stochc_ir::graph::EventId;
 use stochc_ir::scene::units::Dimension;
 use stochc_ir::table::{Plate, RoleId};
 use stochc_ir::{Cell, Face};
@@ -110,10 +111,6 @@ impl Timeout {
         }
     }
 }
-
-/// A capture or release; an index into [`Plan::events`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct EventId(pub u32);
 
 /// A capture or a release.
 #[derive(Clone, Copy, Debug)]

@@ -7,7 +7,7 @@ use stochc_ir::scene::{BondKind, Scene};
 use stochc_ir::table::Tables;
 
 use crate::expand::{Bounds, Declarations, Limits, duplicate, expand, expand_aggregate};
-use crate::finding::{Code, Finding, Fix, apply_fixes, fold, tell};
+use crate::finding::{Change as TextChange, Code, Finding, Fix, fold, tell};
 use crate::graph::{self, DependencyGraph};
 use crate::layout::Layout;
 use crate::lint_levels::{Allowed, FileLevels, Levels};
@@ -298,17 +298,13 @@ impl About<'_> {
     /// The errors of the files with changes of the first of them: their codes and what is said; `None` if the
     /// changes do not fit together, or nobody waits for it.
     fn errors_with(&self, fixes: &[&Fix]) -> Option<Vec<(Code, String)>> {
-        let files = self.sources.files();
-        let own = files.first()?;
-        let (text, count) = apply_fixes(&own.text, FileId(0), fixes.iter().copied());
-        if count != fixes.len() {
+        let own = self.sources.files().first()?;
+        let mut change = TextChange::new(FileId(0), &own.text);
+        if !fixes.iter().all(|fix| change.add(fix)) {
             return None;
         }
-        let mut reader = |path: &str| match files.iter().find(|file| file.name == path) {
-            Some(file) if file.name == own.name => Ok(text.clone().into_bytes()),
-            Some(file) => Ok(file.text.as_bytes().to_vec()),
-            None => Err("it has not been read".to_owned()),
-        };
+        let mut unread = |_: &str| Err("it has not been read".to_owned());
+        let mut reader = change.over(self.sources, &mut unread);
         let levels = Levels::default();
         let checked = check_all(
             &own.name,

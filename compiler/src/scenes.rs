@@ -77,7 +77,10 @@ impl Scenes {
                 break;
             };
             if !passed.insert(at) {
-                let mut finding = Finding::new(Code::UnknownScene, "scenes derived in a circle");
+                let mut finding = Finding::new(
+                    Code::UnknownScene,
+                    "scenes derived from each other in a cycle",
+                );
                 for (file, tree) in &line {
                     let span = tree.base.map_or(tree.name.span, |base| base.span);
                     finding = finding.label(Site { file: *file, span }, "derived from this");

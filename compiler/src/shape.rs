@@ -74,7 +74,7 @@ pub fn check(
 /// The cells of a shape, unsorted.
 fn cells(shape: &Shape, file: FileId, findings: &mut Vec<Finding>) -> Option<Vec<Cell>> {
     let malformed = |span, text: &str| {
-        Finding::new(Code::ShapeMalformed, "a shape that is no shape")
+        Finding::new(Code::ShapeMalformed, "the shape cannot be read as cells")
             .label(Site { file, span }, text)
     };
     let mut number = |expr: &Expr| {
@@ -114,7 +114,10 @@ fn cells(shape: &Shape, file: FileId, findings: &mut Vec<Finding>) -> Option<Vec
         let levels = (high - low) as usize + 1;
         area = area.saturating_add(count.saturating_mul(levels));
         if area > MOST_CELLS {
-            findings.push(malformed(layer.span, "more cells than a shape may have"));
+            findings.push(malformed(
+                layer.span,
+                "a shape has at most 50,000,000 cells",
+            ));
             return None;
         }
         // A layer without rows may have any height.

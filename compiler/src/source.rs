@@ -41,6 +41,8 @@ pub struct SourceFile {
     pub name: String,
     /// Its whole text.
     pub text: Arc<str>,
+    /// Whether its bytes are those of the text.
+    pub(crate) is_exact: bool,
     /// Where its lines begin.
     lines: Vec<u32>,
     /// The text as it can be shown, once it has been.
@@ -50,14 +52,23 @@ pub struct SourceFile {
 impl Sources {
     /// Adds a file.
     pub fn add(&mut self, name: impl Into<String>, text: impl Into<Arc<str>>) -> FileId {
-        let text = text.into();
+        self.push(name.into(), text.into(), true)
+    }
+
+    /// Adds a file that is not UTF-8, in which a sign stands for whatever is not.
+    pub(crate) fn add_lossy(&mut self, name: String, text: String) -> FileId {
+        self.push(name, text.into(), false)
+    }
+
+    fn push(&mut self, name: String, text: Arc<str>, is_exact: bool) -> FileId {
         let newlines = text.bytes().enumerate().filter(|&(_, byte)| byte == b'\n');
         let lines = std::iter::once(0)
             .chain(newlines.map(|(at, _)| at as u32 + 1))
             .collect();
         self.files.push(SourceFile {
-            name: name.into(),
+            name,
             text,
+            is_exact,
             lines,
             shown: OnceLock::new(),
         });

@@ -110,35 +110,10 @@ fn try_together(
     let mut change = Change::new(file, &checked.sources.file(file).text);
     let (fit, unfit): (Vec<usize>, Vec<usize>) =
         (group.iter()).partition(|number| fix(number).is_some_and(|fix| change.add(fix)));
-    let mut texts = changed(checked, &change, reader);
+    let mut texts = change.over(&checked.sources, reader);
     let after = again(&mut texts)?;
     let cures = !fit.is_empty() && cures(checked, &fit, &change, &after);
     Ok((cures, unfit))
-}
-
-/// Reads the files of a program as they were, but for a change.
-pub(crate) fn changed<'a>(
-    checked: &'a Checked,
-    change: &'a Change<'_>,
-    reader: &'a mut dyn Reader,
-) -> impl FnMut(&str) -> Result<Vec<u8>, String> + 'a {
-    // The compiler takes one mark of the byte order away.
-    let bytes = |text: &str| ["\u{feff}", text].concat().into_bytes();
-    let is_text = |file: FileId| {
-        let mut sites = (checked.findings.iter())
-            .filter(|finding| finding.code == Code::NotUtf8)
-            .filter_map(|finding| finding.labels.first());
-        sites.all(|label| label.site.file != file)
-    };
-    move |asked| {
-        let files = checked.sources.files();
-        let known = files.iter().position(|file| file.name == asked);
-        match known.map(|number| FileId(number as u32)) {
-            Some(file) if file == change.file() => Ok(bytes(&change.text())),
-            Some(file) if is_text(file) => Ok(bytes(&checked.sources.file(file).text)),
-            _ => reader.read(asked),
-        }
-    }
 }
 
 /// Whether a change that mends some findings has left none of them, and only such as were there

@@ -207,8 +207,14 @@ impl Survey<'_> {
         };
         let phase = &self.plan.phases[number];
         let (title, where_) = match exposed {
-            1 => ("a face attracts blocks that nobody expects", "exposed is"),
-            _ => ("faces attract blocks that nobody expects", "exposed are"),
+            1 => (
+                "a face attracts blocks that the program does not capture",
+                "exposed is",
+            ),
+            _ => (
+                "faces attract blocks that the program does not capture",
+                "exposed are",
+            ),
         };
         let count = if exposed == 1 {
             String::new()
@@ -221,7 +227,7 @@ impl Survey<'_> {
                 format!("{where_} {named}, while this phase waits for its last block"),
             )
             .help(
-                "what docks there is rejected at once, which takes its time; write `allow \
+                "what docks there is rejected at once, which takes time; write `allow \
                  unplanned-bond \"reason\"` if that is meant, or build so that fewer faces are exposed",
             )
     }

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use petgraph::Direction::Incoming;
 use petgraph::graph::NodeIndex;
 use proptest::prelude::*;
-use stochc_compiler::finding::{Code, Finding, Fix, apply_fixes};
+use stochc_compiler::finding::{Change, Code, Finding, Fix};
 use stochc_compiler::plan::{Deed, Event, EventId};
 use stochc_compiler::turns::is_ready;
 use stochc_compiler::{Checked, FileId, Limits, Program, check};
@@ -376,7 +376,7 @@ fn finding_event(program: &Program, finding: &Finding) -> u32 {
 
 /// The text after a fix.
 fn after_fix(text: &str, finding: &Finding) -> Option<String> {
-    Some(apply_fixes(text, FileId(0), [finding.fix.as_ref()?]).0)
+    Some(changed(text, finding.fix.as_ref()?))
 }
 
 fn others(checked: &Checked) -> Vec<&Finding> {
@@ -648,9 +648,9 @@ fn cures_cure_in(text: &str) -> Cures {
 }
 
 fn changed(text: &str, fix: &Fix) -> String {
-    let (new, count) = apply_fixes(text, FileId(0), [fix]);
-    assert_eq!(count, 1, "{fix:?}");
-    new
+    let mut change = Change::new(FileId(0), text);
+    assert!(change.add(fix), "{fix:?}");
+    change.text()
 }
 
 /// Whether all that a finding speaks of is gone, and nothing is told that was not told before.
@@ -1093,6 +1093,54 @@ assembly well {
     let then = checked(&changed(text, fix));
     let codes: Vec<Code> = then.findings.iter().map(|finding| finding.code).collect();
     assert_eq!(codes, [Code::TightApproach]);
+}
+
+/// Two wells whose walls are written out one by one, with a core each from one loop.
+#[test]
+fn rounds_of_a_loop_that_need_different_cures_are_told_each() {
+    let wells = |count: i32| {
+        let well = |k: i32| {
+            let (west, east) = (4 * k, 4 * k + 2);
+            format!(
+                "M[{west}, 1].up -> W[{k}].up -> V[{k}].east -> LID[{k}] M[{east}, 1].up -> E[{k}]
+                 M[{0}, 0].up -> S[{k}] M[{0}, 2].up -> N[{k}]\n",
+                west + 1
+            )
+        };
+        format!(
+            "assembly wells {{ seed plate {width} x 3 {{ for i in 0..{width} - 1 {{ for j in 0..2 {{ M[i, j] at (i, j) }} }} }}
+             phase p {{ for k in 0..{last} {{ M[4 * k + 1, 1].up -> CORE[k] }}\n{} }} }}",
+            (0..count).map(well).collect::<String>(),
+            width = 4 * count,
+            last = count - 1,
+        )
+    };
+    let help = |text: &str| {
+        let now = checked(text);
+        let found = sealed(&now);
+        assert_eq!(found.len(), 1, "{found:#?}");
+        assert_eq!(found[0].fix, None, "it would mend one of them");
+        found[0].help.clone().unwrap()
+    };
+    let cure = |k: i32| {
+        let east = 4 * k + 2;
+        format!("`M[{east}, 1].up -> E[{k}]` must come later: write `after CORE[{k}]` there\n")
+    };
+    let two = help(&wells(2));
+    let told = format!("{}for `CORE[1]`, {}", cure(0), cure(1));
+    assert!(two.contains(&told), "{two}");
+    let four = help(&wells(4));
+    let told = format!(
+        "{told}for `CORE[2]`, {}others need changes of their own\n",
+        cure(2)
+    );
+    assert!(four.contains(&told), "{four}");
+    // What is told does cure.
+    let cured = |text: String, k: i32| {
+        let wall = format!("M[{}, 1].up -> E[{k}]", 4 * k + 2);
+        text.replace(&wall, &format!("{wall} after CORE[{k}]"))
+    };
+    assert!(sealed(&checked(&(0..2).fold(wells(2), cured))).is_empty());
 }
 
 /// The core and one wall come from the same statement: an `after` there would be a circle.

@@ -1,11 +1,12 @@
 //! Tree to JSON.
 use serde_json::{Value, json};
+use stochc_ir::Json;
 
 use crate::tree::{
     Argument, Arrow, Entry, Expr, ExprKind, Item, ItemKind, Link, Name, Place, Quantity, Segment,
     Subject, Term, Tree,
 };
-use crate::{Json, Symbol, Symbols};
+use crate::{Symbol, Symbols};
 
 /// The tree with every word written out: a list of items, each an object with its `kind`, its
 /// `span` in bytes and what belongs to the kind.

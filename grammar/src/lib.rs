@@ -9,7 +9,6 @@ mod cancellation;
 mod error;
 mod format;
 mod json;
-mod lazy;
 mod parse;
 mod print;
 mod span;
@@ -20,7 +19,6 @@ pub use cancellation::{Cancellation, Cancelled};
 pub use error::{SyntaxError, SyntaxErrorKind};
 pub use format::{Refusal, format};
 pub use json::to_json;
-pub use lazy::Json;
 pub use parse::{
     MAX_DEPTH, MAX_ERRORS, MAX_STATEMENT, MAX_TERMS, Parsed, accepts, is_unit, parse,
     parse_cancellable,

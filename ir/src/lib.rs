@@ -3,14 +3,20 @@
 //! The compiler makes [event tables](table) and reads [scenes](scene); the runtime runs the one in the other and leaves
 //! [records](record). All three are here, so that neither needs to know the other.
 mod cell;
+pub mod emit;
+mod executable;
 mod face;
+pub mod graph;
+mod json;
 pub mod record;
 pub mod scene;
 pub mod suggest;
 pub mod table;
 
 pub use cell::Cell;
+pub use executable::{Executable, ExecutableError, FORMAT, sha256};
 pub use face::Face;
+pub use json::Json;
 
 /// A digest of this crate's sources: two builds with one digest compute the same.
 pub const SOURCES: &str = env!("STOCHC_SOURCES");

@@ -143,6 +143,36 @@ impl Settings {
         };
         self.solver_iterations.unwrap_or(usual).max(1)
     }
+
+    /// The same, with everything said that goes without saying: two settings compute the same if these are equal.
+    #[must_use]
+    pub fn resolved(&self) -> Settings {
+        Settings {
+            solver_iterations: Some(self.iterations()),
+            ..self.clone()
+        }
+    }
+
+    /// What is set otherwise in `other`: what it is, and its values here and there, in words.
+    pub fn differences(&self, other: &Settings) -> Vec<(&'static str, String, String)> {
+        let limit = |of: &Settings| of.max_ticks.map_or("none".to_owned(), |n| n.to_string());
+        let reduction = |of: &Settings| of.reduction.map_or("none", Reduction::name).to_owned();
+        let values = |of: &Settings| {
+            [
+                ("the model", of.model.name().to_owned()),
+                ("the number of substeps", of.substeps.to_string()),
+                ("the limit of ticks", limit(of)),
+                ("`solver-iterations`", of.iterations().to_string()),
+                ("`precision`", of.precision.name().to_owned()),
+                ("`reduce`", reduction(of)),
+            ]
+        };
+        let pairs = values(self).into_iter().zip(values(other));
+        let differ = pairs.filter(|((_, here), (_, there))| here != there);
+        differ
+            .map(|((what, here), (_, there))| (what, here, there))
+            .collect()
+    }
 }
 
 impl Default for Settings {

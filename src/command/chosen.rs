@@ -6,20 +6,15 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
-use serde_json::{Value, json};
-use stochc_compiler::Levels;
-use stochc_compiler::emit::graph_json;
 use stochc_ir::record::RunRecord;
 use stochc_runtime::observe::Observer;
-use stochc_runtime::{RunError, Settings, observe};
+use stochc_runtime::{RunError, observe};
 
-use super::check::verdict;
-use super::simulate::{Draft, Ready, settings, tell_of_build};
-use super::terminal::{has_colour, message_width, usage, warn};
+use super::simulate::{Draft, tell_of_build};
+use super::terminal::usage;
 use crate::cli::Exit;
-use crate::ensemble::{Folder, Manifest};
+use crate::ensemble::{Folder, Manifest, Program};
 use crate::files;
-use crate::findings::drawn;
 use crate::recording::{EVERY, Header, Recorder, Recording, RecordingError, path};
 
 /// Which run.
@@ -45,11 +40,6 @@ pub struct Chosen {
     pub program: usize,
     /// The number of the run.
     pub run: u64,
-    /// The program, compiled from what the manifest holds.
-    pub ready: Ready,
-    /// Its dependency graph, as `compile --format json` shows it.
-    pub graph: Value,
-    settings: Settings,
     /// What the folder says of the run; `None`: it has not been made yet.
     record: Option<RunRecord>,
 }
@@ -66,17 +56,12 @@ pub fn choose(choice: &Choice) -> Result<Chosen, Exit> {
             manifest.no_such_run(choice.run)
         )));
     }
-    let (ready, graph) = compile(&manifest, program)?;
-    let settings = settings(&manifest).map_err(|reason| usage(&reason))?;
     let done = (finished.into_iter())
         .find(|done| done.program == program && done.record.run == choice.run);
     Ok(Chosen {
         folder: choice.folder.clone(),
         program,
         run: choice.run,
-        ready,
-        graph,
-        settings,
         record: done.map(|done| done.record),
         manifest,
     })
@@ -101,43 +86,18 @@ fn index(manifest: &Manifest, name: Option<&str>) -> Result<usize, String> {
     }
 }
 
-/// Compiles a program of a manifest, and holds it against what the manifest says of it.
-fn compile(manifest: &Manifest, program: usize) -> Result<(Ready, Value), Exit> {
-    let entry = &manifest.programs[program];
-    let (_, checked) = entry.recompile(&Levels::default());
-    if checked.has_errors() {
-        let (colour, width) = (has_colour(), message_width());
-        warn(&drawn(&checked, colour, width));
-        return Err(verdict(&checked));
-    }
-    let changed = || {
-        usage(&format!(
-            "the sources in the manifest do not give its program `{}` any more; \
-             was it made by another version of `stochc` ({})?",
-            entry.name, manifest.stochc
-        ))
-    };
-    let found = checked.programs.into_iter().find_map(|program| {
-        let (tables, scene, order) = (program.tables?, program.scene?, program.order?);
-        let fits = entry.describes(&tables, &scene);
-        let graph = json!(graph_json(
-            &program.plan,
-            &program.graph,
-            &order,
-            &checked.symbols
-        ));
-        fits.then_some((Ready { tables, scene }, graph))
-    });
-    found.ok_or_else(changed)
-}
-
 impl Chosen {
+    /// The program.
+    pub fn entry(&self) -> &Program {
+        &self.manifest.programs[self.program]
+    }
+
     /// The name of a file about the run.
     pub fn file_name(&self, before: &str, extension: &str) -> String {
         // A program's name may be any text, in a manifest that somebody has edited; an assembly's is
         // a word.
-        let assembly = &self.ready.tables.assembly;
-        let twins = (self.manifest.programs.iter()).filter(|twin| twin.assembly == *assembly);
+        let assembly = self.entry().assembly();
+        let twins = (self.manifest.programs.iter()).filter(|twin| twin.assembly() == assembly);
         let which = match twins.count() {
             1 => String::new(),
             _ => format!("-{}", self.program),
@@ -156,12 +116,12 @@ impl Chosen {
             true => ControlFlow::Break(()),
             false => ControlFlow::Continue(()),
         };
-        let Ready { tables, scene } = &self.ready;
+        let (tables, scene) = (self.entry().tables(), &self.entry().scene);
         let (seed, run) = (self.manifest.seed, self.run);
         let record = observe(
             tables,
             scene,
-            &self.settings,
+            &self.manifest.settings,
             seed,
             run,
             &mut watch,
@@ -201,17 +161,17 @@ impl Chosen {
             program: self.program,
             run: self.run,
             every: EVERY,
-            bodies: self.ready.scene.free.count,
+            bodies: self.entry().scene.free.count,
         };
         let io = |error: std::io::Error| usage(&format!("cannot keep the recording: {error}"));
-        if let Ok(mut draft) = Draft::new(&path, &header, &self.ready) {
+        if let Ok(mut draft) = Draft::new(&path, &header, self.entry()) {
             let record = self.again(&mut draft.recorder, stop)?;
             draft.keep(&record).map_err(io)?;
             return files::open(&path).map(BufReader::new).map_err(io);
         }
         let file = tempfile::tempfile().map_err(io)?;
         let buffered = std::io::BufWriter::new(file);
-        let mut recorder = Recorder::new(buffered, &header, &self.ready.tables).map_err(io)?;
+        let mut recorder = Recorder::new(buffered, &header, self.entry().tables()).map_err(io)?;
         let record = self.again(&mut recorder, stop)?;
         let mut file = recorder
             .finish(&record)
@@ -228,7 +188,7 @@ impl Chosen {
     fn checked(&self, file: File, path: &Path) -> Result<BufReader<File>, Exit> {
         let refuse = |reason: &str| useless(path, reason);
         let mut file = BufReader::new(file);
-        let recording = Recording::read(file.by_ref(), &self.ready.tables);
+        let recording = Recording::read(file.by_ref(), self.entry().tables());
         let recording = recording.map_err(|error: RecordingError| refuse(&error.to_string()))?;
         let header = recording.header();
         let same = header.ensemble == self.manifest.identity()

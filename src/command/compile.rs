@@ -1,19 +1,22 @@
 //! `stochc compile`.
 use std::fmt::Display;
-use std::io::{self, Write};
+use std::io::{self, BufWriter, Write};
+use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use stochc_compiler::emit::{
-    graph_dot, graph_json, graph_text, structure_json, structure_svg, structure_text, table_json,
-    table_text,
-};
+use stochc_compiler::emit::{structure_json, structure_svg, structure_text};
 use stochc_compiler::{Checked, Program, Symbols};
-use stochc_grammar::{Json, to_json};
+use stochc_grammar::to_json;
+use stochc_ir::emit::{graph_dot, graph_json, graph_text, table_json, table_text};
+use stochc_ir::graph::EventGraph;
+use stochc_ir::{Executable, Json};
 
 use super::check::verdict;
+use super::export::keep;
 use super::levels::LevelOptions;
 use super::terminal::{has_colour, message_width, print_with, usage, warn};
 use crate::cli::Exit;
+use crate::files::atomic::draft;
 use crate::files::programs::refusal;
 use crate::findings::drawn;
 
@@ -29,6 +32,9 @@ pub struct Options {
     /// Output format; `dot` for the graph only, `svg` for the structure only
     #[arg(long, value_name = "FORM", default_value = "text")]
     format: Form,
+    /// Write to this file instead of the output
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
     #[command(flatten)]
     levels: LevelOptions,
 }
@@ -44,6 +50,8 @@ enum Stage {
     Graph,
     /// The event table of each block
     Table,
+    /// The compiled programs as one file, which `simulate` runs without their text
+    Executable,
 }
 
 /// A form to show it in.
@@ -82,77 +90,88 @@ pub fn run(options: &Options) -> Exit {
     if checked.has_errors() {
         return verdict(&checked);
     }
-    print_with(|out| emit(&checked, options.emit, options.format, out));
-    Exit::Success
+    let (stage, form) = (options.emit, options.format);
+    let Some(path) = &options.out else {
+        print_with(|out| emit(checked, stage, form, out));
+        return Exit::Success;
+    };
+    let written = draft(path).and_then(|file| {
+        let mut file = BufWriter::new(file);
+        emit(checked, stage, form, &mut file)?;
+        keep(file, path)
+    });
+    match written {
+        Ok(()) => Exit::Success,
+        Err(error) => usage(&format!("cannot write `{}`: {error}", path.display())),
+    }
 }
 
-fn emit(checked: &Checked, stage: Stage, form: Form, out: &mut dyn Write) -> io::Result<()> {
-    let symbols = &checked.symbols;
-    let programs = &checked.programs;
-    if form == Form::Json {
-        let document = match stage {
-            Stage::Ast => to_json(&checked.tree, symbols),
-            _ => {
-                let programs = move || {
-                    programs
-                        .iter()
-                        .filter_map(move |it| json(it, stage, symbols))
-                };
-                Json::object([("programs", Json::list(programs))])
-            }
-        };
-        serde_json::to_writer_pretty(&mut *out, &document)?;
-        return writeln!(out);
+fn emit(checked: Checked, stage: Stage, form: Form, out: &mut dyn Write) -> io::Result<()> {
+    if stage == Stage::Executable {
+        let programs = checked.programs.into_iter();
+        let programs: Vec<_> = programs.filter_map(Program::into_executable).collect();
+        return Executable::write_all(&programs, out);
     }
+    let symbols = &checked.symbols;
     if stage == Stage::Ast {
-        return write!(out, "{}", stochc_grammar::print(&checked.tree, symbols));
+        return match form {
+            Form::Json => document(&to_json(&checked.tree, symbols), out),
+            _ => write!(out, "{}", stochc_grammar::print(&checked.tree, symbols)),
+        };
+    }
+    let graph = |program: &Program| (stage == Stage::Graph).then(|| program.event_graph());
+    let programs = checked.programs.iter().map(|it| (it, graph(it)));
+    let programs: Vec<_> = programs.collect();
+    if form == Form::Json {
+        let programs = || {
+            let programs = programs.iter();
+            programs.filter_map(|(program, graph)| json(program, graph.as_ref(), stage, symbols))
+        };
+        return document(&Json::object([("programs", Json::list(programs))]), out);
     }
     let texts = programs
         .iter()
-        .filter_map(|program| text(program, stage, form, symbols));
+        .filter_map(|(program, graph)| text(program, graph.as_ref(), stage, form, symbols));
     for (i, text) in texts.enumerate() {
         write!(out, "{}{text}", if i == 0 { "" } else { "\n" })?;
     }
     Ok(())
 }
 
+fn document(document: &Json<'_>, out: &mut dyn Write) -> io::Result<()> {
+    serde_json::to_writer_pretty(&mut *out, document)?;
+    writeln!(out)
+}
+
 /// A stage of one program as JSON; `None` if the program did not come that far.
-fn json<'a>(program: &'a Program, stage: Stage, symbols: &'a Symbols) -> Option<Json<'a>> {
-    let Program {
-        plan,
-        layout,
-        graph,
-        order,
-        tables,
-        ..
-    } = program;
+fn json<'a>(
+    program: &'a Program,
+    graph: Option<&'a EventGraph>,
+    stage: Stage,
+    symbols: &'a Symbols,
+) -> Option<Json<'a>> {
+    let tables = program.tables.as_ref();
     Some(match stage {
-        Stage::Structure => structure_json(plan, layout, symbols),
-        Stage::Graph => graph_json(plan, graph, order.as_ref()?, symbols),
-        Stage::Table | Stage::Ast => table_json(tables.as_ref()?),
+        Stage::Structure => structure_json(&program.plan, &program.layout, symbols),
+        Stage::Graph => graph_json(graph?, tables?),
+        Stage::Table | Stage::Ast | Stage::Executable => table_json(tables?),
     })
 }
 
 /// A stage of one program as text; `None` if the program did not come that far.
 fn text<'a>(
     program: &'a Program,
+    graph: Option<&'a EventGraph>,
     stage: Stage,
     form: Form,
     symbols: &'a Symbols,
 ) -> Option<Box<dyn Display + 'a>> {
-    let Program {
-        plan,
-        layout,
-        graph,
-        order,
-        tables,
-        ..
-    } = program;
+    let (plan, layout, tables) = (&program.plan, &program.layout, program.tables.as_ref());
     Some(match (stage, form) {
         (Stage::Structure, Form::Svg) => Box::new(structure_svg(plan, layout, symbols)?),
         (Stage::Structure, _) => Box::new(structure_text(plan, layout)),
-        (Stage::Graph, Form::Dot) => Box::new(graph_dot(plan, graph, order.as_ref()?, symbols)),
-        (Stage::Graph, _) => Box::new(graph_text(plan, graph, order.as_ref()?, symbols)),
-        (Stage::Table | Stage::Ast, _) => Box::new(table_text(tables.as_ref()?)),
+        (Stage::Graph, Form::Dot) => Box::new(graph_dot(graph?, tables?)),
+        (Stage::Graph, _) => Box::new(graph_text(graph?, tables?)),
+        (Stage::Table | Stage::Ast | Stage::Executable, _) => Box::new(table_text(tables?)),
     })
 }

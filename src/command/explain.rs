@@ -22,7 +22,7 @@ pub fn run(options: &Options) -> Exit {
                 Severity::Error => "error",
                 Severity::Warning => "warning",
             };
-            // `# cycle: events wait for each other in a circle`
+            // `# cycle: events wait for each other in a cycle`
             let title = code.page().lines().next().unwrap_or_default();
             let meaning = title.split_once(": ").map_or(title, |(_, meaning)| meaning);
             format!("{:20} {severity:8} {meaning}\n", code.name())

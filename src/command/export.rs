@@ -6,7 +6,6 @@ use std::sync::atomic::AtomicBool;
 use clap::{Args, ValueEnum};
 
 use super::chosen::{Choice, Chosen, choose};
-use super::simulate::Ready;
 use super::terminal::{print, usage};
 use crate::cli::Exit;
 use crate::ensemble::stop_on_interrupt;
@@ -69,13 +68,10 @@ pub fn run(options: &Options) -> Exit {
 }
 
 fn parquet(chosen: &Chosen, every: u32, path: &Path, stop: &AtomicBool) -> Result<(), Exit> {
-    let Ready { tables, scene } = &chosen.ready;
+    let (tables, scene) = (chosen.entry().tables(), &chosen.entry().scene);
     let about = [
         ("ensemble", chosen.manifest.identity()),
-        (
-            "program",
-            chosen.manifest.programs[chosen.program].name.clone(),
-        ),
+        ("program", chosen.entry().name.clone()),
         ("run", chosen.run.to_string()),
         ("side_m", scene.block.side.to_string()),
         ("tick_s", scene.tick.to_string()),
@@ -89,7 +85,7 @@ fn parquet(chosen: &Chosen, every: u32, path: &Path, stop: &AtomicBool) -> Resul
 }
 
 fn gltf(chosen: &Chosen, every: u32, path: &Path, stop: &AtomicBool) -> Result<(), Exit> {
-    let Ready { tables, scene } = &chosen.ready;
+    let (tables, scene) = (chosen.entry().tables(), &chosen.entry().scene);
     let mut gltf = Gltf::new(every, scene.free.count, tables);
     chosen.again(&mut gltf, stop)?;
     let title = format!("{}, run {}", tables.assembly, chosen.run);

@@ -37,7 +37,7 @@ pub fn run(options: &Options) -> Exit {
         Ok(recorded) => recorded,
         Err(exit) => return exit,
     };
-    let program = &chosen.manifest.programs[chosen.program];
+    let program = chosen.entry();
     let path = options.out.clone().unwrap_or_else(|| {
         let name = chosen.file_name("replay-", "html");
         options.choice.folder.join(name)
@@ -54,13 +54,8 @@ pub fn run(options: &Options) -> Exit {
 
 /// Writes the page as a whole or not at all.
 fn page(path: &Path, title: &str, chosen: &Chosen, recording: impl io::Read) -> io::Result<()> {
-    let program = &chosen.manifest.programs[chosen.program];
-    let about = about(
-        &chosen.manifest,
-        program,
-        &chosen.ready.tables,
-        &chosen.graph,
-    );
+    let program = chosen.entry();
+    let about = about(&chosen.manifest, program);
     let mut out = BufWriter::new(draft(path)?);
     write(title, &about, recording, &mut out)?;
     keep(out, path)

@@ -191,9 +191,9 @@ fn replay(page: &Path, folder: &Path, single: bool, names: &[String]) -> Option<
 /// What the replay of a run may be called: by the program's assembly and its number, or by its number
 /// alone where the folder has one program.
 fn replay_names(manifest: &Manifest, program: usize, run: u64) -> Vec<String> {
-    let assembly = &manifest.programs[program].assembly;
+    let assembly = manifest.programs[program].assembly();
     let twins = manifest.programs.iter();
-    let twins = twins.filter(|twin| twin.assembly == *assembly).count();
+    let twins = twins.filter(|twin| twin.assembly() == assembly).count();
     let which = match twins {
         1 => String::new(),
         _ => format!("-{program}"),

@@ -4,16 +4,17 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::{ArgGroup, Args};
+use stochc_runtime::Settings;
 use stochc_runtime::world::SceneError;
 
 use super::levels::LevelOptions;
 use super::results::Form;
-use super::simulate::{self, Ready};
+use super::simulate;
 use super::terminal::{output_has_colour, output_width, print, warn};
 use crate::cli::Exit;
-use crate::ensemble::{Display, Manifest, Program, stop_on_interrupt};
+use crate::ensemble::{Display, MOST_RUNS, Manifest, Program, stop_on_interrupt};
 use crate::files::atomic;
-use crate::trade::{Extent, FINEST, Setup, Subject, Trade, measure, svg};
+use crate::trade::{Extent, FINEST, Setup, Trade, measure, svg};
 
 /// What `trade` is given.
 #[derive(Debug, Args)]
@@ -26,7 +27,7 @@ pub struct Options {
     #[arg(long, value_name = "TIME", value_parser = time)]
     budget: Option<Duration>,
     /// Make N runs of each program at each setting instead, however long they take
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(2..=10_000_000))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(2..=MOST_RUNS))]
     runs: Option<u64>,
     /// Seed of the random numbers, the same at every setting
     #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
@@ -60,12 +61,16 @@ const BUDGET: Duration = Duration::from_secs(600);
 
 /// Measures what accuracy costs.
 pub fn run(options: &Options) -> Exit {
-    let (programs, ready) = match simulate::programs(&options.files, &options.levels.levels) {
+    let programs = match simulate::programs(&options.files, &options.levels.levels) {
         Ok(programs) => programs,
         Err(exit) => return exit,
     };
     // Programs of the same name are told apart as in an ensemble.
-    let programs = Manifest::new("", options.seed, 0, programs).programs;
+    let manifest = Manifest::new(Settings::default(), options.seed, 1, programs);
+    if let Err(reason) = manifest.within_limits() {
+        return refuse(&reason);
+    }
+    let programs = manifest.programs;
     if let Some(out) = &options.out
         && let Err(reason) = claim(out)
     {
@@ -88,7 +93,7 @@ pub fn run(options: &Options) -> Exit {
         display: Display::on_standard_error(options.quiet),
         stop,
     };
-    let trade = match of(&programs, &ready, &setup) {
+    let trade = match of(&programs, &setup) {
         Ok(trade) => trade,
         Err(exit) => return exit,
     };
@@ -109,16 +114,9 @@ pub fn run(options: &Options) -> Exit {
     }
 }
 
-/// Measures programs that are ready to run.
-pub(super) fn of(programs: &[Program], ready: &[Ready], setup: &Setup) -> Result<Trade, Exit> {
-    let subjects: Vec<Subject> = ready
-        .iter()
-        .map(|ready| Subject {
-            tables: &ready.tables,
-            scene: &ready.scene,
-        })
-        .collect();
-    measure(programs, &subjects, setup).map_err(|(program, error): (usize, SceneError)| {
+/// Measures programs.
+pub(super) fn of(programs: &[Program], setup: &Setup) -> Result<Trade, Exit> {
+    measure(programs, setup).map_err(|(program, error): (usize, SceneError)| {
         warn(&format!("error: {}: {error}\n", programs[program].name));
         Exit::WrongProgram
     })

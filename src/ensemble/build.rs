@@ -15,7 +15,7 @@ pub fn this_build() -> String {
         stochc_compiler::SOURCES,
         stochc_runtime::SOURCES,
     ];
-    let mut digest = super::manifest::sha256(&sources);
+    let mut digest = stochc_ir::sha256(&sources);
     digest.truncate(16);
     digest
 }

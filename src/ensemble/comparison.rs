@@ -201,14 +201,14 @@ fn column(manifest: &Manifest, program: &Program, records: &[&RunRecord]) -> Col
     let done = records.iter().filter(completed).count();
     let (late, stopped) = (limited(Limit::Timeout), limited(Limit::MaxTicks));
     // What is attached by hand takes no time.
-    let phases = program.phases.iter().enumerate();
+    let phases = program.phases().iter().enumerate();
     let waited = |(i, _): &(usize, _)| !program.is_planted(PhaseId(*i as u32));
     let phases: Vec<_> = phases.filter(waited).collect();
     Column {
         name: program.name.clone(),
         tick: program.scene.tick,
         phases: phases.len(),
-        captures: program.captures,
+        captures: program.captures(),
         blocks_used: Summary::of(&blocks).map(|summary| summary.mean),
         unplanned: Summary::of(&unplanned)
             .map(|summary| summary.mean)
@@ -222,8 +222,8 @@ fn column(manifest: &Manifest, program: &Program, records: &[&RunRecord]) -> Col
         time: Time::of(&whole(records)),
         phase_times: phases
             .into_iter()
-            .map(|(i, name)| PhaseTime {
-                name: name.clone(),
+            .map(|(i, phase)| PhaseTime {
+                name: phase.name.clone(),
                 number: i,
                 time: Time::of(&of_phase(records, i)),
             })

@@ -221,12 +221,11 @@ fn survey(path: &Path) -> Result<Option<Manifest>, FolderError> {
         if name == MANIFEST {
             let bytes = files::read_file(&path.join(MANIFEST)).map_err(io)?;
             let json = String::from_utf8(bytes).map_err(|error| unreadable(error.to_string()))?;
-            let manifest = Manifest::from_json(&json).map_err(unreadable)?;
-            if manifest.format < FORMAT {
+            if (1..FORMAT).contains(&Manifest::format(&json).map_err(unreadable)?) {
                 let path = path.to_owned();
                 return Err(FolderError::Old { path });
             }
-            return Ok(Some(manifest));
+            return Manifest::from_json(&json).map(Some).map_err(unreadable);
         }
         foreign |= name != LOCK && !name.to_string_lossy().starts_with(atomic::PARTIAL);
     }

@@ -9,17 +9,16 @@
 //!     Comparison, Display, Folder, Manifest, Means, Place, Program, Source, captures,
 //!     captures_to_text, run, stop_on_interrupt,
 //! };
-//! # use stochc_compiler::{scene::Scene, table::Tables};
-//! # use stochc_ir::record::RunRecord;
+//! # use stochc_ir::{Executable, record::RunRecord, table::Tables};
+//! use stochc_runtime::{Model, Settings};
 //! # fn simulate(_: &Tables, _: u64, _: &mut dyn FnMut(u64, stochc_ir::table::PhaseId) -> bool)
 //! #     -> Option<RunRecord> { None }
-//! # fn command(text: String, scene: Scene, tables: Tables) -> Result<(), Box<dyn std::error::Error>> {
+//! # fn command(text: String, executable: Executable) -> Result<(), Box<dyn std::error::Error>> {
 //! let stop = stop_on_interrupt()?;
 //! let file = Source { path: "examples/line.sa".into(), text };
-//! let program = Program::new("line", vec![file], scene, &tables);
-//! let mut manifest = Manifest::new("rapier", /* seed */ 1, /* runs */ 50, vec![program]);
-//! manifest.substeps = 4;
-//! manifest.max_ticks = Some(100_000);
+//! let program = Program::new("line", vec![file], executable);
+//! let settings = Settings { max_ticks: Some(100_000), ..Settings::of(Model::Rapier, /* substeps */ 4) };
+//! let manifest = Manifest::new(settings, /* seed */ 1, /* runs */ 50, vec![program]);
 //! let place = match Some("results/line") {
 //!     Some(out) => Place::Folder(Folder::open(Path::new(out), &manifest, /* --resume */ false)?),
 //!     None => Place::Memory(&manifest),
@@ -29,10 +28,10 @@
 //!     display: Display::on_standard_error(/* --quiet */ false),
 //!     stop,
 //! };
-//! let results = run(place, means, |_program, run, watch| {
+//! let results = run(place, means, |program, run, watch| {
 //!     // The runtime's way to be watched: told the tick and the phase, it says whether to stop.
 //!     let mut told = |tick, phase| watch.tick(tick, phase).is_break();
-//!     simulate(&tables, run, &mut told).ok_or(stochc::ensemble::Cancelled)
+//!     simulate(manifest.programs[program].tables(), run, &mut told).ok_or(stochc::ensemble::Cancelled)
 //! })?;
 //! print!("{}", Comparison::of(&manifest, &results.finished).to_text(100));
 //! let tick = manifest.programs[0].scene.tick;
@@ -75,7 +74,7 @@ pub use folder::{Folder, State};
 pub use interrupt::{INTERRUPTED, stop_on_interrupt};
 pub use journal::{Finished, JournalError};
 pub(crate) use layout::{Layout, paragraph};
-pub use manifest::{FORMAT, Manifest, Program, Source, Varied};
+pub use manifest::{Compiled, FORMAT, MOST_RUNS, Manifest, Program, Source, Varied};
 pub use named::named;
 pub use parquet::{ColumnShape, TableShape, tables};
 pub use progress::Display;

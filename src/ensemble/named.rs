@@ -11,7 +11,13 @@ pub fn named(record: &RunRecord, program: &Program) -> Value {
     let mut value = serde_json::to_value(record).expect("a record is plain data");
     name(&mut value, program);
     value["program"] = json!(program.name);
-    value["phase_names"] = json!(program.phases);
+    value["phase_names"] = json!(
+        program
+            .phases()
+            .iter()
+            .map(|phase| &phase.name)
+            .collect::<Vec<_>>()
+    );
     value["tick"] = json!(program.scene.tick);
     value["seconds"] = json!(record.ticks as f64 * program.scene.tick);
     value

@@ -4,6 +4,9 @@ use super::contrast::{Verdict, sentence};
 use super::layout::{Layout, paragraph};
 use crate::figures::Tick;
 
+/// The label of a row that says in seconds what the row above says in ticks: side by side, both would be wide.
+const SECONDS: &str = "  in seconds";
+
 /// In place of a figure that does not exist.
 const NONE: &str = "-";
 
@@ -28,8 +31,11 @@ impl Comparison {
             false => format!("{} of {}", c.finished, c.runs),
         });
         rows.add("Mean time to completion", |c| {
-            mean(c.time.as_ref(), Tick(c.tick))
+            c.time
+                .as_ref()
+                .map_or(NONE.into(), |time| in_ticks(time, ""))
         });
+        rows.add(SECONDS, |c| in_seconds(c, c.time.as_ref()));
         rows.add("Min time to completion", |c| figure(c, |t| t.min));
         rows.add("Max time to completion", |c| figure(c, |t| t.max));
         rows.add("SD", |c| figure(c, |t| t.sd));
@@ -46,13 +52,14 @@ impl Comparison {
         let phases = self.programs.iter().map(|c| c.phases).max().unwrap_or(0);
         for i in 0..phases {
             rows.add(&format!("Mean of phase {}", i + 1), |c| {
-                match c.phase_times.get(i) {
-                    Some(phase) => {
-                        let mean = mean(phase.time.as_ref(), Tick(c.tick));
-                        format!("{}: {mean}", phase.name)
-                    }
-                    None => String::new(),
-                }
+                c.phase_times.get(i).map_or(String::new(), |phase| {
+                    let mean = (phase.time.as_ref()).map_or(NONE.into(), |time| in_ticks(time, ""));
+                    format!("{}: {mean}", phase.name)
+                })
+            });
+            rows.add(SECONDS, |c| {
+                let phase = c.phase_times.get(i);
+                in_seconds(c, phase.and_then(|phase| phase.time.as_ref()))
             });
         }
         let mut text = rows.layout.text(width);
@@ -87,7 +94,7 @@ impl Comparison {
             _ => "ticks, each of its own scene".to_owned(),
         };
         let mut notes = vec![format!(
-            "Times in {tick}, and in brackets in seconds; ± is half of a 95 % interval."
+            "Times in {tick}, and in brackets or below in seconds; ± is half of a 95 % interval."
         )];
         if self.programs.iter().any(|c| c.finished < c.runs) {
             let note = "Not all runs are finished; those under way longest are missing, so that \
@@ -133,18 +140,27 @@ impl<'a> Rows<'a> {
 
 /// A mean with half of its interval, in ticks and in seconds; `≥` before a lower bound.
 pub(crate) fn mean(time: Option<&Time>, tick: Tick) -> String {
-    let Some(time) = time else {
-        return NONE.to_owned();
-    };
-    let mut text = ticks(time.mean);
-    if let Some(half_width) = time.half_width {
-        text += &format!(" ± {}", ticks(half_width));
-    }
-    text += &tick.beside_interval(time.mean, time.half_width);
+    time.map_or(NONE.to_owned(), |time| {
+        in_ticks(time, &tick.beside_interval(time.mean, time.half_width))
+    })
+}
+
+/// A mean with half of its interval in ticks, and what is to stand beside it; `≥` before a lower bound.
+fn in_ticks(time: &Time, beside: &str) -> String {
+    let half_width = time.half_width.map(|half| format!(" ± {}", ticks(half)));
+    let text = ticks(time.mean) + &half_width.unwrap_or_default() + beside;
     match time.horizon {
         None => text,
         Some(horizon) => format!("≥ {text}, to {}", ticks(horizon)),
     }
+}
+
+/// The same in seconds; empty without a mean.
+fn in_seconds(column: &Column, time: Option<&Time>) -> String {
+    time.map_or(String::new(), |time| {
+        let bound = if time.horizon.is_some() { "≥ " } else { "" };
+        bound.to_owned() + &Tick(column.tick).interval(time.mean, time.half_width)
+    })
 }
 
 fn figure(column: &Column, of: impl Fn(&Time) -> Option<f64>) -> String {

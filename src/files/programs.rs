@@ -1,7 +1,10 @@
 //! Which programs the arguments of a command stand for.
 use std::collections::BTreeSet;
+use std::io::Read as _;
 use std::path::Path;
 use std::sync::OnceLock;
+
+use stochc_ir::Executable;
 
 /// The argument that stands for the standard input.
 pub const STDIN: &str = "-";
@@ -76,6 +79,19 @@ pub fn read(program: &str) -> Result<Vec<u8>, String> {
     }
     let all = || super::read_stream(std::io::stdin().lock()).map_err(|error| error.to_string());
     INPUT.get_or_init(all).clone()
+}
+
+/// The compiled programs of a file; `None`: it does not look like one of those.
+pub fn executables(path: &str) -> Option<Result<Vec<Executable>, String>> {
+    /// Enough to tell.
+    const HEAD: u64 = 64;
+    let mut head = Vec::new();
+    let file = super::open(Path::new(path)).ok()?;
+    file.take(HEAD).read_to_end(&mut head).ok()?;
+    Executable::is_file(&head).then(|| {
+        let bytes = super::read(path)?;
+        Executable::read_all(&bytes).map_err(|error| error.to_string())
+    })
 }
 
 /// Why an argument cannot be had by a command that takes nothing but files.

@@ -47,7 +47,7 @@ impl Tally {
         }
     }
 
-    /// ``2 errors, 1 warning; `stochc check --fix` can mend 1 of them``; empty if there is nothing to
+    /// ``2 errors, 1 warning; `stochc check --fix` can fix 1 of them``; empty if there is nothing to
     /// count.
     pub fn line(&self) -> String {
         let parts = [(self.errors, "error"), (self.warnings, "warning")];
@@ -58,9 +58,9 @@ impl Tally {
         let all = self.errors + self.warnings;
         let fixable = match self.fixable {
             0 => String::new(),
-            _ if all == 1 => "; `stochc check --fix` can mend it".to_owned(),
-            some if some == all => "; `stochc check --fix` can mend them all".to_owned(),
-            some => format!("; `stochc check --fix` can mend {some} of them"),
+            _ if all == 1 => "; `stochc check --fix` can fix it".to_owned(),
+            some if some == all => "; `stochc check --fix` can fix them all".to_owned(),
+            some => format!("; `stochc check --fix` can fix {some} of them"),
         };
         match told.is_empty() {
             true => String::new(),

@@ -1,13 +1,13 @@
 //! What is known of a name, in Markdown.
 use std::fmt::Write as _;
 
-use stochc_compiler::emit::duties_text;
 use stochc_compiler::names::{Kind, Occurrence};
 use stochc_compiler::order::Order;
 use stochc_compiler::plan::{Deed, EventId, PlanPhase};
 use stochc_compiler::source_map::{Ancestry, Located, blocks_at, phase_of};
 use stochc_compiler::{Cancellation, Cancelled, FileId, Limits, Program, Site};
 use stochc_grammar::tree::{Item, Tree};
+use stochc_ir::emit::duties_text;
 use stochc_ir::table::RoleId;
 
 use super::analysis::Analysis;

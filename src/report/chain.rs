@@ -5,10 +5,11 @@
 //! met end to end. Every other wait of the run was over before it mattered.
 use std::collections::{HashMap, VecDeque};
 
+use stochc_ir::graph::{Dependency, EventAction};
 use stochc_ir::record::{Outcome, RunRecord};
 use stochc_ir::table::PhaseId;
 
-use super::events::{Deed, Event, Events, Why};
+use super::events::{Event, Events, awaited, captured};
 
 /// A part of a run's time, and what it was spent on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,7 +20,7 @@ pub(super) struct Link {
     pub from: u64,
     pub to: u64,
     /// What it had waited for, up to `from`; `None`: the beginning of the phase.
-    pub since: Option<(usize, Why)>,
+    pub since: Option<(usize, Dependency)>,
 }
 
 /// What time was spent on.
@@ -65,12 +66,12 @@ pub(super) fn moments(events: &Events, record: &RunRecord) -> Vec<Moment> {
     let begins = begins(record);
     let mut moments: Vec<Moment> = (events.events.iter())
         .map(|event| {
-            let queue = recorded.get_mut(&(event.phase, event.deed));
+            let queue = recorded.get_mut(&(event.phase, event.action));
             queue.and_then(VecDeque::pop_front).unwrap_or_default()
         })
         .collect();
     for (number, event) in events.events.iter().enumerate() {
-        if event.deed.is_capture() {
+        if event.action.is_capture() {
             continue;
         }
         let begin = begins.get(event.phase.0 as usize);
@@ -88,31 +89,36 @@ pub(super) fn moments(events: &Events, record: &RunRecord) -> Vec<Moment> {
 fn met<'a>(
     event: &'a Event,
     moments: &'a [Moment],
-) -> impl Iterator<Item = (usize, Why, Option<u64>)> + 'a {
+) -> impl Iterator<Item = (usize, Dependency, Option<u64>)> + 'a {
     let done = |first: usize| moments.get(first).and_then(|moment| moment.done);
     let mut faces: Vec<_> = (event.waits_for.iter())
         .filter_map(|&(first, why)| match why {
-            Why::Face { needed } => Some((done(first).unwrap_or(u64::MAX), first, needed)),
+            Dependency::Face { needed, .. } => {
+                Some((done(first).unwrap_or(u64::MAX), first, needed, why))
+            }
             _ => None,
         })
         .collect();
     faces.sort_unstable();
     let face = faces
         .first()
-        .map_or(0, |&(_, _, needed)| usize::from(needed));
+        .map_or(0, |&(_, _, needed, _)| usize::from(needed));
     let face = face.checked_sub(1).and_then(|last| faces.get(last));
-    let face = face.map(|&(_, first, needed)| (first, Why::Face { needed }, done(first)));
+    let face = face.map(|&(_, first, _, why)| (first, why, done(first)));
     let others = event.waits_for.iter().copied();
-    let others = others.filter(|(_, why)| !matches!(why, Why::Face { .. }));
+    let others = others.filter(|(_, why)| !matches!(why, Dependency::Face { .. }));
     let others = others.map(move |(first, why)| (first, why, done(first)));
     others.chain(face)
 }
 
 /// What a record says of each thing that was done in a phase, in the order in which it was repeated.
-fn recorded(record: &RunRecord) -> HashMap<(PhaseId, Deed), VecDeque<Moment>> {
+fn recorded(record: &RunRecord) -> HashMap<(PhaseId, EventAction), VecDeque<Moment>> {
     let mut recorded: HashMap<_, VecDeque<Moment>> = HashMap::new();
-    let mut add = |phase, deed, moment| {
-        recorded.entry((phase, deed)).or_default().push_back(moment);
+    let mut add = |phase, action, moment| {
+        recorded
+            .entry((phase, action))
+            .or_default()
+            .push_back(moment);
     };
     for (i, bond) in record.bonds.iter().enumerate() {
         let moment = Moment {
@@ -120,22 +126,22 @@ fn recorded(record: &RunRecord) -> HashMap<(PhaseId, Deed), VecDeque<Moment>> {
             done: Some(bond.docked),
             bond: Some(i),
         };
-        add(bond.phase, Deed::from(bond), moment);
+        add(bond.phase, captured(bond), moment);
     }
     for wait in &record.waiting {
         let moment = Moment {
             ready: Some(wait.magnetized),
             ..Moment::default()
         };
-        add(wait.phase, Deed::from(wait), moment);
+        add(wait.phase, awaited(wait), moment);
     }
     for release in &record.releases {
         let moment = Moment {
             done: Some(release.tick),
             ..Moment::default()
         };
-        let role = release.child;
-        add(release.phase, Deed::Release { role }, moment);
+        let child = release.child;
+        add(release.phase, EventAction::Release { child }, moment);
     }
     recorded
 }
@@ -151,10 +157,9 @@ fn begins(record: &RunRecord) -> Vec<u64> {
     begins
 }
 
-/// The chain of a run, the first link first; empty where nothing is known of the dependencies, or
-/// the run failed.
+/// The chain of a run, the first link first; empty where the run failed.
 pub(super) fn chain(events: &Events, record: &RunRecord, moments: &[Moment]) -> Vec<Link> {
-    if events.tables.is_none() || matches!(record.outcome, Outcome::Failed { .. }) {
+    if matches!(record.outcome, Outcome::Failed { .. }) {
         return Vec::new();
     }
     let begins = begins(record);
@@ -199,7 +204,7 @@ fn unfinished(
 ) {
     let here = || events.of_phase(phase.0 as usize);
     let waiting = here().filter(|(i, event)| {
-        event.deed.is_capture() && moments[*i].done.is_none() && moments[*i].ready.is_some()
+        event.action.is_capture() && moments[*i].done.is_none() && moments[*i].ready.is_some()
     });
     match waiting.min_by_key(|&(i, _)| moments[i].ready) {
         Some((event, _)) => {
@@ -260,7 +265,7 @@ fn back(events: &Events, moments: &[Moment], last: usize, links: &mut Vec<Link>)
 }
 
 /// The dependency of an event that was satisfied last.
-fn since(events: &Events, moments: &[Moment], event: usize) -> Option<(usize, Why)> {
+fn since(events: &Events, moments: &[Moment], event: usize) -> Option<(usize, Dependency)> {
     let done = met(&events.events[event], moments).filter(|(_, _, done)| done.is_some());
     let last = done.max_by_key(|&(_, _, done)| done);
     last.map(|(first, why, _)| (first, why))
@@ -274,18 +279,18 @@ mod tests {
 
     use super::*;
 
-    fn capture(parent: u32, child: u32) -> Deed {
-        Deed::Capture {
+    fn capture(parent: u32, child: u32) -> EventAction {
+        EventAction::Capture {
             parent: RoleId(parent),
             face: Face::Up,
             child: RoleId(child),
         }
     }
 
-    fn event(phase: u32, deed: Deed, waits_for: &[(usize, Why)]) -> Event {
+    fn event(phase: u32, action: EventAction, waits_for: &[(usize, Dependency)]) -> Event {
         Event {
             phase: PhaseId(phase),
-            deed,
+            action,
             waits_for: waits_for.to_vec(),
         }
     }
@@ -338,12 +343,11 @@ mod tests {
         Events {
             events: vec![
                 event(0, capture(0, 2), &[]),
-                event(0, capture(2, 4), &[(0, Why::Anchored)]),
+                event(0, capture(2, 4), &[(0, Dependency::Anchored)]),
                 event(0, capture(1, 3), &[]),
-                event(1, Deed::Release { role: RoleId(4) }, &[]),
-                event(1, capture(2, 5), &[(3, Why::Vacated)]),
+                event(1, EventAction::Release { child: RoleId(4) }, &[]),
+                event(1, capture(2, 5), &[(3, Dependency::Vacated)]),
             ],
-            tables: Some(String::new()),
         }
     }
 
@@ -371,7 +375,7 @@ mod tests {
             (Some(4), 100, 160),
         ];
         assert_eq!(told(&links), expected);
-        assert_eq!(links[1].since, Some((0, Why::Anchored)));
+        assert_eq!(links[1].since, Some((0, Dependency::Anchored)));
         // The waits meet end to end and fill the run.
         assert_eq!(links.iter().map(Link::ticks).sum::<u64>(), record.ticks);
     }
@@ -401,7 +405,7 @@ mod tests {
     #[test]
     fn a_capture_with_a_choice_waited_for_the_first_that_left_it_a_face() {
         // Two faces at a time: the third capture waits for one of the two before it.
-        let face = Why::Face { needed: 1 };
+        let face = Dependency::Face { needed: 1, of: 2 };
         let events = Events {
             events: vec![
                 event(0, capture(0, 1), &[]),
@@ -411,13 +415,12 @@ mod tests {
                     0,
                     capture(0, 4),
                     &[
-                        (0, Why::Face { needed: 2 }),
-                        (1, Why::Face { needed: 2 }),
-                        (2, Why::Face { needed: 2 }),
+                        (0, Dependency::Face { needed: 2, of: 3 }),
+                        (1, Dependency::Face { needed: 2, of: 3 }),
+                        (2, Dependency::Face { needed: 2, of: 3 }),
                     ],
                 ),
             ],
-            tables: Some(String::new()),
         };
         let bonds = vec![
             bond(0, 0, 2, 0, 20),
@@ -455,16 +458,13 @@ mod tests {
     }
 
     #[test]
-    fn without_a_graph_or_after_a_failure_there_is_no_chain() {
-        let mut events = program();
+    fn after_a_failure_there_is_no_chain() {
+        let events = program();
         let failed = Outcome::Failed {
             phase: PhaseId(0),
             reason: String::new(),
         };
         let failed = record(failed, 50, &[], Vec::new());
         assert!(chain(&events, &failed, &moments(&events, &failed)).is_empty());
-        events.tables = None;
-        let fine = record(Outcome::Completed, 0, &[], Vec::new());
-        assert!(chain(&events, &fine, &moments(&events, &fine)).is_empty());
     }
 }

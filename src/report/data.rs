@@ -83,8 +83,8 @@ fn survival(subjects: &[Subject]) -> String {
     };
     for subject in subjects {
         add(&subject.label, "", &subject.times());
-        for (i, phase) in subject.program.phases.iter().enumerate() {
-            add(&subject.label, phase, &subject.phase_times(i));
+        for (i, phase) in subject.program.phases().iter().enumerate() {
+            add(&subject.label, &phase.name, &subject.phase_times(i));
         }
     }
     table.finish()
@@ -124,8 +124,8 @@ fn means(subjects: &[Subject]) -> String {
     };
     for subject in subjects {
         add(&subject.label, "", &subject.times());
-        for (i, phase) in subject.program.phases.iter().enumerate() {
-            add(&subject.label, phase, &subject.phase_times(i));
+        for (i, phase) in subject.program.phases().iter().enumerate() {
+            add(&subject.label, &phase.name, &subject.phase_times(i));
         }
     }
     table.finish()
@@ -202,9 +202,7 @@ fn chains(subjects: &[Subject]) -> String {
                     subject.label.clone(),
                     run.record.run.to_string(),
                     subject.program.phase(link.phase).to_owned(),
-                    event.map_or("reports".to_owned(), |event| {
-                        event.deed.text(subject.program)
-                    }),
+                    event.map_or("reports".to_owned(), |event| event.text(subject.program)),
                     link.from.to_string(),
                     link.to.to_string(),
                 ]);

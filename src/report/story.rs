@@ -2,10 +2,10 @@
 use stochc_ir::record::{Limit, Origin, Outcome};
 
 use super::chain::{Link, What};
-use super::events::Why;
 use super::html::{code, name};
 use super::subject::{Run, Subject};
 use crate::figures::number;
+use stochc_ir::graph::Dependency;
 
 /// Links that are told; of a longer chain those that took longest.
 const TOLD: usize = 12;
@@ -64,9 +64,7 @@ pub(super) fn lead(subject: &Subject, run: &Run) -> Option<String> {
     let total = run.record.ticks;
     let longest = run.chain.iter().max_by_key(|link| link.ticks())?;
     let share = 100.0 * longest.ticks() as f64 / total.max(1) as f64;
-    let text = subject.events.events[longest.event()?]
-        .deed
-        .text(subject.program);
+    let text = subject.events.events[longest.event()?].text(subject.program);
     (share >= 25.0).then(|| format!("{} alone took {share:.0} % of it.", code(&text)))
 }
 
@@ -106,7 +104,7 @@ fn item(subject: &Subject, run: &Run, link: &Link) -> String {
             count(link.ticks())
         ),
         What::Pending { event } => {
-            let text = subject.events.events[event].deed.text(subject.program);
+            let text = subject.events.events[event].text(subject.program);
             format!(
                 "{} had waited <strong>{}</strong>{share} when the run was stopped: from tick {}, {}.",
                 code(&text),
@@ -116,7 +114,7 @@ fn item(subject: &Subject, run: &Run, link: &Link) -> String {
             )
         }
         What::Event { event, bond } => {
-            let text = subject.events.events[event].deed.text(subject.program);
+            let text = subject.events.events[event].text(subject.program);
             let Some(bond) = bond.map(|i| &run.record.bonds[i]) else {
                 let waited = match link.ticks() {
                     0 => String::new(),
@@ -162,14 +160,14 @@ fn reason(subject: &Subject, link: &Link) -> String {
         let phase = name(subject.program.phase(link.phase));
         return format!("the beginning of phase <code>{phase}</code>");
     };
-    let first = code(&subject.events.events[first].deed.text(subject.program));
+    let first = code(&subject.events.events[first].text(subject.program));
     match why {
-        Why::Anchored => format!("when {first} had anchored its block"),
-        Why::Face { .. } => format!("when {first} had left its block a face to magnetize"),
-        Why::After => format!("because the program puts it after {first}"),
-        Why::Emptied => format!("when {first} had let the last of its children go"),
-        Why::Vacated => format!("when {first} had emptied the cell"),
-        Why::Freed => format!("when {first} had made the name free"),
+        Dependency::Anchored => format!("when {first} had anchored its block"),
+        Dependency::Face { .. } => format!("when {first} had left its block a face to magnetize"),
+        Dependency::After => format!("because the program puts it after {first}"),
+        Dependency::Emptied => format!("when {first} had let the last of its children go"),
+        Dependency::Vacated => format!("when {first} had emptied the cell"),
+        Dependency::Freed => format!("when {first} had made the name free"),
     }
 }
 

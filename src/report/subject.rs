@@ -48,7 +48,7 @@ pub(super) fn subjects(inputs: &[Input]) -> Vec<Subject<'_>> {
             let finished = input.finished.iter();
             let records = finished.filter(|done| done.program == number);
             let records: Vec<RunRecord> = records.map(|done| done.record.clone()).collect();
-            let events = Events::of(program, &records);
+            let events = Events::of(program);
             let run = |record: RunRecord| {
                 let moments = moments(&events, &record);
                 let chain = chain(&events, &record, &moments);

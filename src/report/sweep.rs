@@ -1,7 +1,7 @@
 //! Numbers of scenes that were varied: by `simulate --sweep`, or from one folder to the next.
 use std::collections::{BTreeMap, BTreeSet};
 
-use serde_json::Value as Json;
+use serde_json::{Value as Json, json};
 use stochc_ir::scene::scalars::scalars;
 
 use super::subject::{Input, Subject};
@@ -15,10 +15,8 @@ type Member = (usize, BTreeMap<&'static str, f64>);
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
 struct Kind<'a> {
     tables: &'a str,
-    model: &'a str,
-    substeps: u32,
-    settings: &'a BTreeMap<String, String>,
-    max_ticks: Option<u64>,
+    /// As JSON.
+    settings: String,
     words: BTreeMap<String, String>,
 }
 
@@ -36,9 +34,7 @@ fn found(subjects: &[Subject], clock: Clock) -> Vec<Sweep> {
     let plain = subjects.iter().enumerate();
     let plain = plain.filter(|(_, subject)| subject.program.varied.is_empty());
     for (i, subject) in plain {
-        let Some(tables) = &subject.events.tables else {
-            continue;
-        };
+        let tables = subject.program.compiled.digest();
         let mut words = BTreeMap::new();
         let scene = &subject.program.scene;
         let json = serde_json::to_value(scene).unwrap_or_default();
@@ -47,10 +43,7 @@ fn found(subjects: &[Subject], clock: Clock) -> Vec<Sweep> {
         words.remove("name");
         let kind = Kind {
             tables,
-            model: &subject.manifest.model,
-            substeps: subject.manifest.substeps,
-            settings: &subject.manifest.settings,
-            max_ticks: subject.manifest.max_ticks,
+            settings: json!(subject.manifest.settings).to_string(),
             words,
         };
         let numbers = scalars(scene).filter_map(|it| Some((it.name(), it.get(scene)?)));

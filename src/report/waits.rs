@@ -1,8 +1,8 @@
 //! The captures of a program in figures: how long each was waited for, and how much that mattered.
+use stochc_ir::graph::EventAction;
 use stochc_ir::record::Outcome;
 use stochc_ir::table::{PhaseId, RoleId};
 
-use super::events::Deed;
 use super::subject::Subject;
 use crate::ensemble::{self, Repetitions, Time, Waits};
 
@@ -77,16 +77,15 @@ pub(super) fn waits(subject: &Subject) -> Vec<Wait> {
             }
         }
     }
-    let ordered = subject.events.tables.is_some();
     let mut known = ensemble::waits(runs().map(|run| &run.record));
     let mut done = Repetitions::default();
     let mut found: Vec<Wait> = Vec::new();
     for (number, event) in subject.events.events.iter().enumerate() {
-        let Deed::Capture {
+        let EventAction::Capture {
             parent,
             face,
             child,
-        } = event.deed
+        } = event.action
         else {
             continue;
         };
@@ -95,10 +94,10 @@ pub(super) fn waits(subject: &Subject) -> Vec<Wait> {
         found.push(Wait {
             event: number,
             phase: event.phase,
-            text: event.deed.text(subject.program),
+            text: event.text(subject.program),
             follows: (event.waits_for.iter()).any(|&(first, _)| Some(first) == before),
             waits: known.remove(&key),
-            share: (ordered && total > 0.0).then(|| spent[number] / total),
+            share: (total > 0.0).then(|| spent[number] / total),
             decided: decided[number],
         });
     }

@@ -5,8 +5,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Condvar, Mutex};
 use std::time::Duration;
 
-use stochc_ir::scene::Scene;
-use stochc_ir::table::Tables;
 use stochc_runtime::world::SceneError;
 use stochc_runtime::{RunError, Settings, run as run_once};
 
@@ -17,15 +15,6 @@ use super::progress::{Far, during};
 use super::report::{Means, Trade};
 use super::sample::{End, Measured};
 use crate::ensemble::{Display, Program, now};
-
-/// A compiled program and its world.
-#[derive(Clone, Copy, Debug)]
-pub struct Subject<'a> {
-    /// What its blocks know.
-    pub tables: &'a Tables,
-    /// Where they are.
-    pub scene: &'a Scene,
-}
 
 /// How to measure.
 #[derive(Clone, Copy, Debug)]
@@ -46,34 +35,30 @@ pub struct Setup<'a> {
     pub stop: &'a AtomicBool,
 }
 
-/// Measures programs; `entries` describe the `subjects`, in the same order.
+/// Measures programs.
 ///
 /// # Errors
 /// When a scene cannot be set up at all.
-pub fn measure(
-    entries: &[Program],
-    subjects: &[Subject],
-    setup: &Setup,
-) -> Result<Trade, (usize, SceneError)> {
-    for (i, subject) in subjects.iter().enumerate() {
-        try_out(subject, &base()).map_err(|error| (i, error))?;
+pub fn measure(programs: &[Program], setup: &Setup) -> Result<Trade, (usize, SceneError)> {
+    for (i, program) in programs.iter().enumerate() {
+        try_out(program, &base()).map_err(|error| (i, error))?;
     }
     let cannot = |settings: &Settings| {
-        let refused = |subject: &Subject| try_out(subject, settings).err();
-        subjects
+        let refused = |program: &Program| try_out(program, settings).err();
+        programs
             .iter()
             .find_map(refused)
             .map(|error| error.to_string())
     };
     let plan = Plan::new(
         setup.extent,
-        subjects.len(),
+        programs.len(),
         setup.threads,
         setup.finest,
         setup.max_ticks,
         cannot,
     );
-    let plan = carry_out(plan, subjects, setup);
+    let plan = carry_out(plan, programs, setup);
     let (runs, budget) = match setup.extent {
         Extent::Runs(runs) => (Some(runs), None),
         Extent::Budget(budget) => (None, Some(budget.as_secs_f64())),
@@ -85,19 +70,19 @@ pub fn measure(
         budget,
         complete: !setup.stop.load(Ordering::Relaxed),
     };
-    Ok(Trade::of(entries, &plan.outcomes(), &plan.limits(), means))
+    Ok(Trade::of(programs, &plan.outcomes(), &plan.limits(), means))
 }
 
 /// Sets a scene up, and no more.
-fn try_out(subject: &Subject, settings: &Settings) -> Result<(), SceneError> {
+fn try_out(program: &Program, settings: &Settings) -> Result<(), SceneError> {
     let mut stop = |_, _| ControlFlow::Break(());
-    match run_once(subject.tables, subject.scene, settings, 0, 0, &mut stop) {
+    match run_once(program.tables(), &program.scene, settings, 0, 0, &mut stop) {
         Err(RunError::Scene(error)) => Err(error),
         _ => Ok(()),
     }
 }
 
-fn carry_out(plan: Plan, subjects: &[Subject], setup: &Setup) -> Plan {
+fn carry_out(plan: Plan, programs: &[Program], setup: &Setup) -> Plan {
     let start = now();
     let plan = Mutex::new(plan);
     let ended = Condvar::new();
@@ -125,7 +110,7 @@ fn carry_out(plan: Plan, subjects: &[Subject], setup: &Setup) -> Plan {
     };
     let work = || {
         while let Some((job, settings)) = next() {
-            let measured = one(&job, &settings, &subjects[job.program], setup);
+            let measured = one(&job, &settings, &programs[job.program], setup);
             if let Some(measured) = measured {
                 lock().done(&job, measured);
             }
@@ -155,7 +140,7 @@ fn carry_out(plan: Plan, subjects: &[Subject], setup: &Setup) -> Plan {
 }
 
 /// One run; `None`: it was interrupted.
-fn one(job: &Job, settings: &Settings, subject: &Subject, setup: &Setup) -> Option<Measured> {
+fn one(job: &Job, settings: &Settings, program: &Program, setup: &Setup) -> Option<Measured> {
     let (wall, cpu) = (now(), thread_time());
     let mut last = 0;
     let mut watch = |tick, _| {
@@ -165,7 +150,7 @@ fn one(job: &Job, settings: &Settings, subject: &Subject, setup: &Setup) -> Opti
             false => ControlFlow::Continue(()),
         }
     };
-    let Subject { tables, scene } = subject;
+    let (tables, scene) = (program.tables(), &program.scene);
     // What the run was working on is dropped with it, so that nobody sees it half done.
     let result = catch_unwind(AssertUnwindSafe(|| {
         run_once(tables, scene, settings, setup.seed, job.run, &mut watch)

@@ -19,7 +19,7 @@ mod table;
 pub use advice::percent;
 pub use choose::{Choice, choose, note};
 pub use ladder::{FINEST, base, ladder};
-pub use measure::{Setup, Subject, measure};
+pub use measure::{Setup, measure};
 pub use picture::svg;
 pub use plan::{Extent, Job, Next, Outcome, PILOT, Plan};
 pub use ranking::{Ranked, Verdict, rank};

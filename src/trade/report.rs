@@ -456,13 +456,11 @@ mod tests {
             Ok(text.as_bytes().to_vec())
         };
         let limits = stochc_compiler::Limits::default();
-        let scene = stochc_compiler::check("x.sa", &mut reader, limits)
+        let program = stochc_compiler::check("x.sa", &mut reader, limits)
             .programs
             .remove(0);
-        let program = |name: &str| {
-            let (tables, scene) = (scene.tables.as_ref().unwrap(), scene.scene.clone().unwrap());
-            ensemble::Program::new(name, Vec::new(), scene, tables)
-        };
+        let executable = program.into_executable().unwrap();
+        let program = |name: &str| ensemble::Program::new(name, Vec::new(), executable.clone());
         let means = Means {
             seed: 1,
             threads: 1,

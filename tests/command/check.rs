@@ -118,7 +118,7 @@ fn a_folder_is_the_programs_in_it() {
     let said = stochc_with("check", &[own]);
     assert!(
         said.err
-            .ends_with("\n2 warnings; `stochc check --fix` can mend them all\n"),
+            .ends_with("\n2 warnings; `stochc check --fix` can fix them all\n"),
         "{}",
         said.err
     );
@@ -187,7 +187,7 @@ fn the_last_line_counts_the_findings_of_all_files() {
     let said = stochc("check tests/fixtures/wrong.sa tests/fixtures/careless.sa");
     assert!(
         said.err
-            .ends_with("\n1 error, 1 warning; `stochc check --fix` can mend 1 of them\n"),
+            .ends_with("\n1 error, 1 warning; `stochc check --fix` can fix 1 of them\n"),
         "{}",
         said.err
     );

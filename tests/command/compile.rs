@@ -1,6 +1,6 @@
 use serde_json::Value;
 
-use crate::stochc::stochc;
+use crate::stochc::{path, stochc, stochc_with, tables};
 
 fn emit(stage: &str, form: &str) -> String {
     let said = stochc(&format!(
@@ -77,4 +77,58 @@ fn warnings_stay_out_of_the_output() {
     assert_eq!(said.status, 0);
     assert!(said.json()["programs"].is_array());
     assert!(said.err.contains("unused-seed"), "{}", said.err);
+}
+
+#[test]
+fn an_executable_is_simulated_without_its_text() {
+    let folder = tempfile::tempdir().unwrap();
+    let [program, there, here] = ["X", "there", "here"].map(|name| path(folder.path(), name));
+    let compile = "compile --emit executable tests/fixtures/importing.sa";
+    let said = stochc_with(compile, &["--out", &program]);
+    assert_eq!((said.status, said.out.as_str()), (0, ""), "{}", said.err);
+    assert_eq!(
+        stochc(compile).out,
+        std::fs::read_to_string(&program).unwrap()
+    );
+    let options = ["--model", "shuffle", "--runs", "5", "--quiet", "--out"];
+    let simulate = |file: &str, out: &str| {
+        let said = stochc_with("simulate", &[&[file], &options[..], &[out]].concat());
+        assert_eq!((said.status, said.err.as_str()), (0, ""));
+        said.out
+    };
+    let text = simulate("tests/fixtures/importing.sa", &there);
+    assert_eq!(simulate(&program, &here), text);
+    assert!(tables(&there) != tables(&here), "their identities differ");
+    let bonds = |out: &str| stochc_with("results --bonds", &[out]).out;
+    assert_eq!(bonds(&there), bonds(&here));
+    let said = stochc_with("report --quiet", &[&here]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    let said = stochc_with("simulate --sweep free=10..20/2", &[&program]);
+    assert_eq!(said.status, 2);
+    assert!(said.err.contains("is compiled already"), "{}", said.err);
+}
+
+#[test]
+fn a_damaged_executable_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let program = path(folder.path(), "X");
+    let compile = "compile --emit executable tests/fixtures/tower.sa --out";
+    stochc_with(compile, &[&program]);
+    let text = std::fs::read_to_string(&program).unwrap();
+    for (edited, reason) in [
+        (
+            text.replacen("\"format\":1", "\"format\":2", 1),
+            "its format is 2",
+        ),
+        (text[..text.len() / 2].to_owned(), "it is damaged"),
+        (
+            text.replacen("\"faces\":1", "\"faces\":7", 1),
+            "has no 7 faces",
+        ),
+    ] {
+        std::fs::write(&program, edited).unwrap();
+        let said = stochc_with("simulate", &[&program]);
+        assert_eq!((said.status, said.out.as_str()), (2, ""), "{reason}");
+        assert!(said.err.contains(reason), "{}", said.err);
+    }
 }

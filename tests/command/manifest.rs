@@ -1,6 +1,8 @@
 //! A folder's manifest reruns it, and a folder goes on where it was left.
 use std::fs;
 
+use serde_json::{Value, json};
+
 use crate::stochc::{path, stochc_with, tables};
 
 const TOWER: &str = "simulate --model shuffle --quiet tests/fixtures/tower.sa";
@@ -54,29 +56,62 @@ fn what_is_no_manifest_is_refused() {
     assert_eq!(said.status, 2, "the manifest says the seed");
 }
 
+/// What would take memory without end, and what would make nothing.
+#[test]
+fn a_manifest_beyond_all_bounds_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = path(folder.path(), "out");
+    stochc_with(TOWER, &["--runs", "1", "--out", &out]);
+    let file = path(out.as_ref(), "manifest.json");
+    let sound: Value = serde_json::from_slice(&fs::read(&file).unwrap()).unwrap();
+    let of = |key: &str, value: Value| {
+        let mut manifest = sound.clone();
+        manifest[key] = value;
+        manifest
+    };
+    let program = &sound["programs"][0];
+    for (manifest, reason) in [
+        (of("runs", json!(10_000_001)), "at most 10000000"),
+        (of("runs", json!(0)), "no runs"),
+        (of("programs", json!([])), "no programs"),
+        (of("programs", json!(vec![program; 1_001])), "at most 1000"),
+    ] {
+        fs::write(&file, manifest.to_string()).unwrap();
+        let said = stochc_with("simulate --manifest", &[&file]);
+        assert_eq!((said.status, said.out.as_str()), (2, ""), "{reason}");
+        assert!(said.err.contains(reason), "{}", said.err);
+    }
+}
+
 /// A folder of an older layout lacks a part of each run, and what its manifest says does not.
 #[test]
 fn an_older_folder_is_refused_and_made_again() {
     let folder = tempfile::tempdir().unwrap();
     let [fresh, old, again] =
         ["fresh", "an old one", "again"].map(|name| path(folder.path(), name));
-    stochc_with(TOWER, &["--runs", "3", "--out", &fresh]);
-    stochc_with(TOWER, &["--runs", "3", "--out", &old]);
+    let double = ["--runs", "3", "--precision", "double", "--out", &fresh];
+    stochc_with(TOWER, &double);
+    fs::create_dir(&old).unwrap();
     let manifest = path(old.as_ref(), "manifest.json");
-    let text = fs::read_to_string(&manifest).unwrap();
+    // As version 2 has written it; version 1 said the same.
+    let text = fs::read_to_string("tests/fixtures/manifest_2.json").unwrap();
     assert!(text.contains("\"format\": 2"));
-    fs::write(&manifest, text.replace("\"format\": 2", "\"format\": 1")).unwrap();
-    let way_out = format!("`stochc simulate --manifest '{manifest}' --out NEW`");
-    let resume = format!("{TOWER} --runs 3 --resume --out");
-    for line in ["results", "report --quiet", "replay --run 0", &resume] {
-        let said = stochc_with(line, &[&old]);
-        assert_eq!(said.status, 2, "{line}: {}", said.out);
-        assert!(said.err.contains("an older `stochc`"), "{}", said.err);
-        assert!(said.err.contains(&way_out), "{}", said.err);
+    for format in [1, 2] {
+        let of = format!("\"format\": {format}");
+        fs::write(&manifest, text.replace("\"format\": 2", &of)).unwrap();
+        let way_out = format!("`stochc simulate --manifest '{manifest}' --out NEW`");
+        let resume = format!("{TOWER} --runs 3 --resume --out");
+        for line in ["results", "report --quiet", "replay --run 0", &resume] {
+            let said = stochc_with(line, &[&old]);
+            assert_eq!(said.status, 2, "{line}: {}", said.out);
+            assert!(said.err.contains("an older `stochc`"), "{}", said.err);
+            assert!(said.err.contains(&way_out), "{}", said.err);
+        }
+        let again = format!("{again} of {format}");
+        let said = stochc_with("simulate --quiet --manifest", &[&manifest, "--out", &again]);
+        assert_eq!(said.status, 0, "{}", said.err);
+        assert!(tables(&fresh) == tables(&again));
     }
-    let said = stochc_with("simulate --quiet --manifest", &[&manifest, "--out", &again]);
-    assert_eq!(said.status, 0, "{}", said.err);
-    assert!(tables(&fresh) == tables(&again));
 }
 
 #[test]

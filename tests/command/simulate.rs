@@ -53,7 +53,8 @@ fn a_timeout_is_censored_and_a_status() {
     assert!(said.err.starts_with(told), "{}", said.err);
     assert_eq!(said.row("Timed out (censored)"), ["3"]);
     let mean = said.row("Mean time to completion").join(" ");
-    assert_eq!(mean, "≥ 2 (40.0 ms), to 2");
+    assert_eq!(mean, "≥ 2, to 2");
+    assert_eq!(said.row("  in seconds").join(" "), "≥ 40.0 ms");
     assert_eq!(said.row("SD"), ["-"], "unknown");
     assert!(
         said.out

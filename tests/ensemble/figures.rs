@@ -6,6 +6,7 @@ use stochc::ensemble::{
 use stochc::statistics::{Test, median};
 use stochc_ir::record::{Limit, Outcome, RunRecord};
 use stochc_ir::table::PhaseId;
+use stochc_runtime::Settings;
 
 use crate::world::{manifest, means, program, scene, simulate};
 
@@ -118,7 +119,7 @@ fn no_run_and_no_completed_run() {
 fn many_programs_with_long_names_go_below_each_other() {
     let name = "a_reconfigured_five_tower_with_a_very_long_name";
     let programs = [name, "line", "line", "line"].map(program);
-    let manifest = Manifest::new("hash", 1, 6, programs.into());
+    let manifest = Manifest::new(Settings::default(), 1, 6, programs.into());
     let turned = |program: usize| {
         let mut times = RIGHT;
         times.rotate_left(program);
@@ -136,7 +137,7 @@ fn many_programs_with_long_names_go_below_each_other() {
 
 #[test]
 fn one_program_has_no_pairs() {
-    let manifest = Manifest::new("hash", 1, 6, vec![program("line")]);
+    let manifest = Manifest::new(Settings::default(), 1, 6, vec![program("line")]);
     let comparison = Comparison::of(&manifest, &at(0, &RIGHT));
     assert!(comparison.pairs.is_empty());
     assert_snapshot!(comparison.to_text(100));

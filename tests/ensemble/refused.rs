@@ -4,6 +4,7 @@ use std::path::Path;
 
 use insta::assert_snapshot;
 use stochc::ensemble::{Folder, Manifest};
+use stochc_runtime::Settings;
 
 use crate::world::{complete, manifest, program, put};
 
@@ -59,9 +60,9 @@ fn another_ensemble_is_refused_with_what_differs() {
 
     let mut other = manifest(2);
     other.seed = 4;
-    other.substeps = 8;
-    other.max_ticks = Some(100);
-    other.settings.insert("skin".into(), "2mm".into());
+    other.settings.substeps = 8;
+    other.settings.max_ticks = Some(100);
+    other.settings.solver_iterations = Some(3);
     assert_snapshot!(refused(&other), @"`DIR` holds another ensemble: the seed is `18446744073709551615` there and `4` here, the number of substeps is `1` there and `8` here, the limit of ticks is `none` there and `100` here, `skin` is `unset` there and `2mm` here; choose another folder, results are never overwritten");
 
     let mut other = manifest(2);
@@ -71,7 +72,7 @@ fn another_ensemble_is_refused_with_what_differs() {
 
     let mut other = manifest(2);
     other.programs.push(program("left"));
-    assert_snapshot!(refused(&Manifest::new("hash", u64::MAX, 2, other.programs)), @"`DIR` holds another ensemble: the list of programs is `left, right` there and `left, right, left (2)` here; choose another folder, results are never overwritten");
+    assert_snapshot!(refused(&Manifest::new(Settings::default(), u64::MAX, 2, other.programs)), @"`DIR` holds another ensemble: the list of programs is `left, right` there and `left, right, left (2)` here; choose another folder, results are never overwritten");
 }
 
 #[test]

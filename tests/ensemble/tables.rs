@@ -280,7 +280,7 @@ fn metadata(folder: &Path, name: &str) -> BTreeMap<String, String> {
 fn every_table_says_what_it_is_and_of_what() {
     let folder = tempfile::tempdir().unwrap();
     let mut manifest = manifest(2);
-    manifest.max_ticks = Some(900);
+    manifest.settings.max_ticks = Some(900);
     manifest.programs[1].scene.tick = 0.5;
     complete(folder.path(), &manifest, 1);
     for shape in tables() {
@@ -292,7 +292,7 @@ fn every_table_says_what_it_is_and_of_what() {
             ("row", shape.row.clone()),
             ("version", manifest.stochc.clone()),
             ("ensemble", manifest.identity()),
-            ("model", "hash".into()),
+            ("model", "rigid".into()),
             ("substeps", "1".into()),
             ("settings", "{}".into()),
             ("seed", u64::MAX.to_string()),

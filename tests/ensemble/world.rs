@@ -6,12 +6,14 @@ use std::sync::atomic::AtomicBool;
 use stochc::ensemble::{
     Cancelled, Display, Folder, Manifest, Means, Place, Program, Results, Source, Watch, run,
 };
+use stochc_ir::graph::{Event, EventAction, EventGraph, EventId};
 use stochc_ir::record::{
     BondRecord, Limit, Origin, Outcome, ReleaseRecord, RunRecord, UnplannedRecord, WaitRecord,
 };
 use stochc_ir::scene::{Arrangement, Block, Enclosure, Free, Scene};
 use stochc_ir::table::{Action, Phase, PhaseId, Plate, Role, RoleId, Tables, Trigger};
-use stochc_ir::{Cell, Face};
+use stochc_ir::{Cell, Executable, Face};
+use stochc_runtime::Settings;
 
 /// A scene whose numbers do not survive a careless reader of JSON.
 pub fn scene() -> Scene {
@@ -88,16 +90,37 @@ pub fn program(name: &str) -> Program {
         path: format!("somewhere/{name}.sa"),
         text: format!("assembly {name} {{}}"),
     };
-    Program::new(name, vec![source], scene(), &tables)
+    let (scene, graph) = (scene(), graph());
+    let executable = Executable {
+        tables,
+        scene,
+        graph,
+    };
+    Program::new(name, vec![source], executable)
 }
 
 pub fn manifest(runs: u64) -> Manifest {
     Manifest::new(
-        "hash",
+        Settings::default(),
         u64::MAX,
         runs,
         vec![program("left"), program("right")],
     )
+}
+
+/// B on A in the first phase, and C on B in the second.
+fn graph() -> EventGraph {
+    let event = |phase, child: u32| Event {
+        phase: PhaseId(phase),
+        action: EventAction::Capture {
+            parent: RoleId(child - 1),
+            face: Face::Up,
+            child: RoleId(child),
+        },
+        cell: Some(Cell::new(0, 0, child as i32)),
+    };
+    let chains = vec![vec![EventId(0)], vec![EventId(1)]];
+    EventGraph::new(vec![event(0, 1), event(1, 2)], Vec::new(), chains)
 }
 
 /// SplitMix64 of the run's number and what the draw is for.

@@ -108,7 +108,7 @@ fn a_capture_waits_for_any_of_those_before_it() {
     let order = program.order.as_ref().unwrap();
     assert_eq!(Order::length(&program.plan, &order.chains[1]), 4);
     let tables = program.tables.as_ref().unwrap();
-    let table = stochc::compiler::emit::table_text(tables).to_string();
+    let table = stochc::ir::emit::table_text(tables).to_string();
     let rules: Vec<&str> = (table.lines())
         .skip_while(|line| !line.contains("at the start of arms"))
         .skip(1)

@@ -1,7 +1,6 @@
 //! Whatever is in a name is text, and nothing else.
 use std::fs::File;
-
-use serde_json::json;
+use std::sync::Arc;
 
 use crate::browser::browser;
 use crate::folder::Results;
@@ -19,19 +18,17 @@ fn hostile_names_are_shown_as_text() {
     // The compiler takes no such names; a manifest that somebody has edited may have them.
     let manifest = std::fs::read_to_string(results.path().join("manifest.json")).unwrap();
     let mut manifest = stochc::ensemble::Manifest::from_json(&manifest).unwrap();
-    manifest.model = HOSTILE.to_owned();
+    manifest.stochc = HOSTILE.to_owned();
     let program = &mut manifest.programs[0];
     program.name = HOSTILE.to_owned();
     program.scene.name = HOSTILE.to_owned();
     program.sources[0].path = HOSTILE.to_owned();
-    let mut tables = results.tables();
+    let tables = &mut Arc::make_mut(&mut program.compiled).tables;
     for role in &mut tables.roles {
         role.name = format!("{HOSTILE}{}", role.name);
     }
     tables.phases[0].name = HOSTILE.to_owned();
-    let event = json!({ "id": 0, "event": HOSTILE, "kind": "capture", "block": format!("{HOSTILE}T[1]"), "parent": format!("{HOSTILE}M"), "face": "up", "after": [] });
-    let graph = json!({ "assembly": HOSTILE, "phases": [{ "name": HOSTILE, "events": [event], "longest_chain": [0] }] });
-    let about = stochc::replay::about(&manifest, &manifest.programs[0], &tables, &graph);
+    let about = stochc::replay::about(&manifest, &manifest.programs[0]);
     let recording = File::open(results.recording_path(0)).unwrap();
     let file = File::create(&page).unwrap();
     stochc::replay::write(HOSTILE, &about, recording, file).unwrap();

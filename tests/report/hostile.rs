@@ -1,4 +1,6 @@
 //! Names that would be more than names.
+use std::sync::Arc;
+
 use stochc::ir::record::{Limit, Outcome};
 use stochc::ir::table::{PhaseId, RoleId};
 use stochc::report::address;
@@ -20,14 +22,13 @@ fn hostile_names_are_shown_as_text() {
         for input in &mut inputs {
             input.path = format!("results/{name}");
             let manifest = &mut input.manifest;
-            manifest.model = name.into();
             manifest.stochc = name.into();
-            manifest.settings.insert(name.into(), name.into());
             let program = &mut manifest.programs[0];
             program.name = name.into();
             program.scene.name = name.into();
-            program.phases[0] = name.into();
-            program.roles.iter_mut().for_each(|role| *role += name);
+            let tables = &mut Arc::make_mut(&mut program.compiled).tables;
+            tables.phases[0].name = name.into();
+            tables.roles.iter_mut().for_each(|role| role.name += name);
             program.sources[0].path = name.into();
             program.sources[0].text.push_str(name);
         }
@@ -86,7 +87,7 @@ fn addresses_stay_what_they_are() {
 #[test]
 fn impossible_records_are_no_reason_to_stop() {
     let mut input = five(0.2);
-    let roles = input.manifest.programs[0].roles.len() as u32;
+    let roles = input.manifest.programs[0].roles().len() as u32;
     for (i, done) in input.finished.iter_mut().enumerate() {
         let record = &mut done.record;
         match i {
@@ -109,7 +110,7 @@ fn impossible_records_are_no_reason_to_stop() {
     }
     for sources in [true, false] {
         if !sources {
-            // Then the events are those of the records.
+            // As of a program that was compiled elsewhere.
             input.manifest.programs[0].sources.clear();
         }
         let report = told(std::slice::from_ref(&input));

@@ -8,8 +8,9 @@ use stochc::ir::record::{
     BondRecord, Limit, Origin, Outcome, ReleaseRecord, RunRecord, WaitRecord,
 };
 use stochc::ir::table::{PhaseId, RoleId};
-use stochc::ir::{Cell, Face};
+use stochc::ir::{Cell, Executable, Face};
 use stochc::report::{Input, Report, Surroundings, report};
+use stochc::runtime::{Model, Settings};
 
 /// Two towers side by side, then the second block of one is let go and M takes a block.
 pub const TEXT: &str = "\
@@ -48,9 +49,13 @@ pub fn manifest(friction: f64, runs: u64) -> Manifest {
         path: "pair.sa".into(),
         text,
     };
-    let tables = program.tables.as_ref().unwrap();
-    let program = Program::new("pair", vec![source], scene, tables);
-    Manifest::new("rigid", 7, runs, vec![program])
+    let executable = Executable {
+        tables: program.tables.clone().unwrap(),
+        scene,
+        graph: program.event_graph(),
+    };
+    let program = Program::new("pair", vec![source], executable);
+    Manifest::new(Settings::of(Model::Rigid, 1), 7, runs, vec![program])
 }
 
 /// One run: the waits for C, E, D and F; F's face is magnetized when the first phase ends. Without
@@ -67,7 +72,7 @@ pub struct Waits {
 pub fn record(manifest: &Manifest, run: u64, waits: &Waits) -> Finished {
     let program = &manifest.programs[0];
     let role = |name: &str| {
-        let place = program.roles.iter().position(|role| role == name);
+        let place = program.roles().iter().position(|role| role.name == name);
         RoleId(place.unwrap() as u32)
     };
     let bond = |phase, parent: &str, child: &str, magnetized, docked| BondRecord {

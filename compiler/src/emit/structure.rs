@@ -3,11 +3,11 @@ use std::fmt::{self, Display, Formatter, Write as _};
 use std::rc::Rc;
 
 use serde_json::json;
-use stochc_grammar::{Json, Symbols};
-use stochc_ir::Cell;
+use stochc_grammar::Symbols;
+use stochc_ir::emit::Text;
 use stochc_ir::table::RoleId;
+use stochc_ir::{Cell, Json};
 
-use super::Text;
 use crate::layout::Layout;
 use crate::plan::{Deed, Plan};
 use crate::shape::MOST_CELLS;

@@ -445,7 +445,7 @@ impl<'a> Expander<'a, '_> {
             self.findings.push(
                 Finding::new(Code::TooManyErrors, title)
                     .label(self.site(span), "writing out stopped here")
-                    .help("mend the errors above first"),
+                    .help("fix the errors above first"),
             );
             return false;
         }

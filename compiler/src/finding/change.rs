@@ -2,7 +2,8 @@
 use std::collections::BTreeMap;
 
 use super::{Edit, Fix};
-use crate::FileId;
+use crate::load::Reader;
+use crate::{FileId, Sources};
 
 /// Fixes of one file that fit together.
 #[derive(Clone, Debug)]
@@ -66,6 +67,24 @@ impl<'a> Change<'a> {
         out
     }
 
+    /// Reads the files of a program as they were read, but for this change; others as `reader` does.
+    pub(crate) fn over<'r>(
+        &'r self,
+        sources: &'r Sources,
+        reader: &'r mut dyn Reader,
+    ) -> impl FnMut(&str) -> Result<Vec<u8>, String> + 'r {
+        // Reading takes one mark of the byte order away.
+        let bytes = |text: &str| ["\u{feff}", text].concat().into_bytes();
+        move |asked| {
+            let known = sources.files().iter().position(|file| file.name == asked);
+            match known.map(|number| (FileId(number as u32), &sources.files()[number])) {
+                Some((id, _)) if id == self.file => Ok(bytes(&self.text())),
+                Some((_, file)) if file.is_exact => Ok(bytes(&file.text)),
+                _ => reader.read(asked),
+            }
+        }
+    }
+
     /// Where bytes of the text, in ascending order, may be found afterwards: from the first to the
     /// last place. What is replaced may be anywhere in what takes its place.
     pub(crate) fn carried(&self, places: &[usize]) -> Vec<(usize, usize)> {
@@ -92,17 +111,6 @@ impl<'a> Change<'a> {
     }
 }
 
-/// The text of a file with every change that fits, and how many those are.
-pub fn apply_fixes<'a>(
-    text: &'a str,
-    file: FileId,
-    fixes: impl IntoIterator<Item = &'a Fix>,
-) -> (String, usize) {
-    let mut change = Change::new(file, text);
-    let fitting = fixes.into_iter().filter(|fix| change.add(fix)).count();
-    (change.text(), fitting)
-}
-
 fn range(edit: &Edit) -> (usize, usize) {
     (edit.site.span.start as usize, edit.site.span.end as usize)
 }
@@ -118,7 +126,8 @@ fn is_free(edits: &BTreeMap<usize, (usize, &str)>, start: usize, end: usize) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Site, Span};
+    use crate::load::load;
+    use crate::{Cancellation, Site, Span};
 
     fn fix(edits: &[(u32, u32, &str)]) -> Fix {
         let edits = edits.iter().map(|&(start, end, text)| Edit {
@@ -133,6 +142,17 @@ mod tests {
             edits: edits.collect(),
             safe: true,
         }
+    }
+
+    /// The text of a file with every change that fits, and how many those are.
+    fn apply_fixes<'a>(
+        text: &'a str,
+        file: FileId,
+        fixes: impl IntoIterator<Item = &'a Fix>,
+    ) -> (String, usize) {
+        let mut change = Change::new(file, text);
+        let fitting = fixes.into_iter().filter(|fix| change.add(fix)).count();
+        (change.text(), fitting)
     }
 
     #[test]
@@ -209,5 +229,44 @@ mod tests {
             (12, 12),
         ];
         assert_eq!(change.carried(&places), carried);
+    }
+
+    /// Marks of the byte order and bytes that are no text are kept, in the file that changes and in others.
+    #[test]
+    fn what_is_read_again_is_what_was_read() {
+        let files: [(&str, &[u8]); 3] = [
+            ("own.sa", b"\xef\xbb\xbfimport \"b.sa\" import \"c.sa\""),
+            ("b.sa", b"\xef\xbb\xbf\xef\xbb\xbflet m = 2"),
+            ("c.sa", b"let k = \xff"),
+        ];
+        let mut disk = |asked: &str| {
+            let file = files.iter().find(|(name, _)| *name == asked);
+            (file.map(|(_, bytes)| bytes.to_vec())).ok_or_else(String::new)
+        };
+        let read = |name: &str, reader: &mut dyn Reader| {
+            let mut sources = Sources::default();
+            load(
+                name,
+                reader,
+                &mut sources,
+                Cancellation::NEVER,
+                &mut Vec::new(),
+            )
+            .unwrap();
+            sources
+        };
+        let told = |sources: &Sources| -> Vec<_> {
+            let files = sources.files().iter();
+            files
+                .map(|it| (it.name.clone(), it.text.clone(), it.is_exact))
+                .collect()
+        };
+        for (name, count) in [("own.sa", 3), ("b.sa", 1)] {
+            let before = read(name, &mut disk);
+            assert_eq!(before.files().len(), count);
+            let none = Change::new(FileId(0), &before.files()[0].text);
+            let again = read(name, &mut none.over(&before, &mut disk));
+            assert_eq!(told(&again), told(&before));
+        }
     }
 }

@@ -8,7 +8,7 @@ mod repeat;
 mod syntax;
 mod syntax_hints;
 
-pub use change::{Change, apply_fixes};
+pub use change::Change;
 pub use code::{Code, Severity};
 pub(crate) use fix::{LONG, entry, named, removal};
 pub use graphical::{Renderer, is_hostile, visible};
@@ -31,6 +31,8 @@ pub struct Finding {
     pub labels: Vec<Label>,
     /// What to do next.
     pub help: Option<String>,
+    /// The part of `help` that others, told as one with this finding, may need otherwise.
+    pub(crate) cure: Option<String>,
     /// A change of the text that mends it.
     pub fix: Option<Fix>,
     /// The same, said of others: of the other rounds of a loop.
@@ -82,7 +84,7 @@ pub(crate) fn tell(findings: &mut Vec<Finding>, finding: Finding) {
         let title = format!("more than {MOST_FINDINGS} findings; the rest is not told");
         let labels = finding.labels.into_iter().take(1);
         let mut last =
-            Finding::new(Code::TooManyErrors, title).help("mend the first few and check again");
+            Finding::new(Code::TooManyErrors, title).help("fix the first few and check again");
         last.labels.extend(labels);
         findings.push(last);
     }
@@ -119,6 +121,7 @@ impl Finding {
             title: title.into(),
             labels: Vec::new(),
             help: None,
+            cure: None,
             fix: None,
             others: Others::default(),
         }

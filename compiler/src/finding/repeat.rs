@@ -52,6 +52,9 @@ impl Finding {
             self.fix = None;
         }
         let subject = subject.to_owned();
+        if let Some(cure) = &other.cure {
+            self.tell_cure(&subject, cure);
+        }
         if !self.others.first.contains(&subject) {
             self.others.count += 1 + other.others.count;
             if self.others.first.len() < Others::NAMED {
@@ -59,6 +62,22 @@ impl Finding {
             }
         }
         true
+    }
+
+    /// Adds what helps another one to the help, unless that has been said.
+    fn tell_cure(&mut self, subject: &str, cure: &str) {
+        let (Some(help), Some(told)) = (&mut self.help, &mut self.cure) else {
+            return;
+        };
+        let more = match told.lines().count() {
+            _ if told.contains(cure) => return,
+            0..=Others::NAMED => format!("for {subject}, {cure}"),
+            lines if lines == Others::NAMED + 1 => "others need changes of their own".to_owned(),
+            _ => return,
+        };
+        let all = format!("{told}\n{more}");
+        *help = help.replacen(told.as_str(), &all, 1);
+        *told = all;
     }
 }
 

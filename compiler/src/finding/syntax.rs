@@ -121,7 +121,7 @@ impl Finding {
                 format!("more than {MAX_ERRORS} errors; the rest of the file was not read"),
             )
             .label(site, "reading stopped here")
-            .help("mend the errors above first"),
+            .help("fix the errors above first"),
             K::FileTooLarge => Finding::new(Code::FileTooLarge, "a file of 4 GiB or more")
                 .help("split it into several files and `import` them"),
         }

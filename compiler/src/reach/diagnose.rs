@@ -188,6 +188,7 @@ impl Survey<'_> {
         if !is_never {
             let (text, fix) = self.cure(case, id, &walls, &finding.title);
             help.push_str(&text);
+            finding.cure = Some(text.trim_end().to_owned());
             finding.fix = fix;
         }
         let is_full = |cell| self.occupancy.is_blocked(cell, &has);
@@ -332,7 +333,7 @@ impl Survey<'_> {
         let name = plan.roles.name(plan.event(id).role, self.subject.symbols);
         let title = format!("whether a block can come to `{name}` was not decided");
         Finding::new(Code::ReachUndecided, title)
-            .label(plan.event(id).site, "the search was given up")
+            .label(plan.event(id).site, "the search has reached its limit")
             .help("the walls around it are too large; build them in fewer phases, or leave a wider opening")
     }
 

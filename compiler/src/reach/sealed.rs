@@ -10,7 +10,7 @@ use crate::turns::is_ready;
 pub struct Stuck {
     /// Which.
     pub capture: EventId,
-    /// Whether its worst case has no way out; else the search was given up.
+    /// Whether its worst case has no way out; else the search has reached its limit.
     pub is_shown: bool,
 }
 

@@ -597,9 +597,9 @@ impl<'a> Reader<'a, '_> {
     fn once(&mut self, seen: &mut Vec<Name>, name: Name) {
         if let Some(old) = seen.iter().find(|old| old.symbol == name.symbol) {
             let word = self.word_of(name);
-            let finding = Finding::new(Code::DuplicateTerm, format!("`{word}` is said twice"))
-                .label(self.site(name.span), "again")
-                .label(self.site(old.span), "first said here")
+            let finding = Finding::new(Code::DuplicateTerm, format!("`{word}` is given twice"))
+                .label(self.site(name.span), "given again")
+                .label(self.site(old.span), "first given here")
                 .help("remove one of the two");
             tell(self.findings, finding);
         }

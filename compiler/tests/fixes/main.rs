@@ -14,7 +14,7 @@ pub use stochc_compiler as compiler;
 pub use stochc_ir as ir;
 
 use proptest::prelude::*;
-use stochc_compiler::finding::{Code, Finding, Fix, apply_fixes};
+use stochc_compiler::finding::{Change, Code, Finding, Fix};
 use stochc_compiler::{Checked, FileId, Fixed, Levels, Limits, check};
 
 /// Reads a text as `a.sa`, beside those that the fixtures import.
@@ -419,8 +419,9 @@ fn every_fixture_and_page_is_only_bettered() {
 
 /// A change takes its finding away and, if it is safe, brings no error and keeps all comments.
 fn one_change(text: &str, before: &Checked, finding: &Finding, fix: &Fix) {
-    let (new, count) = apply_fixes(text, FileId(0), [fix]);
-    assert_eq!(count, 1, "{fix:?}");
+    let mut change = Change::new(FileId(0), text);
+    assert!(change.add(fix), "{fix:?}");
+    let new = change.text();
     let after = checked(&new);
     let (old, left) = (told(&before.findings), told(&after.findings));
     let this = (finding.code, finding.title.clone());

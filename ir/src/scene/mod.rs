@@ -53,6 +53,26 @@ pub struct Scene {
     pub messages: Option<Messages>,
 }
 
+impl Scene {
+    /// Whether every number is one that it may be: the scene may have been read from a file.
+    ///
+    /// # Errors
+    /// What is wrong, in words.
+    pub fn validate(&self) -> Result<(), String> {
+        for scalar in scalars::scalars(self) {
+            if let Some(value) = scalar.get(self) {
+                scalar.check(value).map_err(|error| error.to_string())?;
+            }
+        }
+        match &self.agitation {
+            Some(Agitation::Kicks { speed }) if speed.0 > speed.1 => {
+                Err("`agitation.speed.low` is more than the upper end".to_owned())
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
 /// The one kind of block.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Block {

@@ -8,6 +8,7 @@
 //! conditions have come true, and only speaks of what its block can see: its own faces, and
 //! messages. The runtime needs nothing else, and holds no script.
 mod hardware;
+mod stored;
 
 use serde::{Deserialize, Serialize};
 
@@ -23,7 +24,8 @@ pub struct RoleId(pub u32);
 pub struct PhaseId(pub u32);
 
 /// The event tables of one assembly.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(try_from = "stored::StoredTables")]
 pub struct Tables {
     /// The name of the assembly.
     pub assembly: String,
@@ -314,6 +316,14 @@ impl Tables {
     /// The name of a role.
     pub fn name(&self, role: RoleId) -> &str {
         &self.roles[role.0 as usize].name
+    }
+
+    /// How many captures there are in all phases.
+    pub fn captures(&self) -> usize {
+        let rules = self.rules.iter();
+        rules
+            .filter(|rule| matches!(rule.then, Action::Magnetize { .. }))
+            .count()
     }
 
     /// The roles that are on the plate from the beginning, with their cells.

@@ -34,7 +34,7 @@ pub fn explore(file: &str, checked: &Checked, states: u64) -> (String, Exit) {
             );
             continue;
         }
-        let expected = expected(program, tables);
+        let expected = expected(&program.event_graph(), tables);
         let bounds = Bounds {
             states,
             ..Bounds::default()

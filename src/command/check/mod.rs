@@ -5,9 +5,9 @@ mod fix;
 mod scene;
 
 use clap::Args;
-use stochc_compiler::emit::chain_text;
 use stochc_compiler::order::Order;
 use stochc_compiler::{Checked, Limits, Program, check_with};
+use stochc_ir::emit::chain_text;
 
 use self::cost::costs;
 use self::scene::scenes;
@@ -236,7 +236,7 @@ fn describe(program: &Program, checked: &Checked) -> String {
             "  phase {:width$}  longest serial chain {}: {}\n",
             phase.name,
             Order::length(plan, chain),
-            chain_text(plan, chain, &checked.symbols),
+            chain_text(chain, |&id| plan.describe(id, &checked.symbols)),
         ));
     }
     let all: usize = order

@@ -2,9 +2,11 @@
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use stochc_runtime::Settings;
+
 use super::super::terminal::warn;
 use super::super::trade::{self as command, threads};
-use super::{Options, Ready, usage};
+use super::{Options, usage};
 use crate::cli::Exit;
 use crate::ensemble::{Display, Manifest};
 use crate::files::read_file;
@@ -17,12 +19,11 @@ pub(super) fn settle(
     options: &Options,
     accuracy: f64,
     manifest: &mut Manifest,
-    ready: &[Ready],
     stop: &AtomicBool,
 ) -> Result<(), Exit> {
     let trade = match &options.trade {
         Some(path) => read(path)?,
-        None => measured(options, manifest, ready, stop)?,
+        None => measured(options, manifest, stop)?,
     };
     let programs = known(&trade, manifest).map_err(|reason| usage(&reason))?;
     match choose(&trade, &programs, accuracy) {
@@ -32,7 +33,10 @@ pub(super) fn settle(
                 percent(accuracy),
                 choice.why
             ));
-            super::input::write_down(&choice.settings, manifest);
+            manifest.settings = Settings {
+                max_ticks: manifest.settings.max_ticks,
+                ..choice.settings
+            };
             Ok(())
         }
         Err(reason) => {
@@ -44,7 +48,7 @@ pub(super) fn settle(
 
 /// Says on standard error what is known about settings that the user has chosen.
 pub(super) fn comment(options: &Options, manifest: &Manifest) -> Result<(), Exit> {
-    let settings = super::input::settings(manifest).map_err(|reason| usage(&reason))?;
+    let settings = &manifest.settings;
     if let Some(reduction) = settings.reduction {
         warn(&format!(
             "note: `{}` is a reduced model: it leaves out something that the scene has\n",
@@ -58,19 +62,14 @@ pub(super) fn comment(options: &Options, manifest: &Manifest) -> Result<(), Exit
     };
     let trade = read(path)?;
     let programs = known(&trade, manifest).map_err(|reason| usage(&reason))?;
-    match note(&trade, &programs, &settings) {
+    match note(&trade, &programs, settings) {
         Some(note) => warn(&format!("note: {note}\n")),
         None => warn("note: the trade has not measured this setting\n"),
     }
     Ok(())
 }
 
-fn measured(
-    options: &Options,
-    manifest: &Manifest,
-    ready: &[Ready],
-    stop: &AtomicBool,
-) -> Result<Trade, Exit> {
+fn measured(options: &Options, manifest: &Manifest, stop: &AtomicBool) -> Result<Trade, Exit> {
     warn(&format!(
         "--accuracy needs a measurement: {} s of it now; `stochc trade --out DIR` makes a better \
          one, for `--trade DIR`\n",
@@ -85,7 +84,7 @@ fn measured(
         display: Display::on_standard_error(options.quiet),
         stop,
     };
-    let trade = command::of(&manifest.programs, ready, &setup)?;
+    let trade = command::of(&manifest.programs, &setup)?;
     if stop.load(Ordering::Relaxed) {
         return Err(Exit::Interrupted);
     }

@@ -2,6 +2,7 @@
 mod accuracy;
 mod closing;
 mod input;
+mod older;
 mod options;
 mod record;
 mod single;
@@ -10,11 +11,10 @@ mod swept;
 use std::num::NonZeroUsize;
 use std::sync::atomic::AtomicBool;
 
-use stochc_ir::scene::Scene;
 use stochc_ir::table::{Action, Tables};
 use stochc_runtime::{Model, RunError, Settings, run as run_once};
 
-pub(super) use input::{programs, settings};
+pub(super) use input::programs;
 pub use options::Options;
 pub(super) use record::Draft;
 
@@ -23,22 +23,14 @@ use super::terminal::{usage, warn};
 use super::unresolved::{Doubt, doubts};
 use crate::cli::Exit;
 use crate::ensemble::{
-    Cancelled, Display, Folder, Manifest, Means, Place, State, other_build, run as run_all,
-    stop_on_interrupt,
+    Cancelled, Display, Folder, Manifest, Means, Place, Program, State, other_build,
+    run as run_all, stop_on_interrupt,
 };
-
-/// A program that is ready to run.
-pub(super) struct Ready {
-    /// What its blocks know.
-    pub tables: Tables,
-    /// Where they are.
-    pub scene: Scene,
-}
 
 /// Runs programs many times, or one of their runs alone.
 pub fn run(options: &Options) -> Exit {
-    let (mut manifest, programs) = match input::prepare(options) {
-        Ok(prepared) => prepared,
+    let mut manifest = match input::prepare(options) {
+        Ok(manifest) => manifest,
         Err(exit) => return exit,
     };
     if let Some(run) = (options.record.as_ref()).and_then(|runs| runs.beyond(manifest.runs)) {
@@ -49,7 +41,7 @@ pub fn run(options: &Options) -> Exit {
         Err(error) => return usage(&format!("cannot listen for Ctrl-C: {error}")),
     };
     if let Some(accuracy) = options.accuracy
-        && let Err(exit) = accuracy::settle(options, accuracy, &mut manifest, &programs, stop)
+        && let Err(exit) = accuracy::settle(options, accuracy, &mut manifest, stop)
     {
         return exit;
     }
@@ -57,30 +49,26 @@ pub fn run(options: &Options) -> Exit {
     if let Err(exit) = accuracy::comment(options, &manifest) {
         return exit;
     }
-    let settings = match input::settings(&manifest) {
-        Ok(settings) => settings,
-        Err(reason) => return usage(&reason),
-    };
-    if options.record.is_some() && settings.model == Model::Shuffle {
+    if options.record.is_some() && manifest.settings.model == Model::Shuffle {
         return usage(&format!("nothing to record: {}", RunError::Nowhere));
     }
-    for (program, entry) in programs.iter().zip(&manifest.programs) {
-        if let Err(error) = try_out(program, &settings) {
-            warn(&format!("error: {}: {error}\n", entry.name));
+    for program in &manifest.programs {
+        if let Err(error) = try_out(program, &manifest.settings) {
+            warn(&format!("error: {}: {error}\n", program.name));
             return Exit::WrongProgram;
         }
     }
-    tell_of_doubts(&manifest, &programs, &settings);
+    tell_of_doubts(&manifest);
     match options.run {
-        Some(number) => single::run(options, &manifest, &programs, &settings, number, stop),
-        None => ensemble(options, &manifest, &programs, &settings, stop),
+        Some(number) => single::run(options, &manifest, number, stop),
+        None => ensemble(options, &manifest, stop),
     }
 }
 
 /// Sets a scene up once, so that one that cannot be is told of before the first run.
-fn try_out(program: &Ready, settings: &Settings) -> Result<(), RunError> {
+fn try_out(program: &Program, settings: &Settings) -> Result<(), RunError> {
     let mut stop = |_, _| std::ops::ControlFlow::Break(());
-    match run_once(&program.tables, &program.scene, settings, 0, 0, &mut stop) {
+    match run_once(program.tables(), &program.scene, settings, 0, 0, &mut stop) {
         Err(RunError::Scene(error)) => Err(error.into()),
         _ => Ok(()),
     }
@@ -101,14 +89,14 @@ fn grows_upwards(tables: &Tables) -> bool {
 
 /// Says what the steps of a model do not resolve in the scenes of programs, and what their blocks do not
 /// reach: each doubt once, with how many other programs share it.
-fn tell_of_doubts(manifest: &Manifest, programs: &[Ready], settings: &Settings) {
-    if settings.model == Model::Shuffle {
+fn tell_of_doubts(manifest: &Manifest) {
+    if manifest.settings.model == Model::Shuffle {
         return;
     }
     let mut found: Vec<(&str, Doubt, usize)> = Vec::new();
-    for (program, ready) in manifest.programs.iter().zip(programs) {
-        let all = doubts(&program.scene, settings.substeps).into_iter();
-        for doubt in all.filter(|doubt| doubt.is_of_steps || grows_upwards(&ready.tables)) {
+    for program in &manifest.programs {
+        let all = doubts(&program.scene, manifest.settings.substeps).into_iter();
+        for doubt in all.filter(|doubt| doubt.is_of_steps || grows_upwards(program.tables())) {
             match found
                 .iter_mut()
                 .find(|(_, it, _)| it.symbol == doubt.symbol)
@@ -130,13 +118,7 @@ fn tell_of_doubts(manifest: &Manifest, programs: &[Ready], settings: &Settings) 
     }
 }
 
-fn ensemble(
-    options: &Options,
-    manifest: &Manifest,
-    programs: &[Ready],
-    settings: &Settings,
-    stop: &AtomicBool,
-) -> Exit {
+fn ensemble(options: &Options, manifest: &Manifest, stop: &AtomicBool) -> Exit {
     let place = match &options.out {
         None => Place::Memory(manifest),
         Some(out) => match Folder::open(out, manifest, options.resume) {
@@ -166,11 +148,13 @@ fn ensemble(
     };
     let recordings = record::Recordings::new(options, manifest);
     let results = run_all(place, means, |program, number, watch| {
-        let Ready { tables, scene } = &programs[program];
+        let program_of = &manifest.programs[program];
+        let (tables, scene) = (program_of.tables(), &program_of.scene);
+        let (settings, seed) = (&manifest.settings, manifest.seed);
         let mut told = |tick, phase| watch.tick(tick, phase);
         let record = match recordings.of(program, number) {
-            Some(place) => place.record(&programs[program], settings, &mut told),
-            None => run_once(tables, scene, settings, manifest.seed, number, &mut told),
+            Some(place) => place.record(program_of, &mut told),
+            None => run_once(tables, scene, settings, seed, number, &mut told),
         };
         // The scene has been tried out, so only a cancelled run leaves no record.
         record.map_err(|_| Cancelled)

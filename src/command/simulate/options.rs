@@ -8,6 +8,7 @@ use super::super::levels::LevelOptions;
 use super::super::results::Form;
 use super::super::trade::time;
 use super::accuracy::accuracy;
+use crate::ensemble::MOST_RUNS;
 use crate::recording::{EVERY, Selection};
 use crate::sweep::Axis;
 
@@ -21,7 +22,7 @@ pub struct Options {
     #[arg(long, value_name = "FILE", conflicts_with_all = ["files", "runs", "seed", "model", "substeps", "solver_iterations", "precision", "reduce", "max_ticks"])]
     pub manifest: Option<PathBuf>,
     /// Number of runs of each program
-    #[arg(long, default_value_t = 50, value_parser = clap::value_parser!(u64).range(1..=10_000_000))]
+    #[arg(long, default_value_t = 50, value_parser = clap::value_parser!(u64).range(1..=MOST_RUNS))]
     pub runs: u64,
     /// Vary a number of the scene: `free=50..600/6`, `bond.pull=2..12 N/5 log` or `tick=10,20 ms`;
     /// with several, every combination is simulated

@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 use stochc_ir::record::RunRecord;
-use stochc_runtime::{RunError, Settings, Watch, observe};
+use stochc_runtime::{RunError, Watch, observe};
 
 use super::super::terminal::warn;
-use super::{Options, Ready};
+use super::Options;
 use crate::cli::Exit;
-use crate::ensemble::{Finished, Manifest};
+use crate::ensemble::{Finished, Manifest, Program};
 use crate::files::atomic::draft;
 use crate::recording::{Header, Recorder, Selection, path};
 
@@ -83,14 +83,9 @@ impl Place<'_> {
     /// Makes the run and records it.
     ///
     /// A recording that cannot be written costs the recording, not the run.
-    pub fn record(
-        &self,
-        program: &Ready,
-        settings: &Settings,
-        watch: &mut impl Watch,
-    ) -> Result<RunRecord, RunError> {
-        let Ready { tables, scene } = program;
-        let seed = self.all.manifest.seed;
+    pub fn record(&self, program: &Program, watch: &mut impl Watch) -> Result<RunRecord, RunError> {
+        let (tables, scene) = (program.tables(), &program.scene);
+        let (settings, seed) = (&self.all.manifest.settings, self.all.manifest.seed);
         let (header, path) = (
             self.header(program),
             path(self.folder, self.program, self.run),
@@ -111,7 +106,7 @@ impl Place<'_> {
         }
     }
 
-    fn header(&self, program: &Ready) -> Header {
+    fn header(&self, program: &Program) -> Header {
         Header {
             stochc: self.all.manifest.stochc.clone(),
             ensemble: self.all.identity.clone(),
@@ -137,12 +132,12 @@ pub(in crate::command) struct Draft {
 
 impl Draft {
     /// Begins the recording that will be at `path`, and makes the folder for it.
-    pub fn new(path: &Path, header: &Header, program: &Ready) -> io::Result<Draft> {
+    pub fn new(path: &Path, header: &Header, program: &Program) -> io::Result<Draft> {
         let folder = path.parent().unwrap_or(Path::new("."));
         std::fs::create_dir_all(folder)?;
         let file = BufWriter::new(draft(path)?);
         Ok(Draft {
-            recorder: Recorder::new(file, header, &program.tables)?,
+            recorder: Recorder::new(file, header, program.tables())?,
             path: path.to_owned(),
         })
     }

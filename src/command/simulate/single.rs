@@ -5,33 +5,27 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use stochc_ir::record::{BondRecord, Limit, Origin, Outcome, ReleaseRecord, RunRecord, WaitRecord};
 use stochc_ir::table::PhaseId;
-use stochc_runtime::{Settings, run as run_once};
+use stochc_runtime::run as run_once;
 
 use super::super::results::Form;
 use super::super::terminal::print;
-use super::{Options, Ready, usage};
+use super::{Options, usage};
 use crate::cli::Exit;
 use crate::ensemble::{Manifest, Program, named};
 use crate::figures::{Tick, seconds};
 
 /// Does one run of each program.
-pub fn run(
-    options: &Options,
-    manifest: &Manifest,
-    programs: &[Ready],
-    settings: &Settings,
-    number: u64,
-    stop: &AtomicBool,
-) -> Exit {
+pub fn run(options: &Options, manifest: &Manifest, number: u64, stop: &AtomicBool) -> Exit {
     let mut watch = |_, _| match stop.load(Ordering::Relaxed) {
         true => ControlFlow::Break(()),
         false => ControlFlow::Continue(()),
     };
     let mut exit = Exit::Success;
     let mut records = Vec::new();
-    for (ready, program) in programs.iter().zip(&manifest.programs) {
-        let Ready { tables, scene } = ready;
-        let record = run_once(tables, scene, settings, manifest.seed, number, &mut watch);
+    for program in &manifest.programs {
+        let (tables, scene) = (program.tables(), &program.scene);
+        let (settings, seed) = (&manifest.settings, manifest.seed);
+        let record = run_once(tables, scene, settings, seed, number, &mut watch);
         let Ok(record) = record else {
             return Exit::Interrupted;
         };
@@ -59,7 +53,7 @@ fn story(record: &RunRecord, program: &Program) -> String {
     // Writing to a string cannot fail.
     let _ = writeln!(out, "{}, run {}", program.name, record.run);
     let mut begun: u64 = 0;
-    for (number, name) in (0..).zip(&program.phases) {
+    for (number, name) in (0..).zip(program.phases().iter().map(|phase| &phase.name)) {
         let phase = PhaseId(number);
         let ended = record.phase_ticks.get(number as usize);
         let lines = teller.lines(phase);

@@ -1,27 +1,32 @@
 //! Programs at many points of a sweep, and the files that tell of it.
+use std::collections::HashMap;
 use std::path::Path;
+use std::sync::Arc;
+
+use stochc_ir::Executable;
+use stochc_ir::scene::scalars::Change;
 
 use super::super::check::verdict;
 use super::super::terminal::{has_colour, message_width, warn};
-use super::{Options, Ready, usage};
+use super::{Options, usage};
 use crate::cli::Exit;
-use crate::ensemble::{Finished, Manifest, Program};
+use crate::ensemble::{Compiled, Finished, MOST_RUNS, Manifest, Program};
 use crate::files::atomic;
 use crate::findings::drawn;
 use crate::sweep::{MOST_POINTS, Sweep, pictures, points as combine};
 
-/// Runs of an ensemble at most.
-const MOST_RUNS: u64 = 10_000_000;
-
 /// Each program at each point, compiled with the values of the point.
 ///
 /// What a program is refused for at a point is told with the point; then nothing is run.
-pub(super) fn points(
-    options: &Options,
-    programs: &[Program],
-) -> Result<(Vec<Program>, Vec<Ready>), Exit> {
+pub(super) fn points(options: &Options, programs: &[Program]) -> Result<Vec<Program>, Exit> {
     let mut at_points = Vec::new();
     for program in programs {
+        if program.sources.is_empty() {
+            return Err(usage(&format!(
+                "--sweep: `{}` is compiled already; name the file of its text instead",
+                program.name
+            )));
+        }
         let points = combine(&options.sweep, &program.scene)
             .map_err(|reason| usage(&format!("--sweep: {reason}")))?;
         for varied in points {
@@ -45,18 +50,15 @@ pub(super) fn points(
             options.runs
         )));
     }
-    let (mut ready, mut wrong) = (Vec::new(), Vec::new());
+    let mut wrong = Vec::new();
     for entry in &mut at_points {
-        match compile(entry, options, wrong.is_empty()) {
-            Ok(program) => {
-                entry.scene = program.scene.clone();
-                ready.push(program);
-            }
-            Err(exit) => wrong.push((entry.name.clone(), exit)),
+        if let Err(exit) = compile(entry, options, wrong.is_empty()) {
+            wrong.push((entry.name.clone(), exit));
         }
     }
+    share_tables(&mut at_points);
     match &wrong[..] {
-        [] => Ok((at_points, ready)),
+        [] => Ok(at_points),
         [(_, exit)] => Err(*exit),
         [(_, exit), more @ ..] => {
             let names: Vec<&str> = more.iter().map(|(name, _)| name.as_str()).collect();
@@ -72,8 +74,17 @@ pub(super) fn points(
 /// Compiles a program at its point; `is_told`: says why not.
 ///
 /// Warnings have been told when the program was read as it is.
-fn compile(entry: &Program, options: &Options, is_told: bool) -> Result<Ready, Exit> {
-    let (_, checked) = entry.recompile(&options.levels.levels);
+fn compile(entry: &mut Program, options: &Options, is_told: bool) -> Result<(), Exit> {
+    let texts = entry.sources.iter();
+    let texts: Vec<_> = texts
+        .map(|it| (it.path.as_str(), it.text.as_str()))
+        .collect();
+    let changes = entry.varied.iter().map(|varied| Change {
+        of: varied.of.clone(),
+        value: varied.value,
+    });
+    let (levels, changes) = (&options.levels.levels, changes.collect::<Vec<_>>());
+    let checked = crate::check_texts(&texts, levels, entry.assembly(), &changes);
     if checked.has_errors() {
         if is_told {
             warn(&format!("error: `{}` cannot be run:\n", entry.name));
@@ -83,12 +94,33 @@ fn compile(entry: &Program, options: &Options, is_told: bool) -> Result<Ready, E
         return Err(verdict(&checked));
     }
     let programs = checked.programs.into_iter();
-    let mut ready = programs.filter_map(|program| {
-        let (tables, scene) = (program.tables?, program.scene?);
-        Some(Ready { tables, scene })
-    });
-    let found = ready.find(|ready| ready.tables.assembly == entry.assembly);
-    found.ok_or_else(|| usage(&format!("`{}` does not compile", entry.name)))
+    let mut compiled = programs.filter_map(stochc_compiler::Program::into_executable);
+    let found = compiled.find(|executable| executable.tables.assembly == entry.assembly());
+    let Some(Executable {
+        tables,
+        scene,
+        graph,
+    }) = found
+    else {
+        return Err(usage(&format!("`{}` does not compile", entry.name)));
+    };
+    entry.scene = scene;
+    entry.compiled = Arc::new(Compiled::new(tables, graph));
+    Ok(())
+}
+
+/// Keeps what is the same at many points once.
+fn share_tables(programs: &mut [Program]) {
+    let mut known: HashMap<String, Arc<Compiled>> = HashMap::new();
+    for program in programs {
+        let digest = program.compiled.digest().to_owned();
+        let first = known
+            .entry(digest)
+            .or_insert_with(|| program.compiled.clone());
+        if first.graph == program.compiled.graph {
+            program.compiled = first.clone();
+        }
+    }
 }
 
 /// Writes `sweep.json`, `sweep.csv` and the figures into a results folder, if its ensemble is a sweep.

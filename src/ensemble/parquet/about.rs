@@ -1,6 +1,5 @@
 //! What a Parquet file says of its ensemble, as pairs of keys and values.
 use serde_json::json;
-use stochc_ir::table::PhaseId;
 
 use crate::ensemble::{Manifest, Program};
 
@@ -10,14 +9,14 @@ pub(super) fn about(manifest: &Manifest) -> Vec<(&'static str, String)> {
     let mut about = vec![
         ("stochc.version", manifest.stochc.clone()),
         ("stochc.ensemble", manifest.identity()),
-        ("stochc.model", manifest.model.clone()),
-        ("stochc.substeps", manifest.substeps.to_string()),
+        ("stochc.model", manifest.settings.model.name().to_owned()),
+        ("stochc.substeps", manifest.settings.substeps.to_string()),
         ("stochc.settings", json!(manifest.settings).to_string()),
         ("stochc.seed", manifest.seed.to_string()),
         ("stochc.runs", manifest.runs.to_string()),
         ("stochc.programs", json!(programs).to_string()),
     ];
-    if let Some(limit) = manifest.max_ticks {
+    if let Some(limit) = manifest.settings.max_ticks {
         about.push(("stochc.max_ticks", limit.to_string()));
     }
     // What is not the same in all programs is said of each of them alone.
@@ -35,19 +34,17 @@ pub(super) fn about(manifest: &Manifest) -> Vec<(&'static str, String)> {
 }
 
 fn program(program: &Program) -> serde_json::Value {
-    let phases = (0..).zip(&program.phases).map(|(number, name)| {
-        let by_hand = program.is_planted(PhaseId(number));
-        json!({ "name": name, "by_hand": by_hand })
-    });
+    let phases = (program.phases().iter())
+        .map(|phase| json!({ "name": phase.name, "by_hand": phase.planted }));
     let phases: Vec<_> = phases.collect();
     json!({
         "name": program.name,
-        "assembly": program.assembly,
+        "assembly": program.assembly(),
         "scene": program.scene.name,
         "tick_s": program.scene.tick,
         "side_m": program.scene.block.side,
         "varied": program.varied,
         "phases": phases,
-        "roles": program.roles,
+        "roles": program.roles().iter().map(|role| &role.name).collect::<Vec<_>>(),
     })
 }

@@ -48,7 +48,7 @@ pub(super) enum Values<'a, R> {
     /// Lists of 64 bit integers, which may be empty and are never null.
     Integers(Get<'a, R, &'a [u64]>),
     /// Lists of texts, which may be empty and are never null.
-    Texts(Get<'a, R, &'a [String]>),
+    Texts(Get<'a, R, Vec<&'a str>>),
 }
 
 /// A constructor of [`Values`] from a function that gives a value, or `None` for null.
@@ -69,7 +69,7 @@ of! {
     real: f64 => Real;
     text: &'a str => Text;
     integers: &'a [u64] => Integers;
-    texts: &'a [String] => Texts;
+    texts: Vec<&'a str> => Texts;
 }
 
 /// As the others; counts and ticks, which are far below 2^63.
@@ -241,8 +241,8 @@ impl<'a, R> Column<'a, R> {
                     .collect()
             }),
             Values::Texts(get) => put_lists::<_, ByteArrayType>(to, |row| {
-                let list = get(row).unwrap_or_default().iter();
-                list.map(|text| text.as_str().into()).collect()
+                let list = get(row).unwrap_or_default().into_iter();
+                list.map(ByteArray::from).collect()
             }),
         }
     }

@@ -17,7 +17,7 @@ pub(super) struct Reached {
 pub(super) fn reached(run: Run) -> Vec<Reached> {
     let mut began = 0u64;
     let mut phases = Vec::new();
-    let all = 0..run.program.phases.len() as u32;
+    let all = 0..run.program.phases().len() as u32;
     for (number, ticks) in all.clone().zip(&run.record.phase_ticks) {
         // A journal may have been edited.
         let end = began.saturating_add(*ticks);

@@ -22,7 +22,7 @@ pub(super) fn table<'a>(axes: &[Varied]) -> Table<'a, Row<'a, ()>> {
             "assembly",
             "",
             "name of the assembly or aggregate",
-            text(|row: &R<'a>| row.run.program.assembly.as_str()),
+            text(|row: &R<'a>| row.run.program.assembly()),
         ),
         Column::new(
             "scene",
@@ -87,7 +87,10 @@ pub(super) fn table<'a>(axes: &[Varied]) -> Table<'a, Row<'a, ()>> {
             "phase_names",
             "",
             "names of all phases, by their index",
-            texts(|row: &R<'a>| row.run.program.phases.as_slice()),
+            texts(|row: &R<'a>| {
+                let phases = row.run.program.phases().iter();
+                phases.map(|phase| phase.name.as_str()).collect::<Vec<_>>()
+            }),
         ),
         Column::new(
             "phase_ticks",

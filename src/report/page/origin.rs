@@ -1,5 +1,6 @@
 //! What was run, how to run it again, and how to read the page.
 use stochc_ir::scene::describe;
+use stochc_runtime::{Precision, Settings};
 
 use super::Parts;
 use super::common::{inside, lines, link};
@@ -15,16 +16,16 @@ pub(super) fn origin(parts: &Parts, out: &mut Html) {
         let manifest = &input.manifest;
         out.raw(&format!("<h3>{}</h3>\n", name(&input.path)));
         let limit = manifest
+            .settings
             .max_ticks
             .map_or("none".to_owned(), |n| number(n as f64));
-        let settings = manifest.settings.iter();
-        let settings: Vec<_> = settings
-            .map(|(key, value)| format!("{key} = {value}"))
+        let settings: Vec<_> = (further(&manifest.settings).into_iter())
+            .map(|(option, value)| format!("{option} = {value}"))
             .collect();
         let rows: Vec<Vec<Cell>> = [
             ("made by", format!("stochc {}", manifest.stochc)),
-            ("model", manifest.model.clone()),
-            ("substeps", manifest.substeps.to_string()),
+            ("model", manifest.settings.model.name().to_owned()),
+            ("substeps", manifest.settings.substeps.to_string()),
             ("settings", settings.join(", ")),
             ("seed", manifest.seed.to_string()),
             ("runs of each program", number(manifest.runs as f64)),
@@ -49,7 +50,7 @@ pub(super) fn origin(parts: &Parts, out: &mut Html) {
             let before = &manifest.programs[..*number];
             program.varied.is_empty()
                 || !(before.iter())
-                    .any(|it| it.assembly == program.assembly && it.sources == program.sources)
+                    .any(|it| it.assembly() == program.assembly() && it.sources == program.sources)
         };
         for (_, program) in programs.filter(first) {
             let scene = &program.scene;
@@ -75,6 +76,18 @@ pub(super) fn origin(parts: &Parts, out: &mut Html) {
     }
 }
 
+/// Settings besides model and substeps, as options of `simulate`: the iterations, and what is not as usual.
+fn further(settings: &Settings) -> Vec<(&'static str, String)> {
+    let mut further = vec![("solver-iterations", settings.iterations().to_string())];
+    if settings.precision != Precision::default() {
+        further.push(("precision", settings.precision.name().to_owned()));
+    }
+    if let Some(reduction) = settings.reduction {
+        further.push(("reduce", reduction.name().to_owned()));
+    }
+    further
+}
+
 /// The command line that made an ensemble, as far as its manifest knows it.
 pub(super) fn simulate(manifest: &crate::ensemble::Manifest) -> String {
     let mut words = vec!["stochc simulate".to_owned()];
@@ -92,19 +105,15 @@ pub(super) fn simulate(manifest: &crate::ensemble::Manifest) -> String {
     let mut option = |name: &str, value: &str| {
         words.push(format!("--{name} {}", shell::quoted(value)));
     };
-    option("model", &manifest.model);
-    option("substeps", &manifest.substeps.to_string());
-    for (name, value) in &manifest.settings {
-        // What a manifest calls by another name than the command line.
-        let name = match name.as_str() {
-            "reduction" => "reduce".to_owned(),
-            name => name.replace('_', "-"),
-        };
-        option(&name, value);
+    let settings = &manifest.settings;
+    option("model", settings.model.name());
+    option("substeps", &settings.substeps.to_string());
+    for (name, value) in further(settings) {
+        option(name, &value);
     }
     option("runs", &manifest.runs.to_string());
     option("seed", &manifest.seed.to_string());
-    if let Some(limit) = manifest.max_ticks {
+    if let Some(limit) = settings.max_ticks {
         option("max-ticks", &limit.to_string());
     }
     for (number, axis) in manifest.axes().iter().enumerate() {

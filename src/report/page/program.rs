@@ -18,12 +18,6 @@ pub(super) fn program(parts: &Parts, index: usize, out: &mut Html, drawings: &mu
         out.paragraph("No run of it is finished.");
         return;
     }
-    if subject.events.tables.is_none() {
-        out.raw(
-            "<p class=\"warn\">This version of stochc does not compile the program as it was run. \
-             What waits for what is therefore unknown, and so is what decided its times.</p>\n",
-        );
-    }
     phases(parts, n, subject, out, drawings);
     out.heading(
         3,
@@ -64,13 +58,13 @@ pub(super) fn phases(
     out: &mut Html,
     drawings: &mut Vec<Drawing>,
 ) {
-    let phases = &subject.program.phases;
+    let phases = subject.program.phases();
     let times = |phase: usize| subject.phase_times(phase);
     out.heading(3, &format!("phases-of-{n}"), "Phase by phase");
     let curves: Vec<Curve> = (phases.iter().enumerate())
-        .map(|(phase, name)| Curve {
-            name: name.clone(),
-            times: times(phase),
+        .map(|(number, phase)| Curve {
+            name: phase.name.clone(),
+            times: times(number),
         })
         .collect();
     if phases.len() > 1 {
@@ -81,11 +75,11 @@ pub(super) fn phases(
         show(parts, out, drawings, figure, caption, &["survival.csv"]);
     }
     let total: f64 = subject.runs.iter().map(|run| run.record.ticks as f64).sum();
-    let rows = phases.iter().enumerate().map(|(phase, phase_name)| {
-        let observed = times(phase);
+    let rows = phases.iter().enumerate().map(|(number, phase)| {
+        let observed = times(number);
         let spent: f64 = observed.iter().map(|time| time.time).sum();
         let time = Time::of(&observed);
-        let mut row = vec![Cell::Marked(code(phase_name))];
+        let mut row = vec![Cell::Marked(code(&phase.name))];
         let count = |completed: bool| {
             let count = observed
                 .iter()

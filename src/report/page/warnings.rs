@@ -23,16 +23,16 @@ pub(super) fn warnings(input: &Input) -> Vec<String> {
             ))
         ));
     }
-    if manifest.model == Model::Shuffle.name() {
+    if manifest.settings.model == Model::Shuffle {
         found.push(format!(
             "{path} was made with the model <code>shuffle</code>, which has no physics: its times \
              mean nothing."
         ));
     }
-    if let Some(reduction) = manifest.settings.get("reduction") {
+    if let Some(reduction) = manifest.settings.reduction {
         found.push(format!(
             "{path} was made with the reduced model {}: it leaves out something that the scene has.",
-            code(reduction)
+            code(reduction.name())
         ));
     }
     let version = env!("CARGO_PKG_VERSION");

@@ -89,7 +89,9 @@ pub(in crate::report) fn entries(
         out.disc(class, (x.at(*entries), y.at(*docking)), 5.0, &told);
     }
     for (i, &phase) in phases.iter().enumerate() {
-        let name = subject.program.phases.get(phase).map_or("?", |name| name);
+        let name = subject
+            .program
+            .phase(stochc_ir::table::PhaseId(phase as u32));
         let (column, row) = (i % KEYS, i / KEYS);
         let at = (
             LEFT + 7.0 + 230.0 * column as f64,

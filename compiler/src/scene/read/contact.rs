@@ -59,13 +59,13 @@ impl Reader<'_, '_> {
             | (Some((rigid, _)), None, Some((compliant, _))) => {
                 let finding = Finding::new(
                     Code::ConflictingTerms,
-                    "a contact that is rigid and gives way",
+                    "a contact that is both rigid and compliant",
                 )
-                .label(self.site(compliant), "a contact that gives way")
+                .label(self.site(compliant), "a compliant contact")
                 .label(self.site(rigid), "a rigid one")
                 .help(
-                    "remove `restitution`, or `stiffness` and `damping`; how much a contact that \
-                     gives way throws back follows from its `damping`",
+                    "remove `restitution`, or `stiffness` and `damping`; how much a compliant contact \
+                     throws back follows from its `damping`",
                 );
                 tell(self.findings, finding);
                 None
@@ -90,7 +90,7 @@ impl Reader<'_, '_> {
                 let finding = self.without(clause, "restitution");
                 tell(
                     self.findings,
-                    finding.help("add it, or `stiffness` for a contact that gives way"),
+                    finding.help("add it, or `stiffness` for a compliant contact"),
                 );
                 None
             }
@@ -207,7 +207,7 @@ mod tests {
         );
         assert_eq!(
             told("contact { stiffness 25 N/m  stiffness 5 N/m  friction 0.2 }"),
-            [(Code::DuplicateTerm, "`stiffness` is said twice".to_owned())]
+            [(Code::DuplicateTerm, "`stiffness` is given twice".to_owned())]
         );
     }
 }

@@ -35,7 +35,7 @@ pub struct Group {
 /// The largest value of a group at which what it stands for is resolved.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Limit {
-    /// The value, about.
+    /// The value with one step a tick, about.
     pub most: f64,
     /// The fewest substeps a tick with which the group keeps to it; `None`: no number of them does.
     pub substeps: Option<u32>,
@@ -100,7 +100,10 @@ pub fn groups(scene: &Scene) -> Vec<Group> {
     if let Some(v) = v {
         out.push(
             Group::new("v τ / a", "sides that a block moves in a tick", v).limited(
-                0.1,
+                |steps| match scene.agitation {
+                    Some(Agitation::Brownian { .. }) => 0.2 - 0.1 * push.left(steps),
+                    _ => 0.1,
+                },
                 |steps| units.speed(speed::in_steps(scene, steps).unwrap_or(0.0)) / steps,
                 "blocks overlap deeply before a contact parts them, and slip through narrow gaps",
             ),
@@ -175,12 +178,16 @@ impl Push {
     /// How far a force of one block's weight, side and tick moves a block at rest in one of so many steps of a
     /// tick \[side\]: by φ / steps², as the worlds compute it, with the mean φ that the drag leaves of it.
     fn displacement(self, steps: f64) -> f64 {
+        self.left(steps) / (steps * steps)
+    }
+
+    /// φ, the mean that the drag leaves of a force in one of so many steps of a tick: 1 without drag.
+    fn left(self, steps: f64) -> f64 {
         let lost = self.drag / steps;
-        let left = match lost < 1e-8 {
+        match lost < 1e-8 {
             true => 1.0,
             false => -f64::exp_m1(-lost) / lost,
-        };
-        left / (steps * steps)
+        }
     }
 
     /// The symbol that says whether drag is in it.
@@ -197,7 +204,8 @@ impl Push {
             value * self.displacement(1.0),
         )
         .limited(
-            1.0,
+            // Without drag it goes on faster in the next step; with much of it, the place is two distances wide.
+            |steps| 2.0 - self.left(steps),
             |steps| value * self.displacement(steps),
             "a pulled block jumps over the place where it would be anchored",
         )
@@ -212,7 +220,11 @@ impl Push {
         beyond: &'static str,
     ) -> Group {
         let value = |steps| stiffness * self.displacement(steps);
-        Group::new(self.symbol(symbols), meaning, value(1.0)).limited(SPRING, value, beyond)
+        Group::new(self.symbol(symbols), meaning, value(1.0)).limited(
+            |steps| 1.0 - (1.0 - SPRING) * self.left(steps),
+            value,
+            beyond,
+        )
     }
 }
 
@@ -247,7 +259,7 @@ fn fluid(scene: &Scene, v: Option<f64>, out: &mut Vec<Group>) {
 }
 
 /// A spring is resolved when its angle in a step, √(k/m) τ, is less than half a radian; or, where drag
-/// rules, when a step takes less than a quarter of its length.
+/// rules, when a step does not go beyond its end, so that the group is less than 1.
 const SPRING: f64 = 0.25;
 
 fn contact(scene: &Scene, push: Push, out: &mut Vec<Group>) {
@@ -270,7 +282,7 @@ fn contact(scene: &Scene, push: Push, out: &mut Vec<Group>) {
         let symbols = ["c τ / m, contact", "φ c τ / m, contact"];
         out.push(
             Group::new(push.symbol(symbols), "damping of a contact", value(1.0)).limited(
-                0.5,
+                |_| 0.5,
                 value,
                 "damping turns a motion round instead of braking it",
             ),
@@ -323,7 +335,7 @@ fn settling(scene: &Scene, out: &mut Vec<Group>) {
         let meaning = "speed of sinking against the vertical speed of the eddies";
         out.push(Group::new("w / α σ", meaning, speeds));
     }
-    let meaning = "height over which sinking thins the blocks to 1/e, in sides";
+    let meaning = "height over which sinking thins the blocks that are lifted to 1/e, in sides";
     out.push(Group::new("h / a", meaning, units.length(settling.height)));
     if let Some(Enclosure::Hemisphere { radius, .. } | Enclosure::Sphere { radius, .. }) =
         &scene.enclosure
@@ -331,6 +343,12 @@ fn settling(scene: &Scene, out: &mut Vec<Group>) {
         let meaning = "the same over the enclosure's radius";
         out.push(Group::new("h / R", meaning, settling.height / radius));
     }
+    let meaning = "mean height of all blocks above where they settle, in sides";
+    out.push(Group::new(
+        "⟨z⟩ / a",
+        meaning,
+        units.length(settling.mean()),
+    ));
     out.push(
         Group::new(
             "n(a) / n",
@@ -359,11 +377,16 @@ impl Group {
         }
     }
 
-    /// `at` is its value with so many steps a tick.
-    fn limited(mut self, most: f64, at: impl Fn(f64) -> f64, beyond: &'static str) -> Group {
+    /// `at` is its value with so many steps a tick, and `most` what it may be then.
+    fn limited(
+        mut self,
+        most: impl Fn(f64) -> f64,
+        at: impl Fn(f64) -> f64,
+        beyond: &'static str,
+    ) -> Group {
         self.limit = Some(Limit {
-            most,
-            substeps: fewest(|steps| at(f64::from(steps)) <= most),
+            most: most(1.0),
+            substeps: fewest(|steps| at(steps.into()) <= most(steps.into())),
             beyond,
         });
         self
@@ -392,7 +415,7 @@ mod tests {
             (f64::INFINITY, 1.0, 2, None),
         ] {
             let at = |steps: f64| value / steps.powi(power);
-            let group = Group::new("", "", value).limited(most, at, "");
+            let group = Group::new("", "", value).limited(|_| most, at, "");
             assert_eq!(group.substeps(), substeps, "{value}");
             assert_eq!(group.is_exceeded(1), substeps != Some(1), "{value}");
             if let Some(substeps) = substeps {

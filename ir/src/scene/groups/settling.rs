@@ -46,6 +46,11 @@ impl Settling {
         }
     }
 
+    /// The mean height above where blocks come to rest, where no roof keeps them lower \[m\].
+    pub fn mean(&self) -> f64 {
+        self.lifted * self.height
+    }
+
     /// The part of the blocks that is more than so high above where they come to rest \[m\].
     pub fn above(&self, height: f64) -> f64 {
         match self.height > 0.0 {

@@ -448,7 +448,7 @@ impl Scalar {
     }
 
     /// Whether a value in SI units is one that it may have.
-    fn check(&self, value: f64) -> Result<(), ScalarError> {
+    pub(super) fn check(&self, value: f64) -> Result<(), ScalarError> {
         let (is_within, rule) = match self.rule {
             Positive => (
                 (f64::MIN_POSITIVE..=f64::MAX).contains(&value),

@@ -1,13 +1,9 @@
-//! Event tables and the graph as JSON.
+//! Event tables as JSON.
 use serde_json::{Value, json};
-use stochc_grammar::{Json, Symbols};
-use stochc_ir::scene::BondKind;
-use stochc_ir::table::{Action, Condition, Duty, News, RoleId, Tables, Trigger};
 
-use super::graph_text::waits;
-use crate::graph::{Dependency, DependencyGraph};
-use crate::order::Order;
-use crate::plan::{Deed, EventId, Plan};
+use crate::Json;
+use crate::scene::BondKind;
+use crate::table::{Action, Condition, Duty, News, RoleId, Tables, Trigger};
 
 /// Event tables with every name written out.
 ///
@@ -123,75 +119,4 @@ fn news(tables: &Tables, news: News) -> Value {
         News::Anchored(role) => json!({ "anchored": tables.name(role) }),
         News::Released(role) => json!({ "released": tables.name(role) }),
     }
-}
-
-/// The graph: `{ assembly, phases: [{ name, events: [{ id, event, kind, block, parent, face,
-/// after: [{ event, why }] }], longest_chain: [id] }] }`. Of the edges with `enough: n`, n are enough. A phase of blocks that are attached by hand has
-/// `planted: true` as well, here and in the tables, and no chain.
-pub fn graph_json<'a>(
-    plan: &'a Plan,
-    graph: &'a DependencyGraph,
-    order: &'a Order,
-    symbols: &'a Symbols,
-) -> Json<'a> {
-    let phases = move || {
-        let phases = plan.phases.iter().zip(&order.chains);
-        phases.map(move |(phase, chain)| {
-            let events = move || {
-                plan.events_of(phase)
-                    .map(move |id| event(plan, graph, symbols, id))
-            };
-            let mut fields = vec![
-                ("name", phase.name.as_str().into()),
-                ("events", Json::list(events)),
-                ("longest_chain", Json::each(chain, |id| id.0.into())),
-            ];
-            if phase.planted {
-                fields.push(("planted", true.into()));
-            }
-            Json::object(fields)
-        })
-    };
-    Json::object([
-        ("assembly", plan.name.as_str().into()),
-        ("phases", Json::list(phases)),
-    ])
-}
-
-fn event<'a>(
-    plan: &'a Plan,
-    graph: &'a DependencyGraph,
-    symbols: &'a Symbols,
-    id: EventId,
-) -> Json<'a> {
-    let event = plan.event(id);
-    let (kind, parent, face) = match event.deed {
-        Deed::Capture { parent, face } => (
-            "capture",
-            Some(plan.roles.name(parent, symbols)),
-            Some(face),
-        ),
-        Deed::Release => ("release", None, None),
-    };
-    let after = move || {
-        let waits = waits(graph, id).into_iter();
-        waits.map(|(why, first)| {
-            let mut edge = json!({ "event": first.0, "why": why.word() });
-            if let Dependency::Face { needed, .. } = why
-                && why.is_choice()
-            {
-                edge["enough"] = json!(needed);
-            }
-            edge.into()
-        })
-    };
-    Json::object([
-        ("id", id.0.into()),
-        ("event", plan.describe(id, symbols).into()),
-        ("kind", kind.into()),
-        ("block", plan.roles.name(event.role, symbols).into()),
-        ("parent", parent.into()),
-        ("face", json!(face).into()),
-        ("after", Json::list(after)),
-    ])
 }

@@ -1,72 +1,67 @@
 //! What has to be known to rerun an ensemble exactly.
+mod stored;
+
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
-use stochc_compiler::{Checked, Levels, Limits, check_changed};
+use stochc_ir::graph::EventGraph;
 use stochc_ir::scene::Scene;
-use stochc_ir::scene::scalars::Change;
-use stochc_ir::table::{Action, PLANTED, PhaseId, RoleId, Tables};
+use stochc_ir::table::{Phase, PhaseId, Role, RoleId, Tables};
+use stochc_ir::{Executable, sha256};
+use stochc_runtime::Settings;
 
 use super::build::this_build;
 
 /// Version of the layout of a results folder; another one is not read.
 ///
-/// In 1 a run left nothing of the waits under way when it ended, of its releases and of its unplanned bonds.
-pub const FORMAT: u32 = 2;
-
-/// The oldest layout whose manifest says all that is needed to make the runs again.
-const OLDEST: u32 = 1;
+/// In 1 a run left nothing of the waits under way when it ended, of its releases and of its unplanned bonds; in 2 a
+/// manifest held texts alone, which had to be compiled again.
+pub const FORMAT: u32 = 3;
 
 /// Everything that an ensemble depends on; `manifest.json` in its folder.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Manifest {
-    /// Of the folder: [`FORMAT`], or an older one.
-    pub format: u32,
     /// Version of the `stochc` that simulates.
     pub stochc: String,
-    /// The physical model, such as `rapier`.
-    pub model: String,
-    /// Substeps of the engine within one tick.
-    pub substeps: u32,
+    /// How runs are computed.
+    pub settings: Settings,
     /// The seed of every draw; the number of the run and of the program's scene do the rest.
     pub seed: u64,
     /// Runs of each program; may grow, so that it is no part of the identity.
     pub runs: u64,
-    /// Ticks after which a run is stopped and its time censored; `None`: never.
-    pub max_ticks: Option<u64>,
-    /// Further settings that results depend on, by name.
-    pub settings: BTreeMap<String, String>,
     /// The builds that made its runs ([`super::this_build`]), the first one first; empty: it is older than
     /// such notes. No part of the identity.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub builds: Vec<String>,
     /// The programs, in the order of the command line.
     pub programs: Vec<Program>,
 }
 
 /// One program of an ensemble.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Program {
     /// What tables call it; unique within its manifest.
     pub name: String,
-    /// The name of its assembly.
-    pub assembly: String,
-    /// Captures in the program, or blocks of an aggregate: the paper's "total units involved".
-    pub captures: u64,
+    /// What its blocks know; the points of a sweep may share it.
+    pub compiled: Arc<Compiled>,
     /// The world it runs in.
     pub scene: Scene,
     /// The numbers of this world that are not those of the sources, in the order of the sweep that
     /// chose them; empty: all are.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub varied: Vec<Varied>,
-    /// The names of its phases, by [`PhaseId`].
-    pub phases: Vec<String>,
-    /// The names of its roles, by [`RoleId`].
-    pub roles: Vec<String>,
-    /// Its file, followed by every file that it imports.
+    /// Its file, followed by every file that it imports; empty: it was compiled elsewhere.
     pub sources: Vec<Source>,
+}
+
+/// A program without its world.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Compiled {
+    /// What every block knows.
+    pub tables: Tables,
+    /// What waits for what.
+    pub graph: EventGraph,
+    /// SHA-256 of the tables, in hexadecimal.
+    digest: String,
 }
 
 /// A number of a scene that a sweep has chosen.
@@ -91,44 +86,41 @@ pub struct Source {
     pub text: String,
 }
 
+/// Runs of each program, at most.
+pub const MOST_RUNS: u64 = 10_000_000;
+
+/// Programs that are compared with each other, at most: each pair of them is.
+pub const MOST_PROGRAMS: usize = 1_000;
+
 /// The part of a manifest that decides what a run with a given number does.
 #[derive(Serialize)]
 struct Identity<'a> {
     format: u32,
     stochc: &'a str,
-    model: &'a str,
-    substeps: u32,
+    settings: Settings,
     seed: u64,
-    max_ticks: Option<u64>,
-    settings: &'a BTreeMap<String, String>,
     programs: Vec<ProgramIdentity<'a>>,
 }
 
 #[derive(Serialize)]
 struct ProgramIdentity<'a> {
     name: &'a str,
-    assembly: &'a str,
-    captures: u64,
+    tables: &'a str,
     scene: &'a Scene,
-    phases: &'a [String],
-    roles: &'a [String],
+    varied: &'a [Varied],
     texts: Vec<&'a str>,
 }
 
 impl Manifest {
-    /// A manifest of this version of `stochc`, with one substep and no limit, for others to fill in.
+    /// A manifest of this version and build of `stochc`.
     ///
     /// Programs of the same name are told apart by a number: `tower`, `tower (2)`.
-    pub fn new(model: &str, seed: u64, runs: u64, programs: Vec<Program>) -> Manifest {
+    pub fn new(settings: Settings, seed: u64, runs: u64, programs: Vec<Program>) -> Manifest {
         let mut manifest = Manifest {
-            format: FORMAT,
             stochc: env!("CARGO_PKG_VERSION").to_owned(),
-            model: model.to_owned(),
-            substeps: 1,
+            settings,
             seed,
             runs,
-            max_ticks: None,
-            settings: BTreeMap::new(),
             builds: vec![this_build()],
             programs,
         };
@@ -163,13 +155,10 @@ impl Manifest {
     /// Paths, the number of runs and the number of threads are no part of it.
     pub fn identity(&self) -> String {
         let identity = Identity {
-            format: self.format,
+            format: FORMAT,
             stochc: &self.stochc,
-            model: &self.model,
-            substeps: self.substeps,
+            settings: self.settings.resolved(),
             seed: self.seed,
-            max_ticks: self.max_ticks,
-            settings: &self.settings,
             programs: self.programs.iter().map(Program::identity).collect(),
         };
         sha256(&identity)
@@ -183,25 +172,11 @@ impl Manifest {
                 found.push(format!("{what} is `{there}` there and `{here}` here"));
             }
         };
-        let limit = |ticks: Option<u64>| ticks.map_or("none".to_owned(), |n| n.to_string());
         let number = |n: u64| n.to_string();
         compare("the version", &self.stochc, &other.stochc);
-        compare("the model", &self.model, &other.model);
         compare("the seed", &number(self.seed), &number(other.seed));
-        compare(
-            "the number of substeps",
-            &number(self.substeps.into()),
-            &number(other.substeps.into()),
-        );
-        compare(
-            "the limit of ticks",
-            &limit(self.max_ticks),
-            &limit(other.max_ticks),
-        );
-        let names: BTreeMap<_, _> = self.settings.iter().chain(&other.settings).collect();
-        for name in names.into_keys() {
-            let value = |of: &Manifest| of.settings.get(name).cloned().unwrap_or("unset".into());
-            compare(&format!("`{name}`"), &value(self), &value(other));
+        for (what, there, here) in self.settings.differences(&other.settings) {
+            compare(what, &there, &here);
         }
         let names = |of: &Manifest| {
             let names: Vec<_> = of.programs.iter().map(|p| p.name.as_str()).collect();
@@ -216,29 +191,28 @@ impl Manifest {
         found
     }
 
-    /// The text of `manifest.json`, which ends in a line break.
-    pub fn to_json(&self) -> String {
-        let mut json = serde_json::to_string_pretty(self).expect("a manifest is plain data");
-        json.push('\n');
-        json
-    }
-
-    /// Reads the text of a `manifest.json`, also of an older [`FORMAT`]: it still says all that is needed to
-    /// make the runs again, though not how to read what they left.
-    ///
     /// # Errors
-    /// In words, when it is no manifest or one of an unknown format.
-    pub fn from_json(json: &str) -> Result<Manifest, String> {
-        #[derive(Deserialize)]
-        struct Version {
-            format: u32,
+    /// In words, when nothing is to be run, or more than can be kept and compared.
+    pub fn within_limits(&self) -> Result<(), String> {
+        if self.programs.is_empty() || self.runs == 0 {
+            return Err("it has no programs, or no runs".to_owned());
         }
-        let Version { format } =
-            serde_json::from_str(json).map_err(|_| "it is not the manifest of an ensemble")?;
-        if !(OLDEST..=FORMAT).contains(&format) {
-            return Err(format!("its format is {format}, and this is {FORMAT}"));
+        if self.runs > MOST_RUNS {
+            let runs = self.runs;
+            return Err(format!(
+                "{runs} runs of each program; at most {MOST_RUNS} are possible"
+            ));
         }
-        serde_json::from_str(json).map_err(|error| format!("it is damaged, {error}"))
+        let mut together: BTreeMap<String, usize> = BTreeMap::new();
+        for program in &self.programs {
+            *together.entry(program.point()).or_default() += 1;
+        }
+        match together.into_values().max() {
+            Some(count) if count > MOST_PROGRAMS => Err(format!(
+                "{count} programs that are all compared with each other; at most {MOST_PROGRAMS} are possible"
+            )),
+            _ => Ok(()),
+        }
     }
 
     /// The numbers of the scene that a sweep varies, in its order; empty: it is no sweep.
@@ -275,68 +249,67 @@ impl Program {
         }
     }
 
-    /// Compiles the sources again, with the numbers that are varied, and tells the path of the first.
-    pub fn recompile(&self, levels: &Levels) -> (&str, Checked) {
-        let mut reader = |path: &str| {
-            let source = self.sources.iter().find(|source| source.path == path);
-            source
-                .map(|source| source.text.as_bytes().to_vec())
-                .ok_or("not in the manifest".to_owned())
-        };
-        let root = self.sources.first().map_or("", |source| &source.path);
-        let changes: Vec<Change> = (self.varied.iter())
-            .map(|varied| Change {
-                of: varied.of.clone(),
-                value: varied.value,
-            })
-            .collect();
-        let limits = Limits::default();
-        let mut checked =
-            check_changed(root, &mut reader, limits, levels, &self.assembly, &changes);
-        crate::orders::try_out(&mut checked);
-        (root, checked)
-    }
-
-    /// Whether a compiled program is the one that is described here.
-    pub fn describes(&self, tables: &Tables, scene: &Scene) -> bool {
-        tables.assembly == self.assembly
-            && *scene == self.scene
-            && (tables.phases.iter().map(|phase| &phase.name)).eq(&self.phases)
-            && (tables.roles.iter().map(|role| &role.name)).eq(&self.roles)
-    }
-
-    /// Describes a compiled program: its file first among `sources`, then all that it imports.
-    pub fn new(name: &str, sources: Vec<Source>, scene: Scene, tables: &Tables) -> Program {
-        let captures = tables
-            .duties()
-            .flat_map(|duty| duty.rules())
-            .filter(|rule| matches!(rule.then, Action::Magnetize { .. }))
-            .count();
+    /// A compiled program, whose texts are its file and then all that it imports.
+    pub fn new(name: &str, sources: Vec<Source>, executable: Executable) -> Program {
+        let Executable {
+            tables,
+            scene,
+            graph,
+        } = executable;
         Program {
             name: name.to_owned(),
-            assembly: tables.assembly.clone(),
-            captures: tables.aggregate.map_or(captures as u64, u64::from),
+            compiled: Arc::new(Compiled::new(tables, graph)),
             scene,
             varied: Vec::new(),
-            phases: tables.phases.iter().map(|p| p.name.clone()).collect(),
-            roles: tables.roles.iter().map(|r| r.name.clone()).collect(),
             sources,
         }
     }
 
+    /// What its blocks know.
+    pub fn tables(&self) -> &Tables {
+        &self.compiled.tables
+    }
+
+    /// The name of its assembly.
+    pub fn assembly(&self) -> &str {
+        &self.tables().assembly
+    }
+
+    /// Captures in the program, or blocks of an aggregate: the paper's "total units involved".
+    pub fn captures(&self) -> u64 {
+        let tables = self.tables();
+        tables.aggregate.map_or(tables.captures() as u64, u64::from)
+    }
+
+    /// Its phases, by [`PhaseId`].
+    pub fn phases(&self) -> &[Phase] {
+        &self.tables().phases
+    }
+
+    /// Its roles, by [`RoleId`].
+    pub fn roles(&self) -> &[Role] {
+        &self.tables().roles
+    }
+
     /// The name of a phase; `?` for one that the program does not have.
     pub fn phase(&self, phase: PhaseId) -> &str {
-        self.phases.get(phase.0 as usize).map_or("?", |name| name)
+        self.phases()
+            .get(phase.0 as usize)
+            .map_or("?", |phase| &phase.name)
     }
 
     /// Whether the blocks of a phase are attached by hand before the first tick.
     pub fn is_planted(&self, phase: PhaseId) -> bool {
-        self.phase(phase) == PLANTED
+        self.phases()
+            .get(phase.0 as usize)
+            .is_some_and(|phase| phase.planted)
     }
 
     /// The name of a role; `?` for one that the program does not have.
     pub fn role(&self, role: RoleId) -> &str {
-        self.roles.get(role.0 as usize).map_or("?", |name| name)
+        self.roles()
+            .get(role.0 as usize)
+            .map_or("?", |role| &role.name)
     }
 
     /// SHA-256, in hexadecimal, of its text, all that it imports, and its scene; paths, and what
@@ -351,11 +324,9 @@ impl Program {
     fn identity(&self) -> ProgramIdentity<'_> {
         ProgramIdentity {
             name: &self.name,
-            assembly: &self.assembly,
-            captures: self.captures,
+            tables: &self.compiled.digest,
             scene: &self.scene,
-            phases: &self.phases,
-            roles: &self.roles,
+            varied: &self.varied,
             texts: self.sources.iter().map(|s| s.text.as_str()).collect(),
         }
     }
@@ -364,13 +335,11 @@ impl Program {
         let (there, here) = (self.identity(), other.identity());
         let what = if there.texts != here.texts {
             "the text"
-        } else if there.scene != here.scene {
+        } else if there.scene != here.scene || there.varied != here.varied {
             "the scene"
-        } else if there.assembly != here.assembly {
+        } else if self.assembly() != other.assembly() {
             "the assembly"
-        } else if (there.captures, there.phases, there.roles)
-            != (here.captures, here.phases, here.roles)
-        {
+        } else if there.tables != here.tables {
             "what the compiler makes"
         } else {
             return None;
@@ -379,11 +348,19 @@ impl Program {
     }
 }
 
-pub(super) fn sha256(data: &impl Serialize) -> String {
-    let json = serde_json::to_vec(data).expect("a manifest is plain data");
-    let mut hexadecimal = String::with_capacity(64);
-    for byte in Sha256::digest(&json) {
-        write!(hexadecimal, "{byte:02x}").expect("a string takes everything");
+impl Compiled {
+    /// Tables and the graph that they come from.
+    pub fn new(tables: Tables, graph: EventGraph) -> Compiled {
+        let digest = sha256(&tables);
+        Compiled {
+            tables,
+            graph,
+            digest,
+        }
     }
-    hexadecimal
+
+    /// SHA-256 of the tables, in hexadecimal: programs are the same if it is.
+    pub fn digest(&self) -> &str {
+        &self.digest
+    }
 }

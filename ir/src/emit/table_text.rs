@@ -1,10 +1,9 @@
 //! Event tables as text: stable, sorted and made for comparing line by line.
 use std::fmt::{self, Display, Formatter, Write};
 
-use stochc_ir::scene::BondKind;
-use stochc_ir::table::{Action, Condition, Duty, News, PhaseId, RoleId, Rule, Tables, Trigger};
-
 use super::Text;
+use crate::scene::BondKind;
+use crate::table::{Action, Condition, Duty, News, PhaseId, RoleId, Rule, Tables, Trigger};
 
 /// The text form of event tables.
 pub fn table_text(tables: &Tables) -> impl Display {

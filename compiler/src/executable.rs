@@ -1,0 +1,71 @@
+//! What is left of a program when its text is forgotten.
+use stochc_ir::Executable;
+use stochc_ir::graph::{self, Edge, EventAction, EventGraph};
+
+use crate::Program;
+use crate::graph::Dependency;
+use crate::plan::Deed;
+
+impl Program {
+    /// The dependency graph without its text; it has no chains if there is a cycle.
+    ///
+    /// Roles have the numbers that they have in the tables.
+    pub fn event_graph(&self) -> EventGraph {
+        let (plan, order) = (&self.plan, self.order.as_ref());
+        let phases = (0..).zip(&plan.phases);
+        let events = phases.flat_map(|(number, phase)| {
+            plan.events_of(phase).map(move |id| {
+                let event = plan.event(id);
+                let action = match event.deed {
+                    Deed::Capture { parent, face } => EventAction::Capture {
+                        parent,
+                        face,
+                        child: event.role,
+                    },
+                    Deed::Release => EventAction::Release { child: event.role },
+                };
+                graph::Event {
+                    phase: stochc_ir::table::PhaseId(number),
+                    action,
+                    cell: self.layout.cells[id.0 as usize],
+                }
+            })
+        });
+        let edges = self.graph.edge_indices().filter_map(|edge| {
+            let (first, then) = self.graph.edge_endpoints(edge)?;
+            Some(Edge {
+                first: self.graph[first],
+                then: self.graph[then],
+                why: self.graph[edge].into(),
+                unneeded: order.is_some_and(|order| order.unneeded.contains(&edge)),
+            })
+        });
+        let (events, edges) = (events.collect(), edges.collect());
+        let chains = order.map_or(vec![Vec::new(); plan.phases.len()], |it| it.chains.clone());
+        EventGraph::new(events, edges, chains)
+    }
+
+    /// The program as a value that needs no compiler; `None` unless everything is right.
+    pub fn into_executable(self) -> Option<Executable> {
+        self.order.as_ref()?;
+        let graph = self.event_graph();
+        Some(Executable {
+            tables: self.tables?,
+            scene: self.scene?,
+            graph,
+        })
+    }
+}
+
+impl From<Dependency> for graph::Dependency {
+    fn from(why: Dependency) -> graph::Dependency {
+        match why {
+            Dependency::Anchored => graph::Dependency::Anchored,
+            Dependency::Face { needed, of } => graph::Dependency::Face { needed, of },
+            Dependency::After(_) => graph::Dependency::After,
+            Dependency::Emptied => graph::Dependency::Emptied,
+            Dependency::Vacated => graph::Dependency::Vacated,
+            Dependency::Freed => graph::Dependency::Freed,
+        }
+    }
+}

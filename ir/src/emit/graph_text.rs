@@ -1,0 +1,73 @@
+//! The dependency graph as text.
+use std::fmt::{self, Display, Formatter};
+
+use super::Text;
+use crate::graph::{Dependency, EventGraph};
+use crate::table::{PhaseId, Tables};
+
+/// The graph phase by phase: each event with what it waits for, then the longest chain.
+pub fn graph_text(graph: &EventGraph, tables: &Tables) -> impl Display {
+    Text(move |out: &mut Formatter<'_>| write_graph(out, graph, tables))
+}
+
+fn write_graph(out: &mut Formatter<'_>, graph: &EventGraph, tables: &Tables) -> fmt::Result {
+    if tables.aggregate.is_some() {
+        return writeln!(out, "aggregate {}: nothing is ordered", tables.assembly);
+    }
+    writeln!(out, "assembly {}", tables.assembly)?;
+    for ((number, phase), chain) in (0..).zip(&tables.phases).zip(&graph.chains) {
+        let planted = if phase.planted {
+            ", attached by hand"
+        } else {
+            ""
+        };
+        writeln!(out, "\nphase {}{planted}", phase.name)?;
+        for id in graph.events_of(PhaseId(number)) {
+            writeln!(out, "    {}", graph.describe(id, tables))?;
+            for edge in graph.waits_for(id) {
+                let first = graph.describe(edge.first, tables);
+                writeln!(out, "        {}: {first}", label(edge.why))?;
+            }
+        }
+        if phase.planted {
+            continue;
+        }
+        writeln!(
+            out,
+            "    longest serial chain, {}: {}",
+            graph.length(chain),
+            chain_text(chain, |&id| graph.describe(id, tables))
+        )?;
+    }
+    Ok(())
+}
+
+/// Why an event waits for another: `after`, or `face, 1 of 2`.
+pub(super) fn label(why: Dependency) -> String {
+    match why {
+        Dependency::Face { needed, of } if needed < of => {
+            format!("{}, {needed} of {of}", why.word())
+        }
+        why => why.word().to_owned(),
+    }
+}
+
+/// A chain in one line; the middle of a long one is left out.
+pub fn chain_text<T>(chain: &[T], describe: impl Fn(&T) -> String) -> String {
+    /// Events shown of a long chain.
+    const SHOWN: usize = 12;
+    let describe = |events: &[T]| -> Vec<String> { events.iter().map(&describe).collect() };
+    if chain.is_empty() {
+        return "nothing".to_owned();
+    }
+    if chain.len() <= SHOWN + 2 {
+        return describe(chain).join(", ");
+    }
+    let (head, tail) = (&chain[..SHOWN / 2], &chain[chain.len() - SHOWN / 2..]);
+    format!(
+        "{}, ... {} more ..., {}",
+        describe(head).join(", "),
+        chain.len() - SHOWN,
+        describe(tail).join(", ")
+    )
+}

@@ -1,0 +1,163 @@
+//! `manifest.json`: tables and texts that several programs share stand in it once.
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+use serde_json::value::RawValue;
+use stochc_ir::graph::EventGraph;
+use stochc_ir::scene::Scene;
+use stochc_ir::table::Tables;
+use stochc_runtime::Settings;
+
+use super::{Compiled, FORMAT, Manifest, Program, Source, Varied};
+
+#[derive(Serialize, Deserialize)]
+struct Stored {
+    format: u32,
+    stochc: String,
+    #[serde(default)]
+    builds: Vec<String>,
+    settings: Settings,
+    seed: u64,
+    runs: u64,
+    programs: Vec<StoredProgram>,
+    sources: Vec<Source>,
+    /// Each on a line of its own.
+    compiled: Vec<Box<RawValue>>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct StoredProgram {
+    name: String,
+    /// Its number among `compiled`.
+    compiled: usize,
+    scene: Scene,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    varied: Vec<Varied>,
+    /// Their numbers among `sources`.
+    sources: Vec<usize>,
+}
+
+#[derive(Serialize)]
+struct CompiledRef<'a> {
+    tables: &'a Tables,
+    graph: &'a EventGraph,
+}
+
+#[derive(Deserialize)]
+struct StoredCompiled {
+    tables: Tables,
+    graph: EventGraph,
+}
+
+/// The number of a value in a list in which each stands once.
+fn number<K: Eq + std::hash::Hash>(known: &mut HashMap<K, usize>, key: K) -> (usize, bool) {
+    let next = known.len();
+    let number = *known.entry(key).or_insert(next);
+    (number, number == next)
+}
+
+impl Manifest {
+    /// The text of `manifest.json`, which ends in a line break.
+    pub fn to_json(&self) -> String {
+        let (mut sources, mut compiled) = (Vec::new(), Vec::new());
+        let (mut known_sources, mut known_compiled) = (HashMap::new(), HashMap::new());
+        let programs = self.programs.iter().map(|program| {
+            let (place, is_new) = number(&mut known_compiled, Arc::as_ptr(&program.compiled));
+            if is_new {
+                let Compiled { tables, graph, .. } = &*program.compiled;
+                let raw = serde_json::value::to_raw_value(&CompiledRef { tables, graph });
+                compiled.push(raw.expect("tables are plain data"));
+            }
+            let texts = program.sources.iter().map(|source| {
+                let (place, is_new) = number(&mut known_sources, (&source.path, &source.text));
+                if is_new {
+                    sources.push(source.clone());
+                }
+                place
+            });
+            StoredProgram {
+                name: program.name.clone(),
+                compiled: place,
+                scene: program.scene.clone(),
+                varied: program.varied.clone(),
+                sources: texts.collect(),
+            }
+        });
+        let programs = programs.collect();
+        let stored = Stored {
+            format: FORMAT,
+            stochc: self.stochc.clone(),
+            builds: self.builds.clone(),
+            settings: self.settings.clone(),
+            seed: self.seed,
+            runs: self.runs,
+            programs,
+            sources,
+            compiled,
+        };
+        let mut json = serde_json::to_string_pretty(&stored).expect("a manifest is plain data");
+        json.push('\n');
+        json
+    }
+
+    /// Reads the text of a `manifest.json`.
+    ///
+    /// # Errors
+    /// In words, when it is no manifest, one of another format, or damaged.
+    pub fn from_json(json: &str) -> Result<Manifest, String> {
+        let format = Manifest::format(json)?;
+        if format != FORMAT {
+            return Err(format!("its format is {format}, and this is {FORMAT}"));
+        }
+        let damaged = |error: &dyn std::fmt::Display| format!("it is damaged, {error}");
+        let stored: Stored = serde_json::from_str(json).map_err(|error| damaged(&error))?;
+        if stored.settings.substeps == 0 || stored.settings.solver_iterations == Some(0) {
+            return Err(damaged(&"it has no steps"));
+        }
+        let compiled = stored.compiled.iter().map(|raw| {
+            let StoredCompiled { tables, graph } =
+                serde_json::from_str(raw.get()).map_err(|error| damaged(&error))?;
+            graph.validate(&tables).map_err(|reason| damaged(&reason))?;
+            Ok(Arc::new(Compiled::new(tables, graph)))
+        });
+        let compiled: Vec<Arc<Compiled>> = compiled.collect::<Result<_, String>>()?;
+        let programs = stored.programs.into_iter().map(|program| {
+            let missing = || damaged(&"a part of it is missing");
+            let sources = program.sources.iter();
+            let sources = sources.map(|&place| stored.sources.get(place).cloned());
+            let (scene, name) = (program.scene, program.name);
+            scene.validate().map_err(|reason| damaged(&reason))?;
+            Ok(Program {
+                name,
+                compiled: (compiled.get(program.compiled).cloned()).ok_or_else(missing)?,
+                scene,
+                varied: program.varied,
+                sources: sources.collect::<Option<_>>().ok_or_else(missing)?,
+            })
+        });
+        let manifest = Manifest {
+            stochc: stored.stochc,
+            settings: stored.settings,
+            seed: stored.seed,
+            runs: stored.runs,
+            builds: stored.builds,
+            programs: programs.collect::<Result<_, String>>()?,
+        };
+        manifest.within_limits().map(|()| manifest)
+    }
+
+    /// The format of the text of a `manifest.json`, which may be another one than [`FORMAT`].
+    ///
+    /// # Errors
+    /// In words, when it is no manifest.
+    pub fn format(json: &str) -> Result<u32, String> {
+        #[derive(Deserialize)]
+        struct Version {
+            format: u32,
+        }
+        let version: Version =
+            serde_json::from_str(json).map_err(|_| "it is not the manifest of an ensemble")?;
+        Ok(version.format)
+    }
+}
