@@ -106,6 +106,7 @@ const SMALL: Limits = Limits {
     events: 20_000,
     steps: 100_000,
     search: 100_000,
+    further: None,
 };
 
 fn run(bytes: &[u8], limits: Limits) -> Checked {

@@ -11,6 +11,7 @@ fn every_kept_input_is_answered() {
         events: 500,
         steps: 5_000,
         search: 2_000,
+        further: None,
     };
     let mut count = 0;
     for folder in ["fuzz/corpus/check", "fuzz/corpus/parse"] {

@@ -1,10 +1,11 @@
 //! The dependency graph: what has to happen before what.
 use petgraph::graph::{DiGraph, NodeIndex};
+use stochc_grammar::{Cancellation, Cancelled};
 
 use crate::Site;
 use crate::layout::Layout;
+use crate::liveness::Liveness;
 use crate::plan::{Deed, EventId, Plan};
-use crate::presence::Presence;
 
 /// Captures and releases, and what each waits for.
 ///
@@ -55,7 +56,17 @@ impl Dependency {
 }
 
 /// Builds the graph of a program whose blocks magnetize `faces` faces at a time.
-pub fn build(plan: &Plan, presence: &Presence, layout: &Layout, faces: u8) -> DependencyGraph {
+///
+/// # Errors
+///
+/// [`Cancelled`] if nobody waits for it.
+pub fn build(
+    plan: &Plan,
+    liveness: &Liveness,
+    layout: &Layout,
+    faces: u8,
+    cancellation: Cancellation<'_>,
+) -> Result<DependencyGraph, Cancelled> {
     let count = plan.events.len();
     let mut graph = DependencyGraph::with_capacity(count, count + plan.afters.len());
     for id in 0..count as u32 {
@@ -69,7 +80,8 @@ pub fn build(plan: &Plan, presence: &Presence, layout: &Layout, faces: u8) -> De
         }
     };
     for id in (0..count as u32).map(EventId) {
-        let context = presence.contexts[id.0 as usize];
+        cancellation.check()?;
+        let context = liveness.contexts[id.0 as usize];
         if let Some(first) = context.anchored_by {
             add(first, id, Dependency::Anchored);
         }
@@ -77,10 +89,10 @@ pub fn build(plan: &Plan, presence: &Presence, layout: &Layout, faces: u8) -> De
             add(first, id, Dependency::Freed);
         }
     }
-    for (first, then, why) in face_turns(plan, faces) {
+    for (first, then, why) in face_turns(plan, faces, cancellation)? {
         add(first, then, why);
     }
-    for (after, subject) in plan.afters.iter().zip(&presence.subjects) {
+    for (after, subject) in plan.afters.iter().zip(&liveness.subjects) {
         if let Some(first) = *subject {
             add(first, after.event, Dependency::After(after.site));
         }
@@ -91,12 +103,16 @@ pub fn build(plan: &Plan, presence: &Presence, layout: &Layout, faces: u8) -> De
     for &(first, then) in &layout.vacated {
         add(first, then, Dependency::Vacated);
     }
-    graph
+    Ok(graph)
 }
 
 /// Captures of one block that wait for those written before them: each until fewer than `faces` of these are
 /// still to come.
-fn face_turns(plan: &Plan, faces: u8) -> Vec<(EventId, EventId, Dependency)> {
+fn face_turns(
+    plan: &Plan,
+    faces: u8,
+    cancellation: Cancellation<'_>,
+) -> Result<Vec<(EventId, EventId, Dependency)>, Cancelled> {
     let mut turns = Vec::new();
     let faces = faces.max(1);
     // The last capture of each block, with the phase, from 1, and the one before each capture.
@@ -104,6 +120,7 @@ fn face_turns(plan: &Plan, faces: u8) -> Vec<(EventId, EventId, Dependency)> {
     let mut previous: Vec<Option<EventId>> = vec![None; plan.events.len()];
     for (phase, stamp) in plan.phases.iter().zip(1..) {
         for id in plan.events_of(phase) {
+            cancellation.check()?;
             let event = plan.event(id);
             let Deed::Capture { parent, .. } = event.deed else {
                 continue;
@@ -135,5 +152,5 @@ fn face_turns(plan: &Plan, faces: u8) -> Vec<(EventId, EventId, Dependency)> {
             }
         }
     }
-    turns
+    Ok(turns)
 }

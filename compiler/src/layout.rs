@@ -1,12 +1,12 @@
 //! Where every block sits, and what is there already.
 use rustc_hash::FxHashMap;
-use stochc_grammar::Symbols;
+use stochc_grammar::{Cancellation, Cancelled, Symbols};
 use stochc_ir::table::RoleId;
 use stochc_ir::{Cell, Face};
 
 use crate::finding::{Code, Finding, tell};
+use crate::liveness::{Holder, Liveness};
 use crate::plan::{Deed, EventId, Plan};
-use crate::presence::{Holder, Presence};
 
 /// The geometry of a program.
 #[derive(Clone, Debug)]
@@ -46,12 +46,17 @@ struct Seat {
 }
 
 /// Works out the cells, and tells of captures that cannot dock.
+///
+/// # Errors
+///
+/// [`Cancelled`] if nobody waits for it.
 pub fn lay_out(
     plan: &mut Plan,
-    presence: &Presence,
+    liveness: &Liveness,
     symbols: &Symbols,
+    cancellation: Cancellation<'_>,
     findings: &mut Vec<Finding>,
-) -> Layout {
+) -> Result<Layout, Cancelled> {
     let count = plan.events.len();
     let mut seats: Vec<Option<Seat>> = vec![None; plan.roles.count()];
     let mut taken: FxHashMap<Cell, RoleId> = FxHashMap::default();
@@ -81,23 +86,25 @@ pub fn lay_out(
     };
     let mut surveyor = Surveyor {
         plan,
-        presence,
+        liveness,
         symbols,
+        cancellation,
         findings,
         layout,
         seats,
         taken,
     };
     for phase in 0..surveyor.plan.phases.len() {
-        surveyor.phase(phase);
+        surveyor.phase(phase)?;
     }
-    surveyor.layout
+    Ok(surveyor.layout)
 }
 
 struct Surveyor<'a> {
     plan: &'a mut Plan,
-    presence: &'a Presence,
+    liveness: &'a Liveness,
     symbols: &'a Symbols,
+    cancellation: Cancellation<'a>,
     findings: &'a mut Vec<Finding>,
     layout: Layout,
     /// Where the blocks are that are anchored at the start of the phase.
@@ -107,21 +114,21 @@ struct Surveyor<'a> {
 }
 
 impl Surveyor<'_> {
-    fn phase(&mut self, number: usize) {
+    fn phase(&mut self, number: usize) -> Result<(), Cancelled> {
         let events: Vec<EventId> = self.plan.events_of(&self.plan.phases[number]).collect();
         // Releases of this phase, by the block that goes.
         let mut leaving: FxHashMap<Holder, EventId> = FxHashMap::default();
         for &id in &events {
             let event = self.plan.event(id);
             if event.sound && event.deed == Deed::Release {
-                leaving.insert(self.presence.actor(self.plan, id), id);
+                leaving.insert(self.liveness.actor(self.plan, id), id);
             }
         }
-        let arrivals = self.captures(&events, &leaving);
+        let arrivals = self.captures(&events, &leaving)?;
         for &id in &events {
             let event = *self.plan.event(id);
             if event.sound && event.deed == Deed::Release {
-                let context = self.presence.contexts[id.0 as usize];
+                let context = self.liveness.contexts[id.0 as usize];
                 let (cell, on) = match context.anchored_by {
                     Some(capture) => {
                         let i = capture.0 as usize;
@@ -136,8 +143,9 @@ impl Surveyor<'_> {
                 self.layout.parents[id.0 as usize] = on;
             }
         }
-        self.adrift(&events, &leaving, &arrivals);
+        self.adrift(&events, &leaving, &arrivals)?;
         self.settle(&events, &leaving);
+        Ok(())
     }
 
     /// The cells of the phase's captures; whoever takes a cell first.
@@ -145,7 +153,7 @@ impl Surveyor<'_> {
         &mut self,
         events: &[EventId],
         leaving: &FxHashMap<Holder, EventId>,
-    ) -> FxHashMap<Cell, EventId> {
+    ) -> Result<FxHashMap<Cell, EventId>, Cancelled> {
         let mut arrivals: FxHashMap<Cell, EventId> = FxHashMap::default();
         // Captures whose parent is captured by an event that has not been placed yet.
         let mut waiting: FxHashMap<EventId, Vec<EventId>> = FxHashMap::default();
@@ -155,20 +163,21 @@ impl Surveyor<'_> {
             if !event.sound || event.deed == Deed::Release {
                 continue;
             }
-            match self.presence.contexts[id.0 as usize].anchored_by {
+            match self.liveness.contexts[id.0 as usize].anchored_by {
                 Some(parent) if self.layout.cells[parent.0 as usize].is_none() => {
                     waiting.entry(parent).or_default().push(id);
                 }
                 _ => ready.push(id),
             }
             while let Some(id) = ready.pop() {
+                self.cancellation.check()?;
                 self.place(id, leaving, &mut arrivals);
                 if let Some(children) = waiting.remove(&id) {
                     ready.extend(children.into_iter().rev());
                 }
             }
         }
-        arrivals
+        Ok(arrivals)
     }
 
     /// Works out the cell of one capture.
@@ -182,7 +191,7 @@ impl Surveyor<'_> {
         let Deed::Capture { parent, face } = event.deed else {
             return;
         };
-        let base = match self.presence.contexts[id.0 as usize].anchored_by {
+        let base = match self.liveness.contexts[id.0 as usize].anchored_by {
             Some(capture) => {
                 let i = capture.0 as usize;
                 self.layout.cells[i].map(|cell| Seat {
@@ -314,8 +323,9 @@ impl Surveyor<'_> {
         events: &[EventId],
         leaving: &FxHashMap<Holder, EventId>,
         arrivals: &FxHashMap<Cell, EventId>,
-    ) {
+    ) -> Result<(), Cancelled> {
         for &id in events {
+            self.cancellation.check()?;
             let event = *self.plan.event(id);
             let Some(cell) = self.layout.cells[id.0 as usize] else {
                 continue;
@@ -323,7 +333,7 @@ impl Surveyor<'_> {
             if !event.sound || event.deed != Deed::Release {
                 continue;
             }
-            let parent = self.presence.actor(self.plan, id);
+            let parent = self.liveness.actor(self.plan, id);
             for face in Face::ALL {
                 let Some(neighbour) = cell.across(face) else {
                     continue;
@@ -361,6 +371,7 @@ impl Surveyor<'_> {
                 }
             }
         }
+        Ok(())
     }
 
     /// The blocks that hang on `parent` in a cell at some time of the phase, with their captures: one
@@ -378,7 +389,7 @@ impl Surveyor<'_> {
         });
         let arrives = arrivals.get(&cell).and_then(|&capture| {
             let child = Holder::captured(self.plan.event(capture).role, capture);
-            (self.presence.actor(self.plan, capture) == parent).then_some((child, capture))
+            (self.liveness.actor(self.plan, capture) == parent).then_some((child, capture))
         });
         there.into_iter().chain(arrives)
     }
@@ -390,7 +401,7 @@ impl Surveyor<'_> {
             let event = *self.plan.event(id);
             if event.sound
                 && event.deed == Deed::Release
-                && self.presence.contexts[id.0 as usize].anchored_by.is_none()
+                && self.liveness.contexts[id.0 as usize].anchored_by.is_none()
                 && let Some(seat) = self.seats[event.role.0 as usize].take()
             {
                 self.taken.remove(&seat.cell);

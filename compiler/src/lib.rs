@@ -6,42 +6,44 @@
 //! proved (`reach`); then shapes and the scene are compared with what is
 //! built, and what is right is lowered to event tables ([`table`]). Each stage tells what it finds
 //! and leaves the wrong part out, so that the next one can go on.
+mod capacity;
 pub mod cost;
 pub mod emit;
 mod executable;
 mod expand;
-mod exposed;
 pub mod finding;
+mod fix;
 pub mod graph;
-mod inventory;
 pub mod layout;
-mod levels;
+mod lint_levels;
+mod liveness;
 mod load;
-pub mod locate;
 mod lower;
 mod members;
-mod mend;
 pub mod names;
 pub mod order;
 pub mod plan;
-mod presence;
 mod program;
 mod reach;
 pub mod scene;
 mod scenes;
 mod shape;
 mod source;
+pub mod source_map;
 mod trial;
 pub mod turns;
+mod unplanned_bonds;
 mod unused;
 
 pub use expand::{Limits, MAX_NESTING};
-pub use levels::{Allowed, Level, Levels};
+pub use fix::{Fixed, fix};
+pub use lint_levels::{Allowed, Level, Levels};
 pub use load::{Module, Reader, join as join_import};
-pub use mend::{Mended, mend};
-pub use program::{Checked, Program, Stage, check, check_changed, check_observed, check_with};
+pub use program::{
+    Checked, Program, Stage, check, check_cancellable, check_changed, check_observed, check_with,
+};
 pub use source::{FileId, Site, SourceFile, Sources};
-pub use stochc_grammar::{Span, Symbols};
+pub use stochc_grammar::{Cancellation, Cancelled, Span, Symbols};
 
 /// A digest of this crate's sources: two builds with one digest compute the same.
 pub const SOURCES: &str = env!("STOCHC_SOURCES");

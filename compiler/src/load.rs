@@ -1,7 +1,7 @@
 //! A file and everything it imports, parsed.
 use rustc_hash::FxHashMap;
 use stochc_grammar::tree::{ItemKind, Tree};
-use stochc_grammar::{Span, Symbol, Symbols, parse};
+use stochc_grammar::{Cancellation, Cancelled, Span, Symbol, Symbols, parse_cancellable};
 
 use crate::finding::{Code, Finding, Fix, removal, tell};
 use crate::{FileId, Site, Sources};
@@ -41,23 +41,29 @@ pub struct Loaded {
 }
 
 /// Reads and parses `path` and whatever it imports, each file once.
+///
+/// # Errors
+///
+/// [`Cancelled`] if nobody waits for it.
 pub fn load(
     path: &str,
     reader: &mut dyn Reader,
     sources: &mut Sources,
+    cancellation: Cancellation<'_>,
     findings: &mut Vec<Finding>,
-) -> Loaded {
+) -> Result<Loaded, Cancelled> {
     let mut loader = Loader {
         reader,
         sources,
+        cancellation,
         findings,
         loaded: Loaded::default(),
         state: FxHashMap::default(),
         bytes: 0,
         full: false,
     };
-    loader.run(path);
-    loader.loaded
+    loader.run(path)?;
+    Ok(loader.loaded)
 }
 
 /// Files of a program, at most. Where a link leads back to a folder above, a file that imports itself
@@ -78,6 +84,7 @@ enum State {
 struct Loader<'a> {
     reader: &'a mut dyn Reader,
     sources: &'a mut Sources,
+    cancellation: Cancellation<'a>,
     findings: &'a mut Vec<Finding>,
     loaded: Loaded,
     state: FxHashMap<String, State>,
@@ -97,9 +104,9 @@ struct Pending {
 
 impl Loader<'_> {
     /// Depth first, with a stack of its own: a chain of imports may be as long as it likes.
-    fn run(&mut self, root: &str) {
+    fn run(&mut self, root: &str) -> Result<(), Cancelled> {
         let mut stack: Vec<Pending> = Vec::new();
-        stack.extend(self.open(root.to_owned(), None));
+        stack.extend(self.open(root.to_owned(), None)?);
         while let Some(top) = stack.last_mut() {
             let Some((import, span, statement)) = top.imports.next() else {
                 if let Some(done) = stack.pop() {
@@ -116,7 +123,7 @@ impl Loader<'_> {
                 None if self.state.len() >= MOST_FILES || self.bytes >= MOST_BYTES => {
                     self.too_many(Site { file, span });
                 }
-                None => stack.extend(self.open(path, Some(Site { file, span }))),
+                None => stack.extend(self.open(path, Some(Site { file, span }))?),
                 Some(State::Done) => {}
                 Some(State::Open(_)) => {
                     let statement = statement.map(|span| Site { file, span });
@@ -124,6 +131,7 @@ impl Loader<'_> {
                 }
             }
         }
+        Ok(())
     }
 
     /// Says, once, that no more files are read.
@@ -139,7 +147,9 @@ impl Loader<'_> {
         );
     }
 
-    fn open(&mut self, path: String, importer: Option<Site>) -> Option<Pending> {
+    /// Reads a file; `None` if that cannot be done, which has been told.
+    fn open(&mut self, path: String, importer: Option<Site>) -> Result<Option<Pending>, Cancelled> {
+        self.cancellation.check()?;
         let bytes = match self.reader.read(&path) {
             Ok(bytes) => bytes,
             Err(reason) => {
@@ -152,7 +162,7 @@ impl Loader<'_> {
                     None => finding.help(reason),
                 };
                 tell(self.findings, finding);
-                return None;
+                return Ok(None);
             }
         };
         self.bytes = self.bytes.saturating_add(bytes.len() as u64);
@@ -167,11 +177,11 @@ impl Loader<'_> {
                     .help("save the file as UTF-8"),
             );
             self.state.insert(path, State::Done);
-            return None;
+            return Ok(None);
         }
         let file = self.sources.add(path.clone(), text);
         let text = self.sources.file(file).text.clone();
-        let parsed = parse(&text, &mut self.loaded.symbols);
+        let parsed = parse_cancellable(&text, &mut self.loaded.symbols, self.cancellation)?;
         self.loaded.doubtful.extend(parsed.doubtful);
         let errors = parsed.errors.iter();
         self.findings
@@ -190,14 +200,14 @@ impl Loader<'_> {
             span: Span::default(),
         };
         self.state.insert(path.clone(), State::Open(site));
-        Some(Pending {
+        Ok(Some(Pending {
             path,
             module: Module {
                 file,
                 tree: parsed.tree,
             },
             imports: imports.into_iter(),
-        })
+        }))
     }
 
     /// Labels every import of a circle of files.

@@ -2,27 +2,32 @@
 use petgraph::Direction::{Incoming, Outgoing};
 use petgraph::graph::NodeIndex;
 use petgraph::visit::EdgeRef;
-use stochc_grammar::Symbols;
+use stochc_grammar::{Cancellation, Cancelled, Symbols};
 use stochc_ir::scene::{BondKind, Scene};
 use stochc_ir::table::{Action, Condition, News, Phase, PhaseId, Role, RoleId, Tables, Trigger};
 
 use crate::graph::{Dependency, DependencyGraph};
 use crate::layout::Layout;
+use crate::liveness::{Holder, Liveness};
 use crate::plan::{Deed, EventId, Plan};
-use crate::presence::{Holder, Presence};
 
 /// Lowers a program in which nothing is wrong.
+///
+/// # Errors
+///
+/// [`Cancelled`] if nobody waits for it.
 pub fn lower(
     plan: &Plan,
-    presence: &Presence,
+    liveness: &Liveness,
     layout: &Layout,
     graph: &DependencyGraph,
     scene: &Scene,
     symbols: &Symbols,
-) -> Tables {
+    cancellation: Cancellation<'_>,
+) -> Result<Tables, Cancelled> {
     let mut lowering = Lowering {
         plan,
-        presence,
+        liveness,
         layout,
         graph,
         rules: Vec::with_capacity(plan.events.len() * 2),
@@ -32,10 +37,12 @@ pub fn lower(
     };
     for (number, phase) in plan.phases.iter().enumerate() {
         for id in plan.events_of(phase) {
+            cancellation.check()?;
             lowering.event(id, PhaseId(number as u32));
         }
     }
-    lowering.finish(scene, symbols)
+    cancellation.check()?;
+    Ok(lowering.finish(scene, symbols))
 }
 
 /// For every event, whether the block it anchors has more to do in the same phase.
@@ -61,7 +68,7 @@ struct Loose {
 
 struct Lowering<'a> {
     plan: &'a Plan,
-    presence: &'a Presence,
+    liveness: &'a Liveness,
     layout: &'a Layout,
     graph: &'a DependencyGraph,
     rules: Vec<Loose>,
@@ -73,7 +80,7 @@ struct Lowering<'a> {
 impl Lowering<'_> {
     fn event(&mut self, id: EventId, phase: PhaseId) {
         let event = *self.plan.event(id);
-        let actor = self.presence.actor(self.plan, id);
+        let actor = self.liveness.actor(self.plan, id);
         match event.deed {
             Deed::Capture { face, .. } => {
                 let Some(cell) = self.layout.cells[id.0 as usize] else {
@@ -151,10 +158,10 @@ impl Lowering<'_> {
     /// The block that sees an event happen at its own face.
     fn witness(&self, id: EventId) -> Holder {
         if let Deed::Capture { .. } = self.plan.event(id).deed {
-            return self.presence.actor(self.plan, id);
+            return self.liveness.actor(self.plan, id);
         }
-        match self.presence.contexts[id.0 as usize].anchored_by {
-            Some(capture) => self.presence.actor(self.plan, capture),
+        match self.liveness.contexts[id.0 as usize].anchored_by {
+            Some(capture) => self.liveness.actor(self.plan, capture),
             None => {
                 let on = self.layout.parents[id.0 as usize];
                 let role = on.map_or(self.plan.event(id).role, |on| on.parent);
@@ -186,7 +193,7 @@ impl Lowering<'_> {
         let witness = self.witness(id);
         let mut receivers: Vec<RoleId> = (self.graph.edges_directed(node, Outgoing))
             .filter(|edge| matches!(edge.weight(), Dependency::After(_) | Dependency::Freed))
-            .map(|edge| self.presence.actor(self.plan, self.graph[edge.target()]))
+            .map(|edge| self.liveness.actor(self.plan, self.graph[edge.target()]))
             // A block knows of its own anchoring.
             .filter(|actor| *actor != witness && actor.since != Some(id))
             .map(|actor| actor.role)

@@ -4,7 +4,7 @@ use petgraph::algo::kosaraju_scc;
 use petgraph::graph::{EdgeIndex, EdgeReference, NodeIndex};
 use petgraph::visit::EdgeRef;
 use rustc_hash::{FxHashMap, FxHashSet};
-use stochc_grammar::Symbols;
+use stochc_grammar::{Cancellation, Cancelled, Symbols};
 
 use crate::finding::{Code, Finding};
 use crate::graph::{Dependency, DependencyGraph};
@@ -43,12 +43,17 @@ impl Order {
 const MOST_CYCLES: usize = 10;
 
 /// Sorts the events; cycles are told of, and then there is no order.
+///
+/// # Errors
+///
+/// [`Cancelled`] if nobody waits for it.
 pub fn sort(
     plan: &Plan,
     graph: &DependencyGraph,
     symbols: &Symbols,
+    cancellation: Cancellation<'_>,
     findings: &mut Vec<Finding>,
-) -> Option<Order> {
+) -> Result<Option<Order>, Cancelled> {
     let mut unneeded = FxHashSet::default();
     if turns::has_choice(graph) {
         // In captures, one after the other.
@@ -68,6 +73,7 @@ pub fn sort(
     // The longest chain that ends in each event: its length, and the event before.
     let mut best: Vec<(u32, u32)> = vec![(0, u32::MAX); graph.node_count()];
     while let Some(node) = queue.pop_front() {
+        cancellation.check()?;
         let id = graph[node];
         best[node.index()].0 += u32::from(is_capture(plan, id));
         let length = best[node.index()].0;
@@ -92,7 +98,7 @@ pub fn sort(
             |edge, &why| (!unneeded.contains(&edge)).then_some(why),
         );
         tell_cycles(plan, &rest, symbols, findings);
-        return None;
+        return Ok(None);
     }
     order.chains = (plan.phases.iter())
         .map(|phase| match phase.planted {
@@ -101,7 +107,7 @@ pub fn sort(
         })
         .collect();
     order.unneeded = unneeded;
-    Some(order)
+    Ok(Some(order))
 }
 
 /// The edges from or to an event, but for those that nothing needs.

@@ -1,23 +1,24 @@
 //! The pipeline.
 use rustc_hash::FxHashMap;
-use stochc_grammar::Symbols;
 use stochc_grammar::tree::{Assembly, ItemKind, Tree};
+use stochc_grammar::{Cancellation, Cancelled, Symbols};
 use stochc_ir::scene::scalars::{self, Change};
 use stochc_ir::scene::{BondKind, Scene};
 use stochc_ir::table::Tables;
 
-use crate::expand::{Declarations, Limits, duplicate, expand, expand_aggregate};
+use crate::expand::{Bounds, Declarations, Limits, duplicate, expand, expand_aggregate};
 use crate::finding::{Change as TextChange, Code, Finding, Fix, fold, tell};
 use crate::graph::{self, DependencyGraph};
 use crate::layout::Layout;
-use crate::levels::{Allowed, FileLevels, Levels};
+use crate::lint_levels::{Allowed, FileLevels, Levels};
 use crate::load::{Loaded, Module, Reader, load};
+use crate::names::{Keep, Names};
 use crate::order::{self, Order};
 use crate::plan::Plan;
 use crate::scenes::Scenes;
 use crate::{
-    FileId, Site, Sources, exposed, inventory, layout, lower, presence, reach, scene, shape, trial,
-    turns, unused,
+    FileId, Site, Sources, capacity, layout, liveness, lower, reach, scene, shape, trial, turns,
+    unplanned_bonds, unused,
 };
 
 /// Everything that is known of a file after looking at all of it.
@@ -117,17 +118,62 @@ pub fn check_changed(
     assembly: &str,
     changes: &[Change],
 ) -> Checked {
-    let changes = (assembly, changes);
-    let check_all = |texts: &mut dyn Reader, is_trial: bool| {
-        check_all(path, texts, limits, levels, changes, is_trial, &mut |_| {})
+    let bounds = unhurried(limits);
+    to_its_end(judged(path, reader, bounds, levels, (assembly, changes)))
+}
+
+/// [`check`], as long as the result is wanted.
+///
+/// # Errors
+///
+/// [`Cancelled`] if it is not.
+pub fn check_cancellable(
+    path: &str,
+    reader: &mut dyn Reader,
+    limits: Limits,
+    cancellation: Cancellation<'_>,
+) -> Result<Checked, Cancelled> {
+    let bounds = Bounds {
+        limits,
+        cancellation,
     };
-    let mut checked = check_all(reader, false);
+    judged(path, reader, bounds, &Levels::default(), ("", &[]))
+}
+
+/// Bounds for somebody who waits.
+fn unhurried(limits: Limits) -> Bounds<'static> {
+    Bounds {
+        limits,
+        cancellation: Cancellation::NEVER,
+    }
+}
+
+/// The result of work that is [`unhurried`].
+fn to_its_end<T>(result: Result<T, Cancelled>) -> T {
+    match result {
+        Ok(result) => result,
+        Err(Cancelled) => unreachable!("nobody cancels it"),
+    }
+}
+
+/// [`check_all`], with fixes that are safe only if they have been tried.
+fn judged(
+    path: &str,
+    reader: &mut dyn Reader,
+    bounds: Bounds<'_>,
+    levels: &Levels,
+    changes: (&str, &[Change]),
+) -> Result<Checked, Cancelled> {
+    let check_all = |texts: &mut dyn Reader, is_trial: bool| {
+        check_all(path, texts, bounds, levels, changes, is_trial, &mut |_| {})
+    };
+    let mut checked = check_all(reader, false)?;
     trial::judge(&mut checked, reader, &mut |texts| {
-        let mut after = check_all(texts, true);
+        let mut after = check_all(texts, true)?;
         after.findings = fold(after.findings);
-        after
-    });
-    checked
+        Ok(after)
+    })?;
+    Ok(checked)
 }
 
 /// [`check_with`], telling when each stage is complete, once for every assembly; the compiler itself
@@ -139,7 +185,9 @@ pub fn check_observed(
     levels: &Levels,
     done: &mut dyn FnMut(Stage),
 ) -> Checked {
-    let mut checked = check_all(path, reader, limits, levels, ("", &[]), false, done);
+    let bounds = unhurried(limits);
+    let checked = check_all(path, reader, bounds, levels, ("", &[]), false, done);
+    let mut checked = to_its_end(checked);
     trial::distrust(&mut checked);
     checked
 }
@@ -150,15 +198,21 @@ pub fn check_observed(
 fn check_all(
     path: &str,
     reader: &mut dyn Reader,
-    limits: Limits,
+    bounds: Bounds<'_>,
     levels: &Levels,
     changes: (&str, &[Change]),
     is_trial: bool,
     done: &mut dyn FnMut(Stage),
-) -> Checked {
+) -> Result<Checked, Cancelled> {
     let mut sources = Sources::default();
     let mut findings = Vec::new();
-    let mut loaded = load(path, reader, &mut sources, &mut findings);
+    let mut loaded = load(
+        path,
+        reader,
+        &mut sources,
+        bounds.cancellation,
+        &mut findings,
+    )?;
     let readable = !findings.iter().any(Finding::is_error);
     let syntax = findings.len();
     let file_levels = FileLevels::of(&loaded.modules, &sources, &loaded.symbols, &mut findings);
@@ -166,13 +220,22 @@ fn check_all(
     let about = About {
         sources: &sources,
         readable,
-        limits,
+        bounds,
         changes,
         is_trial,
     };
-    let mut programs = programs(&mut loaded, &about, &mut findings, done);
+    let trees = loaded.modules.iter();
+    let trees = trees.map(|module| (module.file, &module.tree));
+    let names = Names::of_trees(trees, Keep::Declarations, bounds.cancellation)?;
+    let mut programs = programs(&mut loaded, &names, &about, &mut findings, done)?;
     if !findings.iter().any(Finding::is_error) {
-        unused::check(&loaded.modules, &sources, &loaded.symbols, &mut findings);
+        unused::check(
+            &loaded.modules,
+            &names,
+            &sources,
+            &loaded.symbols,
+            &mut findings,
+        );
     }
     doubt_fixes(&mut findings, syntax);
     let tree = loaded
@@ -193,7 +256,7 @@ fn check_all(
             .iter_mut()
             .for_each(|program| program.tables = None);
     }
-    Checked {
+    Ok(Checked {
         sources,
         findings,
         allowed,
@@ -201,7 +264,7 @@ fn check_all(
         imports: loaded.modules,
         symbols: loaded.symbols,
         programs,
-    }
+    })
 }
 
 /// Keeps changes from being safe that another finding puts in doubt; the first `syntax` findings
@@ -224,7 +287,7 @@ struct About<'a> {
     sources: &'a Sources,
     /// All files could be read.
     readable: bool,
-    limits: Limits,
+    bounds: Bounds<'a>,
     /// Other numbers for the scene of the one of this name.
     changes: (&'a str, &'a [Change]),
     /// A change is tried: only what is wrong and where matters, not what helps.
@@ -232,7 +295,8 @@ struct About<'a> {
 }
 
 impl About<'_> {
-    /// The errors of the files with changes of the first of them: their codes and what is said.
+    /// The errors of the files with changes of the first of them: their codes and what is said; `None` if the
+    /// changes do not fit together, or nobody waits for it.
     fn errors_with(&self, fixes: &[&Fix]) -> Option<Vec<(Code, String)>> {
         let own = self.sources.files().first()?;
         let mut change = TextChange::new(FileId(0), &own.text);
@@ -242,16 +306,16 @@ impl About<'_> {
         let mut unread = |_: &str| Err("it has not been read".to_owned());
         let mut reader = change.over(self.sources, &mut unread);
         let levels = Levels::default();
-        let (limits, changes) = (self.limits, self.changes);
         let checked = check_all(
             &own.name,
             &mut reader,
-            limits,
+            self.bounds,
             &levels,
-            changes,
+            self.changes,
             true,
             &mut |_| {},
         );
+        let checked = checked.ok()?;
         let mut errors: Vec<_> = (checked.findings.into_iter())
             .filter(Finding::is_error)
             .map(|finding| (finding.code, finding.message()))
@@ -263,10 +327,11 @@ impl About<'_> {
 
 fn programs(
     loaded: &mut Loaded,
+    names: &Names,
     about: &About,
     findings: &mut Vec<Finding>,
     done: &mut dyn FnMut(Stage),
-) -> Vec<Program> {
+) -> Result<Vec<Program>, Cancelled> {
     let Loaded {
         modules,
         symbols,
@@ -274,9 +339,9 @@ fn programs(
     } = loaded;
     let scenes = Scenes::of(modules, symbols, findings);
     let trees = modules.iter().map(|module| (module.file, &module.tree));
-    let declarations = declarations(trees, symbols, findings);
+    let declarations = declarations(trees, names, symbols, findings);
     let Some(own) = modules.last() else {
-        return Vec::new();
+        return Ok(Vec::new());
     };
     let trial = |fixes: &[&Fix]| about.errors_with(fixes);
     let mut seen = FxHashMap::default();
@@ -314,7 +379,8 @@ fn programs(
                 let written = (own.file, &**aggregate);
                 let plan = expand_aggregate(&declarations, written, sources, symbols, &mut errors);
                 let wrong = !readable || findings.iter().any(Finding::is_error);
-                let program = compile_aggregate(plan, scene, wrong, symbols, sources, &mut errors);
+                let program =
+                    compile_aggregate(plan, scene, wrong, (symbols, sources), &mut errors)?;
                 findings.append(&mut errors);
                 programs.push(program);
                 continue;
@@ -326,13 +392,13 @@ fn programs(
             file: own.file,
             assembly,
             sources,
-            limits: about.limits,
+            bounds: about.bounds,
             readable,
             trial: (!about.is_trial).then_some(&trial),
         };
-        programs.push(input.compile(scene, symbols, doubtful, findings, done));
+        programs.push(input.compile(scene, symbols, doubtful, findings, done)?);
     }
-    programs
+    Ok(programs)
 }
 
 /// An aggregate: most of the pipeline has nothing to do.
@@ -340,22 +406,24 @@ fn compile_aggregate(
     mut plan: Plan,
     scene: Option<Scene>,
     wrong: bool,
-    symbols: &Symbols,
-    sources: &Sources,
+    (symbols, sources): (&Symbols, &Sources),
     findings: &mut Vec<Finding>,
-) -> Program {
+) -> Result<Program, Cancelled> {
     if let Some(scene) = &scene {
-        inventory::check_aggregate(&plan, scene, findings);
+        capacity::check_aggregate(&plan, scene, findings);
     }
     let doubtful = Default::default();
-    let presence = presence::check(&mut plan, sources, symbols, &doubtful, findings);
-    let layout = layout::lay_out(&mut plan, &presence, symbols, findings);
-    let graph = graph::build(&plan, &presence, &layout, 1);
-    let order = order::sort(&plan, &graph, symbols, findings);
+    // It has no events.
+    let never = Cancellation::NEVER;
+    let liveness = liveness::check(&mut plan, sources, symbols, &doubtful, never, findings)?;
+    let layout = layout::lay_out(&mut plan, &liveness, symbols, never, findings)?;
+    let graph = graph::build(&plan, &liveness, &layout, 1, never)?;
+    let order = order::sort(&plan, &graph, symbols, never, findings)?;
     let is_right = !wrong && !findings.iter().any(Finding::is_error);
     let tables = (scene.as_ref().filter(|_| is_right))
-        .map(|scene| lower::lower(&plan, &presence, &layout, &graph, scene, symbols));
-    Program {
+        .map(|scene| lower::lower(&plan, &liveness, &layout, &graph, scene, symbols, never))
+        .transpose()?;
+    Ok(Program {
         plan,
         scene,
         layout,
@@ -363,12 +431,13 @@ fn compile_aggregate(
         order,
         tables,
         stuck: None,
-    }
+    })
 }
 
 /// What the files declare at top level.
 pub(crate) fn declarations<'a>(
     trees: impl Iterator<Item = (FileId, &'a Tree)>,
+    names: &'a Names,
     symbols: &Symbols,
     findings: &mut Vec<Finding>,
 ) -> Declarations<'a> {
@@ -376,6 +445,7 @@ pub(crate) fn declarations<'a>(
         patterns: FxHashMap::default(),
         shapes: FxHashMap::default(),
         lets: Vec::new(),
+        names,
     };
     for (file, tree) in trees {
         for item in &tree.items {
@@ -420,7 +490,7 @@ struct Input<'a> {
     file: FileId,
     assembly: &'a Assembly,
     sources: &'a Sources,
-    limits: Limits,
+    bounds: Bounds<'a>,
     /// All files could be read: what is missing is not missing for that reason.
     readable: bool,
     /// Checks the files again with a change; `None` in such a check.
@@ -435,17 +505,20 @@ impl<'a> Input<'a> {
         doubtful: &rustc_hash::FxHashSet<stochc_grammar::Symbol>,
         findings: &mut Vec<Finding>,
         done: &mut dyn FnMut(Stage),
-    ) -> Program {
+    ) -> Result<Program, Cancelled> {
+        let Bounds {
+            limits,
+            cancellation,
+        } = self.bounds;
         let mut errors = Vec::new();
         let (mut plan, shapes) = expand(
             self.declarations,
-            self.file,
-            self.assembly,
+            (self.file, self.assembly),
             self.sources,
             symbols,
-            self.limits,
+            self.bounds,
             &mut errors,
-        );
+        )?;
         done(Stage::Expand);
         // What follows from a program that was not written out to its end would only confuse.
         let cut_short = errors.iter().any(|finding| {
@@ -458,20 +531,27 @@ impl<'a> Input<'a> {
             plan.clear();
         }
         let mut names = Vec::new();
-        let presence = presence::check(&mut plan, self.sources, symbols, doubtful, &mut names);
+        let liveness = liveness::check(
+            &mut plan,
+            self.sources,
+            symbols,
+            doubtful,
+            cancellation,
+            &mut names,
+        )?;
         if !cut_short {
             errors.append(&mut names);
         }
         done(Stage::Names);
         // What follows from a statement that could not be read would only confuse.
         let mut later = Vec::new();
-        let layout = layout::lay_out(&mut plan, &presence, symbols, &mut later);
+        let layout = layout::lay_out(&mut plan, &liveness, symbols, cancellation, &mut later)?;
         done(Stage::Layout);
         let faces =
             (scene.as_ref()).map_or(1, |scene| BondKind::of(scene).faces(scene.block.faces));
-        let graph = graph::build(&plan, &presence, &layout, faces);
+        let graph = graph::build(&plan, &liveness, &layout, faces, cancellation)?;
         done(Stage::Graph);
-        let order = order::sort(&plan, &graph, symbols, &mut later);
+        let order = order::sort(&plan, &graph, symbols, cancellation, &mut later)?;
         done(Stage::Order);
         // A seed, an `after` or a phase may only seem to be without use where statements have been
         // left out.
@@ -491,7 +571,7 @@ impl<'a> Input<'a> {
             let certain = has_choice.then(|| turns::certain(&graph, &order.events));
             let subject = reach::Subject {
                 plan: &plan,
-                presence: &presence,
+                liveness: &liveness,
                 layout: &layout,
                 graph: &graph,
                 certain: certain.as_ref().unwrap_or(&graph),
@@ -502,18 +582,19 @@ impl<'a> Input<'a> {
                 trial: self.trial,
                 sources: self.sources,
                 symbols,
+                cancellation,
             };
-            reach::check(subject, self.limits.search, &mut later);
+            reach::check(subject, limits.search, &mut later)?;
         }
         done(Stage::Reach);
         let is_passive = (scene.as_ref()).is_some_and(|scene| BondKind::of(scene).is_passive());
         if let (Some(order), true, true) = (&order, is_whole, is_passive) {
-            exposed::check(&plan, &layout, order, symbols, &mut later);
+            unplanned_bonds::check(&plan, &layout, order, symbols, cancellation, &mut later)?;
         }
         if is_sound {
-            shape::check(&plan, &layout, &shapes, symbols, &mut later);
+            shape::check(&plan, &layout, &shapes, symbols, cancellation, &mut later)?;
             if let Some(scene) = &scene {
-                inventory::check(&plan, &layout, scene, &mut later);
+                capacity::check(&plan, &layout, scene, &mut later);
             }
         }
         done(Stage::Compare);
@@ -529,14 +610,24 @@ impl<'a> Input<'a> {
         let is_right = mistakes().next().is_none();
         let is_stuck =
             mistakes().all(|finding| matches!(finding.code, Code::Cycle | Code::SealedCavity));
-        let mut tables = scene
-            .as_ref()
-            .filter(|_| self.readable && is_stuck)
-            .map(|scene| lower::lower(&plan, &presence, &layout, &graph, scene, symbols));
+        let lower = |scene| {
+            lower::lower(
+                &plan,
+                &liveness,
+                &layout,
+                &graph,
+                scene,
+                symbols,
+                cancellation,
+            )
+        };
+        let mut tables = (scene.as_ref().filter(|_| self.readable && is_stuck))
+            .map(lower)
+            .transpose()?;
         let stuck = if is_right { None } else { tables.take() };
         done(Stage::Lower);
         findings.append(&mut errors);
-        Program {
+        Ok(Program {
             plan,
             scene,
             layout,
@@ -544,6 +635,6 @@ impl<'a> Input<'a> {
             order,
             tables,
             stuck,
-        }
+        })
     }
 }

@@ -1,7 +1,7 @@
 //! Claimed shapes against built ones.
 use rustc_hash::{FxHashMap, FxHashSet};
 use stochc_grammar::tree::{Entry, Expr, ExprKind, Operator, Shape};
-use stochc_grammar::{Symbol, Symbols};
+use stochc_grammar::{Cancellation, Cancelled, Symbol, Symbols};
 use stochc_ir::Cell;
 use stochc_ir::suggest::nearest;
 
@@ -14,13 +14,18 @@ use crate::{FileId, Site};
 pub(crate) const MOST_CELLS: usize = 50_000_000;
 
 /// Compares what phases claim with what they build.
+///
+/// # Errors
+///
+/// [`Cancelled`] if nobody waits for it.
 pub fn check(
     plan: &Plan,
     layout: &Layout,
     shapes: &FxHashMap<Symbol, (FileId, &Shape)>,
     symbols: &Symbols,
+    cancellation: Cancellation<'_>,
     findings: &mut Vec<Finding>,
-) {
+) -> Result<(), Cancelled> {
     // Sorted, or `None` for what is no shape.
     let mut known: FxHashMap<Symbol, Option<Vec<Cell>>> = FxHashMap::default();
     let mut built: FxHashSet<Cell> = FxHashSet::default();
@@ -30,6 +35,7 @@ pub fn check(
         }
         built.extend(filled);
         for &(name, site) in &phase.claims {
+            cancellation.check()?;
             let word = symbols.word(name);
             let Some(&(file, shape)) = shapes.get(&name) else {
                 let known = shapes.keys().map(|&known| symbols.word(known));
@@ -62,6 +68,7 @@ pub fn check(
             tell(findings, difference(word, site, declared, claimed, &built));
         }
     }
+    Ok(())
 }
 
 /// The cells of a shape, unsorted.

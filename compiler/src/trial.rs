@@ -6,6 +6,7 @@
 use std::collections::{BTreeSet, VecDeque};
 
 use rustc_hash::FxHashMap;
+use stochc_grammar::Cancelled;
 
 use crate::finding::{Change, Code, Finding, Severity};
 use crate::load::Reader;
@@ -19,13 +20,21 @@ const MOST: usize = 64;
 const WORK: usize = 1 << 21;
 
 /// Checks a program with some texts changed.
-pub(crate) type Again<'a> = dyn FnMut(&mut dyn Reader) -> Checked + 'a;
+pub(crate) type Again<'a> = dyn FnMut(&mut dyn Reader) -> Result<Checked, Cancelled> + 'a;
 
 /// Lets only those fixes be safe that have proved to be.
 ///
 /// Each is tried alone, where there are not too many of them for the size of the program; else they
 /// are tried together, and in halves if that fails. What has not been tried is not safe.
-pub(crate) fn judge(checked: &mut Checked, reader: &mut dyn Reader, again: &mut Again<'_>) {
+///
+/// # Errors
+///
+/// [`Cancelled`] if nobody waits for it.
+pub(crate) fn judge(
+    checked: &mut Checked,
+    reader: &mut dyn Reader,
+    again: &mut Again<'_>,
+) -> Result<(), Cancelled> {
     let claimed = |(_, finding): &(usize, &Finding)| {
         let fix = finding.fix.as_ref();
         fix.is_some_and(|fix| fix.safe && !fix.edits.is_empty())
@@ -35,7 +44,7 @@ pub(crate) fn judge(checked: &mut Checked, reader: &mut dyn Reader, again: &mut 
         .map(|(number, _)| number)
         .collect();
     if claims.is_empty() {
-        return;
+        return Ok(());
     }
     let mut left = MOST.min(WORK / size(checked).max(1));
     let mut safe = vec![false; checked.findings.len()];
@@ -47,7 +56,7 @@ pub(crate) fn judge(checked: &mut Checked, reader: &mut dyn Reader, again: &mut 
             break;
         }
         left -= 1;
-        let (tried, unfit) = try_together(checked, &group, reader, again);
+        let (tried, unfit) = try_together(checked, &group, reader, again)?;
         if !unfit.is_empty() && unfit.len() < group.len() {
             group.retain(|number| !unfit.contains(number));
             groups.push_back(unfit);
@@ -66,6 +75,7 @@ pub(crate) fn judge(checked: &mut Checked, reader: &mut dyn Reader, again: &mut 
             fix.safe &= safe;
         }
     }
+    Ok(())
 }
 
 /// Lets no fix be safe.
@@ -88,22 +98,22 @@ fn try_together(
     group: &[usize],
     reader: &mut dyn Reader,
     again: &mut Again<'_>,
-) -> (bool, Vec<usize>) {
+) -> Result<(bool, Vec<usize>), Cancelled> {
     let fix = |number: &usize| checked.findings[*number].fix.as_ref();
     let first = group
         .first()
         .and_then(fix)
         .and_then(|fix| fix.edits.first());
     let Some(file) = first.map(|edit| edit.site.file) else {
-        return (false, Vec::new());
+        return Ok((false, Vec::new()));
     };
     let mut change = Change::new(file, &checked.sources.file(file).text);
     let (fit, unfit): (Vec<usize>, Vec<usize>) =
         (group.iter()).partition(|number| fix(number).is_some_and(|fix| change.add(fix)));
     let mut texts = change.over(&checked.sources, reader);
-    let after = again(&mut texts);
+    let after = again(&mut texts)?;
     let cures = !fit.is_empty() && cures(checked, &fit, &change, &after);
-    (cures, unfit)
+    Ok((cures, unfit))
 }
 
 /// Whether a change that mends some findings has left none of them, and only such as were there

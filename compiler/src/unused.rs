@@ -24,6 +24,7 @@ struct Declared<'a> {
 /// Tells of all that is never used in the last of the modules, if that holds a program.
 pub fn check(
     modules: &[Module],
+    names: &Names,
     sources: &Sources,
     symbols: &Symbols,
     findings: &mut Vec<Finding>,
@@ -41,12 +42,7 @@ pub fn check(
         let is_default = it.code == Code::UnusedScene && word == DEFAULT && in_default;
         !word.starts_with('_') && !is_default
     });
-    if declared.is_empty() {
-        return;
-    }
-    let trees = modules.iter().map(|module| (module.file, &module.tree));
-    let names = Names::of_trees(trees);
-    let used = used(&declared, own.file, &names);
+    let used = used(&declared, own.file, names);
     for it in &declared {
         let thing = names
             .at(own.file, it.name.span.start)
@@ -82,15 +78,7 @@ fn collect<'a>(items: &'a [Item], is_local: bool, declared: &mut Vec<Declared<'a
             code,
             is_local,
         }));
-        let body = match &item.kind {
-            ItemKind::Assembly(block) => &block.body,
-            ItemKind::Phase(block) => &block.body,
-            ItemKind::Seed(block) => &block.body,
-            ItemKind::For(block) => &block.body,
-            ItemKind::Pattern(block) => &block.body,
-            _ => continue,
-        };
-        collect(body, true, declared);
+        collect(item.body(), true, declared);
     }
 }
 

@@ -11,6 +11,7 @@ const LIMITS: Limits = Limits {
     events: 500,
     steps: 5_000,
     search: 2_000,
+    further: None,
 };
 
 fuzz_target!(|bytes: &[u8]| {

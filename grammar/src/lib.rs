@@ -5,6 +5,7 @@
 //! [`print()`] turns a tree into text that parses to the same tree, and [`format`](format()) lays a
 //! text out in the one canonical way, comments included. The grammar itself is `src/sa.pest`; no
 //! other crate names a rule of it.
+mod cancellation;
 mod error;
 mod format;
 mod json;
@@ -14,10 +15,14 @@ mod span;
 mod symbol;
 pub mod tree;
 
+pub use cancellation::{Cancellation, Cancelled};
 pub use error::{SyntaxError, SyntaxErrorKind};
 pub use format::{Refusal, format};
 pub use json::to_json;
-pub use parse::{MAX_DEPTH, MAX_ERRORS, MAX_STATEMENT, MAX_TERMS, Parsed, accepts, is_unit, parse};
+pub use parse::{
+    MAX_DEPTH, MAX_ERRORS, MAX_STATEMENT, MAX_TERMS, Parsed, accepts, is_unit, parse,
+    parse_cancellable,
+};
 pub use print::print;
 pub use span::Span;
 pub use symbol::{Symbol, Symbols};

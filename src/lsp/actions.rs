@@ -56,17 +56,20 @@ fn edit(fix: &Fix, analysis: &Analysis, documents: &Documents) -> WorkspaceEdit 
 #[cfg(test)]
 mod tests {
     use stochc_compiler::finding::{Code, Edit};
-    use stochc_compiler::{Site, Span};
+    use stochc_compiler::{Cancellation, Site, Span};
 
     use super::super::position::Encoding;
     use super::*;
 
     #[test]
     fn a_finding_with_a_fix_is_offered_where_it_stands() {
-        let mut documents = Documents::default();
+        let documents = Documents::default();
         let text = "let \u{b5} = 1\nlet n = 2\n";
         let path = documents.open("file:///x/a.sa".to_owned(), text.to_owned(), 1);
-        let mut analysis = Analysis::of(&path, &documents, Encoding::Utf16);
+        let mut reader = |path: &str| documents.read(path);
+        let never = Cancellation::NEVER;
+        let analysis = Analysis::of(&path, &mut reader, Encoding::Utf16, never);
+        let mut analysis = analysis.unwrap();
         let at = |start, end| Site {
             file: stochc_compiler::FileId(0),
             span: Span::new(start, end),

@@ -1,10 +1,12 @@
 //! What is known of an open program, in the client's terms.
 use gen_lsp_types::{Location, Range};
 use stochc_compiler::names::{Names, Occurrence};
-use stochc_compiler::{Checked, FileId, Limits, Site, check};
+use stochc_compiler::{
+    Cancellation, Cancelled, Checked, FileId, Limits, Reader, Site, check_cancellable,
+};
 
 use super::documents::Documents;
-use super::position::{Encoding, Lines};
+use super::position::{Encoding, Lines, line_starts};
 
 /// Everything that is known of an open program and the files it imports.
 #[derive(Debug)]
@@ -14,20 +16,33 @@ pub struct Analysis {
     /// What its names refer to.
     pub names: Names,
     /// How the client counts characters.
-    pub encoding: Encoding,
+    encoding: Encoding,
+    /// Where the lines of each file begin.
+    lines: Vec<Vec<usize>>,
 }
 
 impl Analysis {
-    /// Checks the program in a file.
-    pub fn of(path: &str, documents: &Documents, encoding: Encoding) -> Analysis {
-        let mut reader = |path: &str| documents.read(path);
-        let checked = check(path, &mut reader, Limits::default());
-        let names = Names::of(&checked);
-        Analysis {
+    /// Checks the program in a file, as long as the result is wanted.
+    ///
+    /// # Errors
+    ///
+    /// [`Cancelled`] if it is not.
+    pub fn of(
+        path: &str,
+        reader: &mut dyn Reader,
+        encoding: Encoding,
+        cancellation: Cancellation<'_>,
+    ) -> Result<Analysis, Cancelled> {
+        let checked = check_cancellable(path, reader, Limits::EDITOR, cancellation)?;
+        let names = Names::of(&checked, cancellation)?;
+        let files = checked.sources.files().iter();
+        let lines = files.map(|file| line_starts(&file.text)).collect();
+        Ok(Analysis {
             checked,
             names,
             encoding,
-        }
+            lines,
+        })
     }
 
     /// The path of a file.
@@ -44,7 +59,8 @@ impl Analysis {
 
     /// The lines of a file.
     pub fn lines(&self, file: FileId) -> Lines<'_> {
-        Lines::of(&self.checked.sources.file(file).text, self.encoding)
+        let text = &self.checked.sources.file(file).text;
+        Lines::known(text, &self.lines[file.0 as usize], self.encoding)
     }
 
     /// The range of a span in a file.

@@ -2,17 +2,25 @@
 use std::collections::BTreeSet;
 
 use gen_lsp_types::Range;
-use stochc_compiler::locate::{Ancestry, blocks_at};
 use stochc_compiler::names::{Kind, Occurrence};
-use stochc_compiler::{FileId, Site};
+use stochc_compiler::source_map::{Ancestry, blocks_at};
+use stochc_compiler::{Cancellation, Cancelled, FileId, Limits, Site};
 use stochc_grammar::tree::ItemKind;
 
 use super::analysis::Analysis;
 
 /// The places that introduce what is named at a byte: of a block its seed or its captures.
-pub fn definitions(analysis: &Analysis, at: usize) -> Vec<Site> {
+///
+/// # Errors
+///
+/// [`Cancelled`] if nobody waits for it.
+pub fn definitions(
+    analysis: &Analysis,
+    at: usize,
+    cancellation: Cancellation<'_>,
+) -> Result<Vec<Site>, Cancelled> {
     let Some(name) = analysis.name_at(at) else {
-        return imported(analysis, at).into_iter().collect();
+        return Ok(imported(analysis, at).into_iter().collect());
     };
     let names = &analysis.names;
     let declarations: Vec<Site> = (names.of_thing(name.thing))
@@ -20,11 +28,11 @@ pub fn definitions(analysis: &Analysis, at: usize) -> Vec<Site> {
         .map(|occurrence| occurrence.site)
         .collect();
     if names.kind(name.thing) != Kind::Block {
-        return declarations;
+        return Ok(declarations);
     }
     // Of all blocks with this word, the very ones that are meant here.
     let mut sites: Vec<Site> = Vec::new();
-    for site in introductions(analysis, at) {
+    for site in introductions(analysis, at, cancellation)? {
         let end = site.span.end;
         let within = declarations.iter().filter(|declaration| {
             declaration.file == site.file
@@ -33,17 +41,21 @@ pub fn definitions(analysis: &Analysis, at: usize) -> Vec<Site> {
         let last = within.max_by_key(|declaration| declaration.span.start);
         sites.extend(last.filter(|last| !sites.contains(last)));
     }
-    if sites.is_empty() {
-        declarations
-    } else {
-        sites
-    }
+    Ok(match sites.is_empty() {
+        true => declarations,
+        false => sites,
+    })
 }
 
 /// The seeds and captures of the blocks that are meant at a byte.
-fn introductions(analysis: &Analysis, at: usize) -> Vec<Site> {
+fn introductions(
+    analysis: &Analysis,
+    at: usize,
+    cancellation: Cancellation<'_>,
+) -> Result<Vec<Site>, Cancelled> {
     let mut sites = Vec::new();
-    for located in blocks_at(&analysis.checked, FileId(0), at as u32) {
+    let place = (FileId(0), at as u32);
+    for located in blocks_at(&analysis.checked, place, Limits::EDITOR, cancellation)? {
         let program = &analysis.checked.programs[located.program];
         let ancestry = Ancestry::of(program);
         for role in located.roles {
@@ -53,7 +65,7 @@ fn introductions(analysis: &Analysis, at: usize) -> Vec<Site> {
             sites.extend(captures.map(|&capture| program.plan.event(capture).site));
         }
     }
-    sites
+    Ok(sites)
 }
 
 /// The beginning of the file whose import is named at a byte.

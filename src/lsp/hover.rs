@@ -1,11 +1,11 @@
 //! What is known of a name, in Markdown.
 use std::fmt::Write as _;
 
-use stochc_compiler::locate::{Ancestry, Located, blocks_at, phase_of};
 use stochc_compiler::names::{Kind, Occurrence};
 use stochc_compiler::order::Order;
 use stochc_compiler::plan::{Deed, EventId, PlanPhase};
-use stochc_compiler::{FileId, Program, Site};
+use stochc_compiler::source_map::{Ancestry, Located, blocks_at, phase_of};
+use stochc_compiler::{Cancellation, Cancelled, FileId, Limits, Program, Site};
 use stochc_grammar::tree::{Item, Tree};
 use stochc_ir::emit::duties_text;
 use stochc_ir::table::RoleId;
@@ -17,22 +17,34 @@ const MOST_DESCRIBED: usize = 3;
 const MOST_LISTED: usize = 12;
 
 /// What is known of the name at a byte, and where that stands.
-pub fn hover(analysis: &Analysis, at: usize) -> Option<(String, Site)> {
-    let name = analysis.name_at(at)?;
+///
+/// # Errors
+///
+/// [`Cancelled`] if nobody waits for it.
+pub fn hover(
+    analysis: &Analysis,
+    at: usize,
+    cancellation: Cancellation<'_>,
+) -> Result<Option<(String, Site)>, Cancelled> {
+    let Some(name) = analysis.name_at(at) else {
+        return Ok(None);
+    };
     let kind = analysis.names.kind(name.thing);
     // A parameter may stand for a block.
     if matches!(kind, Kind::Block | Kind::Parameter) {
-        let located = blocks_at(&analysis.checked, FileId(0), at as u32);
+        let place = (FileId(0), at as u32);
+        let located = blocks_at(&analysis.checked, place, Limits::EDITOR, cancellation)?;
         if !located.is_empty() {
             let blocks = located.iter().map(|located| blocks(analysis, located));
-            return Some((blocks.collect::<Vec<_>>().join("\n---\n"), name.site));
+            let text = blocks.collect::<Vec<_>>().join("\n---\n");
+            return Ok(Some((text, name.site)));
         }
     }
     let mut text = declaration(analysis, name, kind);
     if kind == Kind::Phase {
         text.push_str(&phases(analysis, name.site));
     }
-    Some((text, name.site))
+    Ok(Some((text, name.site)))
 }
 
 fn blocks(analysis: &Analysis, located: &Located) -> String {

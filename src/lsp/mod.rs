@@ -1,8 +1,9 @@
 //! The language server: what editors ask about programs while they are written.
 //!
-//! One thread reads messages (`wire`), one answers them (`server`); each feature is a module
-//! of pure functions over an `analysis` of what the editor has, saved or not (`documents`).
-//! A change is checked once nothing more has come in for a moment.
+//! One thread reads messages (`wire`), one answers them (`server`) and does nothing that takes long. Programs are
+//! checked (`programs`) and requests worked out (`requests`) beside it (`jobs`), each on a thread that can be
+//! cancelled. Each feature is a module of pure functions over an `analysis` of what the editor has, saved or
+//! not (`documents`). A change is checked once nothing more has come in for a moment, or somebody asks.
 mod actions;
 mod analysis;
 mod definition;
@@ -10,7 +11,9 @@ mod diagnostics;
 mod documents;
 mod formatting;
 mod hover;
+mod jobs;
 mod position;
+mod programs;
 mod rename;
 mod requests;
 mod server;
@@ -21,24 +24,26 @@ mod wire;
 use std::io::{BufReader, Write};
 use std::sync::mpsc;
 
+use server::Event;
 use wire::Incoming;
 
-/// Messages that wait to be answered, at most; then the client has to.
+/// Messages that wait for their turn, at most; then the client has to.
 const MOST_WAITING: usize = 256;
 
 /// Serves a client over a pair of streams until it says goodbye; whether it did so properly.
 pub fn serve(input: impl std::io::Read + Send + 'static, output: impl Write) -> bool {
     let (sender, receiver) = mpsc::sync_channel(MOST_WAITING);
+    let events = sender.clone();
     // It ends with the stream, or with the process.
     std::thread::spawn(move || {
         let mut messages = wire::Messages::of(BufReader::new(input));
         loop {
             let incoming = messages.read();
             let is_end = matches!(incoming, Incoming::End);
-            if sender.send(incoming).is_err() || is_end {
+            if sender.send(Event::Incoming(incoming)).is_err() || is_end {
                 break;
             }
         }
     });
-    server::Server::new(output).run(&receiver)
+    server::Server::new(output, events).run(receiver)
 }

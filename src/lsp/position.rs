@@ -1,4 +1,6 @@
 //! Bytes of a text, and the lines and characters by which clients count.
+use std::borrow::Cow;
+
 use gen_lsp_types::{Position, Range};
 use stochc_compiler::Span;
 
@@ -16,23 +18,25 @@ pub enum Encoding {
 #[derive(Clone, Debug)]
 pub struct Lines<'t> {
     text: &'t str,
-    starts: Vec<usize>,
+    starts: Cow<'t, [usize]>,
     encoding: Encoding,
 }
 
 impl<'t> Lines<'t> {
     /// Finds the lines of a text.
     pub fn of(text: &'t str, encoding: Encoding) -> Lines<'t> {
-        let bytes = text.as_bytes();
-        let ends = bytes.iter().enumerate().filter(|&(i, byte)| match byte {
-            b'\n' => true,
-            b'\r' => bytes.get(i + 1) != Some(&b'\n'),
-            _ => false,
-        });
-        let starts = std::iter::once(0).chain(ends.map(|(i, _)| i + 1)).collect();
+        Lines::known(text, line_starts(text), encoding)
+    }
+
+    /// The lines of a text, of which [`line_starts`] are known.
+    pub fn known(
+        text: &'t str,
+        starts: impl Into<Cow<'t, [usize]>>,
+        encoding: Encoding,
+    ) -> Lines<'t> {
         Lines {
             text,
-            starts,
+            starts: starts.into(),
             encoding,
         }
     }
@@ -85,6 +89,17 @@ impl<'t> Lines<'t> {
         }
         start + content.len()
     }
+}
+
+/// The bytes at which the lines of a text begin.
+pub fn line_starts(text: &str) -> Vec<usize> {
+    let bytes = text.as_bytes();
+    let ends = bytes.iter().enumerate().filter(|&(i, byte)| match byte {
+        b'\n' => true,
+        b'\r' => bytes.get(i + 1) != Some(&b'\n'),
+        _ => false,
+    });
+    std::iter::once(0).chain(ends.map(|(i, _)| i + 1)).collect()
 }
 
 #[cfg(test)]

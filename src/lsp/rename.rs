@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, HashMap};
 use gen_lsp_types::{TextEdit, Uri, WorkspaceEdit};
 use stochc_compiler::finding::Code;
 use stochc_compiler::names::{Kind, Names, Thing};
-use stochc_compiler::{Checked, Limits, Site, check};
-use stochc_grammar::{Symbols, parse};
+use stochc_compiler::{Cancellation, Checked, Limits, Site, check_cancellable};
+use stochc_grammar::{Symbols, parse_cancellable};
 
 use super::analysis::Analysis;
 use super::definition::{Place, everywhere};
@@ -47,6 +47,7 @@ pub fn rename(
     at: usize,
     new_name: &str,
     documents: &Documents,
+    cancellation: Cancellation<'_>,
 ) -> Result<WorkspaceEdit, Failure> {
     let site = renameable(analysis, at)?;
     check_name(new_name)?;
@@ -59,7 +60,7 @@ pub fn rename(
     let concerned =
         |analysis: &&&Analysis| by_file.keys().any(|path| analysis.file(path).is_some());
     for analysis in all.iter().filter(concerned) {
-        stays_the_same(analysis, &by_file, new_name)?;
+        stays_the_same(analysis, &by_file, new_name, cancellation)?;
     }
     let mut changes: HashMap<Uri, Vec<TextEdit>> = HashMap::new();
     for (path, places) in &by_file {
@@ -104,11 +105,13 @@ fn stays_the_same(
     analysis: &Analysis,
     places: &BTreeMap<&str, Vec<&Place>>,
     new_name: &str,
+    cancellation: Cancellation<'_>,
 ) -> Result<(), Failure> {
     let old = &analysis.checked;
     let mut texts: BTreeMap<&str, String> = BTreeMap::new();
     for file in old.sources.files() {
-        if !parse(&file.text, &mut Symbols::new()).errors.is_empty() {
+        let parsed = parse_cancellable(&file.text, &mut Symbols::new(), cancellation)?;
+        if !parsed.errors.is_empty() {
             let why = format!("`{}` has errors of syntax: mend them first", file.name);
             return Err(Failure::refusal(why));
         }
@@ -129,8 +132,9 @@ fn stays_the_same(
         Some(text) => Ok(text.clone().into_bytes()),
         None => Err("not read before".to_owned()),
     };
-    let new = check(&root.name, &mut reader, Limits::default());
-    if !same_structure(&analysis.names, &Names::of(&new)) || codes(old) != codes(&new) {
+    let new = check_cancellable(&root.name, &mut reader, Limits::EDITOR, cancellation)?;
+    let names = Names::of(&new, cancellation)?;
+    if !same_structure(&analysis.names, &names) || codes(old) != codes(&new) {
         let why = format!("`{new_name}` already means something where it would stand");
         return Err(Failure::refusal(why));
     }

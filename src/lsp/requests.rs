@@ -1,22 +1,21 @@
 //! From methods of the protocol to features.
-use std::io::Write;
-use std::rc::Rc;
+use std::sync::Arc;
 
 use gen_lsp_types::{
     CodeActionParams, DefinitionParams, DidChangeTextDocumentParams, DidCloseTextDocumentParams,
     DidOpenTextDocumentParams, DidSaveTextDocumentParams, DocumentFormattingParams,
-    DocumentHighlightParams, DocumentSymbolParams, HoverParams, Location, PrepareRenameParams,
-    ReferenceParams, RenameParams, TextDocumentPositionParams,
+    DocumentHighlightParams, DocumentSymbolParams, HoverParams, Location, Position,
+    PrepareRenameParams, ReferenceParams, RenameParams, TextDocumentPositionParams,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
-use stochc_compiler::FileId;
+use stochc_compiler::{Cancellation, FileId};
 
 use super::analysis::Analysis;
 use super::definition::{self, named_at};
-use super::position::Lines;
-use super::server::Server;
+use super::documents::Documents;
+use super::position::{Encoding, Lines};
 use super::wire::{Failure, Reason};
 use super::{actions, formatting, hover, rename, symbols, uri};
 
@@ -30,168 +29,279 @@ fn value(result: impl Serialize) -> Result<Value, Failure> {
         .map_err(|error| Failure::new(Reason::InternalError, error.to_string()))
 }
 
-fn not_open() -> Failure {
-    Failure::refusal("the file is not open")
+/// What the client lets the server know.
+pub enum Notification {
+    /// It has another text than before.
+    Changed(String),
+    /// It has written a file.
+    Saved,
+    /// It has closed a text.
+    Closed(String),
 }
 
-impl<W: Write> Server<W> {
-    /// Takes note of something; what cannot be understood is passed over.
-    pub(super) fn notification(&mut self, method: &str, raw: Value) {
-        match method {
-            "textDocument/didOpen" => {
-                if let Ok(it) = params::<DidOpenTextDocumentParams>(raw) {
-                    let it = it.text_document;
-                    let path = self.documents.open(it.uri.0, it.text, it.version);
-                    self.changed(&path);
-                }
-            }
-            "textDocument/didChange" => {
-                if let Ok(it) = params::<DidChangeTextDocumentParams>(raw) {
-                    let encoding = self.encoding;
-                    let id = it.text_document;
-                    let (uri, version) = (id.text_document_identifier.uri.0, id.version);
-                    let changes = it.content_changes;
-                    let changed = self.documents.change(&uri, version, changes, encoding);
-                    if let Some(path) = changed {
-                        self.changed(&path);
-                    }
-                }
-            }
-            "textDocument/didSave" => {
-                // A program that was missing a file may find it now.
-                if let Ok(it) = params::<DidSaveTextDocumentParams>(raw) {
-                    self.changed(&uri::path(&it.text_document.uri.0));
-                }
-            }
-            "textDocument/didClose" => {
-                if let Ok(it) = params::<DidCloseTextDocumentParams>(raw) {
-                    let path = self.documents.close(&it.text_document.uri.0);
-                    self.closed(&path);
-                }
-            }
-            _ => {}
+/// Takes note of something; `None`: nothing is to be done, or it cannot be understood.
+pub fn notification(
+    method: &str,
+    raw: Value,
+    documents: &Documents,
+    encoding: Encoding,
+) -> Option<Notification> {
+    match method {
+        "textDocument/didOpen" => {
+            let it = params::<DidOpenTextDocumentParams>(raw).ok()?.text_document;
+            let path = documents.open(it.uri.0, it.text, it.version);
+            Some(Notification::Changed(path))
         }
-    }
-
-    /// Answers a request.
-    pub(super) fn request(&mut self, method: &str, raw: Value) -> Result<Value, Failure> {
-        match method {
-            "textDocument/hover" => {
-                let it: HoverParams = params(raw)?;
-                let (analysis, at) = self.at(&it.text_document_position_params)?;
-                value(hover::hover(&analysis, at).map(|(text, site)| {
-                    json!({
-                        "contents": { "kind": "markdown", "value": text },
-                        "range": analysis.range(site),
-                    })
-                }))
-            }
-            "textDocument/definition" => {
-                let it: DefinitionParams = params(raw)?;
-                let (analysis, at) = self.at(&it.text_document_position_params)?;
-                let sites = definition::definitions(&analysis, at).into_iter();
-                let places = sites.map(|site| analysis.location(site, &self.documents));
-                value(places.collect::<Vec<Location>>())
-            }
-            "textDocument/references" => self.references(params(raw)?),
-            "textDocument/documentHighlight" => {
-                let it: DocumentHighlightParams = params(raw)?;
-                let (analysis, at) = self.at(&it.text_document_position_params)?;
-                let places = definition::highlights(&analysis, at).into_iter();
-                // Reading, or writing.
-                let kind = |declares| if declares { 3 } else { 2 };
-                let shown = places
-                    .map(|(range, declares)| json!({ "range": range, "kind": kind(declares) }));
-                value(shown.collect::<Vec<Value>>())
-            }
-            "textDocument/prepareRename" => {
-                let it: PrepareRenameParams = params(raw)?;
-                let (analysis, at) = self.at(&it.text_document_position_params)?;
-                let site = rename::renameable(&analysis, at)?;
-                let placeholder = analysis.checked.sources.text(site);
-                value(json!({ "range": analysis.range(site), "placeholder": placeholder }))
-            }
-            "textDocument/rename" => {
-                let it: RenameParams = params(raw)?;
-                let (analysis, at) = self.at(&it.text_document_position_params)?;
-                let all = self.all_analyses();
-                let all: Vec<&Analysis> = all.iter().map(|analysis| &**analysis).collect();
-                value(rename::rename(
-                    &analysis,
-                    &all,
-                    at,
-                    &it.new_name,
-                    &self.documents,
-                )?)
-            }
-            "textDocument/documentSymbol" => {
-                let it: DocumentSymbolParams = params(raw)?;
-                let analysis = self.of(&it.text_document.uri.0)?;
-                let lines = analysis.lines(FileId(0));
-                let checked = &analysis.checked;
-                value(symbols::symbols(
-                    &checked.tree.items,
-                    &checked.symbols,
-                    &lines,
-                ))
-            }
-            "textDocument/formatting" => {
-                let it: DocumentFormattingParams = params(raw)?;
-                let path = uri::path(&it.text_document.uri.0);
-                let document = self.documents.get(&path).ok_or_else(not_open)?;
-                let lines = Lines::of(&document.text, self.encoding);
-                value(formatting::edits(&document.text, &lines)?)
-            }
-            "textDocument/codeAction" => {
-                let it: CodeActionParams = params(raw)?;
-                let path = uri::path(&it.text_document.uri.0);
-                let analysis = self.of(&it.text_document.uri.0)?;
-                let lines = analysis.lines(FileId(0));
-                let between = (lines.offset(it.range.start), lines.offset(it.range.end));
-                value(actions::actions(&analysis, &path, between, &self.documents))
-            }
-            _ => Err(Failure::new(
-                Reason::MethodNotFound,
-                format!("`{method}` is not known"),
-            )),
+        "textDocument/didChange" => {
+            let it = params::<DidChangeTextDocumentParams>(raw).ok()?;
+            let id = it.text_document;
+            let (uri, version) = (id.text_document_identifier.uri.0, id.version);
+            let path = documents.change(&uri, version, it.content_changes, encoding)?;
+            Some(Notification::Changed(path))
         }
+        "textDocument/didSave" => {
+            params::<DidSaveTextDocumentParams>(raw).ok()?;
+            Some(Notification::Saved)
+        }
+        "textDocument/didClose" => {
+            let it = params::<DidCloseTextDocumentParams>(raw).ok()?;
+            Some(Notification::Closed(
+                documents.close(&it.text_document.uri.0),
+            ))
+        }
+        _ => None,
     }
+}
 
-    fn references(&mut self, it: ReferenceParams) -> Result<Value, Failure> {
-        let (analysis, at) = self.at(&it.text_document_position_params)?;
-        let Some(name) = analysis.name_at(at) else {
-            return value(json!([]));
-        };
-        let all = self.all_analyses();
-        let all: Vec<&Analysis> = all.iter().map(|analysis| &**analysis).collect();
-        let span = name.site.span;
-        let from = (
-            analysis.path(name.site.file).to_owned(),
-            span.start,
-            span.end,
-        );
-        let places = definition::everywhere(&all, from);
-        let found = places.iter().filter_map(|place| {
-            let (analysis, name) =
-                (all.iter()).find_map(|analysis| Some((analysis, named_at(analysis, place)?)))?;
-            let wanted = it.context.include_declaration || !name.declares;
-            wanted.then(|| analysis.location(name.site, &self.documents))
-        });
-        value(found.collect::<Vec<Location>>())
-    }
+/// The programs that have to be known for an answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Needs {
+    /// None: the text alone.
+    Text,
+    /// The one that is asked about.
+    Own,
+    /// All that are open.
+    All,
+}
 
-    /// What is known of an open program.
-    fn of(&mut self, uri: &str) -> Result<Rc<Analysis>, Failure> {
-        self.analysis(&uri::path(uri)).ok_or_else(not_open)
+/// What a request asks.
+pub struct Query {
+    /// The file that it is about.
+    pub path: String,
+    /// What has to be known first.
+    pub needs: Needs,
+    /// Works the answer out.
+    pub answer: Answer,
+}
+
+/// Works an answer out.
+pub type Answer = Box<dyn FnOnce(&Context<'_>) -> Result<Value, Failure> + Send>;
+
+/// What an answer is worked out from.
+pub struct Context<'c> {
+    /// The file that is asked about.
+    pub path: String,
+    /// What is known of the programs that are needed, the own one first.
+    pub programs: Vec<Arc<Analysis>>,
+    /// All open texts.
+    pub documents: Documents,
+    /// How the client counts characters.
+    pub encoding: Encoding,
+    /// Whether the client still waits.
+    pub cancellation: Cancellation<'c>,
+}
+
+impl Context<'_> {
+    /// What is known of the program that is asked about.
+    fn own(&self) -> Result<&Analysis, Failure> {
+        let own = self.programs.first();
+        own.map(|own| &**own).ok_or_else(not_open)
     }
 
     /// The same, and a byte of its file.
-    fn at(&mut self, it: &TextDocumentPositionParams) -> Result<(Rc<Analysis>, usize), Failure> {
-        let analysis = self.of(&it.text_document.uri.0)?;
+    fn at(&self, position: Position) -> Result<(&Analysis, usize), Failure> {
+        let analysis = self.own()?;
         if analysis.checked.sources.files().is_empty() {
             return Err(Failure::refusal("the file cannot be read"));
         }
-        let at = analysis.lines(FileId(0)).offset(it.position);
+        let at = analysis.lines(FileId(0)).offset(position);
         Ok((analysis, at))
     }
+
+    fn all(&self) -> Vec<&Analysis> {
+        self.programs.iter().map(|analysis| &**analysis).collect()
+    }
+}
+
+/// Says that a file is not open.
+pub fn not_open() -> Failure {
+    Failure::refusal("the file is not open")
+}
+
+impl Query {
+    fn new(
+        uri: &str,
+        needs: Needs,
+        answer: impl FnOnce(&Context<'_>) -> Result<Value, Failure> + Send + 'static,
+    ) -> Query {
+        Query {
+            path: uri::path(uri),
+            needs,
+            answer: Box::new(answer),
+        }
+    }
+
+    /// A question about a place.
+    fn at(
+        it: TextDocumentPositionParams,
+        needs: Needs,
+        answer: impl FnOnce(&Context<'_>, &Analysis, usize) -> Result<Value, Failure> + Send + 'static,
+    ) -> Query {
+        Query::new(&it.text_document.uri.0, needs, move |context| {
+            let (analysis, at) = context.at(it.position)?;
+            answer(context, analysis, at)
+        })
+    }
+
+    /// What a request asks.
+    ///
+    /// # Errors
+    ///
+    /// If that cannot be understood.
+    pub fn of(method: &str, raw: Value) -> Result<Query, Failure> {
+        Ok(match method {
+            "textDocument/hover" => {
+                let it: HoverParams = params(raw)?;
+                let it = it.text_document_position_params;
+                Query::at(it, Needs::Own, |context, analysis, at| {
+                    let found = hover::hover(analysis, at, context.cancellation)?;
+                    value(found.map(|(text, site)| {
+                        json!({
+                            "contents": { "kind": "markdown", "value": text },
+                            "range": analysis.range(site),
+                        })
+                    }))
+                })
+            }
+            "textDocument/definition" => {
+                let it: DefinitionParams = params(raw)?;
+                let it = it.text_document_position_params;
+                Query::at(it, Needs::Own, |context, analysis, at| {
+                    let sites = definition::definitions(analysis, at, context.cancellation)?;
+                    let places = sites.into_iter();
+                    let places = places.map(|site| analysis.location(site, &context.documents));
+                    value(places.collect::<Vec<Location>>())
+                })
+            }
+            "textDocument/references" => {
+                let it: ReferenceParams = params(raw)?;
+                let with_declaration = it.context.include_declaration;
+                let it = it.text_document_position_params;
+                Query::at(it, Needs::All, move |context, analysis, at| {
+                    references(context, analysis, at, with_declaration)
+                })
+            }
+            "textDocument/documentHighlight" => {
+                let it: DocumentHighlightParams = params(raw)?;
+                let it = it.text_document_position_params;
+                Query::at(it, Needs::Own, |_, analysis, at| {
+                    let places = definition::highlights(analysis, at).into_iter();
+                    // Reading, or writing.
+                    let kind = |declares| if declares { 3 } else { 2 };
+                    let shown = places
+                        .map(|(range, declares)| json!({ "range": range, "kind": kind(declares) }));
+                    value(shown.collect::<Vec<Value>>())
+                })
+            }
+            "textDocument/prepareRename" => {
+                let it: PrepareRenameParams = params(raw)?;
+                let it = it.text_document_position_params;
+                Query::at(it, Needs::Own, |_, analysis, at| {
+                    let site = rename::renameable(analysis, at)?;
+                    let placeholder = analysis.checked.sources.text(site);
+                    value(json!({ "range": analysis.range(site), "placeholder": placeholder }))
+                })
+            }
+            "textDocument/rename" => {
+                let it: RenameParams = params(raw)?;
+                let new_name = it.new_name;
+                let it = it.text_document_position_params;
+                Query::at(it, Needs::All, move |context, analysis, at| {
+                    let all = context.all();
+                    let (documents, cancellation) = (&context.documents, context.cancellation);
+                    value(rename::rename(
+                        analysis,
+                        &all,
+                        at,
+                        &new_name,
+                        documents,
+                        cancellation,
+                    )?)
+                })
+            }
+            "textDocument/documentSymbol" => {
+                let it: DocumentSymbolParams = params(raw)?;
+                Query::new(&it.text_document.uri.0, Needs::Own, |context| {
+                    let analysis = context.own()?;
+                    let lines = analysis.lines(FileId(0));
+                    let checked = &analysis.checked;
+                    value(symbols::symbols(
+                        &checked.tree.items,
+                        &checked.symbols,
+                        &lines,
+                    ))
+                })
+            }
+            "textDocument/formatting" => {
+                let it: DocumentFormattingParams = params(raw)?;
+                Query::new(&it.text_document.uri.0, Needs::Text, |context| {
+                    let document = context.documents.get(&context.path).ok_or_else(not_open)?;
+                    let lines = Lines::of(&document.text, context.encoding);
+                    value(formatting::edits(&document.text, &lines)?)
+                })
+            }
+            "textDocument/codeAction" => {
+                let it: CodeActionParams = params(raw)?;
+                Query::new(&it.text_document.uri.0, Needs::Own, move |context| {
+                    let analysis = context.own()?;
+                    let lines = analysis.lines(FileId(0));
+                    let between = (lines.offset(it.range.start), lines.offset(it.range.end));
+                    let (path, documents) = (&context.path, &context.documents);
+                    value(actions::actions(analysis, path, between, documents))
+                })
+            }
+            _ => {
+                return Err(Failure::new(
+                    Reason::MethodNotFound,
+                    format!("`{method}` is not known"),
+                ));
+            }
+        })
+    }
+}
+
+fn references(
+    context: &Context<'_>,
+    analysis: &Analysis,
+    at: usize,
+    with_declaration: bool,
+) -> Result<Value, Failure> {
+    let Some(name) = analysis.name_at(at) else {
+        return value(json!([]));
+    };
+    let all = context.all();
+    let span = name.site.span;
+    let from = (
+        analysis.path(name.site.file).to_owned(),
+        span.start,
+        span.end,
+    );
+    let places = definition::everywhere(&all, from);
+    let found = places.iter().filter_map(|place| {
+        let (analysis, name) =
+            (all.iter()).find_map(|analysis| Some((analysis, named_at(analysis, place)?)))?;
+        let wanted = with_declaration || !name.declares;
+        wanted.then(|| analysis.location(name.site, &context.documents))
+    });
+    value(found.collect::<Vec<Location>>())
 }

@@ -1,22 +1,39 @@
-//! The conversation: what has come in, what is still to be checked, and what has been said.
-use std::collections::{BTreeMap, BTreeSet, VecDeque};
+//! The conversation: what has come in, what is still to be answered, and what has been said.
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write;
-use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::rc::Rc;
-use std::sync::mpsc::{Receiver, RecvTimeoutError};
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender};
 use std::time::Duration;
 
 use gen_lsp_types::Diagnostic;
 use serde_json::{Value, json};
 
 use super::analysis::Analysis;
-use super::diagnostics;
 use super::documents::Documents;
+use super::jobs::{JobId, Jobs, Wanted};
 use super::position::Encoding;
+use super::programs::{Checked, Knowledge, Programs};
+use super::requests::{self, Answer, Context, Needs, Notification, Query};
 use super::wire::{self, Failure, Incoming, Message, Reason};
 
-/// How long nothing has to come in before a changed text is checked.
+/// How long nothing has to come in before a changed text is checked unasked.
 const PAUSE: Duration = Duration::from_millis(120);
+
+/// What the server waits for.
+pub enum Event {
+    /// Something from the client.
+    Incoming(Incoming),
+    /// The end of a job; nothing has come out of one that was cancelled or has failed.
+    Done(JobId, Option<Done>),
+}
+
+/// What comes out of a job.
+pub enum Done {
+    /// A program has been checked.
+    Checked(Checked),
+    /// A request has been worked out.
+    Answered(Result<Value, Failure>),
+}
 
 /// How far the conversation is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,104 +48,102 @@ enum Stage {
 pub struct Server<W> {
     output: W,
     stage: Stage,
-    /// Messages that wait for their turn.
-    queue: VecDeque<Incoming>,
-    pub(super) documents: Documents,
-    pub(super) encoding: Encoding,
-    /// What is known of each open program; nothing, where that is out of date.
-    analyses: BTreeMap<String, Rc<Analysis>>,
-    /// Programs whose findings the client has not seen.
-    unseen: BTreeSet<String>,
-    /// The diagnostics of each program by file, as they were found.
-    found: BTreeMap<String, BTreeMap<String, Vec<Diagnostic>>>,
+    jobs: Jobs,
+    documents: Documents,
+    encoding: Encoding,
+    programs: Programs,
+    /// Requests without an answer, in the order in which they have come in.
+    requests: Vec<Request>,
     /// The diagnostics of each file, as the client has them, and the number of its text.
     shown: BTreeMap<String, (Option<i32>, Vec<Diagnostic>)>,
     /// Nobody listens any more.
     gone: bool,
 }
 
+/// A request without an answer.
+struct Request {
+    id: Value,
+    method: String,
+    path: String,
+    needs: Needs,
+    work: Work,
+}
+
+/// How far a request is.
+enum Work {
+    /// Something has to be known first.
+    Waiting(Answer),
+    UnderWay(JobId),
+}
+
+impl Request {
+    /// Whether its answer would be about texts that are not as they are now.
+    fn is_about(&self, changed: &str, outdated: &BTreeSet<String>) -> bool {
+        match self.needs {
+            Needs::Text => self.path == changed,
+            Needs::Own => outdated.contains(&self.path),
+            Needs::All => {
+                let is_under_way = matches!(self.work, Work::UnderWay(_));
+                outdated.contains(&self.path) || is_under_way && !outdated.is_empty()
+            }
+        }
+    }
+}
+
 impl<W: Write> Server<W> {
-    /// Waits for a client.
-    pub fn new(output: W) -> Server<W> {
+    /// Waits for a client; the ends of jobs come in with its messages.
+    pub fn new(output: W, events: SyncSender<Event>) -> Server<W> {
         Server {
             output,
             stage: Stage::Begun,
-            queue: VecDeque::new(),
+            jobs: Jobs::new(events),
             documents: Documents::default(),
             encoding: Encoding::default(),
-            analyses: BTreeMap::new(),
-            unseen: BTreeSet::new(),
-            found: BTreeMap::new(),
+            programs: Programs::default(),
+            requests: Vec::new(),
             shown: BTreeMap::new(),
             gone: false,
         }
     }
 
     /// Answers until the end; whether the client said `shutdown` before it left.
-    pub fn run(mut self, receiver: &Receiver<Incoming>) -> bool {
+    pub fn run(mut self, receiver: Receiver<Event>) -> bool {
         while !self.gone {
-            // What has come in meanwhile may take back what is asked.
-            while self.queue.len() < super::MOST_WAITING
-                && let Ok(incoming) = receiver.try_recv()
-            {
-                self.enqueue(incoming);
-            }
-            let next = match self.queue.pop_front() {
-                Some(next) => next,
-                None if self.unseen.is_empty() => match receiver.recv() {
-                    Ok(incoming) => incoming,
-                    Err(_) => break,
-                },
-                None => match receiver.recv_timeout(PAUSE) {
-                    Ok(incoming) => incoming,
-                    Err(RecvTimeoutError::Timeout) => {
-                        self.check_one();
-                        continue;
-                    }
-                    Err(RecvTimeoutError::Disconnected) => break,
-                },
+            let event = match self.unchecked() {
+                None => receiver.recv().map_err(|_| RecvTimeoutError::Disconnected),
+                Some(_) => receiver.recv_timeout(PAUSE),
             };
-            match next {
-                Incoming::Message(message) if message.method == "exit" => break,
-                Incoming::Message(message) => self.message(message),
-                Incoming::Garbage(why) => {
+            match event {
+                Ok(Event::Incoming(Incoming::Message(message))) if message.method == "exit" => {
+                    break;
+                }
+                Ok(Event::Incoming(Incoming::Message(message))) => self.message(message),
+                Ok(Event::Incoming(Incoming::Garbage(why))) => {
                     let failure = Failure::new(Reason::ParseError, why);
                     self.send(&wire::answer(&Value::Null, Err(failure)));
                 }
-                Incoming::End => break,
+                Ok(Event::Done(job, done)) => self.done(job, done),
+                Err(RecvTimeoutError::Timeout) => {
+                    if let Some(path) = self.unchecked() {
+                        self.check(&path, Wanted::Unasked);
+                    }
+                }
+                Ok(Event::Incoming(Incoming::End)) | Err(RecvTimeoutError::Disconnected) => break,
             }
+            self.proceed();
         }
+        // A job that has ended meanwhile need not wait to be heard.
+        drop(receiver);
         self.stage == Stage::Leaving
-    }
-
-    /// Puts a message at the end of the queue, or takes one out of it that is cancelled.
-    fn enqueue(&mut self, incoming: Incoming) {
-        let cancelled = match &incoming {
-            Incoming::Message(message) if message.method == "$/cancelRequest" => {
-                message.params.get("id").cloned()
-            }
-            _ => {
-                self.queue.push_back(incoming);
-                return;
-            }
-        };
-        let Some(id) = cancelled else { return };
-        let is_it = |waiting: &Incoming| {
-            matches!(waiting, Incoming::Message(message)
-                if message.id.as_ref() == Some(&id) && !message.method.is_empty())
-        };
-        if let Some(at) = self.queue.iter().position(is_it) {
-            self.queue.remove(at);
-            let failure = Failure::new(Reason::RequestCancelled, "cancelled");
-            self.send(&wire::answer(&id, Err(failure)));
-        }
     }
 
     fn message(&mut self, message: Message) {
         let Message { id, method, params } = message;
         let Some(id) = id else {
-            if self.stage == Stage::Serving {
-                self.notification(&method, params);
+            match method.as_str() {
+                "$/cancelRequest" => self.cancel(params.get("id").unwrap_or(&Value::Null)),
+                _ if self.stage == Stage::Serving => self.notification(&method, params),
+                _ => {}
             }
             return;
         };
@@ -144,24 +159,189 @@ impl<W: Write> Server<W> {
             )),
             ("shutdown", Stage::Serving) => {
                 self.stage = Stage::Leaving;
+                self.jobs.cancel_all();
+                self.programs = Programs::default();
+                self.fail(|_| true, &Failure::cancelled());
                 Ok(Value::Null)
             }
             ("initialize", Stage::Serving) | (_, Stage::Leaving) => Err(Failure::new(
                 Reason::InvalidRequest,
                 format!("too late for `{method}`"),
             )),
-            (_, Stage::Serving) => self.guarded(&method, params),
+            (_, Stage::Serving) => match self.query(&method, params) {
+                Ok(query) => {
+                    self.requests.push(Request {
+                        id,
+                        method,
+                        path: query.path,
+                        needs: query.needs,
+                        work: Work::Waiting(query.answer),
+                    });
+                    return;
+                }
+                Err(failure) => Err(failure),
+            },
         };
         self.send(&wire::answer(&id, result));
     }
 
-    /// Answers a request; a mistake of the server's costs an answer, not the conversation.
-    fn guarded(&mut self, method: &str, params: Value) -> Result<Value, Failure> {
-        let answer = catch_unwind(AssertUnwindSafe(|| self.request(method, params)));
-        answer.unwrap_or_else(|_| {
-            let why = format!("`{method}` failed: please report this with the program");
-            Err(Failure::new(Reason::InternalError, why))
-        })
+    fn query(&self, method: &str, params: Value) -> Result<Query, Failure> {
+        let query = Query::of(method, params)?;
+        match self.documents.get(&query.path) {
+            Some(_) => Ok(query),
+            None => Err(requests::not_open()),
+        }
+    }
+
+    fn notification(&mut self, method: &str, params: Value) {
+        let (documents, encoding) = (&self.documents, self.encoding);
+        let Some(it) = requests::notification(method, params, documents, encoding) else {
+            return;
+        };
+        let (path, outdated) = match it {
+            Notification::Changed(path) => {
+                let outdated = self.programs.changed(&path, &self.jobs);
+                (path, outdated)
+            }
+            Notification::Saved => (String::new(), self.programs.saved(&self.jobs)),
+            Notification::Closed(path) => {
+                let outdated = self.programs.closed(&path, &self.jobs);
+                self.show();
+                (path, outdated)
+            }
+        };
+        let why = Failure::new(Reason::ContentModified, "the text has changed");
+        self.fail(|request| request.is_about(&path, &outdated), &why);
+    }
+
+    fn cancel(&mut self, id: &Value) {
+        self.fail(|request| request.id == *id, &Failure::cancelled());
+    }
+
+    /// Says of some requests why they are not answered, and lets their work end.
+    fn fail(&mut self, is_meant: impl Fn(&Request) -> bool, why: &Failure) {
+        let (meant, rest) = std::mem::take(&mut self.requests)
+            .into_iter()
+            .partition(is_meant);
+        self.requests = rest;
+        for request in meant {
+            if let Work::UnderWay(job) = request.work {
+                self.jobs.cancel(job);
+            }
+            self.send(&wire::answer(&request.id, Err(why.clone())));
+        }
+    }
+
+    /// Takes over what has come out of a job.
+    fn done(&mut self, job: JobId, done: Option<Done>) {
+        self.jobs.ended(job);
+        let is_it = |request: &Request| matches!(request.work, Work::UnderWay(own) if own == job);
+        if let Some(at) = self.requests.iter().position(is_it) {
+            let request = self.requests.remove(at);
+            let result = match done {
+                Some(Done::Answered(result)) => result,
+                _ => Err(failed(&request.method)),
+            };
+            self.send(&wire::answer(&request.id, result));
+            return;
+        }
+        let checked = match done {
+            Some(Done::Checked(checked)) => Some(checked),
+            _ => None,
+        };
+        if self.programs.checked(job, checked) {
+            self.show();
+        }
+    }
+
+    /// Goes on with the requests: starts the checks that they wait for, and those that wait for nothing more.
+    fn proceed(&mut self) {
+        for mut request in std::mem::take(&mut self.requests) {
+            if let Work::Waiting(answer) = request.work {
+                request.work = match self.needed(&request.path, request.needs) {
+                    Some(Ok(programs)) if self.jobs.has_room(Wanted::Asked) => {
+                        match self.work_out(request.path.clone(), programs, answer) {
+                            Some(job) => Work::UnderWay(job),
+                            None => {
+                                let why = failed(&request.method);
+                                self.send(&wire::answer(&request.id, Err(why)));
+                                continue;
+                            }
+                        }
+                    }
+                    Some(Err(())) => {
+                        let why = failed(&request.method);
+                        self.send(&wire::answer(&request.id, Err(why)));
+                        continue;
+                    }
+                    Some(Ok(_)) | None => Work::Waiting(answer),
+                };
+            }
+            self.requests.push(request);
+        }
+    }
+
+    /// What is known of the programs that a request needs, the own one first: an error, if a check of one of them has failed.
+    /// `None`: something has to be checked first, and is, as soon as there is room.
+    fn needed(&mut self, path: &str, needs: Needs) -> Option<Result<Vec<Arc<Analysis>>, ()>> {
+        let paths: Vec<String> = match needs {
+            Needs::Text => Vec::new(),
+            Needs::Own => vec![path.to_owned()],
+            Needs::All => {
+                let others = self.programs.paths().filter(|other| *other != path);
+                std::iter::once(path.to_owned())
+                    .chain(others.cloned())
+                    .collect()
+            }
+        };
+        let mut programs = Some(Vec::new());
+        for path in paths {
+            match self.programs.known(&path) {
+                Some(Knowledge::Known(analysis)) => {
+                    programs.as_mut().map(|programs| programs.push(analysis));
+                }
+                Some(Knowledge::Failed) | None => return Some(Err(())),
+                Some(Knowledge::Waiting) => {
+                    self.check(&path, Wanted::Asked);
+                    programs = None;
+                }
+            }
+        }
+        programs.map(Ok)
+    }
+
+    /// Starts to work an answer out; `None`: there is no thread for it.
+    fn work_out(
+        &mut self,
+        path: String,
+        programs: Vec<Arc<Analysis>>,
+        answer: Answer,
+    ) -> Option<JobId> {
+        let (documents, encoding) = (self.documents.clone(), self.encoding);
+        let job = self.jobs.start(move |cancellation| {
+            let context = Context {
+                path,
+                programs,
+                documents,
+                encoding,
+                cancellation,
+            };
+            Some(Done::Answered(answer(&context)))
+        });
+        job.ok()
+    }
+
+    /// A program that is to be checked unasked, if there is room for that.
+    fn unchecked(&self) -> Option<String> {
+        let unchecked = self.programs.unchecked();
+        unchecked
+            .filter(|_| self.jobs.has_room(Wanted::Unasked))
+            .cloned()
+    }
+
+    fn check(&mut self, path: &str, wanted: Wanted) {
+        let (documents, encoding) = (&self.documents, self.encoding);
+        (self.programs).check(path, wanted, documents, encoding, &mut self.jobs);
     }
 
     fn initialize(&mut self, params: &Value) -> Value {
@@ -195,73 +375,10 @@ impl<W: Write> Server<W> {
         })
     }
 
-    /// Says that a text has changed: what is known of it and of those that import it is out of date.
-    pub(super) fn changed(&mut self, path: &str) {
-        let is_concerned = |analysis: &Analysis| {
-            let files = analysis.checked.sources.files();
-            let missing = analysis
-                .checked
-                .findings
-                .iter()
-                .any(|finding| finding.code == stochc_compiler::finding::Code::ImportMissing);
-            missing || files.iter().any(|file| file.name == path)
-        };
-        self.analyses.retain(|_, analysis| !is_concerned(analysis));
-        self.analyses.remove(path);
-        for path in self.documents.paths() {
-            if !self.analyses.contains_key(path) {
-                self.unseen.insert(path.clone());
-            }
-        }
-    }
-
-    /// Forgets a program that is closed.
-    pub(super) fn closed(&mut self, path: &str) {
-        self.unseen.remove(path);
-        self.found.remove(path);
-        self.changed(path);
-        self.show();
-    }
-
-    /// What is known of an open program as it is now.
-    pub(super) fn analysis(&mut self, path: &str) -> Option<Rc<Analysis>> {
-        self.documents.get(path)?;
-        if let Some(known) = self.analyses.get(path) {
-            return Some(known.clone());
-        }
-        let analysis = Rc::new(Analysis::of(path, &self.documents, self.encoding));
-        self.analyses.insert(path.to_owned(), analysis.clone());
-        Some(analysis)
-    }
-
-    /// What is known of all open programs as they are now.
-    pub(super) fn all_analyses(&mut self) -> Vec<Rc<Analysis>> {
-        let paths: Vec<String> = self.documents.paths().cloned().collect();
-        paths
-            .iter()
-            .filter_map(|path| self.analysis(path))
-            .collect()
-    }
-
-    /// Checks one program that has changed, and shows what is found.
-    fn check_one(&mut self) {
-        let Some(path) = self.unseen.pop_first() else {
-            return;
-        };
-        let found = catch_unwind(AssertUnwindSafe(|| {
-            let analysis = self.analysis(&path)?;
-            Some(diagnostics::of(&analysis, &path, &self.documents))
-        }));
-        if let Ok(Some(found)) = found {
-            self.found.insert(path, found);
-        }
-        self.show();
-    }
-
     /// Tells the client of every file whose diagnostics have changed.
     fn show(&mut self) {
         let mut now: BTreeMap<String, Vec<Diagnostic>> = BTreeMap::new();
-        for (path, diagnostics) in self.found.values().flatten() {
+        for (path, diagnostics) in self.programs.found() {
             let all = now.entry(path.clone()).or_default();
             for diagnostic in diagnostics {
                 // Two programs that import one file find the same in it.
@@ -274,7 +391,7 @@ impl<W: Write> Server<W> {
         let paths: BTreeSet<String> = now.keys().chain(shown.keys()).cloned().collect();
         for path in paths {
             // Of a text that is still to be checked, what is known is out of date.
-            if self.unseen.contains(&path) {
+            if self.programs.is_unseen(&path) {
                 now.remove(&path);
                 if let Some(old) = shown.remove(&path) {
                     self.shown.insert(path, old);
@@ -308,4 +425,10 @@ impl<W: Write> Server<W> {
     fn send(&mut self, message: &Value) {
         self.gone |= wire::write(&mut self.output, message).is_err();
     }
+}
+
+/// Says that the server has made a mistake.
+fn failed(method: &str) -> Failure {
+    let why = format!("`{method}` failed: please report this with the program");
+    Failure::new(Reason::InternalError, why)
 }

@@ -5,6 +5,7 @@
 use std::io::{self, BufRead, Read as _, Write};
 
 use serde_json::{Value, json};
+use stochc_compiler::Cancelled;
 
 /// Bytes of one message, at most.
 const MOST_BYTES: u64 = 1 << 28;
@@ -181,6 +182,7 @@ pub enum Reason {
     ServerNotInitialized = -32002,
     RequestFailed = -32803,
     RequestCancelled = -32800,
+    ContentModified = -32801,
 }
 
 /// Why a request cannot be answered.
@@ -201,9 +203,20 @@ impl Failure {
         }
     }
 
+    /// The client does not want the answer any more.
+    pub fn cancelled() -> Failure {
+        Failure::new(Reason::RequestCancelled, "cancelled")
+    }
+
     /// What was wanted makes sense, but cannot be done here.
     pub fn refusal(message: impl Into<String>) -> Failure {
         Failure::new(Reason::RequestFailed, message)
+    }
+}
+
+impl From<Cancelled> for Failure {
+    fn from(_: Cancelled) -> Failure {
+        Failure::cancelled()
     }
 }
 

@@ -82,6 +82,27 @@ impl Client {
         }
     }
 
+    /// The next answers, to whatever was asked, in the order in which they come.
+    pub fn answers(&mut self, count: usize) -> Vec<Value> {
+        let mut answers = Vec::new();
+        while answers.len() < count {
+            let message = self.receive().expect("an answer");
+            match message.get("method") {
+                Some(_) => self.notifications.push(message),
+                None => answers.push(message),
+            }
+        }
+        answers
+    }
+
+    /// The numbers of a text for which diagnostics have come in so far.
+    pub fn diagnosed(&self, uri: &str) -> Vec<i64> {
+        let diagnosed = self.notifications.iter().map(|it| &it["params"]);
+        (diagnosed.filter(|it| it["uri"] == uri))
+            .map(|it| it["version"].as_i64().unwrap())
+            .collect()
+    }
+
     /// The next diagnostics of a text.
     pub fn diagnostics(&mut self, uri: &str) -> Vec<Value> {
         let is_it = |message: &Value| {

@@ -3,6 +3,7 @@
     clippy::disallowed_methods,
     reason = "the tests write what the server is to read"
 )]
+mod cancellation;
 mod client;
 mod neovim;
 mod programs;

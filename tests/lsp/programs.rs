@@ -83,6 +83,8 @@ fn a_name_in_a_pattern_stands_for_all_its_blocks() {
     ] {
         assert!(text.contains(part), "{part} in\n{text}");
     }
+    // What is counted by is no block.
+    assert!(hover("height]", 0).contains("**`height`**, parameter"));
     // A parameter stands for the blocks that are given for it.
     assert!(hover("base.up", 0).contains("**`A`**, block of `city`"));
 }

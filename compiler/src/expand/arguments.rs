@@ -1,13 +1,14 @@
 //! What a pattern is given, held against what it needs.
 use stochc_grammar::Span;
-use stochc_grammar::tree::{Argument, Expr, ExprKind, Instance, Pattern, Place};
+use stochc_grammar::tree::{Argument, Expr, ExprKind, Instance, Name, Pattern, Place};
 use stochc_ir::suggest::nearest;
 
 use super::Expander;
 use super::place::face_meant;
 use super::scope::Value;
-use super::uses::{Kind, Uses};
+use super::uses::Uses;
 use crate::finding::{Code, Edit, Finding, Fix};
+use crate::names::ValueKind;
 use crate::plan::{Grown, Key};
 use crate::{FileId, Site};
 
@@ -16,9 +17,9 @@ struct Misfit {
     /// Which.
     number: usize,
     /// What it is.
-    given: Kind,
+    given: ValueKind,
     /// What it has to be, and where it is used so.
-    needed: (Kind, Site),
+    needed: (ValueKind, Site),
 }
 
 impl<'a> Expander<'a, '_> {
@@ -32,10 +33,10 @@ impl<'a> Expander<'a, '_> {
         let mut values: Vec<Value> = (instance.arguments.iter())
             .map(|argument| self.argument(argument))
             .collect();
-        let uses = self.known.uses(file, pattern, &self.patterns);
+        let uses = (self.known).uses((file, pattern), &self.patterns, self.names);
         let misfits: Vec<Misfit> = (values.iter().zip(&*uses).enumerate())
             .filter_map(|(number, (&value, uses))| {
-                let (given, needed) = (Kind::of(value)?, uses.only()?);
+                let (given, needed) = (value.kind()?, uses.only()?);
                 (given != needed.0).then_some(Misfit {
                     number,
                     given,
@@ -108,7 +109,11 @@ impl<'a> Expander<'a, '_> {
             Argument::Expr(expr) => {
                 // A bare name is a number, a face or a block, whichever it stands for.
                 if let ExprKind::Name(word) = expr.kind {
-                    let value = self.scope.get(word).unwrap_or(Value::Block(Key {
+                    let name = Name {
+                        symbol: word,
+                        span: expr.span,
+                    };
+                    let value = self.value(name).unwrap_or(Value::Block(Key {
                         scope: self.scope.instance,
                         word,
                         arity: 0,
@@ -154,14 +159,15 @@ impl<'a> Expander<'a, '_> {
         // A bare name that nothing has is only taken for a block because nothing else is known of it.
         let unknown = match (argument, value) {
             (Argument::Expr(expr), Value::Block(key))
-                if self.plan.roles.get(&key).is_none() && self.scope.get(key.word).is_none() =>
+                if self.plan.roles.get(&key).is_none()
+                    && self.names.value(self.file, expr.span).is_none() =>
             {
                 Some((expr, key.word))
             }
             _ => None,
         };
         match (needed, unknown) {
-            (Kind::Number, Some((expr, _))) => {
+            (ValueKind::Number, Some((expr, _))) => {
                 let told = self.findings.len();
                 self.evaluate(expr);
                 for finding in &mut self.findings[told..] {
@@ -169,7 +175,7 @@ impl<'a> Expander<'a, '_> {
                 }
                 return;
             }
-            (Kind::Face, Some((_, word))) => {
+            (ValueKind::Face, Some((_, word))) => {
                 let word = name(word);
                 let meant = face_meant(word)
                     .or_else(|| nearest(word, stochc_ir::Face::ALL.map(|face| face.word())));
@@ -193,9 +199,9 @@ impl<'a> Expander<'a, '_> {
             misfit.given.noun(),
         );
         let help = match needed {
-            Kind::Block => "give it the name of a block: a seed, or one that is captured",
-            Kind::Number => "give it a whole number, or the name of a `let`",
-            Kind::Face => "give it one of up, down, north, south, east and west",
+            ValueKind::Block => "give it the name of a block: a seed, or one that is captured",
+            ValueKind::Number => "give it a whole number, or the name of a `let`",
+            ValueKind::Face => "give it one of up, down, north, south, east and west",
         };
         let finding = Finding::new(Code::WrongKind, title)
             .label(site, format!("this is {}", misfit.given.noun()))
@@ -257,7 +263,7 @@ fn right_order(misfits: &[Misfit], values: &[Value], uses: &[Uses]) -> Option<Ve
     if let [only] = misfits {
         // An argument whose parameter is not used is right anywhere.
         let mut others = (values.iter().zip(uses).enumerate())
-            .filter(|(_, (value, uses))| Kind::of(**value) == Some(only.needed.0) && !uses.any())
+            .filter(|(_, (value, uses))| value.kind() == Some(only.needed.0) && !uses.any())
             .map(|(number, _)| number);
         let first = others.next()?;
         let is_only = others.next().is_none();

@@ -1,28 +1,29 @@
 //! Numbers.
-use stochc_grammar::tree::{Expr, ExprKind, Operator};
+use stochc_grammar::tree::{Expr, ExprKind, Name, Operator};
 
 use super::Expander;
 use super::scope::Value;
-use super::uses::Kind;
 use crate::finding::{Code, Finding};
+use crate::names::ValueKind;
 
 impl Expander<'_, '_> {
     /// The value of an expression; what it cannot work out it tells of.
     pub fn evaluate(&mut self, expr: &Expr) -> Option<i64> {
         match &expr.kind {
             ExprKind::Int(value) => Some(*value),
-            ExprKind::Name(word) => match self.scope.get(*word) {
-                Some(Value::Number(value)) => Some(value),
-                Some(Value::Unknown) => None,
-                Some(value @ (Value::Block(_) | Value::Face(_))) => {
-                    self.wrong_kind(*word, value, Kind::Number, expr.span);
-                    None
+            ExprKind::Name(symbol) => {
+                let name = Name {
+                    symbol: *symbol,
+                    span: expr.span,
+                };
+                match self.value(name) {
+                    Some(Value::Number(value)) => return Some(value),
+                    Some(Value::Unknown) => {}
+                    Some(value) => self.wrong_kind(name, value, ValueKind::Number),
+                    None => self.unknown_number(name.symbol, name.span),
                 }
-                None => {
-                    self.unknown_number(*word, expr.span);
-                    None
-                }
-            },
+                None
+            }
             ExprKind::Negate(inner) => {
                 let value = self.evaluate(inner)?;
                 self.in_range(value.checked_neg(), expr)

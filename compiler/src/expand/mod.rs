@@ -14,9 +14,10 @@ use rustc_hash::FxHashMap;
 use stochc_grammar::tree::{
     Aggregate, Assembly, Item, ItemKind, Name, Pattern, Phase, Quantity, Shape,
 };
-use stochc_grammar::{Span, Symbol, Symbols};
+use stochc_grammar::{Cancellation, Cancelled, Span, Symbol, Symbols};
 
 use crate::finding::{Code, Finding, Fix, LONG, MOST_FINDINGS, removal, tell};
+use crate::names::{Names, Thing};
 use crate::plan::{After, Event, EventId, Key, Plan, PlanPhase, Roles, Timeout};
 use crate::{FileId, Site, Sources};
 pub use probe::Probe;
@@ -32,6 +33,26 @@ pub struct Limits {
     pub steps: usize,
     /// Cells that are searched for ways in, besides 10 for every capture and release.
     pub search: u64,
+    /// The command that goes beyond these limits, for messages.
+    pub further: Option<&'static str>,
+}
+
+impl Limits {
+    /// How far a program is followed while it is written.
+    pub const EDITOR: Limits = Limits {
+        events: 1_000_000,
+        steps: 10_000_000,
+        search: 2_000_000,
+        further: Some("stochc check"),
+    };
+
+    /// What to do about a program beyond them.
+    fn help(self, usual: &str) -> String {
+        match self.further {
+            Some(command) => format!("an editor looks no further, `{command}` does; or {usual}"),
+            None => usual.to_owned(),
+        }
+    }
 }
 
 impl Default for Limits {
@@ -40,8 +61,18 @@ impl Default for Limits {
             events: 10_000_000,
             steps: 100_000_000,
             search: 2_000_000,
+            further: None,
         }
     }
+}
+
+/// How far a program is followed, and for how long.
+#[derive(Clone, Copy, Debug)]
+pub struct Bounds<'c> {
+    /// How large it may grow.
+    pub limits: Limits,
+    /// Whether anybody still waits for it.
+    pub cancellation: Cancellation<'c>,
 }
 
 /// A program with more than one in so many of the events that are allowed is counted before it is
@@ -59,25 +90,33 @@ pub struct Declarations<'a> {
     pub shapes: FxHashMap<Symbol, (FileId, &'a Shape)>,
     /// The numbers, with their files, in source order.
     pub lets: Vec<(FileId, &'a Item)>,
+    /// What the names of the files refer to.
+    pub names: &'a Names,
 }
 
+/// What a program is written out to, and the shapes that it knows.
+pub type Expanded<'a> = (Plan, FxHashMap<Symbol, (FileId, &'a Shape)>);
+
 /// Writes a program out.
+///
+/// # Errors
+///
+/// [`Cancelled`] if nobody waits for it.
 pub fn expand<'a>(
     declarations: &Declarations<'a>,
-    file: FileId,
-    assembly: &'a Assembly,
+    assembly: (FileId, &'a Assembly),
     sources: &Sources,
     symbols: &mut Symbols,
-    limits: Limits,
+    bounds: Bounds<'_>,
     findings: &mut Vec<Finding>,
-) -> (Plan, FxHashMap<Symbol, (FileId, &'a Shape)>) {
+) -> Result<Expanded<'a>, Cancelled> {
     let mut nowhere = Probe::default();
     expand_probed(
         declarations,
-        (file, assembly),
+        assembly,
         sources,
         symbols,
-        limits,
+        bounds,
         findings,
         &mut nowhere,
     )
@@ -89,10 +128,14 @@ pub fn expand_probed<'a>(
     (file, assembly): (FileId, &'a Assembly),
     sources: &Sources,
     symbols: &mut Symbols,
-    limits: Limits,
+    bounds: Bounds<'_>,
     findings: &mut Vec<Finding>,
     probe: &mut Probe,
-) -> (Plan, FxHashMap<Symbol, (FileId, &'a Shape)>) {
+) -> Result<Expanded<'a>, Cancelled> {
+    let Bounds {
+        limits,
+        cancellation,
+    } = bounds;
     let mut attempt = |limits: Limits, pass: Pass, probe: &mut Probe| {
         let mut told = Vec::new();
         let mut expander = Expander::new(
@@ -100,29 +143,31 @@ pub fn expand_probed<'a>(
             (file, assembly.name),
             sources,
             symbols,
-            limits,
+            Bounds { limits, ..bounds },
             &mut told,
             probe,
         );
         expander.pass = pass;
         expander.assembly(assembly);
         let (plan, shapes, outgrown) = (expander.plan, expander.shapes, expander.outgrown);
-        (plan, shapes, outgrown, told)
+        // It may have been given up before its end.
+        cancellation.check()?;
+        Ok((plan, shapes, outgrown, told))
     };
     let few = Limits {
         events: limits.events / UNCOUNTED,
         ..limits
     };
-    let (mut plan, mut shapes, outgrown, mut told) = attempt(few, Pass::Writing, probe);
+    let (mut plan, mut shapes, outgrown, mut told) = attempt(few, Pass::Writing, probe)?;
     if outgrown {
-        (plan, shapes, _, told) = attempt(limits, Pass::Counting, &mut Probe::default());
+        (plan, shapes, _, told) = attempt(limits, Pass::Counting, &mut Probe::default())?;
         let is_limit = |finding: &Finding| finding.code == Code::ExpansionLimit;
         if !told.iter().any(is_limit) {
-            (plan, shapes, _, told) = attempt(limits, Pass::Writing, probe);
+            (plan, shapes, _, told) = attempt(limits, Pass::Writing, probe)?;
         }
     }
     findings.append(&mut told);
-    (plan, shapes)
+    Ok((plan, shapes))
 }
 
 /// The sizes that an aggregate reaches, as phases of a program without a plate.
@@ -133,13 +178,17 @@ pub fn expand_aggregate(
     symbols: &mut Symbols,
     findings: &mut Vec<Finding>,
 ) -> Plan {
-    let (limits, mut nowhere) = (Limits::default(), Probe::default());
+    let bounds = Bounds {
+        limits: Limits::default(),
+        cancellation: Cancellation::NEVER,
+    };
+    let mut nowhere = Probe::default();
     let mut expander = Expander::new(
         declarations,
         (file, aggregate.name),
         sources,
         symbols,
-        limits,
+        bounds,
         findings,
         &mut nowhere,
     );
@@ -197,6 +246,8 @@ struct Expander<'a, 'f> {
     plan: Plan,
     patterns: FxHashMap<Symbol, (FileId, &'a Pattern)>,
     shapes: FxHashMap<Symbol, (FileId, &'a Shape)>,
+    /// What the names of the files refer to.
+    names: &'a Names,
     scope: Scope,
     /// What the patterns use their parameters as.
     known: uses::Known,
@@ -214,6 +265,7 @@ struct Expander<'a, 'f> {
     nesting: usize,
     steps: usize,
     limits: Limits,
+    cancellation: Cancellation<'f>,
     pass: Pass,
     grown: Grown,
     /// A limit has been reached: nothing more is written out.
@@ -238,7 +290,7 @@ impl<'a, 'f> Expander<'a, 'f> {
         (file, name): (FileId, Name),
         sources: &'f Sources,
         symbols: &'f mut Symbols,
-        limits: Limits,
+        bounds: Bounds<'f>,
         findings: &'f mut Vec<Finding>,
         probe: &'f mut Probe,
     ) -> Expander<'a, 'f> {
@@ -260,6 +312,7 @@ impl<'a, 'f> Expander<'a, 'f> {
             },
             patterns: declarations.patterns.clone(),
             shapes: declarations.shapes.clone(),
+            names: declarations.names,
             scope: Scope::default(),
             known: uses::Known::default(),
             lets: declarations.lets.clone(),
@@ -269,7 +322,8 @@ impl<'a, 'f> Expander<'a, 'f> {
             anonymous: 0,
             nesting: 0,
             steps: 0,
-            limits,
+            limits: bounds.limits,
+            cancellation: bounds.cancellation,
             pass: Pass::Writing,
             grown: Grown::default(),
             exhausted: false,
@@ -371,8 +425,12 @@ impl<'a> Expander<'a, '_> {
         self.nesting -= 1;
     }
 
-    /// Counts a statement; false when there have been too many.
+    /// Counts a statement; false when there have been too many, or nobody waits for the result.
     fn step(&mut self, span: Span) -> bool {
+        if self.cancellation.is_cancelled() {
+            self.exhausted = true;
+            return false;
+        }
         self.steps += 1;
         let most = self.limits;
         // What is written out beside the events takes memory as well.
@@ -406,7 +464,7 @@ impl<'a> Expander<'a, '_> {
             finding = finding.label(site, "in this instance");
         }
         let help = "look for a loop with too large a range, or patterns that multiply each other";
-        self.findings.push(finding.help(help));
+        self.findings.push(finding.help(self.limits.help(help)));
         false
     }
 
@@ -453,20 +511,31 @@ impl<'a> Expander<'a, '_> {
         let ItemKind::Let(let_) = &item.kind else {
             return;
         };
-        let site = self.site(let_.name.span);
         // Where its value is in doubt, so is the name: it is declared all the same.
         let value = self
             .evaluate(&let_.value)
             .map_or(Value::Unknown, Value::Number);
-        self.define(let_.name.symbol, value, site);
+        self.define(let_.name, value);
     }
 
     /// Gives a name a value, unless it has one in the same block.
-    fn define(&mut self, name: Symbol, value: Value, site: Site) {
-        if let Some(old) = self.scope.define(name, value, site) {
-            let finding = duplicate(self.symbols.word(name), old, site, "a `let`");
+    fn define(&mut self, name: Name, value: Value) {
+        let site = self.site(name.span);
+        if let Some(old) = self.scope.define(self.named(name), value, site) {
+            let finding = duplicate(self.symbols.word(name.symbol), old, site, "a `let`");
             tell(self.findings, finding);
         }
+    }
+
+    /// The word of a name of the file at hand, and the number, counter or parameter that it is the name of.
+    fn named(&self, name: Name) -> (Symbol, Option<Thing>) {
+        (name.symbol, self.names.value(self.file, name.span))
+    }
+
+    /// The value of what a name of the file at hand stands for, if it has one yet.
+    fn value(&self, name: Name) -> Option<Value> {
+        let (word, thing) = self.named(name);
+        self.scope.get(word, thing?).map(|(value, _)| value)
     }
 
     fn phase(&mut self, phase: &'a Phase, item: &'a Item) {

@@ -4,10 +4,10 @@ use stochc_ir::Face;
 use stochc_ir::suggest::{Suggestion, nearest};
 
 use super::scope::Value;
-use super::uses::Kind;
 use super::{Expander, Pass};
 use crate::finding::{Code, Finding};
 use crate::members::members;
+use crate::names::ValueKind;
 use crate::plan::Key;
 
 /// A place, worked out.
@@ -68,10 +68,8 @@ impl Expander<'_, '_> {
         let mut path = &place.path[..];
         let mut face = place.face.map(|(face, _)| face);
         // A parameter may stand for the face: `base.side -> T`.
-        if let (None, [_, .., last]) = (face, path)
-            && last.index.is_none()
-        {
-            match self.scope.get(last.name.symbol) {
+        if let (None, [_, .., last]) = (face, path) {
+            match self.value(last.name) {
                 Some(Value::Face(value)) => {
                     face = Some(value);
                     path = &path[..path.len() - 1];
@@ -86,17 +84,17 @@ impl Expander<'_, '_> {
             scope = self.instance_scope(scope, segment, &path[i + 1])?;
         }
         if outer.is_empty()
-            && let Some(value) = self.scope.get(last.name.symbol)
+            && let Some(value) = self.value(last.name)
         {
             let keys = match value {
                 Value::Block(key) if last.index.is_none() => Keys::one(key),
                 Value::Unknown => return None,
                 value => {
-                    self.wrong_kind(last.name.symbol, value, Kind::Block, last.name.span);
+                    self.wrong_kind(last.name, value, ValueKind::Block);
                     return None;
                 }
             };
-            self.probe.note(self.file, place, keys.iter());
+            self.probe.note(self.file, path, keys.iter());
             return Some(Blocks {
                 keys,
                 ranged: false,
@@ -104,7 +102,7 @@ impl Expander<'_, '_> {
             });
         }
         let (keys, ranged) = self.keys(scope, last)?;
-        self.probe.note(self.file, place, keys.iter());
+        self.probe.note(self.file, path, keys.iter());
         Some(Blocks { keys, ranged, face })
     }
 
@@ -274,7 +272,10 @@ impl Expander<'_, '_> {
                     format!("the program grows beyond {room} captures and releases"),
                 )
                 .label(self.site(segment.name.span), "this range alone is larger")
-                .help("check the ends of the range: both are included"),
+                .help(
+                    self.limits
+                        .help("check the ends of the range: both are included"),
+                ),
             );
             return None;
         };

@@ -1,6 +1,6 @@
 //! Which blocks are meant at one place of the text.
 use stochc_grammar::Span;
-use stochc_grammar::tree::Place;
+use stochc_grammar::tree::Segment;
 
 use crate::FileId;
 use crate::plan::Key;
@@ -19,11 +19,11 @@ const MOST_KEYS: usize = 64;
 
 impl Probe {
     /// Notes the blocks of a place if it is the one in question.
-    pub fn note(&mut self, file: FileId, place: &Place, keys: impl Iterator<Item = Key>) {
-        // The instances before the last name are other things.
-        let last = place.path.last();
-        let start = last.map_or(place.span.start, |segment| segment.name.span.start);
-        self.note_span(file, Span::new(start, place.span.end), keys);
+    pub fn note(&mut self, file: FileId, place: &[Segment], keys: impl Iterator<Item = Key>) {
+        // The instances before the last name are other things, and so are the names of its indices.
+        if let Some(last) = place.last() {
+            self.note_span(file, last.name.span, keys);
+        }
     }
 
     /// Notes the blocks of a part of the text.

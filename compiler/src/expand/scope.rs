@@ -1,10 +1,11 @@
-//! What the words of a program stand for.
+//! The values of numbers, counters and parameters while a program is written out; which of them a word means, `names` knows.
 use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 use stochc_grammar::Symbol;
 use stochc_ir::Face;
 
 use crate::Site;
+use crate::names::{Thing, ValueKind};
 use crate::plan::Key;
 
 /// What a word stands for, other than a block of its own name.
@@ -20,8 +21,22 @@ pub enum Value {
     Unknown,
 }
 
+impl Value {
+    /// Its kind, if it could be worked out.
+    pub fn kind(self) -> Option<ValueKind> {
+        match self {
+            Value::Block(_) => Some(ValueKind::Block),
+            Value::Number(_) => Some(ValueKind::Number),
+            Value::Face(_) => Some(ValueKind::Face),
+            Value::Unknown => None,
+        }
+    }
+}
+
 #[derive(Clone, Copy, Debug)]
 struct Binding {
+    /// What has the value.
+    thing: Option<Thing>,
     value: Value,
     site: Site,
     /// How many blocks were open when it was made.
@@ -35,8 +50,7 @@ pub struct Scope {
     /// The order of definition, so that the end of a block can take its own back.
     defined: Vec<Symbol>,
     level: u32,
-    /// Words of the outer instance that an instance does not see: bindings below this level,
-    /// except those of the file.
+    /// The level at which the instance begins; 0: none.
     floor: u32,
     /// The instance whose names are spoken of.
     pub instance: u32,
@@ -64,7 +78,7 @@ impl Scope {
         mark
     }
 
-    /// Opens an instance, which sees its own words and those of the whole assembly.
+    /// Opens an instance.
     pub fn enter_instance(&mut self, instance: u32) -> Mark {
         let mark = self.mark();
         self.floor = self.level;
@@ -84,12 +98,18 @@ impl Scope {
         self.instance = mark.instance;
     }
 
-    /// Gives a word a value; the place of the old one if it has one in this very block.
-    pub fn define(&mut self, word: Symbol, value: Value, site: Site) -> Option<Site> {
+    /// Gives a thing a value, under its word; the place of the old one if the word has one in this very block.
+    pub fn define(
+        &mut self,
+        (word, thing): (Symbol, Option<Thing>),
+        value: Value,
+        site: Site,
+    ) -> Option<Site> {
         let bindings = self.words.entry(word).or_default();
         let old = bindings.last().filter(|old| old.level == self.level);
         let old = old.map(|old| old.site);
         bindings.push(Binding {
+            thing,
             value,
             site,
             level: self.level,
@@ -99,39 +119,25 @@ impl Scope {
     }
 
     /// Makes a parameter or counter stand for nothing that is known, once it has been told of.
-    pub fn forget(&mut self, word: Symbol) {
+    pub fn forget(&mut self, word: Symbol, thing: Thing) {
         let floor = self.floor;
-        let last = self
-            .words
-            .get_mut(&word)
-            .and_then(|bindings| bindings.last_mut());
+        let bindings = self.words.get_mut(&word).into_iter().flatten();
+        let last = bindings.rev().find(|it| it.thing == Some(thing));
         if let Some(binding) = last.filter(|binding| binding.level >= floor && floor > 0) {
             binding.value = Value::Unknown;
         }
     }
 
-    /// What a word stands for.
-    pub fn get(&self, word: Symbol) -> Option<Value> {
-        self.visible(word).map(|binding| binding.value)
+    /// The value of a thing with this word, and where it has got it.
+    pub fn get(&self, word: Symbol, thing: Thing) -> Option<(Value, Site)> {
+        let mut bindings = self.words.get(&word)?.iter().rev();
+        let binding = bindings.find(|it| it.thing == Some(thing))?;
+        Some((binding.value, binding.site))
     }
 
-    fn visible(&self, word: Symbol) -> Option<&Binding> {
-        /// The levels of the file and of the assembly.
-        const GLOBAL: u32 = 1;
-        let bindings = self.words.get(&word)?;
-        let visible = |binding: &&Binding| binding.level >= self.floor || binding.level <= GLOBAL;
-        bindings.iter().rev().find(visible)
-    }
-
-    /// Where a word has got the value that it has here.
-    pub fn site(&self, word: Symbol) -> Option<Site> {
-        self.visible(word).map(|binding| binding.site)
-    }
-
-    /// Where a word has got a value that an instance does not see.
-    pub fn hidden(&self, word: Symbol) -> Option<Site> {
-        let last = self.words.get(&word)?.last()?;
-        self.visible(word).is_none().then_some(last.site)
+    /// Where something with this word, whatever it is, has got a value.
+    pub fn any(&self, word: Symbol) -> Option<Site> {
+        Some(self.words.get(&word)?.last()?.site)
     }
 
     /// Every word that stands for a number, for suggestions.

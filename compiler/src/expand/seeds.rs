@@ -106,7 +106,8 @@ impl<'a> Expander<'a, '_> {
         let (Some(key), Some(x), Some(y)) = (key, x, y) else {
             return;
         };
-        self.probe.note(self.file, &seat.place, [key].into_iter());
+        self.probe
+            .note(self.file, &seat.place.path, [key].into_iter());
         let Plate { width, depth } = self.plan.plate;
         // A seed outside of a plate, which has been told of.
         if width == 0 {

@@ -190,8 +190,8 @@ impl<'a> Expander<'a, '_> {
                 return;
             }
             let mark = self.scope.mark();
-            self.scope
-                .define(block.counter.symbol, Value::Number(value), site);
+            let counter = self.named(block.counter);
+            self.scope.define(counter, Value::Number(value), site);
             self.items(&block.body);
             self.scope.restore(mark);
         }
@@ -260,8 +260,7 @@ impl<'a> Expander<'a, '_> {
         let outer_blocks = self.blocks.split_off(1.min(self.blocks.len()));
         self.instances.push((name, site));
         for (parameter, value) in pattern.parameters.iter().zip(values) {
-            let site = self.site(parameter.span);
-            self.define(parameter.symbol, value, site);
+            self.define(*parameter, value);
         }
         self.items(&pattern.body);
         self.instances.pop();

@@ -1,20 +1,20 @@
 //! Names that stand for nothing here, or for something else.
-use stochc_grammar::tree::{Item, ItemKind};
+use stochc_grammar::tree::{Item, ItemKind, Name};
 use stochc_grammar::{Span, Symbol};
 use stochc_ir::suggest::nearest;
 
 use super::Expander;
 use super::scope::Value;
-use super::uses::Kind;
 use crate::Site;
 use crate::finding::{Code, Finding, hand_in};
+use crate::names::ValueKind;
 
 impl Expander<'_, '_> {
     /// Tells of a name that stands for something else than what is needed.
-    pub(super) fn wrong_kind(&mut self, word: Symbol, value: Value, needed: Kind, span: Span) {
-        let name = self.symbols.word(word);
-        let given = Kind::of(value).map_or("something else", Kind::noun);
-        let (title, label) = match Kind::of(value) == Some(needed) {
+    pub(super) fn wrong_kind(&mut self, named: Name, value: Value, needed: ValueKind) {
+        let name = self.symbols.word(named.symbol);
+        let given = value.kind().map_or("something else", ValueKind::noun);
+        let (title, label) = match value.kind() == Some(needed) {
             // The place of a parameter is taken by one block.
             true => (
                 format!("`{name}` is one block here"),
@@ -26,13 +26,17 @@ impl Expander<'_, '_> {
             ),
         };
         let mut finding = Finding::new(Code::WrongKind, title)
-            .label(self.site(span), label)
+            .label(self.site(named.span), label)
             .help("blocks, numbers and parameters need different names");
-        if let Some(site) = self.scope.site(word) {
+        let thing = self.names.value(self.file, named.span);
+        let known = thing.and_then(|thing| self.scope.get(named.symbol, thing));
+        if let Some((_, site)) = known {
             finding = finding.label(site, format!("{given} from here on"));
         }
         self.findings.push(self.in_instance(finding));
-        self.scope.forget(word);
+        if let Some(thing) = thing {
+            self.scope.forget(named.symbol, thing);
+        }
     }
 
     /// Tells of a name that no number has here.
@@ -54,7 +58,7 @@ impl Expander<'_, '_> {
                     "move the `let` up: a number is known from its `let` to the end of the block",
                 ),
             }
-        } else if let Some((around, grown)) = self.scope.hidden(word).zip(self.grown()) {
+        } else if let Some((around, grown)) = self.scope.any(word).zip(self.grown()) {
             let pattern = self.symbols.word(grown.pattern);
             Finding::new(
                 Code::UnknownName,

@@ -127,7 +127,7 @@ fn is_free(edits: &BTreeMap<usize, (usize, &str)>, start: usize, end: usize) -> 
 mod tests {
     use super::*;
     use crate::load::load;
-    use crate::{Site, Span};
+    use crate::{Cancellation, Site, Span};
 
     fn fix(edits: &[(u32, u32, &str)]) -> Fix {
         let edits = edits.iter().map(|&(start, end, text)| Edit {
@@ -145,7 +145,7 @@ mod tests {
     }
 
     /// The text of a file with every change that fits, and how many those are.
-    fn mended<'a>(
+    fn apply_fixes<'a>(
         text: &'a str,
         file: FileId,
         fixes: impl IntoIterator<Item = &'a Fix>,
@@ -157,25 +157,25 @@ mod tests {
 
     #[test]
     fn the_first_of_two_overlapping_changes_counts() {
-        let mended = |fixes: &[Fix]| mended("0123456789", FileId(0), fixes);
+        let applied = |fixes: &[Fix]| apply_fixes("0123456789", FileId(0), fixes);
         assert_eq!(
-            mended(&[fix(&[(1, 3, "a")]), fix(&[(2, 4, "b")])]),
+            applied(&[fix(&[(1, 3, "a")]), fix(&[(2, 4, "b")])]),
             ("0a3456789".into(), 1)
         );
         assert_eq!(
-            mended(&[fix(&[(2, 4, "b")]), fix(&[(1, 3, "a")])]),
+            applied(&[fix(&[(2, 4, "b")]), fix(&[(1, 3, "a")])]),
             ("01b456789".into(), 1)
         );
         assert_eq!(
-            mended(&[fix(&[(1, 3, "a")]), fix(&[(3, 4, "b")])]),
+            applied(&[fix(&[(1, 3, "a")]), fix(&[(3, 4, "b")])]),
             ("0ab456789".into(), 2)
         );
         assert_eq!(
-            mended(&[fix(&[(1, 1, "a")]), fix(&[(1, 1, "b")])]),
+            applied(&[fix(&[(1, 1, "a")]), fix(&[(1, 1, "b")])]),
             ("0a123456789".into(), 1)
         );
         assert_eq!(
-            mended(&[fix(&[(0, 10, "")]), fix(&[(5, 5, "b")])]),
+            applied(&[fix(&[(0, 10, "")]), fix(&[(5, 5, "b")])]),
             (String::new(), 1)
         );
     }
@@ -184,20 +184,20 @@ mod tests {
     fn a_change_is_made_as_a_whole_or_not_at_all() {
         let two = fix(&[(8, 9, "x"), (1, 2, "y")]);
         assert_eq!(
-            mended("0123456789", FileId(0), &[fix(&[(1, 3, "a")]), two.clone()]),
+            apply_fixes("0123456789", FileId(0), &[fix(&[(1, 3, "a")]), two.clone()]),
             ("0a3456789".into(), 1)
         );
         assert_eq!(
-            mended("0123456789", FileId(0), [&two]),
+            apply_fixes("0123456789", FileId(0), [&two]),
             ("0y234567x9".into(), 1)
         );
-        assert_eq!(mended("012", FileId(0), [&two]), ("012".into(), 0));
+        assert_eq!(apply_fixes("012", FileId(0), [&two]), ("012".into(), 0));
         assert_eq!(
-            mended("0123456789", FileId(1), [&two]),
+            apply_fixes("0123456789", FileId(1), [&two]),
             ("0123456789".into(), 0)
         );
         assert_eq!(
-            mended("0µ2", FileId(0), &[fix(&[(2, 3, "x")])]),
+            apply_fixes("0µ2", FileId(0), &[fix(&[(2, 3, "x")])]),
             ("0µ2".into(), 0)
         );
     }
@@ -245,7 +245,14 @@ mod tests {
         };
         let read = |name: &str, reader: &mut dyn Reader| {
             let mut sources = Sources::default();
-            load(name, reader, &mut sources, &mut Vec::new());
+            load(
+                name,
+                reader,
+                &mut sources,
+                Cancellation::NEVER,
+                &mut Vec::new(),
+            )
+            .unwrap();
             sources
         };
         let told = |sources: &Sources| -> Vec<_> {

@@ -5,8 +5,8 @@ mod fix;
 mod graphical;
 mod hand_in;
 mod repeat;
-mod slips;
 mod syntax;
+mod syntax_hints;
 
 pub use change::Change;
 pub use code::{Code, Severity};

@@ -3,7 +3,7 @@ use stochc_grammar::{
     MAX_DEPTH, MAX_ERRORS, MAX_STATEMENT, MAX_TERMS, SyntaxError, SyntaxErrorKind as K,
 };
 
-use super::slips::Slip;
+use super::syntax_hints::SyntaxHint;
 use super::{Code, Edit, Finding, Fix};
 use crate::{FileId, Site, Span};
 
@@ -25,7 +25,7 @@ impl Finding {
                 found,
                 expected,
                 behind,
-            } => unexpected(&Slip {
+            } => unexpected(&SyntaxHint {
                 site,
                 found,
                 expected,
@@ -128,8 +128,8 @@ impl Finding {
     }
 }
 
-fn unexpected(slip: &Slip<'_>) -> Finding {
-    let &Slip {
+fn unexpected(slip: &SyntaxHint<'_>) -> Finding {
+    let &SyntaxHint {
         site,
         found,
         expected,

@@ -1,13 +1,18 @@
 //! What every name of a program's files refers to: where it is declared, and where it is used.
 //!
+//! This is the one place that knows the rules of scope: which `let`, counter or parameter a word stands for, if any, and
+//! whether a parameter stands for a face. Programs are written out by it, declarations are found to be unused by
+//! it, and editors are answered by it.
+//!
 //! Names are words here: `T[1]` and `T[i + 1]` are uses of the same `T`, since only writing the
-//! program out could tell them apart ([`crate::locate`] does). A name that may stand for several
+//! program out could tell them apart ([`crate::source_map`] does). A name that may stand for several
 //! things, such as a number of the assembly that grows a pattern, makes them one.
 mod resolve;
-mod scope;
+mod things;
 
-use stochc_grammar::Symbol;
+use rustc_hash::FxHashMap;
 use stochc_grammar::tree::Tree;
+use stochc_grammar::{Cancellation, Cancelled, Span, Symbol};
 
 use crate::{Checked, FileId, Site};
 
@@ -17,6 +22,53 @@ pub struct Names {
     /// By file and place.
     occurrences: Vec<Occurrence>,
     kinds: Vec<(Kind, Symbol)>,
+    /// What has a value, by the file and the first byte of each of its names.
+    values: FxHashMap<(FileId, u32), Thing>,
+    /// What each parameter is used as, in source order.
+    uses: FxHashMap<Thing, Vec<Use>>,
+}
+
+/// A use of a parameter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Use {
+    /// As a value of this kind.
+    As(ValueKind, Site),
+    /// As an argument of a pattern, whose parameter of this number it is.
+    Argument(Symbol, usize),
+}
+
+/// What a parameter may stand for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ValueKind {
+    /// A block.
+    Block,
+    /// A whole number.
+    Number,
+    /// A face.
+    Face,
+}
+
+impl ValueKind {
+    /// Every kind.
+    pub const ALL: [ValueKind; 3] = [ValueKind::Block, ValueKind::Number, ValueKind::Face];
+
+    /// What messages call one.
+    pub const fn noun(self) -> &'static str {
+        match self {
+            ValueKind::Block => "a block",
+            ValueKind::Number => "a number",
+            ValueKind::Face => "a face",
+        }
+    }
+}
+
+/// Which names are kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Keep {
+    /// All of them.
+    All,
+    /// All but those of blocks, instances and phases, of which there may be millions.
+    Declarations,
 }
 
 /// A name at its place.
@@ -62,6 +114,11 @@ pub enum Kind {
 }
 
 impl Kind {
+    /// Whether it stands for a number, or for whatever a pattern is given.
+    const fn has_value(self) -> bool {
+        matches!(self, Kind::Number | Kind::Counter | Kind::Parameter)
+    }
+
     /// What messages call it.
     pub const fn noun(self) -> &'static str {
         match self {
@@ -82,13 +139,38 @@ impl Kind {
 
 impl Names {
     /// Finds out what the names of a program's files refer to.
-    pub fn of(checked: &Checked) -> Names {
-        Names::of_trees(checked.trees())
+    ///
+    /// # Errors
+    ///
+    /// [`Cancelled`] if nobody waits for it.
+    pub fn of(checked: &Checked, cancellation: Cancellation<'_>) -> Result<Names, Cancelled> {
+        Names::of_trees(checked.trees(), Keep::All, cancellation)
     }
 
     /// The same, from the trees of the files: imported ones before those that import them.
-    pub(crate) fn of_trees<'a>(trees: impl Iterator<Item = (FileId, &'a Tree)>) -> Names {
-        resolve::resolve(trees)
+    ///
+    /// # Errors
+    ///
+    /// [`Cancelled`] if nobody waits for it.
+    pub(crate) fn of_trees<'a>(
+        trees: impl Iterator<Item = (FileId, &'a Tree)>,
+        keep: Keep,
+        cancellation: Cancellation<'_>,
+    ) -> Result<Names, Cancelled> {
+        resolve::resolve(trees, keep, cancellation)
+    }
+
+    /// The number, counter or parameter that is named here; `None`: the name is that of something else, or of nothing.
+    pub(crate) fn value(&self, file: FileId, span: Span) -> Option<Thing> {
+        self.values.get(&(file, span.start)).copied()
+    }
+
+    /// What the parameter that is declared here is used as, in source order.
+    pub(crate) fn uses(&self, file: FileId, parameter: Span) -> &[Use] {
+        let uses = self
+            .value(file, parameter)
+            .and_then(|it| self.uses.get(&it));
+        uses.map_or(&[], Vec::as_slice)
     }
 
     /// The name at a byte of a file, or the one that ends there.
@@ -135,7 +217,7 @@ mod tests {
                 .ok_or_else(|| "none".to_owned())
         };
         let checked = check(files[0].0, &mut reader, Limits::default());
-        let names = Names::of(&checked);
+        let names = Names::of(&checked, Cancellation::NEVER).unwrap();
         let mut seen: Vec<Thing> = Vec::new();
         let mut shown = Vec::new();
         for occurrence in names.all() {

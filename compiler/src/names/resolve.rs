@@ -1,18 +1,26 @@
-//! Goes through the trees with the rules of scope that the expansion has.
+//! Goes through the trees by the rules of scope.
 use rustc_hash::{FxHashMap, FxHashSet};
 use stochc_grammar::tree::{
     Argument, Entry, Expr, ExprKind, Instance, Item, ItemKind, Name, Pattern, Place, Segment, Tree,
 };
-use stochc_grammar::{Span, Symbol};
+use stochc_grammar::{Cancellation, Cancelled, Span, Symbol};
 
-use super::scope::{Bindings, Things};
-use super::{Kind, Names, Thing};
+use super::things::{Bindings, Things};
+use super::{Keep, Kind, Names, Thing, Use, ValueKind};
 use crate::{FileId, Site};
 
 /// Resolves every name of a program's files.
-pub fn resolve<'a>(trees: impl Iterator<Item = (FileId, &'a Tree)>) -> Names {
+///
+/// # Errors
+///
+/// [`Cancelled`] if nobody waits for it.
+pub fn resolve<'a>(
+    trees: impl Iterator<Item = (FileId, &'a Tree)>,
+    keep: Keep,
+    cancellation: Cancellation<'_>,
+) -> Result<Names, Cancelled> {
     let mut resolver = Resolver {
-        things: Things::default(),
+        things: Things::new(keep),
         file: FileId(0),
         bindings: Bindings::default(),
         file_numbers: FxHashMap::default(),
@@ -25,6 +33,7 @@ pub fn resolve<'a>(trees: impl Iterator<Item = (FileId, &'a Tree)>) -> Names {
         assemblies: Vec::new(),
         within: Within::File,
         realm: Realm(0),
+        cancellation,
     };
     let trees: Vec<_> = trees.collect();
     for (file, tree) in &trees {
@@ -38,7 +47,9 @@ pub fn resolve<'a>(trees: impl Iterator<Item = (FileId, &'a Tree)>) -> Names {
             resolver.top(item, &mut number);
         }
     }
-    resolver.things.finish()
+    // It may have been given up before its end.
+    cancellation.check()?;
+    Ok(resolver.things.finish())
 }
 
 /// Whose blocks and instances are spoken of: those of an assembly, or of a pattern.
@@ -67,7 +78,7 @@ struct Own {
     named: FxHashMap<(Kind, Symbol), Thing>,
 }
 
-struct Resolver {
+struct Resolver<'c> {
     things: Things,
     file: FileId,
     bindings: Bindings,
@@ -86,9 +97,10 @@ struct Resolver {
     assemblies: Vec<Own>,
     within: Within,
     realm: Realm,
+    cancellation: Cancellation<'c>,
 }
 
-impl Resolver {
+impl Resolver<'_> {
     fn declare_file(&mut self, items: &[Item]) {
         let named = self.declare(items);
         self.shared.extend(named);
@@ -229,6 +241,9 @@ impl Resolver {
     fn items(&mut self, items: &[Item]) {
         let mark = self.bindings.mark();
         for item in items {
+            if self.cancellation.is_cancelled() {
+                break;
+            }
             self.item(item);
         }
         self.bindings.restore(mark);
@@ -296,16 +311,18 @@ impl Resolver {
 
     fn instance(&mut self, instance: &Instance) {
         self.refer(Kind::Pattern, instance.pattern);
-        for argument in &instance.arguments {
+        for (number, argument) in instance.arguments.iter().enumerate() {
             match argument {
                 Argument::Expr(expr) => match expr.kind {
                     // A bare name is the number of that name, or else the block.
-                    ExprKind::Name(word) => {
-                        let thing = self
-                            .number(word)
-                            .unwrap_or_else(|| self.block(self.realm, Kind::Block, word));
-                        self.occur(thing, expr.span, false);
-                    }
+                    ExprKind::Name(word) => match self.number(word) {
+                        Some(thing) => {
+                            self.occur(thing, expr.span, false);
+                            let used = Use::Argument(instance.pattern.symbol, number);
+                            self.things.used(thing, used);
+                        }
+                        None => self.occur_block(self.realm, word, expr.span, false),
+                    },
                     _ => self.expr(expr),
                 },
                 Argument::Place(place) => self.place(place, false),
@@ -328,6 +345,10 @@ impl Resolver {
             return None;
         };
         self.indices(segment);
+        // What is inside of an instance is asked for whether its name is kept or not.
+        if kind != Kind::Instance && !self.things.keeps(kind) {
+            return None;
+        }
         let thing = self.block(self.realm, kind, segment.name.symbol);
         self.occur(thing, segment.name.span, true);
         Some(thing)
@@ -337,19 +358,20 @@ impl Resolver {
         place.path.iter().for_each(|segment| self.indices(segment));
         let mut path = &place.path[..];
         // A parameter may stand for the face: `base.side -> T`.
-        if let (None, [outer @ .., _, last]) = (place.face, path)
+        if let (None, [instances @ .., last]) = (place.face, path)
+            && !instances.is_empty()
             && last.index.is_none()
-            && let Some(thing) = self.number(last.name.symbol)
-            && self.things.kind(thing) == Kind::Parameter
+            && let Some(thing) = self.parameter(last.name.symbol)
         {
-            let instances = &path[..path.len() - 1];
             let inside = self.inside(instances);
-            let is_block = inside.is_some_and(|realms| {
-                (realms.iter()).any(|&realm| self.captured.contains(&(realm, last.name.symbol)))
-            });
+            let is_block = (inside.iter().flatten())
+                .any(|&realm| self.captured.contains(&(realm, last.name.symbol)));
             if !is_block {
                 self.occur(thing, last.name.span, false);
-                path = &path[..outer.len() + 1];
+                if inside.is_none() {
+                    self.used_as(thing, ValueKind::Face, last.name.span);
+                }
+                path = instances;
             }
         }
         let Some((last, instances)) = path.split_last() else {
@@ -357,17 +379,32 @@ impl Resolver {
         };
         let word = last.name.symbol;
         if instances.is_empty() {
-            let (thing, declares) = match self.number(word) {
-                Some(thing) => (thing, false),
-                None => (self.block(self.realm, Kind::Block, word), captures),
-            };
-            self.occur(thing, last.name.span, declares);
+            match self.number(word) {
+                Some(thing) => {
+                    self.occur(thing, last.name.span, false);
+                    if last.index.is_none() {
+                        self.used_as(thing, ValueKind::Block, last.name.span);
+                    }
+                }
+                None => self.occur_block(self.realm, word, last.name.span, captures),
+            }
             return;
         }
         let Some(mut realms) = self.inside(instances) else {
+            // A block and what may have been meant to be its face.
+            if let [only] = instances
+                && only.index.is_none()
+                && let Some(thing) = self.parameter(only.name.symbol)
+            {
+                self.occur(thing, only.name.span, false);
+                self.used_as(thing, ValueKind::Block, only.name.span);
+            }
             return;
         };
         self.occur_instances(instances);
+        if !self.things.keeps(Kind::Block) {
+            return;
+        }
         if realms
             .iter()
             .any(|&realm| self.captured.contains(&(realm, word)))
@@ -379,6 +416,25 @@ impl Resolver {
             .collect();
         if let Some(thing) = self.things.unite(things) {
             self.occur(thing, last.name.span, captures);
+        }
+    }
+
+    /// The parameter that a word stands for.
+    fn parameter(&self, word: Symbol) -> Option<Thing> {
+        let thing = self.bindings.get(word)?;
+        (self.things.kind(thing) == Kind::Parameter).then_some(thing)
+    }
+
+    fn used_as(&mut self, thing: Thing, kind: ValueKind, span: Span) {
+        let site = self.site(span);
+        self.things.used(thing, Use::As(kind, site));
+    }
+
+    /// The name of a block of a realm.
+    fn occur_block(&mut self, realm: Realm, word: Symbol, span: Span, declares: bool) {
+        if self.things.keeps(Kind::Block) {
+            let thing = self.block(realm, Kind::Block, word);
+            self.occur(thing, span, declares);
         }
     }
 
@@ -437,6 +493,7 @@ impl Resolver {
             ExprKind::Name(word) => {
                 if let Some(thing) = self.number(*word) {
                     self.occur(thing, expr.span, false);
+                    self.used_as(thing, ValueKind::Number, expr.span);
                 }
             }
             ExprKind::Negate(inner) => self.expr(inner),
@@ -511,10 +568,14 @@ impl Resolver {
     }
 
     fn occur(&mut self, thing: Thing, span: Span, declares: bool) {
-        let site = Site {
+        let site = self.site(span);
+        self.things.occur(thing, site, declares);
+    }
+
+    fn site(&self, span: Span) -> Site {
+        Site {
             file: self.file,
             span,
-        };
-        self.things.occur(thing, site, declares);
+        }
     }
 }

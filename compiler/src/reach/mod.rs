@@ -3,7 +3,7 @@
 //! **Cells decide.** A cube that drifts needs, wherever it is, room for its inside. Two empty cells that
 //! share only an edge or a corner leave a passage without width, so a block comes to a cell if
 //! and only if a chain of empty cells, face to face, leads there from outside. (A hard cube has no clearance
-//! in such a chain where it is one cell wide; that is what `tight.rs` warns of.)
+//! in such a chain where it is one cell wide; that is what `clearance.rs` warns of.)
 //!
 //! **One order decides for all.** Say that nothing is released in a phase. Then what stands only grows,
 //! and ways only close. Take a capture `e`. In the worst order everything that does not wait for `e` has
@@ -25,44 +25,44 @@
 //! into the closed cell, and stays, is not counted on.
 //!
 //! **What no order reaches** is told apart (`reachable.rs`): a capture whose own predecessors close it in, and what
-//! waits for such a one. For the others a cure is looked for (`cure.rs`), written as a change of the text (`edit.rs`)
+//! waits for such a one. For the others a cure is looked for (`repair.rs`), written as a change of the text (`edit.rs`)
 //! and tried (`trial.rs`): it is proposed only if the program so changed has this error no more, and no new one.
 //!
 //! **It is fast** because a capture has a way out if a neighbour that waits for it has one, and else
 //! mostly if it or a neighbouring cell sees the sky. Only the rest is searched for, along the walls
-//! (`way.rs`). The work is bounded; what was not decided within the bound is told.
-mod cure;
-mod descent;
+//! (`path_search.rs`). The work is bounded; what was not decided within the bound is told.
+mod clearance;
+mod descendants;
+mod diagnose;
 mod edit;
+mod known_paths;
+mod occupancy;
+mod path_search;
 mod picture;
 mod reachable;
+mod repair;
 mod sealed;
-mod standing;
-mod tell;
-mod tight;
-mod trail;
 mod trial;
-mod way;
 
 use std::borrow::Cow;
 
-use descent::Descent;
+use descendants::DescendantIndex;
+use known_paths::KnownPaths;
+use occupancy::Occupancy;
 use petgraph::Direction::{Incoming, Outgoing};
 use petgraph::graph::NodeIndex;
 use petgraph::visit::EdgeRef;
 use rustc_hash::{FxHashMap, FxHashSet};
-use standing::Standing;
 use stochc_grammar::tree::{Assembly, Pattern};
-use stochc_grammar::{Symbol, Symbols};
+use stochc_grammar::{Cancellation, Cancelled, Symbol, Symbols};
 use stochc_ir::Cell;
-use trail::Trail;
 
 use crate::finding::{Code, Finding};
 use crate::graph::DependencyGraph;
 use crate::layout::Layout;
+use crate::liveness::Liveness;
 use crate::order::Order;
 use crate::plan::{Deed, EventId, Plan};
-use crate::presence::Presence;
 use crate::{FileId, Sources, turns};
 pub use trial::Trial;
 
@@ -78,7 +78,7 @@ pub struct Subject<'a> {
     /// Written out.
     pub plan: &'a Plan,
     /// Who is anchored when.
-    pub presence: &'a Presence,
+    pub liveness: &'a Liveness,
     /// Where every block sits.
     pub layout: &'a Layout,
     /// What waits for what, with its choices.
@@ -100,38 +100,50 @@ pub struct Subject<'a> {
     pub sources: &'a Sources,
     /// Its words.
     pub symbols: &'a Symbols,
+    /// Whether anybody still waits for it.
+    pub cancellation: Cancellation<'a>,
 }
 
 /// Tells of captures that no free block may be able to come to, or only through a narrow gap.
 ///
 /// `search`: cells that may be searched, besides some for every event; 0: none at all.
-pub fn check(subject: Subject, search: u64, findings: &mut Vec<Finding>) {
+///
+/// # Errors
+///
+/// [`Cancelled`] if nobody waits for it.
+pub fn check(subject: Subject, search: u64, findings: &mut Vec<Finding>) -> Result<(), Cancelled> {
     let plan = subject.plan;
     let count = plan.events.len();
+    let cancellation = subject.cancellation;
     let effort = |share| Effort {
         steps: 0,
         budget: search / share + STEPS_PER_EVENT * count as u64 * u64::from(search > 0),
+        cancellation,
     };
     let mut survey = Survey {
         subject,
-        standing: Standing::with_capacity(count + plan.seeds.len()),
+        occupancy: Occupancy::with_capacity(count + plan.seeds.len()),
         is_safe: vec![false; count],
-        trails: Default::default(),
+        known_paths: Default::default(),
         proof: effort(1),
         warning: effort(10),
         cures: effort(1),
         trials: Effort {
             steps: 0,
             budget: search / TRIED,
+            cancellation,
         },
         untouched: None,
     };
     let events = events_by_phase(plan, subject.order);
     for (number, events) in events.iter().enumerate() {
+        cancellation.check()?;
         let first = plan.phases[number].events.start;
-        let descent = Descent::new(subject.certain, first, events);
+        let descent = DescendantIndex::new(subject.certain, first, events);
         survey.phase(number, events, &descent, findings);
     }
+    // A search that nobody waits for has been given up.
+    cancellation.check()
 }
 
 /// The events of each phase, each behind all it waits for.
@@ -152,17 +164,17 @@ fn events_by_phase(plan: &Plan, order: &Order) -> Vec<Vec<EventId>> {
 struct Survey<'a> {
     subject: Subject<'a>,
     /// What stands in the worst case of the phase at hand.
-    standing: Standing,
+    occupancy: Occupancy,
     /// Captures that have a way out in every order.
     is_safe: Vec<bool>,
     /// Known ways out, of a cube of one cell and of one of two.
-    trails: [Trail; 2],
+    known_paths: [KnownPaths; 2],
     /// Work done and work allowed, for the proof and for the warning.
-    proof: Effort,
-    warning: Effort,
+    proof: Effort<'a>,
+    warning: Effort<'a>,
     /// The same for saying what is wrong and what helps, and events that are written out again to try it.
-    cures: Effort,
-    trials: Effort,
+    cures: Effort<'a>,
+    trials: Effort<'a>,
     /// The errors of the files as they are, once a cure has been tried.
     untouched: Option<Vec<Told>>,
 }
@@ -171,15 +183,16 @@ struct Survey<'a> {
 pub type Told = (Code, String);
 
 /// Places searched, and how many may be.
-struct Effort {
+struct Effort<'a> {
     steps: u64,
     budget: u64,
+    cancellation: Cancellation<'a>,
 }
 
-impl Effort {
-    /// Whether no more is allowed.
+impl Effort<'_> {
+    /// Whether no more is allowed, or nobody waits for it.
     fn is_spent(&self) -> bool {
-        self.steps > self.budget
+        self.steps > self.budget || self.cancellation.is_cancelled()
     }
 }
 
@@ -188,19 +201,21 @@ impl Survey<'_> {
         &mut self,
         number: usize,
         events: &[EventId],
-        descent: &Descent,
+        descent: &DescendantIndex,
         findings: &mut Vec<Finding>,
     ) {
         for &id in events {
             if let (Some(cell), true) = (self.cell(id), self.is_capture(id)) {
-                self.standing.fill(cell, id);
+                self.occupancy.fill(cell, id);
             }
         }
         // What is attached by hand needs no way.
         if self.subject.plan.phases[number].planted {
             return;
         }
-        self.trails.iter_mut().for_each(Trail::begin_phase);
+        self.known_paths
+            .iter_mut()
+            .for_each(KnownPaths::begin_phase);
         let stuck = self.stuck(events, descent);
         if !stuck.is_empty() {
             self.tell_sealed(events, descent, &stuck, findings);
@@ -219,7 +234,7 @@ impl Survey<'_> {
     fn depart(&mut self, release: EventId) {
         let on = self.subject.layout.parents[release.0 as usize];
         if let (Some(cell), Some(on)) = (self.cell(release), on) {
-            self.standing.empty(cell, on.capture);
+            self.occupancy.empty(cell, on.capture);
         }
     }
 

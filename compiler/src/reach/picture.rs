@@ -1,6 +1,6 @@
 //! One layer of the structure as text.
 use super::Cell;
-use super::way::offset;
+use super::path_search::offset;
 
 /// Cells shown to each side of the one in question.
 const REACH: i32 = 4;

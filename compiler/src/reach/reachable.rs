@@ -1,9 +1,9 @@
 //! What some order reaches, and an order that does.
 use rustc_hash::FxHashSet;
 
-use super::descent::Descent;
-use super::standing::Has;
-use super::way::{Search, Way};
+use super::descendants::DescendantIndex;
+use super::occupancy::Has;
+use super::path_search::{Search, Way};
 use super::{EventId, Survey, after, all_before, before};
 use crate::graph::DependencyGraph;
 use crate::turns::is_ready;
@@ -41,13 +41,18 @@ impl Survey<'_> {
         let Some(cell) = self.cell(id) else {
             return Way::Out;
         };
-        self.standing.sort();
+        self.occupancy.sort();
         let search = Search {
-            standing: &self.standing,
+            occupancy: &self.occupancy,
             has,
             size: 1,
         };
-        search.run([cell], &|_| false, &mut self.trails[0], &mut self.cures)
+        search.run(
+            [cell],
+            &|_| false,
+            &mut self.known_paths[0],
+            &mut self.cures,
+        )
     }
 
     /// Events of a phase that no order reaches: captures that are closed in by what they wait for, and all
@@ -55,9 +60,14 @@ impl Survey<'_> {
     ///
     /// None of them ever happens: the first to happen in some run would have waited for others alone, with at
     /// least the captures around it that it surely waits for, and every release so far has been counted on.
-    pub fn never(&mut self, events: &[EventId], descent: &Descent) -> FxHashSet<EventId> {
+    pub fn never(&mut self, events: &[EventId], descent: &DescendantIndex) -> FxHashSet<EventId> {
         let has_releases = events.iter().any(|&id| !self.is_capture(id));
-        let kept = has_releases.then(|| (self.standing.clone(), std::mem::take(&mut self.trails)));
+        let kept = has_releases.then(|| {
+            (
+                self.occupancy.clone(),
+                std::mem::take(&mut self.known_paths),
+            )
+        });
         let mut never: FxHashSet<EventId> = events.iter().copied().collect();
         loop {
             let (mut opens_ways, mut has_more) = (false, false);
@@ -86,15 +96,15 @@ impl Survey<'_> {
                 break;
             }
         }
-        if let Some((standing, trails)) = kept {
-            self.standing = standing;
-            self.trails = trails;
+        if let Some((occupancy, known_paths)) = kept {
+            self.occupancy = occupancy;
+            self.known_paths = known_paths;
         }
         never
     }
 
     /// The way out of a cell when of the phase only what the capture surely waits for has happened.
-    pub fn way_past_its_own(&mut self, id: EventId, descent: &Descent) -> Way {
+    pub fn way_past_its_own(&mut self, id: EventId, descent: &DescendantIndex) -> Way {
         if self.cures.is_spent() {
             return Way::Unknown;
         }
@@ -113,7 +123,7 @@ impl Survey<'_> {
         &mut self,
         straight: &DependencyGraph,
         events: &[EventId],
-        descent: &Descent,
+        descent: &DescendantIndex,
         is_member: &dyn Fn(EventId) -> bool,
     ) -> Option<Dismantled> {
         let members: Vec<EventId> = (events.iter().copied())

@@ -1,8 +1,8 @@
 //! The worst case of every capture.
 use stochc_ir::Face;
 
-use super::descent::Descent;
-use super::way::{Search, Way};
+use super::descendants::DescendantIndex;
+use super::path_search::{Search, Way};
 use super::{Cell, EventId, Survey, after};
 use crate::turns::is_ready;
 
@@ -16,7 +16,7 @@ pub struct Stuck {
 
 impl Survey<'_> {
     /// The captures of a phase without a way out in their worst case, in source order.
-    pub fn stuck(&mut self, events: &[EventId], descent: &Descent) -> Vec<Stuck> {
+    pub fn stuck(&mut self, events: &[EventId], descent: &DescendantIndex) -> Vec<Stuck> {
         let mut open: Vec<EventId> = (events.iter().copied())
             .filter(|&id| self.is_capture(id))
             .collect();
@@ -64,9 +64,9 @@ impl Survey<'_> {
         let Some(cell) = self.cell(id) else {
             return true;
         };
-        let standing = &self.standing;
-        let sees_sky = |cell: Cell| standing.is_clear(cell.x, cell.y, cell.z);
-        if standing.top(cell) == Some(cell.z)
+        let occupancy = &self.occupancy;
+        let sees_sky = |cell: Cell| occupancy.is_clear(cell.x, cell.y, cell.z);
+        if occupancy.top(cell) == Some(cell.z)
             || Face::SIDES
                 .into_iter()
                 .any(|face| cell.across(face).is_some_and(sees_sky))
@@ -77,29 +77,29 @@ impl Survey<'_> {
         after(self.subject.certain, id).any(|next| {
             self.is_safe[next.0 as usize]
                 && (self.cell(next))
-                    .is_some_and(|next| touch(cell, next) && !standing.is_held_over(next))
+                    .is_some_and(|next| touch(cell, next) && !occupancy.is_held_over(next))
         })
     }
 
     fn is_safe_after_search(
         &mut self,
         id: EventId,
-        descent: &Descent,
+        descent: &DescendantIndex,
         stuck: &mut Vec<Stuck>,
     ) -> bool {
         let Some(cell) = self.cell(id) else {
             return true;
         };
-        self.standing.sort();
+        self.occupancy.sort();
         let following = descent.of(id, &mut self.proof.steps);
         let search = Search {
-            standing: &self.standing,
+            occupancy: &self.occupancy,
             has: &|other| !following.contains(other),
             size: 1,
         };
         let is_safe = &self.is_safe;
         let is_out = |next: EventId| is_safe[next.0 as usize] && following.contains(next);
-        let way = search.run([cell], &is_out, &mut self.trails[0], &mut self.proof);
+        let way = search.run([cell], &is_out, &mut self.known_paths[0], &mut self.proof);
         if !matches!(way, Way::Out) {
             stuck.push(Stuck {
                 capture: id,

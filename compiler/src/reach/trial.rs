@@ -1,6 +1,6 @@
 //! Cures as changes of the text, each of them tried.
+use super::diagnose::Case;
 use super::edit::Statement;
-use super::tell::Case;
 use super::{EventId, Survey, Told};
 use crate::Site;
 use crate::finding::{Code, Fix};

@@ -6,7 +6,7 @@
 #[path = "../../../tests/random/mod.rs"]
 #[allow(dead_code, reason = "the texts alone are needed here")]
 mod random;
-mod slips;
+mod syntax_hints;
 
 // The random programs speak of the whole project.
 extern crate self as stochc;
@@ -15,7 +15,7 @@ pub use stochc_ir as ir;
 
 use proptest::prelude::*;
 use stochc_compiler::finding::{Change, Code, Finding, Fix};
-use stochc_compiler::{Checked, FileId, Levels, Limits, Mended, check};
+use stochc_compiler::{Checked, FileId, Fixed, Levels, Limits, check};
 
 /// Reads a text as `a.sa`, beside those that the fixtures import.
 fn files(text: &str) -> impl FnMut(&str) -> Result<Vec<u8>, String> {
@@ -34,9 +34,9 @@ fn checked(text: &str) -> Checked {
 }
 
 /// The text with all safe changes.
-fn mend(text: &str) -> Mended {
+fn mend(text: &str) -> Fixed {
     let mut reader = files(text);
-    stochc_compiler::mend("a.sa", &mut reader, Limits::default(), &Levels::default())
+    stochc_compiler::fix("a.sa", &mut reader, Limits::default(), &Levels::default())
 }
 
 fn fixed(text: &str) -> String {

@@ -16,7 +16,7 @@ use rustc_hash::FxHashSet;
 
 use crate::error::{SyntaxError, SyntaxErrorKind};
 use crate::tree::{Docs, Item, Tree};
-use crate::{Span, Symbol, Symbols};
+use crate::{Cancellation, Cancelled, Span, Symbol, Symbols};
 use frame::{Frame, Mode};
 pub(crate) use record::{Record, Token};
 pub(crate) use trivia::is_comment;
@@ -58,16 +58,38 @@ pub struct Parsed {
 /// Never fails as a whole: a broken statement is told in [`Parsed::errors`] and left out of the
 /// tree, and reading goes on behind it.
 pub fn parse(text: &str, symbols: &mut Symbols) -> Parsed {
-    read(text, symbols, None).0
+    read(text, symbols, None, Cancellation::NEVER).0
+}
+
+/// [`parse`], as long as the result is wanted.
+///
+/// # Errors
+///
+/// [`Cancelled`] if it is not.
+pub fn parse_cancellable(
+    text: &str,
+    symbols: &mut Symbols,
+    cancellation: Cancellation<'_>,
+) -> Result<Parsed, Cancelled> {
+    let (parsed, _) = read(text, symbols, None, cancellation);
+    // It may have been given up before its end.
+    cancellation.check()?;
+    Ok(parsed)
 }
 
 /// [`parse`], and every token in the order of the text.
 pub(crate) fn parse_recorded(text: &str, symbols: &mut Symbols) -> (Parsed, Record) {
-    let (parsed, record) = read(text, symbols, Some(Record::default()));
+    let record = Some(Record::default());
+    let (parsed, record) = read(text, symbols, record, Cancellation::NEVER);
     (parsed, record.unwrap_or_default())
 }
 
-fn read(text: &str, symbols: &mut Symbols, record: Option<Record>) -> (Parsed, Option<Record>) {
+fn read<'t>(
+    text: &'t str,
+    symbols: &mut Symbols,
+    record: Option<Record>,
+    cancellation: Cancellation<'t>,
+) -> (Parsed, Option<Record>) {
     let mut parser = Parser {
         text,
         symbols,
@@ -80,6 +102,7 @@ fn read(text: &str, symbols: &mut Symbols, record: Option<Record>) -> (Parsed, O
         stopped: false,
         surplus: None,
         record,
+        cancellation,
     };
     if text.len() >= u32::MAX as usize {
         parser.error(SyntaxErrorKind::FileTooLarge, Span::new(0, 0));
@@ -133,11 +156,12 @@ struct Parser<'t, 's> {
     surplus: Option<i64>,
     /// Every token, for those who want them.
     record: Option<Record>,
+    cancellation: Cancellation<'t>,
 }
 
 impl Parser<'_, '_> {
     fn file(&mut self) {
-        while !self.stopped {
+        while !self.stopped && !self.cancellation.is_cancelled() {
             self.at = trivia::skip(self.text, self.at);
             if self.at == self.text.len() {
                 break;

@@ -8,7 +8,7 @@ use super::{Options, verdict, worse};
 use crate::cli::Exit;
 use crate::files::programs::STDIN_NAME;
 use crate::findings::{Format, count};
-use crate::mend::{Mended, mend};
+use crate::fix::{Fixed, fix};
 
 /// Shows what is changed in a file, and changes it; some exit status if that is all there is to do.
 ///
@@ -20,33 +20,33 @@ pub fn run(
     text: &mut Option<Vec<u8>>,
 ) -> Option<Exit> {
     // A file that cannot be read is told of by the check.
-    let mended = mend(file, &options.levels.levels).ok()?;
+    let fixed = fix(file, &options.levels.levels).ok()?;
     let alone = options.format == Format::Graphical;
     if file == STDIN_NAME && !options.dry_run {
-        print(&String::from_utf8_lossy(&mended.new));
-        warn(&match mended.changes {
+        print(&String::from_utf8_lossy(&fixed.new));
+        warn(&match fixed.changes {
             0 => String::new(),
             changes => format!("{file}: {} made\n", count(changes, "change")),
         });
-        *text = Some(mended.new);
+        *text = Some(fixed.new);
         return None;
     }
-    let diff = mended.diff();
+    let diff = fixed.diff();
     // A machine reads nothing but the findings.
     if alone {
         print(&shown(diff));
     } else {
         warn(&diff);
     }
-    let changes = count(mended.changes, "change");
+    let changes = count(fixed.changes, "change");
     if options.dry_run {
         warn(&format!("{file}: {changes} to make\n"));
-        return alone.then(|| verdict(&mended.before));
+        return alone.then(|| verdict(&fixed.before));
     }
-    if mended.changes == 0 {
+    if fixed.changes == 0 {
         return None;
     }
-    match write(&mended) {
+    match write(&fixed) {
         Ok(()) => warn(&format!("{file}: {changes} made\n")),
         Err(reason) => {
             warn(&format!("error: `{file}` is left as it is: {reason}\n"));
@@ -56,8 +56,8 @@ pub fn run(
     None
 }
 
-fn write(mended: &Mended) -> Result<(), String> {
-    match mended.write() {
+fn write(fixed: &Fixed) -> Result<(), String> {
+    match fixed.write() {
         Ok(true) => Ok(()),
         Ok(false) => Err("it has changed while it was checked; try again".to_owned()),
         Err(error) => Err(error.to_string()),

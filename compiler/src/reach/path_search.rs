@@ -13,14 +13,14 @@ use rustc_hash::FxHashMap;
 use stochc_ir::{Cell, Face};
 
 use super::Effort;
-use super::standing::{Has, Standing};
-use super::trail::Trail;
+use super::known_paths::KnownPaths;
+use super::occupancy::{Has, Occupancy};
 use crate::plan::EventId;
 
 /// What a search looks at.
 pub struct Search<'a> {
     /// The structure, sorted.
-    pub standing: &'a Standing,
+    pub occupancy: &'a Occupancy,
     /// Which of its captures have happened.
     pub has: Has<'a>,
     /// Edge of the cube that has to get through, in cells: 1 or 2.
@@ -49,7 +49,7 @@ impl Search<'_> {
         range().any(|dz| {
             range().any(|dy| {
                 range().any(|dx| match offset(at, dx, dy, dz) {
-                    Some(cell) => self.standing.is_blocked(cell, self.has),
+                    Some(cell) => self.occupancy.is_blocked(cell, self.has),
                     None => true,
                 })
             })
@@ -61,8 +61,9 @@ impl Search<'_> {
         (-1..=self.size).any(|dz| {
             (-1..=self.size).any(|dy| {
                 (-1..=self.size).any(|dx| {
-                    offset(at, dx, dy, dz)
-                        .is_some_and(|cell| cell.z >= 1 && self.standing.is_blocked(cell, self.has))
+                    offset(at, dx, dy, dz).is_some_and(|cell| {
+                        cell.z >= 1 && self.occupancy.is_blocked(cell, self.has)
+                    })
                 })
             })
         })
@@ -74,7 +75,7 @@ impl Search<'_> {
         columns
             .filter_map(|(dx, dy)| {
                 let column = offset(at, dx, dy, 0)?;
-                (self.standing).ceiling(column.x, column.y, column.z, self.has)
+                (self.occupancy).ceiling(column.x, column.y, column.z, self.has)
             })
             .min()
     }
@@ -101,8 +102,8 @@ impl Search<'_> {
         &self,
         starts: impl IntoIterator<Item = Cell>,
         is_out: &dyn Fn(EventId) -> bool,
-        trail: &mut Trail,
-        effort: &mut Effort,
+        known: &mut KnownPaths,
+        effort: &mut Effort<'_>,
     ) -> Way {
         // Where each place was reached from.
         let mut found: FxHashMap<Cell, Cell> = FxHashMap::default();
@@ -115,20 +116,20 @@ impl Search<'_> {
         }
         while let Some(at) = queue.pop_front() {
             order.push(at);
-            effort.steps += 1 + self.standing.take_passed();
+            effort.steps += 1 + self.occupancy.take_passed();
             if effort.is_spent() {
                 return Way::Unknown;
             }
-            if self.size == 1 && self.standing.at(at).is_some_and(is_out) {
+            if self.size == 1 && self.occupancy.at(at).is_some_and(is_out) {
                 return Way::Out;
             }
-            if trail.leads_out(at, self, &mut effort.steps) {
-                trail.keep(at, &found, self);
+            if known.leads_out(at, self, &mut effort.steps) {
+                known.keep(at, &found, self);
                 return Way::Out;
             }
             let Some(under) = self.rise(at) else {
-                trail.end(at, self);
-                trail.keep(at, &found, self);
+                known.end(at, self);
+                known.keep(at, &found, self);
                 return Way::Out;
             };
             for face in Face::ALL {

@@ -4,10 +4,10 @@ use std::collections::VecDeque;
 use rustc_hash::FxHashMap;
 use stochc_ir::Face;
 
-use super::descent::{Descendants, Descent};
+use super::descendants::{DescendantIndex, Descendants};
+use super::diagnose::Case;
+use super::path_search::{Search, Way};
 use super::reachable::Dismantled;
-use super::tell::Case;
-use super::way::{Search, Way};
 use super::{Cell, EventId, Survey};
 use crate::Site;
 
@@ -57,7 +57,7 @@ impl Survey<'_> {
         &mut self,
         id: EventId,
         later: &[EventId],
-        descent: &Descent,
+        descent: &DescendantIndex,
         at_worst: &dyn Fn(EventId) -> bool,
     ) -> bool {
         let following: Vec<Descendants> = (later.iter())
@@ -78,9 +78,9 @@ impl Survey<'_> {
         stays: &dyn Fn(EventId) -> bool,
     ) -> Option<Vec<EventId>> {
         let start = self.cell(id)?;
-        self.standing.sort();
+        self.occupancy.sort();
         let worst = Search {
-            standing: &self.standing,
+            occupancy: &self.occupancy,
             has: at_worst,
             size: 1,
         };
@@ -93,7 +93,7 @@ impl Survey<'_> {
                 let mut captures = Vec::new();
                 let mut at = at;
                 loop {
-                    captures.extend(self.standing.at(at).filter(|&by| by != id && at_worst(by)));
+                    captures.extend(self.occupancy.at(at).filter(|&by| by != id && at_worst(by)));
                     let (_, before) = best[&at];
                     if before == at {
                         break;
@@ -121,7 +121,7 @@ impl Survey<'_> {
                 }
             };
             for next in Face::ALL.into_iter().filter_map(|face| at.across(face)) {
-                if self.standing.is_blocked(next, stays) {
+                if self.occupancy.is_blocked(next, stays) {
                     continue;
                 }
                 let is_full = worst.is_blocked(next);

@@ -1,4 +1,4 @@
-//! The most frequent slips of syntax: what to do about them, and how they are mended.
+//! The most frequent mistakes of syntax: what to do about them, and how they are fixed.
 use stochc_ir::suggest::{Suggestion, nearest};
 
 use super::{Edit, Fix};
@@ -6,7 +6,7 @@ use crate::scene::unit_meant;
 use crate::{Site, Span};
 
 /// A place where something else had to stand.
-pub struct Slip<'a> {
+pub struct SyntaxHint<'a> {
     /// What stands there.
     pub site: Site,
     /// The text of it, shortened.
@@ -59,7 +59,7 @@ const FOREIGN: [(&[&str], &str); 4] = [
     (&["var", "const", "int"], "name a number with `let n = 6`"),
 ];
 
-impl Slip<'_> {
+impl SyntaxHint<'_> {
     /// The first word of the statement, if it is one of another language: where it stands, what is
     /// wrong with it, and what there is instead.
     pub fn foreign(&self) -> Option<(Site, String, &'static str)> {

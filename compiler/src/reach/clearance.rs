@@ -4,8 +4,8 @@ use std::collections::VecDeque;
 use rustc_hash::{FxHashMap, FxHashSet};
 use stochc_ir::Face;
 
-use super::descent::Descent;
-use super::way::{Search, Way, offset};
+use super::descendants::DescendantIndex;
+use super::path_search::{Search, Way, offset};
 use super::{Cell, EventId, Survey};
 use crate::plan::Deed;
 
@@ -35,7 +35,7 @@ const FARTHEST: usize = 20_000;
 
 impl Survey<'_> {
     /// The captures of a phase that come in through a gap, in their worst case.
-    pub fn tight(&mut self, events: &[EventId], descent: &Descent) -> TightPhase {
+    pub fn tight(&mut self, events: &[EventId], descent: &DescendantIndex) -> TightPhase {
         let first = events.iter().map(|id| id.0).min().unwrap_or(0);
         // Whether nothing but what waits for it can stand above the cell of an event.
         let mut is_clear_above = vec![false; events.len()];
@@ -45,10 +45,10 @@ impl Survey<'_> {
                 continue;
             };
             let i = (id.0 - first) as usize;
-            is_clear_above[i] |= self.standing.top(cell) == Some(cell.z);
+            is_clear_above[i] |= self.occupancy.top(cell) == Some(cell.z);
             if is_clear_above[i]
                 && let Some(below) = self.captor_below(id, first)
-                && !self.standing.is_held_over(cell)
+                && !self.occupancy.is_held_over(cell)
             {
                 is_clear_above[below] = true;
             }
@@ -77,7 +77,7 @@ impl Survey<'_> {
         let Deed::Capture { face: Face::Up, .. } = self.subject.plan.event(id).deed else {
             return None;
         };
-        let anchored_by = self.subject.presence.contexts[id.0 as usize].anchored_by?;
+        let anchored_by = self.subject.liveness.contexts[id.0 as usize].anchored_by?;
         Some((anchored_by.0 - first) as usize)
     }
 
@@ -85,42 +85,47 @@ impl Survey<'_> {
     fn has_open_corner(&self, cell: Cell) -> bool {
         let is_clear = |dx: i32, dy: i32| {
             offset(cell, dx, dy, 0)
-                .is_none_or(|cell| self.standing.is_clear(cell.x, cell.y, cell.z))
+                .is_none_or(|cell| self.occupancy.is_clear(cell.x, cell.y, cell.z))
         };
         let corners = [(1, 1), (1, -1), (-1, 1), (-1, -1)];
         (corners.into_iter()).any(|(dx, dy)| is_clear(dx, 0) && is_clear(0, dy) && is_clear(dx, dy))
     }
 
     /// The open sides of a cell that a cube of two cannot bring a block to; `None`: it can.
-    fn tightness(&mut self, id: EventId, cell: Cell, descent: &Descent) -> Option<u32> {
-        self.standing.sort();
+    fn tightness(&mut self, id: EventId, cell: Cell, descent: &DescendantIndex) -> Option<u32> {
+        self.occupancy.sort();
         let following = descent.of(id, &mut self.warning.steps);
         let has = |other: EventId| !following.contains(other);
         let search = Search {
-            standing: &self.standing,
+            occupancy: &self.occupancy,
             has: &has,
             size: 2,
         };
         let boxes: Vec<Cell> = boxes(cell).filter(|&low| !search.is_blocked(low)).collect();
         if !boxes.is_empty() {
-            match search.run(boxes, &|_| false, &mut self.trails[1], &mut self.warning) {
+            match search.run(
+                boxes,
+                &|_| false,
+                &mut self.known_paths[1],
+                &mut self.warning,
+            ) {
                 Way::Out | Way::Unknown => return None,
                 Way::Sealed(_) => {}
             }
         }
         let is_open = |face: &Face| {
-            (cell.across(*face)).is_some_and(|next| !self.standing.is_blocked(next, &has))
+            (cell.across(*face)).is_some_and(|next| !self.occupancy.is_blocked(next, &has))
         };
         Some(Face::ALL.iter().filter(|face| is_open(face)).count() as u32)
     }
 
     /// How many narrow cells the best way in has.
-    fn gap_length(&mut self, id: EventId, descent: &Descent) -> Option<u32> {
+    fn gap_length(&mut self, id: EventId, descent: &DescendantIndex) -> Option<u32> {
         let start = self.cell(id)?;
         let following = descent.of(id, &mut self.warning.steps);
         let has = |other: EventId| !following.contains(other);
         let wide = Search {
-            standing: &self.standing,
+            occupancy: &self.occupancy,
             has: &has,
             size: 2,
         };
@@ -134,7 +139,12 @@ impl Survey<'_> {
             if let Some(low) = free
                 && !closed.contains(&low)
             {
-                match wide.run([low], &|_| false, &mut self.trails[1], &mut self.warning) {
+                match wide.run(
+                    [low],
+                    &|_| false,
+                    &mut self.known_paths[1],
+                    &mut self.warning,
+                ) {
                     Way::Out => return Some(length),
                     Way::Sealed(pocket) => closed.extend(pocket),
                     Way::Unknown => return None,
@@ -147,7 +157,7 @@ impl Survey<'_> {
                 let Some(next) = at.across(face) else {
                     continue;
                 };
-                if self.standing.is_blocked(next, &has) {
+                if self.occupancy.is_blocked(next, &has) {
                     continue;
                 }
                 let is_wide = boxes(next).any(|low| !wide.is_blocked(low));

@@ -11,7 +11,7 @@ use crate::graph::DependencyGraph;
 use crate::plan::EventId;
 
 /// The order among the events of one phase.
-pub struct Descent {
+pub struct DescendantIndex {
     /// The number of the phase's first event.
     first: u32,
     /// For every event of the phase, its place in the preorder.
@@ -24,15 +24,15 @@ pub struct Descent {
 
 /// An event and all that can only happen after it.
 pub struct Descendants<'a> {
-    descent: &'a Descent,
+    descent: &'a DescendantIndex,
     /// Intervals of the preorder, sorted and disjoint.
     intervals: Vec<(u32, u32)>,
 }
 
-impl Descent {
+impl DescendantIndex {
     /// `events` are those of one phase, numbered without gaps from `first`, each behind all it
     /// waits for.
-    pub fn new(graph: &DependencyGraph, first: u32, events: &[EventId]) -> Descent {
+    pub fn new(graph: &DependencyGraph, first: u32, events: &[EventId]) -> DescendantIndex {
         let count = events.len();
         let local = |id: EventId| (id.0 - first) as usize;
         let mut rank = vec![0u32; count];
@@ -77,7 +77,7 @@ impl Descent {
             }
         }
         cross.sort_unstable();
-        Descent {
+        DescendantIndex {
             first,
             place,
             size,

@@ -2,7 +2,7 @@
 use std::sync::Arc;
 
 use crate::finding::Change;
-use crate::levels::Levels;
+use crate::lint_levels::Levels;
 use crate::load::Reader;
 use crate::program::{Checked, check_with};
 use crate::{FileId, Limits, trial};
@@ -12,7 +12,7 @@ const MOST_ROUNDS: usize = 50;
 
 /// What a file is with its safe fixes.
 #[derive(Debug)]
-pub struct Mended {
+pub struct Fixed {
     /// The text; without a mark of the byte order.
     pub text: Arc<str>,
     /// How many fixes that took.
@@ -25,7 +25,7 @@ pub struct Mended {
 ///
 /// A round makes the fixes that fit together and leaves nothing new behind. Each has been tried
 /// alone; where they do not go together, the first half of them is tried.
-pub fn mend(path: &str, reader: &mut dyn Reader, limits: Limits, levels: &Levels) -> Mended {
+pub fn fix(path: &str, reader: &mut dyn Reader, limits: Limits, levels: &Levels) -> Fixed {
     let mut again = |texts: &mut dyn Reader| check_with(path, texts, limits, levels);
     let before = again(reader);
     let mut now: Option<Checked> = None;
@@ -39,7 +39,7 @@ pub fn mend(path: &str, reader: &mut dyn Reader, limits: Limits, levels: &Levels
     }
     let last = now.as_ref().unwrap_or(&before);
     let text = last.sources.files().first().map(|file| file.text.clone());
-    Mended {
+    Fixed {
         text: text.unwrap_or_default(),
         changes,
         before,
@@ -50,7 +50,7 @@ pub fn mend(path: &str, reader: &mut dyn Reader, limits: Limits, levels: &Levels
 fn round(
     now: &Checked,
     reader: &mut dyn Reader,
-    again: &mut trial::Again<'_>,
+    again: &mut dyn FnMut(&mut dyn Reader) -> Checked,
 ) -> Option<(Checked, usize)> {
     const OWN: FileId = FileId(0);
     let text = &now.sources.files().first()?.text;
@@ -61,13 +61,13 @@ fn round(
     while most > 0 {
         let mut change = Change::new(OWN, text);
         let fits = |number: &usize| fix(*number).is_some_and(|fix| change.add(fix));
-        let mended: Vec<usize> = safe[..most].iter().copied().filter(fits).collect();
-        if mended.is_empty() {
+        let fixed: Vec<usize> = safe[..most].iter().copied().filter(fits).collect();
+        if fixed.is_empty() {
             return None;
         }
         let next = again(&mut change.over(&now.sources, reader));
-        if trial::cures(now, &mended, &change, &next) {
-            return Some((next, mended.len()));
+        if trial::cures(now, &fixed, &change, &next) {
+            return Some((next, fixed.len()));
         }
         most /= 2;
     }

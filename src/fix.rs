@@ -9,7 +9,7 @@ use crate::files::{atomic, programs, read, read_file};
 
 /// A file, and what it is with all safe changes.
 #[derive(Debug)]
-pub struct Mended {
+pub struct Fixed {
     path: String,
     /// As read, to the byte.
     original: Vec<u8>,
@@ -28,23 +28,23 @@ const MARK: &[u8] = "\u{feff}".as_bytes();
 ///
 /// # Errors
 /// In the system's words, if the file cannot be read.
-pub fn mend(path: &str, levels: &Levels) -> Result<Mended, String> {
+pub fn fix(path: &str, levels: &Levels) -> Result<Fixed, String> {
     let original = programs::read(path)?;
     let mut reader = |asked: &str| match asked == path {
         true => Ok(original.clone()),
         false => read(asked),
     };
-    let compiler::Mended {
+    let compiler::Fixed {
         text,
         changes,
         before,
-    } = compiler::mend(path, &mut reader, Limits::default(), levels);
+    } = compiler::fix(path, &mut reader, Limits::default(), levels);
     let mark = if original.starts_with(MARK) {
         MARK
     } else {
         b""
     };
-    Ok(Mended {
+    Ok(Fixed {
         path: path.to_owned(),
         new: [mark, text.as_bytes()].concat(),
         original,
@@ -53,7 +53,7 @@ pub fn mend(path: &str, levels: &Levels) -> Result<Mended, String> {
     })
 }
 
-impl Mended {
+impl Fixed {
     /// The changes as a unified diff; empty if there is none.
     pub fn diff(&self) -> String {
         if self.changes == 0 {
@@ -97,7 +97,7 @@ mod tests {
         let path = folder.path().join("a.sa");
         let text = "assembly a { seed plate 1 x 1 { M at (0, 0) } phaze p { M.up -> A } }";
         std::fs::write(&path, text).unwrap();
-        let mended = mend(path.to_str().unwrap(), &Levels::default()).unwrap();
+        let mended = fix(path.to_str().unwrap(), &Levels::default()).unwrap();
         assert_eq!(mended.changes, 1);
         std::fs::write(&path, "// mine\n").unwrap();
         assert!(!mended.write().unwrap());

@@ -1,7 +1,7 @@
 //! What hardware does whose faces always attract: blocks dock where nobody expects them, and what
 //! is let go is pushed away.
 use rustc_hash::{FxHashMap, FxHashSet};
-use stochc_grammar::Symbols;
+use stochc_grammar::{Cancellation, Cancelled, Symbols};
 use stochc_ir::table::RoleId;
 use stochc_ir::{Cell, Face};
 
@@ -18,13 +18,18 @@ const NAMED: usize = 3;
 /// A face is exposed if its block is anchored, the cell before it is empty, and nothing is expected
 /// there. A phase waits longest, as far as the order goes, for the last of its captures: what is
 /// exposed then is counted, with everything else of the phase done.
+///
+/// # Errors
+///
+/// [`Cancelled`] if nobody waits for it.
 pub fn check(
     plan: &Plan,
     layout: &Layout,
     order: &Order,
     symbols: &Symbols,
+    cancellation: Cancellation<'_>,
     findings: &mut Vec<Finding>,
-) {
+) -> Result<(), Cancelled> {
     let last = last_captures(plan, order);
     let survey = Survey {
         plan,
@@ -35,6 +40,7 @@ pub fn check(
     // The first of the phases with the most.
     let mut worst: Option<(usize, usize)> = None;
     for number in 0..plan.phases.len() {
+        cancellation.check()?;
         survey.blocked(number, &standing, symbols, findings);
         let exposed = survey.before_last(number, &mut standing);
         if exposed > worst.map_or(0, |(_, most)| most) {
@@ -45,6 +51,7 @@ pub fn check(
     if let Some((number, exposed)) = worst {
         findings.push(survey.tell(number, exposed, symbols));
     }
+    Ok(())
 }
 
 /// For every phase, the capture that comes last in an order of the program; `None`: it has none.

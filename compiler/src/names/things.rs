@@ -2,19 +2,35 @@
 use rustc_hash::FxHashMap;
 use stochc_grammar::Symbol;
 
-use super::{Kind, Names, Occurrence, Thing};
+use super::{Keep, Kind, Names, Occurrence, Thing, Use};
 use crate::Site;
 
 /// Things, found one after the other.
-#[derive(Default)]
 pub struct Things {
+    keep: Keep,
     kinds: Vec<(Kind, Symbol)>,
     /// For every thing, another one that it is the same as, or itself.
     same: Vec<u32>,
     occurrences: Vec<Occurrence>,
+    uses: FxHashMap<Thing, Vec<Use>>,
 }
 
 impl Things {
+    pub fn new(keep: Keep) -> Things {
+        Things {
+            keep,
+            kinds: Vec::new(),
+            same: Vec::new(),
+            occurrences: Vec::new(),
+            uses: FxHashMap::default(),
+        }
+    }
+
+    /// Whether the names of things of a kind are kept.
+    pub fn keeps(&self, kind: Kind) -> bool {
+        self.keep == Keep::All || !matches!(kind, Kind::Block | Kind::Instance | Kind::Phase)
+    }
+
     pub fn new_thing(&mut self, kind: Kind, word: Symbol) -> Thing {
         let thing = Thing(self.kinds.len() as u32);
         self.kinds.push((kind, word));
@@ -26,7 +42,17 @@ impl Things {
         self.kinds[thing.0 as usize].0
     }
 
+    /// Notes what a parameter is used as; other things may be used as they like.
+    pub fn used(&mut self, thing: Thing, used: Use) {
+        if self.kind(thing) == Kind::Parameter {
+            self.uses.entry(thing).or_default().push(used);
+        }
+    }
+
     pub fn occur(&mut self, thing: Thing, site: Site, declares: bool) {
+        if !self.keeps(self.kind(thing)) {
+            return;
+        }
         self.occurrences.push(Occurrence {
             site,
             thing,
@@ -64,9 +90,13 @@ impl Things {
         }
         occurrences.sort_by_key(|occurrence| (occurrence.site.file, occurrence.site.span.start));
         occurrences.dedup_by_key(|occurrence| (occurrence.site.file, occurrence.site.span.start));
+        let have_values = (occurrences.iter()).filter(|it| self.kind(it.thing).has_value());
+        let values = have_values.map(|it| ((it.site.file, it.site.span.start), it.thing));
         Names {
+            values: values.collect(),
             occurrences,
             kinds: self.kinds,
+            uses: self.uses,
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Which names stand for an anchored block, phase by phase.
 use rustc_hash::{FxHashMap, FxHashSet};
-use stochc_grammar::{Symbol, Symbols};
+use stochc_grammar::{Cancellation, Cancelled, Symbol, Symbols};
 use stochc_ir::suggest::nearest;
 use stochc_ir::table::{RoleId, Trigger};
 
@@ -13,7 +13,7 @@ use crate::{Site, Sources};
 
 /// Who holds the names, and what becomes of them in each phase.
 #[derive(Clone, Debug)]
-pub struct Presence {
+pub struct Liveness {
     /// For every event, what its names mean.
     pub contexts: Vec<Context>,
     /// For every `after`, the event that is waited for; `None`: it has already happened.
@@ -60,7 +60,7 @@ impl Holder {
     }
 }
 
-impl Presence {
+impl Liveness {
     /// The block that an event is up to: the one that captures, or the one that asks to be let go.
     pub fn actor(&self, plan: &Plan, id: EventId) -> Holder {
         let event = plan.event(id);
@@ -93,17 +93,22 @@ enum Origin {
 }
 
 /// Checks every name; events that make no sense are marked so in the plan.
+///
+/// # Errors
+///
+/// [`Cancelled`] if nobody waits for it.
 pub fn check(
     plan: &mut Plan,
     sources: &Sources,
     symbols: &Symbols,
     doubtful: &FxHashSet<Symbol>,
+    cancellation: Cancellation<'_>,
     findings: &mut Vec<Finding>,
-) -> Presence {
+) -> Result<Liveness, Cancelled> {
     let mut checker = Checker {
         states: vec![State::default(); plan.roles.count()],
         used: vec![false; plan.seeds.len()],
-        presence: Presence {
+        liveness: Liveness {
             contexts: vec![Context::default(); plan.events.len()],
             subjects: vec![None; plan.afters.len()],
         },
@@ -114,8 +119,8 @@ pub fn check(
         first_captures: None,
         plan,
     };
-    checker.run();
-    checker.presence
+    checker.run(cancellation)?;
+    Ok(checker.liveness)
 }
 
 struct Checker<'a> {
@@ -123,7 +128,7 @@ struct Checker<'a> {
     states: Vec<State>,
     /// Seeds that have been spoken of.
     used: Vec<bool>,
-    presence: Presence,
+    liveness: Liveness,
     sources: &'a Sources,
     symbols: &'a Symbols,
     doubtful: &'a FxHashSet<Symbol>,
@@ -133,7 +138,7 @@ struct Checker<'a> {
 }
 
 impl Checker<'_> {
-    fn run(&mut self) {
+    fn run(&mut self, cancellation: Cancellation<'_>) -> Result<(), Cancelled> {
         for i in 0..self.plan.seeds.len() {
             let role = self.plan.seeds[i].role;
             self.states[role.0 as usize].holder = Some(Origin::Seed);
@@ -143,9 +148,11 @@ impl Checker<'_> {
             let stamp = number as u32 + 1;
             let events: Vec<EventId> = self.plan.events_of(&self.plan.phases[number]).collect();
             for &event in &events {
+                cancellation.check()?;
                 self.enter(event, stamp);
             }
             for &event in &events {
+                cancellation.check()?;
                 self.resolve(event, stamp);
             }
             let end = self.plan.phases[number].events.end;
@@ -155,6 +162,7 @@ impl Checker<'_> {
                 .get(afters)
                 .is_some_and(|after| after.event.0 < end)
             {
+                cancellation.check()?;
                 self.resolve_after(afters, stamp);
                 afters += 1;
             }
@@ -183,6 +191,7 @@ impl Checker<'_> {
                 tell(self.findings, finding);
             }
         }
+        Ok(())
     }
 
     /// An `after` in a loop over phases may wait for nothing in one of them and be needed in
@@ -195,7 +204,7 @@ impl Checker<'_> {
             return;
         }
         let place = |site: Site| (site.file, site.span.start);
-        let needed: FxHashSet<_> = (self.plan.afters.iter().zip(&self.presence.subjects))
+        let needed: FxHashSet<_> = (self.plan.afters.iter().zip(&self.liveness.subjects))
             .filter(|(_, subject)| subject.is_some())
             .map(|(after, _)| place(after.site))
             .collect();
@@ -303,7 +312,7 @@ impl Checker<'_> {
                 }
             }
         };
-        self.presence.contexts[id.0 as usize] = context;
+        self.liveness.contexts[id.0 as usize] = context;
     }
 
     fn resolve_after(&mut self, number: usize, stamp: u32) {
@@ -316,7 +325,7 @@ impl Checker<'_> {
             state.captured
         };
         if subject.is_some() {
-            self.presence.subjects[number] = subject;
+            self.liveness.subjects[number] = subject;
             return;
         }
         if self.findings.len() > MOST_FINDINGS || self.is_doubtful(after.role) {
@@ -366,7 +375,7 @@ impl Checker<'_> {
         if !event.sound {
             return;
         }
-        let context = self.presence.contexts[id.0 as usize];
+        let context = self.liveness.contexts[id.0 as usize];
         let state = &mut self.states[event.role.0 as usize];
         match event.deed {
             // A name that is freed and taken again ends up taken; the other way round, free.

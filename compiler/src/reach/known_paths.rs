@@ -5,17 +5,17 @@
 use rustc_hash::FxHashMap;
 use stochc_ir::Cell;
 
-use super::way::Search;
+use super::path_search::Search;
 
 /// Places from which a cube of one size gets out, whatever the captures of the phase at hand do.
 #[derive(Default)]
-pub struct Trail {
+pub struct KnownPaths {
     /// The next place on the way, itself at the end of it; and the phase for which that was shown.
     next: FxHashMap<Cell, (Cell, u32)>,
     phase: u32,
 }
 
-impl Trail {
+impl KnownPaths {
     /// What stands may be different from now on.
     pub fn begin_phase(&mut self) {
         self.phase += 1;

@@ -4,12 +4,12 @@ use std::borrow::Cow;
 use rustc_hash::FxHashSet;
 use stochc_ir::Face;
 
-use super::descent::Descent;
+use super::descendants::DescendantIndex;
+use super::occupancy::Has;
+use super::path_search::Way;
 use super::reachable::Dismantled;
 use super::sealed::Stuck;
-use super::standing::Has;
 use super::trial::Proposal;
-use super::way::Way;
 use super::{Cell, EventId, Survey, all_before, before, picture};
 use crate::finding::{Code, Finding, Fix, tell};
 use crate::graph::DependencyGraph;
@@ -48,7 +48,7 @@ pub struct Case<'a> {
     /// Its events, each behind all it waits for.
     events: &'a [EventId],
     /// Which follow from which.
-    pub descent: &'a Descent,
+    pub descent: &'a DescendantIndex,
     /// What no order reaches.
     pub never: FxHashSet<EventId>,
     /// What waits for what, with every choice made, if it can be by what some order reaches.
@@ -69,7 +69,7 @@ impl Survey<'_> {
     pub fn tell_sealed(
         &mut self,
         events: &[EventId],
-        descent: &Descent,
+        descent: &DescendantIndex,
         stuck: &[Stuck],
         findings: &mut Vec<Finding>,
     ) {
@@ -191,7 +191,7 @@ impl Survey<'_> {
             finding.cure = Some(text.trim_end().to_owned());
             finding.fix = fix;
         }
-        let is_full = |cell| self.standing.is_blocked(cell, &has);
+        let is_full = |cell| self.occupancy.is_blocked(cell, &has);
         help.push_str(&picture::layer(cell, is_full));
         Some(finding.help(help))
     }
@@ -307,7 +307,7 @@ impl Survey<'_> {
     fn walls(&self, pocket: &[Cell], case: &Case, has: Has) -> Vec<EventId> {
         let mut walls: Vec<EventId> = (pocket.iter())
             .flat_map(|cell| Face::ALL.into_iter().filter_map(|face| cell.across(face)))
-            .filter_map(|cell| self.standing.at(cell))
+            .filter_map(|cell| self.occupancy.at(cell))
             .filter(|&by| case.descent.has(by) && has(by))
             .collect();
         walls.sort_unstable();
@@ -342,7 +342,7 @@ impl Survey<'_> {
         &mut self,
         number: usize,
         events: &[EventId],
-        descent: &Descent,
+        descent: &DescendantIndex,
         findings: &mut Vec<Finding>,
     ) {
         let tight = self.tight(events, descent);

@@ -4,10 +4,12 @@ use petgraph::graph::NodeIndex;
 use petgraph::visit::EdgeRef as _;
 use rustc_hash::FxHashMap;
 use stochc_grammar::tree::ItemKind;
+use stochc_grammar::{Cancellation, Cancelled};
 use stochc_ir::table::RoleId;
 
-use crate::expand::{Limits, Probe, expand_probed};
+use crate::expand::{Bounds, Limits, Probe, expand_probed};
 use crate::graph::Dependency;
+use crate::names::{Keep, Names};
 use crate::plan::{Deed, EventId, Plan};
 use crate::program::declarations;
 use crate::{Checked, FileId, Program};
@@ -24,12 +26,22 @@ pub struct Located {
 /// The blocks that the name at a byte of a file stands for, in every assembly that has any there.
 ///
 /// In a loop or a pattern one name stands for many. The programs are written out once more for it.
-pub fn blocks_at(checked: &Checked, file: FileId, at: u32) -> Vec<Located> {
+///
+/// # Errors
+///
+/// [`Cancelled`] if nobody waits for it.
+pub fn blocks_at(
+    checked: &Checked,
+    (file, at): (FileId, u32),
+    limits: Limits,
+    cancellation: Cancellation<'_>,
+) -> Result<Vec<Located>, Cancelled> {
     let mut located = Vec::new();
     let mut symbols = checked.symbols.clone();
     // What is wrong has been told.
     let mut findings = Vec::new();
-    let declarations = declarations(checked.trees(), &symbols, &mut findings);
+    let names = Names::of_trees(checked.trees(), Keep::Declarations, cancellation)?;
+    let declarations = declarations(checked.trees(), &names, &symbols, &mut findings);
     let assemblies = checked
         .tree
         .items
@@ -55,17 +67,20 @@ pub fn blocks_at(checked: &Checked, file: FileId, at: u32) -> Vec<Located> {
             (known.plan.site.file, assembly),
             &checked.sources,
             &mut symbols,
-            Limits::default(),
+            Bounds {
+                limits,
+                cancellation,
+            },
             &mut findings,
             &mut probe,
-        );
+        )?;
         let keys = probe.keys.iter();
         let roles: Vec<RoleId> = keys.filter_map(|key| known.plan.roles.get(key)).collect();
         if !roles.is_empty() {
             located.push(Located { program, roles });
         }
     }
-    located
+    Ok(located)
 }
 
 /// The captures of each block, to follow the parents of one down to the plate.
@@ -171,7 +186,8 @@ assembly a {
     /// The names of the blocks at the end of the first occurrence of a text.
     fn names(checked: &Checked, behind: &str) -> Vec<String> {
         let at = TEXT.find(behind).unwrap() + behind.len();
-        let located = blocks_at(checked, FileId(0), at as u32);
+        let place = (FileId(0), at as u32);
+        let located = blocks_at(checked, place, Limits::default(), Cancellation::NEVER).unwrap();
         let names = located.iter().flat_map(|located| {
             let plan = &checked.programs[located.program].plan;
             let roles = located.roles.iter();

@@ -1,0 +1,45 @@
+//! Work whose result may not be wanted to its end.
+use std::fmt;
+
+/// Asks the caller of long work, again and again, whether the result is still wanted.
+///
+/// The question is asked about once per event, so the answer should cost no more than reading an atomic.
+#[derive(Clone, Copy)]
+pub struct Cancellation<'a>(&'a dyn Fn() -> bool);
+
+/// Nobody wants the result any more, so there is none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Cancelled;
+
+impl<'a> Cancellation<'a> {
+    /// Work that goes on to its end.
+    pub const NEVER: Cancellation<'static> = Cancellation(&|| false);
+
+    /// Work that ends soon after `is_cancelled` has become true; from then on it has to stay true.
+    pub fn new(is_cancelled: &'a dyn Fn() -> bool) -> Cancellation<'a> {
+        Cancellation(is_cancelled)
+    }
+
+    /// Whether the result is not wanted any more.
+    pub fn is_cancelled(self) -> bool {
+        self.0()
+    }
+
+    /// Goes on, if the result is still wanted.
+    ///
+    /// # Errors
+    ///
+    /// [`Cancelled`] if it is not.
+    pub fn check(self) -> Result<(), Cancelled> {
+        match self.is_cancelled() {
+            true => Err(Cancelled),
+            false => Ok(()),
+        }
+    }
+}
+
+impl fmt::Debug for Cancellation<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Cancellation({})", self.is_cancelled())
+    }
+}

@@ -1,0 +1,210 @@
+//! What is known of each open program, and what is being found out.
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use gen_lsp_types::Diagnostic;
+use stochc_compiler::Cancellation;
+
+use super::analysis::Analysis;
+use super::diagnostics;
+use super::documents::Documents;
+use super::jobs::{JobId, Jobs, Wanted};
+use super::position::Encoding;
+use super::server::Done;
+
+/// Diagnostics by the path of their file.
+pub type Found = BTreeMap<String, Vec<Diagnostic>>;
+
+/// A program that has been checked.
+pub struct Checked {
+    analysis: Arc<Analysis>,
+    found: Found,
+}
+
+/// The open programs, by the paths of their files.
+#[derive(Default)]
+pub struct Programs(BTreeMap<String, Program>);
+
+/// An open program.
+#[derive(Default)]
+struct Program {
+    state: State,
+    /// The files that the last check has asked for.
+    reads: Arc<Mutex<Reads>>,
+    /// The client has not seen its findings as they are now.
+    is_unseen: bool,
+    /// Its diagnostics, as they were found last.
+    found: Found,
+}
+
+/// What is known of a program as its texts are now.
+#[derive(Default)]
+enum State {
+    #[default]
+    Unknown,
+    UnderWay(JobId),
+    Known(Arc<Analysis>),
+    /// The check has failed, by a mistake of the server's.
+    Failed,
+}
+
+/// Whether a program can be spoken of.
+pub enum Knowledge {
+    /// All that there is.
+    Known(Arc<Analysis>),
+    /// A check has to come first, or to end.
+    Waiting,
+    /// The check has failed.
+    Failed,
+}
+
+/// What a check has asked for.
+#[derive(Default)]
+struct Reads {
+    paths: BTreeSet<String>,
+    /// Something was not there.
+    has_missing: bool,
+}
+
+impl Programs {
+    /// The paths of all of them.
+    pub fn paths(&self) -> impl Iterator<Item = &String> {
+        self.0.keys()
+    }
+
+    /// Takes note that a text has been opened or changed; the programs of which something else is known now than
+    /// was before.
+    pub fn changed(&mut self, path: &str, jobs: &Jobs) -> BTreeSet<String> {
+        self.0.entry(path.to_owned()).or_default();
+        self.outdate(jobs, |own, reads| {
+            own == path || reads.has_missing || reads.paths.contains(path)
+        })
+    }
+
+    /// Takes note that a file has been written: a program that was missing it may find it now.
+    pub fn saved(&mut self, jobs: &Jobs) -> BTreeSet<String> {
+        self.outdate(jobs, |_, reads| reads.has_missing)
+    }
+
+    /// Forgets a program that is closed, and takes note that its text is that of the disk again.
+    pub fn closed(&mut self, path: &str, jobs: &Jobs) -> BTreeSet<String> {
+        let mut outdated = self.changed(path, jobs);
+        self.0.remove(path);
+        outdated.insert(path.to_owned());
+        outdated
+    }
+
+    /// Forgets what is known of some programs, and lets their checks end.
+    fn outdate(
+        &mut self,
+        jobs: &Jobs,
+        is_outdated: impl Fn(&str, &Reads) -> bool,
+    ) -> BTreeSet<String> {
+        let mut outdated = BTreeSet::new();
+        for (path, program) in &mut self.0 {
+            // A check asks before it reads, and a text changes before this: what is not asked for yet, will be
+            // read as it is now.
+            let reads = program.reads.lock().unwrap_or_else(PoisonError::into_inner);
+            if !is_outdated(path, &reads) {
+                continue;
+            }
+            if let State::UnderWay(job) = program.state {
+                jobs.cancel(job);
+            }
+            program.state = State::Unknown;
+            program.is_unseen = true;
+            outdated.insert(path.clone());
+        }
+        outdated
+    }
+
+    /// What is known of a program; `None` if it is not open.
+    pub fn known(&self, path: &str) -> Option<Knowledge> {
+        Some(match &self.0.get(path)?.state {
+            State::Known(analysis) => Knowledge::Known(analysis.clone()),
+            State::Unknown | State::UnderWay(_) => Knowledge::Waiting,
+            State::Failed => Knowledge::Failed,
+        })
+    }
+
+    /// Whether the findings of a file are still to be found.
+    pub fn is_unseen(&self, path: &str) -> bool {
+        self.0.get(path).is_some_and(|program| program.is_unseen)
+    }
+
+    /// The diagnostics of all programs, by the path of their file.
+    pub fn found(&self) -> impl Iterator<Item = (&String, &Vec<Diagnostic>)> {
+        self.0.values().flat_map(|program| &program.found)
+    }
+
+    /// A program that has changed and waits for its check.
+    pub fn unchecked(&self) -> Option<&String> {
+        let is_unchecked =
+            |program: &Program| program.is_unseen && matches!(program.state, State::Unknown);
+        let unchecked = self.0.iter().find(|(_, program)| is_unchecked(program));
+        unchecked.map(|(path, _)| path)
+    }
+
+    /// Starts the check of a program of which nothing is known, if there is room for it.
+    pub fn check(
+        &mut self,
+        path: &str,
+        wanted: Wanted,
+        documents: &Documents,
+        encoding: Encoding,
+        jobs: &mut Jobs,
+    ) {
+        let Some(program) = self.0.get_mut(path) else {
+            return;
+        };
+        if !matches!(program.state, State::Unknown) || !jobs.has_room(wanted) {
+            return;
+        }
+        program.reads = Arc::default();
+        let (path, documents, reads) = (path.to_owned(), documents.clone(), program.reads.clone());
+        let job = jobs.start(move |cancellation| {
+            check(&path, &documents, &reads, encoding, cancellation).map(Done::Checked)
+        });
+        program.state = job.map_or(State::Failed, State::UnderWay);
+    }
+
+    /// Takes over what a check has found, unless it is out of date; whether it was a check that is still wanted.
+    pub fn checked(&mut self, job: JobId, checked: Option<Checked>) -> bool {
+        let is_it =
+            |program: &&mut Program| matches!(program.state, State::UnderWay(own) if own == job);
+        let Some(program) = self.0.values_mut().find(is_it) else {
+            return false;
+        };
+        program.is_unseen = false;
+        program.state = match checked {
+            Some(checked) => {
+                program.found = checked.found;
+                State::Known(checked.analysis)
+            }
+            None => State::Failed,
+        };
+        true
+    }
+}
+
+/// Checks a program, and says which files it has asked for.
+fn check(
+    path: &str,
+    documents: &Documents,
+    reads: &Mutex<Reads>,
+    encoding: Encoding,
+    cancellation: Cancellation<'_>,
+) -> Option<Checked> {
+    let reads = || reads.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut reader = |path: &str| {
+        reads().paths.insert(path.to_owned());
+        let text = documents.read(path);
+        reads().has_missing |= text.is_err();
+        text
+    };
+    let analysis = Analysis::of(path, &mut reader, encoding, cancellation).ok()?;
+    Some(Checked {
+        found: diagnostics::of(&analysis, path, documents),
+        analysis: Arc::new(analysis),
+    })
+}

@@ -1,0 +1,160 @@
+//! Work that goes on beside the conversation, and ends when nobody waits for it.
+//!
+//! No test here looks at a clock: a large program takes seconds at least, and what is asserted is the order of answers.
+use serde_json::{Value, json};
+
+use crate::client::{Client, place};
+
+const LARGE: &str = "file:///nowhere/large.sa";
+const SMALL: &str = "file:///nowhere/small.sa";
+
+const TEXT: &str = "assembly a { seed plate 1 x 1 { M at (0, 0) } phase p { M.up -> A } }\n";
+
+const MODIFIED: i64 = -32801;
+const CANCELLED: i64 = -32800;
+
+/// Programs without any size that are long to write out.
+fn large() -> String {
+    let loops = "for i in 1..1000 { for j in 1..8000 { } }";
+    let seeds = "seed plate 1 x 1 { M at (0, 0) }";
+    (0..100)
+        .map(|i| format!("assembly a{i} {{ {seeds} phase p {{ {loops} M.up -> A }} }}\n"))
+        .collect()
+}
+
+fn hover(client: &mut Client, uri: &str, text: &str) -> i64 {
+    client.request("textDocument/hover", place(uri, text, "M.up", 0))
+}
+
+fn change(client: &mut Client, uri: &str, version: i64, text: &str) {
+    client.tell(
+        "textDocument/didChange",
+        json!({
+            "textDocument": { "uri": uri, "version": version },
+            "contentChanges": [{ "text": text }],
+        }),
+    );
+}
+
+/// The numbers of answers, and of the errors that they are.
+fn codes(answers: &[Value]) -> Vec<(i64, Option<i64>)> {
+    let codes = answers.iter();
+    codes
+        .map(|it| (it["id"].as_i64().unwrap(), it["error"]["code"].as_i64()))
+        .collect()
+}
+
+#[test]
+fn a_program_is_spoken_of_while_a_large_one_is_checked() {
+    let mut client = Client::new(&[]);
+    let text = large();
+    client.open(LARGE, &text);
+    let large = hover(&mut client, LARGE, &text);
+    client.open(SMALL, TEXT);
+    let small = hover(&mut client, SMALL, TEXT);
+    assert_eq!(codes(&client.answers(1)), [(small, None)]);
+    assert_eq!(client.diagnostics(SMALL), [Value::Null; 0]);
+    client.tell("$/cancelRequest", json!({ "id": large }));
+    assert_eq!(codes(&client.answers(1)), [(large, Some(CANCELLED))]);
+    assert_eq!(client.diagnosed(LARGE), [0; 0]);
+    assert_eq!(client.leave(), 0);
+}
+
+#[test]
+fn a_layout_is_given_while_the_program_is_checked() {
+    let mut client = Client::new(&[]);
+    let text = large();
+    client.open(LARGE, &text);
+    let large = hover(&mut client, LARGE, &text);
+    let options = json!({ "tabSize": 4, "insertSpaces": true });
+    let params = json!({ "textDocument": { "uri": LARGE }, "options": options });
+    let layout = client.request("textDocument/formatting", params);
+    assert_eq!(codes(&client.answers(1)), [(layout, None)]);
+    client.tell("$/cancelRequest", json!({ "id": large }));
+    assert_eq!(codes(&client.answers(1)), [(large, Some(CANCELLED))]);
+}
+
+#[test]
+fn edits_end_all_checks_but_the_last() {
+    let mut client = Client::new(&[]);
+    let text = large();
+    client.open(LARGE, &text);
+    let mut expected = Vec::new();
+    for version in 2..20 {
+        // The check begins at the latest when somebody asks.
+        expected.push((hover(&mut client, LARGE, &text), Some(MODIFIED)));
+        change(
+            &mut client,
+            LARGE,
+            version,
+            &format!("{text}// {version}\n"),
+        );
+    }
+    expected.push((hover(&mut client, LARGE, &text), Some(MODIFIED)));
+    change(&mut client, LARGE, 20, TEXT);
+    expected.push((hover(&mut client, LARGE, TEXT), None));
+    let answers = client.answers(expected.len());
+    assert_eq!(codes(&answers), expected);
+    assert_eq!(client.diagnosed(LARGE), [20]);
+    assert_eq!(client.leave(), 0);
+}
+
+#[test]
+fn an_edit_ends_the_checks_of_what_imports_the_file() {
+    let mut client = Client::new(&[]);
+    let text = format!("import \"small.sa\"\n{}", large());
+    client.open(SMALL, "let n = 1\n");
+    assert_eq!(client.diagnostics(SMALL), [Value::Null; 0]);
+    client.open(LARGE, &text);
+    let before = hover(&mut client, LARGE, &text);
+    // Of the first check nothing is known until it asks for the file: the small one is answered behind that.
+    let symbols = json!({ "textDocument": { "uri": SMALL } });
+    client.ask("textDocument/documentSymbol", symbols);
+    loop {
+        change(&mut client, SMALL, 2, "let n = 2\n");
+        client.tell("$/cancelRequest", json!({ "id": "none" }));
+        let symbols = json!({ "textDocument": { "uri": SMALL } });
+        let asked = client.request("textDocument/documentSymbol", symbols);
+        let answers = codes(&client.answers(1));
+        if answers[0].0 == before {
+            assert_eq!(answers, [(before, Some(MODIFIED))]);
+            break;
+        }
+        assert_eq!(answers, [(asked, None)]);
+    }
+    assert_eq!(client.leave(), 0);
+}
+
+#[test]
+fn the_conversation_ends_during_a_check() {
+    let text = large();
+    let mut client = Client::new(&[]);
+    client.open(LARGE, &text);
+    let asked = hover(&mut client, LARGE, &text);
+    let leaving = client.request("shutdown", Value::Null);
+    let answers = client.answers(2);
+    let expected = [(asked, Some(CANCELLED)), (leaving, None)];
+    assert_eq!(codes(&answers), expected);
+    client.tell("exit", Value::Null);
+    assert_eq!(client.hang_up(), 0);
+
+    let mut client = Client::new(&[]);
+    client.open(LARGE, &text);
+    hover(&mut client, LARGE, &text);
+    assert_eq!(client.hang_up(), 1);
+}
+
+#[test]
+fn an_editor_is_told_that_a_program_is_too_large_for_it() {
+    let text = TEXT.replace("-> A", "->> T[1..1300000]");
+    let mut client = Client::new(&[]);
+    client.open(SMALL, &text);
+    let found = client.diagnostics(SMALL);
+    assert_eq!(found[0]["code"], "expansion-limit");
+    let message = found[0]["message"].as_str().unwrap();
+    assert!(message.contains("beyond 1000000"), "{message}");
+    assert!(
+        message.contains("an editor looks no further, `stochc check` does"),
+        "{message}"
+    );
+}
