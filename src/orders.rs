@@ -12,7 +12,7 @@ use stochc_compiler::graph::Dependency;
 use stochc_compiler::plan::{Deed, EventId};
 use stochc_compiler::{Checked, Program};
 use stochc_ir::table::{News, PhaseId, Tables};
-use stochc_runtime::explore::{Bounds, Expected, Exploration, Faults, Meant, Violation};
+use stochc_protocol::explore::{Bounds, Expected, Exploration, Faults, Meant, Violation};
 
 /// Captures and releases of a program that is explored on every check, at most.
 const MOST_EVENTS: usize = 500;

@@ -1,10 +1,11 @@
 //! Free blocks whose magnets always attract: how two of them pull each other, and when they bond.
 use nalgebra::{UnitQuaternion, Vector3};
 use stochc_ir::Face;
+use stochc_protocol::Orientation;
 
 use super::target::{Push, Target, best_turn};
-use crate::orientation::Orientation;
 use crate::world::real::normal;
+use crate::world::rotation::quaternion;
 use crate::world::terms::{Attraction, Magnet, Passive};
 
 /// From the centre of a block to its faces \[side\].
@@ -91,7 +92,7 @@ pub(crate) fn seat(first: &Pose, face: Face, second: &Pose, other: Face) -> Pose
     let out = normal::<f64>(face.normal());
     Pose {
         position: first.position + first.rotation * out,
-        rotation: first.rotation * orientation.quaternion(),
+        rotation: first.rotation * quaternion(orientation),
     }
 }
 

@@ -25,6 +25,7 @@ use rapier3d::pipeline::PhysicsWorld;
 use stochc_ir::scene::Scene;
 use stochc_ir::table::Plate;
 use stochc_ir::{Cell, Face};
+use stochc_protocol::Orientation;
 
 use super::ambient::{Ambient, Motion, Response};
 use super::free_bonds::FreeBonds;
@@ -34,10 +35,10 @@ use super::magnet::pairs::Pose;
 use super::magnet::{Cloud, Faces, Held, Release};
 use super::plate::Seats;
 use super::real::cast;
+use super::rotation::quaternion;
 use super::terms::Terms;
-use super::{Arena, Body, BodyState, Docking, Fault, SceneError, Site, World};
+use super::{Arena, BlockFace, Body, BodyState, Docking, Fault, SceneError, World};
 use crate::draw::{Draws, Stream};
-use crate::orientation::Orientation;
 use crate::settings::{Precision, Settings};
 
 /// A world of rigid cubes.
@@ -92,7 +93,7 @@ impl RapierWorld {
 
     /// Fixes a block on the lattice.
     fn hold(&mut self, held: Held<f32>) {
-        let rotation = held.orientation.quaternion().cast();
+        let rotation = quaternion(held.orientation).cast();
         let block = &mut self.blocks.0[held.body as usize];
         *block = Block {
             position: held.seat,
@@ -260,11 +261,11 @@ impl Arena for RapierWorld {
         self.blocks.0[id as usize].anchored
     }
 
-    fn active(&self) -> Vec<(Site, u32)> {
+    fn active(&self) -> Vec<(BlockFace, u32)> {
         self.faces.iter().flat_map(Faces::active).collect()
     }
 
-    fn in_reach(&self) -> Vec<(Site, u32, u64)> {
+    fn in_reach(&self) -> Vec<(BlockFace, u32, u64)> {
         self.faces.iter().flat_map(Faces::in_reach).collect()
     }
 
@@ -307,7 +308,7 @@ impl World for RapierWorld {
         self.tick
     }
 
-    fn magnetize(&mut self, site: Site) {
+    fn magnetize(&mut self, site: BlockFace) {
         let (Some((centre, orientation)), count) = (self.place(site.body), self.count()) else {
             return;
         };
@@ -318,7 +319,7 @@ impl World for RapierWorld {
         }
     }
 
-    fn switch_off(&mut self, site: Site) {
+    fn switch_off(&mut self, site: BlockFace) {
         let Some(faces) = &mut self.faces else {
             return;
         };
@@ -328,12 +329,12 @@ impl World for RapierWorld {
             self.release(id, velocity);
             for face in Face::ALL {
                 let body = Body::Free(id);
-                self.switch_off(Site { body, face });
+                self.switch_off(BlockFace { body, face });
             }
         }
     }
 
-    fn plant(&mut self, site: Site) -> Option<Docking> {
+    fn plant(&mut self, site: BlockFace) -> Option<Docking> {
         self.magnetize(site);
         let free = |&id: &u32| self.blocks.0[id as usize].anchored.is_none();
         let id = (0..self.count()).rev().find(free)?;
@@ -345,7 +346,7 @@ impl World for RapierWorld {
         Some(docking)
     }
 
-    fn entries(&self, site: Site) -> u32 {
+    fn entries(&self, site: BlockFace) -> u32 {
         self.faces.as_ref().map_or(0, |faces| faces.entries(site))
     }
 

@@ -1,14 +1,15 @@
 //! Where every block is and how it moves, in arrays.
 use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
+use stochc_protocol::Orientation;
 
 use super::lanes::{ABREAST, LANES, Lane, Wide, square, transposed};
 use super::turn::{SMALL, columns, large, small, turned};
-use crate::orientation::Orientation;
 use crate::world::ambient::Motion;
 use crate::world::groups::Flock;
 use crate::world::magnet::Cloud;
 use crate::world::magnet::pairs::Pose;
 use crate::world::real::{Real, cast};
+use crate::world::rotation::quaternion;
 use crate::world::state::BodyState;
 
 /// No substep.
@@ -209,7 +210,7 @@ impl<R: Lane> Bodies<R> {
         self.set_centre(i, centre);
         self.set_velocity(i, Vector3::zeros());
         self.spin[i] = Vector3::zeros();
-        self.set_rotation(i, orientation.quaternion());
+        self.set_rotation(i, quaternion(orientation));
         self.anchored[i] = Some(orientation);
         self.mobility[i] = R::zero();
     }

@@ -2,6 +2,7 @@
 use nalgebra::Vector3;
 use stochc_ir::table::Plate;
 use stochc_ir::{Cell, Face};
+use stochc_protocol::Orientation;
 
 use super::bodies::Bodies;
 use super::detect::Shape;
@@ -11,7 +12,6 @@ use super::lanes::Lane;
 use super::neighbours::Neighbours;
 use super::solver::Solver;
 use crate::draw::{Draws, Stream};
-use crate::orientation::Orientation;
 use crate::settings::{ROUNDS, Reduction, Settings};
 use crate::world::ambient::{Ambient, Response};
 use crate::world::free_bonds::FreeBonds;
@@ -21,7 +21,7 @@ use crate::world::magnet::{Faces, Release};
 use crate::world::plate::Seats;
 use crate::world::real::cast;
 use crate::world::terms::{Contact, Kicks, Shell, Terms, built};
-use crate::world::{Body, BodyState, Docking, Fault, Site};
+use crate::world::{BlockFace, Body, BodyState, Docking, Fault};
 
 /// A world in one precision.
 pub(super) struct Kernel<R: Lane> {
@@ -165,15 +165,15 @@ impl<R: Lane> Kernel<R> {
         self.bodies.anchored[id as usize]
     }
 
-    pub fn active(&self) -> Vec<(Site, u32)> {
+    pub fn active(&self) -> Vec<(BlockFace, u32)> {
         self.faces.iter().flat_map(Faces::active).collect()
     }
 
-    pub fn entries(&self, site: Site) -> u32 {
+    pub fn entries(&self, site: BlockFace) -> u32 {
         self.faces.as_ref().map_or(0, |faces| faces.entries(site))
     }
 
-    pub fn in_reach(&self) -> Vec<(Site, u32, u64)> {
+    pub fn in_reach(&self) -> Vec<(BlockFace, u32, u64)> {
         self.faces.iter().flat_map(Faces::in_reach).collect()
     }
 
@@ -186,7 +186,7 @@ impl<R: Lane> Kernel<R> {
         self.seats.centre(cell)
     }
 
-    pub fn magnetize(&mut self, site: Site) {
+    pub fn magnetize(&mut self, site: BlockFace) {
         let (centre, orientation) = match site.body {
             Body::Seed(cell) => (cast(self.seats.centre(cell)), Orientation::IDENTITY),
             Body::Free(id) => {
@@ -204,7 +204,7 @@ impl<R: Lane> Kernel<R> {
         }
     }
 
-    pub fn plant(&mut self, site: Site) -> Option<Docking> {
+    pub fn plant(&mut self, site: BlockFace) -> Option<Docking> {
         self.magnetize(site);
         let id = (0..self.count()).rev().find(|&i| self.bodies.is_free(i))? as u32;
         let (held, docking) = self.faces.as_mut()?.plant(site, id, self.tick)?;
@@ -214,7 +214,7 @@ impl<R: Lane> Kernel<R> {
         Some(docking)
     }
 
-    pub fn switch_off(&mut self, site: Site) {
+    pub fn switch_off(&mut self, site: BlockFace) {
         let Some(faces) = &mut self.faces else {
             return;
         };
@@ -228,7 +228,7 @@ impl<R: Lane> Kernel<R> {
             self.blind = true;
             for face in Face::ALL {
                 let body = Body::Free(id);
-                self.switch_off(Site { body, face });
+                self.switch_off(BlockFace { body, face });
             }
         }
     }

@@ -26,10 +26,10 @@ use nalgebra::Vector3;
 use stochc_ir::Cell;
 use stochc_ir::scene::Scene;
 use stochc_ir::table::Plate;
+use stochc_protocol::Orientation;
 
 use super::terms::Terms;
-use super::{Arena, BodyState, Docking, Fault, SceneError, Site, World};
-use crate::orientation::Orientation;
+use super::{Arena, BlockFace, BodyState, Docking, Fault, SceneError, World};
 use crate::settings::{Precision, Settings};
 
 /// A world of rigid cubes.
@@ -87,7 +87,7 @@ impl Arena for RigidWorld {
         either!(&self.0, kernel => kernel.anchored(id))
     }
 
-    fn active(&self) -> Vec<(Site, u32)> {
+    fn active(&self) -> Vec<(BlockFace, u32)> {
         either!(&self.0, kernel => kernel.active())
     }
 
@@ -95,7 +95,7 @@ impl Arena for RigidWorld {
         either!(&self.0, kernel => kernel.groups())
     }
 
-    fn in_reach(&self) -> Vec<(Site, u32, u64)> {
+    fn in_reach(&self) -> Vec<(BlockFace, u32, u64)> {
         either!(&self.0, kernel => kernel.in_reach())
     }
 
@@ -109,19 +109,19 @@ impl World for RigidWorld {
         either!(&self.0, kernel => kernel.tick())
     }
 
-    fn magnetize(&mut self, site: Site) {
+    fn magnetize(&mut self, site: BlockFace) {
         either!(&mut self.0, kernel => kernel.magnetize(site));
     }
 
-    fn switch_off(&mut self, site: Site) {
+    fn switch_off(&mut self, site: BlockFace) {
         either!(&mut self.0, kernel => kernel.switch_off(site));
     }
 
-    fn plant(&mut self, site: Site) -> Option<Docking> {
+    fn plant(&mut self, site: BlockFace) -> Option<Docking> {
         either!(&mut self.0, kernel => kernel.plant(site))
     }
 
-    fn entries(&self, site: Site) -> u32 {
+    fn entries(&self, site: BlockFace) -> u32 {
         either!(&self.0, kernel => kernel.entries(site))
     }
 
