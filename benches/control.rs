@@ -38,7 +38,7 @@ fn main() {
         ("build", ""),
         (
             "build, take down",
-            "    phase down { for y in 0..LAST { for x in 0..LAST { for i in 1..HEIGHT { release t[x, y].T[i] } } } }\n",
+            "    phase clear { for y in 0..LAST { for x in 0..LAST { for i in 1..HEIGHT { release t[x, y].T[i] } } } }\n",
         ),
     ] {
         for &captures in &sizes {
@@ -98,7 +98,7 @@ assembly towers in vast {{
     seed plate {edge} x {edge} {{
         for y in 0..{last} {{ for x in 0..{last} {{ S[x, y] at (x, y) }} }}
     }}
-    phase up {{
+    phase build {{
         for y in 0..{last} {{ for x in 0..{last} {{ tower(S[x, y]) as t[x, y] }} }}
     }}
 {down}}}
