@@ -28,6 +28,7 @@ mod wrong;
 
 pub use stochc_compiler as compiler;
 pub use stochc_ir as ir;
+pub use stochc_protocol as protocol;
 pub use stochc_runtime as runtime;
 pub use wrong::Wrong;
 

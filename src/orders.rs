@@ -8,7 +8,7 @@ use stochc_compiler::finding::{Code, Finding};
 use stochc_compiler::{Checked, Program};
 use stochc_ir::graph::{Dependency, EventGraph, EventId};
 use stochc_ir::table::Tables;
-use stochc_runtime::explore::{Bounds, Expected, Exploration, Faults, Meant, Violation};
+use stochc_protocol::explore::{Bounds, Expected, Exploration, Faults, Meant, Violation};
 
 /// Captures and releases of a program that is explored on every check, at most.
 const MOST_EVENTS: usize = 500;

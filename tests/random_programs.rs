@@ -12,9 +12,9 @@ use random::{Reuse, declare, declare_with};
 use stochc::ir::Cell;
 use stochc::ir::scene::Messages;
 use stochc::ir::table::Tables;
+use stochc::protocol::explore::{Bound, Bounds, Faults, Verdict, explore};
 use stochc::runtime::control::Controller;
 use stochc::runtime::drive;
-use stochc::runtime::explore::{Bound, Bounds, Faults, Verdict, explore};
 use stochc::runtime::world::World as _;
 use stochc::runtime::world::shuffle::ShuffleWorld;
 
@@ -25,7 +25,7 @@ fn execute(
     loss: Option<f64>,
     seed: u64,
 ) -> Result<BTreeMap<String, Cell>, String> {
-    let mut world = ShuffleWorld::new(300, seed, 0);
+    let mut world = ShuffleWorld::new(tables, 300, seed, 0);
     let messages = Messages { hop, loss };
     let mut control = Controller::new(tables, Some(&messages), seed, 0);
     control.start(&mut world);
@@ -75,7 +75,7 @@ proptest! {
     ) {
         let tables = declare(choices, faces).tables();
         let record = |loss| {
-            let mut world = ShuffleWorld::new(300, seed, 0);
+            let mut world = ShuffleWorld::new(&tables, 300, seed, 0);
             let messages = Some(Messages { hop, loss });
             let mut go = |_, _| ControlFlow::Continue(());
             let limit = Some(5_000);

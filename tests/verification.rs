@@ -12,7 +12,7 @@ use stochc::compiler::finding::{Code, Finding};
 use stochc::compiler::{Checked, Limits, check};
 use stochc::ir::table::Tables;
 use stochc::ir::{Cell, Face};
-use stochc::runtime::explore::{Bounds, Expected, Exploration, Faults, Property, Report, Verdict};
+use stochc::protocol::explore::{Bounds, Expected, Exploration, Faults, Property, Report, Verdict};
 
 const PAGE: &str = "docs/verification.md";
 

@@ -11,7 +11,7 @@ use stochc_ir::scene::{Bond, Enclosure, Scene};
 use stochc_ir::table::Plate;
 use stochc_ir::{Cell, Face};
 use stochc_runtime::world::rigid::RigidWorld;
-use stochc_runtime::world::{Arena as _, Body, BodyState, Site, World as _};
+use stochc_runtime::world::{Arena as _, BlockFace, Body, BodyState, World as _};
 use stochc_runtime::{Model, Settings};
 
 const SIZES: [u32; 5] = [100, 1_000, 10_000, 100_000, 1_000_000];
@@ -113,13 +113,13 @@ fn setting(count: u32, side: u32) -> (u32, RigidWorld) {
 }
 
 /// Upper faces of the plate, and where the blocks sit that they capture.
-fn seats(side: u32, count: u32) -> impl Iterator<Item = (Site, Vector3<f64>)> {
+fn seats(side: u32, count: u32) -> impl Iterator<Item = (BlockFace, Vector3<f64>)> {
     (0..count).map(move |i| {
         // In the order of sites, in which faces are kept.
         let (x, y) = (i / side, i % side);
         let at = |x: u32| f64::from(x) - f64::from(side - 1) / 2.0;
         let body = Body::Seed(Cell::new(x as i32, y as i32, 0));
-        let site = Site {
+        let site = BlockFace {
             body,
             face: Face::Up,
         };

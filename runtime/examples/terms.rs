@@ -8,7 +8,7 @@ use stochc_ir::scene::{Agitation, Arrangement, Bond, Drag, Flow, Fluid, Scene, S
 use stochc_ir::table::Plate;
 use stochc_ir::{Cell, Face};
 use stochc_runtime::world::rigid::RigidWorld;
-use stochc_runtime::world::{Arena as _, Body, BodyState, Site, World as _};
+use stochc_runtime::world::{Arena as _, BlockFace, Body, BodyState, World as _};
 use stochc_runtime::{Model, Settings};
 
 const PLATE: Plate = Plate { width: 3, depth: 3 };
@@ -22,7 +22,7 @@ fn main() {
         .expect("a scene that this build computes");
     for face in Face::ALL {
         let body = Body::Seed(Cell::new(1, 1, 0));
-        world.magnetize(Site { body, face });
+        world.magnetize(BlockFace { body, face });
     }
     let mut dockings = Vec::new();
     for _ in 0..ticks {

@@ -6,9 +6,7 @@
 mod aggregate;
 pub mod control;
 pub mod counter_rng;
-pub mod explore;
 pub mod observe;
-pub mod orientation;
 mod run;
 mod settings;
 pub mod world;

@@ -1,9 +1,9 @@
 //! Looking on while a run goes: where every block is, and what the structure does.
-use stochc_ir::table::{PhaseId, RoleId};
+use stochc_ir::table::{News, PhaseId, RoleId};
 use stochc_ir::{Cell, Face};
+use stochc_protocol::{Body, Orientation, Payload};
 
-use crate::orientation::Orientation;
-use crate::world::{Arena, Body};
+use crate::world::Arena;
 
 /// Looks on while a run goes. It cannot change anything.
 pub trait Observer {
@@ -113,6 +113,17 @@ pub enum Said {
     Released(RoleId),
 }
 
+impl From<Payload> for Said {
+    fn from(payload: Payload) -> Said {
+        match payload {
+            Payload::Report(by) => Said::Report(by.role),
+            Payload::Ask(role) => Said::Ask(role),
+            Payload::Tell(News::Anchored(role)) => Said::Anchored(role),
+            Payload::Tell(News::Released(role)) => Said::Released(role),
+        }
+    }
+}
+
 /// Where the control writes down what happens; `None`: nobody looks on.
 #[derive(Debug, Default)]
 pub(crate) struct Log(Option<Vec<Event>>);
@@ -124,9 +135,9 @@ impl Log {
     }
 
     /// Writes an event down.
-    pub fn note(&mut self, event: Event) {
+    pub fn note(&mut self, event: impl FnOnce() -> Event) {
         if let Some(events) = &mut self.0 {
-            events.push(event);
+            events.push(event());
         }
     }
 

@@ -95,7 +95,8 @@ pub fn run(
             } else {
                 0.0
             };
-            let mut world = ShuffleWorld::new(scene.free.count, seed, run).with_strays(strays);
+            let mut world =
+                ShuffleWorld::new(tables, scene.free.count, seed, run).with_strays(strays);
             if tables.aggregate.is_some() {
                 world = world.with_groups();
             }

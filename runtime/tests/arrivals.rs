@@ -4,7 +4,7 @@ mod scenes;
 use nalgebra::Vector3;
 use scenes::{Dice, attract, empty, hemisphere, pass, world};
 use stochc_ir::{Cell, Face};
-use stochc_runtime::world::{Arena, Body, BodyState, Site};
+use stochc_runtime::world::{Arena, BlockFace, Body, BodyState};
 use stochc_runtime::{Model, Settings};
 
 in_every_world!(
@@ -55,7 +55,7 @@ fn entries_into_the_reach_of_a_face_are_a_quarter_of_density_speed_and_area<W: A
     let face = Face::Up;
     for site in 0..9 {
         let body = Body::Seed(Cell::new(site % 3, site / 3, 0));
-        world.magnetize(Site { body, face });
+        world.magnetize(BlockFace { body, face });
     }
     pass(&mut world, 1);
     let entries = |world: &W| {

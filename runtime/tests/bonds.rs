@@ -5,7 +5,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use scenes::{at, contact, empty, hemisphere, states};
 use stochc_ir::scene::{Anchor, Bond, Flow, Fluid, Jets, Magnets, Measure, Pump, Scene};
 use stochc_ir::{Cell, Face};
-use stochc_runtime::world::{Arena, Body, BodyState, Docking, Site};
+use stochc_runtime::world::{Arena, BlockFace, Body, BodyState, Docking};
 use stochc_runtime::{Model, Settings};
 
 in_every_world!(
@@ -90,7 +90,7 @@ fn momenta(world: &impl Arena) -> (Vector3<f64>, Vector3<f64>) {
     (momentum, blocks.iter().map(turning).sum())
 }
 
-const SEED: Site = Site {
+const SEED: BlockFace = BlockFace {
     body: Body::Seed(Cell { x: 1, y: 1, z: 0 }),
     face: Face::Up,
 };
@@ -230,7 +230,7 @@ fn planted<W: Arena>(scene: &Scene, gap: f64) -> W {
 }
 
 fn a_rejected_block_leaves_with_the_impulse_and_may_come_back_later<W: Arena>() {
-    let east = Site {
+    let east = BlockFace {
         body: Body::Free(1),
         face: Face::East,
     };
@@ -260,7 +260,7 @@ fn a_block_that_is_rejected_from_a_corner_is_not_taken_by_the_other_side<W: Aren
         BodyState::at_rest(at(0.0, 5.0, 5.0)),
     ];
     let mut world: W = world(&reject(0.005, 0.1), &blocks);
-    let other = Site {
+    let other = BlockFace {
         body: Body::Seed(Cell::new(2, 2, 0)),
         face: Face::Up,
     };
@@ -347,7 +347,7 @@ fn a_second_open_face_halves_what_the_first_draws<W: Arena>() {
         let mut world: W = world(&scene, &start);
         for &x in open {
             let body = Body::Seed(Cell { x, y: 1, z: 0 });
-            world.magnetize(Site {
+            world.magnetize(BlockFace {
                 body,
                 face: Face::Up,
             });

@@ -9,7 +9,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use scenes::{Dice, Kind, at, attract, contact, empty, hemisphere, pass, states};
 use stochc_ir::scene::Scene;
 use stochc_ir::{Cell, Face};
-use stochc_runtime::world::{Arena, Body, BodyState, Site, World};
+use stochc_runtime::world::{Arena, BlockFace, Body, BodyState, World};
 
 in_every_kind!(
     a_corner_that_hits_the_ground_off_centre_gets_the_impulse_of_the_closed_form,
@@ -334,7 +334,7 @@ fn an_anchored_block_is_as_firm_as_the_ground<K: Kind>() {
         let held = BodyState::at_rest(at(0.0, 0.0, 0.53));
         let mut world = K::world(&scene, &[held, flying]);
         let (body, face) = (Body::Seed(Cell::new(1, 1, 0)), Face::Up);
-        world.magnetize(Site { body, face });
+        world.magnetize(BlockFace { body, face });
         let mut dockings = Vec::new();
         for _ in 0..20 {
             world.step(&mut dockings).expect("sound physics");

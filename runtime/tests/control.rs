@@ -21,7 +21,7 @@ fn go(_: u64, _: PhaseId) -> ControlFlow<()> {
 
 /// The record of a run without physics, and the world that it leaves.
 fn shuffle(tables: &Tables, hop: Option<u32>, run: u64) -> (RunRecord, ShuffleWorld) {
-    let mut world = ShuffleWorld::new(30, 5, run);
+    let mut world = ShuffleWorld::new(tables, 30, 5, run);
     let messages = hop.map(|hop| Messages { hop, loss: None });
     let record = drive(
         tables,
@@ -71,7 +71,7 @@ proptest! {
     #[test]
     fn a_block_knows_how_it_sits(run: u64) {
         let (tables, roles) = chain(&SNAKE);
-        let mut world = ShuffleWorld::new(9, 1, run);
+        let mut world = ShuffleWorld::new(&tables, 9, 1, run);
         let mut controller = Controller::new(&tables, None, 1, run);
         let mut dockings = Vec::new();
         controller.start(&mut world);
@@ -151,9 +151,9 @@ fn release(hop: Option<u32>) -> (RunRecord, ShuffleWorld, [RoleId; 4]) {
     );
     draft.start(a, again, vec![at_once(magnetize(Face::Up, d, cell(1)))]);
     draft.anchored(d, again, vec![at_once(Action::Report)]);
-    let mut world = ShuffleWorld::new(2, 5, 3);
-    let messages = hop.map(|hop| Messages { hop, loss: None });
     let tables = draft.tables();
+    let mut world = ShuffleWorld::new(&tables, 2, 5, 3);
+    let messages = hop.map(|hop| Messages { hop, loss: None });
     let record = drive(
         &tables,
         messages.as_ref(),
@@ -349,13 +349,13 @@ fn no_block_docks_into_an_occupied_cell() {
 #[test]
 fn a_run_ends_at_its_limit_or_when_it_is_cancelled() {
     let (tables, _) = chain(&SNAKE);
-    let mut world = ShuffleWorld::new(3, 0, 0);
+    let mut world = ShuffleWorld::new(&tables, 3, 0, 0);
     let record =
         drive(&tables, None, &mut world, Some(40), (0, 0), &mut go).expect("nobody cancels");
     let (phase, by) = (PhaseId(0), Limit::MaxTicks);
     assert_eq!(record.outcome, Outcome::TimedOut { phase, by });
     assert_eq!((record.ticks, record.blocks_used), (40, 3));
-    let mut world = ShuffleWorld::new(30, 0, 0);
+    let mut world = ShuffleWorld::new(&tables, 30, 0, 0);
     let mut stop = |tick, _| {
         if tick < 3 {
             ControlFlow::Continue(())
@@ -381,7 +381,7 @@ fn a_block_that_docks_where_nobody_expects_it_is_rejected_at_once() {
     let tables = passive(tables);
     let mut all = 0;
     for run in 0..200 {
-        let mut world = ShuffleWorld::new(30, 5, run).with_strays(0.5);
+        let mut world = ShuffleWorld::new(&tables, 30, 5, run).with_strays(0.5);
         let record = drive(&tables, None, &mut world, Some(1000), (5, run), &mut go)
             .expect("nobody cancels");
         assert_eq!(record.outcome, Outcome::Completed);
@@ -409,7 +409,7 @@ fn a_block_that_docks_where_nobody_expects_it_is_rejected_at_once() {
 #[test]
 fn a_stray_where_faces_are_switched_on_is_no_unplanned_bond() {
     let (tables, _) = chain(&SNAKE);
-    let mut world = ShuffleWorld::new(30, 5, 0).with_strays(0.5);
+    let mut world = ShuffleWorld::new(&tables, 30, 5, 0).with_strays(0.5);
     let record =
         drive(&tables, None, &mut world, Some(1000), (5, 0), &mut go).expect("nobody cancels");
     assert_eq!(record.outcome, Outcome::Completed);
@@ -443,7 +443,7 @@ fn planted(by_hand: usize) -> (Tables, Vec<(RoleId, Cell)>) {
 #[test]
 fn what_is_attached_by_hand_is_there_at_tick_0() {
     let (tables, roles) = planted(3);
-    let mut world = ShuffleWorld::new(9, 5, 1);
+    let mut world = ShuffleWorld::new(&tables, 9, 5, 1);
     let mut controller = Controller::new(&tables, None, 5, 1);
     controller.start(&mut world);
     assert_eq!(controller.phase(), Some(PhaseId(1)));
@@ -472,7 +472,7 @@ fn what_is_attached_by_hand_is_there_at_tick_0() {
 #[test]
 fn without_a_block_to_attach_the_run_fails() {
     let (tables, _) = planted(3);
-    let mut world = ShuffleWorld::new(2, 5, 1);
+    let mut world = ShuffleWorld::new(&tables, 2, 5, 1);
     let record =
         drive(&tables, None, &mut world, Some(1000), (5, 1), &mut go).expect("nobody cancels");
     let reason = "no free block is left to attach as T3".to_owned();
@@ -484,7 +484,7 @@ fn without_a_block_to_attach_the_run_fails() {
 /// A chain, built where transfers are lost.
 fn lossy(hop: u32, loss: f64, run: u64) -> RunRecord {
     let (tables, _) = chain(&SNAKE);
-    let mut world = ShuffleWorld::new(30, 5, run);
+    let mut world = ShuffleWorld::new(&tables, 30, 5, run);
     let loss = Some(loss);
     let messages = Messages { hop, loss };
     let record = drive(
@@ -537,7 +537,7 @@ fn a_message_that_always_gets_lost_ends_nothing() {
 fn a_dead_block_keeps_the_phase_from_ending() {
     let (tables, roles) = chain(&SNAKE);
     for (struck, (role, _)) in roles.iter().enumerate().take(SNAKE.len()).skip(1) {
-        let mut world = ShuffleWorld::new(9, 1, 0);
+        let mut world = ShuffleWorld::new(&tables, 9, 1, 0);
         let mut controller = Controller::new(&tables, None, 1, 0);
         let mut dockings = Vec::new();
         controller.start(&mut world);

@@ -5,7 +5,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use scenes::{Dice, attract, contact, empty, hemisphere, kicks, pass, world};
 use stochc_ir::scene::Drag;
 use stochc_ir::{Cell, Face};
-use stochc_runtime::world::{Arena, Body, BodyState, Site};
+use stochc_runtime::world::{Arena, BlockFace, Body, BodyState};
 use stochc_runtime::{Model, Settings};
 
 in_every_world!(
@@ -250,7 +250,7 @@ fn magnetized<W: Arena>(block: BodyState) -> BodyState {
     scene.bond = attract(PULL, 0.0);
     let mut world: W = world(&scene, &Settings::of(Model::Rapier, 1), &[block]);
     let (body, face) = (Body::Seed(Cell::new(1, 1, 0)), Face::Up);
-    world.magnetize(Site { body, face });
+    world.magnetize(BlockFace { body, face });
     pass(&mut world, 1);
     world.state(0)
 }

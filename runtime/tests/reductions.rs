@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use scenes::{Dice, Kind, at, attract, contact, empty, hemisphere, kicks, pass, states};
 use stochc_ir::scene::Scene;
 use stochc_ir::{Cell, Face};
-use stochc_runtime::world::{Arena, Body, BodyState, Site, World};
+use stochc_runtime::world::{Arena, BlockFace, Body, BodyState, World};
 use stochc_runtime::{Reduction, Settings};
 
 in_either_precision!(
@@ -47,9 +47,9 @@ fn crowd() -> (Scene, Vec<BodyState>) {
     (scene, blocks)
 }
 
-fn middle_face() -> Site {
+fn middle_face() -> BlockFace {
     let (body, face) = (Body::Seed(Cell::new(1, 1, 0)), Face::Up);
-    Site { body, face }
+    BlockFace { body, face }
 }
 
 fn without_rotation_nothing_turns_whatever_pushes_it<K: Kind>() {

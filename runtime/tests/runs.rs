@@ -12,7 +12,7 @@ use stochc_ir::table::{Action, Condition, PhaseId, RoleId, Tables};
 use stochc_ir::{Cell, Face};
 use stochc_runtime::world::rapier::RapierWorld;
 use stochc_runtime::world::rigid::RigidWorld;
-use stochc_runtime::world::{Arena, Body, BodyState, SceneError, Site, World};
+use stochc_runtime::world::{Arena, BlockFace, Body, BodyState, SceneError, World};
 use stochc_runtime::{Model, RunError, Settings, drive, run};
 use tables::{Draft, at_once, chain, magnetize};
 
@@ -193,7 +193,7 @@ fn a_captured_block_sits_on_the_lattice_and_a_released_one_starts_from_rest() {
     };
     let mut world: RapierWorld = world(&scene, &Settings::of(Model::Rapier, 1), &[start]);
     let (body, face) = (Body::Seed(Cell::new(2, 2, 0)), Face::Up);
-    world.magnetize(Site { body, face });
+    world.magnetize(BlockFace { body, face });
     let mut dockings = Vec::new();
     while dockings.is_empty() {
         world.step(&mut dockings).expect("sound physics");
@@ -205,10 +205,15 @@ fn a_captured_block_sits_on_the_lattice_and_a_released_one_starts_from_rest() {
     let seated = world.state(0);
     assert_eq!(seated.position, world.centre(Cell::new(2, 2, 1)));
     let sits = world.anchored(0).expect("it is anchored");
-    assert!(seated.orientation.angle_to(&sits.quaternion()) < 1e-6);
+    assert!(
+        seated
+            .orientation
+            .angle_to(&stochc_runtime::world::rotation::quaternion(sits))
+            < 1e-6
+    );
     pass(&mut world, 20);
     assert_eq!(world.state(0), seated);
-    world.switch_off(Site { body, face });
+    world.switch_off(BlockFace { body, face });
     assert_eq!(world.anchored(0), None);
     pass(&mut world, 20);
     // Nothing moves it; the engine parts it from the plate by its margin at most.
@@ -222,7 +227,7 @@ fn of_two_blocks_the_closer_one_docks_and_no_block_docks_twice() {
     let above = |x: f64, z: f64| BodyState::at_rest(Vector3::new(x, 0.0, z));
     let blocks = [above(-0.9, 0.75), above(-0.9, 0.7), above(0.45, 0.6)];
     let mut world: RapierWorld = world(&scene, &Settings::of(Model::Rapier, 1), &blocks);
-    let site = |x| Site {
+    let site = |x| BlockFace {
         body: Body::Seed(Cell::new(x, 1, 0)),
         face: Face::Up,
     };

@@ -4,7 +4,7 @@ mod scenes;
 use nalgebra::{UnitQuaternion, Vector3};
 use scenes::{Dice, Kind, at, attract, empty, pass};
 use stochc_ir::{Cell, Face};
-use stochc_runtime::world::{Arena, Body, BodyState, Site, World};
+use stochc_runtime::world::{Arena, BlockFace, Body, BodyState, World};
 
 in_every_kind!(
     no_axis_is_special,
@@ -80,7 +80,7 @@ fn watched<K: Kind>(ticks: u64) {
     let start = spinning(dice.rotation(), spin);
     let mut world = K::world(&scene, &[start]);
     let (body, face) = (Body::Seed(Cell::new(1, 1, 0)), Face::Up);
-    world.magnetize(Site { body, face });
+    world.magnetize(BlockFace { body, face });
     let mut dockings = Vec::new();
     for _ in 0..ticks {
         world.step(&mut dockings).expect("sound physics");

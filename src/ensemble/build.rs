@@ -13,6 +13,7 @@ pub fn this_build() -> String {
         stochc_ir::SOURCES,
         stochc_grammar::SOURCES,
         stochc_compiler::SOURCES,
+        stochc_protocol::SOURCES,
         stochc_runtime::SOURCES,
     ];
     let mut digest = stochc_ir::sha256(&sources);

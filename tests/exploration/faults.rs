@@ -4,9 +4,10 @@ use std::collections::BTreeSet;
 
 use proptest::prelude::*;
 use stochc::ir::table::Tables;
-use stochc::runtime::explore::{
+use stochc::protocol::explore::{
     Bounds, Expected, Exploration, Faults, Property, Report, Verdict, Violation,
 };
+use stochc::runtime::counter_rng::schedules;
 
 use crate::programs::{BUSY, explore_as, tables, tables_of};
 use crate::random::declare;
@@ -92,7 +93,7 @@ fn a_dead_block_is_a_hang_and_nothing_worse() {
         let expected = Expected::of(&tables);
         let mut exploration = Exploration::new(&tables, &expected, Bounds::default(), dead);
         exploration.hangs_allowed = true;
-        let report = exploration.sample(1, 500);
+        let report = exploration.sample(500, &mut schedules(1));
         assert_eq!(report.verdict, Verdict::Sampled, "{}", tables.assembly);
         assert!(report.hangs > 0);
     }
@@ -139,7 +140,12 @@ fn a_stray_that_sticks_stands_in_the_way_or_stays() {
     let (expected, bounds) = (Expected::of(&corner), Bounds::default());
     let exploration = Exploration::new(&corner, &expected, bounds, stuck);
     let violations: Vec<Violation> = (0..200)
-        .filter_map(|seed| exploration.sample(seed, 1).violation().cloned())
+        .filter_map(|seed| {
+            exploration
+                .sample(1, &mut schedules(seed))
+                .violation()
+                .cloned()
+        })
         .collect();
     let found: BTreeSet<Property> = violations.iter().map(|found| found.property).collect();
     assert_eq!(

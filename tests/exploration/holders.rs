@@ -1,7 +1,7 @@
 //! What hangs on what is a matter of blocks, not of their names.
 use stochc::compiler::check;
 use stochc::compiler::finding::Code;
-use stochc::runtime::explore::Verdict;
+use stochc::protocol::explore::Verdict;
 
 use crate::programs::{explore, tables};
 

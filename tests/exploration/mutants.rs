@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 
 use stochc::compiler::finding::Code;
 use stochc::ir::table::{Action, Condition, LooseDuty, News, Tables};
-use stochc::runtime::explore::{Bounds, Expected, Exploration, Faults, Property, Report};
+use stochc::protocol::explore::{Bounds, Expected, Exploration, Faults, Property, Report};
 
 use crate::programs::{BUSY, tables, tables_of};
 

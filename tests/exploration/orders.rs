@@ -3,7 +3,8 @@ use std::cell::Cell;
 
 use proptest::prelude::*;
 use stochc::ir::table::PhaseId;
-use stochc::runtime::explore::{Bound, Bounds, Expected, Exploration, Faults, Verdict};
+use stochc::protocol::explore::{Bound, Bounds, Expected, Exploration, Faults, Verdict};
+use stochc::runtime::counter_rng::schedules;
 
 use crate::programs::{BUSY, explore, explore_as, tables, tables_of};
 use crate::random::declare;
@@ -141,10 +142,10 @@ fn chance_tries_what_is_too_much() {
     let tables = tables(BUSY);
     let (expected, bounds, faults) = (Expected::of(&tables), Bounds::default(), Faults::default());
     let exploration = Exploration::new(&tables, &expected, bounds, faults);
-    let report = exploration.sample(3, 500);
+    let report = exploration.sample(500, &mut schedules(3));
     assert_eq!(report.verdict, Verdict::Sampled);
     assert_eq!(report.schedules, 500);
-    assert_eq!(report, exploration.sample(3, 500));
+    assert_eq!(report, exploration.sample(500, &mut schedules(3)));
 }
 
 proptest! {
@@ -165,13 +166,13 @@ proptest! {
             .collect();
         prop_assert_eq!(built, declared.structure);
         let bounds = Bounds { states: 3_000, ..Bounds::default() };
-        let report = stochc::runtime::explore::explore(&tables, &bounds, &Faults::default());
+        let report = stochc::protocol::explore::explore(&tables, &bounds, &Faults::default());
         match report.verdict {
             Verdict::Holds | Verdict::Unfinished(Bound::States) => {}
             verdict => prop_assert!(false, "{}\n{verdict:#?}", declared.text),
         }
         let faults = Faults::default();
-        let sampled = Exploration::new(&tables, &expected, bounds, faults).sample(1, 20);
+        let sampled = Exploration::new(&tables, &expected, bounds, faults).sample(20, &mut schedules(1));
         prop_assert_eq!(sampled.verdict, Verdict::Sampled);
     }
 }

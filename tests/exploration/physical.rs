@@ -1,6 +1,6 @@
 //! Hardware whose faces always attract, and blocks that are attached by hand.
 use stochc::ir::scene::BondKind;
-use stochc::runtime::explore::{Faults, Property, Verdict};
+use stochc::protocol::explore::{Faults, Property, Verdict};
 
 use crate::programs::{BUSY, explore, explore_as, tables, tables_of};
 

@@ -1,6 +1,6 @@
 //! Programs to explore, and ways to explore them.
 use stochc::ir::table::Tables;
-use stochc::runtime::explore::{Bounds, Expected, Exploration, Faults, Report};
+use stochc::protocol::explore::{Bounds, Expected, Exploration, Faults, Report};
 
 /// The tables of the one assembly of a text.
 pub fn tables(text: &str) -> Tables {
@@ -21,7 +21,7 @@ pub fn tables_of(path: &str) -> Vec<Tables> {
 
 /// Explores tables with the default bounds and without faults.
 pub fn explore(tables: &Tables) -> Report {
-    stochc::runtime::explore::explore(tables, &Bounds::default(), &Faults::default())
+    stochc::protocol::explore::explore(tables, &Bounds::default(), &Faults::default())
 }
 
 /// Explores tables, after something about the exploration has been changed.

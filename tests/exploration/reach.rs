@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
 use stochc::ir::{Cell, Face};
-use stochc::runtime::explore::{Property, Verdict};
+use stochc::protocol::explore::{Property, Verdict};
 
 use crate::programs::{explore, explore_as, tables};
 use crate::random::declare;

@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use stochc::compiler::finding::Code;
 use stochc::compiler::order::Order;
 use stochc::compiler::{Checked, check};
-use stochc::runtime::explore::Verdict;
+use stochc::protocol::explore::Verdict;
 
 use crate::programs::explore;
 

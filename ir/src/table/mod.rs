@@ -203,17 +203,20 @@ struct RuleRow {
 impl<'a> Duty<'a> {
     /// The rules, in the order in which the block tries them.
     pub fn rules(&self) -> impl ExactSizeIterator<Item = Rule<'a>> + use<'a> {
+        let duty = *self;
+        (0..(self.rules.1 - self.rules.0) as usize).map(move |place| duty.rule(place))
+    }
+
+    /// One of the rules.
+    pub fn rule(&self, place: usize) -> Rule<'a> {
         let tables = self.tables;
-        (self.rules.0 as usize..self.rules.1 as usize).map(move |i| {
-            let end = tables
-                .rules
-                .get(i + 1)
-                .map_or(tables.conditions.len(), |next| next.when as usize);
-            Rule {
-                when: &tables.conditions[tables.rules[i].when as usize..end],
-                then: tables.rules[i].then,
-            }
-        })
+        let row = self.rules.0 as usize + place;
+        let end = tables.rules.get(row + 1);
+        let end = end.map_or(tables.conditions.len(), |next| next.when as usize);
+        Rule {
+            when: &tables.conditions[tables.rules[row].when as usize..end],
+            then: tables.rules[row].then,
+        }
     }
 }
 
@@ -356,7 +359,8 @@ impl Tables {
         (start..end).map(|i| self.duty_at(i))
     }
 
-    fn duty_at(&self, i: usize) -> Duty<'_> {
+    /// One of [`Tables::duties`], by its number.
+    pub fn duty_at(&self, i: usize) -> Duty<'_> {
         let row = self.duties[i];
         let end = self
             .duties

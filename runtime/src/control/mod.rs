@@ -4,42 +4,32 @@
 //! block to another crosses as a message, hop by hop along parents and children. Nothing here
 //! knows how blocks move; any [`World`] will do.
 //!
-//! `structure` is the machine itself, without time and chance, and `medium` is what it asks of
-//! whoever drives it. The [`Controller`] drives it by the clock of a world; [`crate::explore`]
-//! drives the same machine through every order.
+//! [`Structure`] is the machine itself, without time and chance. The [`Controller`] drives it by the clock of a
+//! world; [`stochc_protocol::explore`] drives the same machine through every order.
 //!
 //! Times are boundaries between steps of the world: tick t is when t steps have been made. A phase
 //! whose last report arrives at tick t ends at t, and what the next one switches on acts from the
 //! very next step on. That a phase begins is told to all blocks at once and is not counted.
-pub(crate) mod block;
-mod desk;
-pub(crate) mod link;
-pub(crate) mod medium;
-pub(crate) mod message;
-mod post;
-mod route;
-pub(crate) mod structure;
+mod network;
+mod recorder;
 
-use std::collections::BTreeSet;
-
-use desk::Desk;
-use post::Post;
+use network::Network;
+use recorder::RunRecorder;
 use stochc_ir::Cell;
 use stochc_ir::record::{BondRecord, Outcome, RunRecord, WaitRecord};
 use stochc_ir::scene::Messages;
 use stochc_ir::table::{PhaseId, RoleId, Tables};
-use structure::Structure;
+use stochc_protocol::{Block, BlockFace, Body, Docking, Orientation, Structure};
 
 use crate::observe::{Event, Log};
-use crate::orientation::Orientation;
-use crate::world::{Body, Docking, Site, World};
+use crate::world::World;
 
 /// Runs event tables in a world.
 #[derive(Debug)]
 pub struct Controller<'t> {
     tables: &'t Tables,
-    structure: Structure<'t>,
-    desk: Desk,
+    structure: Structure<'t, u64>,
+    recorder: RunRecorder,
     phase_began: u64,
     phase_ticks: Vec<u64>,
     /// Why the run cannot go on.
@@ -60,7 +50,7 @@ impl<'t> Controller<'t> {
         Controller {
             tables,
             structure: Structure::new(tables),
-            desk: Desk::new(Post::new(messages, seed, run)),
+            recorder: RunRecorder::new(Network::new(messages, seed, run)),
             phase_began: 0,
             phase_ticks: Vec::new(),
             fault: None,
@@ -69,22 +59,22 @@ impl<'t> Controller<'t> {
 
     /// Writes down from now on what happens, for [`Controller::take_log`].
     pub(crate) fn keep_log(&mut self) {
-        self.desk.log = Log::kept();
+        self.recorder.log = Log::kept();
     }
 
     /// Takes out what has happened since the last time.
     pub(crate) fn take_log(&mut self) -> Vec<Event> {
-        self.desk.log.take()
+        self.recorder.log.take()
     }
 
     /// Attaches what is planted by hand, and begins the first phase after that.
     ///
     /// A world without enough free blocks for it leaves a [`Controller::fault`].
     pub fn start(&mut self, world: &mut impl World) {
-        self.desk.tick = world.tick();
-        self.phase_began = self.desk.tick;
-        self.desk.note_phase(self.structure.phase());
-        self.structure.start(&mut self.desk.beside(world));
+        self.recorder.tick = world.tick();
+        self.phase_began = self.recorder.tick;
+        self.recorder.note_phase(self.structure.phase());
+        self.structure.start(&mut self.recorder.in_world(world));
         self.plant(world);
         if self.fault.is_none() {
             self.settle(world);
@@ -93,9 +83,10 @@ impl<'t> Controller<'t> {
 
     /// Takes in what docked in the world's last step, and does all that this tick brings.
     pub fn advance(&mut self, dockings: &[Docking], world: &mut impl World) {
-        self.desk.tick = world.tick();
+        self.recorder.tick = world.tick();
         for docking in dockings {
-            self.structure.dock(docking, &mut self.desk.beside(world));
+            self.structure
+                .dock(docking, &mut self.recorder.in_world(world));
         }
         self.settle(world);
     }
@@ -110,7 +101,7 @@ impl<'t> Controller<'t> {
         let timeout = self
             .phase()
             .and_then(|phase| self.tables.phases[phase.0 as usize].timeout);
-        timeout.is_some_and(|timeout| self.desk.tick - self.phase_began >= timeout)
+        timeout.is_some_and(|timeout| self.recorder.tick - self.phase_began >= timeout)
     }
 
     /// Why the run cannot go on, if so.
@@ -125,37 +116,33 @@ impl<'t> Controller<'t> {
 
     /// Every capture so far, in the order of docking.
     pub fn bonds(&self) -> &[BondRecord] {
-        &self.desk.bonds
+        &self.recorder.bonds
     }
 
     /// Blocks so far that docked where nobody expected them.
     pub fn unplanned(&self) -> u64 {
-        self.desk.unplanned.len() as u64
+        self.recorder.unplanned.len() as u64
     }
 
     /// Hops that messages have made so far.
     pub fn hops(&self) -> u64 {
-        self.desk.post.hops
+        self.recorder.network.hops
     }
 
     /// Where each role is held now, as (role, block, orientation), by role.
     pub fn structure(&self) -> impl Iterator<Item = (RoleId, Body, Orientation)> + '_ {
         (0..self.tables.roles.len() as u32).filter_map(|role| {
-            let body = self.structure.holder(RoleId(role))?;
-            Some((
-                RoleId(role),
-                body,
-                self.structure.blocks()[&body].orientation,
-            ))
+            let block = self.structure.holder(RoleId(role))?;
+            Some((RoleId(role), block.body(), block.orientation()))
         })
     }
 
     /// Delivers all messages that are due, and moves on to the phases that are.
     fn settle(&mut self, world: &mut impl World) {
         loop {
-            while let Some((at, message)) = self.desk.due() {
-                let mut medium = self.desk.beside(world);
-                self.structure.receive(at, message, &mut medium);
+            while let Some((from, at, message)) = self.recorder.due() {
+                let mut recorded = self.recorder.in_world(world);
+                self.structure.receive(from, at, message, &mut recorded);
             }
             if !self.structure.is_phase_reported() {
                 return;
@@ -165,24 +152,25 @@ impl<'t> Controller<'t> {
     }
 
     fn next_phase(&mut self, world: &mut impl World) {
-        self.phase_ticks.push(self.desk.tick - self.phase_began);
-        self.phase_began = self.desk.tick;
+        self.phase_ticks.push(self.recorder.tick - self.phase_began);
+        self.phase_began = self.recorder.tick;
         let next = self.structure.phase().map(|phase| PhaseId(phase.0 + 1));
         let next = next.filter(|phase| (phase.0 as usize) < self.tables.phases.len());
-        self.desk.note_phase(next);
-        self.structure.next_phase(&mut self.desk.beside(world));
+        self.recorder.note_phase(next);
+        self.structure
+            .next_phase(&mut self.recorder.in_world(world));
     }
 
     /// Attaches by hand what the planted phases at the beginning capture, in this very tick.
     fn plant(&mut self, world: &mut impl World) {
         while self.structure.is_planting() {
-            while let Some((site, child)) = self.structure.next_open() {
+            while let Some((site, child)) = self.structure.next_to_plant() {
                 let Some(docking) = world.plant(site) else {
                     let name = self.tables.name(child);
                     self.fault = Some(format!("no free block is left to attach as {name}"));
                     return;
                 };
-                (self.structure).dock(&docking, &mut self.desk.beside(world));
+                (self.structure).dock(&docking, &mut self.recorder.in_world(world));
             }
             self.next_phase(world);
         }
@@ -194,19 +182,19 @@ impl<'t> Controller<'t> {
             return Vec::new();
         };
         let mut waiting = Vec::new();
-        for (&body, block) in self.structure.blocks() {
+        for block in self.structure.blocks() {
             for open in block.open() {
-                let site = Site {
-                    body,
+                let site = BlockFace {
+                    body: block.body(),
                     face: open.own,
                 };
                 waiting.push(WaitRecord {
                     phase,
-                    parent: block.role,
+                    parent: block.role(),
                     face: open.face,
                     child: open.child,
                     cell: open.cell,
-                    magnetized: self.desk.on_since(site).unwrap_or(world.tick()),
+                    magnetized: open.mark,
                     entries: world.entries(site),
                 });
             }
@@ -218,20 +206,24 @@ impl<'t> Controller<'t> {
     /// Everything that is kept, once the run has ended in this world.
     pub(crate) fn into_record(self, run: u64, outcome: Outcome, world: &impl World) -> RunRecord {
         let waiting = self.waiting(world);
-        let bonds = self.desk.bonds;
-        let used: BTreeSet<u32> = bonds.iter().map(|bond| bond.body).collect();
+        let bonds = self.recorder.bonds;
+        let most = bonds.iter().map(|bond| bond.body as usize + 1).max();
+        let mut is_used = vec![false; most.unwrap_or(0)];
+        for bond in &bonds {
+            is_used[bond.body as usize] = true;
+        }
         RunRecord {
             run,
             outcome,
             ticks: world.tick(),
             phase_ticks: self.phase_ticks,
-            blocks_used: used.len() as u32,
-            hops: self.desk.post.hops,
-            unplanned: self.desk.unplanned.len() as u64,
+            blocks_used: is_used.into_iter().filter(|is_used| *is_used).count() as u32,
+            hops: self.recorder.network.hops,
+            unplanned: self.recorder.unplanned.len() as u64,
             bonds,
             waiting,
-            releases: self.desk.releases,
-            unplanned_bonds: self.desk.unplanned,
+            releases: self.recorder.releases,
+            unplanned_bonds: self.recorder.unplanned,
         }
     }
 
@@ -242,9 +234,9 @@ impl<'t> Controller<'t> {
 
     /// The cell that a role's block is meant to sit in, for tools and tests.
     pub fn cell(&self, role: RoleId) -> Option<Cell> {
-        match self.structure.holder(role)? {
+        match self.structure.holder(role).map(Block::body)? {
             Body::Seed(cell) => Some(cell),
-            Body::Free(id) => (self.desk.bonds.iter().rev())
+            Body::Free(id) => (self.recorder.bonds.iter().rev())
                 .find(|bond| bond.body == id)
                 .map(|bond| bond.cell),
         }

@@ -1,8 +1,8 @@
 //! Where the blocks of a world are and how they move, as forces, faces and bonds see them.
 use nalgebra::{UnitQuaternion, Vector3};
+use stochc_protocol::Orientation;
 
 use super::real::{Real, cast};
-use crate::orientation::Orientation;
 
 /// Where a block is and how it moves, in block units: side 1, tick 1.
 #[derive(Clone, Copy, Debug, PartialEq)]

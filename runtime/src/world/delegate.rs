@@ -24,9 +24,9 @@ macro_rules! delegate {
                 count() -> u32,
                 state(id: u32) -> BodyState,
                 anchored(id: u32) -> Option<Orientation>,
-                active() -> Vec<(Site, u32)>,
+                active() -> Vec<(BlockFace, u32)>,
                 groups() -> Vec<Vec<u32>>,
-                in_reach() -> Vec<(Site, u32, u64)>,
+                in_reach() -> Vec<(BlockFace, u32, u64)>,
                 centre(cell: Cell) -> Vector3<f64>
             );
             delegate!(@change $by set_state(id: u32, state: &BodyState) -> ());
@@ -35,13 +35,13 @@ macro_rules! delegate {
         impl World for $world {
             delegate!(@read $by
                 tick() -> u64,
-                entries(site: Site) -> u32,
+                entries(site: BlockFace) -> u32,
                 largest_group() -> u32
             );
             delegate!(@change $by
-                magnetize(site: Site) -> (),
-                switch_off(site: Site) -> (),
-                plant(site: Site) -> Option<Docking>,
+                magnetize(site: BlockFace) -> (),
+                switch_off(site: BlockFace) -> (),
+                plant(site: BlockFace) -> Option<Docking>,
                 step(dockings: &mut Vec<Docking>) -> Result<(), Fault>
             );
         }

@@ -9,66 +9,28 @@ mod external_forces;
 mod free_bonds;
 mod groups;
 mod initial_state;
-pub(crate) mod lattice;
 mod motion_limits;
 mod parameters;
 pub mod rapier;
 mod real;
 pub mod rigid;
+pub mod rotation;
 pub mod shuffle;
 mod step_limit;
 mod stepper;
 
 pub use blocks::BodyState;
 pub use error::SceneError;
+pub use stochc_protocol::{BlockFace, Body, Docking};
 
 use nalgebra::Vector3;
+use stochc_ir::Cell;
 use stochc_ir::scene::Scene;
 use stochc_ir::table::Plate;
-use stochc_ir::{Cell, Face};
 
-use crate::orientation::Orientation;
+use stochc_protocol::Orientation;
+
 use crate::settings::Settings;
-
-/// A block, as a world knows it: without role, and without a part in the structure's frame.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Body {
-    /// A block of the plate, which sits at z = 0 in [`Orientation::IDENTITY`] and never moves.
-    ///
-    /// [`Orientation::IDENTITY`]: crate::orientation::Orientation::IDENTITY
-    Seed(Cell),
-    /// A block that was free at the beginning: its number, from 0.
-    Free(u32),
-}
-
-/// One face of one block, named in the block's own frame.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct Site {
-    /// Whose.
-    pub body: Body,
-    /// Which of its own faces.
-    pub face: Face,
-}
-
-/// A free block has been anchored on a magnetized face.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Docking {
-    /// The face that captured.
-    pub site: Site,
-    /// The free block that it holds now.
-    pub child: u32,
-    /// The child's own face that touches it.
-    pub child_face: Face,
-    /// Quarter turns, as [`Orientation::docked`] counts them.
-    ///
-    /// [`Orientation::docked`]: crate::orientation::Orientation::docked
-    pub turn: u8,
-    /// Times that any free block came into reach of the face since it was magnetized, re-entries
-    /// included; a block that is in reach when the face is switched on counts once.
-    pub entries: u32,
-    /// Tick of the captured block's last entry.
-    pub entered: u64,
-}
 
 /// The physics broke down at one block.
 #[derive(Clone, Debug, PartialEq)]
@@ -95,20 +57,20 @@ pub trait World {
     /// Switches a face of an anchored block on, to capture the first block that docks there.
     ///
     /// A face that already is on, or holds a block, stays as it is.
-    fn magnetize(&mut self, site: Site);
+    fn magnetize(&mut self, site: BlockFace);
 
     /// Switches a face off: what it holds drifts away from rest, with all that hangs on it.
-    fn switch_off(&mut self, site: Site);
+    fn switch_off(&mut self, site: BlockFace);
 
     /// Anchors the free block with the highest number on a face, as if it had docked there straight, and
     /// switches the face on if it was off; `None`: there is no free block, or the face holds one.
     ///
     /// For what is attached by hand before the first tick.
-    fn plant(&mut self, site: Site) -> Option<Docking>;
+    fn plant(&mut self, site: BlockFace) -> Option<Docking>;
 
     /// Times so far that a free block came into the reach of a face that is on and holds nothing,
     /// re-entries included; 0 for other faces, and where nothing has a place.
-    fn entries(&self, _site: Site) -> u32 {
+    fn entries(&self, _site: BlockFace) -> u32 {
         0
     }
 
@@ -170,7 +132,7 @@ pub trait Arena: World + Sized {
     fn anchored(&self, id: u32) -> Option<Orientation>;
 
     /// The faces that are on and hold nothing, each with the entries into its reach so far.
-    fn active(&self) -> Vec<(Site, u32)>;
+    fn active(&self) -> Vec<(BlockFace, u32)>;
 
     /// The free blocks that are bonded to each other, by group: at least two in each, all in rising order.
     fn groups(&self) -> Vec<Vec<u32>>;
@@ -179,7 +141,7 @@ pub trait Arena: World + Sized {
     /// of their entries: the block, and the tick of its entry.
     ///
     /// As of the end of the last step: a face that has been switched on since is not among them.
-    fn in_reach(&self) -> Vec<(Site, u32, u64)>;
+    fn in_reach(&self) -> Vec<(BlockFace, u32, u64)>;
 
     /// The centre of the block that sits in a cell \[side\].
     fn centre(&self, cell: Cell) -> Vector3<f64>;

@@ -7,6 +7,7 @@ use nalgebra::Vector3;
 use stochc_ir::scene::Scene;
 use stochc_ir::table::Plate;
 use stochc_ir::{Cell, Face};
+use stochc_protocol::Orientation;
 
 use super::blocks::Blocks;
 use super::bonding::{Anchored, Faces, Release};
@@ -15,9 +16,8 @@ use super::external_forces::{ExternalForces, Response};
 use super::free_bonds::FreeBonds;
 use super::parameters::{Kicks, Parameters, built};
 use super::real::{Real, cast};
-use super::{Arena, Body, BodyState, Docking, Fault, SceneError, Site, World};
+use super::{Arena, Body, BodyState, Docking, Fault, SceneError, BlockFace, World};
 use crate::counter_rng::{Draws, Step, Stream};
-use crate::orientation::Orientation;
 use crate::settings::{Reduction, Settings};
 
 /// Moves blocks and lets them collide: all in which two worlds of rigid blocks differ.
@@ -312,7 +312,7 @@ impl<I: Integrator> Arena for Stepper<I> {
         self.blocks.anchored(id)
     }
 
-    fn active(&self) -> Vec<(Site, u32)> {
+    fn active(&self) -> Vec<(BlockFace, u32)> {
         self.faces.iter().flat_map(Faces::active).collect()
     }
 
@@ -321,7 +321,7 @@ impl<I: Integrator> Arena for Stepper<I> {
         groups.unwrap_or_default()
     }
 
-    fn in_reach(&self) -> Vec<(Site, u32, u64)> {
+    fn in_reach(&self) -> Vec<(BlockFace, u32, u64)> {
         self.faces.iter().flat_map(Faces::in_reach).collect()
     }
 
@@ -335,7 +335,7 @@ impl<I: Integrator> World for Stepper<I> {
         self.tick
     }
 
-    fn magnetize(&mut self, site: Site) {
+    fn magnetize(&mut self, site: BlockFace) {
         let (centre, orientation) = match site.body {
             Body::Seed(cell) => (cast(self.cells.centre(cell)), Orientation::IDENTITY),
             Body::Free(id) => {
@@ -352,7 +352,7 @@ impl<I: Integrator> World for Stepper<I> {
         }
     }
 
-    fn switch_off(&mut self, site: Site) {
+    fn switch_off(&mut self, site: BlockFace) {
         let Some(faces) = &mut self.faces else {
             return;
         };
@@ -363,12 +363,12 @@ impl<I: Integrator> World for Stepper<I> {
             self.blind = true;
             for face in Face::ALL {
                 let body = Body::Free(id);
-                self.switch_off(Site { body, face });
+                self.switch_off(BlockFace { body, face });
             }
         }
     }
 
-    fn plant(&mut self, site: Site) -> Option<Docking> {
+    fn plant(&mut self, site: BlockFace) -> Option<Docking> {
         self.magnetize(site);
         let id = (0..self.count())
             .rev()
@@ -378,7 +378,7 @@ impl<I: Integrator> World for Stepper<I> {
         Some(docking)
     }
 
-    fn entries(&self, site: Site) -> u32 {
+    fn entries(&self, site: BlockFace) -> u32 {
         self.faces.as_ref().map_or(0, |faces| faces.entries(site))
     }
 

@@ -16,7 +16,7 @@ use stochc_ir::table::Plate;
 use stochc_ir::{Cell, Face};
 use stochc_runtime::world::rapier::RapierWorld;
 use stochc_runtime::world::rigid::RigidWorld;
-use stochc_runtime::world::{Arena, Body, BodyState, Site, World};
+use stochc_runtime::world::{Arena, BlockFace, Body, BodyState, World};
 use stochc_runtime::{Model, Settings};
 
 const PAGE: &str = "../docs/stability.md";
@@ -320,9 +320,9 @@ fn cases() -> Vec<(&'static str, Scene, u64)> {
     ]
 }
 
-fn middle() -> Site {
+fn middle() -> BlockFace {
     let (body, face) = (Body::Seed(Cell::new(1, 1, 0)), Face::Up);
-    Site { body, face }
+    BlockFace { body, face }
 }
 
 #[test]
@@ -350,7 +350,7 @@ fn every_extreme_has_the_outcome_that_the_page_states() {
 }
 
 /// Docks block after block on given faces, each of which is put right there.
-fn build<W: Arena>(world: &mut W, sites: &[(Site, Vector3<f64>)]) {
+fn build<W: Arena>(world: &mut W, sites: &[(BlockFace, Vector3<f64>)]) {
     let mut dockings = Vec::new();
     for (id, &(site, centre)) in sites.iter().enumerate() {
         world.magnetize(site);
@@ -372,7 +372,7 @@ fn quiet(count: u32) -> Scene {
 fn a_block_released_under_another<W: Arena>() {
     let mut world =
         W::new(&quiet(5), &PLATE, &Settings::of(Model::Rapier, 1), 1, 0).expect("it fits");
-    let up = |body| Site {
+    let up = |body| BlockFace {
         body,
         face: Face::Up,
     };
@@ -383,7 +383,7 @@ fn a_block_released_under_another<W: Arena>() {
         (up(seed(1)), Vector3::new(0.0, 0.0, 0.51)),
         (up(Body::Free(1)), Vector3::new(0.0, 0.0, 1.51)),
         (
-            Site {
+            BlockFace {
                 body: Body::Free(2),
                 face: Face::West,
             },
@@ -419,7 +419,7 @@ fn a_block_released_under_another<W: Arena>() {
 fn two_magnets_fight_for_one_block<W: Arena>() {
     let mut world =
         W::new(&quiet(3), &PLATE, &Settings::of(Model::Rapier, 1), 1, 0).expect("it fits");
-    let up = |x| Site {
+    let up = |x| BlockFace {
         body: Body::Seed(Cell::new(x, 1, 0)),
         face: Face::Up,
     };
@@ -430,11 +430,11 @@ fn two_magnets_fight_for_one_block<W: Arena>() {
     build(&mut world, &towers);
     // Between them, both faces look at it from the same distance.
     world.set_state(2, &BodyState::at_rest(Vector3::new(0.0, 0.0, 1.2)));
-    world.magnetize(Site {
+    world.magnetize(BlockFace {
         body: Body::Free(0),
         face: Face::East,
     });
-    world.magnetize(Site {
+    world.magnetize(BlockFace {
         body: Body::Free(1),
         face: Face::West,
     });

@@ -3,7 +3,8 @@ use std::fmt::Write as _;
 
 use stochc_compiler::Checked;
 use stochc_ir::table::Tables;
-use stochc_runtime::explore::{Bound, Bounds, Exploration, Faults, Report, Verdict};
+use stochc_protocol::explore::{Bound, Bounds, Exploration, Faults, Report, Verdict};
+use stochc_runtime::counter_rng::schedules;
 
 use super::super::terminal::warn;
 use crate::cli::Exit;
@@ -46,7 +47,7 @@ pub fn explore(file: &str, checked: &Checked, states: u64) -> (String, Exit) {
         }
         if let Verdict::Unfinished(_) = reports[0].verdict {
             exploration.bounds.work = SAMPLED;
-            reports.push(exploration.sample(SEED, SCHEDULES));
+            reports.push(exploration.sample(SCHEDULES, &mut schedules(SEED)));
         }
         let _ = write!(told, "{file}: assembly {}: ", tables.assembly);
         told.push_str(&describe(&reports, &bounds));

@@ -2,16 +2,16 @@
 use std::collections::BTreeMap;
 
 use nalgebra::Vector3;
+use stochc_protocol::Orientation;
 
 use super::face_attraction::{AttractingFace, Near, Push, best_turn};
 use super::hydraulic_network::Pressures;
 use super::open_faces::PlacedBlocks;
-use crate::orientation::Orientation;
 use crate::world::blocks::Blocks;
 use crate::world::external_forces::Sink;
 use crate::world::parameters::{Attraction, Magnet};
 use crate::world::real::{Real, cast, normal};
-use crate::world::{Body, Docking, Site};
+use crate::world::{Body, Docking, BlockFace};
 
 /// From the centre of a block to its faces \[side\].
 const INSIDE: f64 = 0.5;
@@ -23,7 +23,7 @@ pub(crate) struct Faces<R: Real> {
     /// The faces that are on and hold nothing, by site.
     active: Vec<Active<R>>,
     /// The faces that hold a block.
-    holds: BTreeMap<Site, u32>,
+    holds: BTreeMap<BlockFace, u32>,
     /// Who is in reach of what, by face and number.
     sightings: Vec<Sighting<R>>,
     /// Whether the sightings are those of the blocks' present places.
@@ -47,7 +47,7 @@ pub(crate) struct Release<R: Real> {
 /// A face that is on and holds nothing.
 #[derive(Clone, Debug)]
 struct Active<R: Real> {
-    site: Site,
+    site: BlockFace,
     target: AttractingFace<R>,
     /// Times that a block came into reach.
     entries: u32,
@@ -81,7 +81,7 @@ pub(crate) struct Anchored<R: Real> {
 
 impl<R: Real> Active<R> {
     /// The face of a block at `centre` that sits in `parent`.
-    fn new(site: Site, centre: Vector3<R>, parent: Orientation) -> Active<R> {
+    fn new(site: BlockFace, centre: Vector3<R>, parent: Orientation) -> Active<R> {
         let face = parent.to_structure(site.face);
         Active {
             site,
@@ -113,7 +113,7 @@ impl<R: Real> Faces<R> {
     /// faces attract by themselves, those of the block do from now on.
     ///
     /// Whether faces are on that were not: see [`Faces::set_nearby`].
-    pub fn magnetize(&mut self, site: Site, centre: Vector3<R>, parent: Orientation) -> bool {
+    pub fn magnetize(&mut self, site: BlockFace, centre: Vector3<R>, parent: Orientation) -> bool {
         if let Attraction::Passive(_) = self.magnet.law {
             self.placed.insert(site.body, centre, parent);
             return self.expose();
@@ -157,7 +157,7 @@ impl<R: Real> Faces<R> {
     }
 
     /// Captures a block by hand on a face that is on; `None`: it is off, or holds something.
-    pub fn plant(&mut self, site: Site, body: u32, tick: u64) -> Option<(Anchored<R>, Docking)> {
+    pub fn plant(&mut self, site: BlockFace, body: u32, tick: u64) -> Option<(Anchored<R>, Docking)> {
         let at = (self.active)
             .binary_search_by_key(&site, |on| on.site)
             .ok()?;
@@ -183,7 +183,7 @@ impl<R: Real> Faces<R> {
     }
 
     /// A face holds a block from now on.
-    fn hold(&mut self, site: Site, held: &Anchored<R>) {
+    fn hold(&mut self, site: BlockFace, held: &Anchored<R>) {
         self.holds.insert(site, held.body);
         self.change();
         if let Attraction::Passive(_) = self.magnet.law {
@@ -195,7 +195,7 @@ impl<R: Real> Faces<R> {
 
     /// Switches a face off: what it held, if it held something. A face that attracts by itself stays on, and
     /// rejects what it held.
-    pub fn switch_off(&mut self, site: Site) -> Option<Release<R>> {
+    pub fn switch_off(&mut self, site: BlockFace) -> Option<Release<R>> {
         self.change();
         let Attraction::Passive(passive) = self.magnet.law else {
             if let Ok(at) = self.active.binary_search_by_key(&site, |on| on.site) {
@@ -245,7 +245,7 @@ impl<R: Real> Faces<R> {
     }
 
     /// Pressure drop on a face, as the acceleration of a block; none where faces draw no fluid.
-    fn drop(&self, site: Site) -> f64 {
+    fn drop(&self, site: BlockFace) -> f64 {
         let pressures = self.pressures.as_ref();
         pressures.map_or(0.0, |pressures| pressures.at(site.body))
     }
@@ -256,20 +256,20 @@ impl<R: Real> Faces<R> {
     }
 
     /// The faces that are on and hold nothing, each with the entries into its reach so far.
-    pub fn active(&self) -> impl Iterator<Item = (Site, u32)> + '_ {
+    pub fn active(&self) -> impl Iterator<Item = (BlockFace, u32)> + '_ {
         self.active
             .iter()
             .map(|active| (active.site, active.entries))
     }
 
     /// Entries into the reach of a face so far; 0 for one that is off or holds something.
-    pub fn entries(&self, site: Site) -> u32 {
+    pub fn entries(&self, site: BlockFace) -> u32 {
         let at = self.active.binary_search_by_key(&site, |on| on.site);
         at.map_or(0, |at| self.active[at].entries)
     }
 
     /// Who is in reach of which active face, with the tick of the entry.
-    pub fn in_reach(&self) -> impl Iterator<Item = (Site, u32, u64)> + '_ {
+    pub fn in_reach(&self) -> impl Iterator<Item = (BlockFace, u32, u64)> + '_ {
         (self.active.iter()).flat_map(|active| {
             let site = active.site;
             let inside = active.inside.iter();
@@ -389,7 +389,7 @@ impl<R: Real> Faces<R> {
                 .total_cmp(&b.near.distance.double());
             distance.then(key(a).cmp(&key(b)))
         });
-        let mut taken: Vec<Site> = Vec::new();
+        let mut taken: Vec<BlockFace> = Vec::new();
         let mut anchored: Vec<u32> = Vec::new();
         let mut docked = Vec::new();
         for sighting in ready {

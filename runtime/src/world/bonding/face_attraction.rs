@@ -2,8 +2,9 @@
 use nalgebra::{UnitQuaternion, Vector3};
 use stochc_ir::Face;
 use stochc_ir::scene::Measure;
+use stochc_protocol::Orientation;
 
-use crate::orientation::Orientation;
+use crate::world::rotation::matrix;
 use crate::world::parameters::{Attraction, Magnet, Passive, Pull, Suction};
 use crate::world::real::{Real, normal};
 
@@ -232,7 +233,7 @@ pub(crate) fn best_turn<R: Real>(
 ) -> (u8, Orientation) {
     let own = rotation.to_rotation_matrix();
     let likeness = |orientation: Orientation| {
-        let axes = orientation.matrix().map(R::of);
+        let axes = matrix(orientation).map(R::of);
         own.matrix().dot(&axes)
     };
     let turned = |turn| Orientation::docked(parent, parent_face, child_face, turn);

@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 
 use crate::world::parameters::Suction;
-use crate::world::{Body, Site};
+use crate::world::{Body, BlockFace};
 
 /// The pressure below that of the fluid around, by chamber \[1 / tick^2\]; chambers that reach no pump
 /// are not among them.
@@ -27,8 +27,8 @@ impl Pressures {
     /// Of the structure with these open faces and these joints.
     pub fn of(
         suction: &Suction,
-        open: impl Iterator<Item = Site>,
-        holds: &BTreeMap<Site, u32>,
+        open: impl Iterator<Item = BlockFace>,
+        holds: &BTreeMap<BlockFace, u32>,
     ) -> Pressures {
         // The plate is chamber `None`.
         let mut chambers: BTreeMap<Option<u32>, Chamber> = BTreeMap::new();
@@ -112,18 +112,18 @@ mod tests {
         seal: 0.1,
     };
 
-    fn seed(face: Face) -> Site {
+    fn seed(face: Face) -> BlockFace {
         let cell = Cell { x: 0, y: 0, z: 0 };
         let body = Body::Seed(cell);
-        Site { body, face }
+        BlockFace { body, face }
     }
 
-    fn free(id: u32, face: Face) -> Site {
+    fn free(id: u32, face: Face) -> BlockFace {
         let body = Body::Free(id);
-        Site { body, face }
+        BlockFace { body, face }
     }
 
-    fn pressures(open: &[Site], holds: &[(Site, u32)]) -> Pressures {
+    fn pressures(open: &[BlockFace], holds: &[(BlockFace, u32)]) -> Pressures {
         let holds = holds.iter().copied().collect();
         Pressures::of(&SUCTION, open.iter().copied(), &holds)
     }
@@ -155,7 +155,7 @@ mod tests {
         let faces = [Face::East, Face::West, Face::North, Face::South];
         let mut before = f64::INFINITY;
         for n in 1..=4 {
-            let open: Vec<Site> = faces[..n].iter().map(|&face| free(0, face)).collect();
+            let open: Vec<BlockFace> = faces[..n].iter().map(|&face| free(0, face)).collect();
             let shared = pressures(&open, &[(seed(Face::Up), 0)]);
             let each = shared.at(Body::Free(0)) / SUCTION.valve;
             let told = 6.0 / (1.5 + 2.0 / n as f64) / n as f64;
@@ -167,7 +167,7 @@ mod tests {
 
     #[test]
     fn a_chain_of_a_hundred_thousand_is_solved() {
-        let holds: Vec<(Site, u32)> = (0..100_000)
+        let holds: Vec<(BlockFace, u32)> = (0..100_000)
             .map(|i| match i {
                 0 => (seed(Face::Up), 0),
                 i => (free(i - 1, Face::Up), i),

@@ -3,10 +3,10 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::Vector3;
 use stochc_ir::Face;
+use stochc_protocol::Orientation;
 
-use crate::orientation::Orientation;
 use crate::world::real::{Real, normal};
-use crate::world::{Body, Site};
+use crate::world::{BlockFace, Body};
 
 /// Blocks and their places.
 #[derive(Clone, Debug, Default)]
@@ -22,7 +22,7 @@ impl<R: Real> PlacedBlocks<R> {
     }
 
     /// Where a face points to.
-    pub fn outward(&self, site: Site) -> Vector3<R> {
+    pub fn outward(&self, site: BlockFace) -> Vector3<R> {
         let place = self.0.get(&site.body);
         place.map_or_else(Vector3::zeros, |(_, orientation)| {
             normal(orientation.to_structure(site.face).normal())
@@ -31,7 +31,7 @@ impl<R: Real> PlacedBlocks<R> {
 
     /// The faces with a free cell above the ground before them, in the order of sites; each with the centre of
     /// its block and how that sits.
-    pub fn open_faces(&self) -> Vec<(Site, Vector3<R>, Orientation)> {
+    pub fn open_faces(&self) -> Vec<(BlockFace, Vector3<R>, Orientation)> {
         let cell = |centre: Vector3<R>| {
             [centre.x, centre.y, centre.z].map(|x| libm::round(2.0 * x.double()) as i64)
         };
@@ -41,7 +41,7 @@ impl<R: Real> PlacedBlocks<R> {
             for face in Face::ALL {
                 let before = centre + normal::<R>(orientation.to_structure(face).normal());
                 if before.z > R::zero() && !full.contains(&cell(before)) {
-                    open.push((Site { body, face }, centre, orientation));
+                    open.push((BlockFace { body, face }, centre, orientation));
                 }
             }
         }

@@ -1,9 +1,10 @@
 //! Free blocks whose magnets always attract: how two of them pull each other, and when they bond.
 use nalgebra::Vector3;
 use stochc_ir::Face;
+use stochc_protocol::Orientation;
 
 use super::face_attraction::{AttractingFace, Push, best_turn};
-use crate::orientation::Orientation;
+use crate::world::rotation::quaternion;
 use crate::world::blocks::Pose;
 use crate::world::parameters::{Attraction, Magnet, Passive};
 use crate::world::real::normal;
@@ -85,7 +86,7 @@ pub(crate) fn seat(first: &Pose, face: Face, second: &Pose, other: Face) -> Pose
     let out = normal::<f64>(face.normal());
     Pose {
         position: first.position + first.rotation * out,
-        rotation: first.rotation * orientation.quaternion(),
+        rotation: first.rotation * quaternion(orientation),
     }
 }
 

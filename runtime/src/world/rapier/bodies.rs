@@ -3,9 +3,10 @@ use nalgebra::{UnitQuaternion, Vector3};
 use rapier3d::dynamics::{RigidBodyHandle, RigidBodyType};
 use rapier3d::glamx::Vec3;
 use rapier3d::pipeline::PhysicsWorld;
+use stochc_protocol::Orientation;
 
 use super::convert::{pose3, unit_quaternion, vec3, vector};
-use crate::orientation::Orientation;
+use crate::world::rotation::quaternion;
 use crate::world::blocks::{Blocks, Pose};
 use crate::world::motion_limits::MotionLimits;
 use crate::world::real::{Real, cast};
@@ -166,7 +167,7 @@ impl Blocks for EngineBodies {
     }
 
     fn anchor(&mut self, id: u32, centre: Vector3<f32>, orientation: Orientation) {
-        let rotation = orientation.quaternion().cast();
+        let rotation = quaternion(orientation).cast();
         self.copies[id as usize] = Copied {
             position: centre,
             rotation,

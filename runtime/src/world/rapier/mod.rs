@@ -13,13 +13,13 @@ use nalgebra::Vector3;
 use stochc_ir::Cell;
 use stochc_ir::scene::Scene;
 use stochc_ir::table::Plate;
+use stochc_protocol::Orientation;
+use integrator::Rapier;
 
 use super::delegate::delegate;
 use super::stepper::Stepper;
-use super::{Arena, BodyState, Docking, Fault, SceneError, Site, World};
-use crate::orientation::Orientation;
+use super::{Arena, BodyState, Docking, Fault, SceneError, BlockFace, World};
 use crate::settings::Settings;
-use integrator::Rapier;
 
 /// A world of rigid cubes.
 pub struct RapierWorld(Box<Stepper<Rapier>>);

@@ -1,9 +1,10 @@
 //! Where every block is and how it moves, in arrays.
 use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
+use stochc_protocol::Orientation;
 
 use super::quaternion::{SMALL, columns, large, small, turned};
 use super::simd::{ABREAST, LANES, Lane, Wide, square, transposed};
-use crate::orientation::Orientation;
+use crate::world::rotation::quaternion;
 use crate::world::blocks::{Blocks, Pose};
 use crate::world::motion_limits::MotionLimits;
 use crate::world::real::{Real, cast};
@@ -254,7 +255,7 @@ impl<R: Lane> Blocks for Bodies<R> {
 
     fn anchor(&mut self, id: u32, centre: Vector3<R>, orientation: Orientation) {
         let state = BodyState {
-            orientation: orientation.quaternion(),
+            orientation: quaternion(orientation),
             ..BodyState::at_rest(cast(centre))
         };
         self.set_state(id, &state);

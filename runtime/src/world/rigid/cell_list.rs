@@ -277,8 +277,8 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
 
     use super::*;
-    use crate::orientation::Orientation;
     use crate::world::BodyState;
+    use stochc_protocol::Orientation;
 
     /// Against every pair of blocks asked, in grids from a few cells on, some blocks outside of them.
     #[test]

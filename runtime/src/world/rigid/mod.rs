@@ -19,11 +19,11 @@ use nalgebra::Vector3;
 use stochc_ir::Cell;
 use stochc_ir::scene::Scene;
 use stochc_ir::table::Plate;
+use stochc_protocol::Orientation;
 
 use super::delegate::delegate;
 use super::stepper::Stepper;
-use super::{Arena, BodyState, Docking, Fault, SceneError, Site, World};
-use crate::orientation::Orientation;
+use super::{Arena, BodyState, Docking, Fault, SceneError, BlockFace, World};
 use crate::settings::{Precision, Settings};
 #[cfg(test)]
 pub(super) use bodies::Bodies;

@@ -1,0 +1,111 @@
+//! How many events a second tables run at without physics: `cargo bench --bench control [CAPTURES [REPEATS]]`.
+//!
+//! The programs are towers of ten on a square plate: one only builds them; another one then takes them down again,
+//! which also sends a message for each release. An event is a capture or a release, with all that follows from
+//! it: what the control does, its messages, what is drawn for it, and its place in the record. Times are the
+//! shortest of several runs, from the tables to the record. Without arguments the sizes are 10^3 to 10^6
+//! captures.
+#![allow(missing_docs, reason = "a command, not a library")]
+#![expect(clippy::disallowed_methods, reason = "a benchmark needs a clock")]
+
+use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
+
+use stochc::compiler::{Checked, Limits, check};
+use stochc::ir::record::{Outcome, RunRecord};
+use stochc::ir::table::PhaseId;
+use stochc::runtime::{Model, Settings, run};
+
+/// Captures in each tower.
+const HEIGHT: usize = 10;
+
+/// A size is measured for so long, and once at least.
+const ENOUGH: Duration = Duration::from_secs(2);
+
+fn main() {
+    let numbers: Vec<usize> = std::env::args()
+        .skip(1)
+        .filter_map(|word| word.parse().ok())
+        .collect();
+    let repeats = numbers.get(1).copied().unwrap_or(usize::MAX).max(1);
+    let sizes = match numbers.first() {
+        Some(&captures) => vec![captures],
+        None => vec![1_000, 10_000, 100_000, 1_000_000],
+    };
+    println!("| program | captures | releases | hops | million events a second | ns an event |");
+    println!("|---|---|---|---|---|---|");
+    for (name, down) in [
+        ("build", ""),
+        (
+            "build, take down",
+            "    phase clear { for y in 0..LAST { for x in 0..LAST { for i in 1..HEIGHT { release t[x, y].T[i] } } } }\n",
+        ),
+    ] {
+        for &captures in &sizes {
+            let checked = towers(captures, down);
+            let (time, record) = measure(&checked, repeats);
+            let events = record.bonds.len() + record.releases.len();
+            let ns = time.as_secs_f64() * 1e9 / events as f64;
+            println!(
+                "| {name} | {} | {} | {} | {:.2} | {ns:.0} |",
+                record.bonds.len(),
+                record.releases.len(),
+                record.hops,
+                1e3 / ns,
+            );
+        }
+    }
+}
+
+/// The shortest time of a run, and its record.
+fn measure(checked: &Checked, repeats: usize) -> (Duration, RunRecord) {
+    let program = &checked.programs[0];
+    let tables = program.tables.as_ref().expect("the program is right");
+    let settings = Settings::of(Model::Shuffle, 1);
+    let mut go = |_, _: PhaseId| ControlFlow::Continue(());
+    let mut best: Option<(Duration, RunRecord)> = None;
+    let began = Instant::now();
+    for number in 0..repeats {
+        let start = Instant::now();
+        let record = run(tables, &program.scene, &settings, 1, 0, &mut go).expect("nobody cancels");
+        let time = start.elapsed();
+        assert_eq!(record.outcome, Outcome::Completed);
+        if best.as_ref().is_none_or(|(shortest, _)| time < *shortest) {
+            best = Some((time, record));
+        }
+        if number > 0 && began.elapsed() > ENOUGH {
+            break;
+        }
+    }
+    best.expect("it is measured once at least")
+}
+
+/// About so many captures, in towers, and what happens then.
+fn towers(captures: usize, down: &str) -> Checked {
+    let edge = ((captures / HEIGHT) as f64).sqrt().round().max(1.0) as usize;
+    let (last, blocks, radius) = (edge - 1, edge * edge * HEIGHT, edge + 20);
+    let down = down.replace("LAST", &last.to_string());
+    let down = down.replace("HEIGHT", &HEIGHT.to_string());
+    let text = format!(
+        "scene vast from hemisphere {{
+    free {blocks} uniform
+    enclosure hemisphere {{ radius {radius}m  wall 25 N/m }}
+}}
+pattern tower(base) {{
+    base.up ->> T[1..{HEIGHT}]
+}}
+assembly towers in vast {{
+    seed plate {edge} x {edge} {{
+        for y in 0..{last} {{ for x in 0..{last} {{ S[x, y] at (x, y) }} }}
+    }}
+    phase build {{
+        for y in 0..{last} {{ for x in 0..{last} {{ tower(S[x, y]) as t[x, y] }} }}
+    }}
+{down}}}
+"
+    );
+    let mut reader = |_: &str| Ok(text.as_bytes().to_vec());
+    let checked = check("towers.sa", &mut reader, Limits::default());
+    assert!(!checked.has_errors(), "{:?}\n{text}", checked.findings);
+    checked
+}

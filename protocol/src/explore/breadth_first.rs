@@ -1,0 +1,74 @@
+//! Breadth first: the shortest order of events that goes wrong, of those that matter.
+use std::collections::{HashSet, VecDeque};
+
+use super::Exploration;
+use super::checker::Breach;
+use super::context::Context;
+use super::faults::FaultChoice;
+use super::fingerprint::fingerprint;
+use super::persistent::PersistentSets;
+use super::report::Verdict;
+use super::state::ProgramState;
+use super::transition::Transition;
+
+/// Looks for it; [`Verdict::Holds`]: nothing goes wrong in as many states as may be visited.
+pub(super) fn shortest<'t>(exploration: &Exploration<'t>, struck: &'t FaultChoice) -> Verdict {
+    let context = Context::new(exploration, struck);
+    let checker = exploration.checker();
+    let mut persistent = exploration.reduce.then(|| PersistentSets::new(context));
+    // How each state was come to first: from which, and by which transition.
+    let mut ways: Vec<(usize, Option<Transition>)> = vec![(0, None)];
+    let violated = |wrong: Breach,
+                    ways: &[(usize, Option<Transition>)],
+                    at: usize,
+                    state: &ProgramState<'_>,
+                    last: Option<Transition>| {
+        let mut transitions: Vec<Transition> = last.into_iter().collect();
+        let mut at = at;
+        while let (before, Some(transition)) = ways[at] {
+            transitions.push(transition);
+            at = before;
+        }
+        transitions.reverse();
+        checker.violated(&context, wrong, state.structure.phase(), &transitions)
+    };
+    let (first, effects) = ProgramState::first(&context);
+    if let Some(wrong) = checker.effects(&effects) {
+        return violated(wrong, &ways, 0, &first, None);
+    }
+    let mut visited = HashSet::from([fingerprint(&first)]);
+    let mut weight = first.weight();
+    let mut queue = VecDeque::from([(0, first)]);
+    while let Some((at, state)) = queue.pop_front() {
+        weight -= state.weight();
+        if let Some(wrong) = checker.unplanned(&context, &state) {
+            return violated(wrong, &ways, at, &state, None);
+        }
+        let mut transitions = state.transitions(&context);
+        if let Some(persistent) = &mut persistent {
+            transitions = persistent.choose(&state, transitions);
+        }
+        if transitions.is_empty()
+            && let Some(wrong) = checker.hang(&state)
+        {
+            return violated(wrong, &ways, at, &state, None);
+        }
+        for transition in transitions {
+            let mut next = state.clone();
+            let effects = next.make(&context, transition);
+            if let Some(wrong) = checker.transition(&state, transition, &effects) {
+                return violated(wrong, &ways, at, &state, Some(transition));
+            }
+            if visited.insert(fingerprint(&next)) {
+                ways.push((at, Some(transition)));
+                weight += next.weight();
+                queue.push_back((ways.len() - 1, next));
+            }
+        }
+        let bounds = &exploration.bounds;
+        if visited.len() as u64 > bounds.states || weight > bounds.memory {
+            break;
+        }
+    }
+    Verdict::Holds
+}

@@ -1,0 +1,160 @@
+//! What is wrong with a transition, or with a state in which nothing can happen any more.
+use std::collections::{BTreeMap, BTreeSet};
+
+use stochc_ir::Cell;
+use stochc_ir::table::{PhaseId, RoleId};
+
+use super::context::Context;
+use super::describe::Describer;
+use super::effects::Effects;
+use super::expected::{Expected, PhaseGoal};
+use super::report::{Property, Verdict, Violation};
+use super::state::ProgramState;
+use super::transition::Transition;
+use crate::Reporter;
+
+/// A property that is violated, and how.
+pub(super) type Breach = (Property, String);
+
+/// Judges by what is expected.
+#[derive(Clone, Copy)]
+pub(super) struct PropertyChecker<'a> {
+    pub expected: &'a Expected,
+    pub describer: Describer<'a>,
+}
+
+impl PropertyChecker<'_> {
+    /// What is wrong with a transition made in the state `before`.
+    pub fn transition(
+        &self,
+        before: &ProgramState<'_>,
+        transition: Transition,
+        effects: &Effects,
+    ) -> Option<Breach> {
+        if let Some(wrong) = self.effects(effects) {
+            return Some(wrong);
+        }
+        if transition != Transition::EndPhase {
+            return None;
+        }
+        let stage = before.stage(self.expected)?;
+        self.early_end(before, stage)
+            .or_else(|| self.structure(before, stage))
+            .or_else(|| self.reports(before, stage))
+    }
+
+    /// What is wrong with what a transition has done, whatever came before.
+    pub fn effects(&self, effects: &Effects) -> Option<Breach> {
+        let &(property, fault) = effects.faults.first()?;
+        Some((property, self.describer.fault(fault)))
+    }
+
+    /// What is wrong with a state in which nothing can happen any more.
+    pub fn hang(&self, state: &ProgramState<'_>) -> Option<Breach> {
+        if state.is_complete() {
+            return None;
+        }
+        let (phase, waits) = (self.describer.phase(state), self.describer.waits(state));
+        Some((Property::NoHang, format!("{phase} never ends: {waits}")))
+    }
+
+    /// What is wrong with a state in which a block may dock where nobody expects it.
+    pub fn unplanned(&self, context: &Context<'_>, state: &ProgramState<'_>) -> Option<Breach> {
+        // Faults bring strays of their own.
+        if !context.tables.bond.is_passive() || !context.faults.is_none() {
+            return None;
+        }
+        let site = state.unsettled(context)?;
+        let face = self.describer.face_of(state, site);
+        let what = format!("an unplanned bond on {face} is not undone");
+        Some((Property::Unplanned, what))
+    }
+
+    /// The verdict on something wrong, with the transitions that led there.
+    pub fn violated(
+        &self,
+        context: &Context<'_>,
+        (property, what): Breach,
+        phase: Option<PhaseId>,
+        transitions: &[Transition],
+    ) -> Verdict {
+        Verdict::Violated(Box::new(Violation {
+            property,
+            phase: phase.unwrap_or(PhaseId(0)),
+            what,
+            trace: self.describer.trace(context, transitions),
+        }))
+    }
+
+    fn early_end(&self, state: &ProgramState<'_>, stage: &PhaseGoal) -> Option<Breach> {
+        let missing = |all: &BTreeSet<RoleId>, done: &BTreeSet<RoleId>| {
+            self.describer.names(all.difference(done))
+        };
+        let captures = missing(&stage.captures, &state.done.captures);
+        let releases = missing(&stage.releases, &state.done.releases);
+        let before = match (captures.as_str(), releases.as_str()) {
+            ("", "") => return None,
+            (captures, "") => format!("{captures} is captured"),
+            ("", releases) => format!("{releases} is let go"),
+            (captures, releases) => format!("{captures} is captured and {releases} let go"),
+        };
+        let phase = self.describer.phase(state);
+        Some((
+            Property::NoEarlyEnd,
+            format!("{phase} ends before {before}"),
+        ))
+    }
+
+    fn structure(&self, state: &ProgramState<'_>, stage: &PhaseGoal) -> Option<Breach> {
+        let built: BTreeMap<RoleId, Cell> = (state.structure.blocks())
+            .filter_map(|block| {
+                let placed = state.lattice.place(block.body())?;
+                Some((block.role(), placed.cell))
+            })
+            .collect();
+        let phase = self.describer.phase(state);
+        let wrong = |what: String| Some((Property::Structure, format!("{phase} ends {what}")));
+        for (role, cell) in &stage.structure {
+            let name = self.describer.names([role]);
+            match built.get(role) {
+                None => return wrong(format!("without {name}")),
+                Some(there) if there != cell => {
+                    return wrong(format!("with {name} at {there}, which belongs at {cell}"));
+                }
+                Some(_) => {}
+            }
+        }
+        for (role, cell) in &built {
+            if !stage.structure.contains_key(role) {
+                let name = self.describer.names([role]);
+                return wrong(format!("with {name} at {cell}, where nothing belongs"));
+            }
+        }
+        let named: BTreeSet<Cell> = built.values().copied().collect();
+        let stray = state
+            .lattice
+            .cells()
+            .keys()
+            .find(|cell| !named.contains(cell))?;
+        wrong(format!("with a block without a name at {stray}"))
+    }
+
+    fn reports(&self, state: &ProgramState<'_>, stage: &PhaseGoal) -> Option<Breach> {
+        let phase = self.describer.phase(state);
+        let came: Vec<Reporter> = state.done.reports.clone();
+        let wrong = |by: &Reporter, what: &str| {
+            let name = self.describer.names([&by.role]);
+            let text = format!("{phase} ends {what} of {name}");
+            Some((Property::ReportsOnce, text))
+        };
+        if let Some(twice) = came.windows(2).find(|pair| pair[0] == pair[1]) {
+            return wrong(&twice[0], "with two copies of the report");
+        }
+        let set: BTreeSet<Reporter> = came.into_iter().collect();
+        if let Some(by) = stage.reports.difference(&set).next() {
+            return wrong(by, "without the report");
+        }
+        let by = set.difference(&stage.reports).next()?;
+        wrong(by, "with a report too many,")
+    }
+}

@@ -1,0 +1,147 @@
+//! Depth first through all states.
+use std::collections::HashSet;
+
+use super::Exploration;
+use super::checker::{Breach, PropertyChecker};
+use super::context::Context;
+use super::faults::FaultChoice;
+use super::fingerprint::fingerprint;
+use super::persistent::PersistentSets;
+use super::report::{Bound, Report, Verdict};
+use super::state::ProgramState;
+use super::transition::Transition;
+
+/// Bytes of the set of visited states per entry, with the room that it keeps free.
+const ENTRY: usize = 40;
+
+/// A state on the way, with the transitions that are still to be tried.
+struct Visit<'t> {
+    state: ProgramState<'t>,
+    todo: Vec<Transition>,
+    /// The transition that is being tried.
+    tried: Option<Transition>,
+}
+
+/// Everything about one search.
+pub(super) struct DepthFirst<'s, 't> {
+    exploration: &'s Exploration<'t>,
+    context: Context<'t>,
+    checker: PropertyChecker<'t>,
+    persistent: Option<PersistentSets<'t>>,
+    visited: HashSet<u128>,
+    way: Vec<Visit<'t>>,
+    weight: usize,
+    work: u64,
+    transitions: u64,
+    hangs: u64,
+}
+
+impl<'s, 't> DepthFirst<'s, 't> {
+    pub fn new(exploration: &'s Exploration<'t>, struck: &'t FaultChoice) -> DepthFirst<'s, 't> {
+        let context = Context::new(exploration, struck);
+        DepthFirst {
+            exploration,
+            context,
+            checker: exploration.checker(),
+            persistent: exploration.reduce.then(|| PersistentSets::new(context)),
+            visited: HashSet::new(),
+            way: Vec::new(),
+            weight: 0,
+            work: 0,
+            transitions: 0,
+            hangs: 0,
+        }
+    }
+
+    /// Goes through all states, and adds what it finds to a report.
+    pub fn run(mut self, report: &mut Report) {
+        report.verdict = self.verdict();
+        report.states += self.visited.len() as u64;
+        report.transitions += self.transitions;
+        report.hangs += self.hangs;
+        report.work += self.work;
+    }
+
+    fn verdict(&mut self) -> Verdict {
+        let (first, effects) = ProgramState::first(&self.context);
+        if let Some(wrong) = self.checker.effects(&effects) {
+            return self.violated(wrong);
+        }
+        if let Some(verdict) = self.enter(first) {
+            return verdict;
+        }
+        while let Some(visit) = self.way.last_mut() {
+            let Some(transition) = visit.todo.pop() else {
+                self.weight -= visit.state.weight();
+                self.way.pop();
+                continue;
+            };
+            visit.tried = Some(transition);
+            let mut state = visit.state.clone();
+            let effects = state.make(&self.context, transition);
+            self.transitions += 1;
+            if let Some(wrong) = self.checker.transition(&visit.state, transition, &effects) {
+                return self.violated(wrong);
+            }
+            if let Some(verdict) = self.enter(state) {
+                return verdict;
+            }
+        }
+        Verdict::Holds
+    }
+
+    /// Takes a state up, unless it has been before; says when that ends the search.
+    fn enter(&mut self, state: ProgramState<'t>) -> Option<Verdict> {
+        if !self.visited.insert(fingerprint(&state)) {
+            return None;
+        }
+        let bounds = &self.exploration.bounds;
+        if self.visited.len() as u64 > bounds.states {
+            return Some(Verdict::Unfinished(Bound::States));
+        }
+        self.weight += state.weight();
+        if self.weight + self.visited.len() * ENTRY > bounds.memory {
+            return Some(Verdict::Unfinished(Bound::Memory));
+        }
+        if self.work > bounds.work {
+            return Some(Verdict::Unfinished(Bound::Work));
+        }
+        let unplanned = self.checker.unplanned(&self.context, &state);
+        let mut todo = state.transitions(&self.context);
+        self.work += todo.len() as u64 + state.structure.count() as u64;
+        if let Some(persistent) = &mut self.persistent {
+            todo = persistent.choose(&state, todo);
+            self.work += std::mem::take(&mut persistent.work);
+        }
+        let stuck = if todo.is_empty() {
+            self.checker.hang(&state)
+        } else {
+            None
+        };
+        // The first is tried first.
+        todo.reverse();
+        self.way.push(Visit {
+            state,
+            todo,
+            tried: None,
+        });
+        if let Some(wrong) = unplanned {
+            return Some(self.violated(wrong));
+        }
+        if let Some(wrong) = stuck {
+            if !self.exploration.hangs_allowed {
+                return Some(self.violated(wrong));
+            }
+            self.hangs += 1;
+        }
+        None
+    }
+
+    fn violated(&self, wrong: Breach) -> Verdict {
+        let transitions: Vec<Transition> =
+            self.way.iter().filter_map(|visit| visit.tried).collect();
+        let phase = (self.way.last()).and_then(|visit| visit.state.structure.phase());
+        self.checker
+            .violated(&self.context, wrong, phase, &transitions)
+    }
+}

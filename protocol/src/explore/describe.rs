@@ -1,0 +1,235 @@
+//! Steps in the program's own words.
+use stochc_ir::table::{News, RoleId, Tables};
+
+use super::context::Context;
+use super::effects::{Effects, Mistake};
+use super::state::ProgramState;
+use super::transition::{InTransit, Transition};
+use crate::{BlockFace, Body, Message, Payload, Target};
+
+/// Tells of one program.
+#[derive(Clone, Copy)]
+pub(super) struct Describer<'t> {
+    pub tables: &'t Tables,
+}
+
+impl Describer<'_> {
+    /// Steps from the beginning, one line each.
+    pub fn trace(&self, context: &Context<'_>, transitions: &[Transition]) -> Vec<String> {
+        let (mut state, _) = ProgramState::first(context);
+        let mut lines = Vec::new();
+        for &transition in transitions {
+            let before = state.clone();
+            let effects = state.make(context, transition);
+            lines.push(self.tell(&before, transition, &effects));
+        }
+        lines
+    }
+
+    fn name(&self, role: RoleId) -> &str {
+        self.tables.name(role)
+    }
+
+    fn body(&self, state: &ProgramState<'_>, body: Body) -> String {
+        match state.role(body) {
+            Some(role) => self.name(role).to_owned(),
+            None => "a block that has gone".to_owned(),
+        }
+    }
+
+    /// The name of the running phase.
+    pub fn phase(&self, state: &ProgramState<'_>) -> String {
+        let phase = state.structure.phase();
+        let name = phase.map(|phase| self.tables.phases[phase.0 as usize].name.as_str());
+        format!("phase {}", name.unwrap_or("behind the last"))
+    }
+
+    /// A transition in the state in which it was made, and what came of it.
+    pub fn tell(
+        &self,
+        before: &ProgramState<'_>,
+        transition: Transition,
+        effects: &Effects,
+    ) -> String {
+        let mut line = match transition {
+            Transition::Capture(site) => match self.face(before, site) {
+                Some((parent, face, child)) => {
+                    format!("{}.{face} captures {}", self.name(parent), self.name(child))
+                }
+                None => "a face that is off captures a block".to_owned(),
+            },
+            Transition::Arrive(transit) => self.arrival(before, transit, effects),
+            Transition::CaptureMistaken(site, _) => match self.face(before, site) {
+                Some((parent, face, child)) => format!(
+                    "{}.{face} captures {}, which is mistaken about how it sits",
+                    self.name(parent),
+                    self.name(child)
+                ),
+                None => "a face that is off captures a block".to_owned(),
+            },
+            Transition::Lose(transit) => {
+                let (what, from, to) = self.hop(before, transit);
+                format!("{what} is lost between {from} and {to}")
+            }
+            Transition::LoseAnswer(transit) => {
+                let (_, from, to) = self.hop(before, transit);
+                let arrival = self.arrival(before, transit, effects);
+                format!("{arrival}, and the acknowledgement of {to} to {from} is lost")
+            }
+            Transition::SendAgain(transit) => {
+                let (what, from, to) = self.hop(before, transit);
+                format!("{from} sends {what} to {to} again")
+            }
+            Transition::Stray(site) => {
+                let face = self.face_of(before, site);
+                format!("a block docks on {face}, which is off")
+            }
+            Transition::Die(role) => format!("{} dies", self.name(role)),
+            Transition::EndPhase => format!("the plate ends {}", self.phase(before)),
+        };
+        for &(by, role) in &effects.released {
+            line.push_str(&format!(", {} lets {} go", self.name(by), self.name(role)));
+        }
+        line
+    }
+
+    /// A face by the name of its block: `A.up`.
+    pub fn face_of(&self, state: &ProgramState<'_>, site: BlockFace) -> String {
+        let face = state.lattice.place(site.body).map(|p| p.orientation);
+        let face = face.map_or("", |seat| seat.to_structure(site.face).word());
+        format!("{}.{face}", self.body(state, site.body))
+    }
+
+    /// What is on its way, from whom and to whom.
+    fn hop(&self, state: &ProgramState<'_>, transit: InTransit) -> (String, String, String) {
+        let what = self.message(&transit.message);
+        (
+            what,
+            self.body(state, transit.from),
+            self.body(state, transit.to),
+        )
+    }
+
+    fn arrival(&self, before: &ProgramState<'_>, transit: InTransit, effects: &Effects) -> String {
+        let what = self.message(&transit.message);
+        let at = self.body(before, transit.to);
+        if effects.reports > 0 {
+            let count = before.structure.reports() + effects.reports;
+            return format!("{what} reaches the plate, which has {count} now");
+        }
+        if effects
+            .sent
+            .iter()
+            .any(|(_, message)| *message == transit.message)
+        {
+            return format!("{what} passes {at}");
+        }
+        let block = before.structure.block(transit.to);
+        if block.is_some_and(|block| block.is_dead()) {
+            return format!("{what} ends at {at}, which is dead");
+        }
+        if transit.is_taken {
+            return format!("{at} drops {what}, which it has had before");
+        }
+        format!("{what} reaches {at}")
+    }
+
+    /// A message in words: `the report of C`.
+    pub fn message(&self, message: &Message) -> String {
+        let news = |news| self.news(news);
+        match (message.payload, message.target) {
+            (Payload::Report(by), _) => format!("the report of {}", self.name(by.role)),
+            (Payload::Ask(role), _) => format!("the request of {} to be let go", self.name(role)),
+            (Payload::Tell(what), Target::Role(to)) => {
+                format!("the news for {} that {}", self.name(to), news(what))
+            }
+            (Payload::Tell(what), _) => format!("the news that {}", news(what)),
+        }
+    }
+
+    fn news(&self, news: News) -> String {
+        match news {
+            News::Anchored(role) => format!("{} is anchored", self.name(role)),
+            News::Released(role) => format!("{} is released", self.name(role)),
+        }
+    }
+
+    /// Whose face it is, which, and whom it waits for.
+    fn face(
+        &self,
+        state: &ProgramState<'_>,
+        site: BlockFace,
+    ) -> Option<(RoleId, stochc_ir::Face, RoleId)> {
+        let block = state.structure.block(site.body)?;
+        let open = block.open().iter().find(|open| open.own == site.face)?;
+        Some((block.role(), open.face, open.child))
+    }
+
+    /// What a fault of a transition is.
+    pub fn fault(&self, fault: Mistake) -> String {
+        match fault {
+            Mistake::Adrift(role) => {
+                format!("{} is let go while it holds another block", self.name(role))
+            }
+            Mistake::SecondHolder(role) => {
+                format!(
+                    "{} is captured while another block has its name",
+                    self.name(role)
+                )
+            }
+            Mistake::TooEarly(event, missing) => {
+                format!("{} before {}", self.news(event), self.news(missing))
+            }
+            Mistake::OutOfTurn(role) => {
+                format!(
+                    "{} is captured before enough of those that its parent captures first",
+                    self.name(role)
+                )
+            }
+            Mistake::TooManyFaces(role) => {
+                format!(
+                    "{} magnetizes more faces than it has to spare",
+                    self.name(role)
+                )
+            }
+        }
+    }
+
+    /// What a state still waits for in which nothing can happen any more.
+    pub fn waits(&self, state: &ProgramState<'_>) -> String {
+        let mut waits: Vec<String> = Vec::new();
+        for block in state.structure.blocks() {
+            let body = block.body();
+            for open in block.open() {
+                let site = BlockFace {
+                    body,
+                    face: open.own,
+                };
+                let why = match state.lattice.target(site) {
+                    Some(_) => "to which no block can come",
+                    None => "which is full",
+                };
+                waits.push(format!(
+                    "{}.{} waits for {} at {}, {why}",
+                    self.name(block.role()),
+                    open.face,
+                    self.name(open.child),
+                    open.cell
+                ));
+            }
+        }
+        if waits.is_empty() {
+            let has = state.structure.reports();
+            let phase = state.structure.phase();
+            let needs = phase.map_or(0, |phase| self.tables.phases[phase.0 as usize].reports);
+            waits.push(format!("the plate has {has} of {needs} reports"));
+        }
+        waits.join("; ")
+    }
+
+    /// Names, with commas.
+    pub fn names<'r>(&self, roles: impl IntoIterator<Item = &'r RoleId>) -> String {
+        let names: Vec<&str> = roles.into_iter().map(|role| self.name(*role)).collect();
+        names.join(", ")
+    }
+}

@@ -1,0 +1,128 @@
+//! What the structure decides, carried out in a state.
+use stochc_ir::table::{News, RoleId};
+
+use super::effects::{Effects, Mistake};
+use super::expected::PhaseGoal;
+use super::faults::Faults;
+use super::progress::Progress;
+use super::report::Property;
+use super::transition::{Ignored, InTransit};
+use crate::{
+    BlockFace, Body, Channels, Docking, Environment, Lattice, Message, PlannedCapture, Recalled,
+    Reporter,
+};
+
+/// Carries out what the structure decides, and writes down what is of interest.
+pub(super) struct StateEnvironment<'a> {
+    pub faults: Faults,
+    /// What the phase has to do; `None`: all phases have ended.
+    pub stage: Option<&'a PhaseGoal>,
+    /// From this number on, blocks have no role.
+    pub first_stray: u32,
+    pub lattice: &'a mut Lattice,
+    pub under_way: &'a mut Vec<InTransit>,
+    pub channels: &'a mut Channels,
+    pub done: &'a mut Progress,
+    pub effects: &'a mut Effects,
+}
+
+impl StateEnvironment<'_> {
+    /// Notes an event, and what it should have waited for.
+    fn happen(&mut self, event: News) {
+        let needs = self.stage.and_then(|stage| stage.needs.get(&event));
+        let missing = (needs.into_iter().flatten()).find(|needed| !self.done.has(**needed));
+        if let Some(missing) = missing {
+            let fault = Mistake::TooEarly(event, *missing);
+            self.effects.faults.push((Property::Order, fault));
+        }
+        let turn = self.stage.and_then(|stage| stage.turns.get(&event));
+        if let (Some((needed, of)), News::Anchored(role)) = (turn, event)
+            && of.iter().filter(|first| self.done.has(**first)).count() < *needed
+        {
+            let fault = Mistake::OutOfTurn(role);
+            self.effects.faults.push((Property::Order, fault));
+        }
+        match event {
+            News::Anchored(role) => self.done.captures.insert(role),
+            News::Released(role) => self.done.releases.insert(role),
+        };
+    }
+}
+
+impl Environment for StateEnvironment<'_> {
+    type Mark = ();
+
+    fn magnetize(&mut self, site: BlockFace, _capture: &PlannedCapture) {
+        self.effects.opened.push(site);
+        self.lattice.magnetize(site);
+    }
+
+    fn switch_off(&mut self, site: BlockFace) {
+        self.effects.closed.push(site);
+        let held = self.lattice.held(site);
+        let holds_stray = held.is_some_and(|id| id >= self.first_stray);
+        if !(self.faults.stuck && holds_stray) {
+            self.lattice.switch_off(site);
+        }
+    }
+
+    fn send(&mut self, from: Body, to: Body, message: Message) {
+        let mut number = 0;
+        if self.faults.lost > 0 {
+            number = self.channels.send(from, to, message);
+        }
+        let transit = InTransit {
+            from,
+            to,
+            message,
+            number: Ignored(number),
+            lost: 0,
+            is_taken: false,
+            is_waiting: false,
+        };
+        let i = self.under_way.partition_point(|other| *other <= transit);
+        self.under_way.insert(i, transit);
+        self.effects.sent.push((from, message));
+    }
+
+    fn recall(&mut self, gone: Body, _unreceived: u32) -> Recalled {
+        let touches = |transit: &mut InTransit| transit.from == gone || transit.to == gone;
+        let transits: Vec<InTransit> = self.under_way.extract_if(.., touches).collect();
+        if self.faults.lost > 0 && self.faults.sent_again {
+            return self.channels.close(gone);
+        }
+        let mut recalled = Recalled::default();
+        for transit in transits {
+            if transit.to == gone {
+                recalled.to.push(transit.message);
+            } else {
+                recalled.from.push(transit.message);
+            }
+        }
+        recalled
+    }
+
+    fn clear_messages(&mut self) {
+        self.under_way.clear();
+        self.channels.clear();
+    }
+
+    fn captured(&mut self, capture: &PlannedCapture, _docking: &Docking, _mark: ()) {
+        self.happen(News::Anchored(capture.child));
+        self.effects.captured.push(capture.child);
+    }
+
+    fn released(&mut self, by: RoleId, role: RoleId, _body: Body, orphans: usize) {
+        self.happen(News::Released(role));
+        self.effects.released.push((by, role));
+        if orphans > 0 {
+            (self.effects.faults).push((Property::NoneAdrift, Mistake::Adrift(role)));
+        }
+    }
+
+    fn reported(&mut self, by: Reporter) {
+        let i = self.done.reports.partition_point(|other| *other <= by);
+        self.done.reports.insert(i, by);
+        self.effects.reports += 1;
+    }
+}

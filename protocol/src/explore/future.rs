@@ -1,0 +1,292 @@
+//! All that may happen in the rest of a phase if some transitions do not: an upper bound.
+//!
+//! Everything that only ever delays an event is left out: a cell that is full, the time that a
+//! message takes, a name that is not free yet. What is left is monotone, so that one pass over the
+//! rules until nothing new comes true finds every event that any order of events could bring.
+use std::collections::{BTreeMap, BTreeSet};
+
+use stochc_ir::Cell;
+use stochc_ir::table::{Action, Condition, Duty, News, PhaseId, RoleId, Tables, Trigger};
+
+use super::context::Context;
+use super::roles::RoleSet;
+use super::state::ProgramState;
+use super::transition::Transition;
+use crate::{Block, BlockFace, Message, Payload, Target};
+
+/// Who may capture whom in a phase, whatever else happens.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Captors {
+    /// For each role that is captured, the roles that have a rule to do so.
+    of: BTreeMap<RoleId, Vec<RoleId>>,
+}
+
+impl Captors {
+    /// The captors of each phase.
+    pub fn by_phase(tables: &Tables) -> Vec<Captors> {
+        let mut all = vec![Captors::default(); tables.phases.len()];
+        for duty in tables.duties() {
+            for rule in duty.rules() {
+                if let Action::Magnetize { child, .. } = rule.then {
+                    let of = &mut all[duty.phase.0 as usize].of;
+                    of.entry(child).or_default().push(duty.role);
+                }
+            }
+        }
+        all
+    }
+
+    /// Whether some role may be given by two rules.
+    pub fn is_ambiguous(&self) -> bool {
+        self.of.values().any(|captors| captors.len() > 1)
+    }
+
+    /// Adds a role and all those on which it hangs, or may come to hang.
+    pub fn add_lineage(&self, state: &ProgramState<'_>, role: RoleId, to: &mut RoleSet) {
+        let mut open = vec![role];
+        while let Some(role) = open.pop() {
+            if !to.insert(role) {
+                continue;
+            }
+            open.extend(self.of.get(&role).into_iter().flatten());
+            let block = state.structure.holder(role);
+            let parent = block.and_then(|block| state.structure.parent(block));
+            open.extend(parent.map(Block::role));
+        }
+    }
+
+    /// Adds all the roles that may have to do with a message at a block with this role.
+    pub fn add_way(
+        &self,
+        state: &ProgramState<'_>,
+        at: RoleId,
+        message: &Message,
+        to: &mut RoleSet,
+    ) {
+        self.add_lineage(state, at, to);
+        match message.target {
+            Target::Plate => {}
+            Target::Block(body) => {
+                if let Some(role) = state.role(body) {
+                    self.add_lineage(state, role, to);
+                }
+            }
+            Target::Role(role) => self.add_lineage(state, role, to),
+        }
+    }
+}
+
+/// What may happen in the rest of the phase.
+#[derive(Clone, Debug)]
+pub(super) struct Future {
+    /// Reports that the plate may have, at most.
+    pub reports: u32,
+    /// Cells that may be filled.
+    pub cells: Vec<Cell>,
+    /// Captures and releases that may happen.
+    pub events: BTreeSet<News>,
+    /// Blocks that may be let go, and those that may let go of them.
+    pub released: RoleSet,
+    /// Blocks that may do something, or whose being there may matter.
+    pub touched: RoleSet,
+    /// Rules that were looked at, for bounding the work.
+    pub looked_at: u64,
+}
+
+/// The rules of one duty that have not fired yet.
+struct Agenda<'t> {
+    duty: Duty<'t>,
+    open: Vec<bool>,
+}
+
+struct Forecast<'a, 't> {
+    tables: &'t Tables,
+    phase: PhaseId,
+    state: &'a ProgramState<'t>,
+    captors: &'a Captors,
+    agendas: Vec<Agenda<'t>>,
+    anchored: RoleSet,
+    asked: RoleSet,
+    docked: RoleSet,
+    gone: RoleSet,
+    heard: BTreeSet<(RoleId, News)>,
+    future: Future,
+}
+
+impl Future {
+    /// What may happen in the phase that is running if none of `without` does.
+    pub fn of<'t>(
+        context: &Context<'t>,
+        captors: &Captors,
+        state: &ProgramState<'t>,
+        without: &[Transition],
+    ) -> Option<Future> {
+        let phase = state.structure.phase()?;
+        let tables = context.tables;
+        let none = || RoleSet::none(tables.roles.len());
+        let mut forecast = Forecast {
+            tables,
+            phase,
+            state,
+            captors,
+            agendas: Vec::new(),
+            anchored: none(),
+            asked: none(),
+            docked: none(),
+            gone: none(),
+            heard: BTreeSet::new(),
+            future: Future {
+                reports: state.structure.reports(),
+                cells: Vec::new(),
+                events: BTreeSet::new(),
+                released: none(),
+                touched: none(),
+                looked_at: state.structure.count() as u64,
+            },
+        };
+        forecast.begin(without);
+        while forecast.round() {}
+        for &role in &context.struck.dead {
+            if !without.contains(&Transition::Die(role)) {
+                forecast.future.released.insert(role);
+                forecast.future.touched.insert(role);
+            }
+        }
+        Some(forecast.future)
+    }
+}
+
+impl<'t> Forecast<'_, 't> {
+    /// What is there already.
+    fn begin(&mut self, without: &[Transition]) {
+        let state = self.state;
+        for block in state.structure.blocks() {
+            let body = block.body();
+            if let Some(duty) = self.tables.duty(block.role(), self.phase, block.trigger()) {
+                let open = (0..duty.rules().len())
+                    .map(|place| !block.has_fired(place))
+                    .collect();
+                self.agendas.push(Agenda { duty, open });
+            }
+            for condition in block.seen() {
+                match *condition {
+                    Condition::Docked(role) => self.docked.insert(role),
+                    Condition::Asked(role) => self.asked.insert(role),
+                    Condition::Released(role) => self.gone.insert(role),
+                    Condition::Heard(news) => self.hear(block.role(), news),
+                    Condition::Turn(_) => false,
+                };
+            }
+            for message in block.waiting() {
+                self.arrive(block.role(), message);
+            }
+            for open in block.open() {
+                let site = BlockFace {
+                    body,
+                    face: open.own,
+                };
+                if !without.contains(&Transition::Capture(site)) {
+                    self.capture(block.role(), open.child, open.cell);
+                }
+            }
+        }
+        for transit in &state.under_way {
+            let is_without = without
+                .iter()
+                .any(|transition| transition.transit() == Some(*transit));
+            if !is_without && let Some(at) = state.role(transit.to) {
+                self.arrive(at, &transit.message);
+            }
+        }
+    }
+
+    /// Fires whatever may fire; whether anything did.
+    fn round(&mut self) -> bool {
+        let mut changed = false;
+        let mut i = 0;
+        // Those that are added on the way get their turn as well.
+        while i < self.agendas.len() {
+            let duty = self.agendas[i].duty;
+            self.future.looked_at += duty.rules().len() as u64;
+            for (place, rule) in duty.rules().enumerate() {
+                let ready = self.agendas[i].open[place]
+                    && (rule.when.iter()).all(|&when| {
+                        duty.is_true(place, when, |when| self.may_see(duty.role, when))
+                    });
+                if ready {
+                    self.agendas[i].open[place] = false;
+                    self.fire(duty.role, rule.then);
+                    changed = true;
+                }
+            }
+            i += 1;
+        }
+        changed
+    }
+
+    fn may_see(&self, role: RoleId, condition: Condition) -> bool {
+        match condition {
+            Condition::Docked(child) => self.docked.contains(child),
+            Condition::Asked(child) => self.asked.contains(child),
+            Condition::Released(child) => self.gone.contains(child),
+            Condition::Heard(news) => self.heard.contains(&(role, news)),
+            // It is no single thing that is seen.
+            Condition::Turn(_) => false,
+        }
+    }
+
+    fn hear(&mut self, role: RoleId, news: News) -> bool {
+        self.heard.insert((role, news))
+    }
+
+    fn fire(&mut self, role: RoleId, action: Action) {
+        match action {
+            Action::Magnetize { child, cell, .. } => self.capture(role, child, cell),
+            Action::AskRelease => {
+                self.asked.insert(role);
+                (self.captors).add_lineage(self.state, role, &mut self.future.touched);
+            }
+            Action::SwitchOff { child, .. } => {
+                self.gone.insert(child);
+                self.future.events.insert(News::Released(child));
+                for role in [role, child] {
+                    self.future.released.insert(role);
+                    self.future.touched.insert(role);
+                }
+            }
+            Action::Tell { to, news } => self.arrive(role, &Message::tell(to, news)),
+            Action::Report => {
+                self.future.reports += 1;
+                (self.captors).add_lineage(self.state, role, &mut self.future.touched);
+            }
+        }
+    }
+
+    fn capture(&mut self, parent: RoleId, child: RoleId, cell: Cell) {
+        self.docked.insert(child);
+        self.future.cells.push(cell);
+        self.future.events.insert(News::Anchored(child));
+        self.future.touched.insert(parent);
+        self.future.touched.insert(child);
+        if self.anchored.insert(child)
+            && let Some(duty) = self.tables.duty(child, self.phase, Trigger::Anchored)
+        {
+            let open = vec![true; duty.rules().len()];
+            self.agendas.push(Agenda { duty, open });
+        }
+    }
+
+    fn arrive(&mut self, at: RoleId, message: &Message) {
+        (self.captors).add_way(self.state, at, message, &mut self.future.touched);
+        match (message.payload, message.target) {
+            (Payload::Report(_), _) => self.future.reports += 1,
+            (Payload::Ask(child), _) => {
+                self.asked.insert(child);
+            }
+            (Payload::Tell(news), Target::Role(role)) => {
+                self.hear(role, news);
+            }
+            (Payload::Tell(_), _) => {}
+        }
+    }
+}

@@ -1,0 +1,25 @@
+//! What has happened in a phase.
+use std::collections::BTreeSet;
+
+use stochc_ir::table::{News, RoleId};
+
+use crate::Reporter;
+
+/// What has happened in a phase.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
+pub(super) struct Progress {
+    pub captures: BTreeSet<RoleId>,
+    pub releases: BTreeSet<RoleId>,
+    /// Sorted; a report that came twice is there twice.
+    pub reports: Vec<Reporter>,
+}
+
+impl Progress {
+    /// Whether an event has happened in this phase.
+    pub fn has(&self, event: News) -> bool {
+        match event {
+            News::Anchored(role) => self.captures.contains(&role),
+            News::Released(role) => self.releases.contains(&role),
+        }
+    }
+}

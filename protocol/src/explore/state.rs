@@ -1,0 +1,364 @@
+//! A state of a program: the structure, its cells, and all that is under way.
+use std::collections::BTreeSet;
+
+use stochc_ir::table::RoleId;
+use stochc_ir::{Cell, Face};
+
+use super::context::Context;
+use super::effects::{Effects, Mistake};
+use super::environment::StateEnvironment;
+use super::expected::{Expected, PhaseGoal};
+use super::progress::Progress;
+use super::report::Property;
+use super::transition::{Ignored, InTransit, Transition};
+use crate::{Block, BlockFace, Body, Channels, Docking, Lattice, Structure};
+
+/// A state. Equal states have the same future.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(super) struct ProgramState<'t> {
+    pub structure: Structure<'t>,
+    pub lattice: Lattice,
+    /// The hops that messages are making, sorted.
+    pub under_way: Vec<InTransit>,
+    /// Numbers of transfers, where they may be lost; what they mean is written in the transits.
+    pub channels: Ignored<Channels>,
+    /// What has happened in this phase, for judging its end.
+    pub done: Progress,
+    /// The cells where strays have been.
+    pub strayed: BTreeSet<Cell>,
+}
+
+impl<'t> ProgramState<'t> {
+    /// The beginning of the first phase.
+    pub fn first(context: &Context<'t>) -> (ProgramState<'t>, Effects) {
+        let mut state = ProgramState {
+            structure: Structure::new(context.tables),
+            lattice: Lattice::default(),
+            under_way: Vec::new(),
+            channels: Ignored(Channels::default()),
+            done: Progress::default(),
+            strayed: BTreeSet::new(),
+        };
+        let mut effects = state.carry_out(context, |structure, environment| {
+            structure.start(environment)
+        });
+        // What is attached by hand is there when anything begins to happen.
+        while state.structure.is_planting() {
+            while let Some((site, _)) = state.structure.next_to_plant() {
+                effects
+                    .faults
+                    .append(&mut state.capture(context, site, 0).faults);
+            }
+            let mut ended = state.make(context, Transition::EndPhase);
+            effects.faults.append(&mut ended.faults);
+        }
+        (state, effects)
+    }
+
+    /// A face on which an unplanned bond would change something; `None`: wherever a block docks that
+    /// nobody expects, it is rejected, and everything is as it was.
+    ///
+    /// Every exposed face is tried, one after the other.
+    pub fn unsettled(&self, context: &Context<'t>) -> Option<BlockFace> {
+        let mut state = self.clone();
+        let mut first = None;
+        for block in self.structure.blocks() {
+            for face in Face::ALL {
+                let body = block.body();
+                let site = BlockFace { body, face };
+                let is_open = block.open().iter().any(|open| open.own == face);
+                if is_open || block.is_dead() || self.lattice.target(site).is_none() {
+                    continue;
+                }
+                first = first.or(Some(site));
+                let docking = docking(site, context.first_stray(), 0);
+                state.lattice.dock(&docking);
+                let effects = state.carry_out(context, |structure, environment| {
+                    structure.dock(&docking, environment)
+                });
+                let is_told = !effects.sent.is_empty()
+                    || !effects.faults.is_empty()
+                    || !effects.captured.is_empty()
+                    || !effects.opened.is_empty();
+                if is_told || effects.closed != [site] {
+                    return Some(site);
+                }
+            }
+        }
+        first.filter(|_| state != *self)
+    }
+
+    /// Whether all phases have ended.
+    pub fn is_complete(&self) -> bool {
+        self.structure.phase().is_none()
+    }
+
+    /// What can happen next: first what messages do, then captures, the end of the phase last.
+    pub fn transitions(&self, context: &Context<'t>) -> Vec<Transition> {
+        let mut transitions = Vec::new();
+        if self.is_complete() {
+            return transitions;
+        }
+        for (i, &transit) in self.under_way.iter().enumerate() {
+            if i > 0 && self.under_way[i - 1] == transit {
+                continue;
+            }
+            if transit.is_waiting {
+                transitions.push(Transition::SendAgain(transit));
+                continue;
+            }
+            transitions.push(Transition::Arrive(transit));
+            if transit.lost < context.faults.lost {
+                transitions.push(Transition::Lose(transit));
+                transitions.push(Transition::LoseAnswer(transit));
+            }
+        }
+        self.add_captures(context, &mut transitions);
+        for &role in &context.struck.dead {
+            let block = self.structure.holder(role);
+            if block.is_some_and(|block| !block.is_dead()) {
+                transitions.push(Transition::Die(role));
+            }
+        }
+        if self.structure.is_phase_reported() {
+            transitions.push(Transition::EndPhase);
+        }
+        transitions
+    }
+
+    fn add_captures(&self, context: &Context<'t>, transitions: &mut Vec<Transition>) {
+        let occupied = context.reach.map(|_| self.occupied());
+        let can_come = |cell| match (context.reach, &occupied) {
+            (Some(reach), Some(occupied)) => reach(occupied, cell),
+            _ => true,
+        };
+        for &site in self.lattice.active() {
+            let Some(_) = self.lattice.target(site).filter(|cell| can_come(*cell)) else {
+                continue;
+            };
+            let child = self.opened(site);
+            if child.is_some_and(|child| context.struck.mistaken.contains(&child)) {
+                transitions.extend((1..24).map(|how| Transition::CaptureMistaken(site, how)));
+            } else {
+                transitions.push(Transition::Capture(site));
+            }
+        }
+        for &cell in &context.struck.strays {
+            if self.strayed.contains(&cell) || self.lattice.cells().contains_key(&cell) {
+                continue;
+            }
+            for block in self.structure.blocks() {
+                for face in Face::ALL {
+                    let body = block.body();
+                    let site = BlockFace { body, face };
+                    if self.lattice.target(site) == Some(cell)
+                        && !self.lattice.active().contains(&site)
+                        && can_come(cell)
+                    {
+                        transitions.push(Transition::Stray(site));
+                    }
+                }
+            }
+        }
+    }
+
+    /// The cells above the plate that hold a block.
+    pub fn occupied(&self) -> BTreeSet<Cell> {
+        self.lattice.cells().keys().copied().collect()
+    }
+
+    /// Makes a transition that [`ProgramState::transitions`] offers.
+    pub fn make(&mut self, context: &Context<'t>, transition: Transition) -> Effects {
+        match transition {
+            Transition::Arrive(transit) => self.arrive(context, transit, true),
+            Transition::LoseAnswer(transit) => self.arrive(context, transit, false),
+            Transition::Lose(transit) => {
+                self.remove(&transit);
+                if context.faults.sent_again {
+                    self.insert(InTransit {
+                        lost: transit.lost + 1,
+                        is_waiting: true,
+                        ..transit
+                    });
+                }
+                Effects::default()
+            }
+            Transition::SendAgain(transit) => {
+                self.remove(&transit);
+                self.insert(InTransit {
+                    is_waiting: false,
+                    ..transit
+                });
+                Effects::default()
+            }
+            Transition::Capture(site) => self.capture(context, site, 0),
+            Transition::CaptureMistaken(site, how) => self.capture(context, site, how),
+            Transition::Stray(site) => {
+                self.strayed.extend(self.lattice.target(site));
+                let cell = self.lattice.target(site);
+                let place = context
+                    .struck
+                    .strays
+                    .iter()
+                    .position(|at| Some(*at) == cell);
+                let number = context.first_stray() + place.unwrap_or(0) as u32;
+                let docking = docking(site, number, 0);
+                self.lattice.dock(&docking);
+                self.carry_out(context, |structure, environment| {
+                    structure.dock(&docking, environment)
+                })
+            }
+            Transition::Die(role) => {
+                if let Some(body) = self.structure.holder(role).map(Block::body) {
+                    self.structure.kill(body);
+                }
+                Effects::default()
+            }
+            Transition::EndPhase => {
+                self.done = Progress::default();
+                let phase = self.structure.phase();
+                let next = phase.map(|phase| phase.0 as usize + 1);
+                self.carry_out_in(context, next, |structure, environment| {
+                    structure.next_phase(environment)
+                })
+            }
+        }
+    }
+
+    fn arrive(&mut self, context: &Context<'t>, transit: InTransit, is_answered: bool) -> Effects {
+        self.remove(&transit);
+        let InTransit { from, to, .. } = transit;
+        let number = transit.number.0;
+        let with_losses = context.faults.lost > 0;
+        let is_dead = |body| {
+            let block = self.structure.block(body);
+            block.is_some_and(|block| block.is_dead())
+        };
+        // Nobody takes it or answers; to send it again for ever changes nothing.
+        if with_losses && is_dead(to) {
+            return Effects::default();
+        }
+        let is_new = !with_losses || self.channels.0.take(from, to, number);
+        if is_answered && with_losses {
+            self.channels.0.acknowledge(from, to, number);
+        } else if !is_answered && context.faults.sent_again && !is_dead(from) {
+            self.insert(InTransit {
+                lost: transit.lost + 1,
+                is_taken: true,
+                is_waiting: true,
+                ..transit
+            });
+        }
+        if !is_new {
+            return Effects::default();
+        }
+        self.carry_out(context, |structure, environment| {
+            structure.receive(from, to, transit.message, environment);
+        })
+    }
+
+    fn remove(&mut self, transit: &InTransit) {
+        if let Ok(i) = self.under_way.binary_search(transit) {
+            self.under_way.remove(i);
+        }
+    }
+
+    fn insert(&mut self, transit: InTransit) {
+        let i = self.under_way.partition_point(|other| *other <= transit);
+        self.under_way.insert(i, transit);
+    }
+
+    /// A block docks on a face that is on. It gets the number of its role, so that equal
+    /// structures are equal states.
+    fn capture(&mut self, context: &Context<'t>, site: BlockFace, how: u8) -> Effects {
+        let child = self.opened(site);
+        let truth = docking(site, child.map_or(u32::MAX, |child| child.0), 0);
+        let belief = docking(site, truth.child, how);
+        let held = child.is_some_and(|child| self.structure.holder(child).is_some());
+        self.lattice.dock(&truth);
+        let mut effects = self.carry_out(context, |structure, environment| {
+            structure.dock(&belief, environment)
+        });
+        if let Some(child) = child.filter(|_| held) {
+            let fault = Mistake::SecondHolder(child);
+            effects.faults.push((Property::OneHolder, fault));
+        }
+        effects
+    }
+
+    /// The role that a face that is on will give.
+    fn opened(&self, site: BlockFace) -> Option<RoleId> {
+        let block = self.structure.block(site.body)?;
+        let open = block.open().iter().find(|open| open.own == site.face)?;
+        Some(open.child)
+    }
+
+    fn carry_out(
+        &mut self,
+        context: &Context<'t>,
+        act: impl FnOnce(&mut Structure<'t>, &mut StateEnvironment<'_>),
+    ) -> Effects {
+        let phase = self.structure.phase();
+        let number = phase.map(|phase| phase.0 as usize);
+        self.carry_out_in(context, number, act)
+    }
+
+    /// The same in another phase: that of the events which the act brings.
+    fn carry_out_in(
+        &mut self,
+        context: &Context<'t>,
+        phase: Option<usize>,
+        act: impl FnOnce(&mut Structure<'t>, &mut StateEnvironment<'_>),
+    ) -> Effects {
+        let mut effects = Effects::default();
+        let mut environment = StateEnvironment {
+            stage: phase.and_then(|phase| context.expected.phases.get(phase)),
+            faults: context.faults,
+            first_stray: context.first_stray(),
+            lattice: &mut self.lattice,
+            under_way: &mut self.under_way,
+            channels: &mut self.channels.0,
+            done: &mut self.done,
+            effects: &mut effects,
+        };
+        act(&mut self.structure, &mut environment);
+        for site in &effects.opened {
+            let block = self.structure.block(site.body);
+            let spare = usize::from(context.tables.faces.max(1));
+            if let Some(block) = block.filter(|block| block.open().len() > spare) {
+                let fault = Mistake::TooManyFaces(block.role());
+                effects.faults.push((Property::Faces, fault));
+            }
+        }
+        effects
+    }
+
+    /// The role of a block that is part of the structure.
+    pub fn role(&self, body: Body) -> Option<RoleId> {
+        Some(self.structure.block(body)?.role())
+    }
+
+    /// What the phase that is running has to do.
+    pub fn stage<'e>(&self, expected: &'e Expected) -> Option<&'e PhaseGoal> {
+        expected.phases.get(self.structure.phase()?.0 as usize)
+    }
+
+    /// About how many bytes the state takes.
+    pub fn weight(&self) -> usize {
+        let of = std::mem::size_of::<ProgramState<'_>>();
+        of + self.structure.count() * 512 + self.under_way.len() * std::mem::size_of::<InTransit>()
+    }
+}
+
+/// The docking of a block on a face; `how` is one of the 24 ways in which it may sit.
+fn docking(site: BlockFace, child: u32, how: u8) -> Docking {
+    let how = (how + 5) % 24;
+    Docking {
+        site,
+        child,
+        child_face: Face::ALL[usize::from(how / 4)],
+        turn: how % 4,
+        entries: 1,
+        entered: 0,
+    }
+}

@@ -1,0 +1,260 @@
+//! What one anchored block keeps in mind.
+use smallvec::SmallVec;
+use stochc_ir::table::{Action, Condition, RoleId, Tables, Trigger};
+use stochc_ir::{Cell, Face};
+
+use super::message::Message;
+use super::slots::BlockSlot;
+use crate::body::Body;
+use crate::orientation::Orientation;
+
+/// An anchored block: its name, how it sits, its neighbours in the tree, and its progress.
+///
+/// Its lists are sorted: what a block knows does not depend on the order in which it came to know.
+#[derive(Clone, Debug)]
+pub struct Block<M = ()> {
+    pub(super) body: Body,
+    pub(super) role: RoleId,
+    pub(super) orientation: Orientation,
+    pub(super) is_dead: bool,
+    /// It has begun a duty, seen or sent something in this phase.
+    pub(super) is_changed: bool,
+    trigger: Trigger,
+    /// The number of its duty; [`IDLE`]: it has none.
+    duty: u32,
+    /// All rules before this one have fired, or are not ready with what it has seen.
+    next: u32,
+    /// The rules of its duty that have fired, one bit each, and of those behind the first 64.
+    fired: u64,
+    fired_later: Option<Box<[u64]>>,
+    /// The block that captured it; that of nobody for a seed.
+    pub(super) parent: BlockSlot,
+    /// Blocks between it and the plate, and one of those, to find others by (E. W. Myers 1983).
+    pub(super) depth: u32,
+    pub(super) jump: BlockSlot,
+    /// Hops between it and its parent that have been sent and not been received.
+    pub(super) unreceived: u32,
+    /// The blocks that it holds, by role.
+    pub(super) children: SmallVec<[(RoleId, BlockSlot); 2]>,
+    /// The faces that it has on and that hold nothing yet, sorted.
+    open: SmallVec<[Open<M>; 1]>,
+    /// Messages for blocks that will hang on it, sorted.
+    waiting: Vec<Message>,
+    /// What it has seen in this phase, sorted.
+    seen: SmallVec<[Condition; 2]>,
+}
+
+/// The duty of a block that has none.
+const IDLE: u32 = u32::MAX;
+
+/// A face that is on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Open<M = ()> {
+    /// In the block's own frame.
+    pub own: Face,
+    /// The same face in the structure's frame.
+    pub face: Face,
+    /// The role for the block that docks there.
+    pub child: RoleId,
+    /// Where that block will sit.
+    pub cell: Cell,
+    /// What the [`Environment`](super::Environment) notes of it.
+    pub mark: M,
+}
+
+impl<M: Copy> Block<M> {
+    pub(super) fn new(body: Body, role: RoleId, orientation: Orientation) -> Block<M> {
+        Block {
+            body,
+            role,
+            orientation,
+            is_dead: false,
+            is_changed: false,
+            trigger: Trigger::Start,
+            duty: IDLE,
+            next: 0,
+            fired: 0,
+            fired_later: None,
+            parent: BlockSlot::NONE,
+            depth: 0,
+            jump: BlockSlot::NONE,
+            unreceived: 0,
+            children: SmallVec::new(),
+            open: SmallVec::new(),
+            waiting: Vec::new(),
+            seen: SmallVec::new(),
+        }
+    }
+
+    /// Waits for a phase, with nothing done and nothing seen.
+    pub(super) fn reset(&mut self) {
+        self.is_changed = false;
+        self.unreceived = 0;
+        self.begin(Trigger::Start, None);
+        self.seen.clear();
+        self.waiting.clear();
+    }
+
+    /// Begins a duty.
+    pub(super) fn begin(&mut self, trigger: Trigger, duty: Option<u32>) {
+        self.trigger = trigger;
+        self.duty = duty.unwrap_or(IDLE);
+        self.next = 0;
+        self.fired = 0;
+        self.fired_later = None;
+    }
+
+    pub(super) fn see(&mut self, condition: Condition) {
+        if let Err(i) = self.seen.binary_search(&condition) {
+            self.seen.insert(i, condition);
+            self.next = self.first_unfired();
+        }
+    }
+
+    /// Keeps a message for a block that will hang on it.
+    pub(super) fn keep(&mut self, message: Message) {
+        let i = self.waiting.partition_point(|other| *other <= message);
+        self.waiting.insert(i, message);
+    }
+
+    /// Takes out all that waits.
+    pub(super) fn take_waiting(&mut self) -> Vec<Message> {
+        std::mem::take(&mut self.waiting)
+    }
+
+    /// What it has heard and what waits at it, as messages to whoever has the role next.
+    pub(super) fn legacy(&self) -> impl Iterator<Item = Message> {
+        let heard = self.seen.iter().filter_map(|&condition| match condition {
+            Condition::Heard(news) => Some(Message::tell(self.role, news)),
+            _ => None,
+        });
+        let all = heard.chain(self.waiting.iter().copied());
+        all.filter(|_| !self.is_dead)
+    }
+
+    /// Adds a face to those that are on.
+    pub(super) fn switch_on(&mut self, open: Open<M>) {
+        let key = |open: &Open<M>| (open.own, open.face, open.child, open.cell);
+        let i = (self.open).partition_point(|other| key(other) <= key(&open));
+        self.open.insert(i, open);
+    }
+
+    /// Takes a face from those that are on.
+    pub(super) fn close(&mut self, own: Face) -> Option<Open<M>> {
+        let i = self.open.iter().position(|open| open.own == own)?;
+        Some(self.open.remove(i))
+    }
+
+    /// Adds a block to those that it holds.
+    pub(super) fn hold(&mut self, child: RoleId, slot: BlockSlot) {
+        let i = self.children.partition_point(|(role, _)| *role <= child);
+        self.children.insert(i, (child, slot));
+    }
+
+    /// Takes a block from those that it holds.
+    pub(super) fn release(&mut self, child: RoleId) -> Option<BlockSlot> {
+        let i = self.children.iter().rposition(|(role, _)| *role == child)?;
+        Some(self.children.remove(i).1)
+    }
+
+    /// The next rule that is ready, by its place in the duty; it counts as fired from now on.
+    pub(super) fn next_action(&mut self, tables: &Tables) -> Option<(u32, Action)> {
+        if self.is_dead || self.duty == IDLE {
+            return None;
+        }
+        let duty = tables.duty_at(self.duty as usize);
+        let has = |when| self.seen.binary_search(&when).is_ok();
+        let count = duty.rules().len();
+        let ready = (self.next as usize..count).find_map(|place| {
+            let rule = duty.rule(place);
+            let is_ready = !self.has_fired(place)
+                && rule.when.iter().all(|&when| duty.is_true(place, when, has));
+            is_ready.then_some((place, rule.then))
+        });
+        let Some((place, action)) = ready else {
+            self.next = count as u32;
+            return None;
+        };
+        self.next = place as u32 + 1;
+        match place / 64 {
+            0 => self.fired |= 1 << place,
+            word => {
+                let later = self
+                    .fired_later
+                    .get_or_insert_with(|| vec![0; count / 64].into());
+                later[word - 1] |= 1 << (place % 64);
+            }
+        }
+        Some((place as u32, action))
+    }
+}
+
+impl<M> Block<M> {
+    /// Which it is.
+    pub fn body(&self) -> Body {
+        self.body
+    }
+
+    /// The name that it has.
+    pub fn role(&self) -> RoleId {
+        self.role
+    }
+
+    /// How it believes to sit.
+    pub fn orientation(&self) -> Orientation {
+        self.orientation
+    }
+
+    /// Whether it neither acts nor passes anything on any more; what it knew is lost.
+    pub fn is_dead(&self) -> bool {
+        self.is_dead
+    }
+
+    /// The faces that are on and hold nothing, sorted.
+    pub fn open(&self) -> &[Open<M>] {
+        &self.open
+    }
+
+    /// What it has seen in this phase, sorted.
+    pub fn seen(&self) -> &[Condition] {
+        &self.seen
+    }
+
+    /// The messages that wait at it for blocks that will hang on it, sorted.
+    pub fn waiting(&self) -> &[Message] {
+        &self.waiting
+    }
+
+    /// When its duty began.
+    pub fn trigger(&self) -> Trigger {
+        self.trigger
+    }
+
+    /// Whether a rule of its duty has fired.
+    pub fn has_fired(&self, rule: usize) -> bool {
+        let word = match rule / 64 {
+            0 => self.fired,
+            word => (self.fired_later.as_ref()).map_or(0, |later| later[word - 1]),
+        };
+        word & (1 << (rule % 64)) != 0
+    }
+
+    /// The rules before the first that has not fired.
+    fn first_unfired(&self) -> u32 {
+        let later = self.fired_later.iter().flatten();
+        let words = std::iter::once(&self.fired).chain(later);
+        let mut count = 0;
+        for word in words {
+            count += word.trailing_ones();
+            if *word != u64::MAX {
+                break;
+            }
+        }
+        count
+    }
+
+    /// All rules that have fired, one bit each.
+    pub(super) fn fired(&self) -> (u64, Option<&[u64]>) {
+        (self.fired, self.fired_later.as_deref())
+    }
+}

@@ -1,0 +1,13 @@
+//! The machine of all blocks together.
+mod block;
+mod environment;
+mod index;
+mod message;
+mod routing;
+mod slots;
+mod structure;
+
+pub use block::{Block, Open};
+pub use environment::{Environment, PlannedCapture, Recalled};
+pub use message::{Message, Payload, Reporter, Target};
+pub use structure::Structure;

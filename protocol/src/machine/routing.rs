@@ -1,0 +1,106 @@
+//! How messages find their way: hop by hop along parents and children.
+//!
+//! A block sends to its parent, or to the child on whose branch the receiver is; the plate is one
+//! body, so that crossing it is no hop. News for a role that nobody holds yet waits at the block
+//! that will capture it: every block has the program, and knows which one that is. A block that is
+//! let go leaves what it has heard to the next one in its role.
+use stochc_ir::table::RoleId;
+
+use super::environment::Environment;
+use super::message::{Message, Target};
+use super::slots::BlockSlot;
+use super::structure::Structure;
+
+impl<M: Copy> Structure<'_, M> {
+    /// Moves a message on from a block, or hands it over there.
+    pub(super) fn forward(
+        &mut self,
+        at: BlockSlot,
+        message: Message,
+        environment: &mut impl Environment<Mark = M>,
+    ) {
+        // Nobody is there any more to pass it on.
+        let Some(block) = self.slots.get(at).filter(|block| !block.is_dead) else {
+            return;
+        };
+        let parent = block.parent;
+        let goal = match message.target {
+            Target::Plate if parent == BlockSlot::NONE => Some(at),
+            Target::Plate => return self.send_up(at, message, environment),
+            Target::Block(body) => self.slots.find(&self.index, body),
+            Target::Role(role) => self.nearest_holder(role),
+        };
+        let Some(goal) = goal else { return };
+        if goal == at {
+            return self.hand_over(at, message, environment);
+        }
+        match self.ancestor(goal, block.depth + 1) {
+            Some(child)
+                if self
+                    .slots
+                    .get(child)
+                    .is_some_and(|child| child.parent == at) =>
+            {
+                self.send_down(child, message, environment);
+            }
+            _ if parent != BlockSlot::NONE => self.send_up(at, message, environment),
+            _ => {
+                let root = self.ancestor(goal, 0).filter(|root| *root != at);
+                if let Some(root) = root {
+                    self.forward(root, message, environment);
+                }
+            }
+        }
+    }
+
+    fn send_up(
+        &mut self,
+        child: BlockSlot,
+        message: Message,
+        environment: &mut impl Environment<Mark = M>,
+    ) {
+        if let Some((below, above)) = self.contact(child) {
+            environment.send(below, above, message);
+        }
+    }
+
+    fn send_down(
+        &mut self,
+        child: BlockSlot,
+        message: Message,
+        environment: &mut impl Environment<Mark = M>,
+    ) {
+        if let Some((below, above)) = self.contact(child) {
+            environment.send(above, below, message);
+        }
+    }
+
+    /// The block that holds a role, or the anchored one that is nearest to capturing it.
+    fn nearest_holder(&self, mut role: RoleId) -> Option<BlockSlot> {
+        // No chain of captures is longer than the list of roles.
+        for _ in 0..=self.holders.len() {
+            let holder = self.holders[role.0 as usize];
+            if holder != BlockSlot::NONE {
+                return Some(holder);
+            }
+            role = self.index.captor(self.tables, self.phase()?, role)?;
+        }
+        None
+    }
+
+    /// The block between `slot` and the plate, or itself, that is so far from the plate; `None`: it is nearer
+    /// to the plate.
+    fn ancestor(&self, mut slot: BlockSlot, depth: u32) -> Option<BlockSlot> {
+        loop {
+            let block = self.slots.get(slot)?;
+            if block.depth <= depth {
+                return (block.depth == depth).then_some(slot);
+            }
+            let far = self.slots.get(block.jump);
+            slot = match far {
+                Some(far) if far.depth >= depth => block.jump,
+                _ => block.parent,
+            };
+        }
+    }
+}

@@ -1,0 +1,95 @@
+//! Anchored blocks side by side in memory, found by their bodies.
+use super::block::Block;
+use super::index::Index;
+use crate::body::Body;
+
+/// Where an anchored block is kept, as long as it is anchored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct BlockSlot(pub u32);
+
+impl BlockSlot {
+    /// That of nobody.
+    pub const NONE: BlockSlot = BlockSlot(u32::MAX);
+}
+
+/// The anchored blocks: first those of the plate in the order of their cells, which stay.
+#[derive(Clone, Debug)]
+pub(super) struct Slots<M> {
+    blocks: Vec<Option<Block<M>>>,
+    vacant: Vec<BlockSlot>,
+    seeds: usize,
+    /// Of each block that was free once, by number; those that never were anchored may be left out.
+    of_free: Vec<BlockSlot>,
+}
+
+impl<M> Slots<M> {
+    /// The blocks of the plate, in the order of their cells.
+    pub fn new(seeds: impl Iterator<Item = Block<M>>) -> Slots<M> {
+        let blocks: Vec<_> = seeds.map(Some).collect();
+        Slots {
+            seeds: blocks.len(),
+            blocks,
+            vacant: Vec::new(),
+            of_free: Vec::new(),
+        }
+    }
+
+    /// How many are anchored.
+    pub fn count(&self) -> usize {
+        self.blocks.len() - self.vacant.len()
+    }
+
+    /// Where a block is kept; `None`: it is not anchored.
+    pub fn find(&self, index: &Index, body: Body) -> Option<BlockSlot> {
+        match body {
+            Body::Seed(cell) => index.seed(cell),
+            Body::Free(id) => {
+                let slot = self.of_free.get(id as usize).copied();
+                slot.filter(|slot| *slot != BlockSlot::NONE)
+            }
+        }
+    }
+
+    /// Keeps a block that was free. One in the same body is kept no longer.
+    pub fn insert(&mut self, id: u32, block: Block<M>) -> BlockSlot {
+        if self.of_free.len() <= id as usize {
+            self.of_free.resize(id as usize + 1, BlockSlot::NONE);
+        }
+        let known = self.of_free[id as usize];
+        let slot = if known == BlockSlot::NONE {
+            self.vacant.pop().unwrap_or_else(|| {
+                self.blocks.push(None);
+                BlockSlot(self.blocks.len() as u32 - 1)
+            })
+        } else {
+            known
+        };
+        self.of_free[id as usize] = slot;
+        self.blocks[slot.0 as usize] = Some(block);
+        slot
+    }
+
+    /// Takes out a block that was free once.
+    pub fn remove(&mut self, slot: BlockSlot) -> Option<Block<M>> {
+        let block = self.blocks.get_mut(slot.0 as usize)?.take()?;
+        if let Body::Free(id) = block.body {
+            self.of_free[id as usize] = BlockSlot::NONE;
+        }
+        self.vacant.push(slot);
+        Some(block)
+    }
+
+    pub fn get(&self, slot: BlockSlot) -> Option<&Block<M>> {
+        self.blocks.get(slot.0 as usize)?.as_ref()
+    }
+
+    pub fn get_mut(&mut self, slot: BlockSlot) -> Option<&mut Block<M>> {
+        self.blocks.get_mut(slot.0 as usize)?.as_mut()
+    }
+
+    /// All of them, in the order of their bodies.
+    pub fn iter(&self) -> impl Iterator<Item = &Block<M>> {
+        let free = (self.of_free.iter()).filter_map(|slot| self.get(*slot));
+        self.blocks[..self.seeds].iter().flatten().chain(free)
+    }
+}

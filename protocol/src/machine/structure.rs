@@ -1,0 +1,469 @@
+//! The structure as a machine without time or chance: what every block does when something happens
+//! to it.
+use std::collections::BTreeSet;
+use std::hash::{Hash, Hasher};
+use std::sync::Arc;
+
+use stochc_ir::Face;
+use stochc_ir::table::{Action, Condition, PhaseId, RoleId, Tables, Trigger};
+
+use super::block::{Block, Open};
+use super::environment::{Environment, PlannedCapture};
+use super::index::Index;
+use super::message::{Message, Payload, Reporter, Target};
+use super::slots::{BlockSlot, Slots};
+use crate::body::{BlockFace, Body, Docking};
+use crate::orientation::Orientation;
+
+/// All anchored blocks and how far they are: a plain value, equal and hashed by what it means.
+///
+/// What happens takes about the same time however many blocks there are: a message a hop, a capture or release
+/// the blocks that it concerns, and the beginning of a phase those that have something to do in it.
+#[derive(Clone, Debug)]
+pub struct Structure<'t, M = ()> {
+    pub(super) tables: &'t Tables,
+    pub(super) index: Arc<Index>,
+    phase: u32,
+    /// Reports that the plate has counted in this phase.
+    reports: u32,
+    /// The anchored blocks that have a role.
+    pub(super) slots: Slots<M>,
+    /// Who has a role now; one entry per role.
+    pub(super) holders: Vec<BlockSlot>,
+    /// The blocks that are not as a phase finds them; some are gone.
+    changed: Vec<BlockSlot>,
+    /// The faces to which blocks are still to be attached by hand.
+    to_plant: BTreeSet<BlockFace>,
+}
+
+impl<'t, M: Copy> Structure<'t, M> {
+    /// Seeds only, before the first phase.
+    pub fn new(tables: &'t Tables) -> Structure<'t, M> {
+        let mut seeds: Vec<_> = tables.seeds().map(|(role, cell)| (cell, role)).collect();
+        seeds.sort_unstable();
+        let mut holders = vec![BlockSlot::NONE; tables.roles.len()];
+        for (slot, (_, role)) in (0..).map(BlockSlot).zip(&seeds) {
+            holders[role.0 as usize] = slot;
+        }
+        let cells: Vec<_> = seeds.iter().map(|(cell, _)| *cell).collect();
+        let blocks = seeds.into_iter();
+        Structure {
+            tables,
+            index: Arc::new(Index::new(tables, &cells)),
+            phase: 0,
+            reports: 0,
+            slots: Slots::new(
+                blocks
+                    .map(|(cell, role)| Block::new(Body::Seed(cell), role, Orientation::IDENTITY)),
+            ),
+            holders,
+            changed: Vec::new(),
+            to_plant: BTreeSet::new(),
+        }
+    }
+
+    /// The phase that is running; `None`: all are complete.
+    pub fn phase(&self) -> Option<PhaseId> {
+        ((self.phase as usize) < self.tables.phases.len()).then_some(PhaseId(self.phase))
+    }
+
+    /// Whether the plate has all the reports that end the running phase.
+    pub fn is_phase_reported(&self) -> bool {
+        let phase = self.tables.phases.get(self.phase as usize);
+        phase.is_some_and(|phase| self.reports >= phase.reports)
+    }
+
+    /// Reports that the plate has counted in this phase.
+    pub fn reports(&self) -> u32 {
+        self.reports
+    }
+
+    /// The anchored blocks that have a role, in the order of their bodies.
+    pub fn blocks(&self) -> impl Iterator<Item = &Block<M>> {
+        self.slots.iter()
+    }
+
+    /// How many of them there are.
+    pub fn count(&self) -> usize {
+        self.slots.count()
+    }
+
+    /// One of them.
+    pub fn block(&self, body: Body) -> Option<&Block<M>> {
+        self.slots.get(self.slots.find(&self.index, body)?)
+    }
+
+    /// The block that has a role.
+    pub fn holder(&self, role: RoleId) -> Option<&Block<M>> {
+        self.slots.get(self.holders[role.0 as usize])
+    }
+
+    /// The block that captured another one; `None`: that is one of the plate.
+    pub fn parent(&self, block: &Block<M>) -> Option<&Block<M>> {
+        self.slots.get(block.parent)
+    }
+
+    /// Whether what the running phase captures is attached by hand.
+    pub fn is_planting(&self) -> bool {
+        let phase = self.tables.phases.get(self.phase as usize);
+        phase.is_some_and(|phase| phase.planted)
+    }
+
+    /// Takes the next face to attach a block to by hand, of those that are on: with the role for the block.
+    pub fn next_to_plant(&mut self) -> Option<(BlockFace, RoleId)> {
+        let site = self.to_plant.pop_first()?;
+        let open = self.block(site.body)?.open();
+        let child = open.iter().find(|open| open.own == site.face)?.child;
+        Some((site, child))
+    }
+
+    /// Begins the first phase.
+    pub fn start(&mut self, environment: &mut impl Environment<Mark = M>) {
+        self.begin_phase(environment);
+    }
+
+    /// The plate begins the next phase.
+    pub fn next_phase(&mut self, environment: &mut impl Environment<Mark = M>) {
+        self.phase += 1;
+        self.begin_phase(environment);
+    }
+
+    fn begin_phase(&mut self, environment: &mut impl Environment<Mark = M>) {
+        self.reports = 0;
+        // What was said in a phase is of no use in the next.
+        environment.clear_messages();
+        for slot in std::mem::take(&mut self.changed) {
+            if let Some(block) = self.slots.get_mut(slot) {
+                block.reset();
+            }
+        }
+        let mut starting = Vec::new();
+        for duty in self.index.starting(PhaseId(self.phase)) {
+            let slot = self.holders[self.tables.duty_at(duty as usize).role.0 as usize];
+            if let Some(block) = self.slots.get_mut(slot) {
+                block.begin(Trigger::Start, Some(duty));
+                block.is_changed = true;
+                starting.push((block.body, slot));
+            }
+        }
+        starting.sort_unstable();
+        self.changed.extend(starting.iter().map(|(_, slot)| *slot));
+        for (_, slot) in starting {
+            self.fire(slot, environment);
+        }
+    }
+
+    /// A block has docked.
+    pub fn dock(&mut self, docking: &Docking, environment: &mut impl Environment<Mark = M>) {
+        let BlockFace { body, face } = docking.site;
+        // In the same tick an earlier docking may have had the parent let go; then the world has
+        // let the child go too. A dead one feels nothing.
+        let Some(at) = self.slots.find(&self.index, body) else {
+            return;
+        };
+        let Some(parent) = self.slots.get_mut(at).filter(|parent| !parent.is_dead) else {
+            return;
+        };
+        // A block on a face that is off, or has just been switched off, is shaken off. Where faces
+        // always attract, that is what the tables say: *otherwise, reject what docks on any other
+        // face*. Nothing has been noted yet, so nothing but the world has changed.
+        let Some(open) = parent.close(face) else {
+            if self.tables.bond.is_passive() {
+                let face = parent.orientation.to_structure(face);
+                environment.unplanned(parent.role, face, docking);
+            }
+            return environment.switch_off(docking.site);
+        };
+        let orientation =
+            Orientation::docked(parent.orientation, face, docking.child_face, docking.turn);
+        parent.see(Condition::Docked(open.child));
+        let waiting = parent.take_waiting();
+        let (depth, jump) = (parent.depth, parent.jump);
+        let capture = PlannedCapture {
+            phase: PhaseId(self.phase),
+            parent: parent.role,
+            face: open.face,
+            child: open.child,
+            cell: open.cell,
+        };
+        environment.captured(&capture, docking, open.mark);
+        let mut block = Block::new(Body::Free(docking.child), open.child, orientation);
+        block.parent = at;
+        block.depth = depth + 1;
+        block.jump = self.jump_from(at, depth, jump);
+        block.is_changed = true;
+        let phase = PhaseId(self.phase);
+        let duty = (self.index).duty(self.tables, open.child, phase, Trigger::Anchored);
+        block.begin(Trigger::Anchored, duty);
+        let child = self.slots.insert(docking.child, block);
+        self.changed.push(child);
+        self.holders[open.child.0 as usize] = child;
+        self.change(at, |parent| parent.hold(open.child, child));
+        for message in waiting {
+            self.forward(at, message, environment);
+        }
+        self.fire(at, environment);
+        self.fire(child, environment);
+    }
+
+    /// Where a child of this block jumps to: as far again as its last two jumps, if these are equal.
+    fn jump_from(&self, parent: BlockSlot, depth: u32, jump: BlockSlot) -> BlockSlot {
+        let Some(first) = self.slots.get(jump) else {
+            return parent;
+        };
+        let second = self
+            .slots
+            .get(first.jump)
+            .map_or(first.depth, |second| second.depth);
+        if depth - first.depth == first.depth - second && second < first.depth {
+            first.jump
+        } else {
+            parent
+        }
+    }
+
+    /// A block dies where it is.
+    pub fn kill(&mut self, body: Body) {
+        let slot = self.slots.find(&self.index, body);
+        if let Some(block) = slot.and_then(|slot| self.slots.get_mut(slot)) {
+            block.is_dead = true;
+        }
+    }
+
+    /// A message has made a hop, `from` one block to its neighbour `at`.
+    pub fn receive(
+        &mut self,
+        from: Body,
+        at: Body,
+        message: Message,
+        environment: &mut impl Environment<Mark = M>,
+    ) {
+        let find = |body| self.slots.find(&self.index, body);
+        let (Some(from), Some(at)) = (find(from), find(at)) else {
+            return;
+        };
+        let is_up = self.slots.get(from).is_some_and(|from| from.parent == at);
+        let below = if is_up { from } else { at };
+        if let Some(below) = self.slots.get_mut(below) {
+            below.unreceived = below.unreceived.saturating_sub(1);
+        }
+        self.forward(at, message, environment);
+    }
+
+    /// The two ends of the contact of a block with its parent, which is about to take a message.
+    pub(super) fn contact(&mut self, child: BlockSlot) -> Option<(Body, Body)> {
+        let parent = self.slots.get(child)?.parent;
+        let above = self.slots.get(parent)?.body;
+        self.change(child, |child| {
+            child.unreceived += 1;
+            (child.body, above)
+        })
+    }
+
+    /// Changes a block, which is not as a phase finds it any more.
+    fn change<R>(&mut self, slot: BlockSlot, change: impl FnOnce(&mut Block<M>) -> R) -> Option<R> {
+        let block = self.slots.get_mut(slot)?;
+        if !block.is_changed {
+            block.is_changed = true;
+            self.changed.push(slot);
+        }
+        Some(change(block))
+    }
+
+    /// Takes a message that is for the block it has come to.
+    pub(super) fn hand_over(
+        &mut self,
+        at: BlockSlot,
+        message: Message,
+        environment: &mut impl Environment<Mark = M>,
+    ) {
+        let seen = match (message.payload, message.target) {
+            (Payload::Report(by), _) => {
+                self.reports += 1;
+                return environment.reported(by);
+            }
+            (Payload::Tell(news), Target::Role(role)) => {
+                if self.slots.get(at).is_some_and(|block| block.role != role) {
+                    self.change(at, |block| block.keep(message));
+                    return;
+                }
+                Condition::Heard(news)
+            }
+            (Payload::Tell(news), _) => Condition::Heard(news),
+            (Payload::Ask(child), _) => Condition::Asked(child),
+        };
+        self.change(at, |block| block.see(seen));
+        self.fire(at, environment);
+    }
+
+    /// Fires every rule of a block that is ready, in their order, until none is.
+    fn fire(&mut self, at: BlockSlot, environment: &mut impl Environment<Mark = M>) {
+        while let Some(block) = self.slots.get_mut(at) {
+            let Some((rule, action)) = block.next_action(self.tables) else {
+                return;
+            };
+            self.act(at, rule, action, environment);
+        }
+    }
+
+    fn act(
+        &mut self,
+        at: BlockSlot,
+        rule: u32,
+        action: Action,
+        environment: &mut impl Environment<Mark = M>,
+    ) {
+        let Some(block) = self.slots.get_mut(at) else {
+            return;
+        };
+        let (body, role, trigger) = (block.body, block.role, block.trigger());
+        let parent = block.parent;
+        let (target, payload) = match action {
+            Action::Magnetize { face, child, cell } => {
+                let own = block.orientation.to_own(face);
+                let capture = PlannedCapture {
+                    phase: PhaseId(self.phase),
+                    parent: role,
+                    face,
+                    child,
+                    cell,
+                };
+                let site = BlockFace { body, face: own };
+                let mark = environment.magnetize(site, &capture);
+                block.switch_on(Open {
+                    own,
+                    face,
+                    child,
+                    cell,
+                    mark,
+                });
+                if self.is_planting() {
+                    self.to_plant.insert(site);
+                }
+                return;
+            }
+            Action::SwitchOff { face, child } => {
+                let own = block.orientation.to_own(face);
+                return self.let_go(at, own, child, environment);
+            }
+            Action::AskRelease => match self.slots.get(parent).map(Block::body) {
+                Some(parent) => (Target::Block(parent), Payload::Ask(role)),
+                None => return,
+            },
+            Action::Tell { to, news } => (Target::Role(to), Payload::Tell(news)),
+            Action::Report => {
+                let by = Reporter {
+                    role,
+                    trigger,
+                    rule,
+                };
+                (Target::Plate, Payload::Report(by))
+            }
+        };
+        self.forward(at, Message { target, payload }, environment);
+    }
+
+    /// Switches the face off that holds a child.
+    ///
+    /// Before it does, the two settle what is between them: what is under way to either of them,
+    /// what waits at the child and what it has heard stays with the parent, for those who take the
+    /// roles next.
+    fn let_go(
+        &mut self,
+        at: BlockSlot,
+        own: Face,
+        child: RoleId,
+        environment: &mut impl Environment<Mark = M>,
+    ) {
+        let released = self.change(at, |block| {
+            block.close(own);
+            block.see(Condition::Released(child));
+            (block.body, block.role, block.release(child))
+        });
+        let Some((body, by, gone)) = released else {
+            return;
+        };
+        environment.switch_off(BlockFace { body, face: own });
+        let Some(gone) = gone else { return };
+        for message in self.forget(by, gone, environment) {
+            self.forward(at, message, environment);
+        }
+    }
+
+    /// A block, and all that hangs on it, has drifted away; with what it leaves behind.
+    fn forget(
+        &mut self,
+        by: RoleId,
+        gone: BlockSlot,
+        environment: &mut impl Environment<Mark = M>,
+    ) -> Vec<Message> {
+        let mut left = Vec::new();
+        let mut going = vec![(by, gone)];
+        while let Some((by, slot)) = going.pop() {
+            let Some(block) = self.slots.remove(slot) else {
+                continue;
+            };
+            let holder = &mut self.holders[block.role.0 as usize];
+            if *holder == slot {
+                *holder = BlockSlot::NONE;
+            }
+            environment.released(by, block.role, block.body, block.children.len());
+            left.extend(block.legacy());
+            let below = block
+                .children
+                .iter()
+                .filter_map(|(_, child)| self.slots.get(*child));
+            let unreceived = block.unreceived + below.map(|child| child.unreceived).sum::<u32>();
+            let recalled = environment.recall(block.body, unreceived);
+            left.extend(recalled.to);
+            // The dead cannot send again what may have been lost.
+            left.extend(recalled.from.into_iter().filter(|_| !block.is_dead));
+            going.extend(
+                block
+                    .children
+                    .iter()
+                    .rev()
+                    .map(|(_, child)| (block.role, *child)),
+            );
+        }
+        left
+    }
+
+    /// What it means: of each block the body, the role, how it sits, what it hangs on, whether it is dead,
+    /// and how far it is.
+    fn meaning(&self) -> impl Iterator<Item = impl Hash + Eq>
+    where
+        M: Hash + Eq,
+    {
+        self.blocks().map(|block| {
+            let parent = self.parent(block).map(Block::body);
+            let is = (
+                block.body,
+                block.role,
+                block.orientation,
+                parent,
+                block.is_dead,
+            );
+            let did = (block.trigger(), block.fired());
+            (is, did, block.open(), block.seen(), block.waiting())
+        })
+    }
+}
+
+impl<M: Copy + Hash + Eq> PartialEq for Structure<'_, M> {
+    fn eq(&self, other: &Structure<'_, M>) -> bool {
+        (self.phase, self.reports) == (other.phase, other.reports)
+            && self.meaning().eq(other.meaning())
+    }
+}
+
+impl<M: Copy + Hash + Eq> Eq for Structure<'_, M> {}
+
+impl<M: Copy + Hash + Eq> Hash for Structure<'_, M> {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        (self.phase, self.reports).hash(state);
+        for block in self.meaning() {
+            block.hash(state);
+        }
+    }
+}

@@ -1,0 +1,182 @@
+//! Messages under way, by the clock.
+//!
+//! A transfer needs `hop` ticks. Where the scene says that transfers are lost, both ends of a
+//! contact keep [`Channels`]: a sender that has no acknowledgement when the longest way there and
+//! back is over, 2 `hop` + 1 ticks after it has sent, sends again. When nothing is lost, nothing is sent
+//! again, and every message arrives as if there were no losses. The acknowledgement is a part of
+//! the transfer, not a message of its own.
+use std::collections::VecDeque;
+
+use stochc_ir::scene::Messages;
+use stochc_protocol::{Body, Channels, Message, Recalled};
+
+use crate::counter_rng::{Draws, Stream, unit};
+use crate::observe::{Event, Log};
+
+/// The messages that are under way.
+#[derive(Debug)]
+pub(super) struct Network {
+    /// Ticks per hop.
+    hop: u64,
+    /// In the order of sending, which is that of their times.
+    under_way: VecDeque<Transfer>,
+    /// What may have to be sent again, in the order of its times and of sending.
+    reminders: VecDeque<Transfer>,
+    sent: u64,
+    /// Hops so far, those of messages that were sent again included.
+    pub hops: u64,
+    /// `None`: nothing is lost.
+    loss: Option<Loss>,
+}
+
+/// A message between two blocks.
+#[derive(Clone, Copy, Debug)]
+struct Transfer {
+    /// When it arrives, or is due to be sent again.
+    due: u64,
+    /// Transfers that were sent before it.
+    order: u64,
+    from: Body,
+    to: Body,
+    message: Message,
+    /// Its number on the contact; 0 where nothing is lost.
+    number: u32,
+}
+
+/// Chance on contacts.
+#[derive(Debug)]
+struct Loss {
+    /// Of each transfer, and of each acknowledgement.
+    probability: f64,
+    draws: Draws,
+    channels: Channels,
+}
+
+impl Network {
+    /// `messages`: what the scene says of them; `seed` and `run`: the key of its chance.
+    pub fn new(messages: Option<&Messages>, seed: u64, run: u64) -> Network {
+        let loss = messages.and_then(|messages| messages.loss);
+        Network {
+            hop: messages.map_or(0, |messages| u64::from(messages.hop)),
+            under_way: VecDeque::new(),
+            reminders: VecDeque::new(),
+            sent: 0,
+            hops: 0,
+            loss: loss.map(|probability| Loss {
+                probability,
+                draws: Draws::new(seed, run, Stream::Loss),
+                channels: Channels::default(),
+            }),
+        }
+    }
+
+    pub fn clear(&mut self) {
+        self.under_way.clear();
+        self.reminders.clear();
+        if let Some(loss) = &mut self.loss {
+            loss.channels.clear();
+        }
+    }
+
+    /// Takes the next message that has arrived by `tick`, with its last hop: from whom, and where it is.
+    pub fn due(&mut self, tick: u64, log: &mut Log) -> Option<(Body, Body, Message)> {
+        loop {
+            let key = |transfer: &Transfer| (transfer.due, transfer.order);
+            let first = |queue: &VecDeque<Transfer>| {
+                let first = queue.front().map(key);
+                first.filter(|(due, _)| *due <= tick)
+            };
+            let (arrival, reminder) = (first(&self.under_way), first(&self.reminders));
+            if reminder.is_some_and(|at| arrival.is_none_or(|arrival| at < arrival)) {
+                if let (Some(transfer), Some(loss)) = (self.reminders.pop_front(), &self.loss)
+                    && loss
+                        .channels
+                        .keeps(transfer.from, transfer.to, transfer.number)
+                {
+                    self.depart(tick, transfer, log);
+                }
+                continue;
+            }
+            arrival?;
+            let transfer = self.under_way.pop_front()?;
+            let Transfer {
+                due,
+                order,
+                from,
+                to,
+                message,
+                number,
+            } = transfer;
+            let Some(loss) = &mut self.loss else {
+                return Some((from, to, message));
+            };
+            let [there, back, ..] = loss.draws.step(order).block(0);
+            let is_lost = |word| unit(word) < loss.probability;
+            let (lost, unheard) = (is_lost(there), is_lost(back));
+            let is_new = !lost && loss.channels.take(from, to, number);
+            if lost || unheard {
+                let due = due + self.hop + 1;
+                self.reminders.push_back(Transfer { due, ..transfer });
+            } else {
+                loss.channels.acknowledge(from, to, number);
+            }
+            if is_new {
+                return Some((from, to, message));
+            }
+        }
+    }
+
+    pub fn send(&mut self, tick: u64, from: Body, to: Body, message: Message, log: &mut Log) {
+        let loss = self.loss.as_mut();
+        let number = loss.map_or(0, |loss| loss.channels.send(from, to, message));
+        let transfer = Transfer {
+            due: 0,
+            order: 0,
+            from,
+            to,
+            message,
+            number,
+        };
+        self.depart(tick, transfer, log);
+    }
+
+    fn depart(&mut self, tick: u64, transfer: Transfer, log: &mut Log) {
+        log.note(|| Event::Sent {
+            from: transfer.from,
+            to: transfer.to,
+            said: transfer.message.payload.into(),
+        });
+        self.under_way.push_back(Transfer {
+            due: tick + self.hop,
+            order: self.sent,
+            ..transfer
+        });
+        self.sent += 1;
+        self.hops += 1;
+    }
+
+    /// Takes out what is under way to a block or from it; `unreceived`: how many hops the structure waits for
+    /// there.
+    pub fn recall(&mut self, gone: Body, unreceived: u32) -> Recalled {
+        let mut recalled = Recalled::default();
+        if let Some(loss) = &mut self.loss {
+            let stays = |transfer: &Transfer| transfer.from != gone && transfer.to != gone;
+            self.under_way.retain(stays);
+            self.reminders.retain(stays);
+            return loss.channels.close(gone);
+        }
+        if unreceived > 0 {
+            self.under_way.retain(|transfer| {
+                if transfer.to == gone {
+                    recalled.to.push(transfer.message);
+                } else if transfer.from == gone {
+                    recalled.from.push(transfer.message);
+                } else {
+                    return true;
+                }
+                false
+            });
+        }
+        recalled
+    }
+}

@@ -1,0 +1,174 @@
+//! What a run keeps besides the structure and the world: the clock, the messages, and what happened when.
+use rustc_hash::FxHashMap;
+use stochc_ir::Face;
+use stochc_ir::record::{BondRecord, Origin, ReleaseRecord, UnplannedRecord};
+use stochc_ir::table::{PhaseId, RoleId};
+use stochc_protocol::{
+    BlockFace, Body, Docking, Environment, Message, PlannedCapture, Recalled, Reporter,
+};
+
+use super::network::Network;
+use crate::observe::{Event, Log};
+use crate::world::World;
+
+/// The clock, the messages under way, and the record so far.
+#[derive(Debug)]
+pub(super) struct RunRecorder {
+    pub tick: u64,
+    /// The phase that is running, or ran last.
+    phase: PhaseId,
+    pub network: Network,
+    /// Where released blocks come from.
+    released: FxHashMap<u32, Origin>,
+    pub bonds: Vec<BondRecord>,
+    pub releases: Vec<ReleaseRecord>,
+    /// Blocks that docked where nobody expected them.
+    pub unplanned: Vec<UnplannedRecord>,
+    pub log: Log,
+}
+
+impl RunRecorder {
+    pub fn new(network: Network) -> RunRecorder {
+        RunRecorder {
+            tick: 0,
+            phase: PhaseId(0),
+            network,
+            released: FxHashMap::default(),
+            bonds: Vec::new(),
+            releases: Vec::new(),
+            unplanned: Vec::new(),
+            log: Log::default(),
+        }
+    }
+
+    /// Takes the next message that has arrived, with its last hop: from whom, and where it is.
+    pub fn due(&mut self) -> Option<(Body, Body, Message)> {
+        self.network.due(self.tick, &mut self.log)
+    }
+
+    /// Writes down that a phase begins; `None`: the last one has ended.
+    pub fn note_phase(&mut self, phase: Option<PhaseId>) {
+        if let Some(phase) = phase {
+            self.phase = phase;
+            self.log.note(|| Event::Phase(phase));
+        }
+    }
+
+    /// The environment of a structure in a world.
+    pub fn in_world<'a, W: World>(&'a mut self, world: &'a mut W) -> RecordedWorld<'a, W> {
+        RecordedWorld {
+            recorder: self,
+            world,
+        }
+    }
+}
+
+/// Carries out in a world what the structure decides, and writes down what happens.
+pub(super) struct RecordedWorld<'a, W> {
+    recorder: &'a mut RunRecorder,
+    world: &'a mut W,
+}
+
+impl<W: World> Environment for RecordedWorld<'_, W> {
+    /// The tick at which a face was switched on.
+    type Mark = u64;
+
+    fn magnetize(&mut self, site: BlockFace, capture: &PlannedCapture) -> u64 {
+        self.recorder.log.note(|| Event::Magnetized {
+            body: site.body,
+            by: capture.parent,
+            face: capture.face,
+            child: capture.child,
+            cell: capture.cell,
+        });
+        self.world.magnetize(site);
+        self.recorder.tick
+    }
+
+    fn switch_off(&mut self, site: BlockFace) {
+        self.world.switch_off(site);
+    }
+
+    fn send(&mut self, from: Body, to: Body, message: Message) {
+        let RunRecorder {
+            tick, network, log, ..
+        } = self.recorder;
+        network.send(*tick, from, to, message, log);
+    }
+
+    fn recall(&mut self, gone: Body, unreceived: u32) -> Recalled {
+        self.recorder.network.recall(gone, unreceived)
+    }
+
+    fn clear_messages(&mut self) {
+        self.recorder.network.clear();
+    }
+
+    fn captured(&mut self, capture: &PlannedCapture, docking: &Docking, magnetized: u64) {
+        let RunRecorder {
+            tick,
+            released,
+            bonds,
+            log,
+            ..
+        } = self.recorder;
+        log.note(|| Event::Captured {
+            body: docking.child,
+            on: docking.site.body,
+            face: capture.face,
+            role: capture.child,
+            cell: capture.cell,
+        });
+        bonds.push(BondRecord {
+            phase: capture.phase,
+            parent: capture.parent,
+            face: capture.face,
+            child: capture.child,
+            cell: capture.cell,
+            magnetized,
+            docked: *tick,
+            entries: docking.entries,
+            docking: *tick - docking.entered,
+            body: docking.child,
+            origin: (released.get(&docking.child).cloned()).unwrap_or(Origin::Free),
+        });
+    }
+
+    fn unplanned(&mut self, by: RoleId, face: Face, docking: &Docking) {
+        self.recorder.unplanned.push(UnplannedRecord {
+            phase: self.recorder.phase,
+            parent: by,
+            face,
+            tick: self.recorder.tick,
+            body: docking.child,
+        });
+        self.recorder.log.note(|| Event::Unplanned {
+            body: docking.child,
+            on: docking.site.body,
+            face,
+            by,
+        });
+    }
+
+    fn released(&mut self, by: RoleId, role: RoleId, body: Body, _orphans: usize) {
+        if let Body::Free(body) = body {
+            self.recorder
+                .log
+                .note(|| Event::Released { body, role, by });
+            let tick = self.recorder.tick;
+            self.recorder.releases.push(ReleaseRecord {
+                phase: self.recorder.phase,
+                parent: by,
+                child: role,
+                tick,
+                body,
+            });
+            let origin = Origin::Released { role, tick };
+            self.recorder.released.insert(body, origin);
+        }
+    }
+
+    fn reported(&mut self, by: Reporter) {
+        self.recorder.log.note(|| Event::Reported { by: by.role });
+    }
+}

@@ -1,0 +1,86 @@
+//! The faces on which a block can dock unasked, in the order of their cells.
+use stochc_ir::{Cell, Face};
+
+/// Blocks in a run of them, at most.
+const MOST: usize = 256;
+
+/// Some faces of some blocks, in the order of the blocks' cells: runs of blocks, each with the number of its faces.
+#[derive(Clone, Debug, Default)]
+pub(super) struct ExposedFaces {
+    runs: Vec<(u32, Vec<Exposed>)>,
+}
+
+/// The exposed faces of one block, one bit each.
+#[derive(Clone, Copy, Debug)]
+struct Exposed {
+    cell: Cell,
+    body: u32,
+    faces: u8,
+}
+
+impl ExposedFaces {
+    /// How many faces there are.
+    pub fn len(&self) -> u32 {
+        self.runs.iter().map(|(faces, _)| faces).sum()
+    }
+
+    /// Says which faces of the block in a cell are exposed; none: there is no need to know the block.
+    pub fn set(&mut self, cell: Cell, body: u32, faces: u8) {
+        let later = (self.runs)
+            .partition_point(|(_, run)| run.first().is_some_and(|first| first.cell <= cell));
+        let at = later.saturating_sub(1);
+        if self.runs.is_empty() {
+            self.runs.push((0, Vec::new()));
+        }
+        let (count, run) = &mut self.runs[at];
+        let place = run.binary_search_by_key(&cell, |exposed| exposed.cell);
+        let exposed = Exposed { cell, body, faces };
+        let before = match place {
+            Ok(place) => std::mem::replace(&mut run[place], exposed)
+                .faces
+                .count_ones(),
+            Err(place) => {
+                run.insert(place, exposed);
+                0
+            }
+        };
+        *count = *count - before + faces.count_ones();
+        if faces == 0
+            && let Ok(place) | Err(place) = place
+        {
+            run.remove(place);
+        }
+        if run.is_empty() {
+            self.runs.remove(at);
+        } else if run.len() > MOST {
+            let second = run.split_off(MOST / 2);
+            let faces = second
+                .iter()
+                .map(|exposed| exposed.faces.count_ones())
+                .sum();
+            *count -= faces;
+            self.runs.insert(at + 1, (faces, second));
+        }
+    }
+
+    /// The face before which there are `rank` others, fewer than all.
+    pub fn select(&self, mut rank: u32) -> Option<(u32, Face)> {
+        let (_, run) = self.runs.iter().find(|(faces, _)| {
+            let is_here = rank < *faces;
+            rank -= if is_here { 0 } else { *faces };
+            is_here
+        })?;
+        let faces = run.iter().flat_map(|exposed| {
+            let faces = Face::ALL
+                .into_iter()
+                .filter(|face| exposed.faces & bit(*face) != 0);
+            faces.map(|face| (exposed.body, face))
+        });
+        faces.skip(rank as usize).next()
+    }
+}
+
+/// The bit of a face in a set of them.
+pub(super) fn bit(face: Face) -> u8 {
+    1 << face as u8
+}

@@ -1,0 +1,179 @@
+//! The world without physics does what a plain one does, which looks at all its blocks in every tick.
+mod tables;
+
+use std::collections::BTreeSet;
+
+use proptest::prelude::*;
+use stochc_ir::{Cell, Face};
+use stochc_protocol::{Lattice, Orientation};
+use stochc_runtime::counter_rng::{Draws, Stream, below, unit};
+use stochc_runtime::world::shuffle::ShuffleWorld;
+use stochc_runtime::world::{BlockFace, Body, Docking, World as _};
+use tables::Draft;
+
+struct Plain {
+    tick: u64,
+    draws: Draws,
+    count: u32,
+    lattice: Lattice,
+    strays: f64,
+    /// The blocks of the plate whose faces have been on.
+    seeds: BTreeSet<Cell>,
+}
+
+impl Plain {
+    fn free(&self) -> Vec<u32> {
+        let is_free = |id: &u32| !self.lattice.is_anchored(*id);
+        (0..self.count).filter(is_free).collect()
+    }
+
+    fn magnetize(&mut self, site: BlockFace) {
+        if let Body::Seed(cell) = site.body {
+            self.seeds.insert(cell);
+        }
+        self.lattice.magnetize(site);
+    }
+
+    fn plant(&mut self, site: BlockFace) -> Option<Docking> {
+        self.magnetize(site);
+        self.lattice.target(site)?;
+        let child = *self.free().last()?;
+        let parent = self.lattice.place(site.body)?.orientation;
+        let (child_face, turn) = Orientation::IDENTITY.as_docked(parent, site.face)?;
+        let docking = Docking {
+            site,
+            child,
+            child_face,
+            turn,
+            entries: 1,
+            entered: self.tick,
+        };
+        self.lattice.dock(&docking);
+        Some(docking)
+    }
+
+    fn exposed(&self) -> Vec<BlockFace> {
+        let seeds = self.seeds.iter().map(|&cell| Body::Seed(cell));
+        let blocks = self.lattice.cells().values().map(|&id| Body::Free(id));
+        let sites = seeds.chain(blocks).flat_map(|body| {
+            let faces = match body {
+                Body::Seed(_) => &[Face::Up][..],
+                Body::Free(_) => &Face::ALL,
+            };
+            faces.iter().map(move |&face| BlockFace { body, face })
+        });
+        let is_off = |site: &BlockFace| !self.lattice.active().contains(site);
+        let has_room = |site: &BlockFace| self.lattice.target(*site).is_some();
+        sites.filter(is_off).filter(has_room).collect()
+    }
+
+    fn dock_one(&mut self, sites: &[BlockFace], words: [u32; 3], dockings: &mut Vec<Docking>) {
+        let free = self.free();
+        if sites.is_empty() || free.is_empty() {
+            return;
+        }
+        let [which, who, how] = words;
+        let pose = below(how, 24) as u8;
+        let docking = Docking {
+            site: sites[below(which, sites.len() as u32) as usize],
+            child: free[below(who, free.len() as u32) as usize],
+            child_face: Face::ALL[usize::from(pose / 4)],
+            turn: pose % 4,
+            entries: 1,
+            entered: self.tick,
+        };
+        self.lattice.dock(&docking);
+        dockings.push(docking);
+    }
+
+    fn step(&mut self) -> Vec<Docking> {
+        let mut dockings = Vec::new();
+        let [whether, which, who, how] = self.draws.step(self.tick).block(1);
+        if unit(whether) < self.strays {
+            self.dock_one(&self.exposed(), [which, who, how], &mut dockings);
+        }
+        let open = self.lattice.active().iter().copied();
+        let open: Vec<_> = open
+            .filter(|&site| self.lattice.target(site).is_some())
+            .collect();
+        let [which, who, how, _] = self.draws.step(self.tick).block(0);
+        self.tick += 1;
+        self.dock_one(&open, [which, who, how], &mut dockings);
+        dockings
+    }
+}
+
+#[derive(Clone, Debug)]
+enum Deed {
+    Magnetize,
+    SwitchOff,
+    Plant,
+    Step,
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 500, ..ProptestConfig::default() })]
+
+    #[test]
+    fn the_world_does_what_a_plain_one_does(
+        deeds in prop::collection::vec(
+            (
+                prop_oneof![
+                    4 => Just(Deed::Magnetize),
+                    1 => Just(Deed::SwitchOff),
+                    1 => Just(Deed::Plant),
+                    4 => Just(Deed::Step),
+                ],
+                any::<prop::sample::Index>(),
+                prop::sample::select(Face::ALL.to_vec()),
+            ),
+            0..150,
+        ),
+        count in 0u32..40,
+        strays in prop_oneof![Just(0.0), 0.0..1.0],
+        seed: u64,
+    ) {
+        let mut draft = Draft::default();
+        let plate = [(2, 1), (0, 0), (1, 1), (1, 0)];
+        for (x, y) in plate {
+            draft.seed("seed", x, y);
+        }
+        let tables = draft.tables();
+        let mut world = ShuffleWorld::new(&tables, count, seed, 7).with_strays(strays);
+        let mut plain = Plain {
+            tick: 0,
+            draws: Draws::new(seed, 7, Stream::Shuffle),
+            count,
+            lattice: Lattice::default(),
+            strays,
+            seeds: BTreeSet::new(),
+        };
+        for (deed, which, face) in deeds {
+            let seeds = plate.map(|(x, y)| Body::Seed(Cell::new(x, y, 0)));
+            let blocks = plain.lattice.cells().values().map(|id| Body::Free(*id));
+            let bodies: Vec<Body> = seeds.into_iter().chain(blocks).collect();
+            let site = BlockFace { body: bodies[which.index(bodies.len())], face };
+            match deed {
+                Deed::Magnetize => {
+                    plain.magnetize(site);
+                    world.magnetize(site);
+                }
+                Deed::SwitchOff => {
+                    plain.lattice.switch_off(site);
+                    world.switch_off(site);
+                }
+                Deed::Plant => prop_assert_eq!(plain.plant(site), world.plant(site)),
+                Deed::Step => {
+                    let mut dockings = Vec::new();
+                    prop_assert_eq!(world.step(&mut dockings), Ok(()));
+                    prop_assert_eq!(plain.step(), dockings);
+                }
+            }
+            prop_assert_eq!(plain.lattice.cells(), &world.cells());
+        }
+        for &id in plain.lattice.cells().values() {
+            let place = plain.lattice.place(Body::Free(id));
+            prop_assert_eq!(place.map(|place| place.orientation), world.orientation(Body::Free(id)));
+        }
+    }
+}
