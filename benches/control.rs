@@ -61,13 +61,14 @@ fn main() {
 fn measure(checked: &Checked, repeats: usize) -> (Duration, RunRecord) {
     let program = &checked.programs[0];
     let tables = program.tables.as_ref().expect("the program is right");
+    let scene = program.scene.as_ref().expect("the program is right");
     let settings = Settings::of(Model::Shuffle, 1);
     let mut go = |_, _: PhaseId| ControlFlow::Continue(());
     let mut best: Option<(Duration, RunRecord)> = None;
     let began = Instant::now();
     for number in 0..repeats {
         let start = Instant::now();
-        let record = run(tables, &program.scene, &settings, 1, 0, &mut go).expect("nobody cancels");
+        let record = run(tables, scene, &settings, 1, 0, &mut go).expect("nobody cancels");
         let time = start.elapsed();
         assert_eq!(record.outcome, Outcome::Completed);
         if best.as_ref().is_none_or(|(shortest, _)| time < *shortest) {

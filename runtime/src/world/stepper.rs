@@ -16,7 +16,7 @@ use super::external_forces::{ExternalForces, Response};
 use super::free_bonds::FreeBonds;
 use super::parameters::{Kicks, Parameters, built};
 use super::real::{Real, cast};
-use super::{Arena, Body, BodyState, Docking, Fault, SceneError, BlockFace, World};
+use super::{Arena, BlockFace, Body, BodyState, Docking, Fault, SceneError, World};
 use crate::counter_rng::{Draws, Step, Stream};
 use crate::settings::{Reduction, Settings};
 

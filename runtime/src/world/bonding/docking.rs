@@ -11,7 +11,7 @@ use crate::world::blocks::Blocks;
 use crate::world::external_forces::Sink;
 use crate::world::parameters::{Attraction, Magnet};
 use crate::world::real::{Real, cast, normal};
-use crate::world::{Body, Docking, BlockFace};
+use crate::world::{BlockFace, Body, Docking};
 
 /// From the centre of a block to its faces \[side\].
 const INSIDE: f64 = 0.5;
@@ -157,7 +157,12 @@ impl<R: Real> Faces<R> {
     }
 
     /// Captures a block by hand on a face that is on; `None`: it is off, or holds something.
-    pub fn plant(&mut self, site: BlockFace, body: u32, tick: u64) -> Option<(Anchored<R>, Docking)> {
+    pub fn plant(
+        &mut self,
+        site: BlockFace,
+        body: u32,
+        tick: u64,
+    ) -> Option<(Anchored<R>, Docking)> {
         let at = (self.active)
             .binary_search_by_key(&site, |on| on.site)
             .ok()?;

@@ -4,9 +4,9 @@ use stochc_ir::Face;
 use stochc_ir::scene::Measure;
 use stochc_protocol::Orientation;
 
-use crate::world::rotation::matrix;
 use crate::world::parameters::{Attraction, Magnet, Passive, Pull, Suction};
 use crate::world::real::{Real, normal};
+use crate::world::rotation::matrix;
 
 /// Below this distance \[side\] a pull has no direction.
 const COINCIDENT: f64 = 1e-6;

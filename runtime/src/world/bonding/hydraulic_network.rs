@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 
 use crate::world::parameters::Suction;
-use crate::world::{Body, BlockFace};
+use crate::world::{BlockFace, Body};
 
 /// The pressure below that of the fluid around, by chamber \[1 / tick^2\]; chambers that reach no pump
 /// are not among them.

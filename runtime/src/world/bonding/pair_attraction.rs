@@ -4,10 +4,10 @@ use stochc_ir::Face;
 use stochc_protocol::Orientation;
 
 use super::face_attraction::{AttractingFace, Push, best_turn};
-use crate::world::rotation::quaternion;
 use crate::world::blocks::Pose;
 use crate::world::parameters::{Attraction, Magnet, Passive};
 use crate::world::real::normal;
+use crate::world::rotation::quaternion;
 
 /// From the centre of a block to its faces \[side\].
 const INSIDE: f64 = 0.5;

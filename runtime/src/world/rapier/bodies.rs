@@ -6,10 +6,10 @@ use rapier3d::pipeline::PhysicsWorld;
 use stochc_protocol::Orientation;
 
 use super::convert::{pose3, unit_quaternion, vec3, vector};
-use crate::world::rotation::quaternion;
 use crate::world::blocks::{Blocks, Pose};
 use crate::world::motion_limits::MotionLimits;
 use crate::world::real::{Real, cast};
+use crate::world::rotation::quaternion;
 use crate::world::{BodyState, Fault};
 
 /// The blocks by number; the copies are read once a substep.

@@ -9,16 +9,16 @@ mod engine;
 mod integrator;
 mod joints;
 
+use integrator::Rapier;
 use nalgebra::Vector3;
 use stochc_ir::Cell;
 use stochc_ir::scene::Scene;
 use stochc_ir::table::Plate;
 use stochc_protocol::Orientation;
-use integrator::Rapier;
 
 use super::delegate::delegate;
 use super::stepper::Stepper;
-use super::{Arena, BodyState, Docking, Fault, SceneError, BlockFace, World};
+use super::{Arena, BlockFace, BodyState, Docking, Fault, SceneError, World};
 use crate::settings::Settings;
 
 /// A world of rigid cubes.

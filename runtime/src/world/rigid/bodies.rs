@@ -4,10 +4,10 @@ use stochc_protocol::Orientation;
 
 use super::quaternion::{SMALL, columns, large, small, turned};
 use super::simd::{ABREAST, LANES, Lane, Wide, square, transposed};
-use crate::world::rotation::quaternion;
 use crate::world::blocks::{Blocks, Pose};
 use crate::world::motion_limits::MotionLimits;
 use crate::world::real::{Real, cast};
+use crate::world::rotation::quaternion;
 use crate::world::{BodyState, Fault};
 
 /// No substep.

@@ -23,7 +23,7 @@ use stochc_protocol::Orientation;
 
 use super::delegate::delegate;
 use super::stepper::Stepper;
-use super::{Arena, BodyState, Docking, Fault, SceneError, BlockFace, World};
+use super::{Arena, BlockFace, BodyState, Docking, Fault, SceneError, World};
 use crate::settings::{Precision, Settings};
 #[cfg(test)]
 pub(super) use bodies::Bodies;
