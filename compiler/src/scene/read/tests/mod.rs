@@ -1,0 +1,3 @@
+mod contact;
+mod medium;
+mod sample;
