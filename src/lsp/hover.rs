@@ -11,6 +11,7 @@ use stochc_grammar::tree::{Item, Tree};
 use stochc_ir::table::RoleId;
 
 use super::analysis::Analysis;
+use super::scene;
 
 /// Blocks that are described in full, and those that are listed at most.
 const MOST_DESCRIBED: usize = 3;
@@ -18,7 +19,9 @@ const MOST_LISTED: usize = 12;
 
 /// What is known of the name at a byte, and where that stands.
 pub fn hover(analysis: &Analysis, at: usize) -> Option<(String, Site)> {
-    let name = analysis.name_at(at)?;
+    let Some(name) = analysis.name_at(at) else {
+        return scene::hover(analysis, at);
+    };
     let kind = analysis.names.kind(name.thing);
     // A parameter may stand for a block.
     if matches!(kind, Kind::Block | Kind::Parameter) {

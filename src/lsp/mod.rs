@@ -13,6 +13,7 @@ mod hover;
 mod position;
 mod rename;
 mod requests;
+mod scene;
 mod server;
 mod symbols;
 mod uri;

@@ -3,10 +3,10 @@ use std::io::Write;
 use std::rc::Rc;
 
 use gen_lsp_types::{
-    CodeActionParams, DefinitionParams, DidChangeTextDocumentParams, DidCloseTextDocumentParams,
-    DidOpenTextDocumentParams, DidSaveTextDocumentParams, DocumentFormattingParams,
-    DocumentHighlightParams, DocumentSymbolParams, HoverParams, Location, PrepareRenameParams,
-    ReferenceParams, RenameParams, TextDocumentPositionParams,
+    CodeActionParams, CompletionParams, DefinitionParams, DidChangeTextDocumentParams,
+    DidCloseTextDocumentParams, DidOpenTextDocumentParams, DidSaveTextDocumentParams,
+    DocumentFormattingParams, DocumentHighlightParams, DocumentSymbolParams, HoverParams, Location,
+    PrepareRenameParams, ReferenceParams, RenameParams, TextDocumentPositionParams,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -18,7 +18,7 @@ use super::definition::{self, named_at};
 use super::position::Lines;
 use super::server::Server;
 use super::wire::{Failure, Reason};
-use super::{actions, formatting, hover, rename, symbols, uri};
+use super::{actions, formatting, hover, rename, scene, symbols, uri};
 
 fn params<T: DeserializeOwned>(params: Value) -> Result<T, Failure> {
     serde_json::from_value(params)
@@ -85,6 +85,11 @@ impl<W: Write> Server<W> {
                         "range": analysis.range(site),
                     })
                 }))
+            }
+            "textDocument/completion" => {
+                let it: CompletionParams = params(raw)?;
+                let (analysis, at) = self.at(&it.text_document_position_params)?;
+                value(scene::completions(&analysis, at))
             }
             "textDocument/definition" => {
                 let it: DefinitionParams = params(raw)?;

@@ -6,6 +6,7 @@ mod clauses;
 mod equations;
 mod number;
 mod numbers;
+mod reference;
 mod requirements;
 
 pub use clauses::{CLAUSES, unsaid};
@@ -30,7 +31,7 @@ pub struct Entry {
     pub equations: &'static [&'static Equation],
     /// Makes a place for its numbers in a scene, not numbers all.
     pub make: fn(&mut Scene),
-    /// Whether a scene says it; `None`: where it has a number of it.
+    /// Whether a scene says it; `None`: where it has the numbers of it that it needs.
     is: Option<fn(&Scene) -> bool>,
 }
 
@@ -192,9 +193,20 @@ impl Entry {
 
     /// Whether a scene says it.
     pub fn is_in(&self, scene: &Scene) -> bool {
-        let is_said = |number: &Number| number.get(scene).is_some();
+        let is_said = |part: &Part| match part {
+            Part::Number(number) | Part::Range { high: number, .. } => number.get(scene).is_some(),
+            Part::OneOf { of, .. } => of.iter().any(|kind| kind.is_in(scene)),
+            Part::Then(then) => !then.absent.is_needed() || then.is_in(scene),
+            Part::Fields(fields, _) => {
+                let mut needed = fields.iter().filter(|it| it.absent.is_needed()).peekable();
+                match needed.peek() {
+                    Some(_) => needed.all(|field| field.is_in(scene)),
+                    None => fields.iter().any(|field| field.is_in(scene)),
+                }
+            }
+        };
         self.is
-            .map_or_else(|| numbers(self).into_iter().any(is_said), |is| is(scene))
+            .map_or_else(|| self.parts.iter().all(is_said), |is| is(scene))
     }
 
     /// The words between its braces, if it has any.
