@@ -9,7 +9,7 @@ use stochc_grammar::tree::{Name, Term};
 use stochc_grammar::{Span, Symbols};
 use stochc_ir::scene::Scene;
 use stochc_ir::scene::schema::{
-    self, Absent, CLAUSES, Either, Entry, Group, Number, Part, REQUIREMENTS,
+    self, Absent, Alternative, CLAUSES, Either, Entry, Group, Number, Part, REQUIREMENTS,
 };
 
 use crate::finding::{Code, Finding, Fix, tell};
@@ -188,8 +188,8 @@ impl<'a> Reader<'a, '_> {
             Group::Either(either) => {
                 let is_wrong = self.findings.len() > before;
                 self.either(clause, either, &seen, is_wrong)
-                    .filter(|(first, _)| sound.contains(first))
-                    .map(|(_, make)| said.makes.push(make))
+                    .filter(|chosen| sound.contains(&chosen.fields[0]))
+                    .map(|chosen| said.makes.push(chosen.make))
             }
         };
         let mut complete = fits;
@@ -204,14 +204,14 @@ impl<'a> Reader<'a, '_> {
         complete
     }
 
-    /// The one of two alternatives that the fields say: its first field, and what makes a place for it.
+    /// The one of two alternatives that the fields say.
     fn either(
         &mut self,
         clause: Name,
         either: &'static Either,
         seen: &[Name],
         is_wrong: bool,
-    ) -> Option<(&'static str, fn(&mut Scene))> {
+    ) -> Option<&'static Alternative> {
         let symbols = self.symbols;
         let first = |i: usize| {
             let mut fields = either.of[i].fields.iter();
@@ -236,7 +236,7 @@ impl<'a> Reader<'a, '_> {
             tell(self.findings, finding);
             return None;
         }
-        Some((needed, chosen.make))
+        Some(chosen)
     }
 
     /// Tells that a clause has no braces, and what might stand between them.

@@ -110,3 +110,14 @@ fn what_is_wrong_with_a_contact_is_told_of() {
         [(Code::DuplicateTerm, "`stiffness` is said twice".to_owned())]
     );
 }
+
+/// It is a contact that gives way, whose braces are missing.
+#[test]
+fn fields_without_braces_are_known_as_such() {
+    let (_, findings) = scene("contact stiffness 25 N/m  friction 0.2");
+    let [finding] = &findings[..] else {
+        panic!("{findings:?}");
+    };
+    assert_eq!(finding.title, "`contact` without its braces");
+    assert!(finding.fix.is_some());
+}

@@ -1,3 +1,4 @@
+mod bond;
 mod contact;
 mod medium;
 mod sample;
