@@ -1,7 +1,12 @@
-//! Every example of the language reference is a right program.
+//! The language reference: its examples are right programs, and its table of scenes is that of the schema.
+#![allow(
+    clippy::disallowed_methods,
+    reason = "the test compares a page of the documentation with what it should be, or writes it"
+)]
 use stochc::compiler::scene::BUILT_IN;
 use stochc::compiler::{Checked, Limits, check};
 use stochc::findings::{Format, show};
+use stochc::ir::scene::schema::CLAUSES;
 
 const REFERENCE: &str = include_str!("../docs/language.md");
 const README: &str = include_str!("../README.md");
@@ -29,6 +34,34 @@ fn the_reference_shows_the_built_in_scenes_as_they_are() {
         assert!(
             scene.is_some_and(|scene| REFERENCE.contains(scene)),
             "docs/language.md shows another scene `{name}`"
+        );
+    }
+}
+
+/// `STOCHC_WRITE_DOCS=1` lets it write the table instead of comparing it.
+#[test]
+fn the_table_of_scenes_is_that_of_the_schema() {
+    let mut table =
+        "| clause and fields | value and meaning | absent |\n|---|---|---|\n".to_owned();
+    for clause in &CLAUSES {
+        clause.rows(0, &mut table);
+    }
+    let start = REFERENCE
+        .find("| clause and fields |")
+        .expect("a table of scenes");
+    let end = start
+        + REFERENCE[start..]
+            .find("\n\n")
+            .expect("an end of the table")
+        + 1;
+    if std::env::var_os("STOCHC_WRITE_DOCS").is_some() {
+        let page = [&REFERENCE[..start], &table, &REFERENCE[end..]].concat();
+        std::fs::write("docs/language.md", page).unwrap();
+    } else {
+        assert_eq!(
+            &REFERENCE[start..end],
+            table,
+            "write it with STOCHC_WRITE_DOCS=1 cargo test --test language"
         );
     }
 }

@@ -11,6 +11,7 @@ use stochc_ir::emit::duties_text;
 use stochc_ir::table::RoleId;
 
 use super::analysis::Analysis;
+use super::scene;
 
 /// Blocks that are described in full, and those that are listed at most.
 const MOST_DESCRIBED: usize = 3;
@@ -27,7 +28,7 @@ pub fn hover(
     cancellation: Cancellation<'_>,
 ) -> Result<Option<(String, Site)>, Cancelled> {
     let Some(name) = analysis.name_at(at) else {
-        return Ok(None);
+        return Ok(scene::hover(analysis, at));
     };
     let kind = analysis.names.kind(name.thing);
     // A parameter may stand for a block.

@@ -16,6 +16,7 @@ mod position;
 mod programs;
 mod rename;
 mod requests;
+mod scene;
 mod server;
 mod symbols;
 mod uri;

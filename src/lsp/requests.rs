@@ -2,7 +2,7 @@
 use std::sync::Arc;
 
 use gen_lsp_types::{
-    CodeActionParams, DefinitionParams, DidChangeTextDocumentParams, DidCloseTextDocumentParams,
+    CodeActionParams, CompletionParams, DefinitionParams, DidChangeTextDocumentParams, DidCloseTextDocumentParams,
     DidOpenTextDocumentParams, DidSaveTextDocumentParams, DocumentFormattingParams,
     DocumentHighlightParams, DocumentSymbolParams, HoverParams, Location, Position,
     PrepareRenameParams, ReferenceParams, RenameParams, TextDocumentPositionParams,
@@ -17,7 +17,7 @@ use super::definition::{self, named_at};
 use super::documents::Documents;
 use super::position::{Encoding, Lines};
 use super::wire::{Failure, Reason};
-use super::{actions, formatting, hover, rename, symbols, uri};
+use super::{actions, formatting, hover, rename, scene, symbols, uri};
 
 fn params<T: DeserializeOwned>(params: Value) -> Result<T, Failure> {
     serde_json::from_value(params)
@@ -191,6 +191,13 @@ impl Query {
                     let places = sites.into_iter();
                     let places = places.map(|site| analysis.location(site, &context.documents));
                     value(places.collect::<Vec<Location>>())
+                })
+            }
+            "textDocument/completion" => {
+                let it: CompletionParams = params(raw)?;
+                let it = it.text_document_position_params;
+                Query::at(it, Needs::Own, |_, analysis, at| {
+                    value(scene::completions(analysis, at))
                 })
             }
             "textDocument/references" => {

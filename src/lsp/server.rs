@@ -363,6 +363,7 @@ impl<W: Write> Server<W> {
                 "positionEncoding": encoding,
                 "textDocumentSync": { "openClose": true, "change": 2, "save": true },
                 "hoverProvider": true,
+                "completionProvider": {},
                 "definitionProvider": true,
                 "referencesProvider": true,
                 "documentHighlightProvider": true,

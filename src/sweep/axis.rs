@@ -1,6 +1,6 @@
 //! What the command line says of one number: `free=50..600/6 log`.
 use stochc_compiler::scene::{quantity, to_si};
-use stochc_ir::scene::scalars::Scalar;
+use stochc_ir::scene::schema::Number;
 
 use crate::ensemble::Varied;
 
@@ -61,15 +61,15 @@ impl Axis {
     /// # Errors
     /// In words, when they are none that the number may have, not whole where they have to be, or
     /// one comes twice.
-    pub fn values(&self, scalar: &Scalar) -> Result<Vec<Varied>, String> {
+    pub fn values(&self, number: &Number) -> Result<Vec<Varied>, String> {
         let mut out: Vec<Varied> = Vec::new();
-        for said in self.said(scalar)? {
+        for said in self.said(number)? {
             let given = quantity(&format!("{said} {}", self.unit))?;
-            let value = scalar
+            let value = number
                 .accept(to_si(&given))
                 .map_err(|error| error.to_string())?;
             let varied = Varied {
-                of: scalar.name().to_owned(),
+                of: number.name().to_owned(),
                 value,
                 said,
                 unit: self.unit.clone(),
@@ -77,7 +77,7 @@ impl Axis {
             if out.iter().any(|other| other.value == value) {
                 return Err(format!(
                     "`{}` is {} twice; ask for fewer values",
-                    scalar.name(),
+                    number.name(),
                     varied.value()
                 ));
             }
@@ -86,19 +86,19 @@ impl Axis {
         Ok(out)
     }
 
-    fn said(&self, scalar: &Scalar) -> Result<Vec<f64>, String> {
+    fn said(&self, number: &Number) -> Result<Vec<f64>, String> {
         Ok(match self.values {
             Values::List(ref values) => values.clone(),
             Values::Even { from, to, n } => {
                 let values: Vec<f64> = (0..n).map(|i| even(from, to, n, i)).collect();
                 let broken = values.iter().find(|value| value.fract() != 0.0);
-                if let (true, Some(broken)) = (scalar.is_whole(), broken) {
-                    return Err(not_whole(scalar.name(), (from, to, n), *broken));
+                if let (true, Some(broken)) = (number.is_whole(), broken) {
+                    return Err(not_whole(number.name(), (from, to, n), *broken));
                 }
                 values
             }
             Values::Geometric { from, to, n } => {
-                let round = |value: f64| match scalar.is_whole() {
+                let round = |value: f64| match number.is_whole() {
                     true => value.round(),
                     false => digits(value, 4),
                 };

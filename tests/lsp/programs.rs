@@ -125,6 +125,52 @@ fn what_is_no_block_is_shown_as_declared() {
     assert_eq!(ask(&mut client(), "hover", "release", 0), Value::Null);
 }
 
+/// Scenes have no names inside, but words that the schema knows.
+#[test]
+fn the_words_of_a_scene_are_known() {
+    let text = "scene mine from hemisphere {\n    bond attract {\n        pull 1 N within 5cm\n        anchor gap 1mm tilt 5 deg\n    }\n    f\n}\n";
+    let mut client = Client::new(&["utf-16"]);
+    client.open(URI, text);
+    let mut ask = |method: &str, words: &str| {
+        let params = place(URI, text, words, 0);
+        client.ask(&format!("textDocument/{method}"), params)["result"].clone()
+    };
+    for (words, parts) in [
+        (
+            "bond",
+            ["**`bond`**, a clause of scenes", "nothing is ever captured"],
+        ),
+        ("attract", ["**`attract`**, of `bond`", "|f| = F"]),
+        (
+            "within",
+            ["of `bond attract pull`", "a length, more than 0: "],
+        ),
+        ("tilt", ["of `bond attract anchor gap`", "Absent: 45 deg"]),
+    ] {
+        let told = ask("hover", words)["contents"]["value"].clone();
+        for part in parts {
+            assert!(told.as_str().unwrap().contains(part), "{part} in\n{told}");
+        }
+    }
+    let mut offered = |words: &str| -> Vec<String> {
+        let items = ask("completion", words);
+        let items = items.as_array().unwrap().iter();
+        items
+            .map(|item| item["label"].as_str().unwrap().to_owned())
+            .collect()
+    };
+    assert_eq!(offered("attract"), ["attract", "reject", "suction"]);
+    assert_eq!(offered("gap"), ["centres", "gap"]);
+    assert_eq!(offered("anchor"), ["align", "anchor"]);
+    let clauses = offered("f\n");
+    assert!(clauses.starts_with(&["tick".to_owned()]), "{clauses:?}");
+    assert!(
+        !clauses.contains(&"bond".to_owned()),
+        "it is said: {clauses:?}"
+    );
+    assert_eq!(offered("mine"), [""; 0], "not in its braces");
+}
+
 /// A plate with a block attached by hand, behind an aggregate.
 const TANK: &str = "\
 let many = 2

@@ -63,6 +63,7 @@ fn what_nobody_understands_does_no_harm() {
     ] {
         for method in [
             "hover",
+            "completion",
             "rename",
             "formatting",
             "codeAction",

@@ -6,7 +6,9 @@ mod bond;
 pub mod describe;
 pub mod groups;
 mod medium;
+pub mod quantity;
 pub mod scalars;
+pub mod schema;
 pub mod units;
 
 pub use bond::{Anchor, Bond, BondKind, Magnets, Measure, Pump, Reach};

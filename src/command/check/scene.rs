@@ -92,7 +92,7 @@ impl InForce<'_> {
         self.list_terms(&mut out);
         if !self.absent.is_empty() {
             out.push_str("\n  absent, and not computed\n");
-            let width = width(self.absent.iter().map(|it| it.clause));
+            let width = width(self.absent.iter().map(|it| &it.clause));
             for Absent { clause, meaning } in &self.absent {
                 let _ = writeln!(out, "    {clause:width$}  {meaning}");
             }

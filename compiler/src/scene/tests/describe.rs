@@ -35,6 +35,10 @@ fn texts(scene: &Scene) -> Vec<String> {
     terms(scene).into_iter().map(|term| term.text).collect()
 }
 
+fn clauses(scene: &Scene) -> Vec<String> {
+    absent(scene).into_iter().map(|it| it.clause).collect()
+}
+
 #[test]
 fn clauses_are_written_in_units_in_which_they_are_short() {
     let hemisphere = built_in("hemisphere_2005").unwrap();
@@ -50,8 +54,10 @@ fn clauses_are_written_in_units_in_which_they_are_short() {
             "bond attract { pull 15 N within 0.2 m  align 0.75 N within 0.1 m  anchor centres 1 mm tilt 26 deg }",
         ]
     );
-    let clauses: Vec<&str> = absent(&hemisphere).iter().map(|it| it.clause).collect();
-    assert_eq!(clauses, ["gravity", "fluid", "drag", "messages"]);
+    assert_eq!(
+        clauses(&hemisphere),
+        ["gravity", "fluid", "drag", "messages"]
+    );
 }
 
 #[test]
@@ -63,8 +69,6 @@ fn what_is_absent_is_told_down_to_the_fields() {
     *align = None;
     bare.messages = Some(Messages { hop: 2, loss: None });
     (bare.agitation, bare.contact) = (None, None);
-    let clauses =
-        |scene: &Scene| -> Vec<&str> { absent(scene).iter().map(|it| it.clause).collect() };
     assert_eq!(
         clauses(&bare),
         [

@@ -1,11 +1,10 @@
-//! The table against the scenes it is about, and against the reader of the language.
-use std::collections::{BTreeMap, BTreeSet};
-
-use serde_json::Value;
+//! The numbers of scenes, as they are written, read and changed.
 use stochc_grammar::tree::{ItemKind, Scene as Tree, Term};
 use stochc_grammar::{Symbols, parse};
 
-use stochc_ir::scene::scalars::{self, Change, ScalarError, changed, find, scalars};
+use stochc_ir::scene::describe::terms;
+use stochc_ir::scene::scalars::{Change, ScalarError, changed, find, scalars};
+use stochc_ir::scene::schema::{CLAUSES, numbers};
 use stochc_ir::scene::{Agitation, Scene};
 
 use crate::finding::Code;
@@ -124,97 +123,25 @@ fn texts() -> impl Iterator<Item = Text> {
     built_in.chain(FULL).map(Text::new)
 }
 
-/// The leaves of a scene's JSON, by where they stand.
-fn leaves(at: String, value: &Value, out: &mut BTreeMap<String, Value>) {
-    match value {
-        Value::Object(fields) => {
-            for (name, value) in fields {
-                leaves(format!("{at}.{name}"), value, out);
-            }
-        }
-        Value::Array(values) => {
-            for (i, value) in values.iter().enumerate() {
-                leaves(format!("{at}.{i}"), value, out);
-            }
-        }
-        leaf => {
-            out.insert(at, leaf.clone());
-        }
-    }
-}
-
-fn leaves_of(scene: &Scene) -> BTreeMap<String, Value> {
-    let mut out = BTreeMap::new();
-    leaves(
-        String::new(),
-        &serde_json::to_value(scene).unwrap(),
-        &mut out,
-    );
-    out
-}
-
+/// What is written of a scene with any term reads as the same scene.
 #[test]
-fn every_number_of_every_scene_is_in_the_table() {
+fn every_scene_is_written_as_it_is_read() {
     for scene in texts().map(|text| text.scene().unwrap()) {
-        let before = leaves_of(&scene);
-        let numbers = before.iter().filter(|(_, value)| value.is_number());
-        let mut missing: BTreeSet<&String> = numbers.map(|(at, _)| at).collect();
-        for scalar in scalars(&scene) {
-            let mut other = scene.clone();
-            let value = scalar.get(&scene).unwrap_or(0.5);
-            // Of these, one is another value within every range.
-            let set = [
-                2.0 * value,
-                0.5 * value,
-                value + 0.1,
-                value + 1.0,
-                value - 1.0,
-            ]
-            .into_iter();
-            let changed = set.filter(|new| *new != value);
-            assert!(
-                changed
-                    .into_iter()
-                    .any(|new| scalar.set(&mut other, new).is_ok()),
-                "{}",
-                scalar.name()
-            );
-            let after = leaves_of(&other);
-            missing.retain(|at| after.get(*at) == before.get(*at));
-        }
-        assert!(
-            missing.is_empty(),
-            "numbers of `{}` that no line of SCALARS leads to: {missing:?}",
-            scene.name
-        );
+        let clauses: Vec<String> = terms(&scene).into_iter().map(|term| term.text).collect();
+        let written = format!("scene {} {{\n{}\n}}", scene.name, clauses.join("\n"));
+        let read = Text::new(&written).scene();
+        assert_eq!(read.as_ref(), Some(&scene), "{written}");
     }
 }
 
 #[test]
-fn the_scenes_of_this_test_have_every_term() {
-    let all: Vec<_> = texts()
-        .map(|text| leaves_of(&text.scene().unwrap()))
-        .collect();
-    let said = |at: &str| {
-        let prefix = format!("{at}.");
-        let here = |leaves: &BTreeMap<String, Value>| {
-            (leaves.iter())
-                .any(|(name, value)| (name == at || name.starts_with(&prefix)) && !value.is_null())
-        };
-        all.iter().any(here)
-    };
-    for at in all.iter().flat_map(|leaves| leaves.keys()) {
+fn the_scenes_of_this_test_have_every_number() {
+    let scenes: Vec<_> = texts().map(|text| text.scene().unwrap()).collect();
+    for number in CLAUSES.iter().flat_map(numbers) {
         assert!(
-            said(at),
-            "no scene of this test says `{at}`: add it to FULL"
-        );
-    }
-    for scalar in scalars::all() {
-        let has = |scene: &Scene| scalar.get(scene).is_some();
-        assert!(
-            texts().any(|text| has(&text.scene().unwrap())),
+            scenes.iter().any(|scene| number.get(scene).is_some()),
             "no scene of this test has `{}`: add it to FULL",
-            scalar.name()
+            number.name()
         );
     }
 }

@@ -97,6 +97,11 @@ impl BlockUnits {
         value * self.tick / self.side.powi(3)
     }
 
+    /// \[Pa s/m^3\] in blocks per side^4 and tick.
+    pub fn resistance(self, value: f64) -> f64 {
+        self.pressure(value) / self.flow(1.0)
+    }
+
     /// \[N s\] in sides per tick, as a change of a block's velocity.
     pub fn impulse(self, value: f64) -> f64 {
         value * self.tick / (self.mass * self.side)

@@ -1,10 +1,69 @@
-//! A scene with other numbers.
+//! The numbers of a scene by their names, to read and to change one by one.
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::super::Scene;
-use super::{SCALARS, find};
+use super::Scene;
+use super::schema::{self, CLAUSES, Number};
+use crate::suggest::nearest;
+
+/// Every number of any scene, once, in the order of the language reference; of several that share a name, it stands
+/// for the one that the scene has.
+fn all() -> impl Iterator<Item = &'static Number> {
+    let all: Vec<_> = CLAUSES.iter().flat_map(schema::numbers).collect();
+    // What several kinds of a clause share comes behind what is their own.
+    let is_last = |i: usize| {
+        !all[i + 1..]
+            .iter()
+            .any(|other| std::ptr::eq(*other, all[i]))
+    };
+    let last: Vec<_> = (0..all.len())
+        .filter(|&i| is_last(i))
+        .map(|i| all[i])
+        .collect();
+    last.into_iter()
+}
+
+/// Every number that a scene has a place for, in the order of the language reference.
+pub fn scalars(scene: &Scene) -> impl Iterator<Item = &'static Number> {
+    all().filter(|number| number.is_in(scene))
+}
+
+/// The number of a scene that a name stands for: its full name or a short one.
+///
+/// # Errors
+/// When no scene has one of that name, or this one has not.
+pub fn find(scene: &Scene, name: &str) -> Result<&'static Number, ScalarError> {
+    if let Some(found) = scalars(scene).find(|number| number.names.contains(&name)) {
+        return Ok(found);
+    }
+    let has = || scalars(scene).map(Number::name).collect::<Vec<_>>();
+    let elsewhere = all().find(|number| number.names.contains(&name));
+    if let Some(number) = elsewhere {
+        let clause = number.clause();
+        return Err(ScalarError::Absent {
+            name: number.name(),
+            scene: scene.name.clone(),
+            clause: (!scalars(scene).any(|other| other.clause() == clause)).then_some(clause),
+            has: has(),
+        });
+    }
+    let mut known: Vec<&str> = has();
+    known.extend(all().flat_map(|number| number.names));
+    // What is said of a clause may be found by its last word too: `friction`.
+    let last = |number: &&Number| number.name().rsplit('.').next() == Some(name);
+    let mut ends = scalars(scene).filter(last);
+    let meant = match (ends.next(), ends.next()) {
+        (Some(only), None) => Some(only.name().to_owned()),
+        _ => nearest(name, known).map(|meant| meant.word),
+    };
+    Err(ScalarError::Unknown {
+        name: name.to_owned(),
+        scene: scene.name.clone(),
+        meant,
+        has: has(),
+    })
+}
 
 /// Another value for a number of a scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -120,10 +179,10 @@ pub fn changed(mut scene: Scene, changes: &[Change]) -> Result<Scene, ScalarErro
     for change in changes {
         found.push((find(&scene, &change.of)?, change.value));
     }
-    let place = |name: &str| SCALARS.iter().position(|scalar| scalar.name() == name);
-    found.sort_by_key(|(scalar, _)| place(scalar.name()));
-    for (scalar, value) in found {
-        scalar.set(&mut scene, value)?;
+    let place = |name: &str| all().position(|number| number.name() == name);
+    found.sort_by_key(|(number, _)| place(number.name()));
+    for (number, value) in found {
+        number.set(&mut scene, value)?;
     }
     Ok(scene)
 }

@@ -3,7 +3,7 @@ use stochc_grammar::tree::ItemKind;
 use stochc_grammar::{Symbols, parse, print};
 use stochc_ir::scene::Scene;
 
-use super::read;
+use super::super::read;
 use crate::Sources;
 use crate::finding::Finding;
 use crate::scene::built_in;

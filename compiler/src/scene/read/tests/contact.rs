@@ -1,0 +1,123 @@
+use stochc_ir::scene::{Contact, ContactLaw};
+
+use super::sample::scene;
+use crate::finding::Code;
+
+fn contact(fields: &str) -> Option<Contact> {
+    let (scene, findings) = scene(&format!("contact {{ {fields} }}"));
+    assert_eq!(findings, [], "{fields}");
+    scene?.contact
+}
+
+fn told(clause: &str) -> Vec<(Code, String)> {
+    let (scene, findings) = scene(clause);
+    assert_eq!(scene, None, "{clause}");
+    let told = findings.into_iter();
+    told.map(|finding| (finding.code, finding.title)).collect()
+}
+
+#[test]
+fn a_contact_is_rigid_or_gives_way() {
+    let compliant = |stiffness, damping| {
+        Some(Contact {
+            law: ContactLaw::Compliant { stiffness, damping },
+            friction: 0.2,
+        })
+    };
+    assert_eq!(
+        contact("restitution 0.5  friction 0.2"),
+        Some(Contact {
+            law: ContactLaw::Rigid { restitution: 0.5 },
+            friction: 0.2
+        })
+    );
+    assert_eq!(
+        contact("stiffness 25 N/m  damping 5 N s/m  friction 0.2"),
+        compliant(25.0, 5.0)
+    );
+    assert_eq!(
+        contact("friction 0.2  damping 5000 g/s  stiffness 25 kg/s^2"),
+        compliant(25.0, 5.0)
+    );
+    assert_eq!(
+        contact("stiffness 25 N*m^-1  friction 0.2"),
+        compliant(25.0, 0.0)
+    );
+    assert_eq!(
+        contact("stiffness 25 N/m  damping 0 kg/s  friction 0.2"),
+        compliant(25.0, 0.0)
+    );
+}
+
+#[test]
+fn a_contact_is_not_both() {
+    for fields in [
+        "restitution 0  stiffness 25 N/m  damping 5 kg/s  friction 0.2",
+        "stiffness 25 N/m  restitution 0  friction 0.2",
+        "damping 5 kg/s  restitution 0  friction 0.2",
+    ] {
+        let (scene, findings) = scene(&format!("contact {{ {fields} }}"));
+        assert_eq!(scene, None, "{fields}");
+        assert_eq!(findings.len(), 1, "{findings:?}");
+        assert_eq!(findings[0].code, Code::ConflictingTerms);
+        assert!(findings[0].help.is_some());
+    }
+}
+
+#[test]
+fn what_is_wrong_with_a_contact_is_told_of() {
+    let missing = |what: &str| vec![(Code::MissingTerm, format!("`contact` without {what}"))];
+    assert_eq!(told("contact"), missing("its braces"));
+    assert_eq!(
+        told("contact { friction 0.2 }"),
+        missing("`restitution`"),
+        "the older kind is the one asked for"
+    );
+    assert_eq!(
+        told("contact { damping 5 kg/s  friction 0.2 }"),
+        missing("`stiffness`")
+    );
+    assert_eq!(told("contact { stiffness 25 N/m }"), missing("`friction`"));
+    let both = [missing("`restitution`"), missing("`friction`")].concat();
+    assert_eq!(told("contact { }"), both);
+
+    let range = || (Code::WrongValue, "a value out of its range".to_owned());
+    assert_eq!(
+        told("contact { stiffness 0 N/m  damping -1 kg/s  friction 0.2 }"),
+        [range(), range()]
+    );
+    let dimension = |example: &str| (Code::WrongDimension, format!("expected {example}"));
+    assert_eq!(
+        told("contact { stiffness 25 N  damping 5 N/m  friction 0.2 }"),
+        [
+            dimension("a stiffness, such as `25 N/m`"),
+            dimension("a damping, such as `5 N s/m`")
+        ]
+    );
+    assert_eq!(
+        told("contact { stiffness 25 N/m  damping  friction 0.2 }"),
+        [(
+            Code::MissingTerm,
+            "expected a damping, such as `5 N s/m`".to_owned()
+        )]
+    );
+    assert_eq!(
+        told("contact { stifness 25 N/m  stiffness 25 N/m  friction 0.2 }"),
+        [(Code::UnknownTerm, "`stifness` is no field".to_owned())]
+    );
+    assert_eq!(
+        told("contact { stiffness 25 N/m  stiffness 5 N/m  friction 0.2 }"),
+        [(Code::DuplicateTerm, "`stiffness` is given twice".to_owned())]
+    );
+}
+
+/// It is a compliant contact, whose braces are missing.
+#[test]
+fn fields_without_braces_are_known_as_such() {
+    let (_, findings) = scene("contact stiffness 25 N/m  friction 0.2");
+    let [finding] = &findings[..] else {
+        panic!("{findings:?}");
+    };
+    assert_eq!(finding.title, "`contact` without its braces");
+    assert!(finding.fix.is_some());
+}

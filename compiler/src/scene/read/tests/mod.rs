@@ -1,0 +1,4 @@
+mod bond;
+mod contact;
+mod medium;
+mod sample;

@@ -1,0 +1,117 @@
+//! The values of a scene.
+use stochc_grammar::is_unit;
+use stochc_grammar::tree::{Quantity, Term};
+use stochc_ir::scene::schema::{self, Number};
+use stochc_ir::scene::units::Dimension;
+
+use super::super::{to_si, unit_meant};
+use super::{Reader, Said, span};
+use crate::finding::{Code, Finding, tell};
+
+impl<'a> Reader<'a, '_> {
+    /// A value for a number.
+    pub(super) fn number(&mut self, number: &'static Number, said: &mut Said) -> Option<()> {
+        let quantity = self.quantity(number.kind.dimension)?;
+        let value = self.value(quantity, number.kind.dimension)?;
+        if number.range.contains(value) {
+            said.numbers.push((number, value));
+            return Some(());
+        }
+        let label = format!("must be {}", number.range.rule());
+        let site = self.site(quantity.span);
+        let finding = Finding::new(Code::WrongValue, "a value out of its range");
+        tell(self.findings, finding.label(site, label));
+        None
+    }
+
+    /// A value for both ends of a range, or one for each.
+    pub(super) fn range(
+        &mut self,
+        low: &'static Number,
+        high: &'static Number,
+        said: &mut Said,
+    ) -> Option<()> {
+        let Some(Term::Range(first, last)) = self.terms.peek() else {
+            return self.number(high, said);
+        };
+        self.terms.next();
+        self.place = last.span;
+        let dimension = high.kind.dimension;
+        let (from, to) = (self.value(first, dimension)?, self.value(last, dimension)?);
+        if low.range.contains(from) && from <= to {
+            said.numbers.extend([(high, to), (low, from)]);
+            return Some(());
+        }
+        let site = self.site(first.span.to(last.span));
+        tell(
+            self.findings,
+            Finding::new(Code::WrongValue, "a range that is empty or negative")
+                .label(site, "from small to large, and not below 0"),
+        );
+        None
+    }
+
+    fn quantity(&mut self, dimension: Dimension) -> Option<&'a Quantity> {
+        if let Some(Term::Quantity(quantity)) = self.terms.peek() {
+            self.terms.next();
+            self.place = quantity.span;
+            return Some(quantity);
+        }
+        if let Some(&&Term::Word(name)) = self.terms.peek()
+            && !schema::is_word(self.word_of(name))
+            && is_unit(self.word_of(name))
+        {
+            self.terms.next();
+            let word = self.word_of(name);
+            let help = format!("write the number before it, such as `2 {word}`");
+            let title = "a unit without its number".to_owned();
+            self.tell(Code::MissingTerm, title, name.span, "how much?", help);
+            return None;
+        }
+        let here = self.terms.peek().map_or(self.place, |term| span(term));
+        let title = format!("expected {}", dimension.noun());
+        tell(
+            self.findings,
+            Finding::new(Code::MissingTerm, title).label(self.site(here), "a value belongs here"),
+        );
+        None
+    }
+
+    fn value(&mut self, quantity: &Quantity, dimension: Dimension) -> Option<f64> {
+        let (value, found) = to_si(quantity);
+        if found == dimension {
+            return Some(value);
+        }
+        let title = format!("expected {}", dimension.noun());
+        if let (Dimension::NUMBER, Some(&&Term::Word(name))) = (found, self.terms.peek())
+            && name.span.start <= quantity.span.end + 1
+            && !schema::is_word(self.word_of(name))
+        {
+            self.terms.next();
+            let word = self.word_of(name);
+            let site = self.site(name.span);
+            let finding = Finding::new(Code::WrongDimension, title)
+                .label(site, format!("`{word}` is no unit"))
+                .suggest(site, unit_meant(word), || {
+                    "units are those of the SI, with prefixes such as `m` and `k`, and min, h, \
+                     L, rev, deg and ticks"
+                        .to_owned()
+                });
+            tell(self.findings, finding);
+            return None;
+        }
+        let label = match found {
+            Dimension::NUMBER => "has no unit".to_owned(),
+            other => match other.noun() {
+                "a value of another kind" => "has another unit".to_owned(),
+                noun => format!("is {}", noun.split(',').next().unwrap_or(noun)),
+            },
+        };
+        let site = self.site(quantity.span);
+        tell(
+            self.findings,
+            Finding::new(Code::WrongDimension, title).label(site, label),
+        );
+        None
+    }
+}

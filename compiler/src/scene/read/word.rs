@@ -1,0 +1,130 @@
+//! The words of a scene, one after the other.
+use stochc_grammar::tree::{Name, Term};
+use stochc_ir::scene::schema::Entry;
+use stochc_ir::suggest::nearest;
+
+use super::{Reader, named, span, words};
+use crate::finding::{Code, Finding, Fix, tell};
+
+impl Reader<'_, '_> {
+    /// The next word, which has to be one of `known`; skips what is none, and tells of it once.
+    pub(super) fn head(
+        &mut self,
+        known: &'static [Entry],
+        noun: &str,
+        said: &[Name],
+    ) -> Option<(Name, &'static Entry)> {
+        let mut told = false;
+        loop {
+            let term = self.terms.next()?;
+            if let Term::Word(name) = term {
+                self.place = name.span;
+                let word = self.word_of(*name);
+                if let Some(entry) = known.iter().find(|entry| entry.word == word) {
+                    return Some((*name, entry));
+                }
+                if !told {
+                    let site = self.site(name.span);
+                    let title = format!("`{word}` is no {noun}");
+                    let mut meant = nearest(word, words(known));
+                    if let Some(meant) = &mut meant {
+                        // Nothing is said twice.
+                        meant.clear &= named(said, &meant.word, self.symbols).is_none();
+                    }
+                    let finding = Finding::new(Code::UnknownTerm, title)
+                        .label(site, "not known here")
+                        .suggest(site, meant, || {
+                            format!("known are {}", words(known).join(", "))
+                        });
+                    tell(self.findings, finding);
+                }
+            } else if !told {
+                let span = span(term);
+                let help = format!("expected one of {}", words(known).join(", "));
+                let title = format!("expected a {noun}");
+                self.tell(Code::UnknownTerm, title, span, "does not belong here", help);
+            }
+            told = true;
+        }
+    }
+
+    /// One of the words for the kind of something.
+    pub(super) fn kind(&mut self, of: &'static [Entry], noun: &str) -> Option<&'static Entry> {
+        let known = &words(of)[..];
+        let (expected, help) = match known {
+            [only] => (
+                format!("`{only}`"),
+                format!("`{only}` is the only kind there is"),
+            ),
+            _ => {
+                let article = if noun.starts_with(['a', 'e', 'i', 'o', 'u']) {
+                    "an"
+                } else {
+                    "a"
+                };
+                (
+                    format!("{article} {noun}"),
+                    format!("known are {}", known.join(", ")),
+                )
+            }
+        };
+        let (found, span) = match self.terms.peek() {
+            Some(Term::Word(name)) => {
+                let found = self.word_of(*name);
+                if let Some(kind) = of.iter().find(|kind| kind.word == found) {
+                    self.place = name.span;
+                    self.terms.next();
+                    return Some(kind);
+                }
+                self.terms.next();
+                let site = self.site(name.span);
+                let title = format!("expected {expected}, found `{found}`");
+                let finding = Finding::new(Code::UnknownTerm, title)
+                    .label(site, "here")
+                    .help(help);
+                let fix = match (nearest(found, known), known) {
+                    (Some(meant), _) => Some(Fix::word(site, &meant)),
+                    (None, [only]) => {
+                        Some(Fix::replace(site, *only, format!("write `{only}`")).unsafe_if(true))
+                    }
+                    _ => None,
+                };
+                let finding = match fix {
+                    Some(fix) => finding.fix(fix),
+                    None => finding,
+                };
+                tell(self.findings, finding);
+                return None;
+            }
+            Some(term) => ("something else", span(term)),
+            None => ("nothing", self.place),
+        };
+        let title = format!("expected {expected}, found {found}");
+        self.tell(Code::UnknownTerm, title, span, "here", help);
+        None
+    }
+
+    pub(super) fn next_is(&mut self, word: &str) -> bool {
+        let Some(&&Term::Word(name)) = self.terms.peek() else {
+            return false;
+        };
+        let is_next = self.word_of(name) == word;
+        if is_next {
+            self.place = name.span;
+            self.terms.next();
+        }
+        is_next
+    }
+
+    pub(super) fn once(&mut self, seen: &mut Vec<Name>, name: Name) {
+        if let Some(old) = seen.iter().find(|old| old.symbol == name.symbol) {
+            let word = self.word_of(name);
+            let finding = Finding::new(Code::DuplicateTerm, format!("`{word}` is given twice"))
+                .label(self.site(name.span), "given again")
+                .label(self.site(old.span), "first given here")
+                .help("remove one of the two");
+            tell(self.findings, finding);
+        }
+        seen.push(name);
+    }
+}

@@ -1,0 +1,96 @@
+//! What the words of a scene say, and which may stand where: for editors.
+use stochc_grammar::tree::{Scene, Term};
+use stochc_grammar::{Span, Symbols};
+use stochc_ir::scene::schema::{CLAUSES, Entry, Part};
+
+/// A place in a scene.
+#[derive(Debug)]
+pub struct Words {
+    /// The word that stands there.
+    pub word: Option<Span>,
+    /// What it says, if it is known, and before that what it belongs to, from the clause on.
+    pub path: Vec<&'static Entry>,
+    /// What may stand there instead.
+    pub next: Vec<&'static Entry>,
+}
+
+impl Words {
+    /// Those at a byte.
+    pub fn at(scene: &Scene, symbols: &Symbols, at: u32) -> Words {
+        within(&scene.terms, symbols, &[], &CLAUSES, at)
+    }
+}
+
+/// A place between the braces of `outer`, where the words of `known` begin something.
+fn within(
+    terms: &[Term],
+    symbols: &Symbols,
+    outer: &[&'static Entry],
+    known: &'static [Entry],
+    at: u32,
+) -> Words {
+    let mut path = outer.to_vec();
+    let mut said: Vec<&str> = Vec::new();
+    let mut word = None;
+    let mut before = None;
+    for term in terms {
+        match term {
+            Term::Block(inner, span) if span.start < at && at < span.end => {
+                let fields = path.iter().rev().find_map(|entry| entry.fields());
+                return within(inner, symbols, &path, fields.map_or(&[], |it| it.0), at);
+            }
+            Term::Word(name) if name.span.start <= at && at <= name.span.end => {
+                before = Some(path.clone());
+                word = Some(name.span);
+                follow(&mut path, outer.len(), known, symbols.word(name.symbol));
+            }
+            Term::Word(name) => {
+                said.push(symbols.word(name.symbol));
+                if name.span.end < at {
+                    follow(&mut path, outer.len(), known, symbols.word(name.symbol));
+                }
+            }
+            _ => {}
+        }
+    }
+    let own = &before.as_deref().unwrap_or(&path)[outer.len()..];
+    let kinds = own
+        .last()
+        .map(|entry| choices(entry, true))
+        .unwrap_or_default();
+    let next = match kinds.is_empty() {
+        false => kinds,
+        true => {
+            let known = known.iter().filter(|entry| !said.contains(&entry.word));
+            let is_new = |entry: &&Entry| !own.iter().any(|said| std::ptr::eq(*said, *entry));
+            let further = own.iter().flat_map(|entry| choices(entry, false));
+            further.filter(is_new).chain(known).collect()
+        }
+    };
+    Words { word, path, next }
+}
+
+/// Goes on to what a word says behind those of a path, or at its beginning.
+fn follow(path: &mut Vec<&'static Entry>, outer: usize, known: &'static [Entry], word: &str) {
+    let further = path[outer..].iter().rev().flat_map(|entry| {
+        let kinds = choices(entry, true).into_iter();
+        kinds.chain(choices(entry, false))
+    });
+    match further.into_iter().find(|entry| entry.word == word) {
+        Some(entry) => path.push(entry),
+        None => {
+            path.truncate(outer);
+            path.extend(known.iter().find(|entry| entry.word == word));
+        }
+    }
+}
+
+/// The words for the kind of an entry, or those that may follow its values.
+fn choices(entry: &'static Entry, of_kind: bool) -> Vec<&'static Entry> {
+    let parts = entry.parts.iter().flat_map(|part| match part {
+        Part::OneOf { of, .. } if of_kind => *of,
+        Part::Then(entry) if !of_kind => std::slice::from_ref(*entry),
+        _ => &[],
+    });
+    parts.collect()
+}

@@ -1,0 +1,306 @@
+//! The clauses of a scene: their kinds and fields, in the order of the reference.
+use super::super::{
+    Agitation, Anchor, Arrangement, Block, Bond, Contact, ContactLaw, Drag, Enclosure, Flow, Fluid,
+    Free, Jets, Magnets, Measure, Messages, Pump, Reach, Scene, Stir, Strength, Turbulence,
+};
+use super::equations::*;
+use super::numbers::*;
+use super::{Absent, Alternative, Either, Entry, Group, Number, Part};
+use Absent::{Example, NoTerm, NoTermWhere};
+
+/// A number that has not been said yet.
+const UNSAID: f64 = f64::NAN;
+const UNSAID_REACH: Reach = Reach {
+    force: UNSAID,
+    within: UNSAID,
+};
+const UNSAID_BLOCK: Block = Block {
+    side: UNSAID,
+    mass: UNSAID,
+    faces: 1,
+};
+const UNSAID_ANCHOR: Anchor = Anchor {
+    measure: Measure::Centres,
+    within: UNSAID,
+    tilt: std::f64::consts::FRAC_PI_4,
+};
+
+/// A scene in which nothing has been said.
+pub fn unsaid() -> Scene {
+    Scene {
+        name: String::new(),
+        tick: UNSAID,
+        block: UNSAID_BLOCK,
+        free: Free {
+            count: 0,
+            arrangement: Arrangement::Uniform,
+        },
+        enclosure: None,
+        gravity: None,
+        fluid: None,
+        flow: None,
+        agitation: None,
+        drag: None,
+        contact: None,
+        bond: None,
+        messages: None,
+    }
+}
+
+const fn unsaid_eddies(strength: Strength) -> Turbulence {
+    Turbulence {
+        strength,
+        length: UNSAID,
+        time: None,
+        vertical: 1.0,
+    }
+}
+
+const fn unsaid_contact(law: ContactLaw) -> Contact {
+    Contact {
+        law,
+        friction: UNSAID,
+    }
+}
+
+/// A field of one number, which is called like the last word of its name.
+const fn field(number: &'static Number, part: &'static [Part]) -> Entry {
+    let name = number.names[0];
+    let mut start = name.len();
+    while start > 0 && name.as_bytes()[start - 1] != b'.' {
+        start -= 1;
+    }
+    Entry::new(name.split_at(start).1, part)
+}
+
+macro_rules! field {
+    ($number:ident) => {
+        field(&$number, &[Part::Number(&$number)])
+    };
+}
+
+/// A word with fields between braces.
+macro_rules! braces {
+    ($word:literal [$($field:expr),* $(,)?]) => {
+        braces!($word [$($field),*] Group::Free)
+    };
+    ($word:literal [$($field:expr),* $(,)?] $group:expr) => {
+        Entry::new($word, &[Part::Fields(&[$($field),*], $group)])
+    };
+}
+
+/// A word of which there are several kinds.
+macro_rules! kinds {
+    ($word:literal [$($kind:expr),* $(,)?]) => {
+        Entry::new($word, &[Part::OneOf { noun: $word, of: &[$($kind),*] }])
+    };
+}
+
+/// Every clause that a scene may have.
+#[rustfmt::skip]
+pub static CLAUSES: [Entry; 12] = [
+    field!(TICK).absent(Example("tick 20ms")).equations(&[&TICKS]),
+    Entry::new("block", &[
+        Part::OneOf { noun: "cube", of: &[Entry::new("cube", &[]).is(|_| true).equations(&[&CUBES])] },
+        Part::Fields(&[field!(BLOCK_SIDE), field!(BLOCK_MASS), field!(BLOCK_FACES).otherwise("1")], Group::Free),
+    ])
+    .absent(Example("block cube { side 20cm  mass 1kg  faces 1 }"))
+    .make(|s| s.block = UNSAID_BLOCK),
+    Entry::new("free", &[
+        Part::Number(&FREE),
+        Part::OneOf { noun: "arrangement", of: &[
+            Entry::new("uniform", &[])
+                .means("spread evenly")
+                .is(|s| s.free.arrangement == Arrangement::Uniform)
+                .make(|s| s.free.arrangement = Arrangement::Uniform)
+                .equations(&[&UNIFORM]),
+            field!(FREE_RING)
+                .means("evenly on a level circle halfway up the enclosure, the first in the east")
+                .make(|s| s.free.arrangement = Arrangement::Ring { radius: UNSAID })
+                .equations(&[&RING]),
+        ] },
+    ])
+    .absent(Example("free 300 uniform")),
+    Entry::new("enclosure", &[
+        Part::OneOf { noun: "enclosure", of: &[
+            Entry::new("hemisphere", &[])
+                .means("a half ball on a solid floor, around the centre of the plate")
+                .is(|s| matches!(s.enclosure, Some(Enclosure::Hemisphere { .. })))
+                .make(|s| s.enclosure = Some(Enclosure::Hemisphere { radius: UNSAID, wall: UNSAID }))
+                .equations(&[&HEMISPHERE]),
+            Entry::new("sphere", &[])
+                .means("a ball that the floor cuts off where the plate just fills the cut; without a plate it \
+                        touches the floor")
+                .is(|s| matches!(s.enclosure, Some(Enclosure::Sphere { .. })))
+                .make(|s| s.enclosure = Some(Enclosure::Sphere { radius: UNSAID, wall: UNSAID }))
+                .equations(&[&SPHERE]),
+        ] },
+        Part::Fields(&[field!(ENCLOSURE_RADIUS), field!(ENCLOSURE_WALL)], Group::Free),
+    ])
+    .absent(Example("enclosure hemisphere { radius 5m  wall 25 N/m }")),
+    field!(GRAVITY)
+        .absent(NoTerm("blocks neither sink nor rise"))
+        .make(|s| s.gravity = Some(UNSAID))
+        .equations(&[&WEIGHT, &BUOYANCY]),
+    braces!("fluid" [
+        field!(FLUID_DENSITY).otherwise("neither"),
+        field!(FLUID_VISCOSITY).otherwise("no such drag"),
+    ] Group::Any { needed: "viscosity", help: "add it, or `density`: a fluid with neither does nothing" })
+        .means("what the blocks float in; one field at least")
+        .absent(NoTerm("blocks float in nothing that could take them along"))
+        .make(|s| s.fluid = Some(Fluid { density: None, viscosity: None }))
+        .equations(&[&WAKE, &STOKES]),
+    kinds!("flow" [
+        braces!("stir" [
+            field!(STIR_RADIUS),
+            field!(STIR_RATE),
+            field!(STIR_FORCE).otherwise("the power is not known"),
+            field!(STIR_FOLLOW),
+        ])
+            .means("a ring of rods turns about the vertical axis and takes the fluid along; needs a `fluid`")
+            .make(|s| {
+                let stir = Stir { radius: UNSAID, rate: UNSAID, force: None, follow: UNSAID };
+                s.flow = Some(Flow::Stir(stir));
+            })
+            .equations(&[&STIR]),
+        braces!("jets" [field!(JETS_COUNT), field!(JETS_FLOW), field!(JETS_NOZZLE)])
+            .means("tubes at the wall, evenly around and halfway up, blow fluid to the middle; needs a `fluid`")
+            .make(|s| s.flow = Some(Flow::Jets(Jets { count: 0, flow: UNSAID, nozzle: UNSAID })))
+            .equations(&[&JETS]),
+    ])
+    .absent(NoTermWhere("the fluid is at rest on the average", |s| s.fluid.is_some())),
+    kinds!("agitation" [
+        braces!("kicks" [field(&KICKS_MOST, &[Part::Range { low: &KICKS_LEAST, high: &KICKS_MOST }])])
+            .means("an impulse through the centre of every free block, once a tick")
+            .make(|s| s.agitation = Some(Agitation::Kicks { speed: (UNSAID, UNSAID) }))
+            .equations(&[&KICKS]),
+        braces!("turbulence" [
+            field!(EDDY_SPEED).otherwise("needed, this or `intensity`"),
+            field!(EDDY_INTENSITY).otherwise("needed, this or `speed`"),
+            field!(EDDY_LENGTH),
+            field!(EDDY_TIME).otherwise("length over speed"),
+            field!(EDDY_VERTICAL).otherwise("1"),
+        ] Group::Either(&STRENGTH))
+            .means("eddies of the fluid, which take blocks along; needs a `fluid`")
+            .equations(&[&EDDIES]),
+        braces!("brownian" [field!(TEMPERATURE)])
+            .means("the heat of the fluid, which balances its viscous drag; needs a `viscosity`")
+            .make(|s| s.agitation = Some(Agitation::Brownian { temperature: UNSAID }))
+            .equations(&[&HEAT]),
+    ])
+    .absent(NoTerm("nothing moves the blocks by chance")),
+    braces!("drag" [field!(DRAG_RATE)])
+        .means("slows the centre of every free block")
+        .absent(NoTermWhere("between collisions blocks keep their speed", |s| s.fluid.is_none()))
+        .make(|s| s.drag = Some(Drag { rate: UNSAID }))
+        .equations(&[&DRAG]),
+    braces!("contact" [
+        field!(CONTACT_RESTITUTION).otherwise("needed, this or `stiffness`"),
+        field!(CONTACT_STIFFNESS).otherwise("needed, this or `restitution`"),
+        field!(CONTACT_DAMPING).otherwise("no such force"),
+        field!(CONTACT_FRICTION),
+    ] Group::Either(&RIGIDITY))
+        .means("how blocks collide with each other, the structure and the floor")
+        .absent(NoTerm("blocks pass through each other and the floor"))
+        .equations(&[&RIGID, &COMPLIANT]),
+    kinds!("bond" [
+        braces!("attract" [
+            field(&PULL, &[Part::Number(&PULL), Part::Then(&field!(PULL_WITHIN).absent(NO_REACH))]),
+            field(&ALIGN, &[Part::Number(&ALIGN), Part::Then(&field!(ALIGN_WITHIN).absent(NO_REACH))])
+                .absent(NoTerm("only the pull turns a block towards a magnetized face"))
+                .make(|s| if let Some(Bond::Attract { align, .. }) = &mut s.bond { *align = Some(UNSAID_REACH); }),
+            field(&ANCHOR, &ANCHORING),
+        ])
+            .means("a face is switched on to capture, and pulls")
+            .make(|s| {
+                s.bond = Some(Bond::Attract { pull: UNSAID_REACH, align: None, anchor: UNSAID_ANCHOR });
+            })
+            .equations(&[&PULLING, &ALIGNING, &ANCHOR_CENTRES, &ANCHOR_GAP]),
+        braces!("reject" [field!(HOLD), field!(DEPTH), field!(REACH), field!(IMPULSE), field(&ANCHOR, &ANCHORING)])
+            .means("every face of every block attracts every other one, in each quarter turn")
+            .make(|s| {
+                let magnets = Magnets { hold: UNSAID, depth: UNSAID, within: UNSAID };
+                s.bond = Some(Bond::Reject { magnets, anchor: UNSAID_ANCHOR, impulse: UNSAID });
+            })
+            .equations(&[&MAGNETS, &ANCHOR_CENTRES, &ANCHOR_GAP, &REJECTION]),
+        braces!("suction" [
+            field!(HEAD), field!(SUPPLY), field!(VALVE), field!(PASSAGE), field!(SEAL), field(&ANCHOR, &ANCHORING),
+        ])
+            .means("an open face draws fluid, and blocks with it; one that closes the face is held")
+            .make(|s| {
+                let pump = Pump { head: UNSAID, supply: UNSAID, valve: UNSAID, passage: UNSAID };
+                s.bond = Some(Bond::Suction { pump, seal: UNSAID, anchor: UNSAID_ANCHOR });
+            })
+            .equations(&[&PUMP, &SINK, &SEALING, &ANCHOR_CENTRES, &ANCHOR_GAP]),
+    ])
+    .absent(NoTerm("nothing is ever captured")),
+    braces!("messages" [field!(HOP), field!(LOSS).absent(NoTerm("no message is lost"))])
+        .means("what a message costs")
+        .absent(NoTerm("a message arrives in the tick in which it is sent"))
+        .make(|s| s.messages = Some(Messages { hop: 0, loss: None }))
+        .equations(&[&HOPS, &LOSSES]),
+];
+
+const NO_REACH: Absent = Absent::Message {
+    title: "a force without its reach",
+    label: "`within` and a length belong here",
+    help: "write how far it reaches, such as `15 N within 20cm`",
+};
+
+#[rustfmt::skip]
+static ANCHORING: [Part; 3] = [
+    Part::OneOf { noun: "measure of the anchoring distance", of: &[
+        Entry::new("centres", &[])
+            .means("between the centres of the two faces")
+            .is(|s| is_measured(s, Measure::Centres)),
+        Entry::new("gap", &[])
+            .means("along the normal of the magnetized face, with less than half a side off to the side")
+            .is(|s| is_measured(s, Measure::Gap))
+            .make(|s| if let Some(bond) = &mut s.bond { bond.anchor_mut().measure = Measure::Gap; }),
+    ] },
+    Part::Number(&ANCHOR),
+    Part::Then(&field!(ANCHOR_TILT).otherwise("45 deg")),
+];
+
+#[rustfmt::skip]
+static STRENGTH: Either = Either {
+    of: [
+        Alternative {
+            fields: &["speed"],
+            label: "a speed of its own",
+            missing: "add it, or `intensity` as a part of the speed of a `flow`",
+            make: |s| s.agitation = Some(Agitation::Turbulence(unsaid_eddies(Strength::Speed(UNSAID)))),
+        },
+        Alternative {
+            fields: &["intensity"],
+            label: "a part of the speed of the flow",
+            missing: "add it",
+            make: |s| s.agitation = Some(Agitation::Turbulence(unsaid_eddies(Strength::Intensity(UNSAID)))),
+        },
+    ],
+    both: "turbulence with a speed and an intensity",
+    help: "remove one of the two",
+};
+
+#[rustfmt::skip]
+static RIGIDITY: Either = Either {
+    of: [
+        Alternative {
+            fields: &["restitution"],
+            label: "a rigid one",
+            missing: "add it, or `stiffness` for a compliant contact",
+            make: |s| s.contact = Some(unsaid_contact(ContactLaw::Rigid { restitution: UNSAID })),
+        },
+        Alternative {
+            fields: &["stiffness", "damping"],
+            label: "a compliant contact",
+            missing: "add how strongly it repels, such as `stiffness 25 N/m`",
+            make: |s| {
+                s.contact = Some(unsaid_contact(ContactLaw::Compliant { stiffness: UNSAID, damping: 0.0 }));
+            },
+        },
+    ],
+    both: "a contact that is both rigid and compliant",
+    help: "remove `restitution`, or `stiffness` and `damping`; how much a compliant contact throws back \
+           follows from its `damping`",
+};

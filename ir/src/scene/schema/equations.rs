@@ -1,0 +1,180 @@
+//! What the terms of a scene make a runtime compute, in the symbols of their numbers.
+use super::super::groups::rms_of_range;
+use super::super::quantity::QuantityKind;
+use super::super::{
+    Agitation, Anchor, BOLTZMANN, Flow, Fluid, Jets, Measure, Scene, Stir, Turbulence,
+};
+use super::number::Number;
+use super::numbers::*;
+use Symbol::{Derived as D, Number as N};
+
+/// One thing that a term does.
+#[derive(Debug)]
+pub struct Equation {
+    /// In words.
+    pub meaning: &'static str,
+    /// In the symbols of the values, in plain text; `None`: there is nothing to compute.
+    pub formula: Option<&'static str>,
+    /// What stands in it; a scene that does not say the first has no such equation.
+    pub symbols: &'static [Symbol],
+    /// In which scenes it holds.
+    pub holds: fn(&Scene) -> bool,
+}
+
+/// What stands in an equation.
+#[derive(Debug)]
+pub enum Symbol {
+    /// A number of the scene.
+    Number(&'static Number),
+    /// What follows from several.
+    Derived(&'static Derived),
+}
+
+/// A value that follows from numbers of a scene.
+#[derive(Debug)]
+pub struct Derived {
+    /// What it is one of.
+    pub kind: QuantityKind,
+    /// What equations call it.
+    pub symbol: &'static str,
+    /// What it is.
+    pub label: &'static str,
+    /// Its value in SI units; `None`: the scene does not say enough.
+    pub of: fn(&Scene) -> Option<f64>,
+}
+
+fn stir(scene: &Scene) -> Option<&Stir> {
+    match scene.flow.as_ref()? {
+        Flow::Stir(stir) => Some(stir),
+        Flow::Jets(_) => None,
+    }
+}
+
+fn jets(scene: &Scene) -> Option<&Jets> {
+    match scene.flow.as_ref()? {
+        Flow::Jets(jets) => Some(jets),
+        Flow::Stir(_) => None,
+    }
+}
+
+/// The eddies of a scene, and their speed.
+fn eddies(scene: &Scene) -> Option<(&Turbulence, f64)> {
+    match scene.agitation.as_ref()? {
+        Agitation::Turbulence(eddies) => Some((eddies, eddies.speed(scene.flow.as_ref()))),
+        Agitation::Kicks { .. } | Agitation::Brownian { .. } => None,
+    }
+}
+
+fn density(scene: &Scene) -> Option<f64> {
+    scene.fluid.as_ref()?.density
+}
+
+pub(super) fn is_measured(scene: &Scene, measured: Measure) -> bool {
+    let anchor = scene.bond.as_ref().map(super::super::Bond::anchor);
+    anchor.is_some_and(|&Anchor { measure, .. }| measure == measured)
+}
+
+macro_rules! derived {
+    ($($name:ident $kind:ident $symbol:literal $label:literal: $of:expr;)*) => {
+        $(static $name: Derived = Derived {
+            kind: QuantityKind::$kind,
+            symbol: $symbol,
+            label: $label,
+            of: $of,
+        };)*
+    };
+}
+
+// Kind, symbol and label; value in a scene.
+derived! {
+    INERTIA INERTIA "I" "moment of inertia": |s| Some(s.block.mass * s.block.side * s.block.side / 6.0);
+    BORNE NUMBER "ρ a³ / m" "borne by the fluid": |s| Some(density(s)? * s.block.side.powi(3) / s.block.mass);
+    REVOLUTIONS NUMBER "Ω / 2π" "turns a second": |s| Some(stir(s)?.rate / std::f64::consts::TAU);
+    STIR_POWER POWER "P" "power, F r Ω": |s| stir(s)?.power();
+    JET_SPEED SPEED "U" "speed at a tube": |s| jets(s).map(Jets::speed);
+    KICKS_RMS SPEED "j" "rms change of speed": |s| Some(rms_of_range(KICKS_LEAST.get(s)?, KICKS_MOST.get(s)?));
+    EDDY_RMS SPEED "σ" "rms speed in a level direction": |s| Some(eddies(s)?.1);
+    EDDY_LIFE TIME "T" "time of an eddy": |s| {
+        let (eddies, speed) = eddies(s)?;
+        (speed > 0.0).then(|| eddies.time(speed))
+    };
+    DIFFUSION DIFFUSION "D" "diffusion coefficient": |s| {
+        let friction = Fluid::friction(s.fluid.as_ref()?.viscosity?, s.block.side);
+        Some(BOLTZMANN * TEMPERATURE.get(s)? / friction)
+    };
+}
+
+macro_rules! equations {
+    ($($name:ident $meaning:literal $formula:expr; [$($symbol:expr),*] $(if $holds:expr)?;)*) => {
+        $(#[doc = $meaning] pub static $name: Equation = Equation {
+            meaning: $meaning,
+            formula: $formula,
+            symbols: &[$($symbol),*],
+            holds: equations!(@ $($holds)?),
+        };)*
+    };
+    (@) => { |_| true };
+    (@ $holds:expr) => { $holds };
+}
+
+// Meaning; formula; symbols; in which scenes it holds.
+equations! {
+    TICKS "the clock: kicks fall, messages travel and times are told once a tick"
+        None; [N(&TICK)];
+    CUBES "the blocks are cubes, their mass spread evenly"
+        Some("I = m a² / 6 about every axis"); [N(&BLOCK_SIDE), N(&BLOCK_MASS), D(&INERTIA), N(&BLOCK_FACES)];
+    UNIFORM "at the beginning blocks are at rest on a cubic lattice in the enclosure"
+        None; [N(&FREE)];
+    RING "at the beginning blocks are at rest, evenly on a level circle halfway up"
+        None; [N(&FREE), N(&FREE_RING)];
+    HEMISPHERE "an elastic shell over the floor z = 0, felt by the centre of a block"
+        Some("outside R, m v' = -k (|x| - R) x / |x|"); [N(&ENCLOSURE_RADIUS), N(&ENCLOSURE_WALL)];
+    SPHERE "an elastic ball, cut off by the floor z = 0 where the plate just fills the cut; felt by the ball in a block"
+        Some("y = x - c; beyond R, m v' = -k (|y| + a / 2 - R) y / |y|"); [N(&ENCLOSURE_RADIUS), N(&ENCLOSURE_WALL)];
+    WEIGHT "pulls every free block down"
+        Some("v' = -g z"); [N(&GRAVITY)] if |s| density(s).is_none();
+    BUOYANCY "pulls every free block down, and its fluid bears it up"
+        Some("v' = -(1 - ρ a³ / m) g z"); [N(&GRAVITY), D(&BORNE)] if |s| density(s).is_some();
+    WAKE "drag of a wake, on the motion relative to the fluid"
+        Some("m v' = -ρ a² |v - u| (v - u) / 2; I ω' = -ρ a⁵ |ω - w| (ω - w) / 32"); [N(&FLUID_DENSITY)];
+    STOKES "Stokes' drag of a cube, on the motion relative to the fluid"
+        Some("m v' = -6 π η 0.6607 a (v - u); I ω' = -6 η a³ (ω - w)"); [N(&FLUID_VISCOSITY)];
+    STIR "the fluid turns about the vertical axis: as a whole within the ring, without vorticity outside"
+        Some("u = f Ω s, beyond r f Ω r² / s; its pressure keeps it on the circle"); [N(&STIR_RADIUS), N(&STIR_RATE), D(&REVOLUTIONS), N(&STIR_FOLLOW), N(&STIR_FORCE), D(&STIR_POWER)];
+    JETS "round turbulent jets from the wall to the middle, evenly around"
+        Some("u = U min(1, 6.2 D / s) exp(-ln 2 (q / max(0.094 s, D / 2))²)"); [N(&JETS_COUNT), N(&JETS_FLOW), N(&JETS_NOZZLE), D(&JET_SPEED)];
+    KICKS "an impulse through the centre of every free block, once a tick"
+        Some("v += s n, s uniform in [u, w], n isotropic; j² = (u² + u w + w²) / 3"); [N(&KICKS_LEAST), N(&KICKS_MOST), D(&KICKS_RMS)];
+    EDDIES "the fluid moves in eddies without sources, which come and go by chance"
+        Some("<u(x, t) u(x, t + s)> = σ² exp(-s / T), wave length 2 ℓ, Gaussian"); [D(&EDDY_RMS), N(&EDDY_LENGTH), N(&EDDY_VERTICAL), D(&EDDY_LIFE)];
+    HEAT "fluctuations that balance the viscous drag, of place and of orientation"
+        Some("<x²> = 2 D t with D = k T / (6 π η 0.6607 a), Einstein's relation"); [N(&TEMPERATURE), D(&DIFFUSION)];
+    DRAG "slows the centre of every free block"
+        Some("v' = -γ v, by v *= exp(-γ dt) in each step"); [N(&DRAG_RATE)];
+    RIGID "blocks, structure and floor do not overlap; they collide, and rub"
+        Some("along the normal u -> -e u; across it at most μ times that impulse"); [N(&CONTACT_RESTITUTION), N(&CONTACT_FRICTION)];
+    COMPLIANT "blocks, structure and floor repel where they overlap by a depth d, and rub"
+        Some("f = max(0, k d + c d') along the normal, shared in proportion to depth; across it at most μ f"); [N(&CONTACT_STIFFNESS), N(&CONTACT_DAMPING), N(&CONTACT_FRICTION)];
+    PULLING "pulls the nearest face of every free block in reach of a magnetized face"
+        Some("|f| = F on the centre of that face, towards the magnetized one's"); [N(&PULL), N(&PULL_WITHIN)];
+    ALIGNING "turns that face, once closer, into the nearest quarter turn"
+        Some("|f| = f on each of its four corners, towards its counterpart"); [N(&ALIGN), N(&ALIGN_WITHIN)];
+    MAGNETS "faces always attract each other, by four pairs of dipoles at half of the way from the middle to the corners"
+        Some("f = F / 4 (1 + d / δ)⁻⁴ between two of a pair at the distance d"); [N(&HOLD), N(&DEPTH), N(&REACH)];
+    REJECTION "a block that is rejected leaves along the normal of the face"
+        Some("v = J / m"); [N(&IMPULSE)];
+    PUMP "open faces share the pump through the tree of blocks; every flow is laminar"
+        Some("Δp = R Q on each way, flows into a chamber sum to none"); [N(&HEAD), N(&SUPPLY), N(&VALVE), N(&PASSAGE)];
+    SINK "an open face is a sink before a wall, whose flow takes blocks along"
+        Some("u = Q / (2 π d²) towards the face"); [];
+    SEALING "a block that is close feels the pressure drop on its face"
+        Some("within s, |f| = Δp a², half on the centre, the rest on the corners"); [N(&SEAL)];
+    HOPS "a message needs this long from a block to its parent or child"
+        None; [N(&HOP)];
+    LOSSES "a hop may be lost, and so may its acknowledgement; without one the sender sends again"
+        Some("a hop arrives with probability 1 - p; again after 2 h + 1 ticks"); [N(&LOSS)];
+    ANCHOR_CENTRES "then the block is anchored, snaps onto the lattice and is fixed"
+        Some("centres of the two faces < d, normals < α from opposite"); [N(&ANCHOR), N(&ANCHOR_TILT)] if |s| is_measured(s, Measure::Centres);
+    ANCHOR_GAP "then the block is anchored, snaps onto the lattice and is fixed"
+        Some("gap along the normal < d, aside < a / 2, normals < α from opposite"); [N(&ANCHOR), N(&ANCHOR_TILT)] if |s| is_measured(s, Measure::Gap);
+}

@@ -1,0 +1,89 @@
+//! The schema in words, for the reference of the language and for editors.
+use super::{Absent, Entry, Number, Part, Range};
+
+impl Number {
+    /// What it may be and what it means: `a length, more than 0: the edge of a cube`.
+    pub fn described(&self) -> String {
+        let noun = self.kind.noun.split(',').next().unwrap_or_default();
+        let (rule, meaning) = (self.range.rule(), self.meaning);
+        match self.range {
+            Range::Whole(..) if self.kind.unit.is_empty() => format!("{rule}: {meaning}"),
+            _ => format!("{noun}, {rule}: {meaning}"),
+        }
+    }
+}
+
+impl Entry {
+    /// What it means, and what the values directly behind it may be.
+    pub fn described(&self) -> String {
+        let values = self.parts.iter().filter_map(|part| match part {
+            Part::Number(number) | Part::Range { high: number, .. } => Some(number.described()),
+            _ => None,
+        });
+        let meaning = (!self.meaning.is_empty()).then(|| self.meaning.to_owned());
+        values.chain(meaning).collect::<Vec<_>>().join("; ")
+    }
+
+    /// The rows of a table of Markdown: the word with what stands behind it, what that means, and what holds where
+    /// it is absent; what belongs to it comes after it, indented by so many steps more.
+    pub fn rows(&self, depth: usize, out: &mut String) {
+        let kinds = self.parts.iter().find_map(|part| match part {
+            Part::OneOf { of, .. } => Some(*of),
+            _ => None,
+        });
+        let absent = match self.absent {
+            Absent::Default(it) | Absent::NoTerm(it) | Absent::NoTermWhere(it, _) => it,
+            _ if kinds.is_some_and(|kinds| kinds.len() > 1) => "needed, one of these",
+            _ => "needed",
+        };
+        let mut row = |kind: Option<&Entry>, absent: &str| {
+            let descriptions = [Some(self), kind]
+                .into_iter()
+                .flatten()
+                .map(Entry::described);
+            let described: Vec<_> = descriptions.filter(|text| !text.is_empty()).collect();
+            let head = self.pattern(kind).join(" ").replace("` `", " ");
+            let indent = "&nbsp; ".repeat(depth);
+            *out += &format!("| {indent}{head} | {} | {absent} |\n", described.join("; "));
+            kind.iter().for_each(|kind| kind.inner_rows(depth, out));
+        };
+        match kinds {
+            None => row(None, absent),
+            Some(kinds) => {
+                for (i, kind) in kinds.iter().enumerate() {
+                    row(Some(kind), if i == 0 { absent } else { "" });
+                }
+            }
+        }
+        self.inner_rows(depth, out);
+    }
+
+    /// The rows of what belongs to it.
+    fn inner_rows(&self, depth: usize, out: &mut String) {
+        for part in self.parts {
+            match part {
+                Part::Then(entry) => entry.rows(depth + 1, out),
+                Part::Fields(fields, _) => fields.iter().for_each(|it| it.rows(depth + 1, out)),
+                _ => {}
+            }
+        }
+    }
+
+    /// How it is written, with the symbols of its values.
+    fn pattern(&self, kind: Option<&Entry>) -> Vec<String> {
+        let mut out = vec![format!("`{}`", self.word)];
+        for part in self.parts {
+            match part {
+                Part::Number(number) => out.push(number.symbol.to_owned()),
+                Part::Range { low, high } => {
+                    out.push(format!("{} `..` {}", low.symbol, high.symbol))
+                }
+                Part::OneOf { .. } => out.extend(kind.iter().flat_map(|kind| kind.pattern(None))),
+                Part::Fields(..) => out.push("`{ ... }`".to_owned()),
+                Part::Then(_) => {}
+            }
+        }
+        out.retain(|text| !text.is_empty());
+        out
+    }
+}

@@ -1,0 +1,71 @@
+//! What is known of the words of a scene.
+use serde_json::{Value, json};
+use stochc_compiler::scene::Words;
+use stochc_compiler::{FileId, Site, Span};
+use stochc_grammar::tree::ItemKind;
+use stochc_ir::scene::schema::Entry;
+
+use super::analysis::Analysis;
+
+/// The kind of a completion that is a word of the language, in the protocol.
+const KEYWORD: u32 = 14;
+
+/// What the word at a byte says, and where it stands.
+pub fn hover(analysis: &Analysis, at: usize) -> Option<(String, Site)> {
+    let words = words(analysis, at)?;
+    let (entry, outer) = words.path.split_last()?;
+    let site = Site {
+        file: FileId(0),
+        span: words.word?,
+    };
+    let outer: Vec<&str> = outer.iter().map(|entry| entry.word).collect();
+    let within = match outer[..] {
+        [] => "a clause of scenes".to_owned(),
+        _ => format!("of `{}`", outer.join(" ")),
+    };
+    let mut text = format!("**`{}`**, {within}\n\n{}\n", entry.word, entry.described());
+    if let Some(absent) = entry.absent.meaning() {
+        text.push_str(&format!("\nAbsent: {absent}\n"));
+    }
+    for equation in entry
+        .equations
+        .iter()
+        .filter_map(|equation| equation.formula)
+    {
+        text.push_str(&format!("\n```text\n{equation}\n```\n"));
+    }
+    Some((text, site))
+}
+
+/// The words that may stand at a byte.
+pub fn completions(analysis: &Analysis, at: usize) -> Vec<Value> {
+    let item = |entry: &&Entry| {
+        json!({
+            "label": entry.word,
+            "kind": KEYWORD,
+            "documentation": entry.described(),
+        })
+    };
+    let words = words(analysis, at);
+    words
+        .iter()
+        .flat_map(|words| &words.next)
+        .map(item)
+        .collect()
+}
+
+fn words(analysis: &Analysis, at: usize) -> Option<Words> {
+    let checked = &analysis.checked;
+    let is_in_braces = |name: Span| {
+        let text = &checked.sources.file(FileId(0)).text;
+        let head = text.get(name.end as usize..at);
+        head.is_some_and(|head| head.contains('{'))
+    };
+    let at = at as u32;
+    checked.tree.items.iter().find_map(|item| match &item.kind {
+        ItemKind::Scene(scene) if is_in_braces(scene.name.span) && at < item.span.end => {
+            Some(Words::at(scene, &checked.symbols, at))
+        }
+        _ => None,
+    })
+}
