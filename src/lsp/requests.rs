@@ -2,10 +2,10 @@
 use std::sync::Arc;
 
 use gen_lsp_types::{
-    CodeActionParams, CompletionParams, DefinitionParams, DidChangeTextDocumentParams, DidCloseTextDocumentParams,
-    DidOpenTextDocumentParams, DidSaveTextDocumentParams, DocumentFormattingParams,
-    DocumentHighlightParams, DocumentSymbolParams, HoverParams, Location, Position,
-    PrepareRenameParams, ReferenceParams, RenameParams, TextDocumentPositionParams,
+    CodeActionParams, CompletionParams, DefinitionParams, DidChangeTextDocumentParams,
+    DidCloseTextDocumentParams, DidOpenTextDocumentParams, DidSaveTextDocumentParams,
+    DocumentFormattingParams, DocumentHighlightParams, DocumentSymbolParams, HoverParams, Location,
+    Position, PrepareRenameParams, ReferenceParams, RenameParams, TextDocumentPositionParams,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
