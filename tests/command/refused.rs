@@ -143,7 +143,7 @@ fn other_results_are_never_overwritten() {
         (&["--seed", "2"][..], "the seed is `1` there and `2` here"),
         (&["--max-ticks", "7"], "the limit of ticks"),
         (&["--substeps", "7"], "the number of substeps"),
-        (&["--solver-iterations", "7"], "`solver_iterations`"),
+        (&["--solver-iterations", "7"], "`solver-iterations`"),
         (&["tests/fixtures/late.sa"], "`tower, late` here"),
     ] {
         for resume in [&[][..], &["--resume"]] {

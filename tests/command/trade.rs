@@ -284,7 +284,8 @@ fn the_cheapest_setting_that_is_accurate_enough_is_taken() {
     // A rerun needs no trade.
     let manifest = fs::read_to_string(path(out.as_ref(), "manifest.json")).unwrap();
     let manifest: Value = serde_json::from_str(&manifest).unwrap();
-    assert_eq!(manifest["model"], "rigid");
+    assert_eq!(manifest["settings"]["model"], "rigid");
+    assert_eq!(manifest["settings"]["substeps"], 1);
     let own =
         stochc("simulate tests/fixtures/dense.sa --runs 2 --quiet --model rigid --substeps 1");
     assert_eq!(own.out, said.out);

@@ -49,7 +49,7 @@ fn a_manifest_of_something_else_is_not_touched() {
     put(&folder.path().join("manifest.json"), "{\"icons\": []}");
     assert_snapshot!(refusal(folder.path(), &manifest(2), true), @"cannot read `manifest.json` in `DIR`: it is not the manifest of an ensemble; choose another folder, or read this one with the version that made it");
     put(&folder.path().join("manifest.json"), "{\"format\": 99}");
-    assert_snapshot!(refusal(folder.path(), &manifest(2), true), @"cannot read `manifest.json` in `DIR`: its format is 99, and this is 2; choose another folder, or read this one with the version that made it");
+    assert_snapshot!(refusal(folder.path(), &manifest(2), true), @"cannot read `manifest.json` in `DIR`: its format is 99, and this is 3; choose another folder, or read this one with the version that made it");
 }
 
 #[test]
@@ -63,7 +63,7 @@ fn another_ensemble_is_refused_with_what_differs() {
     other.settings.substeps = 8;
     other.settings.max_ticks = Some(100);
     other.settings.solver_iterations = Some(3);
-    assert_snapshot!(refused(&other), @"`DIR` holds another ensemble: the seed is `18446744073709551615` there and `4` here, the number of substeps is `1` there and `8` here, the limit of ticks is `none` there and `100` here, `skin` is `unset` there and `2mm` here; choose another folder, results are never overwritten");
+    assert_snapshot!(refused(&other), @"`DIR` holds another ensemble: the seed is `18446744073709551615` there and `4` here, the number of substeps is `4` there and `8` here, the limit of ticks is `none` there and `100` here, `solver-iterations` is `10` there and `3` here; choose another folder, results are never overwritten");
 
     let mut other = manifest(2);
     other.programs[0].sources[0].text.push(' ');

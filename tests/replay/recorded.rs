@@ -213,13 +213,13 @@ fn a_program_that_has_changed_is_refused() {
         said.contains("does not belong to `manifest.json`"),
         "{said}"
     );
-    // Even where the journal says nothing against it.
+    // Even where the journal says nothing against it, what cannot be run is not.
     fs::remove_file(results.path().join("journal.jsonl")).unwrap();
+    let damaged = text.replacen("\"duties\":[{\"role\":0", "\"duties\":[{\"role\":900", 1);
+    assert_ne!(damaged, text);
+    fs::write(&manifest, damaged).unwrap();
     let said = refusal(&results);
-    assert!(
-        said.contains("do not give its program `dense` any more"),
-        "{said}"
-    );
+    assert!(said.contains("it is damaged"), "{said}");
 }
 
 #[test]

@@ -99,11 +99,11 @@ fn what_is_no_results_folder_is_refused() {
     // A manifest of another layout.
     let manifest = path(out.as_ref(), "manifest.json");
     let text = fs::read_to_string(&manifest).unwrap();
-    fs::write(&manifest, text.replace("\"format\": 2", "\"format\": 99")).unwrap();
+    fs::write(&manifest, text.replace("\"format\": 3", "\"format\": 99")).unwrap();
     let said = stochc_with("report", &[&out]);
     assert_eq!(said.status, 2);
     assert!(
-        said.err.contains("its format is 99, and this is 2"),
+        said.err.contains("its format is 99, and this is 3"),
         "{}",
         said.err
     );

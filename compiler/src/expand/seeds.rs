@@ -19,7 +19,7 @@ fn has_captures(items: &[Item]) -> bool {
 }
 
 /// Blocks along one edge of a plate, at most.
-const MAX_EDGE: i64 = 100_000;
+const MAX_EDGE: i64 = Plate::LONGEST as i64;
 
 impl<'a> Expander<'a, '_> {
     /// The plate and the seeds on it.

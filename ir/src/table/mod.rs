@@ -59,6 +59,11 @@ pub struct Plate {
     pub depth: u32,
 }
 
+impl Plate {
+    /// Blocks along one edge, at most.
+    pub const LONGEST: u32 = 100_000;
+}
+
 /// The name of the phase of blocks that are attached by hand: a word of the language, so that
 /// no other phase has it.
 pub const PLANTED: &str = "seed";

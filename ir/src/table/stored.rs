@@ -9,7 +9,7 @@ use super::{
 use crate::Cell;
 use crate::scene::BondKind;
 
-/// Blocks of a plate at most, and cells from the origin at most in each direction.
+/// Cells from the origin at most, in each direction.
 const FARTHEST: i32 = 100_000_000;
 
 impl Serialize for Tables {
@@ -130,7 +130,7 @@ impl StoredTables {
 
     fn validate_plate(&self) -> Result<(), String> {
         let Plate { width, depth } = self.plate;
-        if u64::from(width) * u64::from(depth) > FARTHEST as u64 {
+        if width.max(depth) > Plate::LONGEST {
             return Err(format!("a plate of {width} x {depth} blocks is too large"));
         }
         let seeds = self.roles.iter().filter_map(|role| role.seed);
