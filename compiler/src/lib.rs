@@ -4,7 +4,7 @@
 //! ([`plan`]), its names are followed through the phases, its blocks get their cells, and its
 //! events their order ([`graph`], [`order`]); whether a block can still come to every cell is
 //! proved (`reach`); then shapes and the scene are compared with what is
-//! built, and what is right is lowered to event tables ([`table`]). Each stage tells what it finds
+//! built, and what is right is lowered to event tables ([`stochc_ir::table`]). Each stage tells what it finds
 //! and leaves the wrong part out, so that the next one can go on.
 mod capacity;
 pub mod cost;

@@ -1,7 +1,7 @@
 //! Event tables and a scene to runs.
 //!
 //! [`run()`] is the whole of it: a pure function from tables, scene, settings, seed and number of
-//! the run to a [record](record::RunRecord). Inside, a [`Controller`](control::Controller) runs
+//! the run to a [record](stochc_ir::record::RunRecord). Inside, a [`Controller`](control::Controller) runs
 //! the tables and a [`World`](world::World) moves the blocks; neither knows the other's business.
 mod aggregate;
 pub mod control;

@@ -298,7 +298,9 @@ impl<W: Write> Server<W> {
         for path in paths {
             match self.programs.known(&path) {
                 Some(Knowledge::Known(analysis)) => {
-                    programs.as_mut().map(|programs| programs.push(analysis));
+                    if let Some(programs) = &mut programs {
+                        programs.push(analysis);
+                    }
                 }
                 Some(Knowledge::Failed) | None => return Some(Err(())),
                 Some(Knowledge::Waiting) => {

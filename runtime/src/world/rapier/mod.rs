@@ -2,7 +2,7 @@
 //!
 //! All cubes with rotation, contacts and friction, in single precision. A fluid
 //! acts on each block alone: none feels its neighbours' wakes. Contacts are as soft as the
-//! engine makes them, and with one substep a tick that is soft: see [`Settings`](crate::Settings).
+//! engine makes them, and with one substep a tick that is soft: see [`Settings`].
 mod bodies;
 mod convert;
 mod engine;

@@ -70,13 +70,13 @@ impl ExposedFaces {
             rank -= if is_here { 0 } else { *faces };
             is_here
         })?;
-        let faces = run.iter().flat_map(|exposed| {
+        let mut faces = run.iter().flat_map(|exposed| {
             let faces = Face::ALL
                 .into_iter()
                 .filter(|face| exposed.faces & bit(*face) != 0);
             faces.map(|face| (exposed.body, face))
         });
-        faces.skip(rank as usize).next()
+        faces.nth(rank as usize)
     }
 }
 

@@ -33,7 +33,7 @@ impl RankedSet {
     /// All of `n` numbers.
     pub fn full(n: usize) -> RankedSet {
         let mut words = vec![u64::MAX; n.div_ceil(64)];
-        if let Some(last) = words.last_mut().filter(|_| n % 64 > 0) {
+        if let Some(last) = words.last_mut().filter(|_| !n.is_multiple_of(64)) {
             *last >>= 64 - n % 64;
         }
         RankedSet::of(words)
