@@ -1,10 +1,9 @@
 //! What is left of a program when its text is forgotten.
 use stochc_ir::Executable;
-use stochc_ir::graph::{self, Edge, EventAction, EventGraph};
+use stochc_ir::graph::{self, Edge, EventGraph};
 
 use crate::Program;
 use crate::graph::Dependency;
-use crate::plan::Deed;
 
 impl Program {
     /// The dependency graph without its text; it has no chains if there is a cycle.
@@ -14,21 +13,10 @@ impl Program {
         let (plan, order) = (&self.plan, self.order.as_ref());
         let phases = (0..).zip(&plan.phases);
         let events = phases.flat_map(|(number, phase)| {
-            plan.events_of(phase).map(move |id| {
-                let event = plan.event(id);
-                let action = match event.deed {
-                    Deed::Capture { parent, face } => EventAction::Capture {
-                        parent,
-                        face,
-                        child: event.role,
-                    },
-                    Deed::Release => EventAction::Release { child: event.role },
-                };
-                graph::Event {
-                    phase: stochc_ir::table::PhaseId(number),
-                    action,
-                    cell: self.layout.cells[id.0 as usize],
-                }
+            plan.events_of(phase).map(move |id| graph::Event {
+                phase: stochc_ir::table::PhaseId(number),
+                action: plan.event(id).action(),
+                cell: self.layout.cells[id.0 as usize],
             })
         });
         let edges = self.graph.edge_indices().filter_map(|edge| {

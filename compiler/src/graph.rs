@@ -39,19 +39,7 @@ pub enum Dependency {
 impl Dependency {
     /// Whether others will do as well.
     pub fn is_choice(self) -> bool {
-        matches!(self, Dependency::Face { needed, of } if needed < of)
-    }
-
-    /// The reason, as text forms show it.
-    pub fn word(self) -> &'static str {
-        match self {
-            Dependency::Anchored => "anchored",
-            Dependency::Face { .. } => "face",
-            Dependency::After(_) => "after",
-            Dependency::Emptied => "emptied",
-            Dependency::Vacated => "vacated",
-            Dependency::Freed => "freed",
-        }
+        stochc_ir::graph::Dependency::from(self).is_choice()
     }
 }
 

@@ -2,6 +2,7 @@
 use rustc_hash::FxHashMap;
 use stochc_grammar::tree::Quantity;
 use stochc_grammar::{Symbol, Symbols};
+use stochc_ir::graph::EventAction;
 pub use stochc_ir::graph::EventId;
 use stochc_ir::scene::units::Dimension;
 use stochc_ir::table::{Plate, RoleId};
@@ -280,6 +281,21 @@ impl Roles {
     }
 }
 
+impl Event {
+    /// What happens, without its text.
+    pub fn action(&self) -> EventAction {
+        let child = self.role;
+        match self.deed {
+            Deed::Capture { parent, face } => EventAction::Capture {
+                parent,
+                face,
+                child,
+            },
+            Deed::Release => EventAction::Release { child },
+        }
+    }
+}
+
 impl Plan {
     /// Forgets what has been written out, and keeps the plate.
     pub(crate) fn clear(&mut self) {
@@ -310,13 +326,7 @@ impl Plan {
 
     /// An event in a few words: `A.up -> E`, or `release E`.
     pub fn describe(&self, id: EventId, symbols: &Symbols) -> String {
-        let event = self.event(id);
-        let name = self.roles.name(event.role, symbols);
-        match event.deed {
-            Deed::Capture { parent, face } => {
-                format!("{}.{face} -> {name}", self.roles.name(parent, symbols))
-            }
-            Deed::Release => format!("release {name}"),
-        }
+        let action = self.event(id).action();
+        action.describe(|role| self.roles.name(role, symbols))
     }
 }
