@@ -2,13 +2,14 @@
 
 use stochc_compiler::{Checked, Levels};
 use stochc_ir::Executable;
+use stochc_ir::scene::scalars::Change;
 use stochc_runtime::Settings;
 
 use super::super::check::verdict;
 use super::super::terminal::{has_colour, message_width, warn};
 use super::{Options, older, swept, tell_of_build, usage};
 use crate::cli::Exit;
-use crate::ensemble::{FORMAT, Manifest, Program, Source, this_build};
+use crate::ensemble::{FORMAT, Manifest, Program, Source, Varied, this_build};
 use crate::files::programs::{executables, refusal};
 use crate::files::read_file;
 use crate::findings::drawn;
@@ -94,6 +95,24 @@ pub(super) fn accept(file: &str, checked: Checked) -> Result<Vec<Program>, Exit>
         Some(Program::new(&name, sources.clone(), executable))
     });
     Ok(complete.collect())
+}
+
+/// Compiles texts that were kept, for the assembly of a name, with the numbers that are varied.
+pub(super) fn recompile(
+    sources: &[Source],
+    varied: &[Varied],
+    assembly: &str,
+    levels: &Levels,
+) -> Checked {
+    let texts = sources.iter();
+    let texts: Vec<_> = texts
+        .map(|it| (it.path.as_str(), it.text.as_str()))
+        .collect();
+    let changes = varied.iter().map(|varied| Change {
+        of: varied.of.clone(),
+        value: varied.value,
+    });
+    crate::check_texts(&texts, levels, assembly, &changes.collect::<Vec<_>>())
 }
 
 /// The programs that a manifest holds.

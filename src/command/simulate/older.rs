@@ -5,7 +5,6 @@ use std::path::Path;
 use serde::Deserialize;
 use stochc_compiler::Levels;
 use stochc_ir::scene::Scene;
-use stochc_ir::scene::scalars::Change;
 use stochc_runtime::Settings;
 
 use super::{input, usage};
@@ -50,17 +49,8 @@ pub(super) fn read(
     let settings = old.settings().map_err(refuse)?;
     let mut programs = Vec::new();
     for entry in old.programs {
-        let texts = entry.sources.iter();
-        let texts: Vec<_> = texts
-            .map(|it| (it.path.as_str(), it.text.as_str()))
-            .collect();
-        let changes = entry.varied.iter().map(|varied| Change {
-            of: varied.of.clone(),
-            value: varied.value,
-        });
-        let changes: Vec<_> = changes.collect();
-        let checked = crate::check_texts(&texts, levels, &entry.assembly, &changes);
-        let root = texts.first().map_or("", |(name, _)| name);
+        let checked = input::recompile(&entry.sources, &entry.varied, &entry.assembly, levels);
+        let root = entry.sources.first().map_or("", |source| &source.path);
         let found = input::accept(root, checked)?;
         let same = found.into_iter().find(|program| {
             program.assembly() == entry.assembly

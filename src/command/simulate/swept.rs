@@ -4,11 +4,10 @@ use std::path::Path;
 use std::sync::Arc;
 
 use stochc_ir::Executable;
-use stochc_ir::scene::scalars::Change;
 
 use super::super::check::verdict;
 use super::super::terminal::{has_colour, message_width, warn};
-use super::{Options, usage};
+use super::{Options, input, usage};
 use crate::cli::Exit;
 use crate::ensemble::{Compiled, Finished, MOST_RUNS, Manifest, Program};
 use crate::files::atomic;
@@ -75,16 +74,8 @@ pub(super) fn points(options: &Options, programs: &[Program]) -> Result<Vec<Prog
 ///
 /// Warnings have been told when the program was read as it is.
 fn compile(entry: &mut Program, options: &Options, is_told: bool) -> Result<(), Exit> {
-    let texts = entry.sources.iter();
-    let texts: Vec<_> = texts
-        .map(|it| (it.path.as_str(), it.text.as_str()))
-        .collect();
-    let changes = entry.varied.iter().map(|varied| Change {
-        of: varied.of.clone(),
-        value: varied.value,
-    });
-    let (levels, changes) = (&options.levels.levels, changes.collect::<Vec<_>>());
-    let checked = crate::check_texts(&texts, levels, entry.assembly(), &changes);
+    let levels = &options.levels.levels;
+    let checked = input::recompile(&entry.sources, &entry.varied, entry.assembly(), levels);
     if checked.has_errors() {
         if is_told {
             warn(&format!("error: `{}` cannot be run:\n", entry.name));
