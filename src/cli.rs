@@ -1,10 +1,11 @@
 //! The command line.
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory as _, Parser, Subcommand};
 
 use crate::command::{
     check, compile, completions, explain, export, fmt, lsp, man, replay, report, results, simulate,
     trade,
 };
+use crate::exit::{Exit, Failure};
 
 /// Compiler, verifier and simulator for stochastic modular robots.
 #[derive(Debug, Parser)]
@@ -50,39 +51,8 @@ pub enum Command {
     Man(man::Options),
 }
 
-/// How a command ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Exit {
-    /// All is well.
-    Success,
-    /// The program is wrong.
-    WrongProgram,
-    /// The command line is wrong, or a file cannot be read or written.
-    Usage,
-    /// A run was unsuccessful.
-    UnsuccessfulRun,
-    /// No setting that was measured is as accurate as was asked for.
-    NotAccurate,
-    /// Stopped by the user.
-    Interrupted,
-}
-
-impl Exit {
-    /// The number that the shell sees.
-    pub const fn status(self) -> u8 {
-        match self {
-            Exit::Success => 0,
-            Exit::WrongProgram => 1,
-            Exit::Usage => 2,
-            Exit::UnsuccessfulRun => 3,
-            Exit::NotAccurate => 4,
-            Exit::Interrupted => 130,
-        }
-    }
-}
-
-/// Does what the command line says.
-pub fn run(cli: Cli) -> Exit {
+/// Does what the command line says; what is left to say is in the failure.
+pub fn run(cli: Cli) -> Result<Exit, Failure> {
     match cli.command {
         Command::Check(options) => check::run(&options),
         Command::Fmt(options) => fmt::run(&options),
@@ -95,7 +65,7 @@ pub fn run(cli: Cli) -> Exit {
         Command::Export(options) => export::run(&options),
         Command::Explain(options) => explain::run(&options),
         Command::Lsp(options) => lsp::run(&options),
-        Command::Completions(options) => completions::run(&options),
-        Command::Man(options) => man::run(&options),
+        Command::Completions(options) => completions::run(&options, Cli::command()),
+        Command::Man(options) => man::run(&options, Cli::command()),
     }
 }

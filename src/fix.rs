@@ -4,8 +4,7 @@ use std::path::{Path, PathBuf};
 
 use similar::TextDiff;
 use stochc_compiler::{self as compiler, Checked, Levels, Limits};
-
-use crate::files::{atomic, programs, read, read_file};
+use stochc_files::{atomic, programs, read, read_file};
 
 /// A file, and what it is with all safe changes.
 #[derive(Debug)]

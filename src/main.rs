@@ -1,9 +1,18 @@
 //! The `stochc` command.
+use std::io::Write as _;
 use std::process::ExitCode;
 
 use clap::Parser as _;
 use stochc::cli::{Cli, run};
 
+/// The one place where failures are told, and the process ends.
 fn main() -> ExitCode {
-    ExitCode::from(run(Cli::parse()).status())
+    let exit = run(Cli::parse()).unwrap_or_else(|failure| {
+        // Nobody listening is no reason for another status.
+        let _ = std::io::stderr()
+            .lock()
+            .write_all(failure.message.as_bytes());
+        failure.exit
+    });
+    ExitCode::from(exit.status())
 }

@@ -1,5 +1,5 @@
 //! What a user sees of wrong programs: the source and every message in one snapshot.
-use stochc::findings::{Format, show};
+use stochc::diagnostics::{Format, show};
 
 #[test]
 fn messages_read_as_before() {

@@ -72,7 +72,7 @@ impl Sample {
             for program in &mut checked.programs {
                 program.tables = program.tables.as_ref().map(without_news);
             }
-            stochc::orders::try_out(&mut checked);
+            stochc::model_check::try_out(&mut checked);
         }
         checked
     }

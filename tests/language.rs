@@ -5,7 +5,7 @@
 )]
 use stochc::compiler::scene::BUILT_IN;
 use stochc::compiler::{Checked, Limits, check};
-use stochc::findings::{Format, show};
+use stochc::diagnostics::{Format, show};
 use stochc::ir::scene::schema::CLAUSES;
 
 const REFERENCE: &str = include_str!("../docs/language.md");

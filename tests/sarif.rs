@@ -9,7 +9,7 @@ use jsonschema::Validator;
 use serde_json::Value;
 use stochc::compiler::finding::Code;
 use stochc::compiler::{Checked, Level, Levels, Limits, check_with};
-use stochc::findings::Log;
+use stochc::diagnostics::Log;
 
 static SCHEMA: LazyLock<Validator> = LazyLock::new(|| {
     let text = std::fs::read_to_string("tests/sarif/sarif-schema-2.1.0.json").unwrap();

@@ -6,6 +6,8 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use stochc_compiler::emit::{structure_json, structure_svg, structure_text};
 use stochc_compiler::{Checked, Program, Symbols};
+use stochc_files::atomic::draft;
+use stochc_files::programs::refusal;
 use stochc_grammar::to_json;
 use stochc_ir::emit::{graph_dot, graph_json, graph_text, table_json, table_text};
 use stochc_ir::graph::EventGraph;
@@ -14,11 +16,9 @@ use stochc_ir::{Executable, Json};
 use super::check::verdict;
 use super::export::keep;
 use super::levels::LevelOptions;
-use super::terminal::{has_colour, message_width, print_with, usage, warn};
-use crate::cli::Exit;
-use crate::files::atomic::draft;
-use crate::files::programs::refusal;
-use crate::findings::drawn;
+use super::terminal::{has_colour, message_width, print_with, warn};
+use crate::diagnostics::drawn;
+use crate::exit::{Exit, Failure};
 
 /// What `compile` is given.
 #[derive(Debug, Args)]
@@ -68,7 +68,7 @@ enum Form {
 }
 
 /// Compiles a file and shows a stage.
-pub fn run(options: &Options) -> Exit {
+pub fn run(options: &Options) -> Result<Exit, Failure> {
     let only = match options.format {
         Form::Dot => Some(("dot", Stage::Graph, "graph")),
         Form::Svg => Some(("svg", Stage::Structure, "structure")),
@@ -77,23 +77,22 @@ pub fn run(options: &Options) -> Exit {
     if let Some((form, stage, name)) = only
         && stage != options.emit
     {
-        warn(&format!(
-            "error: `--format {form}` is for `--emit {name}` only\n"
-        ));
-        return Exit::Usage;
+        return Err(Failure::usage(format!(
+            "`--format {form}` is for `--emit {name}` only"
+        )));
     }
     if let Some(reason) = refusal(&options.file) {
-        return usage(&reason);
+        return Err(Failure::usage(reason));
     }
     let checked = crate::check_with(&options.file, &options.levels.levels);
     warn(&drawn(&checked, has_colour(), message_width()));
     if checked.has_errors() {
-        return verdict(&checked);
+        return Ok(verdict(&checked));
     }
     let (stage, form) = (options.emit, options.format);
     let Some(path) = &options.out else {
-        print_with(|out| emit(checked, stage, form, out));
-        return Exit::Success;
+        print_with(|out| emit(checked, stage, form, out))?;
+        return Ok(Exit::Success);
     };
     let written = draft(path).and_then(|file| {
         let mut file = BufWriter::new(file);
@@ -101,8 +100,11 @@ pub fn run(options: &Options) -> Exit {
         keep(file, path)
     });
     match written {
-        Ok(()) => Exit::Success,
-        Err(error) => usage(&format!("cannot write `{}`: {error}", path.display())),
+        Ok(()) => Ok(Exit::Success),
+        Err(error) => Err(Failure::usage(format!(
+            "cannot write `{}`: {error}",
+            path.display()
+        ))),
     }
 }
 

@@ -1,10 +1,10 @@
 //! `stochc completions`.
-use clap::{Args, CommandFactory as _};
+use clap::Args;
 use clap_complete::{Shell, generate};
 use stochc_compiler::finding::Code;
 
 use super::terminal::print;
-use crate::cli::{Cli, Exit};
+use crate::exit::{Exit, Failure};
 
 /// What `completions` is given.
 #[derive(Debug, Args)]
@@ -14,8 +14,7 @@ pub struct Options {
 }
 
 /// Prints a script for a shell.
-pub fn run(options: &Options) -> Exit {
-    let mut command = Cli::command();
+pub fn run(options: &Options, mut command: clap::Command) -> Result<Exit, Failure> {
     let name = command.get_name().to_owned();
     let mut script = Vec::new();
     generate(options.shell, &mut command, name, &mut script);
@@ -23,8 +22,8 @@ pub fn run(options: &Options) -> Exit {
     if options.shell == Shell::Fish {
         script.push_str(&codes_for_fish());
     }
-    print(&script);
-    Exit::Success
+    print(&script)?;
+    Ok(Exit::Success)
 }
 
 /// The generator for fish knows the values of options only, and a code is an argument.

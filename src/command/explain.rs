@@ -3,8 +3,8 @@ use clap::Args;
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 use stochc_compiler::finding::{Code, Severity};
 
-use super::terminal::{print, warn};
-use crate::cli::Exit;
+use super::terminal::print;
+use crate::exit::{Exit, Failure};
 
 /// What `explain` is given.
 #[derive(Debug, Args)]
@@ -15,7 +15,7 @@ pub struct Options {
 }
 
 /// Prints the page of a code, or the list of all.
-pub fn run(options: &Options) -> Exit {
+pub fn run(options: &Options) -> Result<Exit, Failure> {
     let Some(name) = &options.code else {
         let lines = Code::ALL.iter().map(|code| {
             let severity = match code.severity() {
@@ -27,23 +27,21 @@ pub fn run(options: &Options) -> Exit {
             let meaning = title.split_once(": ").map_or(title, |(_, meaning)| meaning);
             format!("{:20} {severity:8} {meaning}\n", code.name())
         });
-        print(&lines.collect::<String>());
-        return Exit::Success;
+        print(&lines.collect::<String>())?;
+        return Ok(Exit::Success);
     };
     match Code::from_name(name) {
         Some(code) => {
-            print(code.page());
-            Exit::Success
+            print(code.page())?;
+            Ok(Exit::Success)
         }
         None => {
             let meant = Code::nearest(name).map_or_else(
                 || "`stochc explain` lists them all".to_owned(),
                 |meant| format!("did you mean `{meant}`?"),
             );
-            warn(&format!(
-                "error: no finding has the code `{name}`; {meant}\n"
-            ));
-            Exit::Usage
+            let reason = format!("no finding has the code `{name}`; {meant}");
+            Err(Failure::usage(reason))
         }
     }
 }

@@ -4,13 +4,13 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 use clap::{Args, ValueEnum};
+use stochc_files::atomic::draft;
+use stochc_report::export::{Gltf, Trajectories};
 
-use super::chosen::{Choice, Chosen, choose};
-use super::terminal::{print, usage};
-use crate::cli::Exit;
-use crate::ensemble::stop_on_interrupt;
-use crate::export::{Gltf, Trajectories};
-use crate::files::atomic::draft;
+use super::chosen_run::{Choice, Chosen, choose};
+use super::terminal::print;
+use crate::command::interrupt::stop_on_interrupt;
+use crate::exit::{Exit, Failure};
 
 /// What `export` is given.
 #[derive(Debug, Args)]
@@ -38,15 +38,9 @@ enum Form {
 }
 
 /// Makes a run again and writes its trajectories.
-pub fn run(options: &Options) -> Exit {
-    let stop = match stop_on_interrupt() {
-        Ok(stop) => stop,
-        Err(error) => return usage(&format!("cannot listen for Ctrl-C: {error}")),
-    };
-    let chosen = match choose(&options.choice) {
-        Ok(chosen) => chosen,
-        Err(exit) => return exit,
-    };
+pub fn run(options: &Options) -> Result<Exit, Failure> {
+    let stop = stop_on_interrupt()?;
+    let chosen = choose(&options.choice)?;
     let path = options.out.clone().unwrap_or_else(|| {
         let extension = match options.format {
             Form::Parquet => "parquet",
@@ -54,20 +48,15 @@ pub fn run(options: &Options) -> Exit {
         };
         options.choice.folder.join(chosen.file_name("", extension))
     });
-    let written = match options.format {
-        Form::Parquet => parquet(&chosen, options.every.unwrap_or(1), &path, stop),
-        Form::Gltf => gltf(&chosen, options.every.unwrap_or(8), &path, stop),
-    };
-    match written {
-        Ok(()) => {
-            print(&format!("{}\n", path.display()));
-            Exit::Success
-        }
-        Err(exit) => exit,
+    match options.format {
+        Form::Parquet => parquet(&chosen, options.every.unwrap_or(1), &path, stop)?,
+        Form::Gltf => gltf(&chosen, options.every.unwrap_or(8), &path, stop)?,
     }
+    print(&format!("{}\n", path.display()))?;
+    Ok(Exit::Success)
 }
 
-fn parquet(chosen: &Chosen, every: u32, path: &Path, stop: &AtomicBool) -> Result<(), Exit> {
+fn parquet(chosen: &Chosen, every: u32, path: &Path, stop: &AtomicBool) -> Result<(), Failure> {
     let (tables, scene) = (chosen.entry().tables(), &chosen.entry().scene);
     let about = [
         ("ensemble", chosen.manifest.identity()),
@@ -84,7 +73,7 @@ fn parquet(chosen: &Chosen, every: u32, path: &Path, stop: &AtomicBool) -> Resul
     keep(file, path).map_err(|error| cannot(path, &error))
 }
 
-fn gltf(chosen: &Chosen, every: u32, path: &Path, stop: &AtomicBool) -> Result<(), Exit> {
+fn gltf(chosen: &Chosen, every: u32, path: &Path, stop: &AtomicBool) -> Result<(), Failure> {
     let (tables, scene) = (chosen.entry().tables(), &chosen.entry().scene);
     let mut gltf = Gltf::new(every, scene.free.count, tables);
     chosen.again(&mut gltf, stop)?;
@@ -95,8 +84,8 @@ fn gltf(chosen: &Chosen, every: u32, path: &Path, stop: &AtomicBool) -> Result<(
     keep(file, path).map_err(|error| cannot(path, &error))
 }
 
-fn cannot(path: &Path, error: &impl std::fmt::Display) -> Exit {
-    usage(&format!("cannot write `{}`: {error}", path.display()))
+fn cannot(path: &Path, error: &impl std::fmt::Display) -> Failure {
+    Failure::usage(format!("cannot write `{}`: {error}", path.display()))
 }
 
 /// Gives a file its name.

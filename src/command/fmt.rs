@@ -5,12 +5,12 @@ use clap::Args;
 use similar::TextDiff;
 use stochc_compiler::Sources;
 use stochc_compiler::finding::{Finding, Renderer};
+use stochc_files as files;
+use stochc_files::programs::{STDIN_NAME, programs, read};
 use stochc_grammar::{Refusal, format};
 
-use super::terminal::{has_colour, message_width, print, usage, warn};
-use crate::cli::Exit;
-use crate::files;
-use crate::files::programs::{STDIN_NAME, programs, read};
+use super::terminal::{has_colour, message_width, print, told};
+use crate::exit::{Exit, Failure};
 
 /// What `fmt` is given.
 #[derive(Debug, Args)]
@@ -24,73 +24,71 @@ pub struct Options {
 }
 
 /// Lays out each file; one that is no program is left as it is.
-pub fn run(options: &Options) -> Exit {
+pub fn run(options: &Options) -> Result<Exit, Failure> {
     let mut exit = Exit::Success;
     for file in programs(&options.files) {
-        let done = match file {
-            Ok(file) => one(&file, options.check),
-            Err(reason) => usage(&reason),
-        };
-        if done.status() > exit.status() {
-            exit = done;
-        }
+        let done = file.map_err(Failure::usage);
+        let done = done.and_then(|file| one(&file, options.check));
+        exit = exit.or_worse(told(done));
     }
-    exit
+    Ok(exit)
 }
 
-fn one(file: &str, check: bool) -> Exit {
+fn one(file: &str, check: bool) -> Result<Exit, Failure> {
     let text = match read(file).map(String::from_utf8) {
         Ok(Ok(text)) => text,
         Ok(Err(_)) => {
-            warn(&format!("error: `{file}` is not UTF-8 text\n"));
-            return Exit::WrongProgram;
+            return Err(Failure::wrong_program(format!(
+                "`{file}` is not UTF-8 text"
+            )));
         }
-        Err(reason) => return usage(&format!("cannot read `{file}`: {reason}")),
+        Err(reason) => return Err(Failure::usage(format!("cannot read `{file}`: {reason}"))),
     };
     // The mark of the byte order says nothing in UTF-8, and is dropped.
     let bare = text.strip_prefix('\u{feff}').unwrap_or(&text);
     let laid_out = match format(bare) {
         Ok(laid_out) => laid_out,
-        Err(refusal) => return refused(file, bare, refusal),
+        Err(refusal) => return Err(refused(file, bare, refusal)),
     };
     if check {
         return compare(file, &text, &laid_out);
     }
     if file == STDIN_NAME {
-        print(&laid_out);
+        print(&laid_out)?;
     } else if laid_out != text
         && let Err(error) = files::replace(Path::new(file), laid_out.as_bytes())
     {
-        warn(&format!("error: cannot write `{file}`: {error}\n"));
-        return Exit::Usage;
+        return Err(Failure::usage(format!("cannot write `{file}`: {error}")));
     }
-    Exit::Success
+    Ok(Exit::Success)
 }
 
-fn refused(file: &str, text: &str, refusal: Refusal) -> Exit {
+fn refused(file: &str, text: &str, refusal: Refusal) -> Failure {
     let Refusal::Wrong(errors) = refusal else {
-        warn(&format!(
-            "error: the layout of `{file}` would change its meaning, so it was left as it is; \
-             this is a mistake of stochc: please report it with the file\n"
+        return Failure::usage(format!(
+            "the layout of `{file}` would change its meaning, so it was left as it is; \
+             this is a mistake of stochc: please report it with the file"
         ));
-        return Exit::Usage;
     };
     let mut sources = Sources::default();
     let id = sources.add(file, text);
     let renderer = Renderer::new(has_colour(), message_width());
-    for error in &errors {
+    let drawn = errors.iter().map(|error| {
         let finding = Finding::from_syntax(id, error, text);
-        warn(&format!("{}\n", renderer.render(&finding, &sources)));
+        renderer.render(&finding, &sources) + "\n"
+    });
+    Failure {
+        exit: Exit::WrongProgram,
+        message: drawn.collect(),
     }
-    Exit::WrongProgram
 }
 
-fn compare(file: &str, text: &str, laid_out: &str) -> Exit {
+fn compare(file: &str, text: &str, laid_out: &str) -> Result<Exit, Failure> {
     if laid_out == text {
-        return Exit::Success;
+        return Ok(Exit::Success);
     }
     let diff = TextDiff::from_lines(text, laid_out);
     let mut diff = diff.unified_diff();
-    print(&diff.header(file, &format!("{file} laid out")).to_string());
-    Exit::WrongProgram
+    print(&diff.header(file, &format!("{file} laid out")).to_string())?;
+    Ok(Exit::WrongProgram)
 }

@@ -1,8 +1,7 @@
 //! `stochc lsp`.
 use clap::Args;
 
-use crate::cli::Exit;
-use crate::lsp;
+use crate::exit::{Exit, Failure};
 
 /// What `lsp` is given.
 #[derive(Debug, Args)]
@@ -13,10 +12,12 @@ pub struct Options {
 }
 
 /// Serves an editor until it says goodbye.
-pub fn run(_: &Options) -> Exit {
+pub fn run(_: &Options) -> Result<Exit, Failure> {
     // The protocol: 0 after `shutdown`, else 1.
-    match lsp::serve(std::io::stdin(), std::io::stdout().lock()) {
-        true => Exit::Success,
-        false => Exit::WrongProgram,
-    }
+    Ok(
+        match stochc_lsp::serve(std::io::stdin(), std::io::stdout().lock()) {
+            true => Exit::Success,
+            false => Exit::WrongProgram,
+        },
+    )
 }

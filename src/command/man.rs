@@ -2,11 +2,11 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use clap::{Args, CommandFactory as _};
+use clap::Args;
 use clap_mangen::Man;
 
-use super::terminal::{print, warn};
-use crate::cli::{Cli, Exit};
+use super::terminal::print;
+use crate::exit::{Exit, Failure};
 
 /// What `man` is given.
 #[derive(Debug, Args)]
@@ -17,22 +17,17 @@ pub struct Options {
 }
 
 /// Prints the manual, or writes it into a folder.
-pub fn run(options: &Options) -> Exit {
+pub fn run(options: &Options, command: clap::Command) -> Result<Exit, Failure> {
     // `help` needs no page: it is what every page is about.
-    let mut command = Cli::command().disable_help_subcommand(true);
+    let mut command = command.disable_help_subcommand(true);
     // So that every page knows what its command is called.
     command.build();
-    let written = match &options.out {
-        None => page(command).map(|page| print(&String::from_utf8_lossy(&page))),
-        Some(folder) => pages(command, folder),
-    };
-    match written {
-        Ok(()) => Exit::Success,
-        Err(error) => {
-            warn(&format!("error: cannot write the manual: {error}\n"));
-            Exit::Usage
-        }
+    let refuse = |error| Failure::usage(format!("cannot write the manual: {error}"));
+    match &options.out {
+        None => print(&String::from_utf8_lossy(&page(command).map_err(refuse)?))?,
+        Some(folder) => pages(command, folder).map_err(refuse)?,
     }
+    Ok(Exit::Success)
 }
 
 fn page(command: clap::Command) -> io::Result<Vec<u8>> {

@@ -1,18 +1,20 @@
-//! One module for each subcommand.
+//! One module for each subcommand, and what they share.
 pub mod check;
-mod chosen;
+mod chosen_run;
 pub mod compile;
 pub mod completions;
 pub mod explain;
 pub mod export;
 pub mod fmt;
+mod interrupt;
 pub mod levels;
 pub mod lsp;
 pub mod man;
+mod progress;
 pub mod replay;
 pub mod report;
 pub mod results;
+mod scene_doubts;
 pub mod simulate;
 mod terminal;
 pub mod trade;
-mod unresolved;

@@ -3,15 +3,15 @@ use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use stochc_ensemble::text::visible;
+use stochc_files::atomic::draft;
+use stochc_report::replay::{about, write};
 
-use super::chosen::{Choice, Chosen, choose};
+use super::chosen_run::{Choice, Chosen, choose};
 use super::export::keep;
-use super::terminal::{print, usage};
-use crate::cli::Exit;
-use crate::ensemble::stop_on_interrupt;
-use crate::figures::visible;
-use crate::files::atomic::draft;
-use crate::replay::{about, write};
+use super::terminal::print;
+use crate::command::interrupt::stop_on_interrupt;
+use crate::exit::{Exit, Failure};
 
 /// What `replay` is given.
 #[derive(Debug, Args)]
@@ -24,32 +24,20 @@ pub struct Options {
 }
 
 /// Writes the page that shows a run.
-pub fn run(options: &Options) -> Exit {
-    let stop = match stop_on_interrupt() {
-        Ok(stop) => stop,
-        Err(error) => return usage(&format!("cannot listen for Ctrl-C: {error}")),
-    };
-    let recorded = choose(&options.choice).and_then(|chosen| {
-        let recording = chosen.recording(stop)?;
-        Ok((chosen, recording))
-    });
-    let (chosen, recording) = match recorded {
-        Ok(recorded) => recorded,
-        Err(exit) => return exit,
-    };
+pub fn run(options: &Options) -> Result<Exit, Failure> {
+    let stop = stop_on_interrupt()?;
+    let chosen = choose(&options.choice)?;
+    let recording = chosen.recording(stop)?;
     let program = chosen.entry();
     let path = options.out.clone().unwrap_or_else(|| {
         let name = chosen.file_name("replay-", "html");
         options.choice.folder.join(name)
     });
     let title = format!("{}, run {}", visible(&program.name), chosen.run);
-    match page(&path, &title, &chosen, recording) {
-        Ok(()) => {
-            print(&format!("{}\n", path.display()));
-            Exit::Success
-        }
-        Err(error) => usage(&format!("cannot write `{}`: {error}", path.display())),
-    }
+    page(&path, &title, &chosen, recording)
+        .map_err(|error| Failure::usage(format!("cannot write `{}`: {error}", path.display())))?;
+    print(&format!("{}\n", path.display()))?;
+    Ok(Exit::Success)
 }
 
 /// Writes the page as a whole or not at all.

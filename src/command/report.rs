@@ -3,12 +3,13 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use stochc_ensemble::{Folder, Manifest};
+use stochc_files as files;
+use stochc_files::atomic;
+use stochc_report::ensemble_report::{Input, MARK, Report, Surroundings, address, report};
 
 use super::terminal::{print, warn};
-use crate::cli::Exit;
-use crate::ensemble::{Folder, Manifest};
-use crate::files::{self, atomic};
-use crate::report::{Input, MARK, Report, Surroundings, address, report};
+use crate::exit::{Exit, Failure};
 
 /// What `report` is given.
 #[derive(Debug, Args)]
@@ -28,19 +29,13 @@ pub struct Options {
 const PAGE: &str = "report.html";
 
 /// Writes a page on what folders hold, and its figures beside it.
-pub fn run(options: &Options) -> Exit {
-    let folders = match read(&options.folders) {
-        Ok(folders) => folders,
-        Err(exit) => return exit,
-    };
+pub fn run(options: &Options) -> Result<Exit, Failure> {
+    let folders = read(&options.folders)?;
     let page = options.out.clone().unwrap_or_else(|| match &folders[..] {
         [(folder, _)] => folder.join(PAGE),
         _ => PathBuf::from(PAGE),
     });
-    let beside = match claim(&page) {
-        Ok(beside) => beside,
-        Err(reason) => return refuse(&reason),
-    };
+    let beside = claim(&page).map_err(Failure::usage)?;
     let inputs: Vec<Input> = folders.iter().map(|(_, input)| input.clone()).collect();
     let name = beside.file_name().unwrap_or_default().to_string_lossy();
     let surroundings = Surroundings {
@@ -53,16 +48,19 @@ pub fn run(options: &Options) -> Exit {
     };
     let report = report(&inputs, &surroundings);
     if let Err(error) = keep(&page, &beside, &report) {
-        return refuse(&format!("cannot write `{}`: {error}", page.display()));
+        return Err(Failure::usage(format!(
+            "cannot write `{}`: {error}",
+            page.display()
+        )));
     }
     if !options.quiet {
-        print(&format!("{}\n", page.display()));
+        print(&format!("{}\n", page.display()))?;
     }
-    Exit::Success
+    Ok(Exit::Success)
 }
 
 /// The folders, each once, with all that they hold; tells everything that is wrong with them.
-fn read(paths: &[PathBuf]) -> Result<Vec<(PathBuf, Input)>, Exit> {
+fn read(paths: &[PathBuf]) -> Result<Vec<(PathBuf, Input)>, Failure> {
     let mut seen = Vec::new();
     let mut folders = Vec::new();
     let mut wrong = false;
@@ -102,10 +100,14 @@ fn read(paths: &[PathBuf]) -> Result<Vec<(PathBuf, Input)>, Exit> {
     if versions.windows(2).any(|pair| pair[0] != pair[1]) {
         warn(&format!(
             "note: the folders were made by different versions of stochc: {}\n",
-            crate::figures::visible(&versions.join(", "))
+            stochc_ensemble::text::visible(&versions.join(", "))
         ));
     }
-    if wrong { Err(Exit::Usage) } else { Ok(folders) }
+    if wrong {
+        Err(Failure::silent(Exit::Usage))
+    } else {
+        Ok(folders)
+    }
 }
 
 /// The folder beside the page, if neither would take the place of something else.
@@ -207,9 +209,4 @@ fn replay_names(manifest: &Manifest, program: usize, run: u64) -> Vec<String> {
         names.push(format!("replay-{run}.html"));
     }
     names
-}
-
-fn refuse(reason: &str) -> Exit {
-    warn(&format!("error: {reason}\n"));
-    Exit::Usage
 }

@@ -3,11 +3,12 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use serde_json::json;
+use stochc_ensemble::sweep::Sweep;
+use stochc_ensemble::{Comparison, Finished, Folder, Manifest, captures};
+use stochc_report::tables::{captures_to_text, comparison_to_text, pairs_to_text, sweep_to_text};
 
 use super::terminal::{output_width, print, warn};
-use crate::cli::Exit;
-use crate::ensemble::{Comparison, Finished, Folder, Manifest, captures, captures_to_text};
-use crate::sweep::Sweep;
+use crate::exit::{Exit, Failure};
 
 /// What `results` is given.
 #[derive(Debug, Args)]
@@ -42,14 +43,8 @@ pub struct Shown {
 }
 
 /// Shows what a folder holds, finished or not.
-pub fn run(options: &Options) -> Exit {
-    let (manifest, finished) = match Folder::read(&options.folder) {
-        Ok(read) => read,
-        Err(error) => {
-            warn(&format!("error: {error}\n"));
-            return Exit::Usage;
-        }
-    };
+pub fn run(options: &Options) -> Result<Exit, Failure> {
+    let (manifest, finished) = Folder::read(&options.folder).map_err(Failure::usage)?;
     let missing = manifest.total().saturating_sub(finished.len() as u64);
     if missing > 0 {
         warn(&format!(
@@ -68,21 +63,21 @@ pub fn run(options: &Options) -> Exit {
 }
 
 /// Prints the comparison of an ensemble's programs; says whether every run was successful.
-pub fn show(manifest: &Manifest, finished: &[Finished], shown: &Shown) -> Exit {
+pub fn show(manifest: &Manifest, finished: &[Finished], shown: &Shown) -> Result<Exit, Failure> {
     let comparison = Comparison::of(manifest, finished);
     let captures = |program| captures(manifest, finished, program);
     match shown.form {
         Form::Text => {
             let width = output_width();
             print(&match Sweep::of(manifest, finished) {
-                None => comparison.to_text(width),
-                Some(sweep) => sweep.to_text(width) + &comparison.pairs_to_text(width),
-            });
+                None => comparison_to_text(&comparison, width),
+                Some(sweep) => sweep_to_text(&sweep, width) + &pairs_to_text(&comparison, width),
+            })?;
             if shown.bonds {
                 for (number, program) in manifest.programs.iter().enumerate() {
-                    print(&format!("\n{}, capture by capture\n", program.name));
+                    print(&format!("\n{}, capture by capture\n", program.name))?;
                     let tick = program.scene.tick;
-                    print(&captures_to_text(&captures(number), tick, width));
+                    print(&captures_to_text(&captures(number), tick, width))?;
                 }
             }
         }
@@ -98,16 +93,15 @@ pub fn show(manifest: &Manifest, finished: &[Finished], shown: &Shown) -> Exit {
                     json!({ "comparison": comparison, "captures": bonds })
                 }
             };
-            print(&format!("{value:#}\n"));
+            print(&format!("{value:#}\n"))?;
         }
     }
     let unsuccessful = comparison
         .programs
         .iter()
         .any(|column| column.timed_out + column.stopped + column.failed > 0);
-    if unsuccessful {
-        Exit::UnsuccessfulRun
-    } else {
-        Exit::Success
-    }
+    Ok(match unsuccessful {
+        true => Exit::UnsuccessfulRun,
+        false => Exit::Success,
+    })
 }

@@ -3,30 +3,35 @@ use std::io::{self, BufWriter, ErrorKind, IsTerminal as _, Write};
 
 use console::Term;
 
-use crate::cli::Exit;
+use crate::exit::{Exit, Failure};
 
 /// Prints; a reader that has gone away, such as `head`, ends the command quietly, and any other
 /// reason why nothing can be written, such as a full disk, with a word.
-pub fn print(text: &str) {
-    print_with(|out| out.write_all(text.as_bytes()));
+pub fn print(text: &str) -> Result<(), Failure> {
+    print_with(|out| out.write_all(text.as_bytes()))
 }
 
 /// [`print`]s what is written to a stream, as it comes.
-pub fn print_with(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) {
+pub fn print_with(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Failure> {
     let mut out = BufWriter::with_capacity(1 << 16, io::stdout().lock());
-    match write(&mut out).and_then(|()| out.flush()) {
-        Ok(()) => {}
-        Err(error) if error.kind() == ErrorKind::BrokenPipe => std::process::exit(0),
-        Err(error) => {
-            warn(&format!("error: cannot write the output: {error}\n"));
-            std::process::exit(Exit::Usage.status().into());
-        }
-    }
+    let written = write(&mut out).and_then(|()| out.flush());
+    written.map_err(|error| match error.kind() {
+        ErrorKind::BrokenPipe => Failure::silent(Exit::Success),
+        _ => Failure::usage(format!("cannot write the output: {error}")),
+    })
 }
 
 /// Says something about the work on standard error; nobody listening is no reason to stop.
 pub fn warn(text: &str) {
     let _ = std::io::stderr().lock().write_all(text.as_bytes());
+}
+
+/// Says why a part of the work failed, where the rest of it goes on; how that part ended.
+pub fn told(done: Result<Exit, Failure>) -> Exit {
+    done.unwrap_or_else(|failure| {
+        warn(&failure.message);
+        failure.exit
+    })
 }
 
 /// Whether standard error shows colours.
@@ -37,12 +42,6 @@ pub fn has_colour() -> bool {
 /// Whether the output shows colours.
 pub fn output_has_colour() -> bool {
     std::io::stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty())
-}
-
-/// Tells of a command that cannot be carried out.
-pub fn usage(reason: &str) -> Exit {
-    warn(&format!("error: {reason}\n"));
-    Exit::Usage
 }
 
 /// Whether somebody looks at the output, now.

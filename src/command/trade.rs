@@ -4,17 +4,20 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::{ArgGroup, Args};
+use stochc_ensemble::trade::{Extent, FINEST, Progress, Setup, Trade, measure};
+use stochc_ensemble::{MOST_RUNS, Manifest, Program};
+use stochc_files::atomic;
+use stochc_report::figures::trade as trade_figure;
+use stochc_report::tables::trade_to_text;
 use stochc_runtime::Settings;
-use stochc_runtime::world::SceneError;
 
+use super::interrupt::stop_on_interrupt;
 use super::levels::LevelOptions;
+use super::progress::{Display, of_trade};
 use super::results::Form;
 use super::simulate;
-use super::terminal::{output_has_colour, output_width, print, warn};
-use crate::cli::Exit;
-use crate::ensemble::{Display, MOST_RUNS, Manifest, Program, stop_on_interrupt};
-use crate::files::atomic;
-use crate::trade::{Extent, FINEST, Setup, Trade, measure, svg};
+use super::terminal::{output_has_colour, output_width, print};
+use crate::exit::{Exit, Failure};
 
 /// What `trade` is given.
 #[derive(Debug, Args)]
@@ -60,26 +63,16 @@ pub struct Options {
 const BUDGET: Duration = Duration::from_secs(600);
 
 /// Measures what accuracy costs.
-pub fn run(options: &Options) -> Exit {
-    let programs = match simulate::programs(&options.files, &options.levels.levels) {
-        Ok(programs) => programs,
-        Err(exit) => return exit,
-    };
+pub fn run(options: &Options) -> Result<Exit, Failure> {
+    let programs = simulate::programs(&options.files, &options.levels.levels)?;
     // Programs of the same name are told apart as in an ensemble.
     let manifest = Manifest::new(Settings::default(), options.seed, 1, programs);
-    if let Err(reason) = manifest.within_limits() {
-        return refuse(&reason);
-    }
+    manifest.within_limits().map_err(Failure::usage)?;
     let programs = manifest.programs;
-    if let Some(out) = &options.out
-        && let Err(reason) = claim(out)
-    {
-        return refuse(&reason);
+    if let Some(out) = &options.out {
+        claim(out).map_err(Failure::usage)?;
     }
-    let stop = match stop_on_interrupt() {
-        Ok(stop) => stop,
-        Err(error) => return refuse(&format!("cannot listen for Ctrl-C: {error}")),
-    };
+    let stop = stop_on_interrupt()?;
     let extent = match (options.runs, options.budget) {
         (Some(runs), _) => Extent::Runs(runs),
         (None, budget) => Extent::Budget(budget.unwrap_or(BUDGET)),
@@ -90,35 +83,35 @@ pub fn run(options: &Options) -> Exit {
         threads: threads(options.threads),
         finest: options.finest,
         max_ticks: options.max_ticks,
-        display: Display::on_standard_error(options.quiet),
         stop,
     };
-    let trade = match of(&programs, &setup) {
-        Ok(trade) => trade,
-        Err(exit) => return exit,
-    };
+    let trade = of(&programs, &setup, options.quiet)?;
     match options.format {
-        Form::Text => print(&trade.to_text(output_width(), output_has_colour())),
-        Form::Json => print(&trade.to_json()),
+        Form::Text => print(&trade_to_text(&trade, output_width(), output_has_colour()))?,
+        Form::Json => print(&trade.to_json())?,
     }
-    if let Some(out) = &options.out
-        && let Err(error) = keep(out, &trade)
-    {
-        return refuse(&format!("cannot write to `{}`: {error}", out.display()));
+    if let Some(out) = &options.out {
+        keep(out, &trade).map_err(|error| {
+            Failure::usage(format!("cannot write to `{}`: {error}", out.display()))
+        })?;
     }
     if trade.complete {
-        Exit::Success
-    } else {
-        warn("stopped; this is what was measured until then\n");
-        Exit::Interrupted
+        return Ok(Exit::Success);
     }
+    Err(Failure {
+        exit: Exit::Interrupted,
+        message: "stopped; this is what was measured until then\n".to_owned(),
+    })
 }
 
-/// Measures programs.
-pub(super) fn of(programs: &[Program], setup: &Setup) -> Result<Trade, Exit> {
-    measure(programs, setup).map_err(|(program, error): (usize, SceneError)| {
-        warn(&format!("error: {}: {error}\n", programs[program].name));
-        Exit::WrongProgram
+/// Measures programs, and shows how far it is.
+pub(super) fn of(programs: &[Program], setup: &Setup, quiet: bool) -> Result<Trade, Failure> {
+    let progress = Progress::default();
+    let state = |elapsed| of_trade(setup.extent, &progress, elapsed);
+    let display = Display::on_standard_error(quiet);
+    let trade = display.during(state, || measure(programs, setup, &progress));
+    trade.map_err(|(program, error)| {
+        Failure::wrong_program(format!("{}: {error}", programs[program].name))
     })
 }
 
@@ -167,10 +160,8 @@ fn claim(out: &Path) -> Result<(), String> {
 
 fn keep(out: &Path, trade: &Trade) -> std::io::Result<()> {
     atomic::replace(&out.join("trade.json"), trade.to_json().as_bytes())?;
-    atomic::replace(&out.join("trade.svg"), svg(trade).as_bytes())
-}
-
-fn refuse(reason: &str) -> Exit {
-    warn(&format!("error: {reason}\n"));
-    Exit::Usage
+    atomic::replace(
+        &out.join("trade.svg"),
+        trade_figure(trade).file().as_bytes(),
+    )
 }

@@ -1,14 +1,13 @@
 //! The table that compares programs, and the figures behind it.
 use insta::{assert_json_snapshot, assert_snapshot};
-use stochc::ensemble::{
-    Comparison, Display, Finished, Manifest, Means, Place, captures, captures_to_text, run,
-};
-use stochc::statistics::{Test, median};
+use stochc::ensemble::statistics::{Test, median};
+use stochc::ensemble::{Comparison, Destination, Finished, Manifest, captures};
+use stochc::report::tables::{captures_to_text, comparison_to_text};
 use stochc_ir::record::{Limit, Outcome, RunRecord};
 use stochc_ir::table::PhaseId;
 use stochc_runtime::Settings;
 
-use crate::world::{manifest, means, program, scene, simulate};
+use crate::world::{manifest, program, run_on, scene, simulate};
 
 /// Runs of the first program at the times of [`LEFT`], of the second at those of [`RIGHT`].
 const LEFT: [u64; 8] = [2948, 6611, 5120, 7303, 14496, 4410, 3999, 6120];
@@ -61,7 +60,7 @@ fn both() -> (Manifest, Vec<Finished>) {
 fn two_programs_without_censoring() {
     let (manifest, finished) = both();
     let comparison = Comparison::of(&manifest, &finished);
-    assert_snapshot!(comparison.to_text(100));
+    assert_snapshot!(comparison_to_text(&comparison, 100));
     let difference = comparison.pairs[0].difference.as_ref().unwrap();
     // The two runs of `left` that `right` has not made are left out.
     assert_eq!(difference.test, Test::Paired { pairs: 6 });
@@ -83,7 +82,7 @@ fn censored_runs_are_not_averaged_away() {
         record: record(6, failed, Vec::new(), 1),
     });
     let comparison = Comparison::of(&manifest, &finished);
-    assert_snapshot!(comparison.to_text(100));
+    assert_snapshot!(comparison_to_text(&comparison, 100));
     let left = comparison.programs[0].time.as_ref().unwrap();
     let all: Vec<f64> = LEFT.iter().map(|&ticks| ticks as f64).collect();
     // Fewer than half are cut short, so that the median is the one of all.
@@ -98,7 +97,7 @@ fn a_difference_is_called_one() {
     let slow: Vec<u64> = RIGHT.iter().map(|ticks| ticks * 4).collect();
     let mut finished = [at(0, &slow), at(1, &RIGHT)].concat();
     let text = |finished: &[Finished]| {
-        let text = Comparison::of(&manifest, finished).to_text(200);
+        let text = comparison_to_text(&Comparison::of(&manifest, finished), 200);
         text.lines().last().unwrap().to_owned()
     };
     let known = text(&finished);
@@ -112,7 +111,7 @@ fn no_run_and_no_completed_run() {
     let manifest = manifest(3);
     let mut never = at(1, &[900, 900, 900]);
     limit(&mut never, 500);
-    assert_snapshot!(Comparison::of(&manifest, &never).to_text(100));
+    assert_snapshot!(comparison_to_text(&Comparison::of(&manifest, &never), 100));
 }
 
 #[test]
@@ -126,7 +125,7 @@ fn many_programs_with_long_names_go_below_each_other() {
         at(program, &times)
     };
     let finished: Vec<_> = (0..4).flat_map(turned).collect();
-    let text = Comparison::of(&manifest, &finished).to_text(78);
+    let text = comparison_to_text(&Comparison::of(&manifest, &finished), 78);
     assert!(
         text.lines()
             .take_while(|l| !l.is_empty())
@@ -140,18 +139,14 @@ fn one_program_has_no_pairs() {
     let manifest = Manifest::new(Settings::default(), 1, 6, vec![program("line")]);
     let comparison = Comparison::of(&manifest, &at(0, &RIGHT));
     assert!(comparison.pairs.is_empty());
-    assert_snapshot!(comparison.to_text(100));
+    assert_snapshot!(comparison_to_text(&comparison, 100));
 }
 
 #[test]
 fn captures_are_summed_up_by_edge() {
     let manifest = manifest(40);
     let never = std::sync::atomic::AtomicBool::new(false);
-    let quiet = Means {
-        display: Display::Quiet,
-        ..means(2, &never)
-    };
-    let results = run(Place::Memory(&manifest), quiet, simulate).unwrap();
+    let results = run_on(2, Destination::Memory(&manifest), &never, simulate).unwrap();
     let found = captures(&manifest, &results.finished, 0);
     assert_snapshot!(captures_to_text(&found, scene().tick, 100));
     let second = &found[1];

@@ -5,10 +5,10 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use stochc::ensemble::{Folder, Place, State, run};
+use stochc::ensemble::{Destination, Folder, State};
 use stochc_ir::record::Outcome;
 
-use crate::world::{bytes, complete, manifest, means, put, simulate};
+use crate::world::{bytes, complete, manifest, put, run_on, simulate};
 
 #[test]
 fn threads_change_nothing() {
@@ -25,8 +25,8 @@ fn threads_change_nothing() {
 fn runs_that_nobody_can_count_are_begun_with_the_first() {
     let stop = AtomicBool::new(false);
     let manifest = manifest(u64::MAX);
-    let place = Place::Memory(&manifest);
-    let results = run(place, means(1, &stop), |program, number, watch| {
+    let place = Destination::Memory(&manifest);
+    let results = run_on(1, place, &stop, |program, number, watch| {
         stop.fetch_or(number == 3, Ordering::Relaxed);
         simulate(program, number, watch)
     });
@@ -91,9 +91,10 @@ fn stopping_keeps_what_is_finished() {
     let (stop, begun) = (AtomicBool::new(false), AtomicU64::new(0));
     let opened = Folder::open(folder.path(), &manifest(12), false).unwrap();
     assert_eq!(opened.state(), State::New);
-    let results = run(
-        Place::Folder(opened),
-        means(2, &stop),
+    let results = run_on(
+        2,
+        Destination::Folder(opened),
+        &stop,
         |program, run, watch| {
             if begun.fetch_add(1, Ordering::Relaxed) == 10 {
                 stop.store(true, Ordering::Relaxed);
@@ -181,9 +182,10 @@ fn victim() {
     };
     let folder = Folder::open(Path::new(&path), &manifest(8), false).unwrap();
     let never = AtomicBool::new(false);
-    run(
-        Place::Folder(folder),
-        means(2, &never),
+    run_on(
+        2,
+        Destination::Folder(folder),
+        &never,
         |program, run, watch| {
             if run == 6 {
                 println!("stuck");

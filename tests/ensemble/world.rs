@@ -4,7 +4,8 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use stochc::ensemble::{
-    Cancelled, Display, Folder, Manifest, Means, Place, Program, Results, Source, Watch, run,
+    Cancelled, Destination, Folder, Manifest, Program, Progress, Results, RunError, Source, Watch,
+    run,
 };
 use stochc_ir::graph::{Event, EventAction, EventGraph, EventId};
 use stochc_ir::record::{
@@ -229,19 +230,26 @@ pub fn simulate(program: usize, run: u64, watch: &Watch) -> Result<RunRecord, Ca
     Ok(record)
 }
 
-pub fn means(threads: usize, stop: &AtomicBool) -> Means<'_> {
-    Means {
-        threads: NonZeroUsize::new(threads).unwrap(),
-        display: Display::Quiet,
-        stop,
-    }
+/// Does the runs of an ensemble on so many threads.
+pub fn run_on(
+    threads: usize,
+    destination: Destination,
+    stop: &AtomicBool,
+    simulate: impl Fn(usize, u64, &Watch) -> Result<RunRecord, Cancelled> + Sync,
+) -> Result<Results, RunError> {
+    let manifest = match &destination {
+        Destination::Memory(manifest) => (*manifest).clone(),
+        Destination::Folder(folder) => folder.manifest().clone(),
+    };
+    let progress = Progress::new(&manifest, NonZeroUsize::new(threads).unwrap());
+    run(destination, &progress, stop, simulate)
 }
 
 /// Does or goes on with the ensemble of `manifest` in `path`.
 pub fn complete(path: &Path, manifest: &Manifest, threads: usize) -> Results {
     let folder = Folder::open(path, manifest, true).unwrap();
     let never = AtomicBool::new(false);
-    run(Place::Folder(folder), means(threads, &never), simulate).unwrap()
+    run_on(threads, Destination::Folder(folder), &never, simulate).unwrap()
 }
 
 /// All tables, to the byte.

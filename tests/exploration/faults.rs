@@ -9,7 +9,7 @@ use stochc::protocol::explore::{
 };
 use stochc::runtime::counter_rng::schedules;
 
-use crate::programs::{BUSY, explore_as, tables, tables_of};
+use crate::programs::{BUSY, explore_as, fixed_cases, tables, tables_of};
 use crate::random::declare;
 
 const NONE: Faults = Faults {
@@ -201,9 +201,8 @@ proptest! {
 /// With losses as well, the reduction finds what the full exploration finds.
 #[test]
 fn fewer_orders_find_the_same_with_losses() {
-    use proptest::test_runner::{Config, TestRunner};
     let compared = Cell::new(0);
-    let mut runner = TestRunner::new(Config::with_cases(100));
+    let mut runner = fixed_cases(100);
     let choices = prop::collection::vec(any::<u32>(), 0..24);
     let done = runner.run(&(choices, any::<bool>()), |(choices, sent_again)| {
         let tables = declare(choices, 1).tables();

@@ -191,7 +191,7 @@ fn no_mistake_of_the_compiler_reaches_a_user() {
         }
         checked.findings.clear();
         checked.programs[0].tables = Some(mutant);
-        stochc::orders::try_out(&mut checked);
+        stochc::model_check::try_out(&mut checked);
         let [finding] = &checked.findings[..] else {
             panic!("{mistake}: {:?}", checked.findings);
         };

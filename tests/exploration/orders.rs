@@ -6,7 +6,7 @@ use stochc::ir::table::PhaseId;
 use stochc::protocol::explore::{Bound, Bounds, Expected, Exploration, Faults, Verdict};
 use stochc::runtime::counter_rng::schedules;
 
-use crate::programs::{BUSY, explore, explore_as, tables, tables_of};
+use crate::programs::{BUSY, explore, explore_as, fixed_cases, tables, tables_of};
 use crate::random::declare;
 
 #[test]
@@ -180,9 +180,8 @@ proptest! {
 /// Small programs in full: the reduction finds the same, and the same hangs.
 #[test]
 fn fewer_orders_find_the_same() {
-    use proptest::test_runner::{Config, TestRunner};
     let [full_states, reduced_states, compared] = [(); 3].map(|()| Cell::new(0));
-    let mut runner = TestRunner::new(Config::with_cases(300));
+    let mut runner = fixed_cases(300);
     let choices = prop::collection::vec(any::<u32>(), 0..40);
     let bounds = Bounds {
         states: 20_000,

@@ -1,4 +1,5 @@
 //! Programs to explore, and ways to explore them.
+use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use stochc::ir::table::Tables;
 use stochc::protocol::explore::{Bounds, Expected, Exploration, Faults, Report};
 
@@ -22,6 +23,12 @@ pub fn tables_of(path: &str) -> Vec<Tables> {
 /// Explores tables with the default bounds and without faults.
 pub fn explore(tables: &Tables) -> Report {
     stochc::protocol::explore::explore(tables, &Bounds::default(), &Faults::default())
+}
+
+/// Random programs that are the same in every run of the test, for sums over all of them.
+pub fn fixed_cases(number: u32) -> TestRunner {
+    let random = TestRng::deterministic_rng(RngAlgorithm::ChaCha);
+    TestRunner::new_with_rng(Config::with_cases(number), random)
 }
 
 /// Explores tables, after something about the exploration has been changed.

@@ -2,11 +2,10 @@
 use std::collections::BTreeSet;
 
 use proptest::prelude::*;
-use proptest::test_runner::{Config, TestRunner};
 use stochc::ir::{Cell, Face};
 use stochc::protocol::explore::{Property, Verdict};
 
-use crate::programs::{explore, explore_as, tables};
+use crate::programs::{explore, explore_as, fixed_cases, tables};
 use crate::random::declare;
 
 /// Three towers in a row; the middle one is two blocks high only if its foot is there in time.
@@ -100,7 +99,7 @@ fn can_fit(occupied: &BTreeSet<Cell>, cell: Cell) -> bool {
 #[test]
 fn fewer_orders_find_the_same_closed_cells() {
     let [hangs, full_states, reduced_states] = [(); 3].map(|()| std::cell::Cell::new(0));
-    let mut runner = TestRunner::new(Config::with_cases(200));
+    let mut runner = fixed_cases(200);
     let choices = prop::collection::vec(any::<u32>(), 0..40);
     let done = runner.run(&(choices, 1u8..=3), |(choices, faces)| {
         let tables = declare(choices, faces).tables();

@@ -28,10 +28,10 @@ fn hostile_names_are_shown_as_text() {
         role.name = format!("{HOSTILE}{}", role.name);
     }
     tables.phases[0].name = HOSTILE.to_owned();
-    let about = stochc::replay::about(&manifest, &manifest.programs[0]);
+    let about = stochc::report::replay::about(&manifest, &manifest.programs[0]);
     let recording = File::open(results.recording_path(0)).unwrap();
     let file = File::create(&page).unwrap();
-    stochc::replay::write(HOSTILE, &about, recording, file).unwrap();
+    stochc::report::replay::write(HOSTILE, &about, recording, file).unwrap();
     browser.open(&page, "#tick=100000");
     assert_eq!(browser.value("document.body.dataset.ready"), "yes");
     let shown = HOSTILE

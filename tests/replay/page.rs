@@ -1,6 +1,6 @@
 //! The page in a browser: it shows what was recorded.
 use serde_json::{Value, json};
-use stochc::recording::Recording;
+use stochc::ensemble::recording::Recording;
 
 use crate::browser::{Browser, browser};
 use crate::folder::{PROGRAM, Results};

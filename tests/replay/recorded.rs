@@ -1,7 +1,7 @@
 //! Recordings in a folder of results, made at once or afterwards.
 use std::fs;
 
-use stochc::recording::{Happening, Recording};
+use stochc::ensemble::recording::{Happening, Recording};
 use stochc::runtime::observe::Event;
 
 use crate::folder::{PROGRAM, Results, stochc};

@@ -3,7 +3,7 @@ use std::sync::Arc;
 
 use stochc::ir::record::{Limit, Outcome};
 use stochc::ir::table::{PhaseId, RoleId};
-use stochc::report::address;
+use stochc::report::ensemble_report::address;
 
 use crate::sample::{five, parsed, told};
 

@@ -1,5 +1,5 @@
 //! What the tables say, against sums done by hand.
-use stochc::statistics::{Observation, Runs, compare};
+use stochc::ensemble::statistics::{Observation, Runs, compare};
 
 use crate::sample::{Waits, five, manifest, record, rows, told};
 

@@ -9,7 +9,7 @@ use stochc::ir::record::{
 };
 use stochc::ir::table::{PhaseId, RoleId};
 use stochc::ir::{Cell, Executable, Face};
-use stochc::report::{Input, Report, Surroundings, report};
+use stochc::report::ensemble_report::{Input, Report, Surroundings, report};
 use stochc::runtime::{Model, Settings};
 
 /// Two towers side by side, then the second block of one is let go and M takes a block.

@@ -7,8 +7,8 @@ use stochc_protocol::explore::{Bound, Bounds, Exploration, Faults, Report, Verdi
 use stochc_runtime::counter_rng::schedules;
 
 use super::super::terminal::warn;
-use crate::cli::Exit;
-use crate::orders::{MISTAKE, expected, shortest};
+use crate::exit::Exit;
+use crate::model_check::{MISTAKE, expected, shortest};
 
 /// Orders that are drawn by chance where there are too many.
 const SCHEDULES: u64 = 1_000;

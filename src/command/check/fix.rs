@@ -2,12 +2,12 @@
 use std::io::IsTerminal as _;
 
 use stochc_compiler::finding::is_hostile;
+use stochc_files::programs::STDIN_NAME;
 
 use super::super::terminal::{print, warn};
-use super::{Options, verdict, worse};
-use crate::cli::Exit;
-use crate::files::programs::STDIN_NAME;
-use crate::findings::{Format, count};
+use super::{Options, verdict};
+use crate::diagnostics::{Format, count};
+use crate::exit::{Exit, Failure};
 use crate::fix::{Fixed, fix};
 
 /// Shows what is changed in a file, and changes it; some exit status if that is all there is to do.
@@ -18,42 +18,44 @@ pub fn run(
     options: &Options,
     exit: &mut Exit,
     text: &mut Option<Vec<u8>>,
-) -> Option<Exit> {
+) -> Result<Option<Exit>, Failure> {
     // A file that cannot be read is told of by the check.
-    let fixed = fix(file, &options.levels.levels).ok()?;
+    let Ok(fixed) = fix(file, &options.levels.levels) else {
+        return Ok(None);
+    };
     let alone = options.format == Format::Graphical;
     if file == STDIN_NAME && !options.dry_run {
-        print(&String::from_utf8_lossy(&fixed.new));
+        print(&String::from_utf8_lossy(&fixed.new))?;
         warn(&match fixed.changes {
             0 => String::new(),
             changes => format!("{file}: {} made\n", count(changes, "change")),
         });
         *text = Some(fixed.new);
-        return None;
+        return Ok(None);
     }
     let diff = fixed.diff();
     // A machine reads nothing but the findings.
     if alone {
-        print(&shown(diff));
+        print(&shown(diff))?;
     } else {
         warn(&diff);
     }
     let changes = count(fixed.changes, "change");
     if options.dry_run {
         warn(&format!("{file}: {changes} to make\n"));
-        return alone.then(|| verdict(&fixed.before));
+        return Ok(alone.then(|| verdict(&fixed.before)));
     }
     if fixed.changes == 0 {
-        return None;
+        return Ok(None);
     }
     match write(&fixed) {
         Ok(()) => warn(&format!("{file}: {changes} made\n")),
         Err(reason) => {
             warn(&format!("error: `{file}` is left as it is: {reason}\n"));
-            *exit = worse(*exit, Exit::Usage);
+            *exit = exit.or_worse(Exit::Usage);
         }
     }
-    None
+    Ok(None)
 }
 
 fn write(fixed: &Fixed) -> Result<(), String> {

@@ -7,16 +7,16 @@ mod scene;
 use clap::Args;
 use stochc_compiler::order::Order;
 use stochc_compiler::{Checked, Limits, Program, check_with};
+use stochc_files as files;
+use stochc_files::programs::{STDIN, programs, read};
 use stochc_ir::emit::chain_text;
 
 use self::cost::costs;
 use self::scene::scenes;
 use super::levels::LevelOptions;
-use super::terminal::{has_colour, message_width, print, usage, warn};
-use crate::cli::Exit;
-use crate::files;
-use crate::files::programs::{STDIN, programs, read};
-use crate::findings::{Format, Log, Tally, count, json_document, show, values};
+use super::terminal::{has_colour, message_width, print, told, warn};
+use crate::diagnostics::{Format, Log, Tally, count, json_document, show, values};
+use crate::exit::{Exit, Failure};
 
 /// What `check` is given.
 #[derive(Debug, Args)]
@@ -64,13 +64,13 @@ fn at_least_one(text: &str) -> Result<usize, String> {
 }
 
 /// Checks each file, and says of the right ones what is known before anything moves.
-pub fn run(options: &Options) -> Exit {
+pub fn run(options: &Options) -> Result<Exit, Failure> {
     let is_written = options.fix && !options.dry_run && options.format != Format::Graphical;
     if is_written && options.files.iter().any(|file| file == STDIN) {
-        return usage(
+        return Err(Failure::usage(
             "`--fix -` writes the program itself to the standard output, where `--format` puts the findings: \
              leave one of the two out, or add `--dry-run`",
-        );
+        ));
     }
     let mut exit = Exit::Success;
     let mut document = Vec::new();
@@ -81,64 +81,71 @@ pub fn run(options: &Options) -> Exit {
         let file = match &file {
             Ok(file) => file,
             Err(reason) => {
-                exit = worse(exit, usage(reason));
+                exit = exit.or_worse(told(Err(Failure::usage(reason))));
                 continue;
             }
         };
         let mut text = None;
         if options.fix
-            && let Some(ended) = fix::run(file, options, &mut exit, &mut text)
+            && let Some(ended) = fix::run(file, options, &mut exit, &mut text)?
         {
-            exit = worse(exit, ended);
+            exit = exit.or_worse(ended);
             continue;
         }
         // What is said of a program does not go where the program itself does.
-        let say = if text.is_some() { warn } else { print };
+        let is_output_taken = text.is_some();
+        let say = |said: &str| match is_output_taken {
+            true => {
+                warn(said);
+                Ok(())
+            }
+            false => print(said),
+        };
         let checked = check(file, text, options);
         let shown = || show(&checked, options.format, has_colour(), message_width());
         match options.format {
             // A machine reads the findings, a person the summary.
-            Format::Short => print(&shown()),
+            Format::Short => print(&shown())?,
             Format::Json => document.extend(values(&checked)),
             Format::Sarif => log.add(file, &checked),
             Format::Graphical => {
                 warn(&shown());
                 tally.add(&checked);
                 if !checked.has_errors() {
-                    say(&summary(file, &checked, options.cost));
+                    say(&summary(file, &checked, options.cost))?;
                 }
             }
         }
-        exit = worse(exit, verdict(&checked));
+        exit = exit.or_worse(verdict(&checked));
         if options.scene && !checked.has_errors() {
             for scene in scenes(file, &checked) {
                 match options.format {
-                    Format::Graphical => say(&scene.text()),
+                    Format::Graphical => say(&scene.text())?,
                     Format::Short | Format::Sarif => warn(&scene.text()),
                     Format::Json => physics.push(scene.json()),
                 }
             }
         }
         if let Some(states) = options.exhaustive.filter(|_| !checked.has_errors()) {
-            let (told, found) = exhaustive::explore(file, &checked, states);
+            let (said, found) = exhaustive::explore(file, &checked, states);
             match options.format {
-                Format::Graphical => say(&told),
-                Format::Short | Format::Json | Format::Sarif => warn(&told),
+                Format::Graphical => say(&said)?,
+                Format::Short | Format::Json | Format::Sarif => warn(&said),
             }
-            exit = worse(exit, found);
+            exit = exit.or_worse(found);
         }
     }
     match options.format {
         Format::Json if options.scene => {
             let all = serde_json::json!({ "findings": document, "scenes": physics });
-            print(&format!("{all:#}\n"));
+            print(&format!("{all:#}\n"))?;
         }
-        Format::Json => print(&json_document(document)),
-        Format::Sarif => print(&log.document()),
+        Format::Json => print(&json_document(document))?,
+        Format::Sarif => print(&log.document())?,
         Format::Graphical => warn(&tally.line()),
         Format::Short => {}
     }
-    exit
+    Ok(exit)
 }
 
 /// Checks a program, which has another text than the one to read if `text` says so.
@@ -161,10 +168,6 @@ pub fn verdict(checked: &Checked) -> Exit {
     } else {
         Exit::WrongProgram
     }
-}
-
-fn worse(a: Exit, b: Exit) -> Exit {
-    if b.status() > a.status() { b } else { a }
 }
 
 fn summary(file: &str, checked: &Checked, cost: Option<usize>) -> String {

@@ -8,7 +8,7 @@ use stochc_ir::scene::groups::{BlockUnits, Group, Speed, SpeedFrom, groups, spee
 use stochc_ir::scene::{ContactLaw, Scene};
 use stochc_runtime::SUBSTEPS;
 
-use super::super::unresolved::{Doubt, doubts, short};
+use super::super::scene_doubts::{Doubt, doubts, short};
 
 /// A scene that assemblies of a file run in, and all that is said of it.
 pub struct InForce<'a> {

@@ -2,15 +2,16 @@
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use stochc_ensemble::Manifest;
+use stochc_ensemble::text::percent;
+use stochc_ensemble::trade::{Extent, FINEST, Setup, Trade, choose, known, note};
+use stochc_files::read_file;
 use stochc_runtime::Settings;
 
 use super::super::terminal::warn;
 use super::super::trade::{self as command, threads};
-use super::{Options, usage};
-use crate::cli::Exit;
-use crate::ensemble::{Display, Manifest};
-use crate::files::read_file;
-use crate::trade::{Extent, FINEST, Setup, Trade, choose, known, note, percent};
+use super::Options;
+use crate::exit::{Exit, Failure};
 
 /// Puts the cheapest setting that is accurate enough into a manifest.
 ///
@@ -20,12 +21,12 @@ pub(super) fn settle(
     accuracy: f64,
     manifest: &mut Manifest,
     stop: &AtomicBool,
-) -> Result<(), Exit> {
+) -> Result<(), Failure> {
     let trade = match &options.trade {
         Some(path) => read(path)?,
         None => measured(options, manifest, stop)?,
     };
-    let programs = known(&trade, manifest).map_err(|reason| usage(&reason))?;
+    let programs = known(&trade, manifest).map_err(Failure::usage)?;
     match choose(&trade, &programs, accuracy) {
         Ok(choice) => {
             warn(&format!(
@@ -39,15 +40,12 @@ pub(super) fn settle(
             };
             Ok(())
         }
-        Err(reason) => {
-            warn(&format!("error: {reason}\n"));
-            Err(Exit::NotAccurate)
-        }
+        Err(reason) => Err(Failure::error(Exit::NotAccurate, reason)),
     }
 }
 
 /// Says on standard error what is known about settings that the user has chosen.
-pub(super) fn comment(options: &Options, manifest: &Manifest) -> Result<(), Exit> {
+pub(super) fn comment(options: &Options, manifest: &Manifest) -> Result<(), Failure> {
     let settings = &manifest.settings;
     if let Some(reduction) = settings.reduction {
         warn(&format!(
@@ -61,7 +59,7 @@ pub(super) fn comment(options: &Options, manifest: &Manifest) -> Result<(), Exit
         _ => return Ok(()),
     };
     let trade = read(path)?;
-    let programs = known(&trade, manifest).map_err(|reason| usage(&reason))?;
+    let programs = known(&trade, manifest).map_err(Failure::usage)?;
     match note(&trade, &programs, settings) {
         Some(note) => warn(&format!("note: {note}\n")),
         None => warn("note: the trade has not measured this setting\n"),
@@ -69,7 +67,7 @@ pub(super) fn comment(options: &Options, manifest: &Manifest) -> Result<(), Exit
     Ok(())
 }
 
-fn measured(options: &Options, manifest: &Manifest, stop: &AtomicBool) -> Result<Trade, Exit> {
+fn measured(options: &Options, manifest: &Manifest, stop: &AtomicBool) -> Result<Trade, Failure> {
     warn(&format!(
         "--accuracy needs a measurement: {} s of it now; `stochc trade --out DIR` makes a better \
          one, for `--trade DIR`\n",
@@ -81,27 +79,26 @@ fn measured(options: &Options, manifest: &Manifest, stop: &AtomicBool) -> Result
         threads: threads(options.threads),
         finest: FINEST,
         max_ticks: None,
-        display: Display::on_standard_error(options.quiet),
         stop,
     };
-    let trade = command::of(&manifest.programs, &setup)?;
+    let trade = command::of(&manifest.programs, &setup, options.quiet)?;
     if stop.load(Ordering::Relaxed) {
-        return Err(Exit::Interrupted);
+        return Err(Failure::silent(Exit::Interrupted));
     }
     Ok(trade)
 }
 
 /// Reads a `trade.json`, or the one in a folder.
-fn read(path: &Path) -> Result<Trade, Exit> {
+fn read(path: &Path) -> Result<Trade, Failure> {
     let file = match path.is_dir() {
         true => path.join("trade.json"),
         false => path.to_owned(),
     };
     let shown = file.display();
-    let bytes =
-        read_file(&file).map_err(|error| usage(&format!("cannot read `{shown}`: {error}")))?;
+    let bytes = read_file(&file)
+        .map_err(|error| Failure::usage(format!("cannot read `{shown}`: {error}")))?;
     let text = String::from_utf8_lossy(&bytes);
-    Trade::from_json(&text).map_err(|reason| usage(&format!("`{shown}`: {reason}")))
+    Trade::from_json(&text).map_err(|reason| Failure::usage(format!("`{shown}`: {reason}")))
 }
 
 /// An accuracy: `5%` or `0.05`.

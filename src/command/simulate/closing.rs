@@ -1,19 +1,22 @@
 //! What `simulate` ends with where somebody watches: a small picture, and where there is more.
+use stochc_ensemble::statistics::KaplanMeier;
+use stochc_ensemble::text::{Tick, visible};
+use stochc_ensemble::{Finished, Manifest, completion_time};
+use stochc_files::shell::file as shell_file;
+use stochc_report::text::{Strip, strips};
+
 use super::super::results::Form;
 use super::super::terminal::{output_is_watched, output_width, print};
 use super::Options;
-use crate::ensemble::{Finished, Manifest, time};
-use crate::figures::{Strip, Tick, strips, visible};
-use crate::report::shell_file;
-use crate::statistics::KaplanMeier;
+use crate::exit::Failure;
 
 /// Programs that fit on a screen.
 const SHOWN: usize = 4;
 
 /// Draws curves of the runs, and names the command that tells more; on a terminal only.
-pub fn close(options: &Options, manifest: &Manifest, finished: &[Finished]) {
+pub fn close(options: &Options, manifest: &Manifest, finished: &[Finished]) -> Result<(), Failure> {
     if options.quiet || options.format != Form::Text || !output_is_watched() {
-        return;
+        return Ok(());
     }
     let curves = curves(manifest, finished);
     let unit = (manifest.programs.first()).map(|program| Tick(program.scene.tick).unit());
@@ -25,7 +28,7 @@ pub fn close(options: &Options, manifest: &Manifest, finished: &[Finished]) {
         let folder = shell_file(&visible(&out.to_string_lossy()));
         text += &format!("\nFor a report: stochc report {folder}\n");
     }
-    print(&text);
+    print(&text)
 }
 
 /// The shares of runs that are not complete, of the first few programs; the axis is in ticks, so
@@ -36,7 +39,9 @@ fn curves(manifest: &Manifest, finished: &[Finished]) -> Vec<Strip> {
     let same = programs.filter(|(_, program)| Some(program.scene.tick) == first);
     let strip = |(number, name): (usize, &str)| {
         let done = finished.iter().filter(|done| done.program == number);
-        let times: Vec<_> = done.filter_map(|done| time(&done.record)).collect();
+        let times: Vec<_> = done
+            .filter_map(|done| completion_time(&done.record))
+            .collect();
         let estimate = KaplanMeier::of(&times)?;
         let steps = estimate.curve().into_iter();
         Some(Strip {

@@ -1,21 +1,21 @@
 //! Files or a manifest to programs that are ready to run.
 
 use stochc_compiler::{Checked, Levels};
+use stochc_ensemble::{FORMAT, Manifest, Program, Source, Varied, this_build};
+use stochc_files::programs::{executables, refusal};
+use stochc_files::read_file;
 use stochc_ir::Executable;
 use stochc_ir::scene::scalars::Change;
 use stochc_runtime::Settings;
 
 use super::super::check::verdict;
-use super::super::terminal::{has_colour, message_width, warn};
-use super::{Options, older, swept, tell_of_build, usage};
-use crate::cli::Exit;
-use crate::ensemble::{FORMAT, Manifest, Program, Source, Varied, this_build};
-use crate::files::programs::{executables, refusal};
-use crate::files::read_file;
-use crate::findings::drawn;
+use super::super::terminal::{has_colour, message_width, told, warn};
+use super::{Options, older, swept, tell_of_build};
+use crate::diagnostics::drawn;
+use crate::exit::Failure;
 
 /// The manifest of what is asked for.
-pub fn prepare(options: &Options) -> Result<Manifest, Exit> {
+pub fn prepare(options: &Options) -> Result<Manifest, Failure> {
     match &options.manifest {
         Some(path) => from_manifest(path, &options.levels.levels),
         None => from_files(options),
@@ -23,28 +23,30 @@ pub fn prepare(options: &Options) -> Result<Manifest, Exit> {
 }
 
 /// The programs of files, if nothing is wrong in any of them.
-pub fn programs(files: &[String], levels: &Levels) -> Result<Vec<Program>, Exit> {
+pub fn programs(files: &[String], levels: &Levels) -> Result<Vec<Program>, Failure> {
     let mut programs = Vec::new();
     let mut wrong = None;
     for file in files {
-        if let Some(reason) = refusal(file) {
-            wrong = Some(usage(&reason));
-            continue;
-        }
-        let found = match executables(file) {
-            Some(Ok(found)) => Ok(compiled(found)),
-            Some(Err(reason)) => Err(usage(&format!("`{file}`: {reason}"))),
-            None => accept(file, crate::check_with(file, levels)),
-        };
-        match found {
+        match read(file, levels) {
             Ok(found) => programs.extend(found),
-            Err(exit) => wrong = Some(exit),
+            Err(failure) => wrong = Some(Failure::silent(told(Err(failure)))),
         }
     }
     wrong.map_or(Ok(programs), Err)
 }
 
-fn from_files(options: &Options) -> Result<Manifest, Exit> {
+fn read(file: &str, levels: &Levels) -> Result<Vec<Program>, Failure> {
+    if let Some(reason) = refusal(file) {
+        return Err(Failure::usage(reason));
+    }
+    match executables(file) {
+        Some(Ok(found)) => Ok(compiled(found)),
+        Some(Err(reason)) => Err(Failure::usage(format!("`{file}`: {reason}"))),
+        None => accept(file, crate::check_with(file, levels)),
+    }
+}
+
+fn from_files(options: &Options) -> Result<Manifest, Failure> {
     let mut programs = programs(&options.files, &options.levels.levels)?;
     if !options.sweep.is_empty() {
         programs = swept::points(options, &programs)?;
@@ -59,7 +61,7 @@ fn from_files(options: &Options) -> Result<Manifest, Exit> {
     };
     let settings = settings.resolved();
     let manifest = Manifest::new(settings, options.seed, options.runs, programs);
-    manifest.within_limits().map_err(|reason| usage(&reason))?;
+    manifest.within_limits().map_err(Failure::usage)?;
     Ok(manifest)
 }
 
@@ -73,13 +75,13 @@ fn compiled(executables: Vec<Executable>) -> Vec<Program> {
 }
 
 /// The programs of a file in which nothing is wrong.
-pub(super) fn accept(file: &str, checked: Checked) -> Result<Vec<Program>, Exit> {
+pub(super) fn accept(file: &str, checked: Checked) -> Result<Vec<Program>, Failure> {
     warn(&drawn(&checked, has_colour(), message_width()));
     if checked.has_errors() {
-        return Err(verdict(&checked));
+        return Err(Failure::silent(verdict(&checked)));
     }
     if checked.programs.is_empty() {
-        return Err(usage(&format!(
+        return Err(Failure::usage(format!(
             "`{file}` declares no assembly or aggregate to run"
         )));
     }
@@ -116,12 +118,12 @@ pub(super) fn recompile(
 }
 
 /// The programs that a manifest holds.
-fn from_manifest(path: &std::path::Path, levels: &Levels) -> Result<Manifest, Exit> {
+fn from_manifest(path: &std::path::Path, levels: &Levels) -> Result<Manifest, Failure> {
     let shown = path.display();
-    let bytes =
-        read_file(path).map_err(|error| usage(&format!("cannot read `{shown}`: {error}")))?;
+    let bytes = read_file(path)
+        .map_err(|error| Failure::usage(format!("cannot read `{shown}`: {error}")))?;
     let text = String::from_utf8_lossy(&bytes);
-    let refuse = |reason: String| usage(&format!("`{shown}`: {reason}"));
+    let refuse = |reason: String| Failure::usage(format!("`{shown}`: {reason}"));
     let mut manifest = match Manifest::format(&text).map_err(refuse)? {
         older @ 1..FORMAT => older::read(older, &text, path, levels)?,
         _ => Manifest::from_json(&text).map_err(refuse)?,

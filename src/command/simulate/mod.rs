@@ -18,45 +18,47 @@ pub(super) use input::programs;
 pub use options::Options;
 pub(super) use record::Draft;
 
+use super::interrupt::stop_on_interrupt;
+use super::progress::{Display, of_ensemble};
 use super::results::{Shown, show};
-use super::terminal::{usage, warn};
-use super::unresolved::{Doubt, doubts};
-use crate::cli::Exit;
-use crate::ensemble::{
-    Cancelled, Display, Folder, Manifest, Means, Place, Program, State, other_build,
-    run as run_all, stop_on_interrupt,
-};
+use super::scene_doubts::{Doubt, doubts};
+use super::terminal::warn;
+use crate::exit::{Exit, Failure};
+use stochc_ensemble::Cancelled;
+use stochc_ensemble::Destination;
+use stochc_ensemble::Folder;
+use stochc_ensemble::Manifest;
+use stochc_ensemble::Program;
+use stochc_ensemble::Progress;
+use stochc_ensemble::State;
+use stochc_ensemble::Watch;
+use stochc_ensemble::other_build;
+use stochc_ensemble::run as run_all;
 
 /// Runs programs many times, or one of their runs alone.
-pub fn run(options: &Options) -> Exit {
-    let mut manifest = match input::prepare(options) {
-        Ok(manifest) => manifest,
-        Err(exit) => return exit,
-    };
+pub fn run(options: &Options) -> Result<Exit, Failure> {
+    let mut manifest = input::prepare(options)?;
     if let Some(run) = (options.record.as_ref()).and_then(|runs| runs.beyond(manifest.runs)) {
-        return usage(&format!("--record: {}", manifest.no_such_run(run)));
+        return Err(Failure::usage(format!(
+            "--record: {}",
+            manifest.no_such_run(run)
+        )));
     }
-    let stop = match stop_on_interrupt() {
-        Ok(stop) => stop,
-        Err(error) => return usage(&format!("cannot listen for Ctrl-C: {error}")),
-    };
-    if let Some(accuracy) = options.accuracy
-        && let Err(exit) = accuracy::settle(options, accuracy, &mut manifest, stop)
-    {
-        return exit;
+    let stop = stop_on_interrupt()?;
+    if let Some(accuracy) = options.accuracy {
+        accuracy::settle(options, accuracy, &mut manifest, stop)?;
     }
     // Also about a setting that was found.
-    if let Err(exit) = accuracy::comment(options, &manifest) {
-        return exit;
-    }
+    accuracy::comment(options, &manifest)?;
     if options.record.is_some() && manifest.settings.model == Model::Shuffle {
-        return usage(&format!("nothing to record: {}", RunError::Nowhere));
+        return Err(Failure::usage(format!(
+            "nothing to record: {}",
+            RunError::Nowhere
+        )));
     }
     for program in &manifest.programs {
-        if let Err(error) = try_out(program, &manifest.settings) {
-            warn(&format!("error: {}: {error}\n", program.name));
-            return Exit::WrongProgram;
-        }
+        try_out(program, &manifest.settings)
+            .map_err(|error| Failure::wrong_program(format!("{}: {error}", program.name)))?;
     }
     tell_of_doubts(&manifest);
     match options.run {
@@ -118,36 +120,28 @@ fn tell_of_doubts(manifest: &Manifest) {
     }
 }
 
-fn ensemble(options: &Options, manifest: &Manifest, stop: &AtomicBool) -> Exit {
-    let place = match &options.out {
-        None => Place::Memory(manifest),
-        Some(out) => match Folder::open(out, manifest, options.resume) {
-            Ok(folder) => {
-                match folder.state() {
-                    State::New => {}
-                    State::Finished => {
-                        warn(&format!("`{}` is finished already\n", out.display()));
-                    }
-                    // Of a manifest that is given it has been told.
-                    State::Resumed if options.manifest.is_some() => {}
-                    State::Resumed => tell_of_build(folder.builds()),
-                }
-                Place::Folder(folder)
+fn ensemble(options: &Options, manifest: &Manifest, stop: &AtomicBool) -> Result<Exit, Failure> {
+    let destination = match &options.out {
+        None => Destination::Memory(manifest),
+        Some(out) => {
+            let folder = Folder::open(out, manifest, options.resume).map_err(Failure::usage)?;
+            match folder.state() {
+                State::New => {}
+                State::Finished => warn(&format!("`{}` is finished already\n", out.display())),
+                // Of a manifest that is given it has been told.
+                State::Resumed if options.manifest.is_some() => {}
+                State::Resumed => tell_of_build(folder.builds()),
             }
-            Err(error) => return usage(&error.to_string()),
-        },
+            Destination::Folder(folder)
+        }
     };
     let threads = match options.threads {
         Some(threads) => NonZeroUsize::new(threads.into()),
         None => std::thread::available_parallelism().ok(),
     };
-    let means = Means {
-        threads: threads.unwrap_or(NonZeroUsize::MIN),
-        display: Display::on_standard_error(options.quiet),
-        stop,
-    };
+    let progress = Progress::new(manifest, threads.unwrap_or(NonZeroUsize::MIN));
     let recordings = record::Recordings::new(options, manifest);
-    let results = run_all(place, means, |program, number, watch| {
+    let simulate = |program: usize, number, watch: &Watch| {
         let program_of = &manifest.programs[program];
         let (tables, scene) = (program_of.tables(), &program_of.scene);
         let (settings, seed) = (&manifest.settings, manifest.seed);
@@ -158,29 +152,35 @@ fn ensemble(options: &Options, manifest: &Manifest, stop: &AtomicBool) -> Exit {
         };
         // The scene has been tried out, so only a cancelled run leaves no record.
         record.map_err(|_| Cancelled)
-    });
-    let results = match results {
-        Ok(results) => results,
-        Err(error) => return usage(&error.to_string()),
     };
+    let display = match manifest.total() {
+        // There is nothing to wait for.
+        total if destination.kept() == total => Display::Quiet,
+        _ => Display::on_standard_error(options.quiet),
+    };
+    let state = |elapsed| of_ensemble(manifest, &progress, elapsed);
+    let results = display
+        .during(state, || run_all(destination, &progress, stop, simulate))
+        .map_err(Failure::usage)?;
     let unrecorded = recordings.comment(&results.finished);
     let shown = Shown {
         form: options.format,
         bonds: options.bonds,
     };
-    let exit = show(manifest, &results.finished, &shown);
-    if let Some(out) = &options.out
-        && let Err(exit) = swept::keep(out, manifest, &results.finished)
-    {
-        return exit;
+    let exit = show(manifest, &results.finished, &shown)?;
+    if let Some(out) = &options.out {
+        swept::keep(out, manifest, &results.finished)?;
     }
-    closing::close(options, manifest, &results.finished);
+    closing::close(options, manifest, &results.finished)?;
     if results.complete {
-        return unrecorded.unwrap_or(exit);
+        return unrecorded.map_or(Ok(exit), Err);
     }
-    warn(match &options.out {
+    let message = match &options.out {
         Some(_) => "stopped; finished runs are kept, and `--resume` continues\n",
         None => "stopped; with `--out DIR`, finished runs are kept\n",
-    });
-    Exit::Interrupted
+    };
+    Err(Failure {
+        exit: Exit::Interrupted,
+        message: message.to_owned(),
+    })
 }

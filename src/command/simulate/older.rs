@@ -4,12 +4,12 @@ use std::path::Path;
 
 use serde::Deserialize;
 use stochc_compiler::Levels;
+use stochc_ensemble::{Manifest, Source, Varied};
 use stochc_ir::scene::Scene;
 use stochc_runtime::Settings;
 
-use super::{input, usage};
-use crate::cli::Exit;
-use crate::ensemble::{Manifest, Source, Varied};
+use super::input;
+use crate::exit::Failure;
 
 #[derive(Deserialize)]
 struct OldManifest {
@@ -41,9 +41,9 @@ pub(super) fn read(
     text: &str,
     path: &Path,
     levels: &Levels,
-) -> Result<Manifest, Exit> {
+) -> Result<Manifest, Failure> {
     let shown = path.display();
-    let refuse = |reason: String| usage(&format!("`{shown}`: {reason}"));
+    let refuse = |reason: String| Failure::usage(format!("`{shown}`: {reason}"));
     let old: OldManifest = serde_json::from_str(text)
         .map_err(|error| refuse(format!("it is damaged (format {format}), {error}")))?;
     let settings = old.settings().map_err(refuse)?;

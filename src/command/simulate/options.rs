@@ -2,15 +2,15 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};
+use stochc_ensemble::MOST_RUNS;
+use stochc_ensemble::recording::{EVERY, Selection};
+use stochc_ensemble::sweep::Axis;
 use stochc_runtime::{Model, Precision, Reduction, SUBSTEPS};
 
 use super::super::levels::LevelOptions;
 use super::super::results::Form;
 use super::super::trade::time;
 use super::accuracy::accuracy;
-use crate::ensemble::MOST_RUNS;
-use crate::recording::{EVERY, Selection};
-use crate::sweep::Axis;
 
 /// What `simulate` is given.
 #[derive(Debug, Args)]

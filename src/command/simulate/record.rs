@@ -3,15 +3,15 @@ use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
+use stochc_ensemble::recording::{Header, Recorder, Selection, path};
+use stochc_ensemble::{Finished, Manifest, Program};
+use stochc_files::atomic::draft;
 use stochc_ir::record::RunRecord;
 use stochc_runtime::{RunError, Watch, observe};
 
 use super::super::terminal::warn;
 use super::Options;
-use crate::cli::Exit;
-use crate::ensemble::{Finished, Manifest, Program};
-use crate::files::atomic::draft;
-use crate::recording::{Header, Recorder, Selection, path};
+use crate::exit::Failure;
 
 /// Which runs of an ensemble are recorded, and what went wrong with that.
 pub(super) struct Recordings<'a> {
@@ -54,16 +54,15 @@ impl<'a> Recordings<'a> {
         })
     }
 
-    /// Says which of the wanted recordings are not there; how the command ends for that.
-    pub fn comment(&self, finished: &[Finished]) -> Option<Exit> {
+    /// Says which of the wanted recordings are not there; why the command fails for that.
+    pub fn comment(&self, finished: &[Finished]) -> Option<Failure> {
         let (folder, runs) = self.wanted?;
         let broken = self.broken.lock().ok().and_then(|mut broken| broken.take());
         if let Some(error) = broken {
-            warn(&format!(
-                "error: cannot keep every recording in `{}`: {error}; the runs themselves are kept\n",
+            return Some(Failure::usage(format!(
+                "cannot keep every recording in `{}`: {error}; the runs themselves are kept",
                 folder.display()
-            ));
-            return Some(Exit::Usage);
+            )));
         }
         let wanted = (finished.iter()).filter(|done| runs.contains(done.record.run));
         let missing = wanted

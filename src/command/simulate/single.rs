@@ -3,19 +3,24 @@ use std::fmt::Write as _;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use stochc_ensemble::text::{Tick, seconds};
+use stochc_ensemble::{Manifest, Program, named};
 use stochc_ir::record::{BondRecord, Limit, Origin, Outcome, ReleaseRecord, RunRecord, WaitRecord};
 use stochc_ir::table::PhaseId;
 use stochc_runtime::run as run_once;
 
 use super::super::results::Form;
 use super::super::terminal::print;
-use super::{Options, usage};
-use crate::cli::Exit;
-use crate::ensemble::{Manifest, Program, named};
-use crate::figures::{Tick, seconds};
+use super::Options;
+use crate::exit::{Exit, Failure};
 
 /// Does one run of each program.
-pub fn run(options: &Options, manifest: &Manifest, number: u64, stop: &AtomicBool) -> Exit {
+pub fn run(
+    options: &Options,
+    manifest: &Manifest,
+    number: u64,
+    stop: &AtomicBool,
+) -> Result<Exit, Failure> {
     let mut watch = |_, _| match stop.load(Ordering::Relaxed) {
         true => ControlFlow::Break(()),
         false => ControlFlow::Continue(()),
@@ -27,23 +32,23 @@ pub fn run(options: &Options, manifest: &Manifest, number: u64, stop: &AtomicBoo
         let (settings, seed) = (&manifest.settings, manifest.seed);
         let record = run_once(tables, scene, settings, seed, number, &mut watch);
         let Ok(record) = record else {
-            return Exit::Interrupted;
+            return Ok(Exit::Interrupted);
         };
         if record.outcome != Outcome::Completed {
             exit = Exit::UnsuccessfulRun;
         }
         match options.format {
-            Form::Text => print(&story(&record, program)),
+            Form::Text => print(&story(&record, program))?,
             Form::Json => records.push(named(&record, program)),
         }
     }
     if options.format == Form::Json {
         match serde_json::to_string_pretty(&records) {
-            Ok(text) => print(&format!("{text}\n")),
-            Err(error) => return usage(&error.to_string()),
+            Ok(text) => print(&format!("{text}\n"))?,
+            Err(error) => return Err(Failure::usage(error.to_string())),
         }
     }
-    exit
+    Ok(exit)
 }
 
 /// A run in lines: a phase, what happened in it, its end.

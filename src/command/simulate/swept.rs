@@ -3,31 +3,32 @@ use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 
+use stochc_ensemble::sweep::{MOST_POINTS, Sweep, points as combine};
+use stochc_ensemble::{Compiled, Finished, MOST_RUNS, Manifest, Program};
+use stochc_files::atomic;
 use stochc_ir::Executable;
+use stochc_report::figures::sweep as pictures;
 
 use super::super::check::verdict;
-use super::super::terminal::{has_colour, message_width, warn};
-use super::{Options, input, usage};
-use crate::cli::Exit;
-use crate::ensemble::{Compiled, Finished, MOST_RUNS, Manifest, Program};
-use crate::files::atomic;
-use crate::findings::drawn;
-use crate::sweep::{MOST_POINTS, Sweep, pictures, points as combine};
+use super::super::terminal::{has_colour, message_width};
+use super::{Options, input};
+use crate::diagnostics::drawn;
+use crate::exit::Failure;
 
 /// Each program at each point, compiled with the values of the point.
 ///
 /// What a program is refused for at a point is told with the point; then nothing is run.
-pub(super) fn points(options: &Options, programs: &[Program]) -> Result<Vec<Program>, Exit> {
+pub(super) fn points(options: &Options, programs: &[Program]) -> Result<Vec<Program>, Failure> {
     let mut at_points = Vec::new();
     for program in programs {
         if program.sources.is_empty() {
-            return Err(usage(&format!(
+            return Err(Failure::usage(format!(
                 "--sweep: `{}` is compiled already; name the file of its text instead",
                 program.name
             )));
         }
         let points = combine(&options.sweep, &program.scene)
-            .map_err(|reason| usage(&format!("--sweep: {reason}")))?;
+            .map_err(|reason| Failure::usage(format!("--sweep: {reason}")))?;
         for varied in points {
             let mut entry = program.clone();
             entry.varied = varied;
@@ -37,52 +38,50 @@ pub(super) fn points(options: &Options, programs: &[Program]) -> Result<Vec<Prog
     }
     let count = at_points.len();
     if count > MOST_POINTS {
-        return Err(usage(&format!(
+        return Err(Failure::usage(format!(
             "--sweep: these are {count} points of {} programs, and {MOST_POINTS} is the most; ask for fewer \
              values",
             programs.len()
         )));
     }
     if options.runs.saturating_mul(count as u64) > MOST_RUNS {
-        return Err(usage(&format!(
+        return Err(Failure::usage(format!(
             "--sweep: {} runs at each of {count} points are more than {MOST_RUNS}; lower `--runs`",
             options.runs
         )));
     }
     let mut wrong = Vec::new();
     for entry in &mut at_points {
-        if let Err(exit) = compile(entry, options, wrong.is_empty()) {
-            wrong.push((entry.name.clone(), exit));
+        if let Err(failure) = compile(entry, options) {
+            wrong.push((entry.name.clone(), failure));
         }
     }
     share_tables(&mut at_points);
-    match &wrong[..] {
-        [] => Ok(at_points),
-        [(_, exit)] => Err(*exit),
-        [(_, exit), more @ ..] => {
-            let names: Vec<&str> = more.iter().map(|(name, _)| name.as_str()).collect();
-            warn(&format!(
-                "error: nor can these be run: {}\n",
-                names.join(", ")
-            ));
-            Err(*exit)
-        }
+    let mut wrong = wrong.into_iter();
+    let Some((_, mut failure)) = wrong.next() else {
+        return Ok(at_points);
+    };
+    // Most are wrong for one reason.
+    let more: Vec<String> = wrong.map(|(name, _)| name).collect();
+    if !more.is_empty() {
+        failure.message += &format!("error: nor can these be run: {}\n", more.join(", "));
     }
+    Err(failure)
 }
 
-/// Compiles a program at its point; `is_told`: says why not.
+/// Compiles a program at its point.
 ///
 /// Warnings have been told when the program was read as it is.
-fn compile(entry: &mut Program, options: &Options, is_told: bool) -> Result<(), Exit> {
+fn compile(entry: &mut Program, options: &Options) -> Result<(), Failure> {
     let levels = &options.levels.levels;
     let checked = input::recompile(&entry.sources, &entry.varied, entry.assembly(), levels);
     if checked.has_errors() {
-        if is_told {
-            warn(&format!("error: `{}` cannot be run:\n", entry.name));
-            let (colour, width) = (has_colour(), message_width());
-            warn(&drawn(&checked, colour, width));
-        }
-        return Err(verdict(&checked));
+        let name = &entry.name;
+        let drawn = drawn(&checked, has_colour(), message_width());
+        return Err(Failure {
+            exit: verdict(&checked),
+            message: format!("error: `{name}` cannot be run:\n{drawn}"),
+        });
     }
     let programs = checked.programs.into_iter();
     let mut compiled = programs.filter_map(stochc_compiler::Program::into_executable);
@@ -93,7 +92,7 @@ fn compile(entry: &mut Program, options: &Options, is_told: bool) -> Result<(), 
         graph,
     }) = found
     else {
-        return Err(usage(&format!("`{}` does not compile", entry.name)));
+        return Err(Failure::usage(format!("`{}` does not compile", entry.name)));
     };
     entry.scene = scene;
     entry.compiled = Arc::new(Compiled::new(tables, graph));
@@ -115,7 +114,7 @@ fn share_tables(programs: &mut [Program]) {
 }
 
 /// Writes `sweep.json`, `sweep.csv` and the figures into a results folder, if its ensemble is a sweep.
-pub(super) fn keep(out: &Path, manifest: &Manifest, finished: &[Finished]) -> Result<(), Exit> {
+pub(super) fn keep(out: &Path, manifest: &Manifest, finished: &[Finished]) -> Result<(), Failure> {
     let Some(sweep) = Sweep::of(manifest, finished) else {
         return Ok(());
     };
@@ -127,8 +126,9 @@ pub(super) fn keep(out: &Path, manifest: &Manifest, finished: &[Finished]) -> Re
     let pictures = pictures.map(|drawing| (format!("{}.svg", drawing.name), drawing.file()));
     for (name, text) in tables.into_iter().chain(pictures) {
         let path = out.join(name);
-        atomic::replace(&path, text.as_bytes())
-            .map_err(|error| usage(&format!("cannot write `{}`: {error}", path.display())))?;
+        atomic::replace(&path, text.as_bytes()).map_err(|error| {
+            Failure::usage(format!("cannot write `{}`: {error}", path.display()))
+        })?;
     }
     Ok(())
 }

@@ -1,0 +1,80 @@
+//! Runs on several threads: for ensembles, sweeps and trades alike.
+use std::ops::ControlFlow;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use stochc_ir::record::{Outcome, RunRecord};
+use stochc_ir::table::PhaseId;
+
+/// A run was told to stop, and leaves nothing behind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Cancelled;
+
+/// Has each of so many threads do one job after the other, until `next` has none left or `stop` is set.
+///
+/// `work` gets the number of its thread, from 0, and says whether to go on.
+pub(crate) fn execute<J>(
+    threads: usize,
+    stop: &AtomicBool,
+    next: impl Fn() -> Option<J> + Sync,
+    work: impl Fn(usize, J) -> ControlFlow<()> + Sync,
+) {
+    let thread = |number| {
+        while !stop.load(Ordering::Relaxed) {
+            let Some(job) = next() else { break };
+            if work(number, job).is_break() {
+                break;
+            }
+        }
+    };
+    std::thread::scope(|scope| {
+        for number in 0..threads {
+            let thread = &thread;
+            scope.spawn(move || thread(number));
+        }
+    });
+}
+
+/// Makes a run; `None`: it was stopped. A panic in it makes it [`Outcome::Failed`], where `last` says that it was.
+pub(crate) fn attempt(
+    run: u64,
+    simulate: impl FnOnce() -> Result<RunRecord, Cancelled>,
+    last: impl FnOnce() -> (u64, PhaseId),
+) -> Option<RunRecord> {
+    // What the run was working on is dropped with it, so that nobody sees it half done.
+    let result = catch_unwind(AssertUnwindSafe(|| {
+        let result = simulate();
+        if let Ok(record) = &result {
+            assert_eq!(record.run, run, "the record is of another run");
+        }
+        result
+    }));
+    match result {
+        Ok(Ok(record)) => Some(record),
+        Ok(Err(Cancelled)) => None,
+        Err(panic) => {
+            let text = panic
+                .downcast_ref::<String>()
+                .map(String::as_str)
+                .or_else(|| panic.downcast_ref::<&str>().copied())
+                .unwrap_or("no message");
+            let (ticks, phase) = last();
+            Some(RunRecord {
+                run,
+                outcome: Outcome::Failed {
+                    phase,
+                    reason: format!("panicked: {text}"),
+                },
+                ticks,
+                phase_ticks: Vec::new(),
+                blocks_used: 0,
+                hops: 0,
+                unplanned: 0,
+                bonds: Vec::new(),
+                waiting: Vec::new(),
+                releases: Vec::new(),
+                unplanned_bonds: Vec::new(),
+            })
+        }
+    }
+}

@@ -1,0 +1,91 @@
+//! Why a results folder is not used, and the way out.
+use std::io;
+use std::path::PathBuf;
+
+use stochc_files::shell::file as shell_file;
+
+use super::folder::MANIFEST;
+use super::journal::JournalError;
+
+/// Why a folder was refused.
+#[derive(Debug, thiserror::Error)]
+pub enum FolderError {
+    /// Somebody's other files.
+    #[error("`{0}` holds other files than results; choose an empty or a new folder")]
+    NotResults(PathBuf),
+    /// It is to be read, and holds no results.
+    #[error("`{0}` holds no results; give a folder that `simulate --out` has written")]
+    Absent(PathBuf),
+    /// A file of that name stands in the way.
+    #[error("`{0}` is a file; choose another name for the folder")]
+    NotAFolder(PathBuf),
+    /// The manifest is damaged, of another format, or no manifest at all.
+    #[error(
+        "cannot read `manifest.json` in `{path}`: {reason}; \
+         choose another folder, or read this one with the version that made it"
+    )]
+    Unreadable {
+        /// The folder.
+        path: PathBuf,
+        /// What is wrong with the manifest.
+        reason: String,
+    },
+    /// Of an older layout.
+    #[error(
+        "`{path}` was filled by an older `stochc`, which kept less of each run; to make the same runs \
+         again: `stochc simulate --manifest {} --out NEW`",
+        shell_file(&.path.join(MANIFEST).to_string_lossy())
+    )]
+    Old {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// The results of something else.
+    #[error(
+        "`{path}` holds another ensemble: {}; choose another folder, results are never overwritten",
+        .differences.join(", ")
+    )]
+    Another {
+        /// The folder.
+        path: PathBuf,
+        /// What is not the same, in words.
+        differences: Vec<String>,
+    },
+    /// The same ensemble, not finished, and nobody asked to resume.
+    #[error("`{path}` holds {done} of the {total} runs of this ensemble; add `--resume` to go on")]
+    Unfinished {
+        /// The folder.
+        path: PathBuf,
+        /// Runs that are done.
+        done: u64,
+        /// Runs that are asked for.
+        total: u64,
+    },
+    /// The same ensemble, with more runs than asked for.
+    #[error(
+        "`{path}` is an ensemble of {there} runs of each program, more than the {asked} asked for; \
+         ask for {there}, or choose another folder"
+    )]
+    MoreRuns {
+        /// The folder.
+        path: PathBuf,
+        /// Runs of each program in the folder's manifest.
+        there: u64,
+        /// Runs of each program that were asked for.
+        asked: u64,
+    },
+    /// Another process writes to it.
+    #[error("another process is writing to `{0}`; wait for its end, or choose another folder")]
+    Locked(PathBuf),
+    /// The journal is not of this ensemble or cannot be used.
+    #[error(transparent)]
+    Journal(#[from] JournalError),
+    /// The file system refused.
+    #[error("cannot use `{path}`: {source}")]
+    Io {
+        /// The folder.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+}

@@ -1,0 +1,74 @@
+//! Many runs of one or more programs, kept in a folder that outlives every interruption, and what they say.
+//!
+//! [`Manifest`] says what the ensemble depends on, [`Folder`] who may write where, and [`run`]
+//! does what is left to do. [`Comparison`], [`captures`], [`sweep`] and [`trade`] say what came of it, by [`statistics`].
+//!
+//! ```
+//! use std::num::NonZeroUsize;
+//! use std::sync::atomic::AtomicBool;
+//!
+//! use stochc_ensemble::{
+//!     Cancelled, Comparison, Destination, Manifest, Program, Progress, run,
+//! };
+//! use stochc_runtime::{Model, Settings};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let text = "assembly pair { seed plate 3 x 3 { M at (1, 1) }\nphase grow { M.up -> A } }";
+//! let mut reader = |_: &str| Ok(text.as_bytes().to_vec());
+//! let mut checked = stochc_compiler::check("pair.sa", &mut reader, Default::default());
+//! let executable = checked.programs.remove(0).into_executable().ok_or("it is wrong")?;
+//! let program = Program::new("pair", Vec::new(), executable);
+//!
+//! let settings = Settings::of(Model::Shuffle, /* substeps */ 1);
+//! let manifest = Manifest::new(settings, /* seed */ 1, /* runs */ 10, vec![program]);
+//! let progress = Progress::new(&manifest, NonZeroUsize::MIN);
+//! let stop = AtomicBool::new(false);
+//! let results = run(Destination::Memory(&manifest), &progress, &stop, |program, number, watch| {
+//!     let program = &manifest.programs[program];
+//!     let mut told = |tick, phase| watch.tick(tick, phase);
+//!     let (tables, scene) = (program.tables(), &program.scene);
+//!     stochc_runtime::run(tables, scene, &manifest.settings, manifest.seed, number, &mut told)
+//!         .map_err(|_| Cancelled)
+//! })?;
+//! let comparison = Comparison::of(&manifest, &results.finished);
+//! assert_eq!(comparison.programs[0].completed, 10);
+//! # Ok(())
+//! # }
+//! ```
+mod build;
+mod captures;
+mod clock;
+mod comparison;
+mod executor;
+mod folder;
+mod folder_error;
+mod journal;
+mod manifest;
+mod named;
+mod pairwise;
+mod parquet;
+mod progress;
+pub mod recording;
+mod run;
+pub mod statistics;
+pub mod sweep;
+pub mod text;
+mod time_left;
+mod times;
+pub mod trade;
+
+pub use build::{other_build, this_build};
+pub use captures::{Capture, CaptureKey, Repetitions, Waits, captures, waits};
+pub use comparison::{Column, Comparison, Pair, PhaseTime, Time};
+pub use executor::Cancelled;
+pub use folder::{Folder, RECORDINGS, State};
+pub use folder_error::FolderError;
+pub use journal::{Finished, JournalError};
+pub use manifest::{Compiled, FORMAT, MOST_RUNS, Manifest, Program, Source, Varied};
+pub use named::named;
+pub use pairwise::{Group, PairwiseTest, TimeUnit, Verdict, pairwise_tests};
+pub use parquet::{ColumnShape, TableShape, tables};
+pub use progress::{ProgramProgress, Progress, Snapshot, Totals, Watch};
+pub use run::{Destination, Results, RunError, run};
+pub use time_left::time_left;
+pub use times::{completion_time, completion_times, phase_time};

@@ -1,0 +1,85 @@
+//! `phases.parquet`.
+use stochc_ir::table::PhaseId;
+
+use super::column::{Column, Table, integer, text};
+use super::row::{Row, Run, key, outcome, phase};
+use crate::Varied;
+
+/// A phase that a run has reached.
+pub(super) struct Reached {
+    phase: PhaseId,
+    began: u64,
+    /// `None`: it was under way when the run ended.
+    ended: Option<u64>,
+}
+
+/// The phases that a run has reached, in their order.
+pub(super) fn reached(run: Run) -> Vec<Reached> {
+    let mut began = 0u64;
+    let mut phases = Vec::new();
+    let all = 0..run.program.phases().len() as u32;
+    for (number, ticks) in all.clone().zip(&run.record.phase_ticks) {
+        // A journal may have been edited.
+        let end = began.saturating_add(*ticks);
+        phases.push(Reached {
+            phase: PhaseId(number),
+            began,
+            ended: Some(end),
+        });
+        began = end;
+    }
+    let next = run.record.phase_ticks.len() as u32;
+    if super::runs::unfinished(run.record) == Some(PhaseId(next)) && all.contains(&next) {
+        phases.push(Reached {
+            phase: PhaseId(next),
+            began,
+            ended: None,
+        });
+    }
+    phases
+}
+
+pub(super) fn table<'a>(axes: &[Varied]) -> Table<'a, Row<'a, Reached>> {
+    type R<'a> = Row<'a, Reached>;
+    let mut columns = key(axes);
+    columns.extend(phase(|reached: &Reached| reached.phase));
+    columns.extend([
+        Column::new(
+            "outcome",
+            "",
+            "`completed`, or that of the run, which ended in this phase: `timed_out`, `max_ticks` (the time \
+             is censored) or `failed` (it means nothing)",
+            text(|row: &R<'a>| match row.of.ended {
+                Some(_) => "completed",
+                None => outcome(&row.run.record.outcome),
+            }),
+        ),
+        Column::new(
+            "began",
+            "ticks",
+            "when it began, from the beginning of the run",
+            integer(|row: &R<'a>| row.of.began),
+        ),
+        Column::new(
+            "ended",
+            "ticks",
+            "when it was complete",
+            integer(|row: &R<'a>| row.of.ended),
+        )
+        .null("the run ended before"),
+        Column::new(
+            "ticks",
+            "ticks",
+            "how long it took, or had taken when the run ended",
+            integer(|row: &R<'a>| {
+                let end = row.of.ended.unwrap_or(row.run.record.ticks);
+                end.saturating_sub(row.of.began)
+            }),
+        ),
+    ]);
+    Table {
+        name: "phases",
+        row: "a phase that a run has reached",
+        columns,
+    }
+}

@@ -1,0 +1,149 @@
+//! `runs.parquet`.
+use stochc_ir::record::{Outcome, RunRecord};
+use stochc_ir::table::PhaseId;
+
+use super::column::{Column, Table, integer, integers, real, text, texts, unsigned};
+use super::row::{Row, key, outcome};
+use crate::Varied;
+
+/// The phase in which a run ended without being complete.
+pub(super) fn unfinished(record: &RunRecord) -> Option<PhaseId> {
+    match record.outcome {
+        Outcome::Completed => None,
+        Outcome::TimedOut { phase, .. } | Outcome::Failed { phase, .. } => Some(phase),
+    }
+}
+
+pub(super) fn table<'a>(axes: &[Varied]) -> Table<'a, Row<'a, ()>> {
+    type R<'a> = Row<'a, ()>;
+    let mut columns = key(axes);
+    columns.extend([
+        Column::new(
+            "assembly",
+            "",
+            "name of the assembly or aggregate",
+            text(|row: &R<'a>| row.run.program.assembly()),
+        ),
+        Column::new(
+            "scene",
+            "",
+            "name of the scene",
+            text(|row: &R<'a>| row.run.program.scene.name.as_str()),
+        ),
+        Column::new(
+            "outcome",
+            "",
+            "`completed`; `timed_out`: stopped by the timeout of a phase; `max_ticks`: stopped by the \
+             limit of ticks, `--max-ticks`; `failed`: the physics broke down. The times of \
+             stopped runs are censored, those of failed ones mean nothing",
+            text(|row: &R<'a>| outcome(&row.run.record.outcome)),
+        ),
+        Column::new(
+            "failed_phase",
+            "",
+            "name of the phase in which it was stopped or failed",
+            text(|row: &R<'a>| {
+                let phase = unfinished(row.run.record)?;
+                Some(row.run.program.phase(phase))
+            }),
+        )
+        .null("it completed"),
+        Column::new(
+            "failed_phase_number",
+            "",
+            "index of that phase, from 0",
+            integer(|row: &R<'a>| unfinished(row.run.record).map(|phase| phase.0.into())),
+        )
+        .null("it completed"),
+        Column::new(
+            "reason",
+            "",
+            "why it failed",
+            text(|row: &R<'a>| match &row.run.record.outcome {
+                Outcome::Failed { reason, .. } => Some(reason.as_str()),
+                Outcome::Completed | Outcome::TimedOut { .. } => None,
+            }),
+        )
+        .null("it did not fail"),
+        Column::new(
+            "ticks",
+            "ticks",
+            "time until its end",
+            integer(|row: &R<'a>| row.run.record.ticks),
+        ),
+        Column::new(
+            "seconds",
+            "s",
+            "the same in seconds of the scene",
+            real(|row: &R<'a>| row.run.record.ticks as f64 * row.run.program.scene.tick),
+        ),
+        Column::new(
+            "tick_seconds",
+            "s",
+            "length of a tick",
+            real(|row: &R<'a>| row.run.program.scene.tick),
+        ),
+        Column::new(
+            "phase_names",
+            "",
+            "names of all phases, by their index",
+            texts(|row: &R<'a>| {
+                let phases = row.run.program.phases().iter();
+                phases.map(|phase| phase.name.as_str()).collect::<Vec<_>>()
+            }),
+        ),
+        Column::new(
+            "phase_ticks",
+            "ticks",
+            "time that each phase took which was completed, by its index; `phases.parquet` has the others as well",
+            integers(|row: &R<'a>| row.run.record.phase_ticks.as_slice()),
+        ),
+        Column::new(
+            "blocks_used",
+            "",
+            "different blocks that were captured; of an aggregate, blocks of the largest group",
+            integer(|row: &R<'a>| u64::from(row.run.record.blocks_used)),
+        ),
+        Column::new(
+            "captures",
+            "",
+            "rows of `bonds.parquet` that are not censored",
+            integer(|row: &R<'a>| row.run.record.bonds.len() as u64),
+        ),
+        Column::new(
+            "under_way",
+            "",
+            "rows of `bonds.parquet` that are censored",
+            integer(|row: &R<'a>| row.run.record.waiting.len() as u64),
+        ),
+        Column::new(
+            "releases",
+            "",
+            "rows of `releases.parquet`",
+            integer(|row: &R<'a>| row.run.record.releases.len() as u64),
+        ),
+        Column::new(
+            "unplanned",
+            "",
+            "rows of `unplanned.parquet`",
+            integer(|row: &R<'a>| row.run.record.unplanned_bonds.len() as u64),
+        ),
+        Column::new(
+            "hops",
+            "",
+            "hops of messages from a block to its parent or child",
+            integer(|row: &R<'a>| row.run.record.hops),
+        ),
+        Column::new(
+            "seed",
+            "",
+            "seed of the ensemble",
+            unsigned(|row: &R<'a>| row.run.manifest.seed),
+        ),
+    ]);
+    Table {
+        name: "runs",
+        row: "a finished run",
+        columns,
+    }
+}

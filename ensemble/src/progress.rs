@@ -1,0 +1,202 @@
+//! What the runs under way are doing: written once a tick by the threads, read by whoever shows it.
+use std::num::NonZeroUsize;
+use std::ops::ControlFlow;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, AtomicUsize, Ordering};
+
+use stochc_ir::record::Outcome;
+use stochc_ir::table::PhaseId;
+
+use super::{Finished, Manifest};
+
+/// In place of a program: the worker has nothing to do.
+const IDLE: usize = usize::MAX;
+
+/// The state of an ensemble, shared by its threads and whoever shows it.
+pub struct Progress {
+    total: u64,
+    workers: Vec<Worker>,
+    totals: Mutex<Totals>,
+}
+
+/// Where one worker is.
+struct Worker {
+    program: AtomicUsize,
+    phase: AtomicU32,
+    tick: AtomicU64,
+}
+
+/// What has been finished.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Totals {
+    /// For each program.
+    pub programs: Vec<ProgramProgress>,
+    /// Runs that were stopped by a timeout or the limit of ticks.
+    pub stopped: u64,
+    /// Runs whose physics broke down.
+    pub failed: u64,
+    /// Ticks simulated by this process in runs that are finished.
+    pub ticks_here: u64,
+}
+
+/// How long the runs of a program take.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ProgramProgress {
+    /// Finished runs, of this process or an earlier one.
+    pub done: u64,
+    /// Their ticks together.
+    pub ticks: u64,
+    /// Runs that are not finished.
+    pub left: u64,
+    /// Ticks of those of them that are under way.
+    pub under_way: u64,
+}
+
+/// All of it at one moment.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Snapshot {
+    /// Runs asked for.
+    pub total: u64,
+    /// Runs finished.
+    pub done: u64,
+    /// What has been finished, program by program.
+    pub totals: Totals,
+    /// Ticks simulated by this process.
+    pub ticks_here: u64,
+    /// The program and phase of each run under way.
+    pub under_way: Vec<(usize, PhaseId)>,
+}
+
+/// A run's line to the outside, which it calls once a tick.
+#[derive(Clone, Copy)]
+pub struct Watch<'a> {
+    worker: &'a Worker,
+    stops: [&'a AtomicBool; 2],
+}
+
+impl Watch<'_> {
+    /// Says how far the run is; breaks when it should stop at once, and be forgotten.
+    pub fn tick(&self, tick: u64, phase: PhaseId) -> ControlFlow<()> {
+        // Each of these stands for itself, so that no order among them is needed.
+        self.worker.tick.store(tick, Ordering::Relaxed);
+        self.worker.phase.store(phase.0, Ordering::Relaxed);
+        if self.stops.iter().any(|stop| stop.load(Ordering::Relaxed)) {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    }
+
+    /// The tick and phase told last.
+    pub(crate) fn last(&self) -> (u64, PhaseId) {
+        let phase = PhaseId(self.worker.phase.load(Ordering::Relaxed));
+        (self.worker.tick.load(Ordering::Relaxed), phase)
+    }
+}
+
+impl Progress {
+    /// The state before the first run, for so many threads.
+    pub fn new(manifest: &Manifest, threads: NonZeroUsize) -> Progress {
+        let pace = ProgramProgress {
+            left: manifest.runs,
+            ..ProgramProgress::default()
+        };
+        let totals = Totals {
+            programs: vec![pace; manifest.programs.len()],
+            ..Totals::default()
+        };
+        let idle = || Worker {
+            program: AtomicUsize::new(IDLE),
+            phase: AtomicU32::new(0),
+            tick: AtomicU64::new(0),
+        };
+        Progress {
+            total: manifest.total(),
+            workers: std::iter::repeat_with(idle).take(threads.get()).collect(),
+            totals: Mutex::new(totals),
+        }
+    }
+
+    /// How many threads there are.
+    pub(crate) fn threads(&self) -> usize {
+        self.workers.len()
+    }
+
+    /// Counts runs of an earlier process.
+    pub(crate) fn keep(&self, kept: &[Finished]) {
+        let mut totals = self.totals.lock().expect("nobody panics while counting");
+        for done in kept {
+            totals.count(done);
+        }
+    }
+
+    /// Puts a thread on a run, which stops when either of `stops` is set.
+    pub(crate) fn begin<'a>(
+        &'a self,
+        worker: usize,
+        program: usize,
+        stops: [&'a AtomicBool; 2],
+    ) -> Watch<'a> {
+        let slot = &self.workers[worker];
+        slot.tick.store(0, Ordering::Relaxed);
+        slot.phase.store(0, Ordering::Relaxed);
+        slot.program.store(program, Ordering::Relaxed);
+        Watch {
+            worker: slot,
+            stops,
+        }
+    }
+
+    /// Takes a thread off its run; `finished`: unless the run was stopped.
+    pub(crate) fn end(&self, worker: usize, finished: Option<&Finished>) {
+        let slot = &self.workers[worker];
+        slot.program.store(IDLE, Ordering::Relaxed);
+        if let Some(finished) = finished {
+            let mut totals = self.totals.lock().expect("nobody panics while counting");
+            totals.count(finished);
+            totals.ticks_here += finished.record.ticks;
+        }
+    }
+
+    /// What can be told now.
+    pub fn snapshot(&self) -> Snapshot {
+        let mut totals = self
+            .totals
+            .lock()
+            .expect("nobody panics while counting")
+            .clone();
+        let mut ticks_here = totals.ticks_here;
+        let mut under_way = Vec::new();
+        for slot in &self.workers {
+            let program = slot.program.load(Ordering::Relaxed);
+            if let Some(pace) = totals.programs.get_mut(program) {
+                let tick = slot.tick.load(Ordering::Relaxed);
+                pace.under_way += tick;
+                ticks_here += tick;
+                under_way.push((program, PhaseId(slot.phase.load(Ordering::Relaxed))));
+            }
+        }
+        under_way.sort_unstable();
+        Snapshot {
+            total: self.total,
+            done: totals.programs.iter().map(|pace| pace.done).sum(),
+            totals,
+            ticks_here,
+            under_way,
+        }
+    }
+}
+
+impl Totals {
+    fn count(&mut self, finished: &Finished) {
+        let pace = &mut self.programs[finished.program];
+        pace.done += 1;
+        pace.ticks += finished.record.ticks;
+        pace.left = pace.left.saturating_sub(1);
+        match finished.record.outcome {
+            Outcome::Completed => {}
+            Outcome::TimedOut { .. } => self.stopped += 1,
+            Outcome::Failed { .. } => self.failed += 1,
+        }
+    }
+}

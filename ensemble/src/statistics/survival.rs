@@ -1,0 +1,368 @@
+//! Times of which some are censored: the estimator of Kaplan and Meier (1958).
+use super::Observation;
+use super::distribution::normal_quantile;
+
+/// The share of runs that are still incomplete, as a function of time.
+///
+/// S(t) is the product of 1 - d/n over the times up to t at which d of the n runs that were still
+/// under observation completed. A run censored at the same time counts as still under observation.
+/// The estimate takes for granted that a run is not stopped because it was about to be slow or
+/// fast: true of a limit on the run's ticks, an approximation for the timeout of a later phase,
+/// since its clock starts when the earlier phases end.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KaplanMeier {
+    steps: Vec<Step>,
+    last: f64,
+}
+
+/// A time at which runs completed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Step {
+    time: f64,
+    at_risk: usize,
+    completed: usize,
+    /// The share still incomplete after this time.
+    after: f64,
+}
+
+/// The share of incomplete runs right after a time at which some completed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point {
+    /// The time, in the unit of the observations.
+    pub time: f64,
+    /// Runs that were still under observation just before it.
+    pub at_risk: usize,
+    /// Runs that completed at it.
+    pub completed: usize,
+    /// The share still incomplete after it.
+    pub incomplete: f64,
+    /// Ends of its 95 % confidence interval; `None` after the last run has completed, where the
+    /// formula has no value.
+    pub interval: Option<(f64, f64)>,
+}
+
+/// The mean of min(time, horizon).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RestrictedMean {
+    /// A lower bound of the mean, in the unit of the times.
+    pub mean: f64,
+    /// Its standard error by Greenwood's formula.
+    ///
+    /// Without censoring it is the SD over sqrt n, with n in the SD's denominator.
+    pub error: f64,
+    /// Times count up to here.
+    pub horizon: f64,
+}
+
+impl RestrictedMean {
+    /// Half the width of the 95 % confidence interval of the mean, 1.96 standard errors.
+    pub fn half_width(&self) -> f64 {
+        normal_quantile() * self.error
+    }
+}
+
+impl KaplanMeier {
+    /// Estimates from observations in any order; `None`: there are none.
+    pub fn of(observations: &[Observation]) -> Option<KaplanMeier> {
+        let mut sorted = observations.to_vec();
+        sorted.sort_by(|a, b| a.time.total_cmp(&b.time));
+        let last = sorted.last()?.time;
+        let mut steps = Vec::new();
+        let mut share = 1.0;
+        let mut at_risk = sorted.len();
+        for same_time in sorted.chunk_by(|a, b| a.time == b.time) {
+            let completed = same_time.iter().filter(|o| o.completed).count();
+            if completed > 0 {
+                share *= (at_risk - completed) as f64 / at_risk as f64;
+                steps.push(Step {
+                    time: same_time[0].time,
+                    at_risk,
+                    completed,
+                    after: share,
+                });
+            }
+            at_risk -= same_time.len();
+        }
+        Some(KaplanMeier { steps, last })
+    }
+
+    /// The last time seen, of a completed run or a censored one: a horizon for the mean.
+    pub fn last(&self) -> f64 {
+        self.last
+    }
+
+    /// The share of runs that are still incomplete after `time`.
+    pub fn incomplete(&self, time: f64) -> f64 {
+        let passed = self.steps.partition_point(|step| step.time <= time);
+        passed.checked_sub(1).map_or(1.0, |i| self.steps[i].after)
+    }
+
+    /// The curve, step by step, with pointwise intervals.
+    ///
+    /// The interval is symmetric for log(-log S), so that it stays between 0 and 1: S to the power
+    /// exp(± 1.96 e), where e = sqrt(G) / |log S| and G is Greenwood's sum of d / (n (n - d))
+    /// (J. D. Kalbfleisch and R. L. Prentice, The Statistical Analysis of Failure Time Data, 2nd
+    /// ed. 2002, section 1.4).
+    pub fn curve(&self) -> Vec<Point> {
+        let mut greenwood = 0.0;
+        let point = |step: &Step| {
+            let left = step.at_risk - step.completed;
+            let interval = (left > 0).then(|| {
+                greenwood += step.completed as f64 / (step.at_risk as f64 * left as f64);
+                let error = f64::sqrt(greenwood) / step.after.ln().abs();
+                let by = (normal_quantile() * error).exp();
+                (step.after.powf(by), step.after.powf(1.0 / by))
+            });
+            Point {
+                time: step.time,
+                at_risk: step.at_risk,
+                completed: step.completed,
+                incomplete: step.after,
+                interval,
+            }
+        };
+        self.steps.iter().map(point).collect()
+    }
+
+    /// The time at which half of the runs have completed; `None`: the estimate stays above half.
+    ///
+    /// Where the share is exactly half from one completion to the next, the middle of the two, so
+    /// that it is the plain median when nothing is censored.
+    pub fn median(&self) -> Option<f64> {
+        // A product of fractions that should be one half may miss it by some rounding errors.
+        const ROUNDING: f64 = 1e-12;
+        let i = self
+            .steps
+            .iter()
+            .position(|step| step.after <= 0.5 + ROUNDING)?;
+        let step = self.steps[i];
+        match self.steps.get(i + 1) {
+            Some(next) if (step.after - 0.5).abs() <= ROUNDING => {
+                Some(0.5 * (step.time + next.time))
+            }
+            _ => Some(step.time),
+        }
+    }
+
+    /// The mean of min(time, horizon): the area under the curve up to `horizon`, which is brought
+    /// down to the last time seen, beyond which nothing is known.
+    pub fn restricted_mean(&self, horizon: f64) -> RestrictedMean {
+        let horizon = horizon.min(self.last);
+        let steps = &self.steps[..self.steps.partition_point(|step| step.time <= horizon)];
+        // From the right, so that the area after each step is at hand for Greenwood's sum.
+        let mut area = 0.0;
+        let mut variance = 0.0;
+        let mut until = horizon;
+        for step in steps.iter().rev() {
+            area += step.after * (until - step.time);
+            until = step.time;
+            if step.at_risk > step.completed {
+                let left = (step.at_risk - step.completed) as f64;
+                variance += area * area * step.completed as f64 / (step.at_risk as f64 * left);
+            }
+        }
+        RestrictedMean {
+            mean: area + until,
+            error: variance.sqrt(),
+            horizon,
+        }
+    }
+
+    /// What each run adds to the restricted mean: values whose plain mean it is, in the order of the
+    /// observations, which are those that this was estimated from.
+    ///
+    /// They are the times themselves where all are known. Where some are censored they stand for
+    /// them: pseudo-observations (P. K. Andersen, M. G. Hansen and J. P. Klein, Lifetime Data Anal. 10
+    /// (2004), 335-350), by the estimate's influence function, so that their squares add up to
+    /// Greenwood's sum.
+    pub fn contributions(&self, observations: &[Observation], horizon: f64) -> Vec<f64> {
+        let horizon = horizon.min(self.last);
+        let steps = &self.steps[..self.steps.partition_point(|step| step.time <= horizon)];
+        let n = observations.len() as f64;
+        // By how much a completion at a step brings the mean down, in all n runs.
+        let mut loss = vec![0.0; steps.len()];
+        let (mut area, mut until) = (0.0, horizon);
+        for (loss, step) in loss.iter_mut().zip(steps).rev() {
+            area += step.after * (until - step.time);
+            until = step.time;
+            if step.at_risk > step.completed {
+                *loss = n * area / (step.at_risk - step.completed) as f64;
+            }
+        }
+        let mean = area + until;
+        // What a run that was there up to and with a step was expected to lose.
+        let expected: Vec<f64> = (loss.iter().zip(steps))
+            .scan(0.0, |sum, (loss, step)| {
+                *sum += loss * step.completed as f64 / step.at_risk as f64;
+                Some(*sum)
+            })
+            .collect();
+        let contribution = |run: &Observation| {
+            let passed = steps.partition_point(|step| step.time <= run.time);
+            let Some(last) = passed.checked_sub(1) else {
+                return mean;
+            };
+            let lost = match run.completed && steps[last].time == run.time {
+                true => loss[last],
+                false => 0.0,
+            };
+            mean + expected[last] - lost
+        };
+        observations.iter().map(contribution).collect()
+    }
+
+    /// How far the curve is known \[time\]: without an end, if the last run completed.
+    pub fn reach(&self) -> f64 {
+        match self.incomplete(self.last) {
+            0.0 => f64::INFINITY,
+            _ => self.last,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::statistics::Summary;
+    use crate::statistics::median;
+
+    /// Remission of leukaemia under 6-mercaptopurine, weeks (Freireich et al. 1963): the first
+    /// nine completed, the other twelve are censored.
+    const TREATED: [f64; 21] = [
+        6.0, 6.0, 6.0, 7.0, 10.0, 13.0, 16.0, 22.0, 23.0, 6.0, 9.0, 10.0, 11.0, 17.0, 19.0, 20.0,
+        25.0, 32.0, 32.0, 34.0, 35.0,
+    ];
+
+    fn treated() -> KaplanMeier {
+        let observations: Vec<_> = TREATED
+            .iter()
+            .enumerate()
+            .map(|(i, &time)| Observation {
+                time,
+                completed: i < 9,
+            })
+            .collect();
+        KaplanMeier::of(&observations).unwrap()
+    }
+
+    /// lifelines 0.30.3: `k = KaplanMeierFitter().fit(t, e)`, `k.median_survival_time_`,
+    /// `restricted_mean_survival_time(k, t=35)`; the error from Greenwood's sum in numpy.
+    #[test]
+    fn censored_times_agree_with_lifelines() {
+        let curve = treated();
+        assert_eq!(curve.median(), Some(23.0));
+        let mean = curve.restricted_mean(35.0);
+        assert!((mean.mean - 23.287394957983185).abs() < 1e-12);
+        assert!((mean.error - 2.8274676233714393).abs() < 1e-12);
+        let earlier = curve.restricted_mean(23.0);
+        assert!((earlier.mean - 17.909243697478985).abs() < 1e-12);
+        assert!((earlier.error - 1.5531899782483798).abs() < 1e-12);
+        assert!((curve.incomplete(6.0) - 18.0 / 21.0).abs() < 1e-12);
+        assert_eq!(curve.incomplete(5.9), 1.0);
+    }
+
+    /// lifelines 0.30.3: `k.confidence_interval_survival_function_`, whose interval is this one.
+    #[test]
+    fn intervals_agree_with_lifelines() {
+        let curve = treated().curve();
+        let steps: Vec<_> = (curve.iter())
+            .map(|point| (point.time, point.at_risk, point.completed))
+            .collect();
+        assert_eq!(steps[..3], [(6.0, 21, 3), (7.0, 17, 1), (10.0, 15, 1)]);
+        for (point, low, high) in [
+            (curve[0], 0.6197179552659838, 0.9515517476469969),
+            (curve[2], 0.5031995107999564, 0.8893618351692651),
+            (curve[6], 0.18805200595923233, 0.6801426284952412),
+        ] {
+            let (found_low, found_high) = point.interval.unwrap();
+            assert!((found_low - low).abs() < 1e-12, "{point:?}");
+            assert!((found_high - high).abs() < 1e-12, "{point:?}");
+        }
+    }
+
+    #[test]
+    fn where_all_have_completed_there_is_no_interval() {
+        let both = [1.0, 2.0].map(Observation::completed);
+        let curve = KaplanMeier::of(&both).unwrap().curve();
+        assert!(curve[0].interval.is_some());
+        assert_eq!((curve[1].incomplete, curve[1].interval), (0.0, None));
+    }
+
+    #[test]
+    fn when_everything_is_censored_there_is_a_bound_and_no_median() {
+        let curve = KaplanMeier::of(&[Observation::censored(40.0); 3]).unwrap();
+        assert_eq!(curve.median(), None);
+        let mean = curve.restricted_mean(f64::INFINITY);
+        assert_eq!((mean.mean, mean.error, mean.horizon), (40.0, 0.0, 40.0));
+    }
+
+    proptest! {
+        #[test]
+        fn without_censoring_it_is_the_plain_median_and_mean(
+            times in prop::collection::vec(0u32..50_000, 1..60)
+        ) {
+            let times: Vec<f64> = times.into_iter().map(f64::from).collect();
+            let observations: Vec<_> = times.iter().copied().map(Observation::completed).collect();
+            let curve = KaplanMeier::of(&observations).unwrap();
+            let summary = Summary::of(&times).unwrap();
+            let mean = curve.restricted_mean(curve.last());
+            prop_assert!((curve.median().unwrap() - median(&times).unwrap()).abs() < 1e-6);
+            prop_assert!((mean.mean - summary.mean).abs() < 1e-6);
+            let n = times.len() as f64;
+            let error = summary.sd.unwrap_or(0.0) * (n - 1.0).max(0.0).sqrt() / n;
+            prop_assert!((mean.error - error).abs() < 1e-6 * error.max(1.0));
+        }
+
+        #[test]
+        fn censoring_a_run_never_lowers_the_curve(
+            times in prop::collection::vec(0u32..100, 1..30), which in any::<prop::sample::Index>()
+        ) {
+            let mut observations: Vec<_> =
+                times.into_iter().map(|t| Observation::completed(f64::from(t))).collect();
+            let before = KaplanMeier::of(&observations).unwrap();
+            let i = which.index(observations.len());
+            observations[i].completed = false;
+            let after = KaplanMeier::of(&observations).unwrap();
+            for t in 0..100 {
+                let t = f64::from(t);
+                prop_assert!(after.incomplete(t) >= before.incomplete(t) - 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn contributions_of_known_times_are_the_times() {
+        let times = [5.0, 1.0, 4.0, 4.0, 9.0];
+        let runs = times.map(Observation::completed);
+        let found = KaplanMeier::of(&runs)
+            .unwrap()
+            .contributions(&runs, f64::INFINITY);
+        for (found, time) in found.iter().zip(times) {
+            assert!((found - time).abs() < 1e-12, "{found} {time}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn contributions_make_the_mean_and_its_error(
+            times in proptest::collection::vec((1_u32..60, proptest::bool::ANY), 2..40),
+            share in 0.2_f64..1.2,
+        ) {
+            let runs: Vec<Observation> = times
+                .iter()
+                .map(|&(time, completed)| Observation { time: time.into(), completed })
+                .collect();
+            let curve = KaplanMeier::of(&runs).unwrap();
+            let horizon = curve.last() * share;
+            let known = curve.restricted_mean(horizon);
+            let parts = curve.contributions(&runs, horizon);
+            let n = parts.len() as f64;
+            let mean = parts.iter().sum::<f64>() / n;
+            prop_assert!((mean - known.mean).abs() < 1e-9 * (1.0 + known.mean));
+            let squares: f64 = parts.iter().map(|part| (part - mean).powi(2)).sum();
+            prop_assert!((squares.sqrt() / n - known.error).abs() < 1e-7 * (1.0 + known.error));
+        }
+    }
+}

@@ -1,0 +1,12 @@
+//! Ensembles over numbers of the scene: `simulate --sweep 'bond.pull=2..12 N/5'`.
+//!
+//! An [`Axis`] is what the user says of one number; [`points`] makes all combinations of the values
+//! of several, each of which is a program of the ensemble. What came of them is a [`Sweep`], which `data.rs` writes down. `docs/sweep.md` says what each figure means.
+mod axis;
+mod data;
+mod outcome;
+mod points;
+
+pub use axis::Axis;
+pub use outcome::{Dial, Point, Sweep, Value};
+pub use points::{MOST_POINTS, points};

@@ -1,0 +1,202 @@
+//! What came of a sweep, point by point.
+use serde::Serialize;
+use stochc_ir::record::{Origin, RunRecord};
+
+use crate::statistics::share_interval;
+use crate::text::Tick;
+use crate::{Finished, Manifest, Program, Time, Varied, completion_time};
+
+/// The unit of times where all scenes have ticks of one length.
+const TICKS: &str = "ticks";
+
+/// Numbers of a scene that were varied, and what became of the times.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Sweep {
+    /// The numbers, in the order of the command line.
+    pub axes: Vec<Dial>,
+    /// The unit of all times: ticks, or seconds where the points differ in the length of a tick.
+    pub unit: &'static str,
+    /// In the order of the manifest.
+    pub points: Vec<Point>,
+}
+
+/// A number that was varied.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Dial {
+    /// Its name, such as `bond.pull`.
+    pub of: String,
+    /// The unit of its values; empty: none.
+    pub unit: String,
+}
+
+/// A program at one value of each number.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Point {
+    /// The program's name in the manifest, such as `line [free=50]`.
+    pub name: String,
+    /// The name without the values.
+    pub program: String,
+    /// One for each axis.
+    pub values: Vec<Value>,
+    /// Length of a tick of its scene \[s\].
+    pub tick: f64,
+    /// Runs asked for.
+    pub runs: u64,
+    /// Runs that completed.
+    pub completed: usize,
+    /// Runs that were stopped before, whose times are censored.
+    pub stopped: usize,
+    /// Runs whose physics broke down, which no time counts.
+    pub failed: usize,
+    /// The part of the finished runs that completed, 0 to 1; `None`: none is finished.
+    pub share: Option<f64>,
+    /// Its 95 % interval, by Wilson.
+    pub share_interval: Option<(f64, f64)>,
+    /// The time to completion.
+    pub time: Option<Time>,
+    /// Captures that were made, in all runs that did not fail.
+    pub captures: u64,
+    /// The part of them that took a block which had been released before, 0 to 1.
+    pub released: Option<f64>,
+    /// The time of all runs that did not fail over the captures that they made.
+    pub time_per_capture: Option<f64>,
+}
+
+/// A value of a number that was varied.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Value {
+    /// In the unit of its axis.
+    pub value: f64,
+    /// In SI units.
+    pub si: f64,
+}
+
+impl Dial {
+    /// As an axis says it: `bond.pull [N]`.
+    pub fn label(&self) -> String {
+        match &*self.unit {
+            "" => self.of.clone(),
+            unit => format!("{} [{unit}]", self.of),
+        }
+    }
+
+    /// One of its values, such as `bond.pull=4.5 N`.
+    pub fn at(&self, value: Value) -> String {
+        let varied = Varied {
+            of: self.of.clone(),
+            value: value.si,
+            said: value.value,
+            unit: self.unit.clone(),
+        };
+        varied.text()
+    }
+}
+
+impl Sweep {
+    /// What came of the sweep that a manifest asks for; `None`: it asks for none.
+    pub fn of(manifest: &Manifest, finished: &[Finished]) -> Option<Sweep> {
+        let dial = |varied: &Varied| Dial {
+            of: varied.of.clone(),
+            unit: varied.unit.clone(),
+        };
+        let axes: Vec<Dial> = manifest.axes().iter().map(dial).collect();
+        if axes.is_empty() {
+            return None;
+        }
+        let mut ticks = manifest.programs.iter().map(|program| program.scene.tick);
+        let is_one = ticks.next().is_some_and(|tick| ticks.all(|it| it == tick));
+        let programs = manifest.programs.iter().enumerate();
+        // A manifest that somebody has edited may hold others.
+        let same = programs
+            .filter(|(_, program)| program.varied.iter().map(dial).eq(axes.iter().cloned()));
+        let point = |(number, program): (usize, &Program)| {
+            let values = program.varied.iter().map(|varied| Value {
+                value: varied.said,
+                si: varied.value,
+            });
+            let records = finished.iter().filter(|done| done.program == number);
+            let records: Vec<&RunRecord> = records.map(|done| &done.record).collect();
+            let names = (
+                program.name.clone(),
+                program.name.replace(&program.point(), ""),
+            );
+            let tick = program.scene.tick;
+            let clock = (tick, if is_one { 1.0 } else { tick });
+            Point::of(names, values.collect(), manifest.runs, &records, clock)
+        };
+        Some(Sweep {
+            unit: if is_one { TICKS } else { "s" },
+            points: same.map(point).collect(),
+            axes,
+        })
+    }
+
+    /// The clock of a point, where times are in ticks; `None`: they are in seconds.
+    pub fn tick(&self, point: &Point) -> Option<Tick> {
+        (self.unit == TICKS).then_some(Tick(point.tick))
+    }
+
+    /// The names of the programs that were swept, each once.
+    pub fn programs(&self) -> Vec<&str> {
+        let mut names: Vec<&str> = Vec::new();
+        for point in &self.points {
+            if !names.contains(&&*point.program) {
+                names.push(&point.program);
+            }
+        }
+        names
+    }
+}
+
+impl Point {
+    /// Sums up the runs of a point, whose name is given with its values and without; then the length of
+    /// a tick in seconds, and in the unit of the sweep.
+    pub fn of(
+        (name, program): (String, String),
+        values: Vec<Value>,
+        runs: u64,
+        records: &[&RunRecord],
+        (tick, unit): (f64, f64),
+    ) -> Point {
+        let mut times = Vec::new();
+        let (mut captures, mut released, mut spent) = (0, 0, 0.0);
+        for record in records {
+            let Some(mut time) = completion_time(record) else {
+                continue;
+            };
+            time.time *= unit;
+            times.push(time);
+            spent += time.time;
+            captures += record.bonds.len() as u64;
+            let again = |origin: &Origin| matches!(origin, Origin::Released { .. });
+            released += record
+                .bonds
+                .iter()
+                .filter(|bond| again(&bond.origin))
+                .count();
+        }
+        let completed = times.iter().filter(|time| time.completed).count();
+        let any = (captures > 0).then_some(captures as f64);
+        Point {
+            name,
+            program,
+            values,
+            tick,
+            runs,
+            completed,
+            stopped: times.len() - completed,
+            failed: records.len() - times.len(),
+            share: (!records.is_empty()).then(|| completed as f64 / records.len() as f64),
+            share_interval: share_interval(completed, records.len()),
+            time: Time::of(&times),
+            captures,
+            released: any.map(|captures| released as f64 / captures),
+            time_per_capture: any.map(|captures| spent / captures),
+        }
+    }
+
+    /// Finished runs.
+    pub fn finished(&self) -> usize {
+        self.completed + self.stopped + self.failed
+    }
+}

@@ -1,0 +1,130 @@
+//! Lengths of time for people: in seconds, and in seconds beside ticks.
+use std::time::Duration;
+
+/// A unit that suits a time of this many seconds, with what it is in seconds.
+fn unit(seconds: f64) -> (f64, &'static str) {
+    match seconds.abs() {
+        0.0 => (1.0, "s"),
+        s if s < 1e-3 => (1e-6, "us"),
+        s if s < 1.0 => (1e-3, "ms"),
+        _ => (1.0, "s"),
+    }
+}
+
+/// Decimals that leave a value three digits.
+fn decimals(value: f64) -> usize {
+    match value.abs() {
+        0.0 => 0,
+        v if v >= 99.95 => 0,
+        v if v >= 9.995 => 1,
+        _ => 2,
+    }
+}
+
+/// A time in the unit that suits it, with three digits: `21.4 ms`, `158 s`.
+pub fn seconds(seconds: f64) -> String {
+    let (of, unit) = unit(seconds);
+    let value = seconds / of;
+    format!("{value:.digits$} {unit}", digits = decimals(value))
+}
+
+/// A time with half the width of its interval, in one unit: `158 ± 21 s`.
+fn seconds_within(seconds: f64, half_width: f64) -> String {
+    let (of, unit) = unit(seconds);
+    let (value, half) = (seconds / of, half_width / of);
+    let digits = decimals(value);
+    format!("{value:.digits$} ± {half:.digits$} {unit}")
+}
+
+/// The clock of a scene, which tells in seconds what is known in ticks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tick(
+    /// Its length \[s\].
+    pub f64,
+);
+
+impl Tick {
+    /// A number of ticks in seconds: `158 s`.
+    pub fn seconds(self, ticks: f64) -> String {
+        seconds(ticks * self.0)
+    }
+
+    /// The same with half the width of its interval, where there is one: `158 ± 21 s`.
+    pub fn interval(self, ticks: f64, half_width: Option<f64>) -> String {
+        match half_width {
+            None => self.seconds(ticks),
+            Some(half) => seconds_within(ticks * self.0, half * self.0),
+        }
+    }
+
+    /// What times in ticks are counted in: `ticks of 20 ms`.
+    pub fn unit(self) -> String {
+        let (of, unit) = unit(self.0);
+        // Six digits, without the zeros that say nothing.
+        let rounded = format!("{:.5e}", self.0 / of).parse::<f64>();
+        format!("ticks of {} {unit}", rounded.unwrap_or(self.0 / of))
+    }
+
+    /// A number of ticks in seconds, as it stands behind them: ` (158 s)`.
+    pub fn beside(self, ticks: f64) -> String {
+        format!(" ({})", self.seconds(ticks))
+    }
+
+    /// The same with half the width of its interval: ` (158 ± 21 s)`.
+    pub fn beside_interval(self, ticks: f64, half_width: Option<f64>) -> String {
+        format!(" ({})", self.interval(ticks, half_width))
+    }
+}
+
+/// A time as one says it: `40 s`, `3 min`, `2 h 10 min`.
+pub fn words(time: Duration) -> String {
+    let seconds = time.as_secs_f64().round() as u64;
+    match seconds {
+        0..=89 => format!("{seconds} s"),
+        90..=5399 => format!("{} min", (seconds + 30) / 60),
+        _ => {
+            let minutes = (seconds + 30) / 60;
+            format!("{} h {} min", minutes / 60, minutes % 60)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_have_three_digits_in_the_unit_that_suits_them() {
+        for (value, text) in [
+            (0.0, "0 s"),
+            (3e-6, "3.00 us"),
+            (0.021_44, "21.4 ms"),
+            (1.0, "1.00 s"),
+            (-12.345, "-12.3 s"),
+            (158.4, "158 s"),
+            (12_785.0, "12785 s"),
+        ] {
+            assert_eq!(seconds(value), text);
+        }
+    }
+
+    #[test]
+    fn seconds_stand_beside_ticks() {
+        let tick = Tick(0.02);
+        assert_eq!(tick.unit(), "ticks of 20 ms");
+        assert_eq!(Tick(0.1 + 0.2).unit(), "ticks of 300 ms");
+        assert_eq!(tick.beside(7920.0), " (158 s)");
+        assert_eq!(tick.beside_interval(7920.0, Some(1031.0)), " (158 ± 21 s)");
+        assert_eq!(tick.beside_interval(160.0, Some(12.0)), " (3.20 ± 0.24 s)");
+        assert_eq!(tick.beside_interval(160.0, None), " (3.20 s)");
+    }
+
+    #[test]
+    fn times_are_told_in_words() {
+        let told = [0, 89, 90, 3600, 5400, 7800].map(|s| words(Duration::from_secs(s)));
+        assert_eq!(
+            told,
+            ["0 s", "89 s", "2 min", "60 min", "1 h 30 min", "2 h 10 min"]
+        );
+    }
+}

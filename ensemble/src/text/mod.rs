@@ -1,0 +1,10 @@
+//! Numbers, shares and times as people read them, and names of others as what they are.
+mod duration;
+mod number;
+mod percent;
+mod visible;
+
+pub use duration::{Tick, seconds, words};
+pub use number::{number, ratio};
+pub use percent::{percent, relative, relative_size};
+pub use visible::{escaped, visible};

@@ -1,0 +1,40 @@
+//! Percentages for people.
+use crate::statistics::Relative;
+
+/// A share, 0 to 1, as a percentage of one decimal at most: `5 %`, `12.5 %`, `< 0.1 %`.
+pub fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    if percent > 0.0 && percent < 0.05 {
+        return "< 0.1 %".to_owned();
+    }
+    let text = format!("{percent:.1}");
+    format!("{} %", text.strip_suffix(".0").unwrap_or(&text))
+}
+
+/// A relative difference and half of its interval: `-4.0 ± 3.1 %`.
+pub fn relative(difference: &Relative) -> String {
+    let value = 100.0 * difference.value;
+    match difference.half_width {
+        Some(half_width) => format!("{value:.1} ± {:.1} %", 100.0 * half_width),
+        None => format!("{value:.1} ± ? %"),
+    }
+}
+
+/// The size of a relative difference: `4.0 ± 3.1 %`.
+pub fn relative_size(difference: &Relative) -> String {
+    relative(&Relative {
+        value: difference.value.abs(),
+        ..*difference
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_share_that_is_not_nothing_is_not_told_as_nothing() {
+        let told = [0.0, 0.0001, 0.05, 0.0996, 0.125, 1.0].map(percent);
+        assert_eq!(told, ["0 %", "< 0.1 %", "5 %", "10 %", "12.5 %", "100 %"]);
+    }
+}

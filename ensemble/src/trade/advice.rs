@@ -1,0 +1,80 @@
+//! What to do, in a sentence or two.
+use super::convergence::{CLOSE, Convergence};
+use super::result::{Setting, Trade};
+use crate::text::{percent, ratio};
+
+/// The sentences for a trade.
+pub(super) fn advice(trade: &Trade) -> String {
+    let (Some(known), Some(reference)) = (&trade.reference, trade.reference_rung()) else {
+        return "Too few runs were completed to hold anything against a reference; more time \
+                would help, or a larger `--max-ticks`."
+            .to_owned();
+    };
+    let mut sentences = Vec::new();
+    let doubt = match known.convergence {
+        Convergence::Converged => None,
+        Convergence::Undecided => Some("is not known to have converged"),
+        Convergence::NotConverged => Some("has not converged"),
+    };
+    if let Some(doubt) = doubt {
+        sentences.push(format!(
+            "The reference, `{}`, {doubt}, so that biases are against it and not against the limit \
+             of small steps.",
+            reference.options
+        ));
+    }
+    let mut clauses: Vec<String> = recommended(trade).into_iter().map(clause).collect();
+    if clauses.is_empty() {
+        clauses.push(format!(
+            "no setting that is cheaper than the reference, `{}`, is known to be within {} of it",
+            reference.options,
+            percent(CLOSE)
+        ));
+    }
+    sentences.push(capital(&format!("{}.", clauses.join("; "))));
+    let reversed: Vec<String> = (trade.rungs.iter())
+        .filter(|rung| rung.reversed)
+        .map(|rung| format!("`{}`", rung.options))
+        .collect();
+    if !reversed.is_empty() {
+        sentences.push(format!(
+            "Do not compare programs with {}: the order of some comes out reversed.",
+            reversed.join(", ")
+        ));
+    }
+    sentences.join(" ")
+}
+
+/// The cheapest rung that is known to be close, and the one that is known to be closest.
+fn recommended(trade: &Trade) -> Vec<&Setting> {
+    let cheaper = |rung: &&Setting| rung.cost_ratio.is_some_and(|ratio| ratio < 1.0);
+    let close = |rung: &&Setting| !rung.reversed && rung.bound.is_some_and(|bound| bound <= CLOSE);
+    let candidates = || trade.rungs.iter().filter(cheaper).filter(close);
+    let cost = |rung: &&Setting| rung.cost.unwrap_or(f64::INFINITY);
+    let bound = |rung: &&Setting| rung.bound.unwrap_or(f64::INFINITY);
+    let cheapest = candidates().min_by(|a, b| cost(a).total_cmp(&cost(b)));
+    let closest = candidates().min_by(|a, b| bound(a).total_cmp(&bound(b)));
+    let mut found: Vec<&Setting> = cheapest.into_iter().collect();
+    found.extend(closest.filter(|rung| !found.iter().any(|other| other.name == rung.name)));
+    found
+}
+
+fn clause(rung: &Setting) -> String {
+    let bound = rung.bound.map_or_else(String::new, percent);
+    let cost = rung.cost_ratio.map_or_else(String::new, ratio);
+    let reduced = match rung.settings.reduction {
+        Some(_) => ", though it leaves out what the scene has",
+        None => "",
+    };
+    format!(
+        "`{}` is within {bound} of the reference, intervals included, at {cost} of its cost{reduced}",
+        rung.options
+    )
+}
+
+fn capital(text: &str) -> String {
+    match text.strip_prefix("no ") {
+        Some(rest) => format!("No {rest}"),
+        None => text.to_owned(),
+    }
+}

@@ -1,0 +1,144 @@
+//! The settings that are tried.
+use stochc_runtime::{Model, Precision, Reduction, Settings};
+
+/// The substeps that the refinement starts with, so that there are two doublings and one to spare.
+const FIRST: u32 = 8;
+
+/// The substeps that it does not go beyond, unless told.
+pub const FINEST: u32 = 64;
+
+/// The rung that is measured first: what all guesses of costs start from.
+pub fn base() -> Settings {
+    rigid(1)
+}
+
+/// All rungs before any refinement, with at most `finest` substeps; [`base`] first, and of each
+/// kind the cheapest first.
+pub fn candidates(finest: u32) -> Vec<Settings> {
+    let within = |substeps: &u32| *substeps <= finest;
+    let doubled = || [1, 2, 4, FIRST].into_iter().filter(within);
+    let with = |settings: Settings, iterations| Settings {
+        solver_iterations: Some(iterations),
+        ..settings
+    };
+    // Nothing means anything without a reference, so that what leads to it comes first.
+    let mut rungs: Vec<Settings> = doubled().map(rigid).collect();
+    // A third and three times the default.
+    rungs.extend([3, 30].map(|iterations| with(base(), iterations)));
+    rungs.push(Settings {
+        precision: Precision::Double,
+        ..base()
+    });
+    rungs.extend(Reduction::ALL.map(|reduction| Settings {
+        reduction: Some(reduction),
+        ..base()
+    }));
+    rungs.push(rapier(1));
+    // Rapier's are internal steps that cost as much each: a quarter, and twice the default.
+    rungs.extend([1, 8].map(|iterations| with(rapier(1), iterations)));
+    rungs.extend(doubled().skip(1).map(rapier));
+    rungs
+}
+
+/// `rigid` with nothing left out and this many substeps.
+pub fn rigid(substeps: u32) -> Settings {
+    Settings::of(Model::Rigid, substeps)
+}
+
+fn rapier(substeps: u32) -> Settings {
+    Settings::of(Model::Rapier, substeps)
+}
+
+/// Whether doubling the substeps of this rung gives another rung of the refinement.
+pub fn refines(settings: &Settings) -> bool {
+    *settings == rigid(settings.substeps)
+}
+
+/// The rung in few letters: `rigid 2`, `rapier 1 iterations 8`, `rigid 1 no-friction`.
+pub fn short(settings: &Settings) -> String {
+    let mut text = format!("{} {}", settings.model.name(), settings.substeps);
+    if let Some(iterations) = settings.solver_iterations {
+        text += &format!(" iterations {iterations}");
+    }
+    if settings.precision == Precision::Double {
+        text += " double";
+    }
+    if let Some(reduction) = settings.reduction {
+        text += &format!(" {}", reduction.name());
+    }
+    text
+}
+
+/// The rung as options of `simulate`.
+pub fn flags(settings: &Settings) -> String {
+    let mut text = format!(
+        "--model {} --substeps {}",
+        settings.model.name(),
+        settings.substeps
+    );
+    if let Some(iterations) = settings.solver_iterations {
+        text += &format!(" --solver-iterations {iterations}");
+    }
+    if settings.precision == Precision::Double {
+        text += " --precision double";
+    }
+    if let Some(reduction) = settings.reduction {
+        text += &format!(" --reduce {}", reduction.name());
+    }
+    text
+}
+
+/// Whether two settings compute the same runs, whatever limits the runs.
+pub fn same(first: &Settings, second: &Settings) -> bool {
+    let plain = |settings: &Settings| Settings {
+        solver_iterations: Some(settings.iterations()),
+        max_ticks: None,
+        ..settings.clone()
+    };
+    plain(first) == plain(second)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_rung_is_there_once_and_the_base_first() {
+        let rungs = candidates(FINEST);
+        assert_eq!(rungs[0], base());
+        for (i, rung) in rungs.iter().enumerate() {
+            assert!(
+                !rungs[..i].iter().any(|other| same(other, rung)),
+                "{rung:?}"
+            );
+        }
+        let refined = rungs.iter().filter(|rung| refines(rung));
+        assert_eq!(
+            refined.map(|r| r.substeps).collect::<Vec<_>>(),
+            [1, 2, 4, 8]
+        );
+        assert!(candidates(2).iter().all(|rung| rung.substeps <= 2));
+    }
+
+    #[test]
+    fn a_rung_is_told_as_options() {
+        let told = |settings: &Settings| (short(settings), flags(settings));
+        assert_eq!(
+            told(&rigid(2)),
+            ("rigid 2".into(), "--model rigid --substeps 2".into())
+        );
+        let all = Settings {
+            solver_iterations: Some(30),
+            precision: Precision::Double,
+            reduction: Some(Reduction::Spheres),
+            ..base()
+        };
+        assert_eq!(
+            told(&all),
+            (
+                "rigid 1 iterations 30 double spheres".into(),
+                "--model rigid --substeps 1 --solver-iterations 30 --precision double --reduce spheres".into()
+            )
+        );
+    }
+}

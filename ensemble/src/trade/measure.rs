@@ -1,0 +1,186 @@
+//! Doing what a plan says, on several threads.
+use std::cell::Cell;
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Condvar, Mutex};
+use std::time::Duration;
+
+use stochc_ir::table::PhaseId;
+use stochc_runtime::world::SceneError;
+use stochc_runtime::{RunError, Settings, run as run_once};
+
+use super::candidates::base;
+use super::plan::{Extent, Job, Next, Plan};
+use super::result::{Conditions, Trade};
+use super::sample::Measured;
+use super::thread_time::thread_time;
+use crate::clock::now;
+use crate::executor::{Cancelled, attempt, execute};
+use crate::manifest::Program;
+
+/// How far a measurement is, for whoever shows it.
+#[derive(Debug, Default)]
+pub struct Progress {
+    runs: AtomicU64,
+    /// 0: not known.
+    total: AtomicU64,
+}
+
+impl Progress {
+    /// Runs that have ended.
+    pub fn runs(&self) -> u64 {
+        self.runs.load(Ordering::Relaxed)
+    }
+
+    /// Runs in all; `None`: as many as there is time for.
+    pub fn total(&self) -> Option<u64> {
+        Some(self.total.load(Ordering::Relaxed)).filter(|&total| total > 0)
+    }
+
+    fn put(&self, (runs, total): (u64, Option<u64>)) {
+        self.runs.store(runs, Ordering::Relaxed);
+        self.total.store(total.unwrap_or(0), Ordering::Relaxed);
+    }
+}
+
+/// How to measure.
+#[derive(Clone, Copy, Debug)]
+pub struct Setup<'a> {
+    /// How much.
+    pub extent: Extent,
+    /// The seed of every draw.
+    pub seed: u64,
+    /// Runs at the same time.
+    pub threads: usize,
+    /// No refinement beyond so many substeps.
+    pub finest: u32,
+    /// Ticks after which a run is given up; `None`: 20 times the mean of the first runs.
+    pub max_ticks: Option<u64>,
+    /// Set by somebody else to stop at the next tick.
+    pub stop: &'a AtomicBool,
+}
+
+/// Measures programs.
+///
+/// # Errors
+/// When a scene cannot be set up at all.
+pub fn measure(
+    programs: &[Program],
+    setup: &Setup,
+    progress: &Progress,
+) -> Result<Trade, (usize, SceneError)> {
+    for (i, program) in programs.iter().enumerate() {
+        try_out(program, &base()).map_err(|error| (i, error))?;
+    }
+    let cannot = |settings: &Settings| {
+        let refused = |program: &Program| try_out(program, settings).err();
+        programs
+            .iter()
+            .find_map(refused)
+            .map(|error| error.to_string())
+    };
+    let plan = Plan::new(
+        setup.extent,
+        programs.len(),
+        setup.threads,
+        setup.finest,
+        setup.max_ticks,
+        cannot,
+    );
+    let plan = carry_out(plan, programs, setup, progress);
+    let (runs, budget) = match setup.extent {
+        Extent::Runs(runs) => (Some(runs), None),
+        Extent::Budget(budget) => (None, Some(budget.as_secs_f64())),
+    };
+    let conditions = Conditions {
+        seed: setup.seed,
+        threads: setup.threads,
+        runs,
+        budget,
+        complete: !setup.stop.load(Ordering::Relaxed),
+    };
+    Ok(Trade::of(
+        programs,
+        &plan.outcomes(),
+        &plan.limits(),
+        conditions,
+    ))
+}
+
+/// Sets a scene up, and no more.
+fn try_out(program: &Program, settings: &Settings) -> Result<(), SceneError> {
+    let mut stop = |_, _| ControlFlow::Break(());
+    match run_once(program.tables(), &program.scene, settings, 0, 0, &mut stop) {
+        Err(RunError::Scene(error)) => Err(error),
+        _ => Ok(()),
+    }
+}
+
+fn carry_out(plan: Plan, programs: &[Program], setup: &Setup, progress: &Progress) -> Plan {
+    let start = now();
+    let plan = Mutex::new(plan);
+    let ended = Condvar::new();
+    let lock = || plan.lock().expect("nobody panics while it is held");
+    let next = || {
+        let mut plan = lock();
+        loop {
+            if setup.stop.load(Ordering::Relaxed) {
+                return None;
+            }
+            match plan.next(start.elapsed()) {
+                Next::Do(job) => {
+                    let mut settings = plan.settings(job.rung).clone();
+                    settings.max_ticks = Some(job.max_ticks);
+                    return Some((job, settings));
+                }
+                Next::End => return None,
+                // With a limit, so that an interrupt is seen.
+                Next::Wait => {
+                    let waited = ended.wait_timeout(plan, Duration::from_millis(100));
+                    plan = waited.expect("nobody panics while it is held").0;
+                }
+            }
+        }
+    };
+    execute(
+        setup.threads.max(1),
+        setup.stop,
+        next,
+        |_, (job, settings)| {
+            if let Some(measured) = one(&job, &settings, &programs[job.program], setup) {
+                let mut plan = lock();
+                plan.done(&job, measured);
+                progress.put(plan.progress());
+            }
+            ended.notify_all();
+            ControlFlow::Continue(())
+        },
+    );
+    plan.into_inner().expect("every thread has ended well")
+}
+
+/// One run; `None`: it was interrupted.
+fn one(job: &Job, settings: &Settings, program: &Program, setup: &Setup) -> Option<Measured> {
+    let (wall, cpu) = (now(), thread_time());
+    let last = Cell::new((0, PhaseId(0)));
+    let mut watch = |tick, phase| {
+        last.set((tick, phase));
+        match setup.stop.load(Ordering::Relaxed) {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        }
+    };
+    let (tables, scene) = (program.tables(), &program.scene);
+    let simulate = || {
+        let record = run_once(tables, scene, settings, setup.seed, job.run, &mut watch);
+        // The scene has been tried out, so only an interrupted run leaves no record.
+        record.map_err(|_| Cancelled)
+    };
+    let record = attempt(job.run, simulate, || last.get())?;
+    let (cpu, wall) = (thread_time().saturating_sub(cpu), wall.elapsed());
+    Some(Measured::new(
+        &record,
+        cpu.as_secs_f64(),
+        wall.as_secs_f64(),
+    ))
+}

@@ -1,0 +1,23 @@
+//! What accuracy costs: programs at many settings, each held against a converged reference.
+//!
+//! [`Plan`] says which run comes next, [`Trade`] what came of them. Neither knows a clock or a
+//! thread; [`measure()`] brings them.
+mod advice;
+mod candidates;
+mod convergence;
+mod measure;
+mod plan;
+mod ranking;
+mod result;
+mod sample;
+mod selection;
+mod thread_time;
+
+pub use candidates::{FINEST, base, candidates};
+pub use convergence::{CLOSE, Convergence, Doubling, convergence};
+pub use measure::{Progress, Setup, measure};
+pub use plan::{Extent, Job, Next, Outcome, PILOT, Plan};
+pub use ranking::{Ranked, Verdict, rank};
+pub use result::{Cell, Conditions, FORMAT, Program, Reference, Setting, Trade, known};
+pub use sample::{End, Measured, Sample};
+pub use selection::{Choice, choose, note};

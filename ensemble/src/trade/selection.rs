@@ -1,0 +1,154 @@
+//! The cheapest setting that a trade shows to be accurate enough.
+use stochc_runtime::Settings;
+
+use super::candidates::same;
+use super::convergence::{Convergence, convergence};
+use super::ranking::Verdict;
+use super::result::{Setting, Trade};
+use crate::text::{percent, ratio, relative, relative_size};
+
+/// A setting that was chosen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Choice {
+    /// What to set.
+    pub settings: Settings,
+    /// Why, in a sentence.
+    pub why: String,
+}
+
+/// Chooses for some programs of a trade, by their indices in it.
+///
+/// A rung is accurate enough if no program's mean is further from the reference's than `accuracy`,
+/// interval included, if none of its runs failed, and if it reverses no pair of these programs. The
+/// reference is, if the last doubling of its substeps changed no mean by more, interval included; where
+/// that is not known, nothing is.
+///
+/// # Errors
+/// In words, with what is missing, if none is.
+pub fn choose(trade: &Trade, programs: &[usize], accuracy: f64) -> Result<Choice, String> {
+    let asked = percent(accuracy);
+    let Some(reference) = &trade.reference else {
+        return Err("too few runs were made for a reference; a larger `--budget` helps".into());
+    };
+    let own = &trade.rungs[reference.rung];
+    let doubling = (reference.doublings.last()).and_then(|last| last.bound(programs));
+    let open = |what: String| Err(format!("{what}; a larger `--budget` helps"));
+    match convergence(&reference.doublings, programs, accuracy) {
+        Convergence::Converged => {}
+        Convergence::NotConverged => {
+            return open(format!(
+                "the reference, `{}`, has not converged within {asked}, so that no accuracy is known",
+                own.options
+            ));
+        }
+        Convergence::Undecided => {
+            return open(format!(
+                "whether the reference, `{}`, has converged within {asked} is undecided: {}",
+                own.options,
+                match doubling {
+                    _ if reference.doublings.len() < 2 =>
+                        "fewer than two doublings of its substeps were measured".to_owned(),
+                    Some(bound) => format!(
+                        "its last doubling may have changed a mean by up to {}",
+                        percent(bound)
+                    ),
+                    None => "there are too few runs for an interval".to_owned(),
+                }
+            ));
+        }
+    }
+    let mut candidates: Vec<(f64, f64, usize)> = Vec::new();
+    for (i, rung) in trade.rungs.iter().enumerate() {
+        let bound = match i == reference.rung {
+            true => doubling,
+            false => bound(rung, programs),
+        };
+        if let (Some(cost), Some(bound)) = (cost(rung, programs), bound) {
+            candidates.push((cost, bound, i));
+        }
+    }
+    let enough = candidates.iter().filter(|(_, bound, _)| *bound <= accuracy);
+    let Some(&(cost, bound, i)) = enough.min_by(|a, b| a.0.total_cmp(&b.0)) else {
+        return Err(format!(
+            "nothing that was measured is known to be within {asked}"
+        ));
+    };
+    let rung = &trade.rungs[i];
+    let own_cost = self::cost(own, programs);
+    let why = if i == reference.rung {
+        format!(
+            "`{}`, the reference itself: its last doubling of substeps changed no mean by more \
+             than {}",
+            rung.options,
+            percent(bound)
+        )
+    } else {
+        format!(
+            "`{}`, the cheapest that is within {asked}: {}, at {} of the reference's cost",
+            rung.options,
+            distances(trade, rung, programs),
+            own_cost.map_or("?".to_owned(), |own| ratio(cost / own))
+        )
+    };
+    Ok(Choice {
+        settings: rung.settings.clone(),
+        why,
+    })
+}
+
+/// What a trade says about settings, of these programs; `None`: it has not tried them.
+pub fn note(trade: &Trade, programs: &[usize], settings: &Settings) -> Option<String> {
+    let rung = (trade.rungs.iter())
+        .find(|rung| same(&rung.settings, settings) && rung.left_out.is_none())?;
+    if trade.reference_rung() == Some(rung) {
+        return Some("it is the reference of the trade".to_owned());
+    }
+    let pairs: Vec<String> = (rung.reversals())
+        .filter(|pair| programs.contains(&pair.first) && programs.contains(&pair.second))
+        .map(|pair| {
+            let name = |program: usize| &trade.programs[program].name;
+            format!("{} < {}", name(pair.first), name(pair.second))
+        })
+        .collect();
+    let distances = distances(trade, rung, programs);
+    Some(match pairs.is_empty() {
+        true if distances.is_empty() => return None,
+        true => format!("the trade found: {distances}"),
+        false => format!(
+            "the trade found it to REVERSE {}; {distances}",
+            pairs.join(", ")
+        ),
+    })
+}
+
+fn distances(trade: &Trade, rung: &Setting, programs: &[usize]) -> String {
+    let found = programs.iter().filter_map(|&p| {
+        let bias = rung.programs[p].bias?;
+        Some(match programs.len() {
+            1 => format!("{} from the reference", relative_size(&bias)),
+            _ => format!("{} {}", trade.programs[p].name, relative(&bias)),
+        })
+    });
+    found.collect::<Vec<_>>().join(", ")
+}
+
+fn cost(rung: &Setting, programs: &[usize]) -> Option<f64> {
+    programs.iter().map(|&p| rung.programs[p].cost).sum()
+}
+
+/// The largest bias that is not excluded; `None`: anything, or the rung is out of the question.
+fn bound(rung: &Setting, programs: &[usize]) -> Option<f64> {
+    let wrong = rung.ranking.iter().any(|pair| {
+        pair.verdict == Verdict::Reversed
+            && programs.contains(&pair.first)
+            && programs.contains(&pair.second)
+    });
+    if wrong {
+        return None;
+    }
+    let mut bounds = programs.iter().map(|&p| {
+        let cell = &rung.programs[p];
+        cell.bias.filter(|_| cell.failed == 0)?.bound()
+    });
+    bounds.try_fold(0.0, |most: f64, bound| Some(most.max(bound?)))
+}

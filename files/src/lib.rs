@@ -1,0 +1,103 @@
+//! Reading ordinary files, and writing whole ones.
+pub mod atomic;
+pub mod csv;
+pub mod programs;
+pub mod shell;
+
+use std::fs::{File, Metadata, OpenOptions};
+use std::io::{self, Read};
+use std::path::Path;
+
+/// A file that is read as a whole has fewer bytes: places in a program are counted with 32 bits.
+const LIMIT: u64 = 1 << 32;
+
+/// The bytes of a file, for the compiler.
+///
+/// # Errors
+///
+/// In the system's words, or if the file is no ordinary one or larger than the language allows.
+pub fn read(path: &str) -> Result<Vec<u8>, String> {
+    read_file(Path::new(path)).map_err(|error| error.to_string())
+}
+
+/// The bytes of an ordinary file.
+///
+/// # Errors
+/// Those of [`open`], and of a file of 4 GiB or more.
+pub fn read_file(path: &Path) -> io::Result<Vec<u8>> {
+    let file = open(path)?;
+    match file.metadata()?.len() < LIMIT {
+        true => read_stream(file),
+        false => Err(too_large()),
+    }
+}
+
+/// All that a stream gives, such as the standard input.
+///
+/// # Errors
+/// Those of the stream, and of one of 4 GiB or more.
+pub fn read_stream(stream: impl Read) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    stream.take(LIMIT).read_to_end(&mut bytes)?;
+    match (bytes.len() as u64) < LIMIT {
+        true => Ok(bytes),
+        false => Err(too_large()),
+    }
+}
+
+fn too_large() -> io::Error {
+    io::Error::new(io::ErrorKind::FileTooLarge, "it has 4 GiB or more")
+}
+
+/// Opens an ordinary file for reading, or the one that a link leads to.
+///
+/// # Errors
+/// Those of the file system, and of a folder, a pipe, a socket and a device: opening them may wait for
+/// somebody else or do something, and reading them may never end.
+pub fn open(path: &Path) -> io::Result<File> {
+    open_with(path, File::options().read(true))
+}
+
+/// [`open`], for other purposes than reading; the file need not be there if `options` create it.
+pub fn open_with(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
+    match std::fs::metadata(path) {
+        Ok(metadata) => is_ordinary(&metadata)?,
+        // It may be made now; if not, opening it says so.
+        Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+        Err(error) => return Err(error),
+    }
+    // What takes its place meanwhile is not waited for either.
+    #[cfg(unix)]
+    std::os::unix::fs::OpenOptionsExt::custom_flags(
+        options,
+        rustix::fs::OFlags::NONBLOCK.bits().cast_signed(),
+    );
+    let file = options.open(path)?;
+    is_ordinary(&file.metadata()?)?;
+    Ok(file)
+}
+
+fn is_ordinary(metadata: &Metadata) -> io::Result<()> {
+    if metadata.is_file() {
+        return Ok(());
+    }
+    let what = match metadata.is_dir() {
+        true => "it is a folder",
+        false => "it is no ordinary file",
+    };
+    Err(io::Error::new(io::ErrorKind::InvalidInput, what))
+}
+
+/// Writes a program over the one that is there, as a whole or not at all; it keeps its permissions,
+/// and a link stays a link.
+///
+/// # Errors
+///
+/// Those of the file system; the old text is untouched then.
+pub fn replace(path: &Path, text: &[u8]) -> io::Result<()> {
+    let path = std::fs::canonicalize(path)?;
+    if path.metadata()?.permissions().readonly() {
+        return Err(io::ErrorKind::PermissionDenied.into());
+    }
+    atomic::replace(&path, text)
+}

@@ -1,0 +1,470 @@
+//! What decided how long a run took: the chain of waits from its end back to its beginning.
+//!
+//! A run ends when its last phase does, and a phase when its last event has happened. That event
+//! had waited since the last of those that it depends on, and so on: the chain of the waits that
+//! met end to end. Every other wait of the run was over before it mattered.
+use std::collections::{HashMap, VecDeque};
+
+use stochc_ir::graph::{Dependency, EventAction};
+use stochc_ir::record::{Outcome, RunRecord};
+use stochc_ir::table::PhaseId;
+
+use super::events::{Event, Events, awaited, captured};
+
+/// A part of a run's time, and what it was spent on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Link {
+    pub phase: PhaseId,
+    pub what: What,
+    /// Ticks of the run.
+    pub from: u64,
+    pub to: u64,
+    /// What it had waited for, up to `from`; `None`: the beginning of the phase.
+    pub since: Option<(usize, Dependency)>,
+}
+
+/// What time was spent on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum What {
+    /// Event number `event`; `bond` is its capture in the record, a release has none.
+    Event { event: usize, bond: Option<usize> },
+    /// A capture that had not happened when the run was stopped.
+    Pending { event: usize },
+    /// Messages on their way to the plate.
+    Reports,
+}
+
+/// When an event of a run could begin, and when it had happened.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Moment {
+    /// When the face was magnetized, or the release was asked for; `None`: never.
+    pub ready: Option<u64>,
+    /// When the block docked or was let go; `None`: never.
+    pub done: Option<u64>,
+    /// The capture's number in the record.
+    pub bond: Option<usize>,
+}
+
+impl Link {
+    pub fn ticks(&self) -> u64 {
+        self.to.saturating_sub(self.from)
+    }
+
+    /// The event, if it is one.
+    pub fn event(&self) -> Option<usize> {
+        match self.what {
+            What::Event { event, .. } | What::Pending { event } => Some(event),
+            What::Reports => None,
+        }
+    }
+}
+
+/// When every event of a run happened, as its record says; a release was ready as soon as what it waits
+/// for had happened.
+pub(crate) fn moments(events: &Events, record: &RunRecord) -> Vec<Moment> {
+    let mut recorded = recorded(record);
+    let begins = begins(record);
+    let mut moments: Vec<Moment> = (events.events.iter())
+        .map(|event| {
+            let queue = recorded.get_mut(&(event.phase, event.action));
+            queue.and_then(VecDeque::pop_front).unwrap_or_default()
+        })
+        .collect();
+    for (number, event) in events.events.iter().enumerate() {
+        if event.action.is_capture() {
+            continue;
+        }
+        let begin = begins.get(event.phase.0 as usize);
+        let ready = met(event, &moments)
+            .map(|(_, _, done)| done)
+            .chain([begin.copied()])
+            .try_fold(0, |last, done| Some(last.max(done?)));
+        moments[number].ready = ready;
+    }
+    moments
+}
+
+/// What an event has waited for, and when each was done: of captures among which it has a choice, the one
+/// with which there were enough.
+fn met<'a>(
+    event: &'a Event,
+    moments: &'a [Moment],
+) -> impl Iterator<Item = (usize, Dependency, Option<u64>)> + 'a {
+    let done = |first: usize| moments.get(first).and_then(|moment| moment.done);
+    let mut faces: Vec<_> = (event.waits_for.iter())
+        .filter_map(|&(first, why)| match why {
+            Dependency::Face { needed, .. } => {
+                Some((done(first).unwrap_or(u64::MAX), first, needed, why))
+            }
+            _ => None,
+        })
+        .collect();
+    faces.sort_unstable();
+    let face = faces
+        .first()
+        .map_or(0, |&(_, _, needed, _)| usize::from(needed));
+    let face = face.checked_sub(1).and_then(|last| faces.get(last));
+    let face = face.map(|&(_, first, _, why)| (first, why, done(first)));
+    let others = event.waits_for.iter().copied();
+    let others = others.filter(|(_, why)| !matches!(why, Dependency::Face { .. }));
+    let others = others.map(move |(first, why)| (first, why, done(first)));
+    others.chain(face)
+}
+
+/// What a record says of each thing that was done in a phase, in the order in which it was repeated.
+fn recorded(record: &RunRecord) -> HashMap<(PhaseId, EventAction), VecDeque<Moment>> {
+    let mut recorded: HashMap<_, VecDeque<Moment>> = HashMap::new();
+    let mut add = |phase, action, moment| {
+        recorded
+            .entry((phase, action))
+            .or_default()
+            .push_back(moment);
+    };
+    for (i, bond) in record.bonds.iter().enumerate() {
+        let moment = Moment {
+            ready: Some(bond.magnetized),
+            done: Some(bond.docked),
+            bond: Some(i),
+        };
+        add(bond.phase, captured(bond), moment);
+    }
+    for wait in &record.waiting {
+        let moment = Moment {
+            ready: Some(wait.magnetized),
+            ..Moment::default()
+        };
+        add(wait.phase, awaited(wait), moment);
+    }
+    for release in &record.releases {
+        let moment = Moment {
+            done: Some(release.tick),
+            ..Moment::default()
+        };
+        let child = release.child;
+        add(release.phase, EventAction::Release { child }, moment);
+    }
+    recorded
+}
+
+/// The tick at which each phase began that did.
+fn begins(record: &RunRecord) -> Vec<u64> {
+    let mut begins = vec![0];
+    for ticks in &record.phase_ticks {
+        let last = begins.last().copied().unwrap_or(0);
+        // A journal may have been edited.
+        begins.push(u64::saturating_add(last, *ticks));
+    }
+    begins
+}
+
+/// The chain of a run, the first link first; empty where the run failed.
+pub(crate) fn chain(events: &Events, record: &RunRecord, moments: &[Moment]) -> Vec<Link> {
+    if matches!(record.outcome, Outcome::Failed { .. }) {
+        return Vec::new();
+    }
+    let begins = begins(record);
+    let mut links = Vec::new();
+    if let Outcome::TimedOut { phase, .. } = record.outcome {
+        unfinished(events, record, moments, phase, &mut links);
+    }
+    for (number, _) in record.phase_ticks.iter().enumerate().rev() {
+        let end = begins[number + 1];
+        let done = |&(i, _): &(usize, _)| moments[i].done;
+        // Of several that happened in the same tick any will do; the first is taken.
+        let last = events.of_phase(number).rev().max_by_key(done);
+        let Some((last, event)) = last else {
+            continue;
+        };
+        let Some(tick) = moments[last].done else {
+            continue;
+        };
+        if tick < end {
+            links.push(Link {
+                phase: event.phase,
+                what: What::Reports,
+                from: tick,
+                to: end,
+                since: None,
+            });
+        }
+        back(events, moments, last, &mut links);
+    }
+    links.reverse();
+    links
+}
+
+/// What the phase that did not end waited for: of the captures that were under way the one that had
+/// waited longest.
+fn unfinished(
+    events: &Events,
+    record: &RunRecord,
+    moments: &[Moment],
+    phase: PhaseId,
+    links: &mut Vec<Link>,
+) {
+    let here = || events.of_phase(phase.0 as usize);
+    let waiting = here().filter(|(i, event)| {
+        event.action.is_capture() && moments[*i].done.is_none() && moments[*i].ready.is_some()
+    });
+    match waiting.min_by_key(|&(i, _)| moments[i].ready) {
+        Some((event, _)) => {
+            let since = since(events, moments, event);
+            links.push(Link {
+                phase,
+                what: What::Pending { event },
+                from: moments[event].ready.unwrap_or(0),
+                to: record.ticks,
+                since,
+            });
+            if let Some((first, _)) = since {
+                back(events, moments, first, links);
+            }
+        }
+        // Everything has happened, and the reports were on their way.
+        None => {
+            let done = here().filter(|&(i, _)| moments[i].done.is_some());
+            if let Some((last, _)) = done.max_by_key(|&(i, _)| moments[i].done) {
+                links.push(Link {
+                    phase,
+                    what: What::Reports,
+                    from: moments[last].done.unwrap_or(0),
+                    to: record.ticks,
+                    since: None,
+                });
+                back(events, moments, last, links);
+            }
+        }
+    }
+}
+
+/// Adds an event and all that led to it within its phase, the last first.
+fn back(events: &Events, moments: &[Moment], last: usize, links: &mut Vec<Link>) {
+    let mut next = Some(last);
+    // What is waited for was done before, and there are no more events than these.
+    for _ in 0..events.events.len() {
+        let Some(event) = next else { return };
+        let moment = moments[event];
+        let (Some(ready), Some(done)) = (moment.ready, moment.done) else {
+            return;
+        };
+        let since = since(events, moments, event);
+        // A cell may have been emptied only after the face was magnetized.
+        let freed = since.and_then(|(first, _)| moments[first].done);
+        links.push(Link {
+            phase: events.events[event].phase,
+            what: What::Event {
+                event,
+                bond: moment.bond,
+            },
+            from: ready.max(freed.unwrap_or(0)).min(done),
+            to: done,
+            since,
+        });
+        next = since.map(|(first, _)| first);
+    }
+}
+
+/// The dependency of an event that was satisfied last.
+fn since(events: &Events, moments: &[Moment], event: usize) -> Option<(usize, Dependency)> {
+    let done = met(&events.events[event], moments).filter(|(_, _, done)| done.is_some());
+    let last = done.max_by_key(|&(_, _, done)| done);
+    last.map(|(first, why, _)| (first, why))
+}
+
+#[cfg(test)]
+mod tests {
+    use stochc_ir::record::{BondRecord, Limit, Origin, ReleaseRecord, WaitRecord};
+    use stochc_ir::table::RoleId;
+    use stochc_ir::{Cell, Face};
+
+    use super::*;
+
+    fn capture(parent: u32, child: u32) -> EventAction {
+        EventAction::Capture {
+            parent: RoleId(parent),
+            face: Face::Up,
+            child: RoleId(child),
+        }
+    }
+
+    fn event(phase: u32, action: EventAction, waits_for: &[(usize, Dependency)]) -> Event {
+        Event {
+            phase: PhaseId(phase),
+            action,
+            waits_for: waits_for.to_vec(),
+        }
+    }
+
+    fn bond(phase: u32, parent: u32, child: u32, magnetized: u64, docked: u64) -> BondRecord {
+        BondRecord {
+            phase: PhaseId(phase),
+            parent: RoleId(parent),
+            face: Face::Up,
+            child: RoleId(child),
+            cell: Cell::new(0, 0, 1),
+            magnetized,
+            docked,
+            entries: 1,
+            docking: 0,
+            body: child,
+            origin: Origin::Free,
+        }
+    }
+
+    fn record(outcome: Outcome, ticks: u64, phases: &[u64], bonds: Vec<BondRecord>) -> RunRecord {
+        RunRecord {
+            run: 0,
+            outcome,
+            ticks,
+            phase_ticks: phases.to_vec(),
+            blocks_used: 0,
+            hops: 0,
+            unplanned: 0,
+            bonds,
+            waiting: Vec::new(),
+            releases: Vec::new(),
+            unplanned_bonds: Vec::new(),
+        }
+    }
+
+    /// The release of E by its parent C.
+    fn release(tick: u64) -> ReleaseRecord {
+        ReleaseRecord {
+            phase: PhaseId(1),
+            parent: RoleId(2),
+            child: RoleId(4),
+            tick,
+            body: 4,
+        }
+    }
+
+    /// Phase 0: A -> C -> E beside B -> D. Phase 1: release E, then A -> F once E is gone.
+    fn program() -> Events {
+        Events {
+            events: vec![
+                event(0, capture(0, 2), &[]),
+                event(0, capture(2, 4), &[(0, Dependency::Anchored)]),
+                event(0, capture(1, 3), &[]),
+                event(1, EventAction::Release { child: RoleId(4) }, &[]),
+                event(1, capture(2, 5), &[(3, Dependency::Vacated)]),
+            ],
+        }
+    }
+
+    fn told(links: &[Link]) -> Vec<(Option<usize>, u64, u64)> {
+        let told = links.iter().map(|link| (link.event(), link.from, link.to));
+        told.collect()
+    }
+
+    #[test]
+    fn the_chain_goes_through_what_was_satisfied_last() {
+        let bonds = vec![
+            bond(0, 1, 3, 0, 40),
+            bond(0, 0, 2, 0, 30),
+            bond(0, 2, 4, 30, 100),
+            bond(1, 2, 5, 100, 160),
+        ];
+        let mut record = record(Outcome::Completed, 160, &[100, 60], bonds);
+        record.releases.push(release(100));
+        let events = program();
+        let links = chain(&events, &record, &moments(&events, &record));
+        let expected = [
+            (Some(0), 0, 30),
+            (Some(1), 30, 100),
+            (Some(3), 100, 100),
+            (Some(4), 100, 160),
+        ];
+        assert_eq!(told(&links), expected);
+        assert_eq!(links[1].since, Some((0, Dependency::Anchored)));
+        // The waits meet end to end and fill the run.
+        assert_eq!(links.iter().map(Link::ticks).sum::<u64>(), record.ticks);
+    }
+
+    #[test]
+    fn another_branch_decides_when_it_is_last() {
+        let bonds = vec![
+            bond(0, 0, 2, 0, 30),
+            bond(0, 2, 4, 30, 60),
+            bond(0, 1, 3, 0, 90),
+            bond(1, 2, 5, 95, 100),
+        ];
+        // Five ticks for the reports.
+        let mut record = record(Outcome::Completed, 100, &[95, 5], bonds);
+        record.releases.push(release(95));
+        let events = program();
+        let links = chain(&events, &record, &moments(&events, &record));
+        let expected = [
+            (Some(2), 0, 90),
+            (None, 90, 95),
+            (Some(3), 95, 95),
+            (Some(4), 95, 100),
+        ];
+        assert_eq!(told(&links), expected);
+    }
+
+    #[test]
+    fn a_capture_with_a_choice_waited_for_the_first_that_left_it_a_face() {
+        // Two faces at a time: the third capture waits for one of the two before it.
+        let face = Dependency::Face { needed: 1, of: 2 };
+        let events = Events {
+            events: vec![
+                event(0, capture(0, 1), &[]),
+                event(0, capture(0, 2), &[]),
+                event(0, capture(0, 3), &[(0, face), (1, face)]),
+                event(
+                    0,
+                    capture(0, 4),
+                    &[
+                        (0, Dependency::Face { needed: 2, of: 3 }),
+                        (1, Dependency::Face { needed: 2, of: 3 }),
+                        (2, Dependency::Face { needed: 2, of: 3 }),
+                    ],
+                ),
+            ],
+        };
+        let bonds = vec![
+            bond(0, 0, 2, 0, 20),
+            bond(0, 0, 3, 20, 50),
+            bond(0, 0, 4, 50, 90),
+            bond(0, 0, 1, 0, 60),
+        ];
+        let record = record(Outcome::Completed, 90, &[90], bonds);
+        let links = chain(&events, &record, &moments(&events, &record));
+        let expected = [(Some(1), 0, 20), (Some(2), 20, 50), (Some(3), 50, 90)];
+        assert_eq!(told(&links), expected);
+    }
+
+    #[test]
+    fn a_run_that_was_stopped_waited_for_what_had_not_come() {
+        let bonds = vec![bond(0, 0, 2, 0, 30), bond(0, 1, 3, 0, 90)];
+        let outcome = Outcome::TimedOut {
+            phase: PhaseId(0),
+            by: Limit::Timeout,
+        };
+        let mut record = record(outcome, 500, &[], bonds);
+        record.waiting.push(WaitRecord {
+            phase: PhaseId(0),
+            parent: RoleId(2),
+            face: Face::Up,
+            child: RoleId(4),
+            cell: Cell::new(0, 0, 1),
+            magnetized: 30,
+            entries: 0,
+        });
+        let events = program();
+        let links = chain(&events, &record, &moments(&events, &record));
+        assert_eq!(told(&links), [(Some(0), 0, 30), (Some(1), 30, 500)]);
+        assert_eq!(links[1].what, What::Pending { event: 1 });
+    }
+
+    #[test]
+    fn after_a_failure_there_is_no_chain() {
+        let events = program();
+        let failed = Outcome::Failed {
+            phase: PhaseId(0),
+            reason: String::new(),
+        };
+        let failed = record(failed, 50, &[], Vec::new());
+        assert!(chain(&events, &failed, &moments(&events, &failed)).is_empty());
+    }
+}

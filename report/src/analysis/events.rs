@@ -1,0 +1,139 @@
+//! The captures and releases of a program, in the order of its dependency graph.
+use stochc_ensemble::Program;
+use stochc_ir::graph::{Dependency, EventAction, EventGraph, EventId};
+use stochc_ir::record::{BondRecord, WaitRecord};
+use stochc_ir::table::PhaseId;
+
+/// All events of a program, but for blocks that are attached by hand, which never waited.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Events {
+    /// Phase by phase; what waits stands behind what it waits for, and next to it where it can.
+    pub events: Vec<Event>,
+}
+
+/// A capture or a release.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Event {
+    pub phase: PhaseId,
+    pub action: EventAction,
+    /// Events, and why it waits for them. Those of a [choice](Dependency::Face) may stand behind it, the others before.
+    pub waits_for: Vec<(usize, Dependency)>,
+}
+
+impl Event {
+    /// As the program writes it: `M.up -> N`.
+    pub fn text(&self, program: &Program) -> String {
+        self.action.describe(|role| program.role(role).to_owned())
+    }
+}
+
+/// The capture that a record speaks of.
+pub(crate) fn captured(bond: &BondRecord) -> EventAction {
+    EventAction::Capture {
+        parent: bond.parent,
+        face: bond.face,
+        child: bond.child,
+    }
+}
+
+/// The capture that had not happened.
+pub(crate) fn awaited(wait: &WaitRecord) -> EventAction {
+    EventAction::Capture {
+        parent: wait.parent,
+        face: wait.face,
+        child: wait.child,
+    }
+}
+
+impl Events {
+    /// The events of a program.
+    pub fn of(program: &Program) -> Events {
+        let graph = &program.compiled.graph;
+        let mut order = side_by_side(graph);
+        order.retain(|&id| !program.is_planted(graph.event(EventId(id)).phase));
+        let mut place = vec![0; graph.events.len()];
+        for (i, &id) in order.iter().enumerate() {
+            place[id as usize] = i;
+        }
+        let events = order.iter().map(|&id| {
+            let event = graph.event(EventId(id));
+            let waits_for = graph.waits_for(EventId(id)).iter();
+            Event {
+                phase: event.phase,
+                action: event.action,
+                waits_for: waits_for
+                    .map(|edge| (place[edge.first.0 as usize], edge.why))
+                    .collect(),
+            }
+        });
+        Events {
+            events: events.collect(),
+        }
+    }
+
+    /// The events of a phase with their numbers.
+    pub fn of_phase(&self, phase: usize) -> impl DoubleEndedIterator<Item = (usize, &Event)> {
+        let number = |event: &Event| event.phase.0 as usize;
+        let begin = self.events.partition_point(|event| number(event) < phase);
+        let end = self.events.partition_point(|event| number(event) <= phase);
+        (begin..end).zip(&self.events[begin..end])
+    }
+}
+
+/// An order in which everything stands behind what it waits for, and right behind the last of
+/// those if nothing speaks against it, so that chains stay together.
+///
+/// In the order of the numbers else; they are phase by phase, and so is the result.
+fn side_by_side(graph: &EventGraph) -> Vec<u32> {
+    let count = graph.events.len();
+    let mut missing = vec![0; count];
+    let mut next: Vec<Vec<u32>> = vec![Vec::new(); count];
+    for edge in graph.edges().iter().filter(|edge| !edge.unneeded) {
+        missing[edge.then.0 as usize] += 1;
+        next[edge.first.0 as usize].push(edge.then.0);
+    }
+    let mut order = Vec::with_capacity(count);
+    let mut stack: Vec<u32> = (0..count as u32)
+        .rev()
+        .filter(|&id| missing[id as usize] == 0)
+        .collect();
+    while let Some(id) = stack.pop() {
+        order.push(id);
+        for &waiting in next[id as usize].iter().rev() {
+            missing[waiting as usize] -= 1;
+            if missing[waiting as usize] == 0 {
+                stack.push(waiting);
+            }
+        }
+    }
+    order
+}
+
+#[cfg(test)]
+mod tests {
+    use stochc_ir::graph::{self, Edge};
+    use stochc_ir::table::RoleId;
+
+    use super::*;
+
+    #[test]
+    fn chains_stay_together() {
+        // 0 and 1 begin chains 0, 2, 4 and 1, 3; 5 waits for the ends of both.
+        let waits: [&[u32]; 6] = [&[], &[], &[0], &[1], &[2], &[3, 4]];
+        let event = graph::Event {
+            phase: PhaseId(0),
+            action: EventAction::Release { child: RoleId(0) },
+            cell: None,
+        };
+        let edges = (0..).zip(waits).flat_map(|(then, waits)| {
+            waits.iter().map(move |&first| Edge {
+                first: EventId(first),
+                then: EventId(then),
+                why: Dependency::After,
+                unneeded: false,
+            })
+        });
+        let graph = EventGraph::new(vec![event; 6], edges.collect(), vec![Vec::new()]);
+        assert_eq!(side_by_side(&graph), [0, 2, 4, 1, 3, 5]);
+    }
+}

@@ -1,0 +1,27 @@
+//! Whether two programs take the same time, for every pair of a report.
+use stochc_ensemble::{Group, PairwiseTest, TimeUnit, completion_times, pairwise_tests as compare};
+
+use super::subject::Subject;
+
+/// Compares every program with every other one; of a sweep, only different programs at the same
+/// values.
+pub(crate) fn pairwise_tests(subjects: &[Subject], clock: TimeUnit) -> Vec<PairwiseTest> {
+    let side = |subject: &Subject| {
+        let records = subject.runs.iter().map(|run| &run.record);
+        completion_times(records, subject.manifest.seed, clock.tick(subject.program))
+    };
+    let sides: Vec<Group> = (subjects.iter())
+        .map(|subject| Group {
+            varied: &subject.program.varied,
+            runs: side(subject),
+        })
+        .collect();
+    let identities: Vec<String> = (subjects.iter())
+        .map(|subject| subject.manifest.identity())
+        .collect();
+    compare(&sides, |i, j| {
+        subjects[i].number == subjects[j].number
+            && subjects[i].folder != subjects[j].folder
+            && identities[i] == identities[j]
+    })
+}

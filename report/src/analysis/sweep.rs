@@ -1,0 +1,127 @@
+//! Numbers of scenes that were varied: by `simulate --sweep`, or from one folder to the next.
+use std::collections::{BTreeMap, BTreeSet};
+
+use serde_json::{Value as Json, json};
+use stochc_ensemble::TimeUnit;
+use stochc_ensemble::sweep::{Dial, Point, Sweep, Value};
+use stochc_ir::scene::scalars::scalars;
+
+use super::subject::{Input, Subject};
+
+/// A program's number in the report, and the numbers of its scene by their names.
+type Member = (usize, BTreeMap<&'static str, f64>);
+
+/// What has to be the same for a number to be all that differs.
+#[derive(PartialEq, Eq, PartialOrd, Ord)]
+struct Kind<'a> {
+    tables: &'a str,
+    /// As JSON.
+    settings: String,
+    words: BTreeMap<String, String>,
+}
+
+/// The sweeps that folders were made by, and one for each number in which programs of several
+/// folders differ.
+pub(crate) fn sweeps(inputs: &[Input], subjects: &[Subject], clock: TimeUnit) -> Vec<Sweep> {
+    let asked = inputs.iter();
+    let asked = asked.filter_map(|input| Sweep::of(&input.manifest, &input.finished));
+    asked.chain(found(subjects, clock)).collect()
+}
+
+/// Programs that are the same but for one number of their scenes; their values are in SI units.
+fn found(subjects: &[Subject], clock: TimeUnit) -> Vec<Sweep> {
+    let mut groups: BTreeMap<Kind, Vec<Member>> = BTreeMap::new();
+    let plain = subjects.iter().enumerate();
+    let plain = plain.filter(|(_, subject)| subject.program.varied.is_empty());
+    for (i, subject) in plain {
+        let tables = subject.program.compiled.digest();
+        let mut words = BTreeMap::new();
+        let scene = &subject.program.scene;
+        let json = serde_json::to_value(scene).unwrap_or_default();
+        leaves(String::new(), &json, &mut words);
+        // What a scene is called makes no difference.
+        words.remove("name");
+        let kind = Kind {
+            tables,
+            settings: json!(subject.manifest.settings).to_string(),
+            words,
+        };
+        let numbers = scalars(scene).filter_map(|it| Some((it.name(), it.get(scene)?)));
+        let member = (i, numbers.collect());
+        groups.entry(kind).or_default().push(member);
+    }
+    let mut sweeps: BTreeMap<&'static str, Vec<Point>> = BTreeMap::new();
+    for group in groups.values() {
+        let Some(of) = difference(group) else {
+            continue;
+        };
+        let program = &subjects[group[0].0].program.name;
+        let point = |(i, numbers): &Member| {
+            let (subject, value) = (&subjects[*i], *numbers.get(of)?);
+            let records: Vec<_> = subject.runs.iter().map(|run| &run.record).collect();
+            Some(Point::of(
+                (subject.label.clone(), program.clone()),
+                vec![Value { value, si: value }],
+                subject.manifest.runs,
+                &records,
+                (subject.program.scene.tick, clock.tick(subject.program)),
+            ))
+        };
+        let mut points: Vec<Point> = group.iter().filter_map(point).collect();
+        points.sort_by(|a, b| a.values[0].si.total_cmp(&b.values[0].si));
+        sweeps.entry(of).or_default().extend(points);
+    }
+    let sweep = |(of, points): (&str, Vec<Point>)| Sweep {
+        axes: vec![Dial {
+            of: of.to_owned(),
+            unit: "SI".to_owned(),
+        }],
+        unit: clock.unit(),
+        points,
+    };
+    sweeps.into_iter().map(sweep).collect()
+}
+
+/// The one number in which a group differs; `None`: none, or several.
+fn difference(group: &[Member]) -> Option<&'static str> {
+    let (_, first) = group.first()?;
+    let mut found = BTreeSet::new();
+    for (_, numbers) in group {
+        if !numbers.keys().eq(first.keys()) {
+            return None;
+        }
+        let differing = numbers.iter();
+        let differing = differing.filter(|(name, value)| first.get(*name) != Some(value));
+        found.extend(differing.map(|(name, _)| *name));
+    }
+    match found.len() {
+        1 => found.pop_first(),
+        _ => None,
+    }
+}
+
+/// What a scene says in words, by where it stands; numbers count as there.
+fn leaves(at: String, value: &Json, words: &mut BTreeMap<String, String>) {
+    let below = |name: &str| match at.as_str() {
+        "" => name.to_owned(),
+        _ => format!("{at}.{name}"),
+    };
+    match value {
+        Json::Object(fields) => {
+            for (name, value) in fields {
+                leaves(below(name), value, words);
+            }
+        }
+        Json::Array(values) => {
+            for (i, value) in values.iter().enumerate() {
+                leaves(below(&i.to_string()), value, words);
+            }
+        }
+        Json::Number(_) => {
+            words.insert(at, "a number".to_owned());
+        }
+        other => {
+            words.insert(at, other.to_string());
+        }
+    }
+}

@@ -1,0 +1,289 @@
+//! The figures as tables of comma-separated values, for other programs.
+use stochc_ensemble::statistics::{KaplanMeier, Observation, Test};
+use stochc_ensemble::sweep::Sweep;
+use stochc_ensemble::{PairwiseTest, Time, TimeUnit, Verdict};
+use stochc_files::csv::Table;
+
+use crate::analysis::subject::Subject;
+use crate::analysis::waits::Wait;
+
+fn maybe(value: Option<f64>) -> String {
+    value.map_or(String::new(), |value| value.to_string())
+}
+
+/// A file's name and content.
+pub(super) type File = (String, String);
+
+/// The names of the tables that a report has.
+pub(super) fn names(differences: bool, sweeps: bool) -> Vec<&'static str> {
+    let always = [
+        "survival.csv",
+        "means.csv",
+        "waits.csv",
+        "origins.csv",
+        "chains.csv",
+    ];
+    let sometimes = [("differences.csv", differences), ("sweeps.csv", sweeps)];
+    let sometimes = sometimes.into_iter().filter(|(_, there)| *there);
+    let sometimes = sometimes.map(|(name, _)| name);
+    always.into_iter().chain(sometimes).collect()
+}
+
+/// All tables of a report, in the order of [`names`].
+pub(super) fn files(
+    subjects: &[Subject],
+    waits: &[Vec<Wait>],
+    pairwise_tests: &[PairwiseTest],
+    sweeps: &[Sweep],
+    clock: TimeUnit,
+) -> Vec<File> {
+    let mut tables = vec![
+        survival(subjects),
+        means(subjects),
+        captures(subjects, waits),
+        origins(subjects, waits),
+        chains(subjects),
+    ];
+    if !pairwise_tests.is_empty() {
+        tables.push(differences(subjects, pairwise_tests, clock));
+    }
+    if !sweeps.is_empty() {
+        tables.push(swept(sweeps));
+    }
+    let names = names(!pairwise_tests.is_empty(), !sweeps.is_empty());
+    names.into_iter().map(str::to_owned).zip(tables).collect()
+}
+
+fn survival(subjects: &[Subject]) -> String {
+    let mut table = Table::new([
+        "program",
+        "phase",
+        "ticks",
+        "at_risk",
+        "completed",
+        "incomplete",
+        "low",
+        "high",
+    ]);
+    let mut add = |program: &str, phase: &str, times: &[Observation]| {
+        let Some(estimate) = KaplanMeier::of(times) else {
+            return;
+        };
+        for point in estimate.curve() {
+            table.row([
+                program.to_owned(),
+                phase.to_owned(),
+                point.time.to_string(),
+                point.at_risk.to_string(),
+                point.completed.to_string(),
+                point.incomplete.to_string(),
+                maybe(point.interval.map(|interval| interval.0)),
+                maybe(point.interval.map(|interval| interval.1)),
+            ]);
+        }
+    };
+    for subject in subjects {
+        add(&subject.label, "", &subject.times());
+        for (i, phase) in subject.program.phases().iter().enumerate() {
+            add(&subject.label, &phase.name, &subject.phase_times(i));
+        }
+    }
+    table.finish()
+}
+
+fn means(subjects: &[Subject]) -> String {
+    let mut table = Table::new([
+        "program",
+        "phase",
+        "completed",
+        "stopped",
+        "mean",
+        "half_width",
+        "horizon",
+        "median",
+        "sd",
+        "min",
+        "max",
+    ]);
+    let mut add = |program: &str, phase: &str, times: &[Observation]| {
+        let Some(time) = Time::of(times) else {
+            return;
+        };
+        table.row([
+            program.to_owned(),
+            phase.to_owned(),
+            time.completed.to_string(),
+            time.censored.to_string(),
+            time.mean.to_string(),
+            maybe(time.half_width),
+            maybe(time.horizon),
+            maybe(time.median),
+            maybe(time.sd),
+            maybe(time.min),
+            maybe(time.max),
+        ]);
+    };
+    for subject in subjects {
+        add(&subject.label, "", &subject.times());
+        for (i, phase) in subject.program.phases().iter().enumerate() {
+            add(&subject.label, &phase.name, &subject.phase_times(i));
+        }
+    }
+    table.finish()
+}
+
+fn captures(subjects: &[Subject], waits: &[Vec<Wait>]) -> String {
+    let mut table = Table::new([
+        "program",
+        "phase",
+        "capture",
+        "captured",
+        "stopped",
+        "wait",
+        "half_width",
+        "p10",
+        "p90",
+        "entries",
+        "docking",
+        "share",
+        "decided",
+    ]);
+    for (subject, waits) in subjects.iter().zip(waits) {
+        for wait in waits {
+            let time = wait.time();
+            table.row([
+                subject.label.clone(),
+                subject.program.phase(wait.phase).to_owned(),
+                wait.text.clone(),
+                time.map_or(0, |time| time.completed).to_string(),
+                time.map_or(0, |time| time.censored).to_string(),
+                maybe(time.map(|time| time.mean)),
+                maybe(time.and_then(|time| time.half_width)),
+                maybe(wait.spread().map(|spread| spread.0)),
+                maybe(wait.spread().map(|spread| spread.1)),
+                maybe(wait.entries()),
+                maybe(wait.docking()),
+                maybe(wait.share),
+                wait.decided.to_string(),
+            ]);
+        }
+    }
+    table.finish()
+}
+
+fn origins(subjects: &[Subject], waits: &[Vec<Wait>]) -> String {
+    let mut table = Table::new(["program", "phase", "capture", "origin", "role", "captured"]);
+    for (subject, waits) in subjects.iter().zip(waits) {
+        for wait in waits {
+            let released = wait.released().iter();
+            let released = released.map(|(role, n)| ("released", subject.program.role(*role), *n));
+            let all = std::iter::once(("free", "", wait.free())).chain(released);
+            for (origin, role, n) in all.filter(|(.., n)| *n > 0) {
+                table.row([
+                    subject.label.clone(),
+                    subject.program.phase(wait.phase).to_owned(),
+                    wait.text.clone(),
+                    origin.to_owned(),
+                    role.to_owned(),
+                    n.to_string(),
+                ]);
+            }
+        }
+    }
+    table.finish()
+}
+
+fn chains(subjects: &[Subject]) -> String {
+    let mut table = Table::new(["program", "run", "phase", "event", "from", "to"]);
+    for subject in subjects {
+        for run in &subject.runs {
+            for link in &run.chain {
+                let event = link.event().map(|event| &subject.events.events[event]);
+                table.row([
+                    subject.label.clone(),
+                    run.record.run.to_string(),
+                    subject.program.phase(link.phase).to_owned(),
+                    event.map_or("reports".to_owned(), |event| event.text(subject.program)),
+                    link.from.to_string(),
+                    link.to.to_string(),
+                ]);
+            }
+        }
+    }
+    table.finish()
+}
+
+fn differences(subjects: &[Subject], pairwise_tests: &[PairwiseTest], clock: TimeUnit) -> String {
+    let mut table = Table::new([
+        "first",
+        "second",
+        "test",
+        "unit",
+        "difference",
+        "half_width",
+        "p",
+        "p_holm",
+    ]);
+    for contrast in pairwise_tests {
+        let names = [contrast.first, contrast.second].map(|i| subjects[i].label.clone());
+        let (test, figures) = match &contrast.verdict {
+            Verdict::Same => ("same runs", [const { String::new() }; 4]),
+            Verdict::Unknown => ("none", [const { String::new() }; 4]),
+            Verdict::Known(found) => {
+                let test = match found.test {
+                    Test::Paired { .. } => "paired t",
+                    Test::Welch { .. } => "Welch t",
+                };
+                let figures = [found.difference, found.half_width, found.p, found.p_holm];
+                (test, figures.map(|figure| figure.to_string()))
+            }
+        };
+        let words = [test.to_owned(), clock.unit().to_owned()];
+        table.row(names.into_iter().chain(words).chain(figures));
+    }
+    table.finish()
+}
+
+fn swept(sweeps: &[Sweep]) -> String {
+    let mut table = Table::new([
+        "of",
+        "value",
+        "at",
+        "program",
+        "unit",
+        "completed",
+        "stopped",
+        "failed",
+        "mean",
+        "half_width",
+        "median",
+        "released",
+        "time_per_capture",
+    ]);
+    for sweep in sweeps {
+        for point in &sweep.points {
+            let (Some(axis), Some(value)) = (sweep.axes.first(), point.values.first()) else {
+                continue;
+            };
+            let further = sweep.axes.iter().zip(&point.values).skip(1);
+            let further: Vec<String> = further.map(|(axis, value)| axis.at(*value)).collect();
+            let time = point.time.as_ref();
+            table.row([
+                axis.of.clone(),
+                value.si.to_string(),
+                further.join("; "),
+                point.name.clone(),
+                sweep.unit.to_owned(),
+                point.completed.to_string(),
+                point.stopped.to_string(),
+                point.failed.to_string(),
+                maybe(time.map(|time| time.mean)),
+                maybe(time.and_then(|time| time.half_width)),
+                maybe(time.and_then(|time| time.median)),
+                maybe(point.released),
+                maybe(point.time_per_capture),
+            ]);
+        }
+    }
+    table.finish()
+}

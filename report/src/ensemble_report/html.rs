@@ -1,0 +1,122 @@
+//! HTML in which text of others is only text.
+use std::fmt::Write as _;
+
+use stochc_ensemble::text::escaped;
+
+/// A page that grows. What is `plain` is escaped; what is `marked` has been made of these pieces.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Html {
+    text: String,
+    tables: usize,
+}
+
+/// A place in a table.
+#[derive(Clone, Debug)]
+pub(super) enum Cell {
+    /// Words; already HTML.
+    Marked(String),
+    /// Words.
+    Plain(String),
+    /// A figure, which stands on the right; may have several lines.
+    Number(String),
+}
+
+impl Html {
+    pub fn finish(self) -> String {
+        self.text
+    }
+
+    pub fn raw(&mut self, html: &str) {
+        self.text += html;
+    }
+
+    pub fn heading(&mut self, level: u8, id: &str, marked: &str) {
+        // Writing to a string cannot fail.
+        let _ = writeln!(self.text, "<h{level} id=\"{id}\">{marked}</h{level}>");
+    }
+
+    pub fn paragraph(&mut self, marked: &str) {
+        let _ = writeln!(self.text, "<p>{marked}</p>");
+    }
+
+    pub fn note(&mut self, marked: &str) {
+        let _ = writeln!(self.text, "<p class=\"note\">{marked}</p>");
+    }
+
+    pub fn list(&mut self, kind: &str, items: &[String]) {
+        let _ = writeln!(self.text, "<{kind}>");
+        for item in items {
+            let _ = writeln!(self.text, "<li>{item}</li>");
+        }
+        let _ = writeln!(self.text, "</{kind}>");
+    }
+
+    /// A table; the first cell of every row is its name.
+    pub fn table(&mut self, caption: &str, header: &[&str], rows: &[Vec<Cell>]) {
+        self.tables += 1;
+        let numeric = |column: usize| {
+            let cells = rows.iter().filter_map(|row| row.get(column));
+            let mut cells = cells.peekable();
+            cells.peek().is_some() && cells.all(|cell| matches!(cell, Cell::Number(_)))
+        };
+        let _ = writeln!(
+            self.text,
+            "<p class=\"caption\" id=\"table-{n}\">{caption}</p>\n\
+             <div class=\"scroll\" tabindex=\"0\" role=\"group\" aria-labelledby=\"table-{n}\">\
+             <table aria-labelledby=\"table-{n}\">\n<thead><tr>",
+            n = self.tables,
+            caption = escaped(caption)
+        );
+        for (i, name) in header.iter().enumerate() {
+            let class = if numeric(i) { " class=\"n\"" } else { "" };
+            let _ = writeln!(self.text, "<th scope=\"col\"{class}>{}</th>", escaped(name));
+        }
+        let _ = writeln!(self.text, "</tr></thead>\n<tbody>");
+        for row in rows {
+            let _ = write!(self.text, "<tr>");
+            for (i, cell) in row.iter().enumerate() {
+                let (tag, scope) = if i == 0 {
+                    ("th", " scope=\"row\"")
+                } else {
+                    ("td", "")
+                };
+                let (class, content) = match cell {
+                    Cell::Marked(html) => ("", html.clone()),
+                    Cell::Plain(text) => ("", escaped(text)),
+                    Cell::Number(text) => {
+                        let lines: Vec<_> = text.lines().map(escaped).collect();
+                        (" class=\"n\"", lines.join("<br/> "))
+                    }
+                };
+                let _ = write!(self.text, "<{tag}{scope}{class}>{content}</{tag}>");
+            }
+            let _ = writeln!(self.text, "</tr>");
+        }
+        let _ = writeln!(self.text, "</tbody></table></div>");
+    }
+}
+
+/// A name of somebody's program, file or scene; its direction of writing ends with it.
+pub(super) fn name(text: &str) -> String {
+    format!("<bdi>{}</bdi>", escaped(text))
+}
+
+/// Something to be typed, or a piece of a program.
+pub(super) fn code(text: &str) -> String {
+    /// Longer ones may be broken.
+    const WHOLE: usize = 40;
+    let class = if text.chars().count() <= WHOLE {
+        " class=\"whole\""
+    } else {
+        ""
+    };
+    format!("<code{class}><bdi>{}</bdi></code>", escaped(text))
+}
+
+/// A command to copy: one click marks all of it.
+pub(super) fn command(text: &str) -> String {
+    format!(
+        "<pre class=\"command\"><code>{}</code></pre>",
+        escaped(text)
+    )
+}

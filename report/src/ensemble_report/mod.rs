@@ -1,0 +1,77 @@
+//! What came of ensembles, as one page to read and a folder of figures and tables.
+//!
+//! [`analysis`](crate::analysis) sums up the inputs, [`figures`](crate::figures) and `data.rs` write that down, `page/` puts
+//! the page together. All of it is a pure function of the inputs. `docs/report.md` says what each figure shows.
+mod data;
+mod html;
+mod narrative;
+mod page;
+
+use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
+use stochc_ensemble::TimeUnit;
+
+use crate::analysis::{pairwise, subject, sweep, waits};
+use crate::svg::Drawing;
+
+pub use crate::analysis::subject::Input;
+
+/// The first line of every report, by which one is told from other people's files.
+pub const MARK: &str = "<!DOCTYPE html><!-- stochc report -->";
+
+/// A report, ready to be written.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Report {
+    /// The page, in HTML: complete in itself, and without any script.
+    pub page: String,
+    /// Figures (SVG) and their data (CSV), by the name of the file.
+    pub files: Vec<(String, String)>,
+}
+
+/// What a report needs to know about the place that it is written to.
+#[derive(Clone, Copy)]
+pub struct Surroundings<'a> {
+    /// The name of the folder of figures and tables, which is beside the page.
+    pub folder: &'a str,
+    /// The address of the replay of a run as seen from the page, from the numbers of its folder, of
+    /// its program in there, and its own; `None`: there is none.
+    pub replay: &'a dyn Fn(usize, usize, u64) -> Option<String>,
+}
+
+/// A relative path as an address: what would end or change it is written in hexadecimal.
+pub fn address(path: &str) -> String {
+    const KEPT: &AsciiSet = &NON_ALPHANUMERIC
+        .remove(b'/')
+        .remove(b'-')
+        .remove(b'_')
+        .remove(b'.')
+        .remove(b'~');
+    utf8_percent_encode(path, KEPT).to_string()
+}
+
+/// Draws up the report of one or several results folders.
+pub fn report(inputs: &[Input], surroundings: &Surroundings) -> Report {
+    let subjects = subject::subjects(inputs);
+    let clock = TimeUnit::of(subjects.iter().map(|subject| subject.program));
+    let waits: Vec<_> = subjects.iter().map(waits::waits).collect();
+    let pairwise_tests = pairwise::pairwise_tests(&subjects, clock);
+    let sweeps = sweep::sweeps(inputs, &subjects, clock);
+    let mut files = data::files(&subjects, &waits, &pairwise_tests, &sweeps, clock);
+    let parts = page::Parts {
+        inputs,
+        subjects: &subjects,
+        clock,
+        waits: &waits,
+        pairwise_tests: &pairwise_tests,
+        sweeps: &sweeps,
+        surroundings,
+    };
+    let mut drawings: Vec<Drawing> = Vec::new();
+    let page = page::page(&parts, &mut drawings);
+    files.extend(
+        drawings
+            .iter()
+            .map(|it| (format!("{}.svg", it.name), it.file())),
+    );
+    files.sort();
+    Report { page, files }
+}

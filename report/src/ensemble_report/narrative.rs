@@ -1,0 +1,184 @@
+//! A run in words: the chain of events that decided how long it took.
+use stochc_ensemble::text::number;
+use stochc_ir::graph::Dependency;
+use stochc_ir::record::{Limit, Origin, Outcome};
+
+use super::html::{code, name};
+use crate::analysis::critical_path::{Link, What};
+use crate::analysis::subject::{Run, Subject};
+
+/// Links that are told; of a longer chain those that took longest.
+const TOLD: usize = 12;
+
+/// A run's heading, in HTML: its number, what it is, how long it took.
+pub(super) fn heading(subject: &Subject, what: &str, run: &Run) -> String {
+    let record = &run.record;
+    let end = match &record.outcome {
+        Outcome::Completed => String::new(),
+        Outcome::TimedOut { phase, by } => {
+            let by = match by {
+                Limit::Timeout => "its timeout",
+                Limit::MaxTicks => "<code>--max-ticks</code>",
+            };
+            let phase = code(subject.program.phase(*phase));
+            format!(", stopped by {by} in phase {phase}")
+        }
+        Outcome::Failed { .. } => ", failed".to_owned(),
+    };
+    format!(
+        "Run {}, the {what}: {}{end}",
+        record.run,
+        ticks(subject, record.ticks)
+    )
+}
+
+/// Its chain in a few sentences of HTML, each an item of a list.
+pub(super) fn story(subject: &Subject, run: &Run) -> Vec<String> {
+    let mut longest: Vec<u64> = run.chain.iter().map(Link::ticks).collect();
+    // What took no time needs no room where room is short.
+    longest.retain(|&ticks| ticks > 0);
+    longest.sort_unstable_by(|a, b| b.cmp(a));
+    let least = longest.get(TOLD).copied();
+    let told = |link: &&Link| match least {
+        None => true,
+        // Of equally long ones all or none: a chain of short waits is told as one.
+        Some(least) => link.ticks() > least,
+    };
+    let mut items = Vec::new();
+    let mut passed: Vec<&Link> = Vec::new();
+    for link in &run.chain {
+        if told(&link) {
+            items.extend(between(subject, &passed));
+            passed.clear();
+            items.push(item(subject, run, link));
+        } else {
+            passed.push(link);
+        }
+    }
+    items.extend(between(subject, &passed));
+    items
+}
+
+/// The one wait that took most of a run, in a sentence of HTML.
+pub(super) fn lead(subject: &Subject, run: &Run) -> Option<String> {
+    let total = run.record.ticks;
+    let longest = run.chain.iter().max_by_key(|link| link.ticks())?;
+    let share = 100.0 * longest.ticks() as f64 / total.max(1) as f64;
+    let text = subject.events.events[longest.event()?].text(subject.program);
+    (share >= 25.0).then(|| format!("{} alone took {share:.0} % of it.", code(&text)))
+}
+
+fn between(subject: &Subject, passed: &[&Link]) -> Option<String> {
+    let waits: Vec<u64> = passed.iter().map(|link| link.ticks()).collect();
+    let spent = waits
+        .iter()
+        .fold(0, |spent: u64, wait| spent.saturating_add(*wait));
+    let longest = waits.iter().copied().max().unwrap_or(0);
+    // Releases that followed at once; what waited for them says so.
+    if longest == 0 {
+        return None;
+    }
+    let (first, last) = (passed.first()?, passed.last()?);
+    Some(format!(
+        "{} waits of at most {}, one after the other, took {}, from tick {} to {}.",
+        waits.iter().filter(|wait| **wait > 0).count(),
+        ticks(subject, longest),
+        ticks(subject, spent),
+        number(first.from as f64),
+        number(last.to as f64)
+    ))
+}
+
+fn item(subject: &Subject, run: &Run, link: &Link) -> String {
+    let at = |tick: u64| number(tick as f64);
+    let share = 100.0 * link.ticks() as f64 / run.record.ticks.max(1) as f64;
+    // The time of the link in seconds, and what part of the run's it is.
+    let seconds = subject.tick().seconds(link.ticks() as f64);
+    let share = match share {
+        share if share >= 0.5 => format!(" ({seconds}, {share:.0} %)"),
+        _ => format!(" ({seconds})"),
+    };
+    match link.what {
+        What::Reports => format!(
+            "Then the reports took {}{share} to reach the plate.",
+            count(link.ticks())
+        ),
+        What::Pending { event } => {
+            let text = subject.events.events[event].text(subject.program);
+            format!(
+                "{} had waited <strong>{}</strong>{share} when the run was stopped: from tick {}, {}.",
+                code(&text),
+                count(link.ticks()),
+                at(link.from),
+                reason(subject, link)
+            )
+        }
+        What::Event { event, bond } => {
+            let text = subject.events.events[event].text(subject.program);
+            let Some(bond) = bond.map(|i| &run.record.bonds[i]) else {
+                let waited = match link.ticks() {
+                    0 => String::new(),
+                    n => format!(" after {}", ticks(subject, n)),
+                };
+                return format!(
+                    "{}{waited}, at tick {}, {}.",
+                    code(&text),
+                    at(link.to),
+                    reason(subject, link)
+                );
+            };
+            let origin = match &bond.origin {
+                Origin::Free => String::new(),
+                Origin::Released { role, tick } => format!(
+                    "; it was the former {}, released at tick {}",
+                    code(subject.program.role(*role)),
+                    at(*tick)
+                ),
+            };
+            let entries = match bond.entries {
+                1 => "1 block entered the field and".to_owned(),
+                n => format!(
+                    "blocks entered the field {} times, and the one that stayed",
+                    number(f64::from(n))
+                ),
+            };
+            format!(
+                "{} waited <strong>{}</strong>{share}, from tick {}, {}: {entries} took {} to dock{origin}.",
+                code(&text),
+                count(link.ticks()),
+                at(link.from),
+                reason(subject, link),
+                ticks(subject, bond.docking)
+            )
+        }
+    }
+}
+
+/// Why a wait began when it did, as the end of a sentence.
+fn reason(subject: &Subject, link: &Link) -> String {
+    let Some((first, why)) = link.since else {
+        let phase = name(subject.program.phase(link.phase));
+        return format!("the beginning of phase <code>{phase}</code>");
+    };
+    let first = code(&subject.events.events[first].text(subject.program));
+    match why {
+        Dependency::Anchored => format!("when {first} had anchored its block"),
+        Dependency::Face { .. } => format!("when {first} had left its block a face to magnetize"),
+        Dependency::After => format!("because the program puts it after {first}"),
+        Dependency::Emptied => format!("when {first} had let the last of its children go"),
+        Dependency::Vacated => format!("when {first} had emptied the cell"),
+        Dependency::Freed => format!("when {first} had made the name free"),
+    }
+}
+
+/// A number of ticks, in seconds as well.
+fn ticks(subject: &Subject, n: u64) -> String {
+    count(n) + &subject.tick().beside(n as f64)
+}
+
+fn count(n: u64) -> String {
+    match n {
+        1 => "1 tick".to_owned(),
+        n => format!("{} ticks", number(n as f64)),
+    }
+}

@@ -1,0 +1,132 @@
+//! What several parts of the page say alike.
+use stochc_ensemble::text::{Tick, escaped, number};
+use stochc_ensemble::{PairwiseTest, Time, TimeUnit};
+
+use super::Parts;
+use crate::ensemble_report::address;
+use crate::ensemble_report::html::{Cell, Html, name};
+use crate::svg::Drawing;
+use crate::text::sentence as in_words;
+
+pub(super) fn link(folder: &str, file: &str) -> String {
+    format!(
+        "<a href=\"{}/{file}\">{file}</a>",
+        escaped(&address(folder))
+    )
+}
+
+/// Puts a figure on the page, with links to its data.
+pub(super) fn show(
+    parts: &Parts,
+    out: &mut Html,
+    drawings: &mut Vec<Drawing>,
+    figure: Option<Drawing>,
+    caption: &str,
+    data: &[&str],
+) {
+    let Some(figure) = figure else {
+        return;
+    };
+    let folder = parts.surroundings.folder;
+    let svg = format!("{}.svg", figure.name);
+    let links: Vec<String> = std::iter::once(svg.as_str())
+        .chain(data.iter().copied())
+        .map(|file| link(folder, file))
+        .collect();
+    out.raw(&format!(
+        "<figure>\n<div class=\"scroll\" tabindex=\"0\" role=\"group\" aria-label=\"{}\">\n{}</div>\n\
+         <figcaption><strong>{}.</strong> {caption} Files: {}.</figcaption>\n</figure>\n",
+        escaped(&figure.title),
+        figure.inline("figure-"),
+        name(&figure.title),
+        links.join(", ")
+    ));
+    drawings.push(figure);
+}
+
+/// What is said of two programs everywhere, in HTML.
+pub(super) fn sentence(parts: &Parts, contrast: &PairwiseTest) -> String {
+    // Two signs that no sentence has, in place of names that bring their own HTML.
+    const NAMES: [&str; 2] = ["\u{e000}", "\u{e001}"];
+    let told = in_words(
+        NAMES,
+        &contrast.verdict,
+        parts.clock.unit(),
+        parts.pairwise_tests.len(),
+    );
+    let mut told = escaped(&told.replace('~', "\u{a0}"));
+    for (sign, i) in NAMES.into_iter().zip([contrast.first, contrast.second]) {
+        told = told.replace(sign, &name(&parts.subjects[i].label));
+    }
+    told
+}
+
+/// The clock of all programs where times are in ticks; `None`: they are in seconds.
+pub(super) fn tick(parts: &Parts) -> Option<Tick> {
+    match parts.clock {
+        TimeUnit::Ticks => Some(parts.subjects.first()?.tick()),
+        TimeUnit::Seconds => None,
+    }
+}
+
+/// A figure, and below it the same in seconds where it is in ticks.
+pub(super) fn figure(value: Option<f64>, tick: Option<Tick>) -> Cell {
+    let Some(value) = value else {
+        return Cell::Number("–".into());
+    };
+    let seconds = tick.map_or(String::new(), |tick| format!("\n{}", tick.seconds(value)));
+    Cell::Number(number(value) + &seconds)
+}
+
+/// A mean with its interval, and below it the same in seconds where it is in ticks.
+pub(super) fn mean_cell(time: Option<&Time>, tick: Option<Tick>) -> Cell {
+    let Some(time) = time else {
+        return Cell::Number("–".into());
+    };
+    let seconds = tick.map(|tick| tick.interval(time.mean, time.half_width));
+    let seconds = seconds.map_or(String::new(), |seconds| format!("\n{seconds}"));
+    Cell::Number(mean(time) + &seconds)
+}
+
+/// Mean, median, SD, CV, and the ends; with `tick` in seconds as well.
+pub(super) fn figures(time: Option<&Time>, tick: Option<Tick>) -> Vec<Cell> {
+    let figure = |of: fn(&Time) -> Option<f64>| figure(time.and_then(of), tick);
+    vec![
+        mean_cell(time, tick),
+        figure(|time| time.median),
+        figure(|time| time.sd),
+        Cell::Number(coefficient(time)),
+        figure(|time| time.min),
+        figure(|time| time.max),
+    ]
+}
+
+pub(super) fn coefficient(time: Option<&Time>) -> String {
+    let cv = time.and_then(|time| time.cv);
+    cv.map_or("–".into(), |cv| format!("{cv:.2}"))
+}
+
+pub(super) fn mean(time: &Time) -> String {
+    let half = match time.half_width {
+        Some(half) => format!(" ± {}", number(half)),
+        None => String::new(),
+    };
+    match time.censored {
+        0 => format!("{}{half}", number(time.mean)),
+        _ => format!("≥ {}{half}", number(time.mean)),
+    }
+}
+
+/// A file inside a folder, as a path to type.
+pub(super) fn inside(folder: &str, file: &str) -> String {
+    format!("{}/{file}", folder.trim_end_matches('/'))
+}
+
+/// Text of several lines, whose breaks and tabs are kept.
+pub(super) fn lines(text: &str) -> String {
+    let lines: Vec<String> = text
+        .lines()
+        .map(|line| escaped(&line.replace('\t', "    ")))
+        .collect();
+    lines.join("\n")
+}

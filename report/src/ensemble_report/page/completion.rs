@@ -1,0 +1,168 @@
+//! When runs completed: curves, means, differences.
+use stochc_ensemble::text::number;
+use stochc_ensemble::{PairwiseTest, Time, Verdict};
+use stochc_ir::record::Outcome;
+
+use super::common::{figures, show, tick};
+use super::{Parts, ROWS};
+use crate::analysis::subject::Subject;
+use crate::ensemble_report::html::{Cell, Html, code, name};
+use crate::figures as picture;
+use crate::figures::Curve;
+use crate::svg::Drawing;
+use crate::text::{method, probability};
+
+pub(super) fn completion(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawing>) {
+    out.heading(2, "completion", "Time to completion");
+    let unit = parts.clock.unit();
+    let curves: Vec<Curve> = (parts.detailed())
+        .map(|(_, subject)| Curve {
+            name: subject.label.clone(),
+            times: subject.times_by(parts.clock),
+        })
+        .collect();
+    let axis = match tick(parts) {
+        Some(tick) => format!("time [{}]", tick.unit()),
+        None => format!("time [{unit}]"),
+    };
+    let title = "Runs that are not complete yet, over time";
+    let figure = picture::survival("survival", title, &curves, &axis);
+    let caption = "The estimate of Kaplan and Meier; bands are pointwise 95 % intervals (up to four \
+                   curves), <code>|</code> a run that was stopped before it completed.";
+    show(parts, out, drawings, figure, caption, &["survival.csv"]);
+    let times: Vec<(&str, Time)> = (parts.detailed())
+        .filter_map(|(_, subject)| {
+            let time = Time::of(&subject.times_by(parts.clock))?;
+            Some((subject.label.as_str(), time))
+        })
+        .collect();
+    if times.len() > 1 {
+        let caption = "Dots are means, lines their 95 % intervals; ≥ a lower bound, because runs \
+                       were stopped before they completed.";
+        let figure = picture::means(&times, unit);
+        show(parts, out, drawings, figure, caption, &["means.csv"]);
+    }
+    let rows: Vec<Vec<Cell>> = (parts.subjects.iter())
+        .map(|subject| {
+            let (completed, stopped, failed) = subject.counts();
+            let time = Time::of(&subject.times_by(parts.clock));
+            let mut row = vec![Cell::Marked(name(&subject.label))];
+            row.extend([completed, stopped, failed].map(|n| Cell::Number(n.to_string())));
+            row.extend(figures(time.as_ref(), tick(parts)));
+            row
+        })
+        .collect();
+    let header = [
+        "program",
+        "completed",
+        "stopped",
+        "failed",
+        "mean",
+        "median",
+        "SD",
+        "CV",
+        "min",
+        "max",
+    ];
+    let beside = match tick(parts) {
+        Some(_) => ", and below in seconds",
+        None => "",
+    };
+    let caption = format!("Times to completion in {unit}{beside}; ± is half of a 95 % interval");
+    out.table(&caption, &header, &rows);
+    for subject in parts.subjects {
+        failures(subject, out);
+    }
+}
+
+/// Runs whose physics broke down.
+pub(super) fn failures(subject: &Subject, out: &mut Html) {
+    /// Failures that are told.
+    const TOLD: usize = 5;
+    let failed: Vec<String> = (subject.runs.iter())
+        .filter_map(|run| match &run.record.outcome {
+            Outcome::Failed { phase, reason } => Some(format!(
+                "run {} in phase {}: {}",
+                run.record.run,
+                code(subject.program.phase(*phase)),
+                name(reason)
+            )),
+            _ => None,
+        })
+        .collect();
+    if failed.is_empty() {
+        return;
+    }
+    let label = name(&subject.label);
+    let n = failed.len();
+    out.paragraph(&format!(
+        "{n} runs of {label} failed, and no figure counts them:"
+    ));
+    let mut items = failed;
+    if items.len() > TOLD {
+        let more = format!("{} more", items.len() - TOLD);
+        items.truncate(TOLD);
+        items.push(more);
+    }
+    out.list("ul", &items);
+}
+
+pub(super) fn differences(parts: &Parts, out: &mut Html) {
+    if parts.pairwise_tests.is_empty() {
+        return;
+    }
+    out.heading(2, "differences", "Differences");
+    let mut rows: Vec<&PairwiseTest> = parts.pairwise_tests.iter().collect();
+    let p = |contrast: &PairwiseTest| match contrast.verdict {
+        Verdict::Known(ref found) => found.p,
+        _ => 2.0,
+    };
+    if rows.len() > ROWS {
+        rows.sort_by(|a, b| p(a).total_cmp(&p(b)));
+        rows.truncate(ROWS);
+        out.note(&format!(
+            "The {ROWS} of {} pairs with the smallest p.",
+            parts.pairwise_tests.len()
+        ));
+    }
+    let row = |contrast: &&PairwiseTest| {
+        let label = |i: usize| name(&parts.subjects[i].label);
+        let pair = format!("{} − {}", label(contrast.first), label(contrast.second));
+        let mut cells = vec![Cell::Marked(pair)];
+        let none = || Cell::Number("–".into());
+        match &contrast.verdict {
+            Verdict::Same => {
+                cells.extend([none(), none(), none()]);
+                cells.push(Cell::Plain("the same runs".into()));
+            }
+            Verdict::Unknown => {
+                cells.extend([none(), none(), none()]);
+                cells.push(Cell::Plain("too few runs, or no spread, to tell".into()));
+            }
+            Verdict::Known(found) => {
+                let [difference, half] = [found.difference, found.half_width].map(number);
+                cells.push(Cell::Number(format!("{difference} ± {half}")));
+                cells.push(Cell::Number(probability(found.p)));
+                cells.push(Cell::Number(probability(found.p_holm)));
+                cells.push(Cell::Plain(method(found, parts.clock.unit())));
+            }
+        }
+        cells
+    };
+    let rows: Vec<_> = rows.iter().map(row).collect();
+    let caption = format!(
+        "Mean of the first less that of the second, in {}; ± is half of a 95 % interval",
+        parts.clock.unit()
+    );
+    out.table(
+        &caption,
+        &["pair", "difference", "p", "p (Holm)", "test"],
+        &rows,
+    );
+    out.note(
+        "p is the probability of a difference at least this large if there were none; p (Holm) is \
+         corrected for the number of pairs in this table, and a difference is called one where it is \
+         below 0.05. Programs with one seed meet the same kicks in runs of the same number, so that they \
+         are compared run by run.",
+    );
+}

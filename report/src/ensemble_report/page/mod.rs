@@ -1,0 +1,91 @@
+//! The page: sections in the order in which somebody asks.
+mod common;
+mod completion;
+mod origin;
+mod program;
+mod summary;
+mod sweeps;
+mod warnings;
+
+use completion::{completion, differences};
+use origin::{methods, origin};
+use program::program;
+use stochc_ensemble::sweep::Sweep;
+use stochc_ensemble::text::escaped;
+use stochc_ensemble::{PairwiseTest, TimeUnit};
+use summary::in_short;
+use sweeps::sweeps;
+
+use crate::analysis::subject::{Input, Subject};
+use crate::analysis::waits::Wait;
+use crate::ensemble_report::html::{Html, name};
+use crate::ensemble_report::{MARK, Surroundings};
+use crate::svg::{Drawing, STYLE};
+
+/// Rows of a table on the page; the data files have all of them.
+const ROWS: usize = 60;
+
+/// Points of sweeps that have a section of their own each; of more there is the sweep.
+const POINTS: usize = 12;
+
+/// All that a page is made of.
+pub(super) struct Parts<'a> {
+    pub inputs: &'a [Input],
+    pub subjects: &'a [Subject<'a>],
+    pub clock: TimeUnit,
+    pub waits: &'a [Vec<Wait>],
+    pub pairwise_tests: &'a [PairwiseTest],
+    pub sweeps: &'a [Sweep],
+    pub surroundings: &'a Surroundings<'a>,
+}
+
+impl<'a> Parts<'a> {
+    /// The programs that are told of one by one, with their numbers: all but the points of a sweep
+    /// with many of them.
+    fn detailed(&self) -> impl Iterator<Item = (usize, &'a Subject<'a>)> {
+        let is_point = |subject: &Subject| !subject.program.varied.is_empty();
+        let points = self.subjects.iter().filter(|subject| is_point(subject));
+        let are_many = points.count() > POINTS;
+        let all = self.subjects.iter().enumerate();
+        all.filter(move |(_, subject)| !(are_many && is_point(subject)))
+    }
+}
+
+/// Writes the page, and leaves its figures in `drawings`.
+pub(super) fn page(parts: &Parts, drawings: &mut Vec<Drawing>) -> String {
+    let mut out = Html::default();
+    head(parts, &mut out);
+    in_short(parts, &mut out);
+    completion(parts, &mut out, drawings);
+    differences(parts, &mut out);
+    sweeps(parts, &mut out, drawings);
+    for (number, _) in parts.detailed() {
+        program(parts, number, &mut out, drawings);
+    }
+    origin(parts, &mut out);
+    methods(parts, &mut out, drawings);
+    out.raw("</main>\n</body>\n</html>\n");
+    out.finish()
+}
+
+fn head(parts: &Parts, out: &mut Html) {
+    let names: Vec<&str> = (parts.subjects.iter())
+        .map(|subject| subject.label.as_str())
+        .collect();
+    let title = match names.len() {
+        0 => "no programs".to_owned(),
+        1..=3 => names.join(", "),
+        n => format!("{n} programs"),
+    };
+    // Nothing is loaded from anywhere, and nothing in a name could run if it came through.
+    out.raw(&format!(
+        "{MARK}\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
+         <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; \
+         style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'\"/>\n\
+         <title>Report: {}</title>\n<style>\n{}{STYLE}\n</style>\n</head>\n<body>\n<main>\n",
+        escaped(&title),
+        include_str!("style.css"),
+    ));
+    out.heading(1, "top", &format!("Report: {}", name(&title)));
+}

@@ -1,0 +1,180 @@
+//! What was run, how to run it again, and how to read the page.
+use stochc_ensemble::Program;
+use stochc_ensemble::text::number;
+use stochc_files::shell;
+use stochc_ir::scene::describe;
+use stochc_runtime::{Precision, Settings};
+
+use super::Parts;
+use super::common::{inside, lines, link};
+use crate::ensemble_report::data;
+use crate::ensemble_report::html::{Cell, Html, code, command, name};
+use crate::svg::Drawing;
+
+/// What was run, and how to run it again.
+pub(super) fn origin(parts: &Parts, out: &mut Html) {
+    out.heading(2, "origin", "What was run");
+    for input in parts.inputs {
+        let manifest = &input.manifest;
+        out.raw(&format!("<h3>{}</h3>\n", name(&input.path)));
+        let limit = manifest
+            .settings
+            .max_ticks
+            .map_or("none".to_owned(), |n| number(n as f64));
+        let settings: Vec<_> = (further(&manifest.settings).into_iter())
+            .map(|(option, value)| format!("{option} = {value}"))
+            .collect();
+        let rows: Vec<Vec<Cell>> = [
+            ("made by", format!("stochc {}", manifest.stochc)),
+            ("model", manifest.settings.model.name().to_owned()),
+            ("substeps", manifest.settings.substeps.to_string()),
+            ("settings", settings.join(", ")),
+            ("seed", manifest.seed.to_string()),
+            ("runs of each program", number(manifest.runs as f64)),
+            ("limit of ticks", limit),
+            ("identity (SHA-256)", manifest.identity()),
+        ]
+        .into_iter()
+        .filter(|(_, value)| !value.is_empty())
+        .map(|(what, value)| vec![Cell::Plain(what.into()), Cell::Marked(name(&value))])
+        .collect();
+        out.table("The ensemble", &["", "value"], &rows);
+        out.paragraph("The same runs again, bit for bit:");
+        out.raw(&command(&format!(
+            "stochc simulate --manifest {} --out AGAIN",
+            shell::file(&inside(&input.path, "manifest.json"))
+        )));
+        out.paragraph("From its files, as they were then:");
+        out.raw(&command(&simulate(manifest)));
+        let programs = manifest.programs.iter().enumerate();
+        // The points of a sweep have one text, and its table has their values.
+        let first = |(number, program): &(usize, &Program)| {
+            let before = &manifest.programs[..*number];
+            program.varied.is_empty()
+                || !(before.iter())
+                    .any(|it| it.assembly() == program.assembly() && it.sources == program.sources)
+        };
+        for (_, program) in programs.filter(first) {
+            let scene = &program.scene;
+            let terms: Vec<String> = (describe::terms(scene).iter())
+                .map(|term| term.text.clone())
+                .collect();
+            out.raw(&format!(
+                "<details><summary>{}, in the scene {}: the text</summary>\n",
+                name(&program.name),
+                name(&scene.name)
+            ));
+            let scene = format!("scene {} {{\n    {}\n}}", scene.name, terms.join("\n    "));
+            out.raw(&format!("<pre><code>{}</code></pre>\n", lines(&scene)));
+            for source in &program.sources {
+                out.paragraph(&code(&source.path));
+                out.raw(&format!(
+                    "<pre><code>{}</code></pre>\n",
+                    lines(&source.text)
+                ));
+            }
+            out.raw("</details>\n");
+        }
+    }
+}
+
+/// Settings besides model and substeps, as options of `simulate`: the iterations, and what is not as usual.
+fn further(settings: &Settings) -> Vec<(&'static str, String)> {
+    let mut further = vec![("solver-iterations", settings.iterations().to_string())];
+    if settings.precision != Precision::default() {
+        further.push(("precision", settings.precision.name().to_owned()));
+    }
+    if let Some(reduction) = settings.reduction {
+        further.push(("reduce", reduction.name().to_owned()));
+    }
+    further
+}
+
+/// The command line that made an ensemble, as far as its manifest knows it.
+pub(super) fn simulate(manifest: &stochc_ensemble::Manifest) -> String {
+    let mut words = vec!["stochc simulate".to_owned()];
+    let mut files: Vec<&str> = Vec::new();
+    for program in &manifest.programs {
+        let path = program
+            .sources
+            .first()
+            .map_or("?", |source| source.path.as_str());
+        if files.last() != Some(&path) {
+            files.push(path);
+        }
+    }
+    words.extend(files.into_iter().map(shell::file));
+    let mut option = |name: &str, value: &str| {
+        words.push(format!("--{name} {}", shell::quoted(value)));
+    };
+    let settings = &manifest.settings;
+    option("model", settings.model.name());
+    option("substeps", &settings.substeps.to_string());
+    for (name, value) in further(settings) {
+        option(name, &value);
+    }
+    option("runs", &manifest.runs.to_string());
+    option("seed", &manifest.seed.to_string());
+    if let Some(limit) = settings.max_ticks {
+        option("max-ticks", &limit.to_string());
+    }
+    for (number, axis) in manifest.axes().iter().enumerate() {
+        let mut values: Vec<String> = Vec::new();
+        for varied in manifest
+            .programs
+            .iter()
+            .filter_map(|it| it.varied.get(number))
+        {
+            let value = varied.said.to_string();
+            if !values.contains(&value) {
+                values.push(value);
+            }
+        }
+        let text = format!("{}={} {}", axis.of, values.join(","), axis.unit);
+        words.push(format!("--sweep {}", shell::quoted(text.trim_end())));
+    }
+    words.push("--out AGAIN".into());
+    words.join(" ")
+}
+
+pub(super) fn methods(parts: &Parts, out: &mut Html, drawings: &[Drawing]) {
+    out.heading(2, "methods", "How to read this, and data");
+    out.list(
+        "ul",
+        &[
+            "<strong>Ticks</strong> are the scene's clock, and <em>seconds</em> those of the scene, not of the \
+             computer. A face is magnetized, blocks come into \
+             the reach of its pull (<em>entries</em>), and one docks; its <em>docking</em> time \
+             counts from its last entry."
+                .to_owned(),
+            "<strong>Stopped</strong> runs are censored: their times are longer than the tick at \
+             which they were stopped, and nobody knows by how much. The curves take them into \
+             account (Kaplan and Meier; intervals by Greenwood's formula for log(−log S)); means \
+             are then those of min(time, horizon), lower bounds."
+                .to_owned(),
+            "<strong>What decided</strong> a run is found by walking back from its last event to \
+             the one that it waited for last, and so on to the beginning. These waits fill the run \
+             from end to end; <em>of all time</em> is their part of the time of all runs together."
+                .to_owned(),
+            "<strong>Tests</strong>: paired t run by run for programs with one seed, Welch's t for \
+             others, on times up to the last that both tell of; p (Holm) for all pairs together."
+                .to_owned(),
+            "Formulas with their sources, and the columns of the data files: \
+             <code>docs/report.md</code> of stochc."
+                .to_owned(),
+        ],
+    );
+    let folder = &parts.surroundings.folder;
+    let mut names: Vec<String> = drawings
+        .iter()
+        .map(|it| format!("{}.svg", it.name))
+        .collect();
+    let tables = data::names(!parts.pairwise_tests.is_empty(), !parts.sweeps.is_empty());
+    names.extend(tables.into_iter().map(str::to_owned));
+    let links: Vec<String> = names.iter().map(|file| link(folder, file)).collect();
+    out.paragraph(&format!(
+        "The figures and their data, in {}: {}.",
+        code(folder),
+        links.join(", ")
+    ));
+}

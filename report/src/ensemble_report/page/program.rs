@@ -1,0 +1,225 @@
+//! One program: its phases, captures, where its blocks came from, and single runs.
+use stochc_ensemble::Time;
+use stochc_ensemble::text::{escaped, number, percent};
+use stochc_files::shell;
+
+use super::common::{coefficient, figure, figures, mean_cell, show};
+use super::{Parts, ROWS};
+use crate::analysis::subject::Subject;
+use crate::analysis::waits::Wait;
+use crate::ensemble_report::html::{Cell, Html, code, command, name};
+use crate::ensemble_report::narrative::{heading, lead, story};
+use crate::figures as picture;
+use crate::figures::Curve;
+use crate::svg::Drawing;
+
+pub(super) fn program(parts: &Parts, index: usize, out: &mut Html, drawings: &mut Vec<Drawing>) {
+    let (subject, waits) = (&parts.subjects[index], &parts.waits[index]);
+    let n = index + 1;
+    out.heading(2, &format!("program-{n}"), &name(&subject.label));
+    if subject.runs.is_empty() {
+        out.paragraph("No run of it is finished.");
+        return;
+    }
+    phases(parts, n, subject, out, drawings);
+    out.heading(
+        3,
+        &format!("waits-of-{n}"),
+        "Which capture is the bottleneck",
+    );
+    let figure = picture::waits(n, subject, waits);
+    let caption = "From the magnetizing of a face to the docking of a block. Dots are means, thick \
+                   lines their 95 % intervals, thin lines hold the middle 80 % of the runs; ≥ where \
+                   a run was stopped while it waited. Captures stand in the order of the dependency \
+                   graph, a hook where one needs the one above. The bars are what counts: a wait \
+                   beside a longer one costs nothing.";
+    show(
+        parts,
+        out,
+        drawings,
+        figure,
+        caption,
+        &["waits.csv", "chains.csv"],
+    );
+    captures(subject, waits, out);
+    origins(parts, index, out, drawings);
+    let figure = picture::entries(n, subject, waits);
+    if figure.is_some() {
+        out.heading(3, &format!("entries-of-{n}"), "Arriving and docking");
+        let caption = "Discs are captures at their means, coloured by phase, and dots single ones; \
+                       the six that were waited for longest have names. To the right many blocks \
+                       come before one is caught; above, the last one takes long to dock.";
+        show(parts, out, drawings, figure, caption, &["waits.csv"]);
+    }
+    runs(parts, n, subject, out);
+}
+
+pub(super) fn phases(
+    parts: &Parts,
+    n: usize,
+    subject: &Subject,
+    out: &mut Html,
+    drawings: &mut Vec<Drawing>,
+) {
+    let phases = subject.program.phases();
+    let times = |phase: usize| subject.phase_times(phase);
+    out.heading(3, &format!("phases-of-{n}"), "Phase by phase");
+    let curves: Vec<Curve> = (phases.iter().enumerate())
+        .map(|(number, phase)| Curve {
+            name: phase.name.clone(),
+            times: times(number),
+        })
+        .collect();
+    if phases.len() > 1 {
+        let title = format!("{}: phases that are not complete yet", subject.label);
+        let axis = format!("time since the phase began [{}]", subject.tick().unit());
+        let figure = picture::survival(&format!("phases-{n}"), &title, &curves, &axis);
+        let caption = "Each phase from its own beginning, of the runs that reached it.";
+        show(parts, out, drawings, figure, caption, &["survival.csv"]);
+    }
+    let total: f64 = subject.runs.iter().map(|run| run.record.ticks as f64).sum();
+    let rows = phases.iter().enumerate().map(|(number, phase)| {
+        let observed = times(number);
+        let spent: f64 = observed.iter().map(|time| time.time).sum();
+        let time = Time::of(&observed);
+        let mut row = vec![Cell::Marked(code(&phase.name))];
+        let count = |completed: bool| {
+            let count = observed
+                .iter()
+                .filter(|time| time.completed == completed)
+                .count();
+            Cell::Number(count.to_string())
+        };
+        row.extend([count(true), count(false)]);
+        row.extend(figures(time.as_ref(), Some(subject.tick())));
+        row.push(Cell::Number(percent(spent / total.max(1.0))));
+        row
+    });
+    let rows: Vec<_> = rows.take(ROWS).collect();
+    let header = [
+        "phase",
+        "completed",
+        "stopped",
+        "mean",
+        "median",
+        "SD",
+        "CV",
+        "min",
+        "max",
+        "of all time",
+    ];
+    out.table(
+        "Times of the phases in ticks, and below in seconds",
+        &header,
+        &rows,
+    );
+}
+
+pub(super) fn captures(subject: &Subject, waits: &[Wait], out: &mut Html) {
+    let mut shown: Vec<&Wait> = waits.iter().collect();
+    if shown.len() > ROWS {
+        let share = |wait: &Wait| wait.share.unwrap_or(0.0);
+        shown.sort_by(|a, b| share(b).total_cmp(&share(a)));
+        shown.truncate(ROWS);
+        out.note(&format!(
+            "The {ROWS} of {} captures that decided most.",
+            waits.len()
+        ));
+    }
+    let runs = subject.runs.len();
+    let row = |wait: &&Wait| {
+        let tick = Some(subject.tick());
+        vec![
+            Cell::Marked(code(&wait.text)),
+            Cell::Marked(code(subject.program.phase(wait.phase))),
+            mean_cell(wait.time(), tick),
+            Cell::Number(coefficient(wait.time())),
+            figure(wait.entries(), None),
+            figure(wait.docking(), tick),
+            Cell::Number(match wait.share {
+                Some(_) => format!("{} of {runs}", wait.decided),
+                None => "–".into(),
+            }),
+            Cell::Number(wait.share.map_or("–".into(), percent)),
+        ]
+    };
+    let rows: Vec<_> = shown.iter().map(row).collect();
+    let header = [
+        "capture",
+        "phase",
+        "wait",
+        "CV",
+        "entries",
+        "docking",
+        "runs it decided",
+        "of all time",
+    ];
+    out.table(
+        "The captures; waits and docking in ticks, and below in seconds, means with half of their 95 % intervals",
+        &header,
+        &rows,
+    );
+}
+
+pub(super) fn origins(parts: &Parts, index: usize, out: &mut Html, drawings: &mut Vec<Drawing>) {
+    let (subject, waits) = (&parts.subjects[index], &parts.waits[index]);
+    let free: usize = waits.iter().map(|wait| wait.free()).sum();
+    let each = waits.iter().flat_map(|wait| wait.released());
+    let released: usize = each.map(|(_, n)| n).sum();
+    out.heading(
+        3,
+        &format!("origins-of-{}", index + 1),
+        "Where captured blocks came from",
+    );
+    if released == 0 {
+        out.paragraph(&format!(
+            "All {} captures took a block that had never been captured.",
+            number(free as f64)
+        ));
+        return;
+    }
+    let total = free + released;
+    out.paragraph(&format!(
+        "{} of {} captures ({}) took a block that had been part of the structure before.",
+        number(released as f64),
+        number(total as f64),
+        percent(released as f64 / total as f64)
+    ));
+    let label = &subject.label;
+    let figure = picture::origins(index + 1, label, subject.program, waits);
+    let caption = "Captures that ever took a released block, and the role that it had held last.";
+    show(parts, out, drawings, figure, caption, &["origins.csv"]);
+}
+
+pub(super) fn runs(parts: &Parts, n: usize, subject: &Subject, out: &mut Html) {
+    out.heading(3, &format!("runs-of-{n}"), "What decided single runs");
+    out.note(
+        "Told from the chain of waits that met end to end: every other wait of the run was over \
+         before it mattered. Shares are of the whole run; a captured block had never been captured \
+         before unless it is said.",
+    );
+    let path = &parts.inputs[subject.folder].path;
+    for (what, run) in subject.told() {
+        let number = run.record.run;
+        out.raw(&format!("<h4>{}</h4>\n", heading(subject, what, run)));
+        if let Some(lead) = lead(subject, run) {
+            out.paragraph(&lead);
+        }
+        out.list("ol", &story(subject, run));
+        let replay = parts.surroundings.replay;
+        match replay(subject.folder, subject.number, number) {
+            Some(address) => out.paragraph(&format!(
+                "<a href=\"{}\">Watch run {number}</a>",
+                escaped(&address)
+            )),
+            None => {
+                out.note("To watch it:");
+                let mut line = format!("stochc replay {} --run {number}", shell::file(path));
+                if subject.manifest.programs.len() > 1 {
+                    line += &format!(" --program {}", shell::quoted(&subject.program.name));
+                }
+                out.raw(&command(&line));
+            }
+        }
+    }
+}

@@ -1,0 +1,82 @@
+//! What comes first: the page in a few sentences.
+use stochc_ensemble::Time;
+
+use super::Parts;
+use super::common::{mean, sentence, tick};
+use super::warnings::warnings;
+use crate::analysis::waits::Wait;
+use crate::ensemble_report::html::{Html, code, name};
+
+pub(super) fn in_short(parts: &Parts, out: &mut Html) {
+    let unit = parts.clock.unit();
+    let mut items = Vec::new();
+    for (number, subject) in parts.detailed() {
+        let waits = &parts.waits[number];
+        let (completed, stopped, failed) = subject.counts();
+        let mut item = format!(
+            "<strong>{}</strong>: {completed} of {} runs completed",
+            name(&subject.label),
+            subject.manifest.runs
+        );
+        for (n, what) in [(stopped, "stopped before"), (failed, "failed")] {
+            if n > 0 {
+                item += &format!(", {n} {what}");
+            }
+        }
+        if let Some(time) = Time::of(&subject.times_by(parts.clock)) {
+            let beside = tick(parts).map(|tick| tick.beside_interval(time.mean, time.half_width));
+            let beside = beside.unwrap_or_default();
+            item += &format!(", in {} {unit}{beside} on average", mean(&time));
+        }
+        item += ". ";
+        let share = |wait: &&Wait| wait.share.unwrap_or(0.0);
+        let most = waits.iter().max_by(|a, b| share(a).total_cmp(&share(b)));
+        if let Some(wait) = most.filter(|wait| share(wait) > 0.0) {
+            item += &format!(
+                "The capture that decides most of that is {}, with {:.0} % of all time.",
+                code(&wait.text),
+                100.0 * share(&wait)
+            );
+        }
+        items.push(item);
+    }
+    // Of many pairs the table tells.
+    for contrast in parts
+        .pairwise_tests
+        .iter()
+        .filter(|_| parts.pairwise_tests.len() <= 3)
+    {
+        items.push(sentence(parts, contrast));
+    }
+    let left_out = parts.subjects.len() - parts.detailed().count();
+    if left_out > 0 {
+        items.push(format!(
+            "{left_out} points of sweeps are told together: <a href=\"#sweeps\">What was varied</a>."
+        ));
+    }
+    out.list("ul", &items);
+    for input in parts.inputs {
+        for warning in warnings(input) {
+            out.raw(&format!("<p class=\"warn\">{warning}</p>\n"));
+        }
+    }
+    let mut sections = vec![("completion", "Time to completion".to_owned())];
+    if !parts.pairwise_tests.is_empty() {
+        sections.push(("differences", "Differences".into()));
+    }
+    if !parts.sweeps.is_empty() {
+        sections.push(("sweeps", "What was varied".into()));
+    }
+    let ids: Vec<(String, String)> = (parts.detailed())
+        .map(|(number, subject)| (format!("program-{}", number + 1), subject.label.clone()))
+        .collect();
+    sections.extend(ids.iter().map(|(id, label)| (id.as_str(), label.clone())));
+    sections.push(("origin", "What was run".into()));
+    sections.push(("methods", "How to read this, and data".into()));
+    let links: Vec<String> = (sections.iter())
+        .map(|(id, text)| format!("<a href=\"#{id}\">{}</a>", name(text)))
+        .collect();
+    out.raw("<nav aria-label=\"Sections\">\n");
+    out.list("ul", &links);
+    out.raw("</nav>\n");
+}

@@ -1,0 +1,80 @@
+//! What was varied, and what became of the times.
+use stochc_ensemble::sweep::{Point, Sweep};
+use stochc_ensemble::text::{number, percent};
+
+use super::common::{figure, mean_cell, show};
+use super::{Parts, ROWS};
+use crate::ensemble_report::html::{Cell, Html, code, name};
+use crate::figures::sweep as pictures;
+use crate::svg::Drawing;
+
+pub(super) fn sweeps(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawing>) {
+    if parts.sweeps.is_empty() {
+        return;
+    }
+    out.heading(2, "sweeps", "What was varied");
+    for (i, sweep) in parts.sweeps.iter().enumerate() {
+        let numbers: Vec<String> = sweep.axes.iter().map(|axis| code(&axis.of)).collect();
+        out.paragraph(&format!(
+            "These programs differ in nothing but {} of their scenes.",
+            numbers.join(", ")
+        ));
+        for figure in pictures(sweep, &format!("sweep-{}", i + 1)) {
+            let caption = match figure.name.ends_with("-completed") {
+                true => "Dots are parts of the finished runs, lines their 95 % intervals.",
+                false => {
+                    "With 95 % intervals; ≥ a lower bound, because runs were stopped before they \
+                     completed."
+                }
+            };
+            show(parts, out, drawings, Some(figure), caption, &["sweeps.csv"]);
+        }
+        table(sweep, out);
+    }
+}
+
+fn table(sweep: &Sweep, out: &mut Html) {
+    let row = |point: &Point| {
+        let mut cells = vec![Cell::Marked(name(&point.program))];
+        let values = point.values.iter();
+        cells.extend(values.map(|value| Cell::Number(number(value.value))));
+        let time = point.time.as_ref();
+        let tick = sweep.tick(point);
+        cells.push(mean_cell(time, tick));
+        cells.push(figure(time.and_then(|time| time.median), tick));
+        cells.push(Cell::Number(format!(
+            "{} of {}",
+            point.completed,
+            point.finished()
+        )));
+        cells.push(figure(point.time_per_capture, tick));
+        let released = point.released.map_or("–".into(), percent);
+        cells.push(Cell::Number(released));
+        cells
+    };
+    let rows: Vec<_> = sweep.points.iter().take(ROWS).map(row).collect();
+    let beside = match sweep.points.first().and_then(|point| sweep.tick(point)) {
+        Some(_) => ", and below in seconds",
+        None => "",
+    };
+    let caption = format!("Time to completion in {}{beside}", sweep.unit);
+    let axes: Vec<String> = sweep.axes.iter().map(|axis| axis.label()).collect();
+    let figures = [
+        "mean",
+        "median",
+        "completed",
+        "per capture",
+        "released before",
+    ];
+    let header: Vec<&str> = (std::iter::once("program"))
+        .chain(axes.iter().map(String::as_str))
+        .chain(figures)
+        .collect();
+    out.table(&caption, &header, &rows);
+    if sweep.points.len() > ROWS {
+        out.note(&format!(
+            "The first {ROWS} of {} points; the data file has all.",
+            sweep.points.len()
+        ));
+    }
+}

@@ -1,0 +1,48 @@
+//! What a reader has to know before believing anything.
+use stochc_files::shell;
+use stochc_runtime::Model;
+
+use super::common::inside;
+use crate::analysis::subject::Input;
+use crate::ensemble_report::html::{code, name};
+
+/// What a reader has to know before believing anything, in HTML.
+pub(super) fn warnings(input: &Input) -> Vec<String> {
+    let mut found = Vec::new();
+    let manifest = &input.manifest;
+    let done = input.finished.len() as u64;
+    let path = name(&input.path);
+    if done < manifest.total() {
+        found.push(format!(
+            "{path} is <strong>not finished</strong>: {done} of {} runs are there. Those under way \
+             longest are missing, so that times are too short. To go on: {}",
+            manifest.total(),
+            code(&format!(
+                "stochc simulate --manifest {} --out {} --resume",
+                shell::file(&inside(&input.path, "manifest.json")),
+                shell::file(&input.path)
+            ))
+        ));
+    }
+    if manifest.settings.model == Model::Shuffle {
+        found.push(format!(
+            "{path} was made with the model <code>shuffle</code>, which has no physics: its times \
+             mean nothing."
+        ));
+    }
+    if let Some(reduction) = manifest.settings.reduction {
+        found.push(format!(
+            "{path} was made with the reduced model {}: it leaves out something that the scene has.",
+            code(reduction.name())
+        ));
+    }
+    let version = env!("CARGO_PKG_VERSION");
+    if manifest.stochc != version {
+        found.push(format!(
+            "The runs of {path} were made by stochc {}, and this report by {version}: to make them \
+             again exactly takes that version.",
+            name(&manifest.stochc)
+        ));
+    }
+    found
+}

@@ -1,0 +1,161 @@
+//! Entries into the magnetic field against docking time.
+use stochc_ensemble::statistics::quantile;
+use stochc_ensemble::text::number;
+
+use super::{WIDTH, short};
+use crate::analysis::subject::Subject;
+use crate::analysis::waits::Wait;
+use crate::svg::{Drawing, Scale, class};
+
+/// A disc for each capture at its means, above a dot for every time it happened.
+pub(crate) fn entries(program: usize, subject: &Subject, waits: &[Wait]) -> Option<Drawing> {
+    const TOP: f64 = 34.0;
+    const BOTTOM: f64 = 330.0;
+    const LEFT: f64 = 58.0;
+    const RIGHT: f64 = WIDTH - 18.0;
+    /// Dots that a browser draws without delay.
+    const DOTS: usize = 1500;
+    /// Keys of the colours on a line, and its height.
+    const KEYS: usize = 3;
+    const ROW: f64 = 19.0;
+    /// Captures that are named.
+    const NAMED: usize = 6;
+    let means: Vec<(&Wait, f64, f64)> = (waits.iter())
+        .filter_map(|wait| Some((wait, wait.entries()?, wait.docking()?)))
+        .collect();
+    let bonds: Vec<(f64, f64)> = (subject.runs.iter())
+        .flat_map(|run| &run.record.bonds)
+        .map(|bond| (f64::from(bond.entries), bond.docking as f64))
+        .collect();
+    // A world without physics has neither, and nothing to show.
+    let most_docking = bonds.iter().map(|bond| bond.1).fold(0.0, f64::max);
+    if means.is_empty() || most_docking <= 0.0 {
+        return None;
+    }
+    let most_entries = bonds.iter().map(|bond| bond.0).fold(1.0, f64::max);
+    let x = Scale::logarithmic((0.9, 1.15 * most_entries), (LEFT, RIGHT));
+    // A few that docked at once would take most of the room; they are drawn at the lower end.
+    let docking: Vec<f64> = bonds.iter().map(|bond| bond.1).collect();
+    let least = quantile(&docking, 0.02)
+        .unwrap_or(1.0)
+        .min(most_docking / 2.0);
+    let least = means.iter().map(|mean| mean.2).fold(least, f64::min);
+    let y = Scale::logarithmic((least.max(0.9), 1.15 * most_docking), (BOTTOM, TOP));
+    let mut ranked = means.clone();
+    let wait = |wait: &Wait| wait.time().map_or(0.0, |time| time.mean);
+    ranked.sort_by(|a, b| wait(b.0).total_cmp(&wait(a.0)));
+    ranked.truncate(NAMED);
+    let mut phases: Vec<usize> = (means.iter())
+        .map(|(wait, ..)| wait.phase.0 as usize)
+        .collect();
+    phases.dedup();
+    let mut out = Drawing::new(
+        &format!("entries-{program}"),
+        &format!(
+            "{}: entries into the field against docking time",
+            subject.label
+        ),
+        &told(&ranked),
+        (
+            WIDTH,
+            BOTTOM + 48.0 + ROW * phases.len().div_ceil(KEYS) as f64,
+        ),
+    );
+    let of = "entries of blocks into the reach of the pull, for each capture (logarithmic)";
+    out.across(&x, (LEFT, RIGHT), BOTTOM, TOP, of);
+    let of = "ticks from the captured block's last entry to its docking (logarithmic)";
+    out.upward(&y, (BOTTOM, TOP), LEFT, RIGHT, of, number);
+    let every = bonds.len().div_ceil(DOTS).max(1);
+    for (i, &(entries, docking)) in bonds.iter().step_by(every).enumerate() {
+        // Entries are whole numbers; side by side they can be told apart.
+        let apart = (i * 7 % 11) as f64 - 5.0;
+        out.disc(
+            "rest faint",
+            (x.at(entries) + 0.7 * apart, y.at(docking)),
+            1.6,
+            "",
+        );
+    }
+    for (wait, entries, docking) in &means {
+        let told = format!(
+            "{}: {} entries, {} ticks to dock",
+            wait.text,
+            number(*entries),
+            number(*docking)
+        );
+        let class = class(wait.phase.0 as usize);
+        out.disc(class, (x.at(*entries), y.at(*docking)), 5.0, &told);
+    }
+    for (i, &phase) in phases.iter().enumerate() {
+        let name = subject
+            .program
+            .phase(stochc_ir::table::PhaseId(phase as u32));
+        let (column, row) = (i % KEYS, i / KEYS);
+        let at = (
+            LEFT + 7.0 + 230.0 * column as f64,
+            BOTTOM + 56.0 + ROW * row as f64,
+        );
+        out.disc(class(phase), (at.0, at.1 - 4.0), 5.0, "");
+        out.text(
+            "ink",
+            (at.0 + 11.0, at.1),
+            &short(&format!("phase {name}"), 28),
+        );
+    }
+    let centre = |entries: f64, docking: f64| (x.at(entries), y.at(docking));
+    // Half the width and height of what is there already, and its centre.
+    let discs = means
+        .iter()
+        .map(|mean| (centre(mean.1, mean.2), (6.0, 6.0)));
+    let mut taken: Vec<_> = discs.collect();
+    for (wait, entries, docking) in &ranked {
+        let text = short(&wait.text, 22);
+        let half = (3.4 * text.chars().count() as f64, 7.0);
+        let at = centre(*entries, *docking);
+        let hits = |place: &(f64, f64)| {
+            let inside = (LEFT + half.0..=RIGHT - half.0).contains(&place.0)
+                && (TOP + half.1..=BOTTOM - half.1).contains(&place.1);
+            let hit = taken.iter().filter(|((tx, ty), (tw, th))| {
+                (place.0 - tx).abs() < half.0 + tw && (place.1 - ty).abs() < half.1 + th
+            });
+            hit.count() + if inside { 0 } else { 10 }
+        };
+        let places = around(at, half);
+        // The nearest of those that cover least.
+        let place = places.iter().copied().min_by_key(hits).unwrap_or(at);
+        taken.push((place, half));
+        if (place.1 - at.1).abs() > 20.0 {
+            let end = (place.0, place.1 + if place.1 < at.1 { 7.0 } else { -9.0 });
+            out.line("axis", at, end, "stroke-width=\"0.7\"");
+        }
+        out.text_around("ink halo", (place.0, place.1 + 4.0), &text);
+    }
+    Some(out)
+}
+
+/// Where the centre of a label may be, the best places first.
+fn around(at: (f64, f64), half: (f64, f64)) -> Vec<(f64, f64)> {
+    let aside = half.0 + 9.0;
+    let mut places = vec![(at.0 + aside, at.1), (at.0 - aside, at.1)];
+    for away in [15.0, 32.0, 50.0, 70.0] {
+        for dx in [0.0, aside, -aside] {
+            places.extend([(at.0 + dx, at.1 - away), (at.0 + dx, at.1 + away)]);
+        }
+    }
+    places
+}
+
+fn told(ranked: &[(&Wait, f64, f64)]) -> String {
+    let each = ranked.iter().map(|(wait, entries, docking)| {
+        format!(
+            "{}: {} entries, {} ticks to dock",
+            wait.text,
+            number(*entries),
+            number(*docking)
+        )
+    });
+    format!(
+        "A disc for each capture, coloured by phase. The longest waited for: {}.",
+        each.collect::<Vec<_>>().join("; ")
+    )
+}

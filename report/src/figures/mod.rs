@@ -1,0 +1,22 @@
+//! Pictures (SVG) of ensembles, sweeps and trades.
+mod entries;
+mod means;
+mod origins;
+mod survival;
+mod sweep;
+mod trade;
+mod waits;
+
+pub(crate) use entries::entries;
+pub(crate) use means::means;
+pub(crate) use origins::origins;
+pub(crate) use survival::{Curve, survival};
+pub(crate) use waits::{SHOWN, waits};
+
+pub use sweep::pictures as sweep;
+pub use trade::trade;
+
+use crate::text::short;
+
+/// Of every figure.
+const WIDTH: f64 = 760.0;

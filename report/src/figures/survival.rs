@@ -1,0 +1,140 @@
+//! Shares of runs that are not complete, over time.
+use stochc_ensemble::statistics::{KaplanMeier, Observation, Point};
+use stochc_ensemble::text::number;
+
+use super::{WIDTH, short};
+use crate::svg::{DASHES, Drawing, Scale, class};
+
+/// What one curve is of.
+#[derive(Clone, Debug)]
+pub(crate) struct Curve {
+    pub name: String,
+    /// In the unit of the axis.
+    pub times: Vec<Observation>,
+}
+
+/// The estimates of Kaplan and Meier with their intervals; marks where runs were stopped.
+pub(crate) fn survival(name: &str, title: &str, curves: &[Curve], axis: &str) -> Option<Drawing> {
+    const TOP: f64 = 34.0;
+    const BOTTOM: f64 = 300.0;
+    const LEFT: f64 = 58.0;
+    const RIGHT: f64 = WIDTH - 18.0;
+    /// More bands than this hide each other.
+    const BANDS: usize = 4;
+    let known: Vec<_> = (curves.iter().enumerate())
+        .filter_map(|(i, curve)| Some((i, curve, KaplanMeier::of(&curve.times)?)))
+        .collect();
+    let last = known.iter().map(|(_, _, estimate)| estimate.last());
+    let last = last.fold(0.0, f64::max);
+    if last <= 0.0 {
+        return None;
+    }
+    let x = Scale::linear((0.0, last), (LEFT, RIGHT));
+    let y = Scale::linear((0.0, 1.0), (BOTTOM, TOP));
+    let rows = known.len() as f64;
+    let height = BOTTOM + 50.0 + 19.0 * rows + 8.0;
+    let mut out = Drawing::new(name, title, &told(&known), (WIDTH, height));
+    out.across(&x, (LEFT, RIGHT), BOTTOM, TOP, axis);
+    let percent = |share: f64| format!("{:.0} %", 100.0 * share);
+    out.upward(
+        &y,
+        (BOTTOM, TOP),
+        LEFT,
+        RIGHT,
+        "runs not complete yet",
+        percent,
+    );
+    for (i, _, estimate) in known.iter().filter(|_| known.len() <= BANDS) {
+        // After the last completion nothing is known, or nothing is left.
+        let points: Vec<_> = (thinned(estimate, &x).iter())
+            .map_while(|point| Some((point.time, point.interval?)))
+            .collect();
+        let Some(&(first, _)) = points.first() else {
+            continue;
+        };
+        let end = match estimate.incomplete(estimate.last()) {
+            0.0 => estimate.curve().last().map_or(first, |point| point.time),
+            _ => estimate.last(),
+        };
+        let mut low = Vec::new();
+        let mut high = Vec::new();
+        for (k, &(time, (below, above))) in points.iter().enumerate() {
+            let until = points.get(k + 1).map_or(end, |next| next.0);
+            low.extend([(x.at(time), y.at(below)), (x.at(until), y.at(below))]);
+            high.extend([(x.at(time), y.at(above)), (x.at(until), y.at(above))]);
+        }
+        high.extend(low.into_iter().rev());
+        out.area(class(*i), &high);
+    }
+    for (row, (i, curve, estimate)) in known.iter().enumerate() {
+        let mut points = vec![(x.at(0.0), y.at(1.0))];
+        for step in thinned(estimate, &x) {
+            let before = points.last().map_or(y.at(1.0), |point| point.1);
+            points.extend([
+                (x.at(step.time), before),
+                (x.at(step.time), y.at(step.incomplete)),
+            ]);
+        }
+        if let Some(&(_, share)) = points.last() {
+            points.push((x.at(estimate.last()), share));
+        }
+        let dashes = DASHES[i % DASHES.len()];
+        out.curve(class(*i), &points, dashes);
+        let stopped = curve.times.iter().filter(|time| !time.completed);
+        for time in stopped {
+            let at = (x.at(time.time), y.at(estimate.incomplete(time.time)));
+            out.line("mark", (at.0, at.1 - 5.0), (at.0, at.1 + 5.0), "");
+        }
+        let at = BOTTOM + 58.0 + 19.0 * row as f64;
+        out.curve(
+            class(*i),
+            &[(LEFT, at - 4.0), (LEFT + 34.0, at - 4.0)],
+            dashes,
+        );
+        out.text("ink", (LEFT + 42.0, at), &legend(curve, estimate));
+    }
+    Some(out)
+}
+
+/// The steps that can be told apart: of those in a third of a unit, the last.
+fn thinned(estimate: &KaplanMeier, x: &Scale) -> Vec<Point> {
+    let mut kept: Vec<Point> = Vec::new();
+    let column = |point: &Point| (3.0 * x.at(point.time)) as i64;
+    for point in estimate.curve() {
+        if kept
+            .last()
+            .is_some_and(|last| column(last) == column(&point))
+        {
+            kept.pop();
+        }
+        kept.push(point);
+    }
+    kept
+}
+
+fn legend(curve: &Curve, estimate: &KaplanMeier) -> String {
+    let stopped = curve.times.iter().filter(|time| !time.completed).count();
+    let half = match estimate.median() {
+        Some(median) => format!("half complete at {}", number(median)),
+        None => "fewer than half complete".to_owned(),
+    };
+    let stopped = match stopped {
+        0 => String::new(),
+        n => format!(", {n} stopped before (|)"),
+    };
+    format!(
+        "{}: {half}; {} runs{stopped}",
+        short(&curve.name, 44),
+        curve.times.len()
+    )
+}
+
+fn told(known: &[(usize, &Curve, KaplanMeier)]) -> String {
+    let each = known
+        .iter()
+        .map(|(_, curve, estimate)| legend(curve, estimate));
+    format!(
+        "Falling steps from 100 %, one curve for each. {}.",
+        each.collect::<Vec<_>>().join(". ")
+    )
+}

@@ -1,0 +1,66 @@
+//! The figures of a sweep.
+mod frame;
+mod heat;
+mod share;
+mod times;
+
+use frame::Panel;
+use stochc_ensemble::sweep::{Point, Sweep, Value};
+
+use crate::svg::Drawing;
+
+/// Of every figure.
+const WIDTH: f64 = 760.0;
+
+/// Curves that can be told apart in one figure; more become a map.
+const CURVES: usize = 6;
+
+/// Figures for the values of a third number and those after it; for more there is the table.
+const PANELS: usize = 6;
+
+/// Figures of mean times and of shares of runs that completed; `prefix` begins the names of their
+/// files.
+///
+/// The first number is on the axis, and each value of the second has its curve, or its row in a map.
+/// Each combination of values of further numbers has figures of its own; none where these are many.
+pub fn pictures(sweep: &Sweep, prefix: &str) -> Vec<Drawing> {
+    let mut further: Vec<&[Value]> = Vec::new();
+    for point in &sweep.points {
+        let rest = point.values.get(2..).unwrap_or_default();
+        if !further.contains(&rest) {
+            further.push(rest);
+        }
+    }
+    if further.len() > PANELS {
+        return Vec::new();
+    }
+    let mut drawings = Vec::new();
+    for (i, &rest) in further.iter().enumerate() {
+        let here = |point: &&Point| point.values.get(2..).unwrap_or_default() == rest;
+        let panel = Panel {
+            sweep,
+            points: sweep.points.iter().filter(here).collect(),
+            name: match further.len() {
+                1 => prefix.to_owned(),
+                _ => format!("{prefix}-{}", i + 1),
+            },
+            rest,
+        };
+        let is_map = sweep.axes.len() > 1 && panel.curves().len() > CURVES;
+        if is_map {
+            let programs = sweep.programs();
+            let maps = programs.iter().enumerate();
+            drawings.extend(maps.filter_map(|(k, program)| {
+                let name = match programs.len() {
+                    1 => panel.name.clone(),
+                    _ => format!("{}-map-{}", panel.name, k + 1),
+                };
+                heat::heat(&panel, &name, program)
+            }));
+        } else {
+            drawings.extend(times::times(&panel));
+            drawings.extend(share::share(&panel));
+        }
+    }
+    drawings
+}

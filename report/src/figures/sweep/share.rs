@@ -1,0 +1,51 @@
+//! The share of runs that completed over a number that was varied.
+use stochc_ensemble::sweep::Point;
+
+use super::frame::{BOTTOM, LEFT, Panel, RIGHT, TOP, aside, told};
+use crate::svg::{DASHES, Drawing, Scale, class};
+
+/// Shares with their 95 % intervals; `None`: no run is finished.
+pub(super) fn share(panel: &Panel) -> Option<Drawing> {
+    let curves = panel.curves();
+    panel.points.iter().find(|point| point.share.is_some())?;
+    let of = &panel.sweep.axes[0].of;
+    let title = format!("Runs that completed, over {of}");
+    let words = told(&curves, described);
+    let name = format!("{}-completed", panel.name);
+    let notes = ["dots: the part of the finished runs that completed, lines: 95 % intervals"];
+    let (mut out, x) = panel.drawing(&name, &title, &words, &curves, &notes);
+    let y = Scale::linear((0.0, 1.0), (BOTTOM, TOP));
+    let percent = |share: f64| format!("{:.0} %", 100.0 * share);
+    out.upward(
+        &y,
+        (BOTTOM, TOP),
+        LEFT,
+        RIGHT,
+        "runs that completed",
+        percent,
+    );
+    for (i, curve) in curves.iter().enumerate() {
+        let place = |value: f64| x.at(value) + aside(i, curves.len());
+        let known = (curve.points.iter())
+            .filter_map(|(value, point)| Some((place(*value), point.share?, point)));
+        let known: Vec<_> = known.collect();
+        let places: Vec<_> = known
+            .iter()
+            .map(|(at, share, _)| (*at, y.at(*share)))
+            .collect();
+        out.curve(class(i), &places, DASHES[i % DASHES.len()]);
+        for (at, share, point) in known {
+            if let Some((low, high)) = point.share_interval {
+                let more = "stroke-width=\"2\"";
+                out.line(class(i), (at, y.at(low)), (at, y.at(high)), more);
+            }
+            let told = format!("{}: {}", point.name, described(point));
+            out.disc(class(i), (at, y.at(share)), 4.5, &told);
+        }
+    }
+    Some(out)
+}
+
+fn described(point: &Point) -> String {
+    format!("{} of {} completed", point.completed, point.finished())
+}

@@ -1,0 +1,342 @@
+//! A trade as a picture: what a run costs against how far it is off.
+use stochc_ensemble::text::{percent, relative, relative_size, seconds};
+use stochc_ensemble::trade::{CLOSE, Convergence, Setting, Trade};
+use stochc_runtime::{Model, Precision};
+
+use crate::svg::{Drawing, Symbol};
+
+const WIDTH: f64 = 1020.0;
+const LEFT: f64 = 70.0;
+const RIGHT: f64 = 600.0;
+const TOP: f64 = 60.0;
+const BOTTOM: f64 = 540.0;
+/// Biases below this are drawn to scale, larger ones by their logarithm.
+const SMALL: f64 = 0.02;
+/// Dashes of the front.
+const FRONT: &str = "5 4";
+/// Half the size of a mark.
+const MARK: f64 = 5.5;
+/// Height of a line of the list of settings.
+const ROW: f64 = 19.0;
+
+/// Colours of the marks, beside those of every picture.
+const COLOURS: &str = "\
+.rigid{fill:#1f6fb5;stroke:#1f6fb5}.rapier{fill:#b85a00;stroke:#b85a00}.reduced{fill:#1d7f58;stroke:#1d7f58}\
+.reversed,.words{fill:#b5303a;stroke:#b5303a}.words{stroke:none}.reference{fill:#222;stroke:#222}\
+@media screen and (prefers-color-scheme:dark){\
+.rigid{fill:#6db3f2;stroke:#6db3f2}.rapier{fill:#f0a050;stroke:#f0a050}.reduced{fill:#5fcf9a;stroke:#5fcf9a}\
+.reversed,.words{fill:#ff7a83;stroke:#ff7a83}.words{stroke:none}.reference{fill:#e8e8e4;stroke:#e8e8e4}}";
+
+/// A rung that has a place in the picture.
+struct Point<'a> {
+    /// As in the tables, from 1.
+    number: usize,
+    rung: &'a Setting,
+    reference: bool,
+    /// Cost of a run \[s\].
+    cost: f64,
+    /// Size of the bias and half of its interval.
+    bias: f64,
+    half_width: f64,
+}
+
+/// Where values are drawn.
+struct Axes {
+    /// Decimal logarithms of the costs at both ends.
+    from: f64,
+    to: f64,
+    /// The largest bias.
+    most: f64,
+}
+
+impl Axes {
+    fn x(&self, cost: f64) -> f64 {
+        LEFT + (RIGHT - LEFT) * (cost.log10() - self.from) / (self.to - self.from)
+    }
+
+    /// Small biases to scale and large ones by their logarithm, so that both can be told apart.
+    fn y(&self, bias: f64) -> f64 {
+        let scale = |bias: f64| (bias / SMALL).asinh();
+        let share = scale(bias.clamp(0.0, self.most)) / scale(self.most);
+        BOTTOM - (BOTTOM - TOP) * share
+    }
+}
+
+/// A trade as a picture: each mark is a setting, at the cost of a run and the largest bias of any program.
+pub fn trade(trade: &Trade) -> Drawing {
+    let points = points(trade);
+    let axes = axes(&points);
+    let rows = points.len() as f64;
+    let height = (TOP + ROW * (rows + 9.0)).max(BOTTOM + 70.0);
+    let names: Vec<&str> = trade.programs.iter().map(|p| p.name.as_str()).collect();
+    let title = format!("What accuracy costs: {}", names.join(", "));
+    let below = match trade.reference.as_ref().zip(trade.reference_rung()) {
+        None => "nothing to hold it against".to_owned(),
+        Some((reference, rung)) => {
+            let known = match reference.convergence {
+                Convergence::Converged => format!("converged within {}", percent(CLOSE)),
+                Convergence::Undecided => "convergence undecided".to_owned(),
+                Convergence::NotConverged => "NOT CONVERGED".to_owned(),
+            };
+            format!("reference: {}, {known}", rung.options)
+        }
+    };
+    let drawing = Drawing::new("trade", &title, &below, (WIDTH, height));
+    let mut out = drawing.with_style(COLOURS);
+    out.text("ink", (LEFT, 26.0), &heading(&names));
+    out.text("dim", (LEFT, 44.0), &below);
+    frame(&mut out, &axes);
+    front(&mut out, &axes, &points);
+    for point in &points {
+        draw(&mut out, &axes, point);
+    }
+    numbers(&mut out, &axes, &points);
+    list(&mut out, &points);
+    out
+}
+
+fn heading(names: &[&str]) -> String {
+    match names {
+        [one] => format!("{one}: cost and bias of each setting"),
+        _ => format!(
+            "{} programs: cost and largest bias of each setting",
+            names.len()
+        ),
+    }
+}
+
+fn points(trade: &Trade) -> Vec<Point<'_>> {
+    let reference = trade.reference.as_ref().map(|reference| reference.rung);
+    let point = |(i, rung): (usize, &'_ _)| {
+        let rung: &Setting = rung;
+        let itself = reference == Some(i);
+        let (bias, half_width) = match (itself, rung.worst) {
+            (true, _) => (0.0, 0.0),
+            (false, Some(worst)) => (worst.value.abs(), worst.half_width.unwrap_or(0.0)),
+            (false, None) => return None,
+        };
+        let cost = rung.cost.filter(|cost| *cost > 0.0)?;
+        Some((i + 1, itself, cost, bias, half_width))
+    };
+    let found = trade.rungs.iter().enumerate().filter_map(|(i, rung)| {
+        let (number, reference, cost, bias, half_width) = point((i, rung))?;
+        Some(Point {
+            number,
+            rung,
+            reference,
+            cost,
+            bias,
+            half_width,
+        })
+    });
+    found.collect()
+}
+
+fn axes(points: &[Point]) -> Axes {
+    let costs = || points.iter().map(|point| point.cost.log10());
+    let (least, most) = (
+        costs().fold(f64::INFINITY, f64::min),
+        costs().fold(f64::NEG_INFINITY, f64::max),
+    );
+    let (least, most) = if points.is_empty() {
+        (-3.0, 0.0)
+    } else {
+        (least, most)
+    };
+    let margin = (0.06 * (most - least)).max(0.15);
+    let biases = points.iter().map(|point| point.bias);
+    let largest = biases.fold(0.01, f64::max);
+    // A long interval may be cut off, so that it does not push all others together.
+    let ends = points.iter().map(|point| point.bias + point.half_width);
+    let reach = ends.fold(largest, f64::max).min(2.0 * largest);
+    Axes {
+        from: least - margin,
+        to: most + margin,
+        most: 1.08 * reach,
+    }
+}
+
+fn frame(out: &mut Drawing, axes: &Axes) {
+    for decade in axes.from.floor() as i32..=axes.to.ceil() as i32 {
+        for digit in [1.0, 2.0, 5.0] {
+            let cost: f64 = digit * 10f64.powi(decade);
+            if cost.log10() < axes.from || cost.log10() > axes.to {
+                continue;
+            }
+            let x = axes.x(cost);
+            out.line("grid", (x, TOP), (x, BOTTOM), "");
+            out.text_around("dim", (x, BOTTOM + 18.0), &plain(cost));
+        }
+    }
+    let steps = [
+        0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1e3, 2e3, 5e3, 1e4,
+    ];
+    let mut last = BOTTOM;
+    out.line("axis", (LEFT, BOTTOM), (RIGHT, BOTTOM), "");
+    out.text_before("dim", (LEFT - 8.0, BOTTOM + 4.0), "0");
+    for percent in steps {
+        let y = axes.y(percent / 100.0);
+        if percent / 100.0 > axes.most || last - y < 22.0 {
+            continue;
+        }
+        last = y;
+        out.line("grid", (LEFT, y), (RIGHT, y), "");
+        out.text_before("dim", (LEFT - 8.0, y + 4.0), &percent.to_string());
+    }
+    out.line("axis", (LEFT, TOP), (LEFT, BOTTOM), "");
+    let label = "processor time of a run, median (logarithmic)";
+    out.text_around("ink", ((LEFT + RIGHT) / 2.0, BOTTOM + 42.0), label);
+    let label = "|bias| of the mean time, % of the reference (logarithmic above 2)";
+    out.text_upward("ink", (22.0, (TOP + BOTTOM) / 2.0), label);
+}
+
+/// A time without needless zeros.
+fn plain(cost: f64) -> String {
+    let text = seconds(cost);
+    let (number, unit) = text.split_once(' ').unwrap_or((&text, ""));
+    let number = match number.contains('.') {
+        true => number.trim_end_matches('0').trim_end_matches('.'),
+        false => number,
+    };
+    format!("{number} {unit}")
+}
+
+fn front(out: &mut Drawing, axes: &Axes, points: &[Point]) {
+    let mut best: Vec<&Point> = points.iter().filter(|point| point.rung.front).collect();
+    best.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    let place = |point: &&Point| (axes.x(point.cost), axes.y(point.bias));
+    let places: Vec<(f64, f64)> = best.iter().map(place).collect();
+    if places.len() > 1 {
+        out.curve("mark", &places, FRONT);
+    }
+}
+
+/// The class and the shape of a setting's mark.
+fn look(point: &Point) -> (&'static str, Symbol) {
+    let settings = &point.rung.settings;
+    let symbol = match settings.model {
+        _ if point.reference => Symbol::Diamond,
+        _ if point.rung.reduced() => Symbol::Triangle,
+        Model::Rapier => Symbol::Square,
+        _ if settings.precision == Precision::Double => Symbol::Ring,
+        _ => Symbol::Disc,
+    };
+    let class = match symbol {
+        Symbol::Diamond => "reference",
+        _ if point.rung.reversed => "reversed",
+        Symbol::Triangle => "reduced",
+        Symbol::Square => "rapier",
+        _ => "rigid",
+    };
+    (class, symbol)
+}
+
+fn draw(out: &mut Drawing, axes: &Axes, point: &Point) {
+    let (x, y) = (axes.x(point.cost), axes.y(point.bias));
+    let (class, symbol) = look(point);
+    if point.half_width > 0.0 {
+        let (low, high) = (point.bias - point.half_width, point.bias + point.half_width);
+        let style = "stroke-width=\"1.4\" opacity=\"0.55\"";
+        out.line(class, (x, axes.y(low)), (x, axes.y(high)), style);
+    }
+    let cost = seconds(point.cost);
+    let told = match (point.reference, point.rung.worst) {
+        (false, Some(worst)) => format!("{}: {}, {cost}", point.rung.options, relative(&worst)),
+        _ => format!("{}: the reference, {cost}", point.rung.options),
+    };
+    out.mark(&format!("mark {class}"), symbol, (x, y), MARK, &told);
+}
+
+/// Numbers beside the marks, each where it covers the least.
+fn numbers(out: &mut Drawing, axes: &Axes, points: &[Point]) {
+    /// Of a digit.
+    const DIGIT: f64 = 7.0;
+    let places: Vec<(f64, f64)> = points
+        .iter()
+        .map(|p| (axes.x(p.cost), axes.y(p.bias)))
+        .collect();
+    let mut taken: Vec<(f64, f64, f64)> = places.iter().map(|&(x, y)| (x, y, MARK + 1.0)).collect();
+    for (point, &(x, y)) in points.iter().zip(&places) {
+        let label = point.number.to_string();
+        let half = DIGIT * label.len() as f64 / 2.0;
+        let (dx, dy) = (MARK + half + 4.0, MARK + 9.0);
+        let around = [
+            (dx, 0.0),
+            (-dx, 0.0),
+            (0.0, -dy),
+            (0.0, dy),
+            (dx, -dy),
+            (-dx, -dy),
+            (dx, dy),
+            (-dx, dy),
+        ];
+        let far = around.iter().map(|(dx, dy)| (1.8 * dx, 1.8 * dy));
+        let candidates = around.iter().copied().chain(far);
+        let covered = |&(dx, dy): &(f64, f64)| {
+            let (cx, cy) = (x + dx, y + dy);
+            let inside = (LEFT + 4.0..=RIGHT).contains(&cx) && (TOP..=BOTTOM - 4.0).contains(&cy);
+            let hits = taken.iter().filter(|(tx, ty, size)| {
+                (cx - tx).abs() < half + size && (cy - ty).abs() < 5.0 + size
+            });
+            hits.count() + if inside { 0 } else { 2 }
+        };
+        let (dx, dy) = candidates.min_by_key(covered).unwrap_or((dx, 0.0));
+        taken.push((x + dx, y + dy, half));
+        let place = (x + dx, y + dy + 4.0);
+        out.text_around("ink halo", place, &label);
+    }
+}
+
+/// The settings by their numbers, and what the marks mean.
+fn list(out: &mut Drawing, points: &[Point]) {
+    const X: f64 = RIGHT + 30.0;
+    let mut y = TOP;
+    out.text("dim", (X, y), "setting: model, substeps");
+    for point in points {
+        y += ROW;
+        out.text_before("dim", (X + 16.0, y), &point.number.to_string());
+        let name = match (point.reference, point.rung.reversed) {
+            (true, _) => format!("{} (reference)", point.rung.name),
+            (false, true) => format!("{} REVERSED", point.rung.name),
+            (false, false) => point.rung.name.clone(),
+        };
+        let colour = if point.rung.reversed { "words" } else { "ink" };
+        out.text(colour, (X + 24.0, y), &name);
+        if let Some(worst) = point.rung.worst.filter(|_| !point.reference) {
+            out.text_before("dim", (WIDTH - 14.0, y), &relative_size(&worst));
+        }
+    }
+    y += 1.6 * ROW;
+    for (class, symbol, meaning) in [
+        ("rigid", Symbol::Disc, "rigid; open: double precision"),
+        ("rapier", Symbol::Square, "Rapier"),
+        ("reduced", Symbol::Triangle, "reduced model"),
+        (
+            "reversed",
+            Symbol::Triangle,
+            "red: it reverses an order of programs",
+        ),
+        ("reference", Symbol::Diamond, "reference"),
+    ] {
+        out.mark(
+            &format!("key {class}"),
+            symbol,
+            (X + 8.0, y - 4.0),
+            MARK,
+            "",
+        );
+        out.text("dim", (X + 24.0, y), meaning);
+        y += ROW;
+    }
+    out.curve("mark", &[(X, y - 4.0), (X + 16.0, y - 4.0)], FRONT);
+    out.text(
+        "dim",
+        (X + 24.0, y),
+        "no setting is cheaper and less biased",
+    );
+    out.text(
+        "dim",
+        (X + 24.0, y + ROW),
+        "bars: 95 % interval of the bias",
+    );
+}

@@ -1,0 +1,46 @@
+//! What a page has to know besides the recording.
+use serde_json::{Value, json};
+use stochc_ensemble::text::visible;
+use stochc_ensemble::{Manifest, Program};
+use stochc_ir::emit::{graph_json, table_json};
+
+/// `{ program, file, seed, model, stochc, scene, radius, lift, tables, graph }`: the scene as the
+/// manifest has it, the radius of its shell \[side\] or null and the height of the shell's centre, and tables and
+/// graph as `compile --format json` shows them.
+pub fn about(manifest: &Manifest, program: &Program) -> Value {
+    let tables = program.tables();
+    let scene = json!(program.scene);
+    let side = program.scene.block.side;
+    let enclosure = program.scene.enclosure.as_ref();
+    let radius = enclosure.map(|enclosure| enclosure.radius() / side);
+    let lift = enclosure.map_or(0.0, |it| it.centre_height(&tables.plate, side) / side);
+    let file = program.sources.first().map_or("", |source| &source.path);
+    let substeps = match manifest.settings.substeps {
+        1 => "1 substep".to_owned(),
+        n => format!("{n} substeps"),
+    };
+    let mut about = json!({
+        "program": program.name,
+        "file": file,
+        "seed": manifest.seed.to_string(),
+        "model": format!("{}, {substeps}", manifest.settings.model.name()),
+        "stochc": manifest.stochc,
+        "scene": scene,
+        "radius": radius,
+        "lift": lift,
+        "tables": table_json(tables),
+        "graph": graph_json(&program.compiled.graph, tables),
+    });
+    spell_out(&mut about);
+    about
+}
+
+/// Makes every text visible, names of the program included: the same name stays the same.
+fn spell_out(value: &mut Value) {
+    match value {
+        Value::String(text) => *text = visible(text),
+        Value::Array(values) => values.iter_mut().for_each(spell_out),
+        Value::Object(fields) => fields.values_mut().for_each(spell_out),
+        _ => {}
+    }
+}

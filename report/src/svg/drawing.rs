@@ -1,0 +1,243 @@
+//! A picture with a name, a title, and words for those who cannot see it.
+use std::fmt::Write as _;
+
+use stochc_ensemble::text::{escaped, number};
+
+use super::element::{line, text};
+use super::{STYLE, Scale, Symbol};
+
+/// A picture that grows; lengths are in its own units, of which a letter is about 7 wide.
+#[derive(Clone, Debug)]
+pub struct Drawing {
+    /// Its file, without `.svg`; letters, digits and `-`.
+    pub name: String,
+    /// In a few words.
+    pub title: String,
+    /// What there is to see in it.
+    pub description: String,
+    size: (f64, f64),
+    /// Classes of its own, beside those of every picture.
+    style: &'static str,
+    body: String,
+}
+
+/// Height of letters.
+const LETTERS: f64 = 12.0;
+
+impl Drawing {
+    /// An empty picture of `width` x `height`.
+    pub(crate) fn new(name: &str, title: &str, description: &str, size: (f64, f64)) -> Drawing {
+        Drawing {
+            name: name.to_owned(),
+            title: title.to_owned(),
+            description: description.to_owned(),
+            size,
+            style: "",
+            body: String::new(),
+        }
+    }
+
+    /// The same with classes of its own.
+    pub(crate) fn with_style(self, style: &'static str) -> Drawing {
+        Drawing { style, ..self }
+    }
+
+    /// As a file of its own.
+    pub fn file(&self) -> String {
+        let rest = format!(
+            "<style>{STYLE}{}</style>\n<rect class=\"paper\" width=\"100%\" height=\"100%\"/>\n{}",
+            self.style, self.body
+        );
+        self.element("xmlns=\"http://www.w3.org/2000/svg\" ", "", &rest)
+    }
+
+    /// As a part of a page, which brings [`STYLE`]; `prefix` keeps its names apart from those of
+    /// other pictures.
+    pub(crate) fn inline(&self, prefix: &str) -> String {
+        self.element("", prefix, &self.body)
+    }
+
+    fn element(&self, more: &str, prefix: &str, content: &str) -> String {
+        let (width, height) = self.size;
+        let name = format!("{prefix}{}", self.name);
+        format!(
+            "<svg {more}viewBox=\"0 0 {width:.0} {height:.0}\" width=\"{width:.0}\" \
+             height=\"{height:.0}\" \
+             font-family=\"Helvetica, Arial, sans-serif\" font-size=\"{LETTERS}\" role=\"img\" \
+             aria-labelledby=\"{name}-title {name}-description\">\n\
+             <title id=\"{name}-title\">{}</title>\n\
+             <desc id=\"{name}-description\">{}</desc>\n{content}</svg>\n",
+            escaped(&self.title),
+            escaped(&self.description),
+        )
+    }
+
+    /// A straight line.
+    pub(crate) fn line(&mut self, class: &str, from: (f64, f64), to: (f64, f64), more: &str) {
+        line(&mut self.body, class, from, to, more);
+    }
+
+    /// A line of text that begins at `place`.
+    pub(crate) fn text(&mut self, class: &str, place: (f64, f64), content: &str) {
+        text(&mut self.body, class, place, "", content);
+    }
+
+    /// A line of text that ends at `place`.
+    pub(crate) fn text_before(&mut self, class: &str, place: (f64, f64), content: &str) {
+        text(&mut self.body, class, place, "text-anchor=\"end\"", content);
+    }
+
+    /// A line of text around `place`.
+    pub(crate) fn text_around(&mut self, class: &str, place: (f64, f64), content: &str) {
+        text(
+            &mut self.body,
+            class,
+            place,
+            "text-anchor=\"middle\"",
+            content,
+        );
+    }
+
+    /// A line of text around `place`, upwards.
+    pub(crate) fn text_upward(&mut self, class: &str, (x, y): (f64, f64), content: &str) {
+        let more = format!("text-anchor=\"middle\" transform=\"rotate(-90 {x} {y})\"");
+        text(&mut self.body, class, (x, y), &more, content);
+    }
+
+    /// A mark at a point; `told` is what a pointer over it shows.
+    pub(crate) fn mark(
+        &mut self,
+        class: &str,
+        symbol: Symbol,
+        centre: (f64, f64),
+        size: f64,
+        told: &str,
+    ) {
+        let title = match told {
+            "" => String::new(),
+            _ => format!("<title>{}</title>", escaped(told)),
+        };
+        let element = symbol.element(centre, size);
+        let _ = writeln!(self.body, "<g class=\"{class}\">{title}{element}</g>");
+    }
+
+    /// A rectangle, from its upper left corner.
+    pub(crate) fn rectangle(
+        &mut self,
+        class: &str,
+        corner: (f64, f64),
+        size: (f64, f64),
+        told: &str,
+    ) {
+        let shape = format!(
+            "<rect class=\"{class}\" x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\"",
+            corner.0,
+            corner.1,
+            size.0.max(0.0),
+            size.1
+        );
+        self.shape(&shape, "rect", told);
+    }
+
+    /// A field of some strength, 0 to 1, from its upper left corner.
+    pub(crate) fn shade(
+        &mut self,
+        class: &str,
+        corner: (f64, f64),
+        size: (f64, f64),
+        strength: f64,
+        told: &str,
+    ) {
+        let shape = format!(
+            "<rect class=\"{class}\" x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\" \
+             stroke-opacity=\"0.4\" fill-opacity=\"{strength:.2}\"",
+            corner.0, corner.1, size.0, size.1
+        );
+        self.shape(&shape, "rect", told);
+    }
+
+    /// A disc; `told` is what a pointer over it shows.
+    pub(crate) fn disc(&mut self, class: &str, centre: (f64, f64), radius: f64, told: &str) {
+        let shape = format!(
+            "<circle class=\"{class}\" cx=\"{:.1}\" cy=\"{:.1}\" r=\"{radius:.1}\"",
+            centre.0, centre.1
+        );
+        self.shape(&shape, "circle", told);
+    }
+
+    fn shape(&mut self, shape: &str, element: &str, told: &str) {
+        // Writing to a string cannot fail.
+        let _ = match told {
+            "" => writeln!(self.body, "{shape}/>"),
+            _ => writeln!(
+                self.body,
+                "{shape}><title>{}</title></{element}>",
+                escaped(told)
+            ),
+        };
+    }
+
+    /// A line through points.
+    pub(crate) fn curve(&mut self, class: &str, points: &[(f64, f64)], dashes: &str) {
+        let dashes = match dashes {
+            "" => String::new(),
+            _ => format!(" stroke-dasharray=\"{dashes}\""),
+        };
+        let points = joined(points);
+        let _ = writeln!(
+            self.body,
+            "<polyline class=\"curve {class}\" fill=\"none\" points=\"{points}\"{dashes}/>"
+        );
+    }
+
+    /// An area between points.
+    pub(crate) fn area(&mut self, class: &str, points: &[(f64, f64)]) {
+        let points = joined(points);
+        let _ = writeln!(
+            self.body,
+            "<polygon class=\"band {class}\" points=\"{points}\"/>"
+        );
+    }
+
+    /// A horizontal axis at height `y` with lines up to `top`, and what it shows.
+    pub(crate) fn across(
+        &mut self,
+        scale: &Scale,
+        (left, right): (f64, f64),
+        y: f64,
+        top: f64,
+        of: &str,
+    ) {
+        for tick in scale.ticks(6) {
+            let x = scale.at(tick);
+            self.line("grid", (x, top), (x, y), "");
+            self.text_around("dim", (x, y + 17.0), &number(tick));
+        }
+        self.line("axis", (left, y), (right, y), "");
+        self.text_around("ink", ((left + right) / 2.0, y + 36.0), of);
+    }
+
+    /// A vertical axis at `x` with lines up to `right`, and above it what it shows.
+    pub(crate) fn upward(
+        &mut self,
+        scale: &Scale,
+        (bottom, top): (f64, f64),
+        x: f64,
+        right: f64,
+        of: &str,
+        label: impl Fn(f64) -> String,
+    ) {
+        for tick in scale.ticks(5) {
+            let y = scale.at(tick);
+            self.line("grid", (x, y), (right, y), "");
+            self.text_before("dim", (x - 7.0, y + 4.0), &label(tick));
+        }
+        self.line("axis", (x, bottom), (x, top), "");
+        self.text("ink", (8.0, top - 12.0), of);
+    }
+}
+
+fn joined(points: &[(f64, f64)]) -> String {
+    let points = points.iter().map(|(x, y)| format!("{x:.1},{y:.1}"));
+    points.collect::<Vec<_>>().join(" ")
+}

@@ -1,0 +1,55 @@
+//! The captures of a program as text, a row for each.
+use stochc_ensemble::Capture;
+use stochc_ensemble::text::{Tick, percent};
+
+use super::comparison::{mean, ticks};
+use crate::text::{Column, Table, paragraph};
+
+/// The captures as a table of plain text, in a scene with ticks of this length \[s\]; `width` is that of
+/// the terminal, in characters.
+pub fn captures_to_text(captures: &[Capture], tick: f64, width: usize) -> String {
+    const NONE: &str = "-";
+    let tick = Tick(tick);
+    let column = |header: &str, cell: &dyn Fn(&Capture) -> String| {
+        Column::figures(header, captures.iter().map(cell).collect())
+    };
+    let or_none = |text: Option<String>| text.unwrap_or(NONE.to_owned());
+    let mut columns = vec![
+        column("n", &|capture| capture.wait.completed.to_string()),
+        column("wait", &|capture| mean(Some(&capture.wait), tick)),
+        column("CV", &|capture| {
+            or_none(capture.wait.cv.map(|cv| format!("{cv:.2}")))
+        }),
+        column("entries", &|capture| {
+            or_none(capture.entries.map(|entries| format!("{entries:.1}")))
+        }),
+        column("docking", &|capture| {
+            or_none(capture.docking.map(|it| ticks(it) + &tick.beside(it)))
+        }),
+        column("released before", &|capture| {
+            let share = |&(ref role, n): &(String, usize)| {
+                let share = percent(n as f64 / capture.wait.completed as f64);
+                format!("{role} {share}")
+            };
+            let shares: Vec<_> = capture.released.iter().map(share).collect();
+            shares.join(", ")
+        }),
+    ];
+    let is_censored = captures.iter().any(|capture| capture.wait.censored > 0);
+    if is_censored {
+        let cell = |capture: &Capture| capture.wait.censored.to_string();
+        columns.insert(1, column("under way", &cell));
+    }
+    let table = Table {
+        labels: captures.iter().map(Capture::label).collect(),
+        columns,
+        ..Table::default()
+    };
+    let mut text = table.text(width, false);
+    if is_censored {
+        let note = "under way: waits that the end of a run cut short. They are censored: the mean is \
+                    then one of min(wait, horizon), a lower bound (≥).";
+        text += &paragraph(note, width);
+    }
+    text
+}

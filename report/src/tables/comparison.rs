@@ -1,0 +1,187 @@
+//! A comparison as text, in the layout of the paper's Tables I and II.
+use stochc_ensemble::text::Tick;
+use stochc_ensemble::{Column, Comparison, Pair, Time, Verdict};
+
+use crate::text::{self, Table, paragraph, sentence};
+
+/// The label of a row that says in seconds what the row above says in ticks: side by side, both would be wide.
+const SECONDS: &str = "  in seconds";
+
+/// In place of a figure that does not exist.
+const NONE: &str = "-";
+
+/// The table, and below it a sentence for each pair of programs.
+///
+/// `width` is that of the terminal, in characters; columns that do not fit go below.
+pub fn comparison_to_text(comparison: &Comparison, width: usize) -> String {
+    let mut rows = Rows::new(&comparison.programs);
+    rows.add("Construction phases", |c| c.phases.to_string());
+    rows.add("Total units involved", |c| c.captures.to_string());
+    rows.add("Different blocks used", |c| {
+        c.blocks_used.map_or(NONE.into(), |n| format!("{n:.1}"))
+    });
+    if comparison.programs.iter().any(|c| c.unplanned.is_some()) {
+        rows.add("Unplanned bonds", |c| {
+            c.unplanned.map_or(NONE.into(), |n| format!("{n:.1}"))
+        });
+    }
+    rows.add("Runs", |c| match c.finished == c.runs {
+        true => c.runs.to_string(),
+        false => format!("{} of {}", c.finished, c.runs),
+    });
+    rows.add("Mean time to completion", |c| {
+        c.time
+            .as_ref()
+            .map_or(NONE.into(), |time| in_ticks(time, ""))
+    });
+    rows.add(SECONDS, |c| in_seconds(c, c.time.as_ref()));
+    rows.add("Min time to completion", |c| figure(c, |t| t.min));
+    rows.add("Max time to completion", |c| figure(c, |t| t.max));
+    rows.add("SD", |c| figure(c, |t| t.sd));
+    rows.add("Median", |c| figure(c, |t| t.median));
+    rows.add("CV", |c| {
+        let cv = c.time.as_ref().and_then(|time| time.cv);
+        cv.map_or(NONE.into(), |cv| format!("{cv:.2}"))
+    });
+    rows.add("Timed out (censored)", |c| c.timed_out.to_string());
+    if comparison.programs.iter().any(|c| c.stopped > 0) {
+        rows.add("At --max-ticks (censored)", |c| c.stopped.to_string());
+    }
+    rows.add("Failed", |c| c.failed.to_string());
+    let phases = comparison
+        .programs
+        .iter()
+        .map(|c| c.phases)
+        .max()
+        .unwrap_or(0);
+    for i in 0..phases {
+        rows.add(&format!("Mean of phase {}", i + 1), |c| {
+            c.phase_times.get(i).map_or(String::new(), |phase| {
+                let mean = (phase.time.as_ref()).map_or(NONE.into(), |time| in_ticks(time, ""));
+                format!("{}: {mean}", phase.name)
+            })
+        });
+        rows.add(SECONDS, |c| {
+            let phase = c.phase_times.get(i);
+            in_seconds(c, phase.and_then(|phase| phase.time.as_ref()))
+        });
+    }
+    let mut text = rows.table.text(width, false);
+    text.push('\n');
+    for note in notes(comparison) {
+        text += &paragraph(&note, width);
+    }
+    text += &pairs_to_text(comparison, width);
+    text
+}
+
+/// A sentence for each pair of programs that are compared.
+pub fn pairs_to_text(comparison: &Comparison, width: usize) -> String {
+    let told = |pair: &Pair| {
+        let verdict = pair.difference.clone();
+        let verdict = verdict.map_or(Verdict::Unknown, Verdict::Known);
+        let names = [&*pair.first, &*pair.second];
+        paragraph(
+            &sentence(names, &verdict, comparison.unit, comparison.pairs.len()),
+            width,
+        )
+    };
+    comparison.pairs.iter().map(told).collect()
+}
+
+/// What the figures mean.
+fn notes(comparison: &Comparison) -> Vec<String> {
+    let mut ticks: Vec<f64> = comparison
+        .programs
+        .iter()
+        .map(|column| column.tick)
+        .collect();
+    ticks.dedup();
+    let tick = match ticks[..] {
+        [tick] => Tick(tick).unit(),
+        _ => "ticks, each of its own scene".to_owned(),
+    };
+    let mut notes = vec![format!(
+        "Times in {tick}, and in brackets or below in seconds; ± is half of a 95 % interval."
+    )];
+    if comparison.programs.iter().any(|c| c.finished < c.runs) {
+        let note = "Not all runs are finished; those under way longest are missing, so that \
+                    times are too short.";
+        notes.push(note.to_owned());
+    }
+    let censored = |c: &Column| c.timed_out + c.stopped > 0;
+    if comparison.programs.iter().any(censored) {
+        let note = "≥: some runs were stopped before they completed, so that the mean is one \
+                    of min(time, horizon), a lower bound; the median is Kaplan and Meier's, \
+                    and SD, CV and the longest time are unknown.";
+        notes.push(note.to_owned());
+    }
+    notes
+}
+
+/// The table while it grows.
+struct Rows<'a> {
+    programs: &'a [Column],
+    table: Table,
+}
+
+impl<'a> Rows<'a> {
+    fn new(programs: &'a [Column]) -> Rows<'a> {
+        let columns = (programs.iter()).map(|c| text::Column::figures(&c.name, Vec::new()));
+        Rows {
+            programs,
+            table: Table {
+                columns: columns.collect(),
+                ..Table::default()
+            },
+        }
+    }
+
+    fn add(&mut self, label: &str, cell: impl Fn(&Column) -> String) {
+        self.table.labels.push(label.to_owned());
+        for (program, column) in self.programs.iter().zip(&mut self.table.columns) {
+            column.cells.push(cell(program));
+        }
+    }
+}
+
+/// A mean with half of its interval, in ticks and in seconds; `≥` before a lower bound.
+pub(super) fn mean(time: Option<&Time>, tick: Tick) -> String {
+    time.map_or(NONE.to_owned(), |time| {
+        in_ticks(time, &tick.beside_interval(time.mean, time.half_width))
+    })
+}
+
+/// A mean with half of its interval in ticks, and what is to stand beside it; `≥` before a lower bound.
+fn in_ticks(time: &Time, beside: &str) -> String {
+    let half_width = time.half_width.map(|half| format!(" ± {}", ticks(half)));
+    let text = ticks(time.mean) + &half_width.unwrap_or_default() + beside;
+    match time.horizon {
+        None => text,
+        Some(horizon) => format!("≥ {text}, to {}", ticks(horizon)),
+    }
+}
+
+/// The same in seconds; empty without a mean.
+fn in_seconds(column: &Column, time: Option<&Time>) -> String {
+    time.map_or(String::new(), |time| {
+        let bound = if time.horizon.is_some() { "≥ " } else { "" };
+        bound.to_owned() + &Tick(column.tick).interval(time.mean, time.half_width)
+    })
+}
+
+fn figure(column: &Column, of: impl Fn(&Time) -> Option<f64>) -> String {
+    let figure = column.time.as_ref().and_then(of);
+    figure.map_or(NONE.to_owned(), |figure| {
+        ticks(figure) + &Tick(column.tick).beside(figure)
+    })
+}
+
+/// Whole ticks, except where they are few.
+pub(super) fn ticks(ticks: f64) -> String {
+    if ticks.abs() < 100.0 && ticks.fract() != 0.0 {
+        format!("{ticks:.1}")
+    } else {
+        format!("{ticks:.0}")
+    }
+}

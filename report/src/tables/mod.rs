@@ -1,0 +1,10 @@
+//! Tables for a terminal.
+mod captures;
+mod comparison;
+mod sweep;
+mod trade;
+
+pub use captures::captures_to_text;
+pub use comparison::{comparison_to_text, pairs_to_text};
+pub use sweep::sweep_to_text;
+pub use trade::trade_to_text;

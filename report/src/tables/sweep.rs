@@ -1,0 +1,87 @@
+//! A sweep as text, a row for each point.
+use stochc_ensemble::sweep::{Point, Sweep};
+use stochc_ensemble::text::{number, percent};
+
+use super::comparison::{mean, ticks};
+use crate::text::{Column, Table, paragraph};
+
+/// In place of a figure that does not exist.
+const NONE: &str = "-";
+
+/// The table, and what its figures mean; `width` is that of the terminal, in characters.
+pub fn sweep_to_text(sweep: &Sweep, width: usize) -> String {
+    // A time of a point in the unit of the sweep, and in seconds beside ticks.
+    let time = |point: &Point, value: f64| match sweep.tick(point) {
+        Some(tick) => ticks(value) + &tick.beside(value),
+        None => number(value),
+    };
+    let column = |header: &str, cell: &dyn Fn(&Point) -> String| {
+        Column::figures(header, sweep.points.iter().map(cell).collect())
+    };
+    let maybe = |value: Option<String>| value.unwrap_or(NONE.to_owned());
+    let share = |share: Option<f64>| maybe(share.map(percent));
+    let mut columns = vec![
+        column("completed", &|point| {
+            format!("{} of {}", point.completed, point.finished())
+        }),
+        column("mean time", &|point| match sweep.tick(point) {
+            None => maybe(point.time.as_ref().map(|it| {
+                let half = it.half_width.map(|half| format!(" ± {}", number(half)));
+                let bound = if it.censored > 0 { "≥ " } else { "" };
+                format!("{bound}{}{}", number(it.mean), half.unwrap_or_default())
+            })),
+            Some(tick) => mean(point.time.as_ref(), tick),
+        }),
+        column("median", &|point| {
+            let median = point.time.as_ref().and_then(|it| it.median);
+            maybe(median.map(|median| time(point, median)))
+        }),
+        column("per capture", &|point| {
+            maybe(point.time_per_capture.map(|it| time(point, it)))
+        }),
+        column("released", &|point| share(point.released)),
+    ];
+    if sweep.points.iter().any(|point| point.failed > 0) {
+        let failed = column("failed", &|point| point.failed.to_string());
+        columns.insert(1, failed);
+    }
+    let table = Table {
+        labels: sweep
+            .points
+            .iter()
+            .map(|point| point.name.clone())
+            .collect(),
+        columns,
+        ..Table::default()
+    };
+    let mut text = table.text(width, false);
+    text.push('\n');
+    for note in notes(sweep) {
+        text += &paragraph(&note, width);
+    }
+    text
+}
+
+fn notes(sweep: &Sweep) -> Vec<String> {
+    let mut notes = vec![format!(
+        "Times in {}; ± is half of a 95 % interval. Per capture: the time of all runs over the \
+         captures they made; released: the part of these that took a block which had been \
+         let go.",
+        match sweep.unit {
+            "s" => "seconds, because the points differ in the length of a tick",
+            _ => "ticks, and in brackets in seconds",
+        }
+    )];
+    let points = || sweep.points.iter();
+    if points().any(|point| (point.finished() as u64) < point.runs) {
+        let note = "Not all runs are finished; those under way longest are missing, so that times \
+                    are too short.";
+        notes.push(note.to_owned());
+    }
+    if points().any(|point| point.stopped > 0) {
+        let note = "≥: some runs were stopped before they completed, so that the mean is one of \
+                    min(time, horizon), a lower bound; the median is Kaplan and Meier's.";
+        notes.push(note.to_owned());
+    }
+    notes
+}

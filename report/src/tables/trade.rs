@@ -1,0 +1,281 @@
+//! A trade as text.
+use stochc_ensemble::text::{Tick, percent, ratio, relative, seconds};
+use stochc_ensemble::trade::{
+    CLOSE, Cell, Convergence, Program, Reference, Setting, Trade, Verdict,
+};
+
+use super::comparison::ticks;
+use crate::text::{Column, Table, paragraph, probability};
+
+/// In place of a figure that does not exist.
+const NONE: &str = "-";
+
+/// The columns of figures.
+const HEADER: [&str; 9] = [
+    "CPU/run", "ratio", "n", "mean", "bias", "D", "p", "cens.", "failed",
+];
+
+/// One line of a table.
+struct Line {
+    label: String,
+    cells: Vec<String>,
+    /// Beside the setting.
+    mark: &'static str,
+    /// Behind the columns.
+    remark: String,
+    /// In red where there are colours.
+    wrong: bool,
+}
+
+/// A table for each program, the order of the programs, and what to make of it.
+///
+/// `width` is that of the terminal, for the sentences; `colour` marks what is wrong in red.
+pub fn trade_to_text(trade: &Trade, width: usize, colour: bool) -> String {
+    let mut text = String::new();
+    for (i, program) in trade.programs.iter().enumerate() {
+        text += &format!("{}\n", program.name);
+        let line = |(n, rung): (usize, &Setting)| line(trade, n, rung, i);
+        let lines = trade.rungs.iter().enumerate().map(line).collect::<Vec<_>>();
+        text += &table(&HEADER, &lines).text(width, colour);
+        text.push('\n');
+    }
+    if trade.programs.len() > 1 && trade.reference.is_some() {
+        text += &ranking(trade, width, colour);
+        text.push('\n');
+    }
+    for note in notes(trade) {
+        text += &paragraph(&note, width);
+    }
+    text.push('\n');
+    text += &paragraph(&trade.advice, width);
+    text
+}
+
+fn line(trade: &Trade, number: usize, rung: &Setting, program: usize) -> Line {
+    let cell = &rung.programs[program];
+    let itself = trade.reference.as_ref().is_some_and(|r| r.rung == number);
+    let mut cells = Vec::new();
+    let mut remark = String::new();
+    if cell.runs == 0 {
+        remark = rung
+            .left_out
+            .clone()
+            .unwrap_or("there was no time for it".into());
+    } else {
+        cells.extend(figures(trade, cell, itself, program));
+    }
+    let mark = match rung.reversed {
+        _ if itself => "reference",
+        true => "REVERSED",
+        false if rung.front => "front",
+        false => "",
+    };
+    Line {
+        label: label(number, rung),
+        mark,
+        cells,
+        remark,
+        wrong: rung.reversed,
+    }
+}
+
+fn figures(trade: &Trade, cell: &Cell, itself: bool, program: usize) -> [String; 9] {
+    let or_none = |text: Option<String>| text.unwrap_or(NONE.to_owned());
+    let reference = trade.reference_rung();
+    let whole = reference.and_then(|rung| rung.programs[program].cost);
+    let ratio = cell
+        .cost
+        .zip(whole)
+        .map(|(cost, whole)| self::ratio(cost / whole));
+    let bound = if cell.horizon.is_some() { "≥ " } else { "" };
+    let tick = Tick(trade.programs[program].scene.tick);
+    let mean = cell.mean.map(|mean| {
+        let half = cell.half_width.map(|half| format!(" ± {}", ticks(half)));
+        let beside = tick.beside_interval(mean, cell.half_width);
+        format!("{bound}{}{}{beside}", ticks(mean), half.unwrap_or_default())
+    });
+    let blank = |text: Option<String>| match itself {
+        true => String::new(),
+        false => or_none(text),
+    };
+    [
+        or_none(cell.cost.map(seconds)),
+        or_none(ratio),
+        cell.runs.to_string(),
+        or_none(mean),
+        blank(
+            cell.bias
+                .as_ref()
+                .map(|bias| format!("{bound}{}", relative(bias))),
+        ),
+        blank(cell.distance.map(|distance| format!("{:.2}", distance.d))),
+        blank(cell.distance.map(|distance| probability(distance.p))),
+        cell.censored.to_string(),
+        cell.failed.to_string(),
+    ]
+}
+
+/// What each setting says about the order of the programs.
+fn ranking(trade: &Trade, width: usize, colour: bool) -> String {
+    let pairs = trade.reference_rung().map_or(&[][..], |rung| &rung.ranking);
+    let ordered = pairs
+        .iter()
+        .filter(|pair| pair.verdict != Verdict::Unordered);
+    let ordered: Vec<String> = ordered
+        .map(|ranked| pair(trade, ranked.first, ranked.second))
+        .collect();
+    if ordered.is_empty() {
+        return "By the reference's runs, it is undecided of every two programs which takes \
+                longer, so that there is no order to keep.\n"
+            .to_owned();
+    }
+    let mut text = format!(
+        "Order of the means, by the reference: {}\n",
+        ordered.join(", ")
+    );
+    let count = |rung: &Setting, verdict| {
+        let pairs = rung.ranking.iter().filter(|pair| pair.verdict == verdict);
+        pairs.count().to_string()
+    };
+    let rungs = trade
+        .rungs
+        .iter()
+        .enumerate()
+        .filter(|(_, rung)| !rung.ranking.is_empty());
+    let lines: Vec<Line> = rungs
+        .map(|(number, rung)| Line {
+            label: label(number, rung),
+            cells: vec![
+                count(rung, Verdict::Kept),
+                count(rung, Verdict::Unclear),
+                count(rung, Verdict::Reversed),
+            ],
+            mark: "",
+            remark: match rung.reversed {
+                false => String::new(),
+                true => {
+                    let pairs = rung.reversals();
+                    let pairs = pairs.map(|ranked| pair(trade, ranked.first, ranked.second));
+                    format!("REVERSED: {}", pairs.collect::<Vec<_>>().join(", "))
+                }
+            },
+            wrong: rung.reversed,
+        })
+        .collect();
+    text += &table(&["kept", "unclear", "reversed"], &lines).text(width, colour);
+    text
+}
+
+fn pair(trade: &Trade, first: usize, second: usize) -> String {
+    format!(
+        "{} < {}",
+        trade.programs[first].name, trade.programs[second].name
+    )
+}
+
+/// What the figures mean.
+fn notes(trade: &Trade) -> Vec<String> {
+    let mut notes = vec![
+        "Settings are model and substeps, and what differs from the defaults. CPU/run is the \
+         median processor time of a run, ratio the same over the reference's; means are in \
+         ticks, in brackets in seconds; bias is the mean over the reference's, less one; D is the largest difference \
+         of the two shares of completed runs, p its probability by chance alone; ±~is half \
+         of a 95~% interval. front: no cheaper setting is known to be as close."
+            .to_owned(),
+    ];
+    if let (Some(reference), Some(rung)) = (&trade.reference, trade.reference_rung()) {
+        let last = reference.doublings.last();
+        let changes = last.iter().flat_map(|last| &last.changes);
+        let changes = changes.map(|change| match change {
+            Some(change) => relative(change),
+            None => "unknown".to_owned(),
+        });
+        let changes: Vec<String> = changes.collect();
+        notes.push(format!(
+            "Reference: `{}`, the finest that was measured. {}",
+            rung.options,
+            convergence(reference, &changes.join(", "))
+        ));
+    }
+    let cells = || trade.rungs.iter().flat_map(|rung| &rung.programs);
+    if cells().any(|cell| cell.censored > 0) {
+        let limit = |program: &Program| format!("{} {}", program.name, program.max_ticks);
+        let limits: Vec<String> = trade.programs.iter().map(limit).collect();
+        notes.push(format!(
+            "cens.: runs stopped by a timeout of the program or the limit of ticks ({}). Means \
+             of such samples (≥) count up to the last time seen, their biases up to the last \
+             that both samples tell of, and D times before the first censored one.",
+            limits.join(", ")
+        ));
+    }
+    if cells().any(|cell| cell.failed > 0) {
+        notes.push("failed: the physics broke down; no figure but the cost counts them.".into());
+    }
+    if !trade.complete {
+        notes.push("It was interrupted: this is what was measured until then.".into());
+    }
+    notes
+}
+
+/// A table of settings, whose lines may lack their figures.
+fn table(header: &[&str], lines: &[Line]) -> Table {
+    let columns = header.iter().enumerate().map(|(i, header)| {
+        let cell = |line: &Line| line.cells.get(i).cloned().unwrap_or_default();
+        Column::figures(*header, lines.iter().map(cell).collect())
+    });
+    let marks = lines.iter().map(|line| line.mark.to_owned()).collect();
+    let remarks = lines.iter().map(|line| line.remark.clone()).collect();
+    Table {
+        label: " #  setting".to_owned(),
+        labels: lines.iter().map(|line| line.label.clone()).collect(),
+        columns: [Column::words("", marks)]
+            .into_iter()
+            .chain(columns)
+            .chain([Column::words("", remarks)])
+            .collect(),
+        red: lines.iter().map(|line| line.wrong).collect(),
+    }
+}
+
+/// A setting with its number, by which pictures name it.
+fn label(number: usize, setting: &Setting) -> String {
+    format!("{:>2}  {}", number + 1, setting.name)
+}
+
+/// What is known of a reference's convergence, as a sentence; `changes` are those of its last doubling.
+fn convergence(reference: &Reference, changes: &str) -> String {
+    let Some(last) = reference.doublings.last() else {
+        return "Whether it has converged is undecided: no other substeps were measured."
+            .to_owned();
+    };
+    let (from, to) = (last.from, last.to);
+    match (reference.convergence, reference.bound) {
+        (Convergence::Converged, Some(bound)) => format!(
+            "It has converged within {}: its last doubling, from {from} to {to} substeps, changed no \
+             mean by more than {}, intervals included: {changes}.",
+            percent(CLOSE),
+            percent(bound)
+        ),
+        (Convergence::NotConverged, _) => format!(
+            "It has NOT CONVERGED: one of the last two doublings of its substeps is known to have \
+             changed a mean. The last, from {from} to {to}: {changes}."
+        ),
+        (_, bound) => {
+            let open = match bound {
+                _ if reference.doublings.len() < 2 => {
+                    "only one doubling of its substeps was measured".to_owned()
+                }
+                Some(bound) => format!(
+                    "its last doubling may have changed a mean by up to {}, and more runs would \
+                     tell",
+                    percent(bound)
+                ),
+                None => "there are too few runs for an interval".to_owned(),
+            };
+            format!(
+                "Whether it has converged is undecided: {open}. The last doubling, from {from} to \
+                 {to} substeps: {changes}."
+            )
+        }
+    }
+}

@@ -1,0 +1,12 @@
+//! Plain text: columns, paragraphs, curves and sentences.
+mod pairwise;
+mod paragraph;
+mod short;
+mod strip;
+mod table;
+
+pub use pairwise::{method, probability, sentence};
+pub use paragraph::paragraph;
+pub(crate) use short::short;
+pub use strip::{Strip, strips};
+pub use table::{Column, Table};

@@ -1,0 +1,70 @@
+//! What a test of two programs found, in words.
+use stochc_ensemble::Verdict;
+use stochc_ensemble::statistics::{Difference, Longer, Test};
+use stochc_ensemble::text::number;
+
+/// The sentence on two programs; `names` as they are to stand in it.
+///
+/// `pairs` is how many differences are told together.
+pub fn sentence(names: [&str; 2], verdict: &Verdict, unit: &str, pairs: usize) -> String {
+    let [first, second] = names;
+    let found = match verdict {
+        Verdict::Same => return format!("{first} and {second} are the same runs."),
+        Verdict::Unknown => {
+            return format!(
+                "{first} and {second}: undecided; there are too few runs, or no spread, to tell."
+            );
+        }
+        Verdict::Known(found) => found,
+    };
+    let conclusion = match found.longer {
+        Longer::First => format!("{first} takes longer"),
+        Longer::Second => format!("{second} takes longer"),
+        Longer::Undecided => "undecided which takes longer".to_owned(),
+    };
+    format!(
+        "{first}~- {second}: {}~±~{}~{unit}, {}, {}: {conclusion}.",
+        number(found.difference),
+        number(found.half_width),
+        p_values(found, pairs),
+        method(found, unit),
+    )
+}
+
+/// `p = 0.03`, and beside it what is left of that among several.
+fn p_values(found: &Difference, pairs: usize) -> String {
+    let told = |p: f64| match probability(p) {
+        p if p.starts_with('<') => format!("p~{}", p.replace(' ', "~")),
+        p => format!("p~=~{p}"),
+    };
+    match pairs {
+        0 | 1 => told(found.p),
+        _ => format!(
+            "{} (of~{pairs} pairs {})",
+            told(found.p),
+            told(found.p_holm)
+        ),
+    }
+}
+
+/// The test, in words.
+pub fn method(found: &Difference, unit: &str) -> String {
+    let test = match found.test {
+        Test::Paired { pairs } => format!("paired t test of {pairs} runs"),
+        Test::Welch { .. } => "Welch's t test".to_owned(),
+    };
+    match found.horizon {
+        Some(horizon) => format!("{test}, times to {} {unit}", number(horizon)),
+        None => test,
+    }
+}
+
+/// A probability, as tables write it.
+pub fn probability(p: f64) -> String {
+    match p {
+        p if p < 1e-4 => "< 0.0001".to_owned(),
+        p if p < 0.01 => format!("{p:.4}"),
+        p if p < 0.1 => format!("{p:.3}"),
+        p => format!("{p:.2}"),
+    }
+}

@@ -1,0 +1,22 @@
+//! Names that have little room.
+use stochc_ensemble::text::visible;
+
+/// A name that fits into `letters`, its middle left out.
+pub(crate) fn short(name: &str, letters: usize) -> String {
+    let signs: Vec<char> = visible(name).chars().collect();
+    if signs.len() <= letters {
+        return signs.into_iter().collect();
+    }
+    let half = letters.saturating_sub(1) / 2;
+    let (head, tail) = (&signs[..letters - 1 - half], &signs[signs.len() - half..]);
+    head.iter().chain(&['…']).chain(tail).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn long_names_keep_both_ends() {
+        assert_eq!(super::short("abcdefghij", 5), "ab…ij");
+        assert_eq!(super::short("abcde", 5), "abcde");
+    }
+}

@@ -1,0 +1,161 @@
+//! Aligned columns of plain text.
+
+/// A header cell is broken into lines of this many characters.
+const HEADER: usize = 22;
+
+/// Between two columns.
+const GAP: &str = "  ";
+
+/// Columns that are put side by side until a line is full, and then below.
+///
+/// No library of tables breaks them so: those cut cells, or leave the breaking to the terminal.
+#[derive(Clone, Debug, Default)]
+pub struct Table {
+    /// What the column on the left is of; it may be empty.
+    pub label: String,
+    /// The column on the left, which every block of columns repeats.
+    pub labels: Vec<String>,
+    /// The others.
+    pub columns: Vec<Column>,
+    /// Of the rows, which are red; those beyond its end are not.
+    pub red: Vec<bool>,
+}
+
+/// A column of a [`Table`].
+#[derive(Clone, Debug)]
+pub struct Column {
+    /// What it is of; long ones are broken.
+    pub header: String,
+    /// One for each label.
+    pub cells: Vec<String>,
+    /// Words begin on the left, figures end on the right.
+    pub is_words: bool,
+}
+
+impl Column {
+    /// A column of figures.
+    pub fn figures(header: impl Into<String>, cells: Vec<String>) -> Column {
+        Column {
+            header: header.into(),
+            cells,
+            is_words: false,
+        }
+    }
+
+    /// A column of words.
+    pub fn words(header: impl Into<String>, cells: Vec<String>) -> Column {
+        Column {
+            is_words: true,
+            ..Column::figures(header, cells)
+        }
+    }
+}
+
+/// A column with what is known of its place.
+struct Placed<'a> {
+    column: &'a Column,
+    header: Vec<String>,
+    width: usize,
+}
+
+impl Table {
+    /// The text, in lines of `width` characters or as many as one column needs; `colour`: red rows are red.
+    pub fn text(&self, width: usize, colour: bool) -> String {
+        let labels = self.labels.iter().chain([&self.label]);
+        let label_width = labels.map(|label| chars(label)).max().unwrap_or(0);
+        let mut blocks = Vec::new();
+        let mut block: Vec<Placed> = Vec::new();
+        let mut used = label_width;
+        for column in &self.columns {
+            let header = broken(&column.header);
+            let texts = header.iter().chain(&column.cells);
+            let column_width = texts.map(|text| chars(text)).max().unwrap_or(0);
+            if !block.is_empty() && used + GAP.len() + column_width > width {
+                blocks.push(self.block(&block, label_width, colour));
+                block.clear();
+                used = label_width;
+            }
+            used += GAP.len() + column_width;
+            block.push(Placed {
+                column,
+                header,
+                width: column_width,
+            });
+        }
+        blocks.push(self.block(&block, label_width, colour));
+        blocks.join("\n")
+    }
+
+    fn block(&self, columns: &[Placed], label_width: usize, colour: bool) -> String {
+        let line = |label: &str, cells: &[&str]| {
+            let mut line = format!("{label:label_width$}");
+            for (cell, placed) in cells.iter().zip(columns) {
+                let width = placed.width;
+                line += &match placed.column.is_words {
+                    true => format!("{GAP}{cell:width$}"),
+                    false => format!("{GAP}{cell:>width$}"),
+                };
+            }
+            line.trim_end().to_owned()
+        };
+        let height = columns.iter().map(|c| c.header.len()).max().unwrap_or(0);
+        let mut lines = Vec::new();
+        for row in 0..height {
+            // Short headers stand on the line above the rule.
+            let cell = |c: &Placed| (row + c.header.len()).checked_sub(height);
+            let cells: Vec<String> = columns
+                .iter()
+                .map(|c| cell(c).map_or(String::new(), |i| c.header[i].clone()))
+                .collect();
+            let label = if row + 1 == height { &*self.label } else { "" };
+            lines.push(line(
+                label,
+                &cells.iter().map(String::as_str).collect::<Vec<_>>(),
+            ));
+        }
+        // Nothing stands above remarks.
+        let rule = |c: &Placed| match &*c.column.header {
+            "" => String::new(),
+            _ => "─".repeat(c.width),
+        };
+        let rules: Vec<String> = columns.iter().map(rule).collect();
+        let rules: Vec<&str> = rules.iter().map(String::as_str).collect();
+        lines.push(line(&"─".repeat(label_width), &rules));
+        for (i, label) in self.labels.iter().enumerate() {
+            let cells: Vec<&str> = columns.iter().map(|c| &*c.column.cells[i]).collect();
+            // A row for others, which stand in another block.
+            if cells.iter().all(|cell| cell.is_empty()) {
+                continue;
+            }
+            let line = line(label, &cells);
+            let is_red = colour && self.red.get(i) == Some(&true);
+            lines.push(match is_red {
+                true => console::style(line).red().force_styling(true).to_string(),
+                false => line,
+            });
+        }
+        lines.iter().map(|line| format!("{line}\n")).collect()
+    }
+}
+
+/// A header in lines, broken behind a sign that joins words where there is one.
+fn broken(header: &str) -> Vec<String> {
+    let letters: Vec<char> = header.chars().collect();
+    let mut rest = &letters[..];
+    let mut lines = Vec::new();
+    while rest.len() > HEADER {
+        let joint = |letter: &char| "_- ./".contains(*letter);
+        let end = rest[..HEADER]
+            .iter()
+            .rposition(joint)
+            .map_or(HEADER, |i| i + 1);
+        lines.push(rest[..end].iter().collect());
+        rest = &rest[end..];
+    }
+    lines.push(rest.iter().collect());
+    lines
+}
+
+fn chars(text: &str) -> usize {
+    text.chars().count()
+}

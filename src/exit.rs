@@ -1,0 +1,79 @@
+//! How a command ends: its status, and what it says where it fails.
+use std::fmt::Display;
+
+/// How a command ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Exit {
+    /// All is well.
+    Success,
+    /// The program is wrong.
+    WrongProgram,
+    /// The command line is wrong, or a file cannot be read or written.
+    Usage,
+    /// A run was unsuccessful.
+    UnsuccessfulRun,
+    /// No setting that was measured is as accurate as was asked for.
+    NotAccurate,
+    /// Stopped by the user.
+    Interrupted,
+}
+
+impl Exit {
+    /// The number that the shell sees.
+    pub const fn status(self) -> u8 {
+        match self {
+            Exit::Success => 0,
+            Exit::WrongProgram => 1,
+            Exit::Usage => 2,
+            Exit::UnsuccessfulRun => 3,
+            Exit::NotAccurate => 4,
+            Exit::Interrupted => 130,
+        }
+    }
+
+    /// The one that a shell should rather hear of.
+    pub(crate) fn or_worse(self, other: Exit) -> Exit {
+        if other.status() > self.status() {
+            other
+        } else {
+            self
+        }
+    }
+}
+
+/// Why a command ends before its work is done.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Failure {
+    /// How it ends.
+    pub exit: Exit,
+    /// What to say of it on standard error, in whole lines; empty: all has been said.
+    pub message: String,
+}
+
+impl Failure {
+    /// The command line is wrong, or a file cannot be used.
+    pub(crate) fn usage(reason: impl Display) -> Failure {
+        Failure::error(Exit::Usage, reason)
+    }
+
+    /// A program cannot be run.
+    pub(crate) fn wrong_program(reason: impl Display) -> Failure {
+        Failure::error(Exit::WrongProgram, reason)
+    }
+
+    /// An error in one sentence.
+    pub(crate) fn error(exit: Exit, reason: impl Display) -> Failure {
+        Failure {
+            exit,
+            message: format!("error: {reason}\n"),
+        }
+    }
+
+    /// An end of which there is nothing to say, or nothing more.
+    pub(crate) fn silent(exit: Exit) -> Failure {
+        Failure {
+            exit,
+            message: String::new(),
+        }
+    }
+}

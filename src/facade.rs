@@ -1,0 +1,99 @@
+//! Text to compiled programs to runs, in a few functions.
+use std::fmt;
+use std::ops::ControlFlow;
+
+use stochc_compiler::{Checked, Levels, Limits, Program};
+use stochc_ir::Executable;
+use stochc_ir::record::RunRecord;
+use stochc_ir::scene::scalars::Change;
+use stochc_runtime::{RunError, Settings};
+
+use crate::diagnostics::{Format, show};
+use crate::model_check;
+
+/// Checks a file of the disk and all it imports, and compiles its assemblies.
+///
+/// Never fails: a file that cannot be read is a finding as well.
+pub fn check(path: &str) -> Checked {
+    check_with(path, &Levels::default())
+}
+
+/// [`check`], with levels for the warnings that the files say nothing of.
+///
+/// Small programs are tried [in every order of events](model_check) as well.
+pub fn check_with(path: &str, levels: &Levels) -> Checked {
+    let limits = Limits::default();
+    let mut checked = stochc_compiler::check_with(path, &mut stochc_files::read, limits, levels);
+    model_check::try_out(&mut checked);
+    checked
+}
+
+/// [`check`], from a text that imports nothing; findings call it `name`.
+pub fn check_text(name: &str, text: &str) -> Checked {
+    check_texts(&[(name, text)], &Levels::default(), "", &[])
+}
+
+/// [`check_with`], from texts instead of the disk, the program's own first; with other numbers for the scene of the
+/// assembly of a name.
+pub fn check_texts(
+    texts: &[(&str, &str)],
+    levels: &Levels,
+    assembly: &str,
+    changes: &[Change],
+) -> Checked {
+    let mut reader = |path: &str| {
+        let found = texts.iter().find(|(name, _)| *name == path);
+        found
+            .map(|(_, text)| text.as_bytes().to_vec())
+            .ok_or("it is not among the texts".to_owned())
+    };
+    let root = texts.first().map_or("", |(name, _)| name);
+    let limits = Limits::default();
+    let mut checked =
+        stochc_compiler::check_changed(root, &mut reader, limits, levels, assembly, changes);
+    model_check::try_out(&mut checked);
+    checked
+}
+
+/// A program that cannot be run.
+#[derive(Debug)]
+pub struct WrongProgram {
+    /// Its findings, and the texts that they are about.
+    pub checked: Checked,
+}
+
+impl fmt::Display for WrongProgram {
+    /// One line for each finding.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(show(&self.checked, Format::Short, false, 0).trim_end())
+    }
+}
+
+impl std::error::Error for WrongProgram {}
+
+/// The programs of a file that has been checked, ready to run.
+///
+/// # Errors
+/// If the file has errors.
+pub fn compile(checked: Checked) -> Result<Vec<Executable>, Box<WrongProgram>> {
+    if checked.has_errors() {
+        return Err(Box::new(WrongProgram { checked }));
+    }
+    let programs = checked.programs.into_iter();
+    Ok(programs.filter_map(Program::into_executable).collect())
+}
+
+/// Makes a run of a program, to its end: a pure function of its arguments.
+///
+/// # Errors
+/// If the scene cannot be set up as the settings say.
+pub fn simulate(
+    executable: &Executable,
+    settings: &Settings,
+    seed: u64,
+    run: u64,
+) -> Result<RunRecord, RunError> {
+    let (tables, scene) = (&executable.tables, &executable.scene);
+    let mut watch = |_, _| ControlFlow::Continue(());
+    stochc_runtime::run(tables, scene, settings, seed, run, &mut watch)
+}

@@ -1,0 +1,202 @@
+//! What a trade says of settings that were made up: numbers, order, choice, text and picture.
+use stochc::ensemble::Program;
+use stochc::ensemble::statistics::Relative;
+use stochc::ensemble::trade::{
+    Conditions, Convergence, End, Measured, Outcome, Sample, Trade, base, choose, note,
+};
+use stochc::report::figures;
+use stochc::report::tables::trade_to_text;
+use stochc::runtime::{Model, Reduction, Settings};
+
+fn rigid(substeps: u32) -> Settings {
+    Settings::of(Model::Rigid, substeps)
+}
+
+/// Runs around a mean, each at the same cost; those of one number have little in common.
+fn sample(mean: u64, cost: f64) -> Sample {
+    let turn = [1, 2, 4][mean as usize / 1000 - 1];
+    let run = |run: u64| Measured {
+        run,
+        end: End::Completed,
+        ticks: mean - 10 + run * turn % 21,
+        cpu: cost,
+        wall: cost,
+    };
+    Sample::new((0..21).map(run).collect(), u64::MAX)
+}
+
+fn outcome(settings: Settings, means: [u64; 2], cost: f64) -> Outcome {
+    Outcome {
+        settings,
+        left_out: None,
+        samples: means.map(|mean| sample(mean, cost)).to_vec(),
+    }
+}
+
+fn trade() -> Trade {
+    let reduced = |reduction| Settings {
+        reduction: Some(reduction),
+        ..base()
+    };
+    let outcomes = [
+        outcome(rigid(1), [1040, 2080], 1.0),
+        // As a share, the first program's interval is the wider one.
+        outcome(rigid(2), [1000, 2001], 2.0),
+        outcome(rigid(4), [1001, 2000], 4.0),
+        outcome(rigid(8), [1000, 2000], 8.0),
+        outcome(reduced(Reduction::NoRotation), [2000, 1000], 0.5),
+        outcome(reduced(Reduction::Spheres), [3000, 3001], 0.8),
+        Outcome {
+            settings: Settings::default(),
+            left_out: Some("it cannot".into()),
+            samples: vec![Sample::default(); 2],
+        },
+    ];
+    let mut reader = |_: &str| {
+        let text = "assembly a { seed plate 3 x 3 { M at (1, 1) }\nphase p { M.up -> A } }";
+        Ok(text.as_bytes().to_vec())
+    };
+    let limits = stochc_compiler::Limits::default();
+    let program = stochc_compiler::check("x.sa", &mut reader, limits)
+        .programs
+        .remove(0);
+    let executable = program.into_executable().unwrap();
+    let program = |name: &str| Program::new(name, Vec::new(), executable.clone());
+    let means = Conditions {
+        seed: 1,
+        threads: 1,
+        runs: Some(21),
+        budget: None,
+        complete: true,
+    };
+    Trade::of(&[program("one"), program("two")], &outcomes, &[9, 9], means)
+}
+
+#[test]
+fn every_rung_is_held_against_the_finest() {
+    let trade = trade();
+    let reference = trade.reference.as_ref().unwrap();
+    assert_eq!(
+        (reference.rung, reference.convergence),
+        (3, Convergence::Converged)
+    );
+    assert!(reference.bound.unwrap() < 0.005);
+    assert_eq!(trade.rungs[3].worst, None);
+    let worst = trade.rungs[0].worst.unwrap();
+    assert!((worst.value - 0.04).abs() < 1e-12, "{worst:?}");
+    let close = &trade.rungs[1];
+    let [first, second] = [0, 1].map(|program| close.programs[program].bias);
+    assert_eq!(close.worst, second, "the first is not off at all");
+    // But it has the wider interval.
+    assert_eq!(close.bound, first.and_then(|bias| bias.bound()));
+    assert_eq!(trade.rungs[0].cost_ratio, Some(1.0 / 8.0));
+    assert_eq!(trade.rungs[0].programs[0].distance.unwrap().d, 1.0);
+    let reversed: Vec<bool> = trade.rungs.iter().map(|rung| rung.reversed).collect();
+    assert_eq!(reversed, [false, false, false, false, true, false, false]);
+    let front: Vec<bool> = trade.rungs.iter().map(|rung| rung.front).collect();
+    // Beaten are the reversed one, which is out of the question, and the one without runs.
+    assert_eq!(front, [true, true, false, true, false, true, false]);
+    assert!(
+        trade.rungs[4]
+            .reversals()
+            .all(|pair| (pair.first, pair.second) == (0, 1))
+    );
+    assert_eq!(Trade::from_json(&trade.to_json()), Ok(trade));
+}
+
+#[test]
+fn wrong_conclusions_are_told_with_and_without_colour() {
+    let trade = trade();
+    let plain = trade_to_text(&trade, 100, false);
+    assert!(plain.contains("REVERSED: one < two"), "{plain}");
+    assert!(!plain.contains('\u{1b}'));
+    let red = |line: &&str| line.starts_with("\u{1b}[31m");
+    let coloured = trade_to_text(&trade, 100, true);
+    let lines: Vec<&str> = coloured.lines().filter(red).collect();
+    // Once in each of the two blocks of columns of each program, and once in the ranking.
+    assert_eq!(lines.len(), 5, "{coloured}");
+    assert!(lines.iter().all(|line| line.contains("no-rotation")));
+    assert!(plain.contains("it cannot"));
+    let advice = &trade.advice;
+    assert!(
+        advice.starts_with(
+            "`--model rigid --substeps 1` is within 4.4 % of the reference, intervals"
+        ),
+        "{advice}"
+    );
+    assert!(
+        advice.contains("`--model rigid --substeps 2` is within"),
+        "{advice}"
+    );
+    assert!(
+        advice.contains("Do not compare programs with `--model rigid --substeps 1 --reduce no-rot")
+    );
+}
+
+#[test]
+fn the_picture_marks_what_is_reversed() {
+    let picture = figures::trade(&trade()).file();
+    let picture = roxmltree::Document::parse(&picture).unwrap();
+    let of = |class: &str| {
+        let nodes = picture.descendants();
+        nodes
+            .filter(|node| node.attribute("class") == Some(class))
+            .count()
+    };
+    let marks = ["rigid", "rapier", "reduced", "reversed", "reference"];
+    let counts = marks.map(|class| of(&format!("mark {class}")));
+    assert_eq!(counts, [3, 0, 1, 1, 1]);
+    // A bar for each of them but the reference, which has no bias.
+    assert_eq!(of("rigid"), 3);
+}
+
+#[test]
+fn the_cheapest_that_is_accurate_enough_is_chosen() {
+    let trade = trade();
+    let chosen = |accuracy| choose(&trade, &[0, 1], accuracy).map(|c| c.settings);
+    assert_eq!(chosen(0.05), Ok(rigid(1)));
+    assert_eq!(chosen(0.02), Ok(rigid(2)));
+    let told = chosen(0.0001).unwrap_err();
+    assert!(told.contains("undecided"), "{told}");
+    // Alone, the first program has nothing that could be reversed, but it is off by as much.
+    assert_eq!(choose(&trade, &[0], 0.05).map(|c| c.settings), Ok(rigid(1)));
+    let reduced = |settings: &Settings| note(&trade, &[0, 1], settings);
+    let told = reduced(&trade.rungs[4].settings).unwrap();
+    assert!(
+        told.starts_with("the trade found it to REVERSE one < two;"),
+        "{told}"
+    );
+    assert!(
+        !reduced(&trade.rungs[5].settings)
+            .unwrap()
+            .contains("REVERSE")
+    );
+    assert!(reduced(&rigid(8)).unwrap().contains("reference"));
+    assert_eq!(reduced(&rigid(64)), None, "not measured");
+    let rapier = Settings {
+        model: Model::Rapier,
+        ..base()
+    };
+    assert_eq!(reduced(&rapier), None, "it cannot");
+    let mut open = trade.clone();
+    let doublings = &mut open.reference.as_mut().unwrap().doublings;
+    let change = Relative {
+        value: 0.2,
+        half_width: Some(0.05),
+    };
+    doublings.last_mut().unwrap().changes[1] = Some(change);
+    let told = choose(&open, &[0, 1], 0.05).unwrap_err();
+    assert!(told.contains("not converged"), "{told}");
+    assert!(choose(&open, &[0], 0.05).is_ok(), "the first has");
+}
+
+#[test]
+fn what_does_not_belong_together_is_not_read() {
+    let mut trade = trade();
+    trade.reference.as_mut().unwrap().rung = 99;
+    assert!(
+        Trade::from_json(&trade.to_json())
+            .unwrap_err()
+            .contains("damaged")
+    );
+}
