@@ -12,7 +12,7 @@ use std::fmt::Write as _;
 use std::time::{Duration, Instant};
 
 use peak_alloc::PeakAlloc;
-use stochc::compiler::{Checked, Levels, Limits, Stage, check_observed};
+use stochc::compiler::{Checked, Limits, LintLevels, Stage, check_observed};
 
 #[global_allocator]
 static MEMORY: PeakAlloc = PeakAlloc;
@@ -123,7 +123,7 @@ fn measure(text: &str) -> Measured {
         "generated.sa",
         &mut reader,
         Limits::default(),
-        &Levels::default(),
+        &LintLevels::default(),
         &mut done,
     );
     let total = start.elapsed();
@@ -138,7 +138,7 @@ fn measure(text: &str) -> Measured {
 
 /// A benchmark of a program that is wrong would measure nothing.
 fn right(checked: &Checked) {
-    assert!(!checked.has_errors(), "{:?}", checked.findings);
+    assert!(!checked.has_errors(), "{:?}", checked.diagnostics);
     assert!(checked.programs[0].tables.is_some());
 }
 

@@ -107,6 +107,6 @@ assembly towers in vast {{
     );
     let mut reader = |_: &str| Ok(text.as_bytes().to_vec());
     let checked = check("towers.sa", &mut reader, Limits::default());
-    assert!(!checked.has_errors(), "{:?}\n{text}", checked.findings);
+    assert!(!checked.has_errors(), "{:?}\n{text}", checked.diagnostics);
     checked
 }

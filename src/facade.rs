@@ -2,7 +2,7 @@
 use std::fmt;
 use std::ops::ControlFlow;
 
-use stochc_compiler::{Checked, Levels, Limits, Program};
+use stochc_compiler::{Checked, Limits, LintLevels, Program};
 use stochc_ir::Executable;
 use stochc_ir::record::RunRecord;
 use stochc_ir::scene::scalars::Change;
@@ -15,13 +15,13 @@ use crate::model_check;
 ///
 /// Never fails: a file that cannot be read is a finding as well.
 pub fn check(path: &str) -> Checked {
-    check_with(path, &Levels::default())
+    check_with(path, &LintLevels::default())
 }
 
 /// [`check`], with levels for the warnings that the files say nothing of.
 ///
 /// Small programs are tried [in every order of events](model_check) as well.
-pub fn check_with(path: &str, levels: &Levels) -> Checked {
+pub fn check_with(path: &str, levels: &LintLevels) -> Checked {
     let limits = Limits::default();
     let mut checked = stochc_compiler::check_with(path, &mut stochc_files::read, limits, levels);
     model_check::try_out(&mut checked);
@@ -30,14 +30,14 @@ pub fn check_with(path: &str, levels: &Levels) -> Checked {
 
 /// [`check`], from a text that imports nothing; findings call it `name`.
 pub fn check_text(name: &str, text: &str) -> Checked {
-    check_texts(&[(name, text)], &Levels::default(), "", &[])
+    check_texts(&[(name, text)], &LintLevels::default(), "", &[])
 }
 
 /// [`check_with`], from texts instead of the disk, the program's own first; with other numbers for the scene of the
 /// assembly of a name.
 pub fn check_texts(
     texts: &[(&str, &str)],
-    levels: &Levels,
+    levels: &LintLevels,
     assembly: &str,
     changes: &[Change],
 ) -> Checked {

@@ -3,7 +3,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use similar::TextDiff;
-use stochc_compiler::{self as compiler, Checked, Levels, Limits};
+use stochc_compiler::{self as compiler, Checked, Limits, LintLevels};
 use stochc_files::{atomic, programs, read, read_file};
 
 /// A file, and what it is with all safe changes.
@@ -27,7 +27,7 @@ const MARK: &[u8] = "\u{feff}".as_bytes();
 ///
 /// # Errors
 /// In the system's words, if the file cannot be read.
-pub fn fix(path: &str, levels: &Levels) -> Result<Fixed, String> {
+pub fn fix(path: &str, levels: &LintLevels) -> Result<Fixed, String> {
     let original = programs::read(path)?;
     let mut reader = |asked: &str| match asked == path {
         true => Ok(original.clone()),
@@ -96,7 +96,7 @@ mod tests {
         let path = folder.path().join("a.sa");
         let text = "assembly a { seed plate 1 x 1 { M at (0, 0) } phaze p { M.up -> A } }";
         std::fs::write(&path, text).unwrap();
-        let mended = fix(path.to_str().unwrap(), &Levels::default()).unwrap();
+        let mended = fix(path.to_str().unwrap(), &LintLevels::default()).unwrap();
         assert_eq!(mended.changes, 1);
         std::fs::write(&path, "// mine\n").unwrap();
         assert!(!mended.write().unwrap());

@@ -4,7 +4,7 @@
 //! are explored on every check, and `check --exhaustive` goes on where that ends.
 use std::fmt::Write as _;
 
-use stochc_compiler::finding::{Code, Finding};
+use stochc_compiler::diagnostic::{Code, Diagnostic};
 use stochc_compiler::{Checked, Program};
 use stochc_ir::graph::{Dependency, EventGraph, EventId};
 use stochc_ir::table::Tables;
@@ -32,13 +32,13 @@ pub fn try_out(checked: &mut Checked) {
     }
     for program in &mut checked.programs {
         if let Some(fault) = fault(program) {
-            checked.findings.push(fault);
+            checked.diagnostics.push(fault);
             program.tables = None;
         }
     }
 }
 
-fn fault(program: &Program) -> Option<Finding> {
+fn fault(program: &Program) -> Option<Diagnostic> {
     let is_small = program.plan.events.len() <= MOST_EVENTS;
     let tables = program.tables.as_ref().filter(|_| is_small)?;
     if tables.aggregate.is_some() {
@@ -56,9 +56,9 @@ fn fault(program: &Program) -> Option<Finding> {
         // Writing to a string cannot fail.
         let _ = writeln!(help, "{:5}. {line}", number + 1);
     }
-    let finding = Finding::new(Code::InternalError, title);
-    let finding = finding.label(program.plan.site, what);
-    Some(finding.help(help.trim_end()))
+    let diagnostic = Diagnostic::new(Code::InternalError, title);
+    let diagnostic = diagnostic.label(program.plan.site, what);
+    Some(diagnostic.help(help.trim_end()))
 }
 
 /// What tables are meant to do, by the dependency graph: it does not matter how they say it.

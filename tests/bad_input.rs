@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use proptest::prelude::*;
 use proptest::sample::{Index, select};
-use stochc::compiler::finding::{Code, Finding, Renderer};
+use stochc::compiler::diagnostic::{Code, Diagnostic, Renderer};
 use stochc::compiler::{Checked, Limits, check};
 
 const EXAMPLES: [&str; 8] = [
@@ -122,17 +122,17 @@ fn run(bytes: &[u8], limits: Limits) -> Checked {
 /// What has to hold of every outcome.
 fn examine(checked: &Checked) {
     let renderer = Renderer::new(false, 100);
-    for finding in &checked.findings {
-        assert!(!finding.title.is_empty(), "{finding:?}");
-        for label in &finding.labels {
+    for diagnostic in &checked.diagnostics {
+        assert!(!diagnostic.title.is_empty(), "{diagnostic:?}");
+        for label in &diagnostic.labels {
             let text = &checked.sources.file(label.site.file).text;
             let (start, end) = (label.site.span.start as usize, label.site.span.end as usize);
-            assert!(text.get(start..end).is_some(), "{finding:?}");
+            assert!(text.get(start..end).is_some(), "{diagnostic:?}");
         }
     }
-    for finding in checked.findings.iter().take(20) {
-        let shown = renderer.render(finding, &checked.sources);
-        assert!(shown.contains(finding.code.name()), "{shown}");
+    for diagnostic in checked.diagnostics.iter().take(20) {
+        let shown = renderer.render(diagnostic, &checked.sources);
+        assert!(shown.contains(diagnostic.code.name()), "{shown}");
         assert!(shown.len() < 100_000, "{} bytes", shown.len());
         let hostile = |c: char| c.is_control() && c != '\n';
         assert!(!shown.contains(hostile), "{shown:?}");
@@ -149,9 +149,9 @@ fn examine(checked: &Checked) {
 
 fn codes(checked: &Checked) -> Vec<Code> {
     let mut codes: Vec<Code> = checked
-        .findings
+        .diagnostics
         .iter()
-        .map(|finding| finding.code)
+        .map(|diagnostic| diagnostic.code)
         .collect();
     codes.dedup();
     codes
@@ -277,9 +277,9 @@ fn signs_by_the_million_are_answered() {
         ] {
             let checked = run(text.as_bytes(), SMALL);
             assert!(
-                checked.findings.len() <= 120,
+                checked.diagnostics.len() <= 120,
                 "{sign}: {}",
-                checked.findings.len()
+                checked.diagnostics.len()
             );
         }
     }
@@ -378,14 +378,14 @@ fn programs_that_multiply_stop_at_the_limit() {
         assert!(
             codes(&checked).contains(&Code::ExpansionLimit),
             "{text}: {:?}",
-            checked.findings
+            checked.diagnostics
         );
         let errors = checked
-            .findings
+            .diagnostics
             .iter()
-            .filter(|finding| finding.is_error())
+            .filter(|diagnostic| diagnostic.is_error())
             .count();
-        assert!(errors <= most, "{text}: {:#?}", checked.findings);
+        assert!(errors <= most, "{text}: {:#?}", checked.diagnostics);
     }
     // A range that is worked out and not used counts as well.
     let text = program("for i in 1..1000000 { A[1..19999].up -> B }");
@@ -415,17 +415,17 @@ fn mistakes_in_loops_are_told_a_bounded_number_of_times() {
         let checked = run(text.as_bytes(), Limits::default());
         assert!(checked.has_errors(), "{statement}");
         assert!(
-            checked.findings.len() <= 4,
+            checked.diagnostics.len() <= 4,
             "{statement}: {:#?}",
-            checked.findings
+            checked.diagnostics
         );
     }
     let text = program(&format!("A.up{}", " -> B".repeat(200_000)));
     let checked = run(text.as_bytes(), Limits::default());
     assert!(
-        checked.findings.len() <= 1_100,
+        checked.diagnostics.len() <= 1_100,
         "{}",
-        checked.findings.len()
+        checked.diagnostics.len()
     );
 }
 
@@ -443,7 +443,7 @@ fn recursive_patterns_are_told_of() {
         codes(&checked).first(),
         Some(&Code::TooDeep),
         "{:?}",
-        checked.findings
+        checked.diagnostics
     );
 }
 
@@ -474,10 +474,10 @@ fn circles_of_imports_are_told_of_once() {
         assert_eq!(codes(&checked), [Code::ImportCycle]);
         checked
     };
-    assert_eq!(circle(1, false).findings.len(), 1);
-    assert_eq!(circle(2, false).findings.len(), 1);
-    assert_eq!(circle(1_000, false).findings.len(), 1);
-    assert!(circle(100, true).findings.len() <= 100);
+    assert_eq!(circle(1, false).diagnostics.len(), 1);
+    assert_eq!(circle(2, false).diagnostics.len(), 1);
+    assert_eq!(circle(1_000, false).diagnostics.len(), 1);
+    assert!(circle(100, true).diagnostics.len() <= 100);
 }
 
 #[test]
@@ -493,8 +493,8 @@ fn files_that_import_themselves_under_new_names_come_to_an_end() {
     };
     let checked = check("a.sa", &mut reader, SMALL);
     examine(&checked);
-    let limit = |finding: &&Finding| finding.code == Code::ExpansionLimit;
-    assert_eq!(checked.findings.iter().filter(limit).count(), 1);
+    let limit = |diagnostic: &&Diagnostic| diagnostic.code == Code::ExpansionLimit;
+    assert_eq!(checked.diagnostics.iter().filter(limit).count(), 1);
     assert!(reads <= 10_001, "{reads}");
 }
 
@@ -545,13 +545,13 @@ fn unusual_characters_are_told_of_visibly() {
         ("\\", r"`\`"),
     ] {
         let checked = run(program(&format!("A.up {sign} -> T")).as_bytes(), SMALL);
-        let title = &checked.findings[0].title;
+        let title = &checked.diagnostics[0].title;
         assert!(title.contains(shown), "{title}");
     }
     // They may stand in comments, and are shown without effect.
     let hidden = program("A.up -> T // \u{1b}[2J \u{202e} \u{9b} \u{7}\nC.up -> D");
     let checked = run(hidden.as_bytes(), SMALL);
-    let shown = Renderer::new(false, 100).render(&checked.findings[0], &checked.sources);
+    let shown = Renderer::new(false, 100).render(&checked.diagnostics[0], &checked.sources);
     assert!(
         !shown.contains(['\u{1b}', '\u{202e}', '\u{9b}', '\u{7}']),
         "{shown:?}"
@@ -576,7 +576,7 @@ fn encodings_other_than_utf_8_are_told_of() {
     }
     // A mark of the byte order is no part of the text.
     let checked = run(&[b"\xef\xbb\xbf", good.as_bytes()].concat(), SMALL);
-    assert!(!checked.has_errors(), "{:?}", checked.findings);
+    assert!(!checked.has_errors(), "{:?}", checked.diagnostics);
     let checked = run(b"\xef\xbb\xbf\xff", SMALL);
     assert_eq!(codes(&checked), [Code::NotUtf8]);
 }
@@ -659,15 +659,15 @@ fn numbers_at_the_edges_do_not_wrap() {
         assert!(
             codes(&checked).contains(&code),
             "{text}: {:#?}",
-            checked.findings
+            checked.diagnostics
         );
     }
     let edge = program("A.up ->> T[2147483646..2147483647].up ->> T[-2147483648..-2147483647]");
     assert!(
         run(edge.as_bytes(), SMALL)
-            .findings
+            .diagnostics
             .iter()
-            .all(|finding| !finding.is_error() || finding.code == Code::OutsideEnclosure)
+            .all(|diagnostic| !diagnostic.is_error() || diagnostic.code == Code::OutsideEnclosure)
     );
     let plate =
         "assembly a { seed plate 100000 x 100000 { A at (99999, 99999) } phase p { A.up -> B } }";
@@ -771,7 +771,7 @@ fn files_of_a_hundred_megabytes_are_answered() {
         }
         text.push_str("} }");
         let checked = run(text.as_bytes(), Limits::default());
-        assert!(!checked.has_errors(), "{:?}", checked.findings);
+        assert!(!checked.has_errors(), "{:?}", checked.diagnostics);
     }
     for sign in [
         "{",
@@ -808,9 +808,9 @@ fn mistakes_in_declarations_are_told_a_bounded_number_of_times() {
         let checked = run(text.as_bytes(), Limits::default());
         assert!(checked.has_errors(), "{one}");
         assert!(
-            checked.findings.len() <= 2_100,
+            checked.diagnostics.len() <= 2_100,
             "{one}: {}",
-            checked.findings.len()
+            checked.diagnostics.len()
         );
     }
 }

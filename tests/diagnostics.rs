@@ -1,7 +1,7 @@
 //! Every page of `stochc explain` shows what it speaks of.
 use std::collections::BTreeMap;
 
-use stochc::compiler::finding::Code;
+use stochc::compiler::diagnostic::Code;
 use stochc::compiler::{Checked, Limits, check};
 
 /// Pages without a wrong program, and why.
@@ -133,7 +133,7 @@ fn files_that_import_each_other() {
     ];
     let checked = files(&circle, "a.sa");
     assert_eq!(codes(&checked), [Code::ImportCycle]);
-    assert_eq!(checked.findings[0].labels.len(), 3);
+    assert_eq!(checked.diagnostics[0].labels.len(), 3);
     assert_eq!(
         codes(&files(&[("a.sa", "import \"a.sa\"")], "a.sa")),
         [Code::ImportCycle]
@@ -226,9 +226,9 @@ fn fence<'a>(page: &'a str, title: &str) -> Option<&'a str> {
 
 fn codes(checked: &Checked) -> Vec<Code> {
     checked
-        .findings
+        .diagnostics
         .iter()
-        .map(|finding| finding.code)
+        .map(|diagnostic| diagnostic.code)
         .collect()
 }
 
@@ -258,9 +258,9 @@ fn a_program_without_a_bond_can_capture_nothing() {
     let mut reader = |_: &str| Ok(text.as_bytes().to_vec());
     let checked = stochc::compiler::check("a.sa", &mut reader, Default::default());
     let codes: Vec<_> = checked
-        .findings
+        .diagnostics
         .iter()
-        .map(|finding| finding.code.name())
+        .map(|diagnostic| diagnostic.code.name())
         .collect();
     assert_eq!(codes, ["missing-term"]);
 }
@@ -271,10 +271,10 @@ fn a_statement_that_is_wrong_many_times_is_told_of_once() {
         let text = format!(
             "assembly a {{ seed plate 20 x 1 {{ {seeds} }} phase p {{ S.up -> B {statement} }} }}"
         );
-        let findings = self::text(&text).findings;
-        findings
+        let diagnostics = self::text(&text).diagnostics;
+        diagnostics
             .iter()
-            .map(|finding| finding.message())
+            .map(|diagnostic| diagnostic.message())
             .collect::<Vec<_>>()
     };
     let seed = "S at (19, 0)";
@@ -320,15 +320,15 @@ fn only(declarations: &str, phase: &str) -> (String, String, Vec<String>) {
         "{declarations} assembly a {{ seed plate 2 x 1 {{ M at (0, 0)  N at (1, 0) }}
         phase p {{ {phase} }} }}"
     ));
-    let [finding] = &text.findings[..] else {
-        panic!("{:#?}", text.findings);
+    let [diagnostic] = &text.diagnostics[..] else {
+        panic!("{:#?}", text.diagnostics);
     };
-    let labels = finding.labels.iter().map(|label| {
+    let labels = diagnostic.labels.iter().map(|label| {
         let place = text.sources.text(label.site);
         format!("{place}: {}", label.text)
     });
-    let help = finding.help.clone().unwrap_or_default();
-    (finding.message(), help, labels.collect())
+    let help = diagnostic.help.clone().unwrap_or_default();
+    (diagnostic.message(), help, labels.collect())
 }
 
 const TOWER: &str = "pattern tower(base, height) { base.up ->> T[1..height] }";
@@ -421,7 +421,7 @@ fn what_hangs_on_a_wrong_instance_is_no_further_mistake() {
             "{TOWER} assembly a {{ seed plate 2 x 1 {{ M at (0, 0)  N at (1, 0) }}
             phase p {{ {wrong} as t }} phase q {{ t.T[1].up -> A after t.T[2]  release t.T[3] }} }}"
         ));
-        assert_eq!(text.findings.len(), 1, "{:#?}", text.findings);
+        assert_eq!(text.diagnostics.len(), 1, "{:#?}", text.diagnostics);
     }
 }
 
@@ -429,13 +429,13 @@ fn what_hangs_on_a_wrong_instance_is_no_further_mistake() {
 fn a_number_is_known_from_its_let_on() {
     let below = |text: &str, name: &str| {
         let checked = self::text(text);
-        let finding = &checked.findings[0];
+        let diagnostic = &checked.diagnostics[0];
         assert_eq!(
-            finding.message(),
+            diagnostic.message(),
             format!("`{name}` is used before its `let`"),
             "{text}"
         );
-        finding.labels.last().map(|label| label.text.clone())
+        diagnostic.labels.last().map(|label| label.text.clone())
     };
     let known = Some("known from here on".to_owned());
     let plate = "seed plate 1 x 1 { M at (0, 0) }";

@@ -12,7 +12,7 @@ use stochc::runtime::{Model, Settings, run};
 
 fn executables(path: &str) -> Vec<Executable> {
     let checked = stochc::check(path);
-    assert!(!checked.has_errors(), "{path}: {:?}", checked.findings);
+    assert!(!checked.has_errors(), "{path}: {:?}", checked.diagnostics);
     let programs = checked.programs.into_iter();
     programs.filter_map(Program::into_executable).collect()
 }

@@ -5,7 +5,7 @@
 )]
 use std::fmt::Write as _;
 
-use stochc::compiler::finding::{Code, Finding, Renderer, Severity};
+use stochc::compiler::diagnostic::{Code, Diagnostic, Renderer, Severity};
 use stochc::compiler::{Checked, FileId, Limits, Sources, Span, check};
 use stochc::ir::table::{Action, Tables};
 use stochc_grammar::{SyntaxError, SyntaxErrorKind};
@@ -193,11 +193,13 @@ fn sample(code: Code) -> Option<Sample> {
 }
 
 /// The messages on a code, as drawn.
-fn messages(code: Code, findings: &[Finding], sources: &Sources) -> String {
+fn messages(code: Code, diagnostics: &[Diagnostic], sources: &Sources) -> String {
     let renderer = Renderer::new(false, 80);
-    let ours = findings.iter().filter(|finding| finding.code == code);
+    let ours = diagnostics
+        .iter()
+        .filter(|diagnostic| diagnostic.code == code);
     let drawn: Vec<String> = ours
-        .map(|finding| renderer.render(finding, sources))
+        .map(|diagnostic| renderer.render(diagnostic, sources))
         .collect();
     let lines = drawn.iter().flat_map(|text| text.trim_end().lines());
     lines.map(|line| format!("{}\n", line.trim_end())).collect()
@@ -228,15 +230,15 @@ fn entry(code: Code) -> String {
         Some(sample) => {
             write!(text, "\n```sa\n{}```\n", sample.text()).unwrap();
             let checked = sample.check();
-            messages(code, &checked.findings, &checked.sources)
+            messages(code, &checked.diagnostics, &checked.sources)
         }
         None => {
             let error = SyntaxError {
                 kind: SyntaxErrorKind::FileTooLarge,
                 span: Span::default(),
             };
-            let finding = Finding::from_syntax(FileId(0), &error, "");
-            messages(code, &[finding], &Sources::default())
+            let diagnostic = Diagnostic::from_syntax(FileId(0), &error, "");
+            messages(code, &[diagnostic], &Sources::default())
         }
     };
     assert!(

@@ -16,14 +16,14 @@ fn every_example_of_the_reference_is_right() {
     let programs = programs(REFERENCE);
     assert!(programs.len() >= 15, "{} examples", programs.len());
     for (line, program) in programs {
-        no_findings(&format!("docs/language.md:{line}"), program);
+        no_diagnostics(&format!("docs/language.md:{line}"), program);
     }
 }
 
 #[test]
 fn every_example_of_the_readme_is_right() {
     for (line, program) in programs(README) {
-        no_findings(&format!("README.md:{line}"), program);
+        no_diagnostics(&format!("README.md:{line}"), program);
     }
 }
 
@@ -100,12 +100,12 @@ fn programs_behind<'a>(fence: &str, page: &'a str) -> Vec<(usize, &'a str)> {
 }
 
 /// Warnings count as well: an example is a model.
-fn no_findings(name: &str, program: &str) {
+fn no_diagnostics(name: &str, program: &str) {
     let mut reader = |_: &str| Ok(program.as_bytes().to_vec());
     let checked: Checked = check(name, &mut reader, Limits::default());
-    let findings = show(&checked, Format::Short, false, 100);
-    let findings: Vec<&str> = (findings.lines())
+    let diagnostics = show(&checked, Format::Short, false, 100);
+    let diagnostics: Vec<&str> = (diagnostics.lines())
         .filter(|line| !line.contains("warning[tight-approach]"))
         .collect();
-    assert!(findings.is_empty(), "{findings:#?}");
+    assert!(diagnostics.is_empty(), "{diagnostics:#?}");
 }

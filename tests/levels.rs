@@ -1,10 +1,10 @@
 //! Where an `allow` or `deny` of a file reaches.
 use std::collections::BTreeMap;
 
-use stochc::compiler::finding::{Code, Severity};
-use stochc::compiler::{Checked, Level, Levels, Limits, check_with};
+use stochc::compiler::diagnostic::{Code, Severity};
+use stochc::compiler::{Checked, Level, Limits, LintLevels, check_with};
 
-fn files(files: &[(&str, &str)], levels: &Levels) -> Checked {
+fn files(files: &[(&str, &str)], levels: &LintLevels) -> Checked {
     let files: BTreeMap<&str, &str> = files.iter().copied().collect();
     let mut reader = |path: &str| {
         let text = files.get(path).ok_or("no such file")?;
@@ -15,12 +15,12 @@ fn files(files: &[(&str, &str)], levels: &Levels) -> Checked {
 
 /// The codes of what is told, in capitals if it is an error.
 fn told(text: &str) -> Vec<String> {
-    let checked = files(&[("a.sa", text)], &Levels::default());
-    let name = |finding: &stochc::compiler::finding::Finding| match finding.severity {
-        Severity::Error => finding.code.name().to_uppercase(),
-        Severity::Warning => finding.code.name().to_owned(),
+    let checked = files(&[("a.sa", text)], &LintLevels::default());
+    let name = |diagnostic: &stochc::compiler::diagnostic::Diagnostic| match diagnostic.severity {
+        Severity::Error => diagnostic.code.name().to_uppercase(),
+        Severity::Warning => diagnostic.code.name().to_owned(),
     };
-    checked.findings.iter().map(name).collect()
+    checked.diagnostics.iter().map(name).collect()
 }
 
 /// A program with an unused seed and an empty phase, and statements in five places.
@@ -130,11 +130,11 @@ fn a_file_speaks_for_itself_only() {
     };
     let allow = "allow redundant-after \"in general it is not\"\n";
     let codes = |own: &str, tower: &str| -> Vec<Code> {
-        let checked = files(&[("a.sa", own), ("b.sa", tower)], &Levels::default());
+        let checked = files(&[("a.sa", own), ("b.sa", tower)], &LintLevels::default());
         checked
-            .findings
+            .diagnostics
             .iter()
-            .map(|finding| finding.code)
+            .map(|diagnostic| diagnostic.code)
             .collect()
     };
     assert_eq!(codes(&own(""), tower), [Code::RedundantAfter]);
@@ -148,12 +148,12 @@ fn a_file_speaks_for_itself_only() {
 #[test]
 fn what_is_allowed_is_kept_with_its_reason() {
     let text = program(["allow unused-seed \"a mark\"", "", "", "", ""]);
-    let mut levels = Levels::default();
+    let mut levels = LintLevels::default();
     levels.set(Some(Code::EmptyPhase), Level::Allow);
     let checked = files(&[("a.sa", &text)], &levels);
-    assert!(checked.findings.is_empty());
+    assert!(checked.diagnostics.is_empty());
     let allowed: Vec<_> = (checked.allowed.iter())
-        .map(|allowed| (allowed.finding.code, allowed.reason.as_deref()))
+        .map(|allowed| (allowed.diagnostic.code, allowed.reason.as_deref()))
         .collect();
     assert_eq!(
         allowed,
@@ -166,7 +166,7 @@ fn a_denied_program_has_no_tables() {
     let text = program(["deny warnings_ \"x\"", "", "", "", ""]);
     assert_eq!(told(&text)[0], "UNKNOWN-CODE");
     let text = program(["deny unused-seed \"x\"", "", "", "", ""]);
-    let checked = files(&[("a.sa", &text)], &Levels::default());
+    let checked = files(&[("a.sa", &text)], &LintLevels::default());
     assert!(checked.has_errors());
     assert!(checked.programs[0].tables.is_none());
 }
@@ -221,16 +221,16 @@ fn what_is_used_anywhere_is_not_told_of() {
     let own =
         "import \"b.sa\" assembly a { seed plate 1 x 1 { M at (0, 0) } phase p { M.up -> A } }";
     let library = "let n = 1 pattern t(b) { b.up -> T } shape s { layer 1 { # } }";
-    let checked = files(&[("a.sa", own), ("b.sa", library)], &Levels::default());
-    assert!(checked.findings.is_empty(), "{:?}", checked.findings);
+    let checked = files(&[("a.sa", own), ("b.sa", library)], &LintLevels::default());
+    assert!(checked.diagnostics.is_empty(), "{:?}", checked.diagnostics);
 }
 
 #[test]
 fn only_a_number_that_no_other_file_sees_is_removed_unasked() {
     let text = "let n = 1\nassembly a {\n    let k = 1\n    seed plate 1 x 1 { M at (0, 0) }\n    phase p { M.up -> A }\n}\n";
-    let checked = files(&[("a.sa", text)], &Levels::default());
-    let safe: Vec<_> = (checked.findings.iter())
-        .map(|finding| finding.fix.as_ref().map(|fix| fix.safe))
+    let checked = files(&[("a.sa", text)], &LintLevels::default());
+    let safe: Vec<_> = (checked.diagnostics.iter())
+        .map(|diagnostic| diagnostic.fix.as_ref().map(|fix| fix.safe))
         .collect();
     assert_eq!(safe, [Some(false), Some(true)]);
 }

@@ -4,8 +4,8 @@ use std::io::{Write as _, sink};
 use std::sync::{Mutex, PoisonError};
 
 use peak_alloc::PeakAlloc;
+use stochc::compiler::diagnostic::Code;
 use stochc::compiler::emit::{structure_json, structure_text};
-use stochc::compiler::finding::Code;
 use stochc::compiler::{Checked, Limits, check};
 use stochc::ir::Json;
 use stochc::ir::emit::{graph_dot, graph_json, graph_text, table_json, table_text};
@@ -67,7 +67,7 @@ fn showing_a_program_takes_no_more_memory_than_compiling_it_has() {
     let text = |text: &dyn Display| peak(|| write!(sink(), "{text}").unwrap()).1;
     for (towers, in_one) in [(2_500, false), (10_000, false), (10_000, true)] {
         let checked = checked(&program(towers, in_one));
-        assert!(!checked.has_errors(), "{:?}", checked.findings);
+        assert!(!checked.has_errors(), "{:?}", checked.diagnostics);
         let (program, symbols) = (&checked.programs[0], &checked.symbols);
         let (plan, layout, graph) = (&program.plan, &program.layout, &program.event_graph());
         let tables = program.tables.as_ref().unwrap();
@@ -127,7 +127,7 @@ fn a_program_beyond_the_limits_takes_little_memory() {
             .to_owned(),
     ] {
         let (checked, taken) = peak(|| checked(&text));
-        let codes: Vec<Code> = checked.findings.iter().map(|finding| finding.code).collect();
+        let codes: Vec<Code> = checked.diagnostics.iter().map(|diagnostic| diagnostic.code).collect();
         assert!(codes.contains(&Code::ExpansionLimit), "{text:.200}: {codes:?}");
         assert!(taken < 100 * MIB, "{text:.200}: {} MiB", taken / MIB);
     }

@@ -7,8 +7,8 @@ use std::sync::LazyLock;
 
 use jsonschema::Validator;
 use serde_json::Value;
-use stochc::compiler::finding::Code;
-use stochc::compiler::{Checked, Level, Levels, Limits, check_with};
+use stochc::compiler::diagnostic::Code;
+use stochc::compiler::{Checked, Level, Limits, LintLevels, check_with};
 use stochc::diagnostics::Log;
 
 static SCHEMA: LazyLock<Validator> = LazyLock::new(|| {
@@ -34,7 +34,7 @@ fn report<'a>(checks: impl IntoIterator<Item = (&'a str, Checked)>) -> Value {
     document
 }
 
-fn checked(path: &str, text: &str, levels: &Levels) -> Checked {
+fn checked(path: &str, text: &str, levels: &LintLevels) -> Checked {
     let mut reader = |asked: &str| match asked == path {
         true => Ok(text.as_bytes().to_vec()),
         false => Err("no such file".to_owned()),
@@ -69,7 +69,10 @@ fn every_page_and_fixture_gives_a_valid_report() {
             .split_once("Wrong:\n\n```sa\n")
             .map_or("", |(_, rest)| rest);
         let program = program.split("```").next().unwrap_or_default();
-        let report = report([("page.sa", checked("page.sa", program, &Levels::default()))]);
+        let report = report([(
+            "page.sa",
+            checked("page.sa", program, &LintLevels::default()),
+        )]);
         results += report["runs"][0]["results"].as_array().unwrap().len();
     }
     assert!(results > 40);
@@ -77,14 +80,14 @@ fn every_page_and_fixture_gives_a_valid_report() {
         let path = entry.unwrap().path();
         let name = path.to_str().unwrap();
         let text = std::fs::read_to_string(&path).unwrap();
-        report([(name, checked(name, &text, &Levels::default()))]);
+        report([(name, checked(name, &text, &LintLevels::default()))]);
     }
 }
 
 #[test]
 fn every_code_is_a_rule_and_every_result_has_its_number() {
     let text = "assembly a { seed plate 1 x 1 { M at (0, 0) } phase p { Q.up -> A } }";
-    let report = report([("a.sa", checked("a.sa", text, &Levels::default()))]);
+    let report = report([("a.sa", checked("a.sa", text, &LintLevels::default()))]);
     let run = &report["runs"][0];
     let rules = run["tool"]["driver"]["rules"].as_array().unwrap();
     assert_eq!(rules.len(), Code::ALL.len());
@@ -108,14 +111,14 @@ fn places_count_characters_and_name_their_file() {
     let name = "/projects/towers/zwei türme.sa";
     let text = "assembly a { seed plate 1 x 1 { M at (0, 0) }\n\
                 phase p { /* */ } }\n// µµ\nassembly b { /* µ */ seed plate 1 x 1 { } }";
-    let report = report([(name, checked(name, text, &Levels::default()))]);
+    let report = report([(name, checked(name, text, &LintLevels::default()))]);
     let result = &report["runs"][0]["results"][0];
     let place = &result["locations"][0]["physicalLocation"];
     assert_eq!(place["artifactLocation"]["uri"], "zwei%20t%C3%BCrme.sa");
     assert_eq!(place["region"]["startLine"], 2);
     assert_eq!(place["region"]["startColumn"], 11);
     let wide = "let µ";
-    let report = self::report([("a.sa", checked("a.sa", wide, &Levels::default()))]);
+    let report = self::report([("a.sa", checked("a.sa", wide, &LintLevels::default()))]);
     let region = &report["runs"][0]["results"][0]["locations"][0]["physicalLocation"]["region"];
     assert_eq!(
         (&region["startColumn"], &region["endColumn"]),
@@ -128,7 +131,7 @@ fn levels_fixes_and_reasons_are_in_the_report() {
     let text = "allow empty-phase \"not yet\"\nassembly a {\n    seed plate 2 x 1 {\n        \
                 M at (0, 0)\n        N at (1, 0)\n    }\n    phase p { M.up -> A }\n    phase q { }\n    \
                 phase r { A.up -> B after A }\n}\n";
-    let mut levels = Levels::default();
+    let mut levels = LintLevels::default();
     levels.set(Some(Code::UnusedSeed), Level::Deny);
     levels.set(Some(Code::RedundantAfter), Level::Allow);
     let mut nothing = |_: &str| Err("no such file".to_owned());

@@ -9,7 +9,7 @@ fn examples_compile_as_before() {
         let mut reader = |_: &str| Ok(text.clone());
         let shown = format!("examples/{name}.sa");
         let checked = stochc::compiler::check(&shown, &mut reader, Default::default());
-        assert!(!checked.has_errors(), "{:?}", checked.findings);
+        assert!(!checked.has_errors(), "{:?}", checked.diagnostics);
         let symbols = &checked.symbols;
         let mut settings = insta::Settings::clone_current();
         settings.set_omit_expression(true);
@@ -83,7 +83,7 @@ fn one_program_is_lowered_for_three_kinds_of_hardware() {
         let text = format!("{}{text}", scene(base));
         let mut reader = |_: &str| Ok(text.clone().into_bytes());
         let checked = stochc::compiler::check("tower.sa", &mut reader, Default::default());
-        assert!(!checked.has_errors(), "{:?}", checked.findings);
+        assert!(!checked.has_errors(), "{:?}", checked.diagnostics);
         let tables = checked.programs[0].tables.clone().unwrap();
         let json = serde_json::to_value(table_json(&tables)).unwrap();
         (table_text(&tables).to_string(), json)

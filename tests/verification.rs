@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-use stochc::compiler::finding::{Code, Finding};
+use stochc::compiler::diagnostic::{Code, Diagnostic};
 use stochc::compiler::{Checked, Limits, check};
 use stochc::ir::table::Tables;
 use stochc::ir::{Cell, Face};
@@ -64,16 +64,16 @@ fn case(path: PathBuf) -> Case {
 }
 
 impl Case {
-    fn errors(&self) -> Vec<&Finding> {
-        (self.checked.findings.iter())
-            .filter(|finding| finding.is_error())
+    fn errors(&self) -> Vec<&Diagnostic> {
+        (self.checked.diagnostics.iter())
+            .filter(|diagnostic| diagnostic.is_error())
             .collect()
     }
 
     fn tables(&self) -> &Tables {
         let program = &self.checked.programs[0];
         (program.tables.as_ref().or(program.stuck.as_ref()))
-            .unwrap_or_else(|| panic!("{}: {:#?}", self.name, self.checked.findings))
+            .unwrap_or_else(|| panic!("{}: {:#?}", self.name, self.checked.diagnostics))
     }
 
     fn execute(&self) -> Report {
@@ -146,8 +146,8 @@ fn proof_and_execution_agree_on_every_program() {
         if titles.is_empty() {
             titles.push("right".to_owned());
         }
-        let is_tight = |finding: &Finding| finding.code == Code::TightApproach;
-        if case.checked.findings.iter().any(is_tight) {
+        let is_tight = |diagnostic: &Diagnostic| diagnostic.code == Code::TightApproach;
+        if case.checked.diagnostics.iter().any(is_tight) {
             titles.push("`tight-approach`".to_owned());
         }
         let number = case.name.split('_').next().unwrap();
@@ -262,11 +262,11 @@ fn never_means_in_no_order() {
         let text = random(&mut draw);
         let mut reader = |_: &str| Ok(text.clone().into_bytes());
         let checked = check("random.sa", &mut reader, Limits::default());
-        let sealed: Vec<&Finding> = (checked.findings.iter())
-            .filter(|finding| finding.code == Code::SealedCavity)
+        let sealed: Vec<&Diagnostic> = (checked.diagnostics.iter())
+            .filter(|diagnostic| diagnostic.code == Code::SealedCavity)
             .collect();
         if sealed.is_empty()
-            || sealed.len() < checked.findings.iter().filter(|f| f.is_error()).count()
+            || sealed.len() < checked.diagnostics.iter().filter(|f| f.is_error()).count()
         {
             continue;
         }
@@ -291,18 +291,18 @@ fn never_means_in_no_order() {
         exploration.hangs_allowed = true;
         let report = exploration.run();
         assert!(report.holds() && report.hangs > 0, "{text}\n{report:#?}");
-        for finding in sealed {
-            let name = finding.title.split('`').nth(1).unwrap();
+        for diagnostic in sealed {
+            let name = diagnostic.title.split('`').nth(1).unwrap();
             let event = (program.plan.events.iter())
                 .position(|event| program.plan.roles.name(event.role, &checked.symbols) == name)
                 .unwrap();
             let is_reached = seen
                 .borrow()
                 .contains(&program.layout.cells[event].unwrap());
-            let is_never = finding.title.starts_with("no block can ever come");
+            let is_never = diagnostic.title.starts_with("no block can ever come");
             never += usize::from(is_never);
             at_times += usize::from(!is_never);
-            assert_eq!(is_never, !is_reached, "{text}\n{}", finding.title);
+            assert_eq!(is_never, !is_reached, "{text}\n{}", diagnostic.title);
         }
     }
     println!("in {programs} programs: {never} in no order, {at_times} in some");

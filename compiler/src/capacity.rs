@@ -1,12 +1,12 @@
 //! Whether the scene has the blocks and the room.
 use stochc_ir::scene::{BondKind, Scene};
 
-use crate::finding::{Code, Finding};
+use crate::diagnostic::{Code, Diagnostic};
 use crate::layout::Layout;
-use crate::plan::{Deed, Plan};
+use crate::plan::{EventKind, Plan};
 
 /// Compares an aggregate with its scene: blocks have to bond to each other unasked, and there have to be enough.
-pub fn check_aggregate(plan: &Plan, scene: &Scene, findings: &mut Vec<Finding>) {
+pub fn check_aggregate(plan: &Plan, scene: &Scene, diagnostics: &mut Vec<Diagnostic>) {
     if !BondKind::of(scene).is_passive() {
         let (said, what) = match &scene.bond {
             Some(bond) => (
@@ -15,8 +15,8 @@ pub fn check_aggregate(plan: &Plan, scene: &Scene, findings: &mut Vec<Finding>) 
             ),
             None => ("has no `bond`".to_owned(), "nothing bonds"),
         };
-        findings.push(
-            Finding::new(
+        diagnostics.push(
+            Diagnostic::new(
                 Code::CannotAggregate,
                 format!(
                     "free blocks do not bond to each other in the scene `{}`",
@@ -35,8 +35,8 @@ pub fn check_aggregate(plan: &Plan, scene: &Scene, findings: &mut Vec<Finding>) 
         plan.aggregate.filter(|size| *size > free),
         plan.phases.first(),
     ) {
-        findings.push(
-            Finding::new(
+        diagnostics.push(
+            Diagnostic::new(
                 Code::TooFewBlocks,
                 format!("the aggregate needs {size} free blocks, the scene has {free}"),
             )
@@ -52,7 +52,7 @@ pub fn check_aggregate(plan: &Plan, scene: &Scene, findings: &mut Vec<Finding>) 
 }
 
 /// Compares a program with its scene.
-pub fn check(plan: &Plan, layout: &Layout, scene: &Scene, findings: &mut Vec<Finding>) {
+pub fn check(plan: &Plan, layout: &Layout, scene: &Scene, diagnostics: &mut Vec<Diagnostic>) {
     let free = scene.free.count;
     let needed = layout
         .sizes
@@ -62,8 +62,8 @@ pub fn check(plan: &Plan, layout: &Layout, scene: &Scene, findings: &mut Vec<Fin
     if let Some((&size, phase)) = needed
         && size > free
     {
-        findings.push(
-            Finding::new(
+        diagnostics.push(
+            Diagnostic::new(
                 Code::TooFewBlocks,
                 format!("the structure needs {size} free blocks, the scene has {free}"),
             )
@@ -76,11 +76,11 @@ pub fn check(plan: &Plan, layout: &Layout, scene: &Scene, findings: &mut Vec<Fin
             )),
         );
     }
-    let captures = |event: &&crate::plan::Event| matches!(event.deed, Deed::Capture { .. });
+    let captures = |event: &&crate::plan::Event| matches!(event.kind, EventKind::Capture { .. });
     if let (None, Some(first)) = (&scene.bond, plan.events.iter().find(captures)) {
         let title = format!("the scene `{}` has no `bond`", scene.name);
-        findings.push(
-            Finding::new(Code::MissingTerm, title)
+        diagnostics.push(
+            Diagnostic::new(Code::MissingTerm, title)
                 .label(first.site, "nothing can be captured in it")
                 .help("add a clause such as `bond attract { pull 15 N within 20cm  anchor centres 1mm }`"),
         );
@@ -99,8 +99,8 @@ pub fn check(plan: &Plan, layout: &Layout, scene: &Scene, findings: &mut Vec<Fin
         .iter()
         .zip(&layout.cells)
         .find_map(|(event, cell)| {
-            let cell =
-                (*cell).filter(|_| event.sound && matches!(event.deed, Deed::Capture { .. }))?;
+            let cell = (*cell)
+                .filter(|_| event.sound && matches!(event.kind, EventKind::Capture { .. }))?;
             let x = (f64::from(cell.x) - east).abs() + 0.5;
             let y = (f64::from(cell.y) - north).abs() + 0.5;
             let (top, bottom) = (f64::from(cell.z), f64::from(cell.z) - 1.0);
@@ -109,8 +109,8 @@ pub fn check(plan: &Plan, layout: &Layout, scene: &Scene, findings: &mut Vec<Fin
             (distance > radius).then_some((event, cell, distance))
         });
     if let Some((event, cell, distance)) = outside {
-        findings.push(
-            Finding::new(
+        diagnostics.push(
+            Diagnostic::new(
                 Code::OutsideEnclosure,
                 "the structure grows out of the enclosure",
             )

@@ -1,8 +1,8 @@
 //! A program with all its safe fixes.
 use std::sync::Arc;
 
-use crate::finding::Change;
-use crate::lint_levels::Levels;
+use crate::diagnostic::Change;
+use crate::lint_levels::LintLevels;
 use crate::load::Reader;
 use crate::program::{Checked, check_with};
 use crate::{FileId, Limits, trial};
@@ -25,7 +25,7 @@ pub struct Fixed {
 ///
 /// A round makes the fixes that fit together and leaves nothing new behind. Each has been tried
 /// alone; where they do not go together, the first half of them is tried.
-pub fn fix(path: &str, reader: &mut dyn Reader, limits: Limits, levels: &Levels) -> Fixed {
+pub fn fix(path: &str, reader: &mut dyn Reader, limits: Limits, levels: &LintLevels) -> Fixed {
     let mut again = |texts: &mut dyn Reader| check_with(path, texts, limits, levels);
     let before = again(reader);
     let mut now: Option<Checked> = None;
@@ -54,9 +54,9 @@ fn round(
 ) -> Option<(Checked, usize)> {
     const OWN: FileId = FileId(0);
     let text = &now.sources.files().first()?.text;
-    let fix = |number: usize| now.findings[number].fix.as_ref().filter(|fix| fix.safe);
+    let fix = |number: usize| now.diagnostics[number].fix.as_ref().filter(|fix| fix.safe);
     let is_safe = |&number: &usize| fix(number).is_some();
-    let safe: Vec<usize> = (0..now.findings.len()).filter(is_safe).collect();
+    let safe: Vec<usize> = (0..now.diagnostics.len()).filter(is_safe).collect();
     let mut most = safe.len();
     while most > 0 {
         let mut change = Change::new(OWN, text);

@@ -5,7 +5,7 @@ use stochc_grammar::{Cancellation, Cancelled};
 use crate::Site;
 use crate::layout::Layout;
 use crate::liveness::Liveness;
-use crate::plan::{Deed, EventId, Plan};
+use crate::plan::{EventId, EventKind, Plan};
 
 /// Captures and releases, and what each waits for.
 ///
@@ -110,7 +110,7 @@ fn face_turns(
         for id in plan.events_of(phase) {
             cancellation.check()?;
             let event = plan.event(id);
-            let Deed::Capture { parent, .. } = event.deed else {
+            let EventKind::Capture { parent, .. } = event.kind else {
                 continue;
             };
             if !event.sound {

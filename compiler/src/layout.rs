@@ -4,9 +4,9 @@ use stochc_grammar::{Cancellation, Cancelled, Symbols};
 use stochc_ir::table::RoleId;
 use stochc_ir::{Cell, Face};
 
-use crate::finding::{Code, Finding, tell};
+use crate::diagnostic::{Code, Diagnostic, tell};
 use crate::liveness::{Holder, Liveness};
-use crate::plan::{Deed, EventId, Plan};
+use crate::plan::{EventId, EventKind, Plan};
 
 /// The geometry of a program.
 #[derive(Clone, Debug)]
@@ -55,7 +55,7 @@ pub fn lay_out(
     liveness: &Liveness,
     symbols: &Symbols,
     cancellation: Cancellation<'_>,
-    findings: &mut Vec<Finding>,
+    diagnostics: &mut Vec<Diagnostic>,
 ) -> Result<Layout, Cancelled> {
     let count = plan.events.len();
     let mut seats: Vec<Option<Seat>> = vec![None; plan.roles.count()];
@@ -67,8 +67,8 @@ pub fn lay_out(
         };
         if let Some(first) = taken.insert(seed.cell, seed.role) {
             let first = plan.seeds[first.0 as usize];
-            findings.push(
-                Finding::new(Code::OccupiedCell, format!("two seeds at {}", seed.cell))
+            diagnostics.push(
+                Diagnostic::new(Code::OccupiedCell, format!("two seeds at {}", seed.cell))
                     .label(seed.site, "a second one")
                     .label(first.site, "the first")
                     .help("give each seed a place of its own"),
@@ -89,7 +89,7 @@ pub fn lay_out(
         liveness,
         symbols,
         cancellation,
-        findings,
+        diagnostics,
         layout,
         seats,
         taken,
@@ -105,7 +105,7 @@ struct Surveyor<'a> {
     liveness: &'a Liveness,
     symbols: &'a Symbols,
     cancellation: Cancellation<'a>,
-    findings: &'a mut Vec<Finding>,
+    diagnostics: &'a mut Vec<Diagnostic>,
     layout: Layout,
     /// Where the blocks are that are anchored at the start of the phase.
     seats: Vec<Option<Seat>>,
@@ -120,14 +120,14 @@ impl Surveyor<'_> {
         let mut leaving: FxHashMap<Holder, EventId> = FxHashMap::default();
         for &id in &events {
             let event = self.plan.event(id);
-            if event.sound && event.deed == Deed::Release {
+            if event.sound && event.kind == EventKind::Release {
                 leaving.insert(self.liveness.actor(self.plan, id), id);
             }
         }
         let arrivals = self.captures(&events, &leaving)?;
         for &id in &events {
             let event = *self.plan.event(id);
-            if event.sound && event.deed == Deed::Release {
+            if event.sound && event.kind == EventKind::Release {
                 let context = self.liveness.contexts[id.0 as usize];
                 let (cell, on) = match context.anchored_by {
                     Some(capture) => {
@@ -160,7 +160,7 @@ impl Surveyor<'_> {
         let mut ready: Vec<EventId> = Vec::new();
         for &id in events {
             let event = self.plan.event(id);
-            if !event.sound || event.deed == Deed::Release {
+            if !event.sound || event.kind == EventKind::Release {
                 continue;
             }
             match self.liveness.contexts[id.0 as usize].anchored_by {
@@ -188,7 +188,7 @@ impl Surveyor<'_> {
         arrivals: &mut FxHashMap<Cell, EventId>,
     ) {
         let event = *self.plan.event(id);
-        let Deed::Capture { parent, face } = event.deed else {
+        let EventKind::Capture { parent, face } = event.kind else {
             return;
         };
         let base = match self.liveness.contexts[id.0 as usize].anchored_by {
@@ -220,7 +220,7 @@ impl Surveyor<'_> {
             let name = self.plan.roles.name(event.role, self.symbols);
             self.reject(
                 id,
-                Finding::new(
+                Diagnostic::new(
                     Code::BelowPlate,
                     format!("`{name}` would be inside the ground"),
                 )
@@ -238,13 +238,13 @@ impl Surveyor<'_> {
                         None => event.site,
                     };
                     let name = self.plan.roles.name(there, self.symbols);
-                    let finding = self
+                    let diagnostic = self
                         .occupied(id, cell)
                         .label(site, format!("`{name}` is there"))
                         .help(format!(
                             "capture through another face, or release `{name}` first"
                         ));
-                    self.reject(id, finding);
+                    self.reject(id, diagnostic);
                     return;
                 }
             }
@@ -253,11 +253,11 @@ impl Surveyor<'_> {
             let first_event = *self.plan.event(first);
             let name = self.plan.roles.name(first_event.role, self.symbols);
             let label = format!("`{name}` takes it in the same phase");
-            let finding = self
+            let diagnostic = self
                 .occupied(id, cell)
                 .label(first_event.site, label)
                 .help("put the second one into a later phase, behind the release of the first");
-            self.reject(id, finding);
+            self.reject(id, diagnostic);
             return;
         }
         arrivals.insert(cell, id);
@@ -265,7 +265,7 @@ impl Surveyor<'_> {
 
     fn is_free_face(&mut self, id: EventId, base: Seat, face: Face) -> bool {
         let event = *self.plan.event(id);
-        let Deed::Capture { parent, .. } = event.deed else {
+        let EventKind::Capture { parent, .. } = event.kind else {
             return true;
         };
         let name = self.plan.roles.name(parent, self.symbols);
@@ -273,7 +273,7 @@ impl Surveyor<'_> {
             None if face != Face::Up => {
                 self.reject(
                     id,
-                    Finding::new(
+                    Diagnostic::new(
                         Code::EmbeddedFace,
                         format!("the {face} face of `{name}` is inside the plate"),
                     )
@@ -288,7 +288,7 @@ impl Surveyor<'_> {
                 let site = self.plan.event(on.capture).site;
                 self.reject(
                     id,
-                    Finding::new(
+                    Diagnostic::new(
                         Code::AnchoringFace,
                         format!("the {face} face of `{name}` is the one that anchors it"),
                     )
@@ -302,19 +302,19 @@ impl Surveyor<'_> {
         }
     }
 
-    fn occupied(&self, id: EventId, cell: Cell) -> Finding {
+    fn occupied(&self, id: EventId, cell: Cell) -> Diagnostic {
         let event = self.plan.event(id);
         let name = self.plan.roles.name(event.role, self.symbols);
-        Finding::new(
+        Diagnostic::new(
             Code::OccupiedCell,
             format!("`{name}` would dock where a block is"),
         )
         .label(event.site, format!("its cell is {cell}"))
     }
 
-    fn reject(&mut self, id: EventId, finding: Finding) {
+    fn reject(&mut self, id: EventId, diagnostic: Diagnostic) {
         self.plan.events[id.0 as usize].sound = false;
-        tell(self.findings, finding);
+        tell(self.diagnostics, diagnostic);
     }
 
     /// Releases that would leave a child without a parent, and the order among releases.
@@ -330,7 +330,7 @@ impl Surveyor<'_> {
             let Some(cell) = self.layout.cells[id.0 as usize] else {
                 continue;
             };
-            if !event.sound || event.deed != Deed::Release {
+            if !event.sound || event.kind != EventKind::Release {
                 continue;
             }
             let parent = self.liveness.actor(self.plan, id);
@@ -360,7 +360,7 @@ impl Surveyor<'_> {
                     let site = self.plan.event(capture).site;
                     self.reject(
                         id,
-                        Finding::new(
+                        Diagnostic::new(
                             Code::Adrift,
                             format!("releasing `{name}` sets `{child}` adrift"),
                         )
@@ -400,7 +400,7 @@ impl Surveyor<'_> {
         for &id in events {
             let event = *self.plan.event(id);
             if event.sound
-                && event.deed == Deed::Release
+                && event.kind == EventKind::Release
                 && self.liveness.contexts[id.0 as usize].anchored_by.is_none()
                 && let Some(seat) = self.seats[event.role.0 as usize].take()
             {
@@ -411,7 +411,7 @@ impl Surveyor<'_> {
         for &id in events {
             let event = *self.plan.event(id);
             let i = id.0 as usize;
-            let (Some(cell), Deed::Capture { .. }) = (self.layout.cells[i], event.deed) else {
+            let (Some(cell), EventKind::Capture { .. }) = (self.layout.cells[i], event.kind) else {
                 continue;
             };
             let is_brief = leaving.contains_key(&Holder::captured(event.role, id));

@@ -8,10 +8,10 @@
 //! and leaves the wrong part out, so that the next one can go on.
 mod capacity;
 pub mod cost;
+pub mod diagnostic;
 pub mod emit;
 mod executable;
 mod expand;
-pub mod finding;
 mod fix;
 pub mod graph;
 pub mod layout;
@@ -37,7 +37,7 @@ mod unused;
 
 pub use expand::{Limits, MAX_NESTING};
 pub use fix::{Fixed, fix};
-pub use lint_levels::{Allowed, Level, Levels};
+pub use lint_levels::{Allowed, Level, LintLevels};
 pub use load::{Module, Reader, join as join_import};
 pub use program::{
     Checked, Program, Stage, check, check_cancellable, check_changed, check_observed, check_with,

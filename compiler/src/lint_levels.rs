@@ -4,7 +4,7 @@ use stochc_grammar::tree::{Item, ItemKind, Level as Statement, Verdict};
 use stochc_grammar::{Span, Symbols};
 use stochc_ir::suggest::nearest;
 
-use crate::finding::{Code, Finding, Fix, Severity, removal, tell};
+use crate::diagnostic::{Code, Diagnostic, Fix, Severity, removal, tell};
 use crate::load::Module;
 use crate::{FileId, Site, Sources};
 
@@ -21,11 +21,11 @@ pub enum Level {
 
 /// The levels of the warnings where the files say nothing; every one is told by default.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Levels {
+pub struct LintLevels {
     said: Vec<(Option<Code>, Level)>,
 }
 
-impl Levels {
+impl LintLevels {
     /// Sets the level of a warning, or of all of them; what is said later counts. The level of an
     /// error is fixed, and saying otherwise has no effect.
     pub fn set(&mut self, code: Option<Code>, level: Level) {
@@ -44,7 +44,7 @@ impl Levels {
 #[derive(Clone, Debug)]
 pub struct Allowed {
     /// It.
-    pub finding: Finding,
+    pub diagnostic: Diagnostic,
     /// Why, in the words of the file; `None`: the command line allows it.
     pub reason: Option<String>,
 }
@@ -86,7 +86,7 @@ struct Scope {
 
 /// Where a walk through a file is.
 #[derive(Clone, Copy)]
-struct Place {
+struct LevelScope {
     file: FileId,
     outer: Option<usize>,
     judged: bool,
@@ -98,7 +98,7 @@ impl FileLevels {
         modules: &[Module],
         sources: &Sources,
         symbols: &Symbols,
-        findings: &mut Vec<Finding>,
+        diagnostics: &mut Vec<Diagnostic>,
     ) -> FileLevels {
         let mut levels = FileLevels::default();
         let own = modules.last().map(|module| module.file);
@@ -106,14 +106,14 @@ impl FileLevels {
             let items = &module.tree.items;
             let has_program =
                 |item: &Item| matches!(item.kind, ItemKind::Assembly(_) | ItemKind::Aggregate(_));
-            let place = Place {
+            let place = LevelScope {
                 file: module.file,
                 outer: None,
                 // Patterns of a file may warn only where another file grows them.
                 judged: own == Some(module.file) && items.iter().any(has_program),
             };
             let whole = Span::new(0, sources.file(module.file).text.len() as u32);
-            levels.block(items, whole, place, sources, symbols, findings);
+            levels.block(items, whole, place, sources, symbols, diagnostics);
         }
         levels
     }
@@ -123,10 +123,10 @@ impl FileLevels {
         &mut self,
         items: &[Item],
         span: Span,
-        mut place: Place,
+        mut place: LevelScope,
         sources: &Sources,
         symbols: &Symbols,
-        findings: &mut Vec<Finding>,
+        diagnostics: &mut Vec<Diagnostic>,
     ) {
         let mut set = FxHashMap::default();
         for item in items {
@@ -151,7 +151,7 @@ impl FileLevels {
                         used: false,
                     });
                 }
-                Err(finding) => tell(findings, *finding),
+                Err(diagnostic) => tell(diagnostics, *diagnostic),
             }
         }
         if !set.is_empty() {
@@ -173,22 +173,22 @@ impl FileLevels {
                 }
                 _ => continue,
             };
-            self.block(body, item.span, inner, sources, symbols, findings);
+            self.block(body, item.span, inner, sources, symbols, diagnostics);
         }
     }
 
     /// Sorts the findings of a check into those that are told and those that are allowed.
     pub fn judge(
         mut self,
-        findings: Vec<Finding>,
-        levels: &Levels,
+        diagnostics: Vec<Diagnostic>,
+        levels: &LintLevels,
         sources: &Sources,
-    ) -> (Vec<Finding>, Vec<Allowed>) {
+    ) -> (Vec<Diagnostic>, Vec<Allowed>) {
         let (mut told, mut allowed) = (Vec::new(), Vec::new());
         // What keeps a program from being compiled also keeps warnings from being found.
-        let complete = !findings.iter().any(Finding::is_error);
-        for finding in findings {
-            self.decide(finding, levels, &mut told, &mut allowed);
+        let complete = !diagnostics.iter().any(Diagnostic::is_error);
+        for diagnostic in diagnostics {
+            self.decide(diagnostic, levels, &mut told, &mut allowed);
         }
         if complete {
             // An allowed `unused-allow` is put to use by the other ones.
@@ -199,11 +199,11 @@ impl FileLevels {
                         && set.verdict == Verdict::Allow
                         && (set.code == Code::UnusedAllow) == about_itself
                 };
-                let findings: Vec<Finding> = (self.statements.iter().filter(unused))
+                let diagnostics: Vec<Diagnostic> = (self.statements.iter().filter(unused))
                     .map(|set| set.unused(sources))
                     .collect();
-                for finding in findings {
-                    self.decide(finding, levels, &mut told, &mut allowed);
+                for diagnostic in diagnostics {
+                    self.decide(diagnostic, levels, &mut told, &mut allowed);
                 }
             }
         }
@@ -212,16 +212,16 @@ impl FileLevels {
 
     fn decide(
         &mut self,
-        mut finding: Finding,
-        levels: &Levels,
-        told: &mut Vec<Finding>,
+        mut diagnostic: Diagnostic,
+        levels: &LintLevels,
+        told: &mut Vec<Diagnostic>,
         allowed: &mut Vec<Allowed>,
     ) {
-        if finding.code.severity() == Severity::Error {
-            return told.push(finding);
+        if diagnostic.code.severity() == Severity::Error {
+            return told.push(diagnostic);
         }
-        let site = finding.labels.first().map(|label| label.site);
-        let set = site.and_then(|site| self.find(finding.code, site));
+        let site = diagnostic.labels.first().map(|label| label.site);
+        let set = site.and_then(|site| self.find(diagnostic.code, site));
         let level = match set {
             // No statement speaks of itself.
             Some(set) if Some(self.statements[set].site) != site => {
@@ -229,23 +229,23 @@ impl FileLevels {
                 set.used = true;
                 if set.verdict == Verdict::Allow {
                     let reason = Some(set.reason.clone());
-                    return allowed.push(Allowed { finding, reason });
+                    return allowed.push(Allowed { diagnostic, reason });
                 }
                 let text = format!("denied here: {}", set.reason);
-                finding = finding.label(set.site, text);
+                diagnostic = diagnostic.label(set.site, text);
                 Level::Deny
             }
-            _ => levels.of(finding.code),
+            _ => levels.of(diagnostic.code),
         };
         match level {
             Level::Allow => allowed.push(Allowed {
-                finding,
+                diagnostic,
                 reason: None,
             }),
-            Level::Warn => told.push(finding),
+            Level::Warn => told.push(diagnostic),
             Level::Deny => {
-                finding.severity = Severity::Error;
-                told.push(finding);
+                diagnostic.severity = Severity::Error;
+                told.push(diagnostic);
             }
         }
     }
@@ -269,19 +269,19 @@ impl FileLevels {
 }
 
 impl Set {
-    fn unused(&self, sources: &Sources) -> Finding {
+    fn unused(&self, sources: &Sources) -> Diagnostic {
         let title = format!("there is no `{}` here to allow", self.code);
-        let mut finding = Finding::new(Code::UnusedAllow, title)
+        let mut diagnostic = Diagnostic::new(Code::UnusedAllow, title)
             .label(self.site, "allows nothing")
             .help("remove it, or look whether it stands in the right block");
         // The comments of a removed statement would belong to nothing.
         if !self.documented {
-            finding.fix = Some(Fix::remove(
+            diagnostic.fix = Some(Fix::remove(
                 removal(sources, self.whole),
                 "remove the `allow`",
             ));
         }
-        finding
+        diagnostic
     }
 }
 
@@ -291,7 +291,7 @@ fn code(
     whole: Site,
     sources: &Sources,
     symbols: &Symbols,
-) -> Result<Code, Box<Finding>> {
+) -> Result<Code, Box<Diagnostic>> {
     let word = symbols.word(statement.code.symbol);
     let verdict = statement.verdict.word();
     let site = Site {
@@ -302,7 +302,7 @@ fn code(
         let title = format!("no finding has the code `{word}`");
         let meant = nearest(word, Code::ALL.iter().map(|code| code.name()));
         return Err(Box::new(
-            Finding::new(Code::UnknownCode, title)
+            Diagnostic::new(Code::UnknownCode, title)
                 .label(site, "not known")
                 .suggest(site, meant, || {
                     "`stochc explain` lists all codes".to_owned()
@@ -322,12 +322,12 @@ fn code(
             "remove the `deny`; only warnings need one".to_owned(),
         ),
     };
-    let mut finding = Finding::new(Code::FixedLevel, title)
+    let mut diagnostic = Diagnostic::new(Code::FixedLevel, title)
         .label(site, "an error")
         .help(help);
     if statement.verdict == Verdict::Deny {
         let title = format!("remove the `{verdict}`");
-        finding.fix = Some(Fix::remove(removal(sources, whole), title));
+        diagnostic.fix = Some(Fix::remove(removal(sources, whole), title));
     }
-    Err(Box::new(finding))
+    Err(Box::new(diagnostic))
 }

@@ -4,11 +4,11 @@ use stochc_grammar::{Cancellation, Cancelled, Symbol, Symbols};
 use stochc_ir::suggest::nearest;
 use stochc_ir::table::{RoleId, Trigger};
 
-use crate::finding::{
-    Code, Finding, Fix, MOST_FINDINGS, entry, hand_in, is_repeated, named, removal, tell,
+use crate::diagnostic::{
+    Code, Diagnostic, Fix, MOST_FINDINGS, entry, hand_in, is_repeated, named, removal, tell,
 };
 use crate::members::members;
-use crate::plan::{Deed, EventId, Grown, Key, Plan};
+use crate::plan::{EventId, EventKind, Grown, Key, Plan};
 use crate::{Site, Sources};
 
 /// Who holds the names, and what becomes of them in each phase.
@@ -64,9 +64,9 @@ impl Liveness {
     /// The block that an event is up to: the one that captures, or the one that asks to be let go.
     pub fn actor(&self, plan: &Plan, id: EventId) -> Holder {
         let event = plan.event(id);
-        let role = match event.deed {
-            Deed::Capture { parent, .. } => parent,
-            Deed::Release => event.role,
+        let role = match event.kind {
+            EventKind::Capture { parent, .. } => parent,
+            EventKind::Release => event.role,
         };
         let since = self.contexts[id.0 as usize].anchored_by;
         Holder { role, since }
@@ -103,7 +103,7 @@ pub fn check(
     symbols: &Symbols,
     doubtful: &FxHashSet<Symbol>,
     cancellation: Cancellation<'_>,
-    findings: &mut Vec<Finding>,
+    diagnostics: &mut Vec<Diagnostic>,
 ) -> Result<Liveness, Cancelled> {
     let mut checker = Checker {
         states: vec![State::default(); plan.roles.count()],
@@ -115,7 +115,7 @@ pub fn check(
         sources,
         symbols,
         doubtful,
-        findings,
+        diagnostics,
         first_captures: None,
         plan,
     };
@@ -132,7 +132,7 @@ struct Checker<'a> {
     sources: &'a Sources,
     symbols: &'a Symbols,
     doubtful: &'a FxHashSet<Symbol>,
-    findings: &'a mut Vec<Finding>,
+    diagnostics: &'a mut Vec<Diagnostic>,
     /// The first capture of every block, once it has been asked for.
     first_captures: Option<FxHashMap<RoleId, EventId>>,
 }
@@ -173,22 +173,22 @@ impl Checker<'_> {
         self.keep_needed_afters();
         for (seed, used) in self.plan.seeds.iter().zip(&self.used) {
             let key = self.plan.roles.key(seed.role);
-            if self.findings.len() > MOST_FINDINGS {
+            if self.diagnostics.len() > MOST_FINDINGS {
                 break;
             }
             if !used && !self.doubtful.contains(&key.word) {
                 let name = self.plan.roles.name(seed.role, self.symbols);
-                let mut finding =
-                    Finding::new(Code::UnusedSeed, format!("the seed `{name}` is never used"))
+                let mut diagnostic =
+                    Diagnostic::new(Code::UnusedSeed, format!("the seed `{name}` is never used"))
                         .label(seed.site, "captures nothing")
                         .help("leave it out: the plate is there without it");
                 // A statement in a loop stands for several seeds, of which others may be used.
                 let alone = named(self.sources, seed.site, &name);
                 if let Some(statement) = seed.statement.filter(|_| alone.is_some()) {
                     let site = removal(self.sources, statement);
-                    finding.fix = Some(Fix::remove(site, format!("remove the seed `{name}`")));
+                    diagnostic.fix = Some(Fix::remove(site, format!("remove the seed `{name}`")));
                 }
-                tell(self.findings, finding);
+                tell(self.diagnostics, diagnostic);
             }
         }
         Ok(())
@@ -197,8 +197,10 @@ impl Checker<'_> {
     /// An `after` in a loop over phases may wait for nothing in one of them and be needed in
     /// another.
     fn keep_needed_afters(&mut self) {
-        let mut redundant: Vec<&mut Finding> = (self.findings.iter_mut())
-            .filter(|finding| finding.code == Code::RedundantAfter && finding.fix.is_some())
+        let mut redundant: Vec<&mut Diagnostic> = (self.diagnostics.iter_mut())
+            .filter(|diagnostic| {
+                diagnostic.code == Code::RedundantAfter && diagnostic.fix.is_some()
+            })
             .collect();
         if redundant.is_empty() {
             return;
@@ -208,9 +210,9 @@ impl Checker<'_> {
             .filter(|(_, subject)| subject.is_some())
             .map(|(after, _)| place(after.site))
             .collect();
-        for finding in &mut redundant {
-            if needed.contains(&place(finding.labels[0].site)) {
-                finding.fix = None;
+        for diagnostic in &mut redundant {
+            if needed.contains(&place(diagnostic.labels[0].site)) {
+                diagnostic.fix = None;
             }
         }
     }
@@ -230,8 +232,8 @@ impl Checker<'_> {
         let event = *self.plan.event(id);
         let state = *self.state(event.role, stamp);
         let seed = state.holder == Some(Origin::Seed);
-        match event.deed {
-            Deed::Capture { parent, .. } => {
+        match event.kind {
+            EventKind::Capture { parent, .. } => {
                 self.use_seed(parent);
                 if let Some(first) = state.captured {
                     self.reject(
@@ -247,7 +249,7 @@ impl Checker<'_> {
                     self.state(event.role, stamp).captured = Some(id);
                 }
             }
-            Deed::Release => {
+            EventKind::Release => {
                 self.use_seed(event.role);
                 if let Some(first) = state.released {
                     self.reject(
@@ -279,8 +281,8 @@ impl Checker<'_> {
             return;
         }
         let state = *self.state(event.role, stamp);
-        let context = match event.deed {
-            Deed::Capture { parent, .. } => {
+        let context = match event.kind {
+            EventKind::Capture { parent, .. } => {
                 let freed_by = match (state.holder, state.released) {
                     (Some(_), Some(release)) => Some(release),
                     (Some(Origin::Capture(first)), None) => {
@@ -298,7 +300,7 @@ impl Checker<'_> {
                     freed_by,
                 }
             }
-            Deed::Release => {
+            EventKind::Release => {
                 if state.holder.is_none() && state.captured.is_none() {
                     return self.absent(id, event.role, state, "it cannot be released");
                 }
@@ -328,45 +330,45 @@ impl Checker<'_> {
             self.liveness.subjects[number] = subject;
             return;
         }
-        if self.findings.len() > MOST_FINDINGS || self.is_doubtful(after.role) {
+        if self.diagnostics.len() > MOST_FINDINGS || self.is_doubtful(after.role) {
             return;
         }
         let name = self.plan.roles.name(after.role, self.symbols);
-        let finding = if after.release {
-            Finding::new(
+        let diagnostic = if after.release {
+            Diagnostic::new(
                 Code::AbsentBlock,
                 format!("`{name}` is not released in this phase"),
             )
             .label(after.site, "would be waited for in vain")
             .help("release it in the same phase, or drop it from the list")
         } else if state.holder.is_some() {
-            let mut finding = Finding::new(
+            let mut diagnostic = Diagnostic::new(
                 Code::RedundantAfter,
                 format!("`{name}` is part of the structure before this phase begins"),
             )
             .label(after.site, "nothing to wait for");
             if state.released.is_some() {
-                finding =
-                    finding.help(format!("to wait until it has gone: `after release {name}`"));
+                diagnostic =
+                    diagnostic.help(format!("to wait until it has gone: `after release {name}`"));
             }
             // The text must speak of this block alone: in a loop or a pattern, others may be meant.
             if named(self.sources, after.site, &name) == Some(after.site) {
                 let drop = |site| Fix::remove(site, format!("drop `{name}` from the `after`"));
                 let doubt = state.released.is_some();
                 let fix = entry(self.sources, after.site).map(drop);
-                finding.fix = fix.map(|fix| fix.unsafe_if(doubt));
+                diagnostic.fix = fix.map(|fix| fix.unsafe_if(doubt));
             }
-            finding
+            diagnostic
         } else {
             let title = format!("`{name}` is not captured in this phase");
-            let finding = Finding::new(Code::AbsentBlock, title)
+            let diagnostic = Diagnostic::new(Code::AbsentBlock, title)
                 .label(after.site, "would be waited for in vain");
-            match self.unknown(after.role, after.site, state, finding) {
-                Some(finding) => finding,
+            match self.unknown(after.role, after.site, state, diagnostic) {
+                Some(diagnostic) => diagnostic,
                 None => return,
             }
         };
-        tell(self.findings, finding);
+        tell(self.diagnostics, diagnostic);
     }
 
     /// The names after the phase.
@@ -377,14 +379,14 @@ impl Checker<'_> {
         }
         let context = self.liveness.contexts[id.0 as usize];
         let state = &mut self.states[event.role.0 as usize];
-        match event.deed {
+        match event.kind {
             // A name that is freed and taken again ends up taken; the other way round, free.
-            Deed::Capture { .. } => {
+            EventKind::Capture { .. } => {
                 if state.released.is_none() || context.freed_by.is_some() {
                     state.holder = Some(Origin::Capture(id));
                 }
             }
-            Deed::Release => {
+            EventKind::Release => {
                 state.last_release = Some(id);
                 let taken_again = context.anchored_by.is_none() && state.captured.is_some();
                 if !taken_again {
@@ -402,7 +404,7 @@ impl Checker<'_> {
     fn reject_at(&mut self, id: EventId, code: Code, what: &str, other: Site) {
         let event = &mut self.plan.events[id.0 as usize];
         event.sound = false;
-        if self.findings.len() > MOST_FINDINGS {
+        if self.diagnostics.len() > MOST_FINDINGS {
             return;
         }
         let (site, role) = (event.site, event.role);
@@ -425,8 +427,8 @@ impl Checker<'_> {
             ),
         };
         tell(
-            self.findings,
-            Finding::new(code, format!("`{name}` {what}"))
+            self.diagnostics,
+            Diagnostic::new(code, format!("`{name}` {what}"))
                 .label(site, here)
                 .label(other, there)
                 .help(help),
@@ -436,7 +438,7 @@ impl Checker<'_> {
     /// A block that would have to be there, and is not.
     fn absent(&mut self, id: EventId, role: RoleId, state: State, consequence: &str) {
         self.plan.events[id.0 as usize].sound = false;
-        if self.findings.len() > MOST_FINDINGS {
+        if self.diagnostics.len() > MOST_FINDINGS {
             return;
         }
         if self.is_doubtful(role) {
@@ -444,14 +446,14 @@ impl Checker<'_> {
         }
         let site = self.plan.event(id).site;
         let name = self.plan.roles.name(role, self.symbols);
-        let code = match self.plan.event(id).deed {
-            Deed::Release => Code::ReleasedAbsent,
-            Deed::Capture { .. } => Code::AbsentBlock,
+        let code = match self.plan.event(id).kind {
+            EventKind::Release => Code::ReleasedAbsent,
+            EventKind::Capture { .. } => Code::AbsentBlock,
         };
         let title = format!("`{name}` is not part of the structure in this phase");
-        let finding = Finding::new(code, title).label(site, consequence);
-        if let Some(finding) = self.unknown(role, site, state, finding) {
-            tell(self.findings, finding);
+        let diagnostic = Diagnostic::new(code, title).label(site, consequence);
+        if let Some(diagnostic) = self.unknown(role, site, state, diagnostic) {
+            tell(self.diagnostics, diagnostic);
         }
     }
 
@@ -474,7 +476,7 @@ impl Checker<'_> {
         self.first_captures.get_or_insert_with(|| {
             let mut first = FxHashMap::default();
             for (number, event) in self.plan.events.iter().enumerate() {
-                if matches!(event.deed, Deed::Capture { .. }) {
+                if matches!(event.kind, EventKind::Capture { .. }) {
                     first.entry(event.role).or_insert(EventId(number as u32));
                 }
             }
@@ -489,60 +491,60 @@ impl Checker<'_> {
         role: RoleId,
         site: Site,
         state: State,
-        mut finding: Finding,
-    ) -> Option<Finding> {
+        mut diagnostic: Diagnostic,
+    ) -> Option<Diagnostic> {
         if let Some(release) = state.last_release {
-            let finding = finding
+            let diagnostic = diagnostic
                 .label(self.plan.event(release).site, "released here")
                 .help("capture it again first; a name may be taken many times");
-            return Some(finding);
+            return Some(diagnostic);
         }
         if let Some(&capture) = self.first_captures().get(&role) {
-            let finding = finding
+            let diagnostic = diagnostic
                 .label(self.plan.event(capture).site, "captured here")
                 .help("a block can act in the phase that captures it, or later");
-            return Some(finding);
+            return Some(diagnostic);
         }
-        finding.code = Code::UnknownName;
-        if let Some(finding) = self.around(role, site) {
-            return Some(finding);
+        diagnostic.code = Code::UnknownName;
+        if let Some(diagnostic) = self.around(role, site) {
+            return Some(diagnostic);
         }
         let name = self.plan.roles.name(role, self.symbols);
-        finding.title = format!("no block is called `{name}`");
+        diagnostic.title = format!("no block is called `{name}`");
         // What it was meant to be takes long to find out.
-        if is_repeated(self.findings, &finding) {
+        if is_repeated(self.diagnostics, &diagnostic) {
             return None;
         }
         let key = self.plan.roles.key(role);
         let roles = &self.plan.roles;
         if let Some(members) = members(key, self.blocks(), roles, self.symbols) {
-            return Some(finding.help(members.told("block")));
+            return Some(diagnostic.help(members.told("block")));
         }
         let known = self.blocks().take(2_000);
         let known = known.map(|key| roles.name_of(key, self.symbols));
         let written = named(self.sources, site, &name);
-        finding = finding.suggest(site, nearest(&name, known), || {
+        diagnostic = diagnostic.suggest(site, nearest(&name, known), || {
             "seat it on the plate, or capture it first".to_owned()
         });
         // Where the name is worked out, the text is another.
-        finding.fix = finding.fix.zip(written).map(|(mut fix, site)| {
+        diagnostic.fix = diagnostic.fix.zip(written).map(|(mut fix, site)| {
             fix.edits.iter_mut().for_each(|edit| edit.site = site);
             fix
         });
-        Some(finding)
+        Some(diagnostic)
     }
 
     /// The names of all seeds and of all blocks that are ever captured.
     fn blocks(&self) -> impl Iterator<Item = Key> {
         let captured = (self.plan.events.iter())
-            .filter(|event| matches!(event.deed, Deed::Capture { .. }))
+            .filter(|event| matches!(event.kind, EventKind::Capture { .. }))
             .map(|event| event.role);
         let seeds = self.plan.seeds.iter().map(|seed| seed.role);
         (seeds.chain(captured)).map(|role| self.plan.roles.key(role))
     }
 
     /// That a pattern does not see a block that is known around it.
-    fn around(&mut self, role: RoleId, site: Site) -> Option<Finding> {
+    fn around(&mut self, role: RoleId, site: Site) -> Option<Diagnostic> {
         let key = self.plan.roles.key(role);
         let grown = self.grown(key.scope)?;
         // Elsewhere the name is written with that of the instance before it.
@@ -571,10 +573,10 @@ impl Checker<'_> {
         let block = self.plan.roles.name_of(key.within(0), self.symbols);
         let pattern = self.symbols.word(grown.pattern);
         let title = format!("the pattern `{pattern}` does not see the block `{block}` {whose}");
-        let finding = Finding::new(Code::UnknownName, title)
+        let diagnostic = Diagnostic::new(Code::UnknownName, title)
             .label(site, "not known inside of the pattern")
             .label(there.0, there.1)
             .help(hand_in(self.sources, &grown, word, &block));
-        Some(finding)
+        Some(diagnostic)
     }
 }

@@ -3,7 +3,7 @@ use rustc_hash::FxHashMap;
 use stochc_grammar::tree::{ItemKind, Tree};
 use stochc_grammar::{Cancellation, Cancelled, Span, Symbol, Symbols, parse_cancellable};
 
-use crate::finding::{Code, Finding, Fix, removal, tell};
+use crate::diagnostic::{Code, Diagnostic, Fix, removal, tell};
 use crate::{FileId, Site, Sources};
 
 /// Reads files for the compiler, which does no IO of its own.
@@ -50,13 +50,13 @@ pub fn load(
     reader: &mut dyn Reader,
     sources: &mut Sources,
     cancellation: Cancellation<'_>,
-    findings: &mut Vec<Finding>,
+    diagnostics: &mut Vec<Diagnostic>,
 ) -> Result<Loaded, Cancelled> {
     let mut loader = Loader {
         reader,
         sources,
         cancellation,
-        findings,
+        diagnostics,
         loaded: Loaded::default(),
         state: FxHashMap::default(),
         bytes: 0,
@@ -85,7 +85,7 @@ struct Loader<'a> {
     reader: &'a mut dyn Reader,
     sources: &'a mut Sources,
     cancellation: Cancellation<'a>,
-    findings: &'a mut Vec<Finding>,
+    diagnostics: &'a mut Vec<Diagnostic>,
     loaded: Loaded,
     state: FxHashMap<String, State>,
     /// Of all files so far.
@@ -140,8 +140,8 @@ impl Loader<'_> {
             return;
         }
         let title = format!("the program has more than {MOST_FILES} files, or 4 GiB");
-        self.findings.push(
-            Finding::new(Code::ExpansionLimit, title)
+        self.diagnostics.push(
+            Diagnostic::new(Code::ExpansionLimit, title)
                 .label(import, "this import is not followed any more")
                 .help("look for a link to a folder above: a file behind it imports itself under new names"),
         );
@@ -154,14 +154,15 @@ impl Loader<'_> {
             Ok(bytes) => bytes,
             Err(reason) => {
                 self.state.insert(path.clone(), State::Done);
-                let finding = Finding::new(Code::ImportMissing, format!("cannot read `{path}`"));
-                let finding = match importer {
-                    Some(site) => finding
+                let diagnostic =
+                    Diagnostic::new(Code::ImportMissing, format!("cannot read `{path}`"));
+                let diagnostic = match importer {
+                    Some(site) => diagnostic
                         .label(site, reason)
                         .help("the path is relative to the file that imports it"),
-                    None => finding.help(reason),
+                    None => diagnostic.help(reason),
                 };
-                tell(self.findings, finding);
+                tell(self.diagnostics, diagnostic);
                 return Ok(None);
             }
         };
@@ -171,8 +172,8 @@ impl Loader<'_> {
             let file = self.sources.add_lossy(path.clone(), text);
             let at = at as u32;
             let span = Span::new(at, at + '\u{fffd}'.len_utf8() as u32);
-            self.findings.push(
-                Finding::new(Code::NotUtf8, "the file is not UTF-8 text")
+            self.diagnostics.push(
+                Diagnostic::new(Code::NotUtf8, "the file is not UTF-8 text")
                     .label(Site { file, span }, "the first byte that is not")
                     .help("save the file as UTF-8"),
             );
@@ -184,8 +185,8 @@ impl Loader<'_> {
         let parsed = parse_cancellable(&text, &mut self.loaded.symbols, self.cancellation)?;
         self.loaded.doubtful.extend(parsed.doubtful);
         let errors = parsed.errors.iter();
-        self.findings
-            .extend(errors.map(|error| Finding::from_syntax(file, error, &text)));
+        self.diagnostics
+            .extend(errors.map(|error| Diagnostic::from_syntax(file, error, &text)));
         let imports: Vec<_> = (parsed.tree.items.iter())
             .filter_map(|item| match &item.kind {
                 ItemKind::Import(import) => {
@@ -214,8 +215,8 @@ impl Loader<'_> {
     fn cycle(&mut self, path: &str, stack: &[Pending], statement: Option<Site>) {
         /// Circles told of, and imports labelled of each, at most.
         const MOST: usize = 10;
-        let is_circle = |finding: &&Finding| finding.code == Code::ImportCycle;
-        if self.findings.iter().filter(is_circle).count() >= MOST {
+        let is_circle = |diagnostic: &&Diagnostic| diagnostic.code == Code::ImportCycle;
+        if self.diagnostics.iter().filter(is_circle).count() >= MOST {
             return;
         }
         let first = stack.iter().position(|pending| pending.path == path);
@@ -225,23 +226,24 @@ impl Loader<'_> {
             count @ 2..=MOST => format!("{count} files import each other in a cycle"),
             count => format!("{count} files import each other in a cycle; {MOST} are shown"),
         };
-        let mut finding = Finding::new(Code::ImportCycle, title);
+        let mut diagnostic = Diagnostic::new(Code::ImportCycle, title);
         for pending in circle.iter().take(MOST) {
             if let Some(State::Open(site)) = self.state.get(&pending.path) {
                 let import = self.sources.text(*site).to_owned();
-                finding = finding.label(*site, format!("`{}` imports {import}", pending.path));
+                diagnostic =
+                    diagnostic.label(*site, format!("`{}` imports {import}", pending.path));
             }
         }
         let help = match circle.len() {
             1 => "remove the import",
             _ => "move what both files need into a third one",
         };
-        finding = finding.help(help);
+        diagnostic = diagnostic.help(help);
         if let (1, Some(statement)) = (circle.len(), statement) {
             let site = removal(self.sources, statement);
-            finding = finding.fix(Fix::remove(site, "remove the import"));
+            diagnostic = diagnostic.fix(Fix::remove(site, "remove the import"));
         }
-        self.findings.push(finding);
+        self.diagnostics.push(diagnostic);
     }
 }
 

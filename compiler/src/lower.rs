@@ -9,7 +9,7 @@ use stochc_ir::table::{Action, Condition, News, Phase, PhaseId, Role, RoleId, Ta
 use crate::graph::{Dependency, DependencyGraph};
 use crate::layout::Layout;
 use crate::liveness::{Holder, Liveness};
-use crate::plan::{Deed, EventId, Plan};
+use crate::plan::{EventId, EventKind, Plan};
 
 /// Lowers a program in which nothing is wrong.
 ///
@@ -81,8 +81,8 @@ impl Lowering<'_> {
     fn event(&mut self, id: EventId, phase: PhaseId) {
         let event = *self.plan.event(id);
         let actor = self.liveness.actor(self.plan, id);
-        match event.deed {
-            Deed::Capture { face, .. } => {
+        match event.kind {
+            EventKind::Capture { face, .. } => {
                 let Some(cell) = self.layout.cells[id.0 as usize] else {
                     return;
                 };
@@ -101,7 +101,7 @@ impl Lowering<'_> {
                     self.push(Holder::captured(event.role, id), phase, [], Action::Report);
                 }
             }
-            Deed::Release => {
+            EventKind::Release => {
                 let Some(on) = self.layout.parents[id.0 as usize] else {
                     return;
                 };
@@ -157,7 +157,7 @@ impl Lowering<'_> {
 
     /// The block that sees an event happen at its own face.
     fn witness(&self, id: EventId) -> Holder {
-        if let Deed::Capture { .. } = self.plan.event(id).deed {
+        if let EventKind::Capture { .. } = self.plan.event(id).kind {
             return self.liveness.actor(self.plan, id);
         }
         match self.liveness.contexts[id.0 as usize].anchored_by {
@@ -172,17 +172,17 @@ impl Lowering<'_> {
 
     fn seen(&self, id: EventId) -> Condition {
         let event = self.plan.event(id);
-        match event.deed {
-            Deed::Capture { .. } => Condition::Docked(event.role),
-            Deed::Release => Condition::Released(event.role),
+        match event.kind {
+            EventKind::Capture { .. } => Condition::Docked(event.role),
+            EventKind::Release => Condition::Released(event.role),
         }
     }
 
     fn news(&self, id: EventId) -> News {
         let event = self.plan.event(id);
-        match event.deed {
-            Deed::Capture { .. } => News::Anchored(event.role),
-            Deed::Release => News::Released(event.role),
+        match event.kind {
+            EventKind::Capture { .. } => News::Anchored(event.role),
+            EventKind::Release => News::Released(event.role),
         }
     }
 
@@ -205,11 +205,11 @@ impl Lowering<'_> {
                 to,
                 news: self.news(id),
             };
-            match event.deed {
-                Deed::Capture { .. } => {
+            match event.kind {
+                EventKind::Capture { .. } => {
                     self.push(Holder::captured(event.role, id), phase, [], action)
                 }
-                Deed::Release => self.push(witness, phase, [self.seen(id)], action),
+                EventKind::Release => self.push(witness, phase, [self.seen(id)], action),
             }
         }
     }

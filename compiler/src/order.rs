@@ -6,9 +6,9 @@ use petgraph::visit::EdgeRef;
 use rustc_hash::{FxHashMap, FxHashSet};
 use stochc_grammar::{Cancellation, Cancelled, Symbols};
 
-use crate::finding::{Code, Finding};
+use crate::diagnostic::{Code, Diagnostic};
 use crate::graph::{Dependency, DependencyGraph};
-use crate::plan::{Deed, EventId, Plan};
+use crate::plan::{EventId, EventKind, Plan};
 use crate::turns;
 
 /// An order in which everything can happen, and how much of it one after the other.
@@ -52,7 +52,7 @@ pub fn sort(
     graph: &DependencyGraph,
     symbols: &Symbols,
     cancellation: Cancellation<'_>,
-    findings: &mut Vec<Finding>,
+    diagnostics: &mut Vec<Diagnostic>,
 ) -> Result<Option<Order>, Cancelled> {
     let mut unneeded = FxHashSet::default();
     if turns::has_choice(graph) {
@@ -97,7 +97,7 @@ pub fn sort(
             |_, &id| (!done.contains(&id) && plan.event(id).sound).then_some(id),
             |edge, &why| (!unneeded.contains(&edge)).then_some(why),
         );
-        tell_cycles(plan, &rest, symbols, findings);
+        tell_cycles(plan, &rest, symbols, diagnostics);
         return Ok(None);
     }
     order.chains = (plan.phases.iter())
@@ -122,7 +122,7 @@ fn needed<'a>(
 }
 
 fn is_capture(plan: &Plan, id: EventId) -> bool {
-    matches!(plan.event(id).deed, Deed::Capture { .. })
+    matches!(plan.event(id).kind, EventKind::Capture { .. })
 }
 
 fn longest_chain(events: std::ops::Range<u32>, plan: &Plan, best: &[(u32, u32)]) -> Vec<EventId> {
@@ -144,7 +144,7 @@ fn tell_cycles(
     plan: &Plan,
     rest: &DependencyGraph,
     symbols: &Symbols,
-    findings: &mut Vec<Finding>,
+    diagnostics: &mut Vec<Diagnostic>,
 ) {
     let mut knots: Vec<Vec<NodeIndex>> = kosaraju_scc(rest);
     knots.retain(|knot| knot.len() > 1 || rest.contains_edge(knot[0], knot[0]));
@@ -154,7 +154,7 @@ fn tell_cycles(
     knots.sort_unstable();
     for knot in knots.iter().take(MOST_CYCLES) {
         let cycle = shortest_cycle(rest, knot);
-        findings.push(describe(plan, rest, &cycle, symbols));
+        diagnostics.push(describe(plan, rest, &cycle, symbols));
     }
 }
 
@@ -197,7 +197,7 @@ fn describe(
     graph: &DependencyGraph,
     cycle: &[(NodeIndex, NodeIndex, Dependency)],
     symbols: &Symbols,
-) -> Finding {
+) -> Diagnostic {
     /// Edges that are labelled; a longer cycle says how many it leaves out.
     const MOST_LABELS: usize = 50;
     let count = cycle.len();
@@ -205,7 +205,7 @@ fn describe(
         1 => "an event waits for itself".to_owned(),
         count => format!("{count} events wait for each other in a cycle"),
     };
-    let mut finding = Finding::new(Code::Cycle, title);
+    let mut diagnostic = Diagnostic::new(Code::Cycle, title);
     for &(first, then, why) in cycle.iter().take(MOST_LABELS) {
         let (first, then) = (graph[first], graph[then]);
         let event = plan.event(then);
@@ -213,9 +213,9 @@ fn describe(
         let before = plan.describe(first, symbols);
         let (site, text) = match why {
             Dependency::Anchored => {
-                let name = match event.deed {
-                    Deed::Capture { parent, .. } => plan.roles.name(parent, symbols),
-                    Deed::Release => plan.roles.name(event.role, symbols),
+                let name = match event.kind {
+                    EventKind::Capture { parent, .. } => plan.roles.name(parent, symbols),
+                    EventKind::Release => plan.roles.name(event.role, symbols),
                 };
                 (
                     event.site,
@@ -240,7 +240,7 @@ fn describe(
                 format!("`{waits}` needs the name that `{before}` frees"),
             ),
         };
-        finding = finding.label(site, text);
+        diagnostic = diagnostic.label(site, text);
     }
     let why = |kind: fn(&Dependency) -> bool| cycle.iter().any(|(_, _, why)| kind(why));
     let help = if count > MOST_LABELS {
@@ -257,5 +257,5 @@ fn describe(
     } else {
         "begin with a block that is already there: a seed, or one captured before".to_owned()
     };
-    finding.help(help)
+    diagnostic.help(help)
 }

@@ -117,7 +117,7 @@ impl Timeout {
 #[derive(Clone, Copy, Debug)]
 pub struct Event {
     /// Which of the two.
-    pub deed: Deed,
+    pub kind: EventKind,
     /// The block that is captured or released.
     pub role: RoleId,
     /// Where it is written.
@@ -128,7 +128,7 @@ pub struct Event {
 
 /// What an event does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Deed {
+pub enum EventKind {
     /// A block magnetizes a face and names what docks there.
     Capture {
         /// The block that does.
@@ -285,13 +285,13 @@ impl Event {
     /// What happens, without its text.
     pub fn action(&self) -> EventAction {
         let child = self.role;
-        match self.deed {
-            Deed::Capture { parent, face } => EventAction::Capture {
+        match self.kind {
+            EventKind::Capture { parent, face } => EventAction::Capture {
                 parent,
                 face,
                 child,
             },
-            Deed::Release => EventAction::Release { child },
+            EventKind::Release => EventAction::Release { child },
         }
     }
 }
@@ -319,7 +319,7 @@ impl Plan {
     /// How many captures and how many releases there are.
     pub fn counts(&self) -> (usize, usize) {
         let releases = (self.events.iter())
-            .filter(|event| event.deed == Deed::Release)
+            .filter(|event| event.kind == EventKind::Release)
             .count();
         (self.events.len() - releases, releases)
     }

@@ -6,11 +6,11 @@ use stochc_ir::scene::scalars::{self, Change};
 use stochc_ir::scene::{BondKind, Scene};
 use stochc_ir::table::Tables;
 
+use crate::diagnostic::{Change as TextChange, Code, Diagnostic, Fix, fold, tell};
 use crate::expand::{Bounds, Declarations, Limits, duplicate, expand, expand_aggregate};
-use crate::finding::{Change as TextChange, Code, Finding, Fix, fold, tell};
 use crate::graph::{self, DependencyGraph};
 use crate::layout::Layout;
-use crate::lint_levels::{Allowed, FileLevels, Levels};
+use crate::lint_levels::{Allowed, FileLevels, LintLevels};
 use crate::load::{Loaded, Module, Reader, load};
 use crate::names::{Keep, Names};
 use crate::order::{self, Order};
@@ -27,7 +27,7 @@ pub struct Checked {
     /// The texts, for showing findings.
     pub sources: Sources,
     /// What is wrong or suspicious: by file and place, each once.
-    pub findings: Vec<Finding>,
+    pub diagnostics: Vec<Diagnostic>,
     /// What is suspicious and allowed to be.
     pub allowed: Vec<Allowed>,
     /// The tree of the file itself; empty if it cannot be read.
@@ -71,7 +71,7 @@ impl Checked {
 
     /// Whether anything is wrong, not merely suspicious.
     pub fn has_errors(&self) -> bool {
-        self.findings.iter().any(Finding::is_error)
+        self.diagnostics.iter().any(Diagnostic::is_error)
     }
 }
 
@@ -100,11 +100,16 @@ pub enum Stage {
 
 /// Checks the file at `path` and everything it imports, and compiles its assemblies.
 pub fn check(path: &str, reader: &mut dyn Reader, limits: Limits) -> Checked {
-    check_with(path, reader, limits, &Levels::default())
+    check_with(path, reader, limits, &LintLevels::default())
 }
 
 /// [`check`], with levels for the warnings that the files say nothing of.
-pub fn check_with(path: &str, reader: &mut dyn Reader, limits: Limits, levels: &Levels) -> Checked {
+pub fn check_with(
+    path: &str,
+    reader: &mut dyn Reader,
+    limits: Limits,
+    levels: &LintLevels,
+) -> Checked {
     check_changed(path, reader, limits, levels, "", &[])
 }
 
@@ -114,7 +119,7 @@ pub fn check_changed(
     path: &str,
     reader: &mut dyn Reader,
     limits: Limits,
-    levels: &Levels,
+    levels: &LintLevels,
     assembly: &str,
     changes: &[Change],
 ) -> Checked {
@@ -137,7 +142,7 @@ pub fn check_cancellable(
         limits,
         cancellation,
     };
-    judged(path, reader, bounds, &Levels::default(), ("", &[]))
+    judged(path, reader, bounds, &LintLevels::default(), ("", &[]))
 }
 
 /// Bounds for somebody who waits.
@@ -161,7 +166,7 @@ fn judged(
     path: &str,
     reader: &mut dyn Reader,
     bounds: Bounds<'_>,
-    levels: &Levels,
+    levels: &LintLevels,
     changes: (&str, &[Change]),
 ) -> Result<Checked, Cancelled> {
     let check_all = |texts: &mut dyn Reader, is_trial: bool| {
@@ -170,7 +175,7 @@ fn judged(
     let mut checked = check_all(reader, false)?;
     trial::judge(&mut checked, reader, &mut |texts| {
         let mut after = check_all(texts, true)?;
-        after.findings = fold(after.findings);
+        after.diagnostics = fold(after.diagnostics);
         Ok(after)
     })?;
     Ok(checked)
@@ -182,7 +187,7 @@ pub fn check_observed(
     path: &str,
     reader: &mut dyn Reader,
     limits: Limits,
-    levels: &Levels,
+    levels: &LintLevels,
     done: &mut dyn FnMut(Stage),
 ) -> Checked {
     let bounds = unhurried(limits);
@@ -199,23 +204,23 @@ fn check_all(
     path: &str,
     reader: &mut dyn Reader,
     bounds: Bounds<'_>,
-    levels: &Levels,
+    levels: &LintLevels,
     changes: (&str, &[Change]),
     is_trial: bool,
     done: &mut dyn FnMut(Stage),
 ) -> Result<Checked, Cancelled> {
     let mut sources = Sources::default();
-    let mut findings = Vec::new();
+    let mut diagnostics = Vec::new();
     let mut loaded = load(
         path,
         reader,
         &mut sources,
         bounds.cancellation,
-        &mut findings,
+        &mut diagnostics,
     )?;
-    let readable = !findings.iter().any(Finding::is_error);
-    let syntax = findings.len();
-    let file_levels = FileLevels::of(&loaded.modules, &sources, &loaded.symbols, &mut findings);
+    let readable = !diagnostics.iter().any(Diagnostic::is_error);
+    let syntax = diagnostics.len();
+    let file_levels = FileLevels::of(&loaded.modules, &sources, &loaded.symbols, &mut diagnostics);
     done(Stage::Parse);
     let about = About {
         sources: &sources,
@@ -227,38 +232,38 @@ fn check_all(
     let trees = loaded.modules.iter();
     let trees = trees.map(|module| (module.file, &module.tree));
     let names = Names::of_trees(trees, Keep::Declarations, bounds.cancellation)?;
-    let mut programs = programs(&mut loaded, &names, &about, &mut findings, done)?;
-    if !findings.iter().any(Finding::is_error) {
+    let mut programs = programs(&mut loaded, &names, &about, &mut diagnostics, done)?;
+    if !diagnostics.iter().any(Diagnostic::is_error) {
         unused::check(
             &loaded.modules,
             &names,
             &sources,
             &loaded.symbols,
-            &mut findings,
+            &mut diagnostics,
         );
     }
-    doubt_fixes(&mut findings, syntax);
+    doubt_fixes(&mut diagnostics, syntax);
     let tree = loaded
         .modules
         .pop()
         .map(|module| module.tree)
         .unwrap_or_default();
-    findings.sort_by_key(Finding::place);
-    let findings = match is_trial {
-        true => findings,
-        false => fold(findings),
+    diagnostics.sort_by_key(Diagnostic::place);
+    let diagnostics = match is_trial {
+        true => diagnostics,
+        false => fold(diagnostics),
     };
-    let (mut findings, allowed) = file_levels.judge(findings, levels, &sources);
-    findings.sort_by_key(Finding::place);
+    let (mut diagnostics, allowed) = file_levels.judge(diagnostics, levels, &sources);
+    diagnostics.sort_by_key(Diagnostic::place);
     // A denied warning has come too late to keep a program from being lowered.
-    if findings.iter().any(Finding::is_denied) {
+    if diagnostics.iter().any(Diagnostic::is_denied) {
         programs
             .iter_mut()
             .for_each(|program| program.tables = None);
     }
     Ok(Checked {
         sources,
-        findings,
+        diagnostics,
         allowed,
         tree,
         imports: loaded.modules,
@@ -269,14 +274,14 @@ fn check_all(
 
 /// Keeps changes from being safe that another finding puts in doubt; the first `syntax` findings
 /// are those of reading the text.
-fn doubt_fixes(findings: &mut [Finding], syntax: usize) {
-    let wrong = |findings: &[Finding]| findings.iter().any(Finding::is_error);
+fn doubt_fixes(diagnostics: &mut [Diagnostic], syntax: usize) {
+    let wrong = |diagnostics: &[Diagnostic]| diagnostics.iter().any(Diagnostic::is_error);
     // What has been read in part may be meant otherwise as a whole, and a seed without use may be
     // the one whose name is misspelt elsewhere.
-    let (unreadable, wrong) = (wrong(&findings[..syntax]), wrong(findings));
-    for finding in &mut findings[syntax..] {
-        let doubtful = unreadable || (wrong && !finding.is_error());
-        if let Some(fix) = finding.fix.as_mut().filter(|_| doubtful) {
+    let (unreadable, wrong) = (wrong(&diagnostics[..syntax]), wrong(diagnostics));
+    for diagnostic in &mut diagnostics[syntax..] {
+        let doubtful = unreadable || (wrong && !diagnostic.is_error());
+        if let Some(fix) = diagnostic.fix.as_mut().filter(|_| doubtful) {
             fix.safe = false;
         }
     }
@@ -305,7 +310,7 @@ impl About<'_> {
         }
         let mut unread = |_: &str| Err("it has not been read".to_owned());
         let mut reader = change.over(self.sources, &mut unread);
-        let levels = Levels::default();
+        let levels = LintLevels::default();
         let checked = check_all(
             &own.name,
             &mut reader,
@@ -316,9 +321,9 @@ impl About<'_> {
             &mut |_| {},
         );
         let checked = checked.ok()?;
-        let mut errors: Vec<_> = (checked.findings.into_iter())
-            .filter(Finding::is_error)
-            .map(|finding| (finding.code, finding.message()))
+        let mut errors: Vec<_> = (checked.diagnostics.into_iter())
+            .filter(Diagnostic::is_error)
+            .map(|diagnostic| (diagnostic.code, diagnostic.message()))
             .collect();
         errors.sort_unstable();
         Some(errors)
@@ -329,7 +334,7 @@ fn programs(
     loaded: &mut Loaded,
     names: &Names,
     about: &About,
-    findings: &mut Vec<Finding>,
+    diagnostics: &mut Vec<Diagnostic>,
     done: &mut dyn FnMut(Stage),
 ) -> Result<Vec<Program>, Cancelled> {
     let Loaded {
@@ -337,9 +342,9 @@ fn programs(
         symbols,
         doubtful,
     } = loaded;
-    let scenes = Scenes::of(modules, symbols, findings);
+    let scenes = Scenes::of(modules, symbols, diagnostics);
     let trees = modules.iter().map(|module| (module.file, &module.tree));
-    let declarations = declarations(trees, names, symbols, findings);
+    let declarations = declarations(trees, names, symbols, diagnostics);
     let Some(own) = modules.last() else {
         return Ok(Vec::new());
     };
@@ -358,13 +363,13 @@ fn programs(
         };
         if let Some(old) = seen.insert(name.symbol, site) {
             let name = symbols.word(name.symbol);
-            tell(findings, duplicate(name, old, site, item.noun()));
+            tell(diagnostics, duplicate(name, old, site, item.noun()));
         }
-        let scene = scenes.get(scene, own.file, symbols, findings);
+        let scene = scenes.get(scene, own.file, symbols, diagnostics);
         let (changed, changes) = about.changes;
         let scene = match scene {
             Some(scene) if symbols.word(name.symbol) == changed => {
-                let wrong = |error| tell(findings, scene::finding(&error, site));
+                let wrong = |error| tell(diagnostics, scene::diagnostic(&error, site));
                 scalars::changed(scene, changes).map_err(wrong).ok()
             }
             scene => scene,
@@ -378,10 +383,10 @@ fn programs(
                 let mut errors = Vec::new();
                 let written = (own.file, &**aggregate);
                 let plan = expand_aggregate(&declarations, written, sources, symbols, &mut errors);
-                let wrong = !readable || findings.iter().any(Finding::is_error);
+                let wrong = !readable || diagnostics.iter().any(Diagnostic::is_error);
                 let program =
                     compile_aggregate(plan, scene, wrong, (symbols, sources), &mut errors)?;
-                findings.append(&mut errors);
+                diagnostics.append(&mut errors);
                 programs.push(program);
                 continue;
             }
@@ -396,7 +401,7 @@ fn programs(
             readable,
             trial: (!about.is_trial).then_some(&trial),
         };
-        programs.push(input.compile(scene, symbols, doubtful, findings, done)?);
+        programs.push(input.compile(scene, symbols, doubtful, diagnostics, done)?);
     }
     Ok(programs)
 }
@@ -407,19 +412,19 @@ fn compile_aggregate(
     scene: Option<Scene>,
     wrong: bool,
     (symbols, sources): (&Symbols, &Sources),
-    findings: &mut Vec<Finding>,
+    diagnostics: &mut Vec<Diagnostic>,
 ) -> Result<Program, Cancelled> {
     if let Some(scene) = &scene {
-        capacity::check_aggregate(&plan, scene, findings);
+        capacity::check_aggregate(&plan, scene, diagnostics);
     }
     let doubtful = Default::default();
     // It has no events.
     let never = Cancellation::NEVER;
-    let liveness = liveness::check(&mut plan, sources, symbols, &doubtful, never, findings)?;
-    let layout = layout::lay_out(&mut plan, &liveness, symbols, never, findings)?;
+    let liveness = liveness::check(&mut plan, sources, symbols, &doubtful, never, diagnostics)?;
+    let layout = layout::lay_out(&mut plan, &liveness, symbols, never, diagnostics)?;
     let graph = graph::build(&plan, &liveness, &layout, 1, never)?;
-    let order = order::sort(&plan, &graph, symbols, never, findings)?;
-    let is_right = !wrong && !findings.iter().any(Finding::is_error);
+    let order = order::sort(&plan, &graph, symbols, never, diagnostics)?;
+    let is_right = !wrong && !diagnostics.iter().any(Diagnostic::is_error);
     let tables = (scene.as_ref().filter(|_| is_right))
         .map(|scene| lower::lower(&plan, &liveness, &layout, &graph, scene, symbols, never))
         .transpose()?;
@@ -439,7 +444,7 @@ pub(crate) fn declarations<'a>(
     trees: impl Iterator<Item = (FileId, &'a Tree)>,
     names: &'a Names,
     symbols: &Symbols,
-    findings: &mut Vec<Finding>,
+    diagnostics: &mut Vec<Diagnostic>,
 ) -> Declarations<'a> {
     let mut declarations = Declarations {
         patterns: FxHashMap::default(),
@@ -476,7 +481,7 @@ pub(crate) fn declarations<'a>(
                     span: name.span,
                 };
                 tell(
-                    findings,
+                    diagnostics,
                     duplicate(symbols.word(name.symbol), old, new, item.noun()),
                 );
             }
@@ -503,7 +508,7 @@ impl<'a> Input<'a> {
         scene: Option<Scene>,
         symbols: &mut Symbols,
         doubtful: &rustc_hash::FxHashSet<stochc_grammar::Symbol>,
-        findings: &mut Vec<Finding>,
+        diagnostics: &mut Vec<Diagnostic>,
         done: &mut dyn FnMut(Stage),
     ) -> Result<Program, Cancelled> {
         let Bounds {
@@ -521,9 +526,9 @@ impl<'a> Input<'a> {
         )?;
         done(Stage::Expand);
         // What follows from a program that was not written out to its end would only confuse.
-        let cut_short = errors.iter().any(|finding| {
+        let cut_short = errors.iter().any(|diagnostic| {
             matches!(
-                finding.code,
+                diagnostic.code,
                 Code::ExpansionLimit | Code::RecursivePattern | Code::TooDeep | Code::TooManyErrors
             )
         });
@@ -555,14 +560,14 @@ impl<'a> Input<'a> {
         done(Stage::Order);
         // A seed, an `after` or a phase may only seem to be without use where statements have been
         // left out.
-        if !self.readable || errors.iter().any(Finding::is_error) {
-            errors.retain(Finding::is_error);
+        if !self.readable || errors.iter().any(Diagnostic::is_error) {
+            errors.retain(Diagnostic::is_error);
         }
         let plate_in_doubt = (symbols.get("plate")).is_some_and(|word| doubtful.contains(&word));
         if plate_in_doubt {
-            errors.retain(|finding| finding.code != Code::MissingPlate);
+            errors.retain(|diagnostic| diagnostic.code != Code::MissingPlate);
         }
-        let wrong = |findings: &[Finding]| findings.iter().any(Finding::is_error);
+        let wrong = |diagnostics: &[Diagnostic]| diagnostics.iter().any(Diagnostic::is_error);
         let is_sound = !wrong(&errors) && !wrong(&later);
         // Of a program with gaps it would say what is not so.
         let is_whole = is_sound && self.readable && plan.events.iter().all(|event| event.sound);
@@ -604,12 +609,12 @@ impl<'a> Input<'a> {
         let mistakes = || {
             errors
                 .iter()
-                .chain(findings.iter())
-                .filter(|finding| finding.is_error())
+                .chain(diagnostics.iter())
+                .filter(|diagnostic| diagnostic.is_error())
         };
         let is_right = mistakes().next().is_none();
-        let is_stuck =
-            mistakes().all(|finding| matches!(finding.code, Code::Cycle | Code::SealedCavity));
+        let is_stuck = mistakes()
+            .all(|diagnostic| matches!(diagnostic.code, Code::Cycle | Code::SealedCavity));
         let lower = |scene| {
             lower::lower(
                 &plan,
@@ -626,7 +631,7 @@ impl<'a> Input<'a> {
             .transpose()?;
         let stuck = if is_right { None } else { tables.take() };
         done(Stage::Lower);
-        findings.append(&mut errors);
+        diagnostics.append(&mut errors);
         Ok(Program {
             plan,
             scene,

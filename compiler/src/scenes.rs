@@ -5,7 +5,7 @@ use stochc_grammar::{Symbol, Symbols};
 use stochc_ir::scene::Scene;
 use stochc_ir::suggest::nearest;
 
-use crate::finding::{Code, Finding, tell};
+use crate::diagnostic::{Code, Diagnostic, tell};
 use crate::load::Module;
 use crate::scene::{BUILT_IN, DEFAULT, built_in, read};
 use crate::{FileId, Site};
@@ -17,7 +17,7 @@ pub struct Scenes {
 
 impl Scenes {
     /// Reads every declared scene, whether it is used or not.
-    pub fn of(modules: &[Module], symbols: &Symbols, findings: &mut Vec<Finding>) -> Scenes {
+    pub fn of(modules: &[Module], symbols: &Symbols, diagnostics: &mut Vec<Diagnostic>) -> Scenes {
         let mut declared: FxHashMap<Symbol, (FileId, &Tree)> = FxHashMap::default();
         let mut order: Vec<Symbol> = Vec::new();
         for module in modules {
@@ -36,7 +36,7 @@ impl Scenes {
                     };
                     let word = symbols.word(scene.name.symbol);
                     tell(
-                        findings,
+                        diagnostics,
                         crate::expand::duplicate(word, old, here, "a scene"),
                     );
                     continue;
@@ -49,7 +49,7 @@ impl Scenes {
             read: FxHashMap::default(),
         };
         for name in order {
-            scenes.resolve(name, &declared, symbols, findings);
+            scenes.resolve(name, &declared, symbols, diagnostics);
         }
         scenes
     }
@@ -60,7 +60,7 @@ impl Scenes {
         name: Symbol,
         declared: &FxHashMap<Symbol, (FileId, &Tree)>,
         symbols: &Symbols,
-        findings: &mut Vec<Finding>,
+        diagnostics: &mut Vec<Diagnostic>,
     ) {
         // From the scene itself to the first one that is known or stands for itself.
         let mut line: Vec<(FileId, &Tree)> = Vec::new();
@@ -73,19 +73,19 @@ impl Scenes {
                 break;
             }
             let Some(&(file, tree)) = declared.get(&at) else {
-                base = self.elsewhere(at, &line, symbols, findings);
+                base = self.elsewhere(at, &line, symbols, diagnostics);
                 break;
             };
             if !passed.insert(at) {
-                let mut finding = Finding::new(
+                let mut diagnostic = Diagnostic::new(
                     Code::UnknownScene,
                     "scenes derived from each other in a cycle",
                 );
                 for (file, tree) in &line {
                     let span = tree.base.map_or(tree.name.span, |base| base.span);
-                    finding = finding.label(Site { file: *file, span }, "derived from this");
+                    diagnostic = diagnostic.label(Site { file: *file, span }, "derived from this");
                 }
-                findings.push(finding.help("one of them has to stand for itself"));
+                diagnostics.push(diagnostic.help("one of them has to stand for itself"));
                 break;
             }
             line.push((file, tree));
@@ -102,7 +102,7 @@ impl Scenes {
             let scene = if tree.base.is_some() && base.is_none() {
                 None
             } else {
-                read(tree, base.take(), file, symbols, findings)
+                read(tree, base.take(), file, symbols, diagnostics)
             };
             base.clone_from(&scene);
             self.read.insert(tree.name.symbol, scene);
@@ -114,7 +114,7 @@ impl Scenes {
         name: Symbol,
         line: &[(FileId, &Tree)],
         symbols: &Symbols,
-        findings: &mut Vec<Finding>,
+        diagnostics: &mut Vec<Diagnostic>,
     ) -> Option<Scene> {
         let word = symbols.word(name);
         let scene = built_in(word);
@@ -123,7 +123,7 @@ impl Scenes {
         } else if let Some((file, tree)) = line.last()
             && let Some(base) = tree.base
         {
-            tell(findings, self.unknown(base, *file, symbols));
+            tell(diagnostics, self.unknown(base, *file, symbols));
         }
         scene
     }
@@ -134,14 +134,14 @@ impl Scenes {
         name: Option<Name>,
         file: FileId,
         symbols: &Symbols,
-        findings: &mut Vec<Finding>,
+        diagnostics: &mut Vec<Diagnostic>,
     ) -> Option<Scene> {
         let Some(name) = name else {
             return self.read_or_built_in(symbols.get(DEFAULT), DEFAULT);
         };
         let scene = self.read_or_built_in(Some(name.symbol), symbols.word(name.symbol));
         if scene.is_none() && !self.read.contains_key(&name.symbol) {
-            tell(findings, self.unknown(name, file, symbols));
+            tell(diagnostics, self.unknown(name, file, symbols));
         }
         scene
     }
@@ -153,7 +153,7 @@ impl Scenes {
         }
     }
 
-    fn unknown(&self, name: Name, file: FileId, symbols: &Symbols) -> Finding {
+    fn unknown(&self, name: Name, file: FileId, symbols: &Symbols) -> Diagnostic {
         let word = symbols.word(name.symbol);
         let mut known: Vec<&str> = self.read.keys().map(|&scene| symbols.word(scene)).collect();
         known.extend(BUILT_IN.iter().map(|(name, _)| *name));
@@ -163,7 +163,7 @@ impl Scenes {
             file,
             span: name.span,
         };
-        Finding::new(Code::UnknownScene, format!("no scene is called `{word}`"))
+        Diagnostic::new(Code::UnknownScene, format!("no scene is called `{word}`"))
             .label(site, "not known")
             .suggest(site, nearest(word, &known), || {
                 format!("known are {}", known.join(", "))

@@ -5,7 +5,7 @@ use stochc_grammar::{Cancellation, Cancelled, Symbol, Symbols};
 use stochc_ir::Cell;
 use stochc_ir::suggest::nearest;
 
-use crate::finding::{Code, Finding, MOST_FINDINGS, tell};
+use crate::diagnostic::{Code, Diagnostic, MOST_FINDINGS, tell};
 use crate::layout::Layout;
 use crate::plan::Plan;
 use crate::{FileId, Site};
@@ -24,7 +24,7 @@ pub fn check(
     shapes: &FxHashMap<Symbol, (FileId, &Shape)>,
     symbols: &Symbols,
     cancellation: Cancellation<'_>,
-    findings: &mut Vec<Finding>,
+    diagnostics: &mut Vec<Diagnostic>,
 ) -> Result<(), Cancelled> {
     // Sorted, or `None` for what is no shape.
     let mut known: FxHashMap<Symbol, Option<Vec<Cell>>> = FxHashMap::default();
@@ -39,24 +39,24 @@ pub fn check(
             let word = symbols.word(name);
             let Some(&(file, shape)) = shapes.get(&name) else {
                 let known = shapes.keys().map(|&known| symbols.word(known));
-                let finding =
-                    Finding::new(Code::UnknownName, format!("no shape is called `{word}`"))
+                let diagnostic =
+                    Diagnostic::new(Code::UnknownName, format!("no shape is called `{word}`"))
                         .label(site, "not known here")
                         .suggest(site, nearest(word, known), || {
                             format!("declare it: `shape {word} {{ layer 1 {{ # }} }}`")
                         });
-                tell(findings, finding);
+                tell(diagnostics, diagnostic);
                 continue;
             };
             let claimed = known.entry(name).or_insert_with(|| {
-                let mut claimed = cells(shape, file, findings)?;
+                let mut claimed = cells(shape, file, diagnostics)?;
                 claimed.sort_unstable();
                 claimed.dedup();
                 Some(claimed)
             });
             let Some(claimed) = claimed else { continue };
             let is_built = || claimed.iter().all(|cell| built.contains(cell));
-            if (claimed.len() == built.len() && is_built()) || findings.len() > MOST_FINDINGS {
+            if (claimed.len() == built.len() && is_built()) || diagnostics.len() > MOST_FINDINGS {
                 continue;
             }
             let mut built: Vec<Cell> = built.iter().copied().collect();
@@ -65,22 +65,25 @@ pub fn check(
                 file,
                 span: shape.name.span,
             };
-            tell(findings, difference(word, site, declared, claimed, &built));
+            tell(
+                diagnostics,
+                difference(word, site, declared, claimed, &built),
+            );
         }
     }
     Ok(())
 }
 
 /// The cells of a shape, unsorted.
-fn cells(shape: &Shape, file: FileId, findings: &mut Vec<Finding>) -> Option<Vec<Cell>> {
+fn cells(shape: &Shape, file: FileId, diagnostics: &mut Vec<Diagnostic>) -> Option<Vec<Cell>> {
     let malformed = |span, text: &str| {
-        Finding::new(Code::ShapeMalformed, "the shape cannot be read as cells")
+        Diagnostic::new(Code::ShapeMalformed, "the shape cannot be read as cells")
             .label(Site { file, span }, text)
     };
     let mut number = |expr: &Expr| {
         let value = constant(expr).and_then(|value| i32::try_from(value).ok());
         if value.is_none() {
-            findings.push(malformed(
+            diagnostics.push(malformed(
                 expr.span,
                 "needs a number, not too large, without names",
             ));
@@ -103,7 +106,7 @@ fn cells(shape: &Shape, file: FileId, findings: &mut Vec<Finding>) -> Option<Vec
             Entry::Range(low, high) => (number(low)?, number(high)?),
         };
         if low < 1 || high < low {
-            findings.push(
+            diagnostics.push(
                 malformed(layer.span, "heights are from 1 upwards")
                     .help("layer 1 rests on the plate; `layer 1..2` stands for two equal layers"),
             );
@@ -114,7 +117,7 @@ fn cells(shape: &Shape, file: FileId, findings: &mut Vec<Finding>) -> Option<Vec
         let levels = (high - low) as usize + 1;
         area = area.saturating_add(count.saturating_mul(levels));
         if area > MOST_CELLS {
-            findings.push(malformed(
+            diagnostics.push(malformed(
                 layer.span,
                 "a shape has at most 50,000,000 cells",
             ));
@@ -161,7 +164,13 @@ fn constant(expr: &Expr) -> Option<i64> {
 }
 
 /// Both sorted; shows the layers that differ.
-fn difference(word: &str, site: Site, declared: Site, claimed: &[Cell], built: &[Cell]) -> Finding {
+fn difference(
+    word: &str,
+    site: Site,
+    declared: Site,
+    claimed: &[Cell],
+    built: &[Cell],
+) -> Diagnostic {
     let missing: Vec<Cell> = minus(claimed, built);
     let extra: Vec<Cell> = minus(built, claimed);
     let count = |cells: &[Cell], what: &str| match cells.len() {
@@ -173,7 +182,7 @@ fn difference(word: &str, site: Site, declared: Site, claimed: &[Cell], built: &
         .into_iter()
         .flatten()
         .collect();
-    Finding::new(
+    Diagnostic::new(
         Code::ShapeMismatch,
         format!("the phase does not build `{word}`: {}", parts.join(", ")),
     )

@@ -3,7 +3,7 @@ use std::sync::{Arc, OnceLock};
 
 use stochc_grammar::Span;
 
-use crate::finding::is_hostile;
+use crate::diagnostic::is_hostile;
 
 /// One of a program's files; an index into [`Sources`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]

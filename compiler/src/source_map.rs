@@ -10,7 +10,7 @@ use stochc_ir::table::RoleId;
 use crate::expand::{Bounds, Limits, Probe, expand_probed};
 use crate::graph::Dependency;
 use crate::names::{Keep, Names};
-use crate::plan::{Deed, EventId, Plan};
+use crate::plan::{EventId, EventKind, Plan};
 use crate::program::declarations;
 use crate::{Checked, FileId, Program};
 
@@ -39,9 +39,9 @@ pub fn blocks_at(
     let mut located = Vec::new();
     let mut symbols = checked.symbols.clone();
     // What is wrong has been told.
-    let mut findings = Vec::new();
+    let mut diagnostics = Vec::new();
     let names = Names::of_trees(checked.trees(), Keep::Declarations, cancellation)?;
-    let declarations = declarations(checked.trees(), &names, &symbols, &mut findings);
+    let declarations = declarations(checked.trees(), &names, &symbols, &mut diagnostics);
     let assemblies = checked
         .tree
         .items
@@ -61,7 +61,7 @@ pub fn blocks_at(
             at: Some((file, at)),
             keys: Vec::new(),
         };
-        findings.clear();
+        diagnostics.clear();
         expand_probed(
             &declarations,
             (known.plan.site.file, assembly),
@@ -71,7 +71,7 @@ pub fn blocks_at(
                 limits,
                 cancellation,
             },
-            &mut findings,
+            &mut diagnostics,
             &mut probe,
         )?;
         let keys = probe.keys.iter();
@@ -94,7 +94,7 @@ impl<'a> Ancestry<'a> {
     pub fn of(program: &'a Program) -> Ancestry<'a> {
         let mut captures: FxHashMap<RoleId, Vec<EventId>> = FxHashMap::default();
         for (number, event) in program.plan.events.iter().enumerate() {
-            if event.sound && matches!(event.deed, Deed::Capture { .. }) {
+            if event.sound && matches!(event.kind, EventKind::Capture { .. }) {
                 let id = EventId(number as u32);
                 captures.entry(event.role).or_default().push(id);
             }
@@ -115,7 +115,7 @@ impl<'a> Ancestry<'a> {
         let mut depth = 0;
         loop {
             depth += 1;
-            let Deed::Capture { parent, .. } = plan.event(at).deed else {
+            let EventKind::Capture { parent, .. } = plan.event(at).kind else {
                 return None;
             };
             // More steps than captures would be a circle.
@@ -179,7 +179,7 @@ assembly a {
     fn checked() -> Checked {
         let mut reader = |_: &str| Ok(TEXT.as_bytes().to_vec());
         let checked = check("a.sa", &mut reader, Limits::default());
-        assert_eq!(checked.findings, []);
+        assert_eq!(checked.diagnostics, []);
         checked
     }
 

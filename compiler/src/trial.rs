@@ -8,7 +8,7 @@ use std::collections::{BTreeSet, VecDeque};
 use rustc_hash::FxHashMap;
 use stochc_grammar::Cancelled;
 
-use crate::finding::{Change, Code, Finding, Severity};
+use crate::diagnostic::{Change, Code, Diagnostic, Severity};
 use crate::load::Reader;
 use crate::program::Checked;
 use crate::{FileId, Sources};
@@ -35,11 +35,11 @@ pub(crate) fn judge(
     reader: &mut dyn Reader,
     again: &mut Again<'_>,
 ) -> Result<(), Cancelled> {
-    let claimed = |(_, finding): &(usize, &Finding)| {
-        let fix = finding.fix.as_ref();
+    let claimed = |(_, diagnostic): &(usize, &Diagnostic)| {
+        let fix = diagnostic.fix.as_ref();
         fix.is_some_and(|fix| fix.safe && !fix.edits.is_empty())
     };
-    let claims: Vec<usize> = (checked.findings.iter().enumerate())
+    let claims: Vec<usize> = (checked.diagnostics.iter().enumerate())
         .filter(claimed)
         .map(|(number, _)| number)
         .collect();
@@ -47,7 +47,7 @@ pub(crate) fn judge(
         return Ok(());
     }
     let mut left = MOST.min(WORK / size(checked).max(1));
-    let mut safe = vec![false; checked.findings.len()];
+    let mut safe = vec![false; checked.diagnostics.len()];
     let together = claims.len().div_ceil(left.max(1));
     let mut groups: VecDeque<Vec<usize>> =
         (claims.chunks(together).map(<[usize]>::to_vec)).collect();
@@ -70,8 +70,8 @@ pub(crate) fn judge(
             false => {}
         }
     }
-    for (finding, safe) in checked.findings.iter_mut().zip(safe) {
-        if let Some(fix) = &mut finding.fix {
+    for (diagnostic, safe) in checked.diagnostics.iter_mut().zip(safe) {
+        if let Some(fix) = &mut diagnostic.fix {
             fix.safe &= safe;
         }
     }
@@ -80,7 +80,10 @@ pub(crate) fn judge(
 
 /// Lets no fix be safe.
 pub(crate) fn distrust(checked: &mut Checked) {
-    let fixes = checked.findings.iter_mut().filter_map(|it| it.fix.as_mut());
+    let fixes = checked
+        .diagnostics
+        .iter_mut()
+        .filter_map(|it| it.fix.as_mut());
     fixes.for_each(|fix| fix.safe = false);
 }
 
@@ -99,7 +102,7 @@ fn try_together(
     reader: &mut dyn Reader,
     again: &mut Again<'_>,
 ) -> Result<(bool, Vec<usize>), Cancelled> {
-    let fix = |number: &usize| checked.findings[*number].fix.as_ref();
+    let fix = |number: &usize| checked.diagnostics[*number].fix.as_ref();
     let first = group
         .first()
         .and_then(fix)
@@ -128,33 +131,36 @@ pub(crate) fn cures(
     change: &Change<'_>,
     after: &Checked,
 ) -> bool {
-    let mut is_mended = vec![false; before.findings.len()];
+    let mut is_mended = vec![false; before.diagnostics.len()];
     mended.iter().for_each(|&number| is_mended[number] = true);
-    let findings = || before.findings.iter().zip(&is_mended);
-    if findings().any(|(finding, &is_mended)| is_mended && finding.code == Code::TooManyErrors) {
+    let diagnostics = || before.diagnostics.iter().zip(&is_mended);
+    if diagnostics()
+        .any(|(diagnostic, &is_mended)| is_mended && diagnostic.code == Code::TooManyErrors)
+    {
         return false;
     }
-    let gone = findings().filter(|&(_, &is_mended)| is_mended);
+    let gone = diagnostics().filter(|&(_, &is_mended)| is_mended);
     let gone = Places::of(&before.sources, gone.map(|(it, _)| it), Some(change));
-    let all = Places::of(&after.sources, after.findings.iter(), None);
+    let all = Places::of(&after.sources, after.diagnostics.iter(), None);
     let codes = |checked: &Checked| -> BTreeSet<Code> {
-        checked.findings.iter().map(|it| it.code).collect()
+        checked.diagnostics.iter().map(|it| it.code).collect()
     };
     let known = codes(before);
     if known.contains(&Code::TooManyErrors) {
-        return after.findings.len() <= before.findings.len()
+        return after.diagnostics.len() <= before.diagnostics.len()
             && codes(after).is_subset(&known)
             && !gone.meet(&all);
     }
-    let is_wrong = |finding: &Finding| finding.code.severity() == Severity::Error;
-    let mends_error = findings().any(|(finding, &is_mended)| is_mended && is_wrong(finding));
-    let kept = findings().filter(|&(_, &is_mended)| !is_mended);
+    let is_wrong = |diagnostic: &Diagnostic| diagnostic.code.severity() == Severity::Error;
+    let mends_error =
+        diagnostics().any(|(diagnostic, &is_mended)| is_mended && is_wrong(diagnostic));
+    let kept = diagnostics().filter(|&(_, &is_mended)| !is_mended);
     let mut old = Places::of(
         &before.sources,
-        kept.map(|(finding, _)| finding),
+        kept.map(|(diagnostic, _)| diagnostic),
         Some(change),
     );
-    let new = (after.findings.iter()).filter(|finding| is_wrong(finding) || !mends_error);
+    let new = (after.diagnostics.iter()).filter(|diagnostic| is_wrong(diagnostic) || !mends_error);
     let new = Places::of(&after.sources, new, None);
     (new.0).into_iter().all(|(key, places)| {
         let Some(old) = old.0.get_mut(&key) else {
@@ -187,14 +193,14 @@ impl<'a> Places<'a> {
     /// The places of some findings, as they are after a change if there is one.
     fn of(
         sources: &'a Sources,
-        findings: impl Iterator<Item = &'a Finding>,
+        diagnostics: impl Iterator<Item = &'a Diagnostic>,
         change: Option<&Change<'_>>,
     ) -> Places<'a> {
         let mut by_file: FxHashMap<(Code, Option<FileId>), Vec<usize>> = FxHashMap::default();
-        for finding in findings {
-            let site = finding.labels.first().map(|label| label.site);
+        for diagnostic in diagnostics {
+            let site = diagnostic.labels.first().map(|label| label.site);
             let at = site.map_or(0, |site| site.span.start as usize);
-            let key = (finding.code, site.map(|site| site.file));
+            let key = (diagnostic.code, site.map(|site| site.file));
             by_file.entry(key).or_default().push(at);
         }
         let by_name = by_file.into_iter().map(|((code, file), mut places)| {

@@ -5,10 +5,10 @@ use stochc_grammar::{Cancellation, Cancelled, Symbols};
 use stochc_ir::table::RoleId;
 use stochc_ir::{Cell, Face};
 
-use crate::finding::{Code, Finding, tell};
+use crate::diagnostic::{Code, Diagnostic, tell};
 use crate::layout::Layout;
 use crate::order::Order;
-use crate::plan::{Deed, EventId, Plan};
+use crate::plan::{EventId, EventKind, Plan};
 
 /// Faces that a message names.
 const NAMED: usize = 3;
@@ -28,7 +28,7 @@ pub fn check(
     order: &Order,
     symbols: &Symbols,
     cancellation: Cancellation<'_>,
-    findings: &mut Vec<Finding>,
+    diagnostics: &mut Vec<Diagnostic>,
 ) -> Result<(), Cancelled> {
     let last = last_captures(plan, order);
     let survey = Survey {
@@ -41,7 +41,7 @@ pub fn check(
     let mut worst: Option<(usize, usize)> = None;
     for number in 0..plan.phases.len() {
         cancellation.check()?;
-        survey.blocked(number, &standing, symbols, findings);
+        survey.blocked(number, &standing, symbols, diagnostics);
         let exposed = survey.before_last(number, &mut standing);
         if exposed > worst.map_or(0, |(_, most)| most) {
             worst = Some((number, exposed));
@@ -49,7 +49,7 @@ pub fn check(
         survey.end(number, &mut standing);
     }
     if let Some((number, exposed)) = worst {
-        findings.push(survey.tell(number, exposed, symbols));
+        diagnostics.push(survey.tell(number, exposed, symbols));
     }
     Ok(())
 }
@@ -60,7 +60,7 @@ fn last_captures(plan: &Plan, order: &Order) -> Vec<Option<EventId>> {
     for (i, id) in order.events.iter().enumerate() {
         place[id.0 as usize] = i;
     }
-    let captures = |id: &EventId| matches!(plan.event(*id).deed, Deed::Capture { .. });
+    let captures = |id: &EventId| matches!(plan.event(*id).kind, EventKind::Capture { .. });
     (plan.phases.iter())
         .map(|phase| {
             let captures = plan.events_of(phase).filter(captures);
@@ -130,7 +130,7 @@ impl Survey<'_> {
         ) else {
             return;
         };
-        if matches!(event.deed, Deed::Capture { .. }) {
+        if matches!(event.kind, EventKind::Capture { .. }) {
             standing.enter(cell, event.role, Some(on.face.opposite()));
         }
     }
@@ -141,13 +141,13 @@ impl Survey<'_> {
         number: usize,
         standing: &Standing,
         symbols: &Symbols,
-        findings: &mut Vec<Finding>,
+        diagnostics: &mut Vec<Diagnostic>,
     ) {
         let emptied: FxHashSet<Cell> = self.layout.changes[number].0.iter().copied().collect();
         for id in self.plan.events_of(&self.plan.phases[number]) {
             let event = self.plan.event(id);
-            let (Deed::Release, Some(cell), Some(on)) = (
-                event.deed,
+            let (EventKind::Release, Some(cell), Some(on)) = (
+                event.kind,
                 self.layout.cells[id.0 as usize],
                 self.layout.parents[id.0 as usize],
             ) else {
@@ -164,7 +164,7 @@ impl Survey<'_> {
             }
             let name = self.plan.roles.name(event.role, symbols);
             let there = self.plan.roles.name(role, symbols);
-            let finding = Finding::new(
+            let diagnostic = Diagnostic::new(
                 Code::BlockedRelease,
                 format!("`{name}` has nowhere to go when it is rejected"),
             )
@@ -179,11 +179,11 @@ impl Survey<'_> {
             .help(format!(
                 "release `{there}` before it, or capture `{name}` through another face"
             ));
-            tell(findings, finding);
+            tell(diagnostics, diagnostic);
         }
     }
 
-    fn tell(&self, number: usize, exposed: usize, symbols: &Symbols) -> Finding {
+    fn tell(&self, number: usize, exposed: usize, symbols: &Symbols) -> Diagnostic {
         let mut standing = Standing::of_seeds(self.plan);
         for earlier in 0..number {
             self.before_last(earlier, &mut standing);
@@ -221,7 +221,7 @@ impl Survey<'_> {
         } else {
             format!("{exposed} ")
         };
-        Finding::new(Code::UnplannedBond, format!("{count}{title}"))
+        Diagnostic::new(Code::UnplannedBond, format!("{count}{title}"))
             .label(
                 phase.site,
                 format!("{where_} {named}, while this phase waits for its last block"),

@@ -6,7 +6,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use stochc_grammar::tree::{Item, ItemKind, Name};
 use stochc_grammar::{Span, Symbols};
 
-use crate::finding::{Code, Finding, Fix, removal, tell};
+use crate::diagnostic::{Code, Diagnostic, Fix, removal, tell};
 use crate::load::Module;
 use crate::names::{Names, Thing};
 use crate::scene::DEFAULT;
@@ -27,7 +27,7 @@ pub fn check(
     names: &Names,
     sources: &Sources,
     symbols: &Symbols,
-    findings: &mut Vec<Finding>,
+    diagnostics: &mut Vec<Diagnostic>,
 ) {
     let Some(own) = modules.last() else { return };
     let items = &own.tree.items;
@@ -48,7 +48,7 @@ pub fn check(
             .at(own.file, it.name.span.start)
             .map(|name| name.thing);
         if thing.is_some_and(|thing| !used.contains(&thing)) {
-            tell(findings, it.unused(own.file, sources, symbols));
+            tell(diagnostics, it.unused(own.file, sources, symbols));
         }
     }
 }
@@ -109,7 +109,7 @@ fn used(declared: &[Declared<'_>], file: FileId, names: &Names) -> FxHashSet<Thi
 }
 
 impl Declared<'_> {
-    fn unused(&self, file: FileId, sources: &Sources, symbols: &Symbols) -> Finding {
+    fn unused(&self, file: FileId, sources: &Sources, symbols: &Symbols) -> Diagnostic {
         let word = symbols.word(self.name.symbol);
         let keep = format!("call it `_{word}` to keep it");
         let (title, label, help) = match self.code {
@@ -135,7 +135,7 @@ impl Declared<'_> {
             ),
         };
         let site = |span| Site { file, span };
-        let mut finding = Finding::new(self.code, title)
+        let mut diagnostic = Diagnostic::new(self.code, title)
             .label(site(self.name.span), label)
             .help(help);
         // Comments that belong to it would belong to something else.
@@ -143,8 +143,8 @@ impl Declared<'_> {
             let removed = removal(sources, site(self.item.span));
             let is_certain = self.code == Code::UnusedLet && self.is_local;
             let title = format!("remove {}", self.item.noun().replacen("a ", "the ", 1));
-            finding.fix = Some(Fix::remove(removed, title).unsafe_if(!is_certain));
+            diagnostic.fix = Some(Fix::remove(removed, title).unsafe_if(!is_certain));
         }
-        finding
+        diagnostic
     }
 }

@@ -1,5 +1,5 @@
 //! What is said of a release that sets a block adrift, and that it helps.
-use stochc_compiler::finding::{Code, Finding};
+use stochc_compiler::diagnostic::{Code, Diagnostic};
 use stochc_compiler::{Checked, Limits, check};
 
 fn checked(phases: &str) -> Checked {
@@ -28,13 +28,13 @@ fn the_help_says_what_can_be_released_and_when() {
             "phase p { M.up -> A.up -> B } phase q { release B A.north -> B } phase r { release A, B }",
         ),
     ] {
-        let found = checked(wrong).findings;
-        let [finding] = &found[..] else {
+        let found = checked(wrong).diagnostics;
+        let [diagnostic] = &found[..] else {
             panic!("{wrong}: {found:#?}");
         };
-        assert_eq!(finding.code, Code::Adrift);
-        assert_eq!(finding.help.as_deref(), Some(help), "{wrong}");
-        let left = checked(right).findings;
-        assert!(!left.iter().any(Finding::is_error), "{right}: {left:#?}");
+        assert_eq!(diagnostic.code, Code::Adrift);
+        assert_eq!(diagnostic.help.as_deref(), Some(help), "{wrong}");
+        let left = checked(right).diagnostics;
+        assert!(!left.iter().any(Diagnostic::is_error), "{right}: {left:#?}");
     }
 }

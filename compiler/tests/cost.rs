@@ -5,7 +5,7 @@ use stochc_compiler::{Program, check};
 fn program(text: &str) -> (Program, Cost, Vec<String>) {
     let mut reader = |_: &str| Ok(text.as_bytes().to_vec());
     let mut checked = check("test.sa", &mut reader, Default::default());
-    assert!(!checked.has_errors(), "{:#?}", checked.findings);
+    assert!(!checked.has_errors(), "{:#?}", checked.diagnostics);
     let program = checked.programs.remove(0);
     let cost = estimate(&program).unwrap();
     let order = (cost.captures.iter())

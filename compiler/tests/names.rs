@@ -5,16 +5,16 @@ use std::fmt::Write as _;
 use proptest::prelude::*;
 use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
 use stochc_compiler::names::{Kind, Names, Thing};
-use stochc_compiler::plan::Deed;
+use stochc_compiler::plan::EventKind;
 use stochc_compiler::source_map::blocks_at;
-use stochc_compiler::{Cancellation, Checked, Levels, Limits, check_observed};
+use stochc_compiler::{Cancellation, Checked, Limits, LintLevels, check_observed};
 
 const NEVER: Cancellation<'static> = Cancellation::NEVER;
 
 fn checked(text: &str) -> Checked {
     let mut reader = |_: &str| Ok(text.as_bytes().to_vec());
     // Without trying the fixes of what is not used.
-    let (limits, levels) = (Limits::default(), Levels::default());
+    let (limits, levels) = (Limits::default(), LintLevels::default());
     check_observed("a.sa", &mut reader, limits, &levels, &mut |_| {})
 }
 
@@ -161,9 +161,9 @@ fn structure(checked: &Checked) -> String {
     let mut shown = String::new();
     for program in &checked.programs {
         for event in &program.plan.events {
-            let _ = match event.deed {
-                Deed::Capture { parent, face } => write!(shown, "{}.{face}", parent.0),
-                Deed::Release => write!(shown, "-"),
+            let _ = match event.kind {
+                EventKind::Capture { parent, face } => write!(shown, "{}.{face}", parent.0),
+                EventKind::Release => write!(shown, "-"),
             };
             let _ = write!(shown, "{} ", event.role.0);
         }
@@ -227,7 +227,7 @@ fn a_thing_can_have_any_name_and_nothing_else_changes() {
             }
             let text = renamed(text, names, thing, "fresh");
             let after = checked(&text);
-            prop_assert!(!after.has_errors(), "{text}\n{:#?}", after.findings);
+            prop_assert!(!after.has_errors(), "{text}\n{:#?}", after.diagnostics);
             prop_assert_eq!(&before, &structure(&after), "{}", text);
         }
         Ok(count)

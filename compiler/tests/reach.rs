@@ -5,8 +5,8 @@ use std::fmt::Write as _;
 use petgraph::Direction::Incoming;
 use petgraph::graph::NodeIndex;
 use proptest::prelude::*;
-use stochc_compiler::finding::{Change, Code, Finding, Fix};
-use stochc_compiler::plan::{Deed, Event, EventId};
+use stochc_compiler::diagnostic::{Change, Code, Diagnostic, Fix};
+use stochc_compiler::plan::{Event, EventId, EventKind};
 use stochc_compiler::turns::is_ready;
 use stochc_compiler::{Checked, FileId, Limits, Program, check};
 use stochc_ir::{Cell, Face};
@@ -203,7 +203,7 @@ fn orders(
                 .filter(|&id| done & bit(id) != 0)
         };
         for id in happened() {
-            if program.plan.event(id).deed == Deed::Release {
+            if program.plan.event(id).kind == EventKind::Release {
                 let on = program.layout.parents[id.0 as usize].unwrap();
                 let cell = program.layout.cells[id.0 as usize].unwrap();
                 if full.get(&cell) == Some(&on.capture) {
@@ -212,7 +212,7 @@ fn orders(
             }
         }
         for id in happened() {
-            if program.plan.event(id).deed != Deed::Release {
+            if program.plan.event(id).kind != EventKind::Release {
                 full.insert(program.layout.cells[id.0 as usize].unwrap(), id);
             }
         }
@@ -226,7 +226,7 @@ fn orders(
             is_over = false;
             let waits = !is_ready(&program.graph, id, |first| done & bit(first) != 0);
             let cell = program.layout.cells[id.0 as usize].unwrap();
-            let is_release = program.plan.event(id).deed == Deed::Release;
+            let is_release = program.plan.event(id).kind == EventKind::Release;
             if !waits && (is_release || is_open(room, cell, &full)) {
                 moved = true;
                 reached.insert(id);
@@ -258,7 +258,7 @@ fn all_orders(program: &Program) -> Orders {
             full.remove(cell);
         }
         for id in phase.events.clone().map(EventId) {
-            if program.plan.event(id).deed != Deed::Release {
+            if program.plan.event(id).kind != EventKind::Release {
                 full.insert(program.layout.cells[id.0 as usize].unwrap(), id);
             }
         }
@@ -284,8 +284,8 @@ fn all_before(program: &Program, id: EventId) -> BTreeSet<EventId> {
     found
 }
 
-fn is_never(finding: &Finding) -> bool {
-    finding.title.starts_with("no block can ever come")
+fn is_never(diagnostic: &Diagnostic) -> bool {
+    diagnostic.title.starts_with("no block can ever come")
 }
 
 /// Every capture with its phase and the cells that are full in its worst case, word by word.
@@ -352,36 +352,36 @@ fn is_wide(room: Room, target: Cell, full: &BTreeMap<Cell, EventId>) -> bool {
     false
 }
 
-fn sealed(checked: &Checked) -> Vec<&Finding> {
-    (checked.findings.iter())
-        .filter(|finding| finding.code == Code::SealedCavity)
+fn sealed(checked: &Checked) -> Vec<&Diagnostic> {
+    (checked.diagnostics.iter())
+        .filter(|diagnostic| diagnostic.code == Code::SealedCavity)
         .collect()
 }
 
 /// The captures that findings speak of: those of one statement in a loop are told of in one.
-fn sealed_captures(findings: &[&Finding]) -> usize {
-    findings
+fn sealed_captures(diagnostics: &[&Diagnostic]) -> usize {
+    diagnostics
         .iter()
-        .map(|finding| 1 + finding.others.count)
+        .map(|diagnostic| 1 + diagnostic.others.count)
         .sum()
 }
 
 /// The event that a finding speaks of first.
-fn finding_event(program: &Program, finding: &Finding) -> u32 {
-    let site = finding.labels[0].site;
+fn diagnostic_event(program: &Program, diagnostic: &Diagnostic) -> u32 {
+    let site = diagnostic.labels[0].site;
     (program.plan.events.iter())
         .position(|event| event.site == site)
         .unwrap() as u32
 }
 
 /// The text after a fix.
-fn after_fix(text: &str, finding: &Finding) -> Option<String> {
-    Some(changed(text, finding.fix.as_ref()?))
+fn after_fix(text: &str, diagnostic: &Diagnostic) -> Option<String> {
+    Some(changed(text, diagnostic.fix.as_ref()?))
 }
 
-fn others(checked: &Checked) -> Vec<&Finding> {
-    (checked.findings.iter())
-        .filter(|finding| finding.is_error() && finding.code != Code::SealedCavity)
+fn others(checked: &Checked) -> Vec<&Diagnostic> {
+    (checked.diagnostics.iter())
+        .filter(|diagnostic| diagnostic.is_error() && diagnostic.code != Code::SealedCavity)
         .collect()
 }
 
@@ -442,10 +442,10 @@ proptest! {
                 })
                 .map(|(_, id, _)| id)
                 .collect();
-            let told = (checked.findings.iter())
-                .filter(|finding| finding.code == Code::TightApproach)
-                .find(|finding| phase.events.contains(&finding_event(program, finding)))
-                .map(|finding| finding.title.split(' ').next().unwrap().parse().unwrap_or(1));
+            let told = (checked.diagnostics.iter())
+                .filter(|diagnostic| diagnostic.code == Code::TightApproach)
+                .find(|diagnostic| phase.events.contains(&diagnostic_event(program, diagnostic)))
+                .map(|diagnostic| diagnostic.title.split(' ').next().unwrap().parse().unwrap_or(1));
             prop_assert_eq!(told.unwrap_or(0), tight.len(), "phase {}\n{}", number, text);
         }
     }
@@ -474,14 +474,14 @@ proptest! {
         let program = &checked.programs[0];
         let reached = all_orders(program).reached;
         let mut told = BTreeSet::new();
-        for finding in sealed(&checked) {
-            let id = EventId(finding_event(program, finding));
+        for diagnostic in sealed(&checked) {
+            let id = EventId(diagnostic_event(program, diagnostic));
             told.insert(id);
             let is_reached = reached.contains(&id);
-            prop_assert!(!is_never(finding) || !is_reached, "{text}\n{}", finding.title);
+            prop_assert!(!is_never(diagnostic) || !is_reached, "{text}\n{}", diagnostic.title);
             // With choices it may be left open.
-            let is_open = releases || (faces > 1 && finding.title.contains(" may be "));
-            prop_assert!(is_open || is_never(finding) || is_reached, "{text}\n{}", finding.title);
+            let is_open = releases || (faces > 1 && diagnostic.title.contains(" may be "));
+            prop_assert!(is_open || is_never(diagnostic) || is_reached, "{text}\n{}", diagnostic.title);
         }
         for id in (0..program.plan.events.len() as u32).map(EventId) {
             let is_told = all_before(program, id).iter().any(|id| told.contains(id));
@@ -503,8 +503,8 @@ proptest! {
     ) {
         let text = with_faces(&program(&choices, SMALL, false), faces);
         let checked = checked(&text);
-        for finding in sealed(&checked) {
-            prop_assert!(follow(&checked, finding).is_none_or(|closes| closes), "{text}\n{finding:#?}");
+        for diagnostic in sealed(&checked) {
+            prop_assert!(follow(&checked, diagnostic).is_none_or(|closes| closes), "{text}\n{diagnostic:#?}");
         }
     }
 
@@ -518,7 +518,7 @@ proptest! {
         for _ in 0..20 {
             let now = checked(&text);
             prop_assert!(others(&now).is_empty(), "{text}\n{:#?}", others(&now));
-            let Some(better) = sealed(&now).into_iter().find_map(|finding| after_fix(&text, finding))
+            let Some(better) = sealed(&now).into_iter().find_map(|diagnostic| after_fix(&text, diagnostic))
             else {
                 break;
             };
@@ -535,12 +535,12 @@ proptest! {
 
 /// Follows the order that a finding shows: whether each event can happen in its turn, and the cell is closed at the end.
 /// `None`: it shows none, or only the start.
-fn follow(checked: &Checked, finding: &Finding) -> Option<bool> {
+fn follow(checked: &Checked, diagnostic: &Diagnostic) -> Option<bool> {
     let program = &checked.programs[0];
     let plan = &program.plan;
-    let help = finding.help.as_deref()?;
+    let help = diagnostic.help.as_deref()?;
     let order = (help.lines()).find_map(|line| line.strip_prefix("an order that leads there: "))?;
-    let target = finding_event(program, finding);
+    let target = diagnostic_event(program, diagnostic);
     let mut phases = plan.phases.iter();
     let phase = phases.find(|phase| phase.events.contains(&target))?;
     let cell = |id: EventId| program.layout.cells[id.0 as usize].unwrap();
@@ -583,15 +583,15 @@ struct Cures {
 fn cures_cure_in(text: &str) -> Cures {
     let now = checked(text);
     let mut cures = Cures::default();
-    for finding in sealed(&now) {
-        let help = finding.help.as_deref().unwrap();
-        if is_never(finding) {
+    for diagnostic in sealed(&now) {
+        let help = diagnostic.help.as_deref().unwrap();
+        if is_never(diagnostic) {
             cures.never += 1;
-            assert_eq!(finding.fix, None, "{text}");
-        } else if let Some(fix) = &finding.fix {
+            assert_eq!(diagnostic.fix, None, "{text}");
+        } else if let Some(fix) = &diagnostic.fix {
             cures.changes += 1;
             assert!(
-                is_cured(&now, &checked(&changed(text, fix)), finding),
+                is_cured(&now, &checked(&changed(text, fix)), diagnostic),
                 "{text}\n{fix:?}"
             );
             for (i, edit) in fix.edits.iter().enumerate() {
@@ -604,7 +604,7 @@ fn cures_cure_in(text: &str) -> Cures {
                 fewer.edits[i].text.truncate(at);
                 let then = checked(&changed(text, &fewer));
                 assert!(
-                    !is_cured(&now, &then, finding),
+                    !is_cured(&now, &then, diagnostic),
                     "{text}\nneeds less than {fix:?}"
                 );
             }
@@ -624,9 +624,11 @@ fn cures_cure_in(text: &str) -> Cures {
                     }
                 }
                 let then = checked(&written_out(&now, &added));
-                let event = finding_named(&now, finding);
+                let event = diagnostic_named(&now, diagnostic);
                 let told = |checked: &Checked| -> BTreeSet<u32> {
-                    let of = |finding: &&Finding| finding_event(&checked.programs[0], finding);
+                    let of = |diagnostic: &&Diagnostic| {
+                        diagnostic_event(&checked.programs[0], diagnostic)
+                    };
                     sealed(checked).iter().map(of).collect()
                 };
                 let mut rest = told(&checked(&plain));
@@ -636,7 +638,7 @@ fn cures_cure_in(text: &str) -> Cures {
                 assert_eq!(cured, left_out == 0, "{text}\n{help}");
                 assert!(!cured || told(&then).is_subset(&rest), "{text}\n{help}");
             }
-        } else if finding.others.count > 0 && help.contains("must come later") {
+        } else if diagnostic.others.count > 0 && help.contains("must come later") {
             // Each capture of the statement has a cure of its own.
             cures.several += 1;
         } else {
@@ -656,22 +658,22 @@ fn changed(text: &str, fix: &Fix) -> String {
 /// Whether all that a finding speaks of is gone, and nothing is told that was not told before.
 ///
 /// Findings of one place are told as one, so that this is looked at where each event has a place of its own.
-fn is_cured(before: &Checked, after: &Checked, finding: &Finding) -> bool {
+fn is_cured(before: &Checked, after: &Checked, diagnostic: &Diagnostic) -> bool {
     if !others(after).is_empty() {
         return false;
     }
     let plain = |checked: &Checked| checked_plain(&written_out(checked, &BTreeMap::new()));
     let (then, now) = (plain(before), plain(after));
     let program = &before.programs[0];
-    let first = finding_named(before, finding);
+    let first = diagnostic_named(before, diagnostic);
     let at_its_place = |told: &BTreeSet<u32>| {
         let events = told.iter().map(|&id| program.plan.event(EventId(id)));
-        let here = events.filter(|event| event.site == finding.labels[0].site);
+        let here = events.filter(|event| event.site == diagnostic.labels[0].site);
         here.count()
     };
     !now.contains(&first)
         && now.is_subset(&then)
-        && at_its_place(&now) + finding.others.count < at_its_place(&then)
+        && at_its_place(&now) + diagnostic.others.count < at_its_place(&then)
 }
 
 /// The events that are told of in a program where each has a place of its own.
@@ -682,14 +684,14 @@ fn checked_plain(text: &str) -> BTreeSet<u32> {
         "{text}\n{:#?}",
         others(&checked)
     );
-    let of = |finding: &&Finding| finding_event(&checked.programs[0], finding);
+    let of = |diagnostic: &&Diagnostic| diagnostic_event(&checked.programs[0], diagnostic);
     sealed(&checked).iter().map(of).collect()
 }
 
 /// The event of a finding by the name in its title, where one place of the text stands for many.
-fn finding_named(checked: &Checked, finding: &Finding) -> u32 {
+fn diagnostic_named(checked: &Checked, diagnostic: &Diagnostic) -> u32 {
     let plan = &checked.programs[0].plan;
-    let name = finding.title.split('`').nth(1).unwrap();
+    let name = diagnostic.title.split('`').nth(1).unwrap();
     let is_it = |event: &Event| plan.roles.name(event.role, &checked.symbols) == name;
     plan.events.iter().position(is_it).unwrap() as u32
 }
@@ -711,11 +713,11 @@ fn written_out(checked: &Checked, added: &BTreeMap<String, String>) -> String {
         let _ = writeln!(text, "phase p{number} {{");
         for id in plan.events_of(phase) {
             let event = plan.event(id);
-            match event.deed {
-                Deed::Capture { parent, face } => {
+            match event.kind {
+                EventKind::Capture { parent, face } => {
                     let _ = write!(text, "N{}.{face} -> N{}", parent.0, event.role.0);
                 }
-                Deed::Release => {
+                EventKind::Release => {
                     let _ = write!(text, "release N{}", event.role.0);
                 }
             }
@@ -886,10 +888,10 @@ fn many_random_programs_with_choices_have_cavities() {
         if !stochc_compiler::turns::has_choice(&checked.programs[0].graph) {
             continue;
         }
-        for finding in sealed(&checked) {
-            shown += usize::from(follow(&checked, finding).is_some());
-            never += usize::from(is_never(finding));
-            open += usize::from(finding.title.contains(" may be "));
+        for diagnostic in sealed(&checked) {
+            shown += usize::from(follow(&checked, diagnostic).is_some());
+            never += usize::from(is_never(diagnostic));
+            open += usize::from(diagnostic.title.contains(" may be "));
         }
     }
     println!("of 400 programs with choices: {shown} orders shown, {never} never, {open} left open");
@@ -1045,18 +1047,18 @@ fn in_a_roofed_hall_never_is_said_of_what_hangs_from_the_roof_alone() {
     let checked = checked(LAMPS);
     assert!(others(&checked).is_empty(), "{:#?}", others(&checked));
     let never: BTreeSet<&str> = (sealed(&checked).into_iter())
-        .filter(|finding| is_never(finding))
-        .map(|finding| finding.title.split('`').nth(1).unwrap())
+        .filter(|diagnostic| is_never(diagnostic))
+        .map(|diagnostic| diagnostic.title.split('`').nth(1).unwrap())
         .collect();
     let lamps = (1..=8).map(|i| format!("H[{i}]"));
     assert!(never.into_iter().eq(lamps), "{:#?}", sealed(&checked));
     // The blocks of the pillars come in as long as the roof is not there.
     let mut pillars = sealed(&checked);
-    pillars.retain(|finding| !is_never(finding));
+    pillars.retain(|diagnostic| !is_never(diagnostic));
     assert_eq!(sealed_captures(&pillars), 75);
-    for finding in pillars {
+    for diagnostic in pillars {
         assert!(
-            finding
+            diagnostic
                 .title
                 .ends_with("can be walled in before its block comes")
         );
@@ -1071,7 +1073,7 @@ fn in_a_roofed_hall_never_is_said_of_what_hangs_from_the_roof_alone() {
     assert!(others(&then).is_empty(), "{:#?}", others(&then));
     let plain = |checked: &Checked| checked_plain(&written_out(checked, &BTreeMap::new()));
     let mut rest = plain(&checked);
-    assert!(rest.remove(&finding_named(&checked, first)));
+    assert!(rest.remove(&diagnostic_named(&checked, first)));
     assert!(plain(&then).is_subset(&rest));
 }
 
@@ -1091,7 +1093,11 @@ assembly well {
     let fix = sealed(&now)[0].fix.as_ref().unwrap();
     assert!(fix.safe, "{fix:#?}");
     let then = checked(&changed(text, fix));
-    let codes: Vec<Code> = then.findings.iter().map(|finding| finding.code).collect();
+    let codes: Vec<Code> = then
+        .diagnostics
+        .iter()
+        .map(|diagnostic| diagnostic.code)
+        .collect();
     assert_eq!(codes, [Code::TightApproach]);
 }
 
@@ -1180,13 +1186,13 @@ fn a_statement_of_its_own_is_told_where_nothing_else_helps() {
     );
     for text in [text, one] {
         let now = checked(&text);
-        assert_eq!(sealed(&now).len(), 1, "{text}\n{:#?}", now.findings);
+        assert_eq!(sealed(&now).len(), 1, "{text}\n{:#?}", now.diagnostics);
         let cures = cures_cure_in(&text);
         assert_eq!(
             cures.changes + cures.written_out,
             1,
             "{text}\n{:#?}",
-            now.findings
+            now.diagnostics
         );
     }
 }
@@ -1206,7 +1212,7 @@ assembly wells {
 }
 ";
     let now = checked(text);
-    assert_eq!(sealed_captures(&sealed(&now)), 4, "{:#?}", now.findings);
+    assert_eq!(sealed_captures(&sealed(&now)), 4, "{:#?}", now.diagnostics);
     let fix = sealed(&now)[0].fix.as_ref().unwrap();
     assert!(fix.title.contains("CORE[i]"), "{fix:#?}");
     assert!(sealed(&checked(&changed(text, fix))).is_empty());
@@ -1236,14 +1242,17 @@ fn two_that_close_each_other_in_are_no_never() {
     assert!(others(&now).is_empty(), "{:#?}", others(&now));
     let found = sealed(&now);
     assert_eq!(sealed_captures(&found), 2, "{found:#?}");
-    for finding in found {
-        assert!(finding.title.contains("can be walled in"), "{finding:#?}");
-        let help = finding.help.as_deref().unwrap();
+    for diagnostic in found {
+        assert!(
+            diagnostic.title.contains("can be walled in"),
+            "{diagnostic:#?}"
+        );
+        let help = diagnostic.help.as_deref().unwrap();
         assert!(
             help.contains("no order of the phase reaches all of its cells"),
             "{help}"
         );
-        assert_eq!(finding.fix, None);
+        assert_eq!(diagnostic.fix, None);
     }
     assert_eq!(
         all_orders(&now.programs[0]).reached.len(),

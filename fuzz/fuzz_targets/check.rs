@@ -3,7 +3,7 @@
 #![no_main]
 use libfuzzer_sys::fuzz_target;
 use stochc_compiler::cost::estimate;
-use stochc_compiler::finding::Renderer;
+use stochc_compiler::diagnostic::Renderer;
 use stochc_compiler::{Limits, check};
 
 /// Small enough that every execution is quick.
@@ -21,15 +21,15 @@ fuzz_target!(|bytes: &[u8]| {
     };
     let checked = check("fuzz.sa", &mut reader, LIMITS);
     let renderer = Renderer::new(false, 100);
-    for finding in &checked.findings {
-        for label in &finding.labels {
+    for diagnostic in &checked.diagnostics {
+        for label in &diagnostic.labels {
             let text = &checked.sources.file(label.site.file).text;
             let span = label.site.span;
             assert!(text.get(span.start as usize..span.end as usize).is_some());
         }
     }
-    for finding in checked.findings.iter().take(5) {
-        let shown = renderer.render(finding, &checked.sources);
+    for diagnostic in checked.diagnostics.iter().take(5) {
+        let shown = renderer.render(diagnostic, &checked.sources);
         assert!(!shown.contains(|c: char| c.is_control() && c != '\n'));
     }
     for program in &checked.programs {

@@ -2,10 +2,10 @@
 use std::collections::HashMap;
 
 use gen_lsp_types::{CodeAction, CodeActionKind, TextEdit, Uri, WorkspaceEdit};
-use stochc_compiler::finding::{Finding, Fix};
+use stochc_compiler::diagnostic::{Diagnostic, Fix};
 
 use super::analysis::Analysis;
-use super::diagnostics::diagnostic;
+use super::diagnostics::lsp_diagnostic;
 use super::documents::Documents;
 
 /// The changes that mend what is found between two bytes of a program's file.
@@ -16,21 +16,21 @@ pub fn actions(
     documents: &Documents,
 ) -> Vec<CodeAction> {
     let file = analysis.file(path);
-    let is_near = |finding: &&Finding| {
-        finding.labels.iter().any(|label| {
+    let is_near = |diagnostic: &&Diagnostic| {
+        diagnostic.labels.iter().any(|label| {
             let span = label.site.span;
             Some(label.site.file) == file
                 && span.start as usize <= end
                 && start <= span.end as usize
         })
     };
-    let findings = analysis.checked.findings.iter().filter(is_near);
-    findings
-        .filter_map(|finding| Some((finding, finding.fix.as_ref()?)))
-        .map(|(finding, fix)| CodeAction {
+    let diagnostics = analysis.checked.diagnostics.iter().filter(is_near);
+    diagnostics
+        .filter_map(|diagnostic| Some((diagnostic, diagnostic.fix.as_ref()?)))
+        .map(|(diagnostic, fix)| CodeAction {
             title: fix.title.clone(),
             kind: Some(CodeActionKind::QuickFix),
-            diagnostics: Some(vec![diagnostic(finding, analysis, documents)]),
+            diagnostics: Some(vec![lsp_diagnostic(diagnostic, analysis, documents)]),
             is_preferred: Some(fix.safe),
             edit: Some(edit(fix, analysis, documents)),
             ..CodeAction::default()
@@ -55,7 +55,7 @@ fn edit(fix: &Fix, analysis: &Analysis, documents: &Documents) -> WorkspaceEdit 
 
 #[cfg(test)]
 mod tests {
-    use stochc_compiler::finding::{Code, Edit};
+    use stochc_compiler::diagnostic::{Code, Edit};
     use stochc_compiler::{Cancellation, Site, Span};
 
     use super::super::position::Encoding;
@@ -82,8 +82,8 @@ mod tests {
             }],
             safe: true,
         };
-        let finding = Finding::new(Code::UnknownName, "a name").label(at(15, 16), "here");
-        analysis.checked.findings = vec![finding.clone().fix(fix), finding];
+        let diagnostic = Diagnostic::new(Code::UnknownName, "a name").label(at(15, 16), "here");
+        analysis.checked.diagnostics = vec![diagnostic.clone().fix(fix), diagnostic];
 
         let found = actions(&analysis, &path, (15, 15), &documents);
         assert_eq!(found.len(), 1);

@@ -2,10 +2,10 @@
 use std::collections::BTreeMap;
 
 use gen_lsp_types::{
-    Code, Diagnostic, DiagnosticRelatedInformation, DiagnosticSeverity, DiagnosticTag, Message,
-    Range,
+    Code, Diagnostic as LspDiagnostic, DiagnosticRelatedInformation, DiagnosticSeverity,
+    DiagnosticTag, Message, Range,
 };
-use stochc_compiler::finding::{Finding, Severity, visible};
+use stochc_compiler::diagnostic::{Diagnostic, Severity, visible};
 
 use super::analysis::Analysis;
 use super::documents::Documents;
@@ -15,25 +15,29 @@ pub fn of(
     analysis: &Analysis,
     path: &str,
     documents: &Documents,
-) -> BTreeMap<String, Vec<Diagnostic>> {
+) -> BTreeMap<String, Vec<LspDiagnostic>> {
     let mut all = BTreeMap::from([(path.to_owned(), Vec::new())]);
-    for finding in &analysis.checked.findings {
-        let file = (finding.labels.first()).map_or(path, |label| analysis.path(label.site.file));
-        let diagnostic = diagnostic(finding, analysis, documents);
+    for diagnostic in &analysis.checked.diagnostics {
+        let file = (diagnostic.labels.first()).map_or(path, |label| analysis.path(label.site.file));
+        let diagnostic = lsp_diagnostic(diagnostic, analysis, documents);
         all.entry(file.to_owned()).or_default().push(diagnostic);
     }
     all
 }
 
 /// A finding.
-pub fn diagnostic(finding: &Finding, analysis: &Analysis, documents: &Documents) -> Diagnostic {
-    let mut message = visible(&finding.message()).to_string();
-    let mut labels = finding.labels.iter();
+pub fn lsp_diagnostic(
+    diagnostic: &Diagnostic,
+    analysis: &Analysis,
+    documents: &Documents,
+) -> LspDiagnostic {
+    let mut message = visible(&diagnostic.message()).to_string();
+    let mut labels = diagnostic.labels.iter();
     let first = labels.next();
     if let Some(label) = first {
         message.push_str(&format!("\n{}", visible(&label.text)));
     }
-    if let Some(help) = &finding.help {
+    if let Some(help) = &diagnostic.help {
         message.push_str(&format!("\nhelp: {}", visible(help)));
     }
     let related: Vec<_> = labels
@@ -42,17 +46,17 @@ pub fn diagnostic(finding: &Finding, analysis: &Analysis, documents: &Documents)
             message: visible(&label.text).to_string(),
         })
         .collect();
-    Diagnostic {
+    LspDiagnostic {
         range: first.map_or_else(Range::default, |label| analysis.range(label.site)),
-        severity: Some(match finding.severity {
+        severity: Some(match diagnostic.severity {
             Severity::Error => DiagnosticSeverity::Error,
             Severity::Warning => DiagnosticSeverity::Warning,
         }),
-        code: Some(Code::String(finding.code.name().to_owned())),
+        code: Some(Code::String(diagnostic.code.name().to_owned())),
         source: Some("stochc".to_owned()),
         message: Message::String(message),
-        tags: (finding.code.is_unnecessary()).then(|| vec![DiagnosticTag::Unnecessary]),
+        tags: (diagnostic.code.is_unnecessary()).then(|| vec![DiagnosticTag::Unnecessary]),
         related_information: (!related.is_empty()).then_some(related),
-        ..Diagnostic::default()
+        ..LspDiagnostic::default()
     }
 }

@@ -3,7 +3,7 @@ use std::fmt::Write as _;
 
 use stochc_compiler::names::{Kind, Occurrence};
 use stochc_compiler::order::Order;
-use stochc_compiler::plan::{Deed, EventId, PlanPhase};
+use stochc_compiler::plan::{EventId, EventKind, PlanPhase};
 use stochc_compiler::source_map::{Ancestry, Located, blocks_at, phase_of};
 use stochc_compiler::{Cancellation, Cancelled, FileId, Limits, Program, Site};
 use stochc_grammar::tree::{Item, Tree};
@@ -90,7 +90,7 @@ fn block(analysis: &Analysis, program: &Program, ancestry: &Ancestry<'_>, role: 
         let _ = writeln!(text, "- seed of the plate at {}, depth 0", seed.cell);
     }
     for &capture in ancestry.captures(role) {
-        let Deed::Capture { parent, face } = plan.event(capture).deed else {
+        let EventKind::Capture { parent, face } = plan.event(capture).kind else {
             continue;
         };
         let cell = program
@@ -112,11 +112,10 @@ fn block(analysis: &Analysis, program: &Program, ancestry: &Ancestry<'_>, role: 
         };
         let _ = writeln!(text, "- {how}{cell}{depth}");
     }
-    let releases = plan
-        .events
-        .iter()
-        .enumerate()
-        .filter(|(_, event)| event.role == role && event.sound && event.deed == Deed::Release);
+    let releases =
+        plan.events.iter().enumerate().filter(|(_, event)| {
+            event.role == role && event.sound && event.kind == EventKind::Release
+        });
     for (number, _) in releases.take(MOST_LISTED) {
         let phase = phase_name(program, EventId(number as u32));
         let _ = writeln!(text, "- released in phase `{phase}`");
@@ -200,7 +199,8 @@ fn phases(analysis: &Analysis, site: Site) -> String {
 
 fn measure(program: &Program, number: usize, phase: &PlanPhase) -> String {
     let events = program.plan.events_of(phase);
-    let is_capture = |id: &EventId| matches!(program.plan.event(*id).deed, Deed::Capture { .. });
+    let is_capture =
+        |id: &EventId| matches!(program.plan.event(*id).kind, EventKind::Capture { .. });
     let all = phase.events.len();
     let captures = events.filter(is_capture).count();
     let count = |n: usize, noun: &str| format!("{n} {noun}{}", if n == 1 { "" } else { "s" });

@@ -2,7 +2,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use gen_lsp_types::Diagnostic;
+use gen_lsp_types::Diagnostic as LspDiagnostic;
 use stochc_compiler::Cancellation;
 
 use super::analysis::Analysis;
@@ -13,7 +13,7 @@ use super::position::Encoding;
 use super::server::Done;
 
 /// Diagnostics by the path of their file.
-pub type Found = BTreeMap<String, Vec<Diagnostic>>;
+pub type Found = BTreeMap<String, Vec<LspDiagnostic>>;
 
 /// A program that has been checked.
 pub struct Checked {
@@ -133,7 +133,7 @@ impl Programs {
     }
 
     /// The diagnostics of all programs, by the path of their file.
-    pub fn found(&self) -> impl Iterator<Item = (&String, &Vec<Diagnostic>)> {
+    pub fn found(&self) -> impl Iterator<Item = (&String, &Vec<LspDiagnostic>)> {
         self.0.values().flat_map(|program| &program.found)
     }
 

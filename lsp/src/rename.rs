@@ -2,7 +2,7 @@
 use std::collections::{BTreeMap, HashMap};
 
 use gen_lsp_types::{TextEdit, Uri, WorkspaceEdit};
-use stochc_compiler::finding::Code;
+use stochc_compiler::diagnostic::Code;
 use stochc_compiler::names::{Kind, Names, Thing};
 use stochc_compiler::{Cancellation, Checked, Limits, Site, check_cancellable};
 use stochc_grammar::{Symbols, parse_cancellable};
@@ -156,9 +156,9 @@ fn same_structure(old: &Names, new: &Names) -> bool {
 
 fn codes(checked: &Checked) -> Vec<Code> {
     let mut codes: Vec<Code> = checked
-        .findings
+        .diagnostics
         .iter()
-        .map(|finding| finding.code)
+        .map(|diagnostic| diagnostic.code)
         .collect();
     codes.sort_unstable();
     codes

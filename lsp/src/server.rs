@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender};
 use std::time::Duration;
 
-use gen_lsp_types::Diagnostic;
+use gen_lsp_types::Diagnostic as LspDiagnostic;
 use serde_json::{Value, json};
 
 use super::analysis::Analysis;
@@ -55,7 +55,7 @@ pub struct Server<W> {
     /// Requests without an answer, in the order in which they have come in.
     requests: Vec<Request>,
     /// The diagnostics of each file, as the client has them, and the number of its text.
-    shown: BTreeMap<String, (Option<i32>, Vec<Diagnostic>)>,
+    shown: BTreeMap<String, (Option<i32>, Vec<LspDiagnostic>)>,
     /// Nobody listens any more.
     gone: bool,
 }
@@ -380,7 +380,7 @@ impl<W: Write> Server<W> {
 
     /// Tells the client of every file whose diagnostics have changed.
     fn show(&mut self) {
-        let mut now: BTreeMap<String, Vec<Diagnostic>> = BTreeMap::new();
+        let mut now: BTreeMap<String, Vec<LspDiagnostic>> = BTreeMap::new();
         for (path, diagnostics) in self.programs.found() {
             let all = now.entry(path.clone()).or_default();
             for diagnostic in diagnostics {
@@ -413,7 +413,7 @@ impl<W: Write> Server<W> {
         }
     }
 
-    fn publish(&mut self, path: &str, (version, diagnostics): &(Option<i32>, Vec<Diagnostic>)) {
+    fn publish(&mut self, path: &str, (version, diagnostics): &(Option<i32>, Vec<LspDiagnostic>)) {
         let mut params = json!({ "uri": self.documents.uri(path), "diagnostics": diagnostics });
         if let Some(version) = version {
             params["version"] = json!(version);

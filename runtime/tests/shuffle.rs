@@ -104,7 +104,7 @@ impl Plain {
 }
 
 #[derive(Clone, Debug)]
-enum Deed {
+enum Operation {
     Magnetize,
     SwitchOff,
     Plant,
@@ -119,10 +119,10 @@ proptest! {
         deeds in prop::collection::vec(
             (
                 prop_oneof![
-                    4 => Just(Deed::Magnetize),
-                    1 => Just(Deed::SwitchOff),
-                    1 => Just(Deed::Plant),
-                    4 => Just(Deed::Step),
+                    4 => Just(Operation::Magnetize),
+                    1 => Just(Operation::SwitchOff),
+                    1 => Just(Operation::Plant),
+                    4 => Just(Operation::Step),
                 ],
                 any::<prop::sample::Index>(),
                 prop::sample::select(Face::ALL.to_vec()),
@@ -154,16 +154,16 @@ proptest! {
             let bodies: Vec<Body> = seeds.into_iter().chain(blocks).collect();
             let site = BlockFace { body: bodies[which.index(bodies.len())], face };
             match deed {
-                Deed::Magnetize => {
+                Operation::Magnetize => {
                     plain.magnetize(site);
                     world.magnetize(site);
                 }
-                Deed::SwitchOff => {
+                Operation::SwitchOff => {
                     plain.lattice.switch_off(site);
                     world.switch_off(site);
                 }
-                Deed::Plant => prop_assert_eq!(plain.plant(site), world.plant(site)),
-                Deed::Step => {
+                Operation::Plant => prop_assert_eq!(plain.plant(site), world.plant(site)),
+                Operation::Step => {
                     let mut dockings = Vec::new();
                     prop_assert_eq!(world.step(&mut dockings), Ok(()));
                     prop_assert_eq!(plain.step(), dockings);

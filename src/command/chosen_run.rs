@@ -31,7 +31,7 @@ pub struct Choice {
 }
 
 /// A run of a folder, and all that is needed to make it again.
-pub struct Chosen {
+pub struct ChosenRun {
     folder: PathBuf,
     /// Of the whole ensemble.
     pub manifest: Manifest,
@@ -44,7 +44,7 @@ pub struct Chosen {
 }
 
 /// Finds a run.
-pub fn choose(choice: &Choice) -> Result<Chosen, Failure> {
+pub fn choose(choice: &Choice) -> Result<ChosenRun, Failure> {
     let (manifest, finished) = Folder::read(&choice.folder).map_err(Failure::usage)?;
     let program = index(&manifest, choice.program.as_deref()).map_err(Failure::usage)?;
     if choice.run >= manifest.runs {
@@ -56,7 +56,7 @@ pub fn choose(choice: &Choice) -> Result<Chosen, Failure> {
     }
     let done = (finished.into_iter())
         .find(|done| done.program == program && done.record.run == choice.run);
-    Ok(Chosen {
+    Ok(ChosenRun {
         folder: choice.folder.clone(),
         program,
         run: choice.run,
@@ -84,7 +84,7 @@ fn index(manifest: &Manifest, name: Option<&str>) -> Result<usize, String> {
     }
 }
 
-impl Chosen {
+impl ChosenRun {
     /// The program.
     pub fn entry(&self) -> &Program {
         &self.manifest.programs[self.program]

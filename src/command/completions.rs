@@ -1,7 +1,7 @@
 //! `stochc completions`.
 use clap::Args;
 use clap_complete::{Shell, generate};
-use stochc_compiler::finding::Code;
+use stochc_compiler::diagnostic::Code;
 
 use super::terminal::print;
 use crate::exit::{Exit, Failure};

@@ -1,7 +1,7 @@
 //! `stochc explain`.
 use clap::Args;
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
-use stochc_compiler::finding::{Code, Severity};
+use stochc_compiler::diagnostic::{Code, Severity};
 
 use super::terminal::print;
 use crate::exit::{Exit, Failure};

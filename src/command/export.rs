@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use stochc_files::atomic::draft;
 use stochc_report::export::{Gltf, Trajectories};
 
-use super::chosen_run::{Choice, Chosen, choose};
+use super::chosen_run::{Choice, ChosenRun, choose};
 use super::terminal::print;
 use crate::command::interrupt::stop_on_interrupt;
 use crate::exit::{Exit, Failure};
@@ -56,7 +56,7 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
     Ok(Exit::Success)
 }
 
-fn parquet(chosen: &Chosen, every: u32, path: &Path, stop: &AtomicBool) -> Result<(), Failure> {
+fn parquet(chosen: &ChosenRun, every: u32, path: &Path, stop: &AtomicBool) -> Result<(), Failure> {
     let (tables, scene) = (chosen.entry().tables(), &chosen.entry().scene);
     let about = [
         ("ensemble", chosen.manifest.identity()),
@@ -73,7 +73,7 @@ fn parquet(chosen: &Chosen, every: u32, path: &Path, stop: &AtomicBool) -> Resul
     keep(file, path).map_err(|error| cannot(path, &error))
 }
 
-fn gltf(chosen: &Chosen, every: u32, path: &Path, stop: &AtomicBool) -> Result<(), Failure> {
+fn gltf(chosen: &ChosenRun, every: u32, path: &Path, stop: &AtomicBool) -> Result<(), Failure> {
     let (tables, scene) = (chosen.entry().tables(), &chosen.entry().scene);
     let mut gltf = Gltf::new(every, scene.free.count, tables);
     chosen.again(&mut gltf, stop)?;

@@ -4,7 +4,7 @@ use std::path::Path;
 use clap::Args;
 use similar::TextDiff;
 use stochc_compiler::Sources;
-use stochc_compiler::finding::{Finding, Renderer};
+use stochc_compiler::diagnostic::{Diagnostic, Renderer};
 use stochc_files as files;
 use stochc_files::programs::{STDIN_NAME, programs, read};
 use stochc_grammar::{Refusal, format};
@@ -74,8 +74,8 @@ fn refused(file: &str, text: &str, refusal: Refusal) -> Failure {
     let id = sources.add(file, text);
     let renderer = Renderer::new(has_colour(), message_width());
     let drawn = errors.iter().map(|error| {
-        let finding = Finding::from_syntax(id, error, text);
-        renderer.render(&finding, &sources) + "\n"
+        let diagnostic = Diagnostic::from_syntax(id, error, text);
+        renderer.render(&diagnostic, &sources) + "\n"
     });
     Failure {
         exit: Exit::WrongProgram,

@@ -4,14 +4,14 @@ use std::ffi::OsStr;
 use clap::builder::{PossibleValue, TypedValueParser};
 use clap::error::ErrorKind;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, Error, FromArgMatches};
-use stochc_compiler::finding::{Code, Severity};
-use stochc_compiler::{Level, Levels};
+use stochc_compiler::diagnostic::{Code, Severity};
+use stochc_compiler::{Level, LintLevels};
 
 /// What the command line says of warnings; the last word on a code counts.
 #[derive(Clone, Debug, Default)]
 pub struct LevelOptions {
     /// The levels where a file says nothing.
-    pub levels: Levels,
+    pub levels: LintLevels,
 }
 
 /// The options, with their levels and their help.
@@ -60,7 +60,7 @@ impl FromArgMatches for LevelOptions {
             said.extend(places.zip(codes).map(|(place, code)| (place, *code, level)));
         }
         said.sort_by_key(|(place, ..)| *place);
-        let mut levels = Levels::default();
+        let mut levels = LintLevels::default();
         for (_, Warning(code), level) in said {
             levels.set(code, level);
         }

@@ -14,7 +14,7 @@ mod progress;
 pub mod replay;
 pub mod report;
 pub mod results;
-mod scene_doubts;
+mod scene_warnings;
 pub mod simulate;
 mod terminal;
 pub mod trade;

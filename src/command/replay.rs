@@ -7,7 +7,7 @@ use stochc_ensemble::text::visible;
 use stochc_files::atomic::draft;
 use stochc_report::replay::{about, write};
 
-use super::chosen_run::{Choice, Chosen, choose};
+use super::chosen_run::{Choice, ChosenRun, choose};
 use super::export::keep;
 use super::terminal::print;
 use crate::command::interrupt::stop_on_interrupt;
@@ -41,7 +41,7 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
 }
 
 /// Writes the page as a whole or not at all.
-fn page(path: &Path, title: &str, chosen: &Chosen, recording: impl io::Read) -> io::Result<()> {
+fn page(path: &Path, title: &str, chosen: &ChosenRun, recording: impl io::Read) -> io::Result<()> {
     let program = chosen.entry();
     let about = about(&chosen.manifest, program);
     let mut out = BufWriter::new(draft(path)?);

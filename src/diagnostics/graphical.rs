@@ -1,5 +1,5 @@
 //! Findings drawn over the text.
-use stochc_compiler::finding::{Edit, Renderer, Severity};
+use stochc_compiler::diagnostic::{Edit, Renderer, Severity};
 use stochc_compiler::{Checked, FileId};
 
 /// Findings that are drawn at most; the rest are counted.
@@ -8,16 +8,16 @@ const MOST_DRAWN: usize = 50;
 pub fn show(checked: &Checked, colour: bool, width: usize) -> String {
     let renderer = Renderer::new(colour, width);
     let mut out = String::new();
-    for finding in checked.findings.iter().take(MOST_DRAWN) {
-        out.push_str(&renderer.render(finding, &checked.sources));
+    for diagnostic in checked.diagnostics.iter().take(MOST_DRAWN) {
+        out.push_str(&renderer.render(diagnostic, &checked.sources));
         out.push('\n');
     }
-    let rest = checked.findings.len().saturating_sub(MOST_DRAWN);
+    let rest = checked.diagnostics.len().saturating_sub(MOST_DRAWN);
     if rest > 0 {
-        let findings = count(rest, "more finding");
+        let diagnostics = count(rest, "more finding");
         let file = &checked.sources.file(FileId(0)).name;
         out.push_str(&format!(
-            "{findings} in {file}; `--format short` shows all of them\n\n"
+            "{diagnostics} in {file}; `--format short` shows all of them\n\n"
         ));
     }
     out
@@ -34,14 +34,14 @@ pub struct Tally {
 impl Tally {
     /// Counts those of a file, too.
     pub fn add(&mut self, checked: &Checked) {
-        for finding in &checked.findings {
-            match finding.severity {
+        for diagnostic in &checked.diagnostics {
+            match diagnostic.severity {
                 Severity::Error => self.errors += 1,
                 Severity::Warning => self.warnings += 1,
             }
             // What another file needs is done there.
             let is_own = |edit: &Edit| edit.site.file == FileId(0);
-            let fix = finding.fix.as_ref();
+            let fix = diagnostic.fix.as_ref();
             let is_fixable = fix.is_some_and(|fix| fix.safe && fix.edits.iter().all(is_own));
             self.fixable += usize::from(is_fixable);
         }

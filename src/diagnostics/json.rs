@@ -1,13 +1,13 @@
 //! Findings as JSON.
 use serde_json::{Value, json};
-use stochc_compiler::finding::{Finding, Fix};
+use stochc_compiler::diagnostic::{Diagnostic, Fix};
 use stochc_compiler::{Checked, Site, Sources};
 
 use super::position;
 
 /// The findings as one document.
-pub fn document(findings: Vec<Value>) -> String {
-    format!("{:#}\n", Value::Array(findings))
+pub fn document(diagnostics: Vec<Value>) -> String {
+    format!("{:#}\n", Value::Array(diagnostics))
 }
 
 /// The findings of a file as JSON, each as
@@ -16,21 +16,21 @@ pub fn document(findings: Vec<Value>) -> String {
 /// `null` or `{ title, safe, edits: [{ file, start, end, text }] }`, where `text` takes the place
 /// of what stands from `start` to `end`.
 pub fn values(checked: &Checked) -> impl Iterator<Item = Value> {
-    (checked.findings.iter()).map(|finding| value(finding, &checked.sources))
+    (checked.diagnostics.iter()).map(|diagnostic| value(diagnostic, &checked.sources))
 }
 
-fn value(finding: &Finding, sources: &Sources) -> Value {
-    let labels: Value = (finding.labels.iter())
+fn value(diagnostic: &Diagnostic, sources: &Sources) -> Value {
+    let labels: Value = (diagnostic.labels.iter())
         .map(|label| place(sources, label.site, &label.text))
         .collect();
     json!({
-        "code": finding.code,
-        "severity": finding.severity,
-        "title": finding.message(),
-        "count": finding.others.count + 1,
-        "help": finding.help,
+        "code": diagnostic.code,
+        "severity": diagnostic.severity,
+        "title": diagnostic.message(),
+        "count": diagnostic.others.count + 1,
+        "help": diagnostic.help,
         "labels": labels,
-        "fix": finding.fix.as_ref().map(|fix| change(fix, sources)),
+        "fix": diagnostic.fix.as_ref().map(|fix| change(fix, sources)),
     })
 }
 

@@ -46,8 +46,8 @@ pub fn drawn(checked: &Checked, colour: bool, width: usize) -> String {
 }
 
 /// The findings of several files as one JSON document.
-pub fn json_document(findings: Vec<serde_json::Value>) -> String {
-    json::document(findings)
+pub fn json_document(diagnostics: Vec<serde_json::Value>) -> String {
+    json::document(diagnostics)
 }
 
 /// Line and column of a byte of a file, both from 1; the column counts characters.

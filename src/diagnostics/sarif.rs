@@ -6,7 +6,7 @@ use std::path::Path;
 
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
 use serde_json::{Map, Value, json};
-use stochc_compiler::finding::{Code, Finding, Fix, Label, Severity};
+use stochc_compiler::diagnostic::{Code, Diagnostic, Fix, Label, Severity};
 use stochc_compiler::{Allowed, Checked, Site, Sources};
 
 use super::position;
@@ -42,12 +42,12 @@ impl Log {
     /// Adds what has been found in the file at `path` and those it imports.
     pub fn add(&mut self, path: &str, checked: &Checked) {
         self.complete &= !checked.sources.files().is_empty();
-        for finding in &checked.findings {
-            let result = self.result(path, finding, &checked.sources);
+        for diagnostic in &checked.diagnostics {
+            let result = self.result(path, diagnostic, &checked.sources);
             self.results.push(Value::Object(result));
         }
-        for Allowed { finding, reason } in &checked.allowed {
-            let mut result = self.result(path, finding, &checked.sources);
+        for Allowed { diagnostic, reason } in &checked.allowed {
+            let mut result = self.result(path, diagnostic, &checked.sources);
             // 3.35: a result that is not told of, and why.
             let suppression = match reason {
                 Some(reason) => json!({ "kind": "inSource", "justification": reason }),
@@ -81,13 +81,13 @@ impl Log {
     }
 
     /// 3.27
-    fn result(&self, path: &str, finding: &Finding, sources: &Sources) -> Map<String, Value> {
-        let mut text = finding.message();
-        if let Some(help) = &finding.help {
+    fn result(&self, path: &str, diagnostic: &Diagnostic, sources: &Sources) -> Map<String, Value> {
+        let mut text = diagnostic.message();
+        if let Some(help) = &diagnostic.help {
             text.push_str("\nhelp: ");
             text.push_str(help);
         }
-        let mut labels = finding.labels.iter();
+        let mut labels = diagnostic.labels.iter();
         let place = match labels.next() {
             Some(label) => self.location(label, sources),
             // A file that cannot be read has no lines.
@@ -95,10 +95,10 @@ impl Log {
         };
         let mut result = Map::new();
         let mut put = |key: &str, value: Value| result.insert(key.into(), value);
-        put("ruleId", finding.code.name().into());
-        let number = Code::ALL.iter().position(|&code| code == finding.code);
+        put("ruleId", diagnostic.code.name().into());
+        let number = Code::ALL.iter().position(|&code| code == diagnostic.code);
         put("ruleIndex", number.into());
-        put("level", level(finding.severity).into());
+        put("level", level(diagnostic.severity).into());
         put("message", json!({ "text": text }));
         put("locations", json!([place]));
         let others: Vec<Value> = (labels.enumerate())
@@ -111,7 +111,7 @@ impl Log {
         if !others.is_empty() {
             put("relatedLocations", others.into());
         }
-        if let Some(fix) = &finding.fix {
+        if let Some(fix) = &diagnostic.fix {
             put("fixes", json!([self.fix(fix, sources)]));
         }
         result

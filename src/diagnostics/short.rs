@@ -1,25 +1,25 @@
 //! Findings one to a line, for editors and `grep`.
-use stochc_compiler::finding::{Finding, Severity, visible};
+use stochc_compiler::diagnostic::{Diagnostic, Severity, visible};
 use stochc_compiler::{Checked, Sources};
 
 use super::position;
 
 pub fn show(checked: &Checked) -> String {
-    let lines = checked.findings.iter();
+    let lines = checked.diagnostics.iter();
     lines
-        .map(|finding| line(finding, &checked.sources))
+        .map(|diagnostic| line(diagnostic, &checked.sources))
         .collect()
 }
 
-fn line(finding: &Finding, sources: &Sources) -> String {
-    let severity = match finding.severity {
+fn line(diagnostic: &Diagnostic, sources: &Sources) -> String {
+    let severity = match diagnostic.severity {
         Severity::Error => "error",
         Severity::Warning => "warning",
     };
-    let place = finding.labels.first().map_or_else(String::new, |label| {
+    let place = diagnostic.labels.first().map_or_else(String::new, |label| {
         let (line, column) = position(sources, label.site, label.site.span.start);
         format!("{}:{line}:{column}: ", sources.file(label.site.file).name)
     });
-    let title = visible(&finding.message());
-    format!("{place}{severity}[{}]: {title}\n", finding.code)
+    let title = visible(&diagnostic.message());
+    format!("{place}{severity}[{}]: {title}\n", diagnostic.code)
 }

@@ -278,10 +278,10 @@ fn sarif_of_all_files_is_one_run() {
 fn json_of_all_files_is_one_document_with_lines_and_columns() {
     let said = stochc("check --format json tests/fixtures/wrong.sa tests/fixtures/careless.sa");
     assert_eq!((said.status, said.err.as_str()), (1, ""));
-    let findings = said.json();
-    let told: Vec<_> = (findings.as_array().unwrap().iter())
-        .map(|finding| {
-            let label = &finding["labels"][0];
+    let diagnostics = said.json();
+    let told: Vec<_> = (diagnostics.as_array().unwrap().iter())
+        .map(|diagnostic| {
+            let label = &diagnostic["labels"][0];
             let at = |end: &str| {
                 let end = &label[end];
                 (
@@ -291,10 +291,10 @@ fn json_of_all_files_is_one_document_with_lines_and_columns() {
             };
             let text = |value: &serde_json::Value| value.as_str().unwrap().to_owned();
             let file = text(&label["file"]);
-            (file, text(&finding["code"]), at("start"), at("end"))
+            (file, text(&diagnostic["code"]), at("start"), at("end"))
         })
         .collect();
-    let finding = |file: &str, code: &str, start, end| {
+    let diagnostic = |file: &str, code: &str, start, end| {
         (
             format!("tests/fixtures/{file}.sa"),
             code.to_owned(),
@@ -305,12 +305,12 @@ fn json_of_all_files_is_one_document_with_lines_and_columns() {
     assert_eq!(
         told,
         [
-            finding("wrong", "unknown-name", (5, 18), (5, 27)),
-            finding("careless", "unused-seed", (4, 37), (4, 38)),
+            diagnostic("wrong", "unknown-name", (5, 18), (5, 27)),
+            diagnostic("careless", "unused-seed", (4, 37), (4, 38)),
         ]
     );
-    assert_eq!(findings[0]["severity"], "error");
-    let label = &findings[0]["labels"][0];
+    assert_eq!(diagnostics[0]["severity"], "error");
+    let label = &diagnostics[0]["labels"][0];
     let text = std::fs::read("tests/fixtures/wrong.sa").unwrap();
     let offset = |end: &str| label[end]["offset"].as_u64().unwrap() as usize;
     assert_eq!(&text[offset("start")..offset("end")], b"Q.up -> A");

@@ -1,4 +1,4 @@
-use stochc::compiler::finding::Code;
+use stochc::compiler::diagnostic::Code;
 
 use crate::stochc::{stochc, stochc_with};
 

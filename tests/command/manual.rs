@@ -3,7 +3,7 @@ use std::process::{Command, Stdio};
 
 use clap::CommandFactory as _;
 use stochc::cli::Cli;
-use stochc::compiler::finding::Code;
+use stochc::compiler::diagnostic::Code;
 
 use crate::skipped::skipped;
 use crate::stochc::{stochc, stochc_with};

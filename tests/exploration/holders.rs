@@ -1,6 +1,6 @@
 //! What hangs on what is a matter of blocks, not of their names.
 use stochc::compiler::check;
-use stochc::compiler::finding::Code;
+use stochc::compiler::diagnostic::Code;
 use stochc::protocol::explore::Verdict;
 
 use crate::programs::{explore, tables};
@@ -27,9 +27,9 @@ fn a_block_is_not_let_go_because_another_one_of_its_name_is() {
         let text = program(phase);
         let mut reader = |_: &str| Ok(text.clone().into_bytes());
         let checked = check("holders.sa", &mut reader, Default::default());
-        let errors: Vec<Code> = (checked.findings.iter())
-            .filter(|finding| finding.is_error())
-            .map(|finding| finding.code)
+        let errors: Vec<Code> = (checked.diagnostics.iter())
+            .filter(|diagnostic| diagnostic.is_error())
+            .map(|diagnostic| diagnostic.code)
             .collect();
         assert_eq!(errors, [Code::Adrift], "{phase}");
     }

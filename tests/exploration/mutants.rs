@@ -1,7 +1,7 @@
 //! Tables with a mistake are found out.
 use std::collections::BTreeMap;
 
-use stochc::compiler::finding::Code;
+use stochc::compiler::diagnostic::Code;
 use stochc::ir::table::{Action, Condition, LooseDuty, News, Tables};
 use stochc::protocol::explore::{Bounds, Expected, Exploration, Faults, Property, Report};
 
@@ -189,16 +189,16 @@ fn no_mistake_of_the_compiler_reaches_a_user() {
         if found.property == Property::ReportsOnce {
             continue;
         }
-        checked.findings.clear();
+        checked.diagnostics.clear();
         checked.programs[0].tables = Some(mutant);
         stochc::model_check::try_out(&mut checked);
-        let [finding] = &checked.findings[..] else {
-            panic!("{mistake}: {:?}", checked.findings);
+        let [diagnostic] = &checked.diagnostics[..] else {
+            panic!("{mistake}: {:?}", checked.diagnostics);
         };
-        assert_eq!(finding.code, Code::InternalError, "{mistake}");
+        assert_eq!(diagnostic.code, Code::InternalError, "{mistake}");
         assert!(checked.programs[0].tables.is_none(), "{mistake}");
-        let steps = finding.help.as_ref().unwrap().lines().count() - 1;
-        assert!(steps <= found.trace.len(), "{mistake}: {finding:#?}");
+        let steps = diagnostic.help.as_ref().unwrap().lines().count() - 1;
+        assert!(steps <= found.trace.len(), "{mistake}: {diagnostic:#?}");
         count += 1;
     }
     assert!(count > 40, "{count}");

@@ -9,7 +9,8 @@ pub fn tables(text: &str) -> Tables {
     let mut checked = stochc::compiler::check("text.sa", &mut reader, Default::default());
     // Of a program that can wall itself in, too: some are here for that.
     let program = checked.programs.remove(0);
-    (program.tables.or(program.stuck)).unwrap_or_else(|| panic!("{text}\n{:#?}", checked.findings))
+    (program.tables.or(program.stuck))
+        .unwrap_or_else(|| panic!("{text}\n{:#?}", checked.diagnostics))
 }
 
 /// The tables of all assemblies in a file.

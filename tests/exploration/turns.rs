@@ -2,7 +2,7 @@
 use std::fmt::Write as _;
 
 use proptest::prelude::*;
-use stochc::compiler::finding::Code;
+use stochc::compiler::diagnostic::Code;
 use stochc::compiler::order::Order;
 use stochc::compiler::{Checked, check};
 use stochc::protocol::explore::Verdict;
@@ -62,9 +62,9 @@ fn rounds(faces: usize, afters: &[Vec<usize>]) -> Option<usize> {
 
 fn is_circle(checked: &Checked) -> bool {
     checked
-        .findings
+        .diagnostics
         .iter()
-        .any(|finding| finding.code == Code::Cycle)
+        .any(|diagnostic| diagnostic.code == Code::Cycle)
 }
 
 proptest! {
@@ -85,7 +85,7 @@ proptest! {
         let text = program(faces, &order, &afters);
         let checked = checked(&text);
         let rounds = rounds(faces.into(), &afters);
-        prop_assert_eq!(is_circle(&checked), rounds.is_none(), "{}\n{:#?}", text, checked.findings);
+        prop_assert_eq!(is_circle(&checked), rounds.is_none(), "{}\n{:#?}", text, checked.diagnostics);
         let program = &checked.programs[0];
         if let (Some(rounds), Some(order)) = (rounds, &program.order) {
             prop_assert_eq!(Order::length(&program.plan, &order.chains[1]), rounds, "{}", text);
@@ -103,7 +103,7 @@ fn a_capture_waits_for_any_of_those_before_it() {
     let afters = [vec![3], vec![], vec![], vec![]];
     let text = program(2, &[0, 1, 2, 3], &afters);
     let checked = checked(&text);
-    assert!(!is_circle(&checked), "{:#?}", checked.findings);
+    assert!(!is_circle(&checked), "{:#?}", checked.diagnostics);
     let program = &checked.programs[0];
     let order = program.order.as_ref().unwrap();
     assert_eq!(Order::length(&program.plan, &order.chains[1]), 4);

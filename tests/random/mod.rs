@@ -2,7 +2,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
-use stochc::compiler::finding::Code;
+use stochc::compiler::diagnostic::Code;
 use stochc::ir::table::Tables;
 use stochc::ir::{Cell, Face};
 
@@ -325,8 +325,8 @@ impl Declared {
     pub fn tables(&self) -> Tables {
         let mut reader = |_: &str| Ok(self.text.clone().into_bytes());
         let mut checked = stochc::compiler::check("random.sa", &mut reader, Default::default());
-        let errors: Vec<_> = (checked.findings.iter())
-            .filter(|finding| finding.is_error() && finding.code != Code::SealedCavity)
+        let errors: Vec<_> = (checked.diagnostics.iter())
+            .filter(|diagnostic| diagnostic.is_error() && diagnostic.code != Code::SealedCavity)
             .collect();
         assert!(errors.is_empty(), "{}\n{errors:#?}", self.text);
         // What chance can wall in still keeps to the protocol, in a world that knows no walls.

@@ -2,7 +2,7 @@
 use std::collections::BTreeMap;
 
 use roxmltree::{Document, ParsingOptions};
-use stochc::compiler::{Levels, Limits};
+use stochc::compiler::{Limits, LintLevels};
 use stochc::ensemble::{Finished, Manifest, Program, Source};
 use stochc::ir::record::{
     BondRecord, Limit, Origin, Outcome, ReleaseRecord, RunRecord, WaitRecord,
@@ -30,9 +30,13 @@ assembly pair {
 /// A manifest of the program, whose friction is `friction`.
 pub fn manifest(friction: f64, runs: u64) -> Manifest {
     let mut read = |_: &str| Ok(TEXT.as_bytes().to_vec());
-    let checked =
-        stochc::compiler::check_with("pair.sa", &mut read, Limits::default(), &Levels::default());
-    assert!(!checked.has_errors(), "{:?}", checked.findings);
+    let checked = stochc::compiler::check_with(
+        "pair.sa",
+        &mut read,
+        Limits::default(),
+        &LintLevels::default(),
+    );
+    assert!(!checked.has_errors(), "{:?}", checked.diagnostics);
     let program = &checked.programs[0];
     let text = match friction {
         0.2 => TEXT.replace("pair {", "pair in hemisphere_2005 {"),
@@ -42,8 +46,12 @@ pub fn manifest(friction: f64, runs: u64) -> Manifest {
         ),
     };
     let mut read = |_: &str| Ok(text.as_bytes().to_vec());
-    let checked =
-        stochc::compiler::check_with("pair.sa", &mut read, Limits::default(), &Levels::default());
+    let checked = stochc::compiler::check_with(
+        "pair.sa",
+        &mut read,
+        Limits::default(),
+        &LintLevels::default(),
+    );
     let scene = checked.programs[0].scene.clone().unwrap();
     let source = Source {
         path: "pair.sa".into(),

@@ -4,7 +4,7 @@ use smallvec::{SmallVec, smallvec};
 use stochc_ir::Cell;
 
 use crate::Program;
-use crate::plan::Deed;
+use crate::plan::EventKind;
 
 /// Sides from a cell at which a direction counts as open.
 const FAR: f64 = 8.0;
@@ -29,7 +29,7 @@ pub fn exposures(program: &Program, levels: &[u32]) -> Vec<Option<f64>> {
                 .filter_map(|id| Some((id, layout.cells[id.0 as usize]?)))
         };
         for (id, cell) in events() {
-            if plan.event(id).deed != Deed::Release {
+            if plan.event(id).kind != EventKind::Release {
                 full.entry(cell)
                     .or_default()
                     .push((levels[id.0 as usize], u32::MAX));
@@ -37,7 +37,7 @@ pub fn exposures(program: &Program, levels: &[u32]) -> Vec<Option<f64>> {
         }
         for (id, cell) in events() {
             let Some(on) =
-                layout.parents[id.0 as usize].filter(|_| plan.event(id).deed == Deed::Release)
+                layout.parents[id.0 as usize].filter(|_| plan.event(id).kind == EventKind::Release)
             else {
                 continue;
             };
@@ -53,7 +53,7 @@ pub fn exposures(program: &Program, levels: &[u32]) -> Vec<Option<f64>> {
         }
         for (id, cell) in events() {
             // What is attached by hand does not wait.
-            if plan.event(id).deed != Deed::Release && !phase.planted {
+            if plan.event(id).kind != EventKind::Release && !phase.planted {
                 let level = levels[id.0 as usize];
                 let is_full = |cell: Cell| {
                     cell.z < 1

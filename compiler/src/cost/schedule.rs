@@ -5,7 +5,7 @@ use petgraph::visit::EdgeRef;
 
 use crate::Program;
 use crate::order::Order;
-use crate::plan::Deed;
+use crate::plan::EventKind;
 
 /// For every event, the captures of the longest chain of its phase that ends in it.
 pub fn levels(program: &Program, order: &Order) -> Vec<u32> {
@@ -16,7 +16,7 @@ pub fn levels(program: &Program, order: &Order) -> Vec<u32> {
             .filter(|edge| !order.unneeded.contains(&edge.id()))
             .map(|edge| levels[edge.source().index()])
             .max();
-        let is_capture = program.plan.event(id).deed != Deed::Release;
+        let is_capture = program.plan.event(id).kind != EventKind::Release;
         levels[id.0 as usize] = before.unwrap_or(0) + u32::from(is_capture);
     }
     levels

@@ -9,7 +9,7 @@ use stochc_ir::table::RoleId;
 use stochc_ir::{Cell, Json};
 
 use crate::layout::Layout;
-use crate::plan::{Deed, Plan};
+use crate::plan::{EventKind, Plan};
 use crate::shape::MOST_CELLS;
 
 /// A block of the structure.
@@ -31,11 +31,11 @@ fn structures<'a>(
     plan.phases.iter().enumerate().map(move |(since, phase)| {
         let sound = || plan.events_of(phase).filter(|&id| plan.event(id).sound);
         for id in sound().map(|id| id.0 as usize) {
-            if let (Deed::Capture { .. }, Some(_)) = (plan.events[id].deed, layout.cells[id]) {
+            if let (EventKind::Capture { .. }, Some(_)) = (plan.events[id].kind, layout.cells[id]) {
                 standing[id] = Some(since as u32);
             }
         }
-        for id in sound().filter(|&id| plan.event(id).deed == Deed::Release) {
+        for id in sound().filter(|&id| plan.event(id).kind == EventKind::Release) {
             if let Some(on) = layout.parents[id.0 as usize] {
                 standing[on.capture.0 as usize] = None;
             }

@@ -2,7 +2,7 @@
 use stochc_grammar::tree::Aggregate;
 
 use super::Expander;
-use crate::finding::{Code, Finding};
+use crate::diagnostic::{Code, Diagnostic};
 use crate::plan::PlanPhase;
 
 /// Blocks of the group with which an aggregate is complete, at most.
@@ -18,8 +18,8 @@ impl Expander<'_, '_> {
         let site = self.site(aggregate.size.span);
         let size = u32::try_from(value).ok();
         let Some(size) = size.filter(|_| (2..=MAX_SIZE).contains(&value)) else {
-            self.findings.push(
-                Finding::new(Code::WrongValue, format!("an aggregate of {value} blocks"))
+            self.diagnostics.push(
+                Diagnostic::new(Code::WrongValue, format!("an aggregate of {value} blocks"))
                     .label(site, format!("must be from 2 to {MAX_SIZE}"))
                     .help("an aggregate is complete when so many blocks are bonded to each other"),
             );

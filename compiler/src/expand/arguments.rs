@@ -7,7 +7,7 @@ use super::Expander;
 use super::place::face_meant;
 use super::scope::Value;
 use super::uses::Uses;
-use crate::finding::{Code, Edit, Finding, Fix};
+use crate::diagnostic::{Code, Diagnostic, Edit, Fix};
 use crate::names::ValueKind;
 use crate::plan::{Grown, Key};
 use crate::{FileId, Site};
@@ -48,8 +48,8 @@ impl<'a> Expander<'a, '_> {
             return values;
         }
         if let Some(order) = right_order(&misfits, &values, &uses) {
-            let finding = self.wrong_order(instance, pattern, &misfits, &order);
-            self.findings.push(finding);
+            let diagnostic = self.wrong_order(instance, pattern, &misfits, &order);
+            self.diagnostics.push(diagnostic);
         } else {
             for misfit in &misfits {
                 self.misfit(instance, pattern, misfit, values[misfit.number]);
@@ -97,8 +97,8 @@ impl<'a> Expander<'a, '_> {
                     return Value::Face(face);
                 }
                 if let Some((_, span)) = place.face {
-                    self.findings.push(
-                        Finding::new(Code::FaceMisused, "an argument is a block or a face")
+                    self.diagnostics.push(
+                        Diagnostic::new(Code::FaceMisused, "an argument is a block or a face")
                             .label(self.site(span), "this is a block with its face")
                             .help("give them as two arguments"),
                     );
@@ -168,10 +168,10 @@ impl<'a> Expander<'a, '_> {
         };
         match (needed, unknown) {
             (ValueKind::Number, Some((expr, _))) => {
-                let told = self.findings.len();
+                let told = self.diagnostics.len();
                 self.evaluate(expr);
-                for finding in &mut self.findings[told..] {
-                    *finding = finding.clone().label(used, label.clone());
+                for diagnostic in &mut self.diagnostics[told..] {
+                    *diagnostic = diagnostic.clone().label(used, label.clone());
                 }
                 return;
             }
@@ -180,12 +180,12 @@ impl<'a> Expander<'a, '_> {
                 let meant = face_meant(word)
                     .or_else(|| nearest(word, stochc_ir::Face::ALL.map(|face| face.word())));
                 if meant.is_some() {
-                    let finding =
-                        Finding::new(Code::UnknownName, format!("no face is called `{word}`"))
+                    let diagnostic =
+                        Diagnostic::new(Code::UnknownName, format!("no face is called `{word}`"))
                             .label(site, "not known")
                             .label(used, label)
                             .suggest(site, meant, String::new);
-                    self.findings.push(finding);
+                    self.diagnostics.push(diagnostic);
                     return;
                 }
             }
@@ -203,11 +203,11 @@ impl<'a> Expander<'a, '_> {
             ValueKind::Number => "give it a whole number, or the name of a `let`",
             ValueKind::Face => "give it one of up, down, north, south, east and west",
         };
-        let finding = Finding::new(Code::WrongKind, title)
+        let diagnostic = Diagnostic::new(Code::WrongKind, title)
             .label(site, format!("this is {}", misfit.given.noun()))
             .label(used, label)
             .help(help);
-        self.findings.push(self.in_instance(finding));
+        self.diagnostics.push(self.in_instance(diagnostic));
     }
 
     /// Tells of arguments that are right in another order: each place, with the one of the argument
@@ -218,23 +218,23 @@ impl<'a> Expander<'a, '_> {
         pattern: &Pattern,
         misfits: &[Misfit],
         order: &[(usize, usize)],
-    ) -> Finding {
+    ) -> Diagnostic {
         let word = self.symbols.word(pattern.name.symbol);
         let site = |number: usize| self.site(span_of(&instance.arguments[number]));
         let title = match order.len() {
             2 => format!("two arguments of `{word}` are swapped"),
             _ => format!("the arguments of `{word}` are in the wrong order"),
         };
-        let mut finding = Finding::new(Code::WrongKind, title);
+        let mut diagnostic = Diagnostic::new(Code::WrongKind, title);
         for misfit in misfits {
             let parameter = self.symbols.word(pattern.parameters[misfit.number].symbol);
             let (given, needed) = (misfit.given.noun(), misfit.needed.0.noun());
             let text = format!("{given}, and `{parameter}` is {needed}");
-            finding = finding.label(site(misfit.number), text);
+            diagnostic = diagnostic.label(site(misfit.number), text);
         }
         for misfit in misfits {
             let text = format!("used as {} here", misfit.needed.0.noun());
-            finding = finding.label(misfit.needed.1, text);
+            diagnostic = diagnostic.label(misfit.needed.1, text);
         }
         let mut texts: Vec<&str> = (0..instance.arguments.len())
             .map(|number| self.sources.text(site(number)))
@@ -254,7 +254,7 @@ impl<'a> Expander<'a, '_> {
             safe: false,
         };
         let help = format!("write `{word}({})`", texts.join(", "));
-        self.in_instance(finding.help(help).fix(fix))
+        self.in_instance(diagnostic.help(help).fix(fix))
     }
 }
 

@@ -3,7 +3,7 @@ use stochc_grammar::tree::{Expr, ExprKind, Name, Operator};
 
 use super::Expander;
 use super::scope::Value;
-use crate::finding::{Code, Finding};
+use crate::diagnostic::{Code, Diagnostic};
 use crate::names::ValueKind;
 
 impl Expander<'_, '_> {
@@ -37,11 +37,11 @@ impl Expander<'_, '_> {
                     Operator::Subtract => left.checked_sub(right),
                     Operator::Multiply => left.checked_mul(right),
                     Operator::Divide | Operator::Remainder if right == 0 => {
-                        let finding = Finding::new(Code::Arithmetic, "a division by zero")
+                        let diagnostic = Diagnostic::new(Code::Arithmetic, "a division by zero")
                             .label(self.site(sides.1.span), "this is 0")
                             .label(self.site(sides.0.span), "divided by it")
                             .help("begin the range of its counter at 1, or add to it");
-                        self.findings.push(finding);
+                        self.diagnostics.push(diagnostic);
                         return None;
                     }
                     Operator::Divide => left.checked_div(right),
@@ -54,10 +54,11 @@ impl Expander<'_, '_> {
 
     fn in_range(&mut self, value: Option<i64>, expr: &Expr) -> Option<i64> {
         if value.is_none() {
-            let finding = Finding::new(Code::Arithmetic, "a number leaves the range of 64 bits")
-                .label(self.site(expr.span), "too large or too small")
-                .help("whole numbers have 64 bits");
-            self.findings.push(finding);
+            let diagnostic =
+                Diagnostic::new(Code::Arithmetic, "a number leaves the range of 64 bits")
+                    .label(self.site(expr.span), "too large or too small")
+                    .help("whole numbers have 64 bits");
+            self.diagnostics.push(diagnostic);
         }
         value
     }

@@ -16,7 +16,7 @@ use stochc_grammar::tree::{
 };
 use stochc_grammar::{Cancellation, Cancelled, Span, Symbol, Symbols};
 
-use crate::finding::{Code, Finding, Fix, LONG, MOST_FINDINGS, removal, tell};
+use crate::diagnostic::{Code, Diagnostic, Fix, LONG, MOST_FINDINGS, removal, tell};
 use crate::names::{Names, Thing};
 use crate::plan::{After, Event, EventId, Key, Plan, PlanPhase, Roles, Timeout};
 use crate::{FileId, Site, Sources};
@@ -108,7 +108,7 @@ pub fn expand<'a>(
     sources: &Sources,
     symbols: &mut Symbols,
     bounds: Bounds<'_>,
-    findings: &mut Vec<Finding>,
+    diagnostics: &mut Vec<Diagnostic>,
 ) -> Result<Expanded<'a>, Cancelled> {
     let mut nowhere = Probe::default();
     expand_probed(
@@ -117,7 +117,7 @@ pub fn expand<'a>(
         sources,
         symbols,
         bounds,
-        findings,
+        diagnostics,
         &mut nowhere,
     )
 }
@@ -129,7 +129,7 @@ pub fn expand_probed<'a>(
     sources: &Sources,
     symbols: &mut Symbols,
     bounds: Bounds<'_>,
-    findings: &mut Vec<Finding>,
+    diagnostics: &mut Vec<Diagnostic>,
     probe: &mut Probe,
 ) -> Result<Expanded<'a>, Cancelled> {
     let Bounds {
@@ -161,12 +161,12 @@ pub fn expand_probed<'a>(
     let (mut plan, mut shapes, outgrown, mut told) = attempt(few, Pass::Writing, probe)?;
     if outgrown {
         (plan, shapes, _, told) = attempt(limits, Pass::Counting, &mut Probe::default())?;
-        let is_limit = |finding: &Finding| finding.code == Code::ExpansionLimit;
+        let is_limit = |diagnostic: &Diagnostic| diagnostic.code == Code::ExpansionLimit;
         if !told.iter().any(is_limit) {
             (plan, shapes, _, told) = attempt(limits, Pass::Writing, probe)?;
         }
     }
-    findings.append(&mut told);
+    diagnostics.append(&mut told);
     Ok((plan, shapes))
 }
 
@@ -176,7 +176,7 @@ pub fn expand_aggregate(
     (file, aggregate): (FileId, &Aggregate),
     sources: &Sources,
     symbols: &mut Symbols,
-    findings: &mut Vec<Finding>,
+    diagnostics: &mut Vec<Diagnostic>,
 ) -> Plan {
     let bounds = Bounds {
         limits: Limits::default(),
@@ -189,7 +189,7 @@ pub fn expand_aggregate(
         sources,
         symbols,
         bounds,
-        findings,
+        diagnostics,
         &mut nowhere,
     );
     expander.aggregate(aggregate);
@@ -279,7 +279,7 @@ struct Expander<'a, 'f> {
     seeding: Option<Seeding>,
     sources: &'f Sources,
     symbols: &'f mut Symbols,
-    findings: &'f mut Vec<Finding>,
+    diagnostics: &'f mut Vec<Diagnostic>,
     probe: &'f mut Probe,
 }
 
@@ -291,7 +291,7 @@ impl<'a, 'f> Expander<'a, 'f> {
         sources: &'f Sources,
         symbols: &'f mut Symbols,
         bounds: Bounds<'f>,
-        findings: &'f mut Vec<Finding>,
+        diagnostics: &'f mut Vec<Diagnostic>,
         probe: &'f mut Probe,
     ) -> Expander<'a, 'f> {
         let mut expander = Expander {
@@ -334,7 +334,7 @@ impl<'a, 'f> Expander<'a, 'f> {
             seeding: None,
             sources,
             symbols,
-            findings,
+            diagnostics,
             probe,
         };
         for &(file, item) in &declarations.lets {
@@ -352,8 +352,8 @@ impl<'a> Expander<'a, '_> {
         self.declare(&assembly.body);
         self.items(&assembly.body);
         if self.plate.is_none() {
-            self.findings.push(
-                Finding::new(Code::MissingPlate, "the assembly has no seed plate")
+            self.diagnostics.push(
+                Diagnostic::new(Code::MissingPlate, "the assembly has no seed plate")
                     .label(self.plan.site, "nothing to grow from")
                     .help("begin with `seed plate 3 x 3 { M at (1, 1) }`"),
             );
@@ -384,13 +384,13 @@ impl<'a> Expander<'a, '_> {
                     file,
                     span: old.span,
                 };
-                let finding = duplicate(
+                let diagnostic = duplicate(
                     self.symbols.word(name.symbol),
                     old,
                     site(name.span),
                     item.noun(),
                 );
-                self.findings.push(finding);
+                self.diagnostics.push(diagnostic);
             }
         }
     }
@@ -400,8 +400,8 @@ impl<'a> Expander<'a, '_> {
             if let Some(item) = items.first() {
                 self.exhausted = true;
                 let site = self.site(item.span);
-                self.findings.push(
-                    Finding::new(
+                self.diagnostics.push(
+                    Diagnostic::new(
                         Code::TooDeep,
                         format!("patterns and loops inside each other, {MAX_NESTING} deep"),
                     )
@@ -435,15 +435,15 @@ impl<'a> Expander<'a, '_> {
         let most = self.limits;
         // What is written out beside the events takes memory as well.
         let grown = self.grown.most().max(self.plan.roles.count());
-        let told = self.findings.len();
+        let told = self.diagnostics.len();
         if self.steps <= most.steps && grown <= most.events && told < MOST_FINDINGS {
             return true;
         }
         self.exhausted = true;
         if told >= MOST_FINDINGS {
             let title = format!("more than {MOST_FINDINGS} errors; the rest was not written out");
-            self.findings.push(
-                Finding::new(Code::TooManyErrors, title)
+            self.diagnostics.push(
+                Diagnostic::new(Code::TooManyErrors, title)
                     .label(self.site(span), "writing out stopped here")
                     .help("fix the errors above first"),
             );
@@ -455,16 +455,17 @@ impl<'a> Expander<'a, '_> {
             self.outgrown = true;
             (most.events, "blocks, captures and releases")
         };
-        let mut finding = Finding::new(
+        let mut diagnostic = Diagnostic::new(
             Code::ExpansionLimit,
             format!("the program grows beyond {count} {what}"),
         )
         .label(self.site(span), "the limit is reached here");
         for &(_, site) in self.instances.iter().rev().take(3) {
-            finding = finding.label(site, "in this instance");
+            diagnostic = diagnostic.label(site, "in this instance");
         }
         let help = "look for a loop with too large a range, or patterns that multiply each other";
-        self.findings.push(finding.help(self.limits.help(help)));
+        self.diagnostics
+            .push(diagnostic.help(self.limits.help(help)));
         false
     }
 
@@ -522,8 +523,8 @@ impl<'a> Expander<'a, '_> {
     fn define(&mut self, name: Name, value: Value) {
         let site = self.site(name.span);
         if let Some(old) = self.scope.define(self.named(name), value, site) {
-            let finding = duplicate(self.symbols.word(name.symbol), old, site, "a `let`");
-            tell(self.findings, finding);
+            let diagnostic = duplicate(self.symbols.word(name.symbol), old, site, "a `let`");
+            tell(self.diagnostics, diagnostic);
         }
     }
 
@@ -551,7 +552,8 @@ impl<'a> Expander<'a, '_> {
         let role = roles.intern(name);
         let name = roles.name(role, self.symbols);
         if let Some(&old) = self.phase_sites.get(&name) {
-            self.findings.push(duplicate(&name, old, site, "a phase"));
+            self.diagnostics
+                .push(duplicate(&name, old, site, "a phase"));
         }
         if self.pass == Pass::Writing {
             self.phase_sites.insert(name.clone(), site);
@@ -576,14 +578,14 @@ impl<'a> Expander<'a, '_> {
         if let Some(planned) = self.plan.phases.last_mut() {
             planned.events.end = end;
             if start == end && planned.claims.is_empty() {
-                let mut finding =
-                    Finding::new(Code::EmptyPhase, "a phase without captures or releases")
+                let mut diagnostic =
+                    Diagnostic::new(Code::EmptyPhase, "a phase without captures or releases")
                         .label(site, "ends as soon as it begins")
                         .help("remove it, or check the ranges of its loops");
                 if phase.body.is_empty() && item.docs.0.is_none() {
-                    finding.fix = self.without(item);
+                    diagnostic.fix = self.without(item);
                 }
-                self.findings.push(finding);
+                self.diagnostics.push(diagnostic);
             }
         }
     }
@@ -648,9 +650,9 @@ impl<'a> Expander<'a, '_> {
                     "write a number of ticks such as `40000 ticks`, or seconds".to_owned(),
                 )
             };
-            let finding = Finding::new(Code::WrongDimension, title);
-            let finding = finding.label(self.site(quantity.span), label);
-            self.findings.push(finding.help(help));
+            let diagnostic = Diagnostic::new(Code::WrongDimension, title);
+            let diagnostic = diagnostic.label(self.site(quantity.span), label);
+            self.diagnostics.push(diagnostic.help(help));
         }
         timeout
     }
@@ -667,10 +669,10 @@ impl<'a> Expander<'a, '_> {
     }
 
     /// Adds the place where the pattern at hand is grown, if there is one.
-    fn in_instance(&self, finding: Finding) -> Finding {
+    fn in_instance(&self, diagnostic: Diagnostic) -> Diagnostic {
         match self.instances.last() {
-            Some(&(_, site)) => finding.label(site, "in this instance"),
-            None => finding,
+            Some(&(_, site)) => diagnostic.label(site, "in this instance"),
+            None => diagnostic,
         }
     }
 
@@ -683,8 +685,8 @@ impl<'a> Expander<'a, '_> {
 }
 
 /// Two things with one name.
-pub fn duplicate(name: &str, old: Site, new: Site, noun: &str) -> Finding {
-    Finding::new(Code::DuplicateName, format!("`{name}` is declared twice"))
+pub fn duplicate(name: &str, old: Site, new: Site, noun: &str) -> Diagnostic {
+    Diagnostic::new(Code::DuplicateName, format!("`{name}` is declared twice"))
         .label(new, format!("{noun} with a name that is taken"))
         .label(old, "first declared here")
         .help("rename one of the two")

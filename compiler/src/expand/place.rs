@@ -5,7 +5,7 @@ use stochc_ir::suggest::{Suggestion, nearest};
 
 use super::scope::Value;
 use super::{Expander, Pass};
-use crate::finding::{Code, Finding};
+use crate::diagnostic::{Code, Diagnostic};
 use crate::members::members;
 use crate::names::ValueKind;
 use crate::plan::Key;
@@ -110,8 +110,8 @@ impl Expander<'_, '_> {
     pub fn single(&mut self, place: &Place) -> Option<(Key, Option<Face>)> {
         let blocks = self.place(place)?;
         if blocks.ranged {
-            self.findings.push(
-                Finding::new(Code::RangeMisused, "several blocks where one is needed")
+            self.diagnostics.push(
+                Diagnostic::new(Code::RangeMisused, "several blocks where one is needed")
                     .label(self.site(place.span), "a range of blocks")
                     .help("`->>` captures a range of blocks in a row"),
             );
@@ -125,8 +125,8 @@ impl Expander<'_, '_> {
         let segment = match &place.path[..] {
             [only] => only,
             _ => {
-                self.findings.push(
-                    Finding::new(Code::WrongKind, "a new name has no dots")
+                self.diagnostics.push(
+                    Diagnostic::new(Code::WrongKind, "a new name has no dots")
                         .label(self.site(place.span), "belongs to something else")
                         .help("use a name of its own"),
                 );
@@ -135,8 +135,8 @@ impl Expander<'_, '_> {
         };
         let (keys, ranged) = self.keys(self.scope.instance, segment)?;
         if ranged {
-            self.findings.push(
-                Finding::new(Code::RangeMisused, "several names where one is needed")
+            self.diagnostics.push(
+                Diagnostic::new(Code::RangeMisused, "several names where one is needed")
                     .label(self.site(place.span), "a range of names")
                     .help("write one after the other, or use a loop"),
             );
@@ -162,8 +162,8 @@ impl Expander<'_, '_> {
         let wanted = self.symbols.word(next.name.symbol);
         let meant = face_meant(wanted).or_else(|| nearest(wanted, faces));
         let is_block = self.plan.roles.get(&key).is_some();
-        let finding = if !ranged && next.index.is_none() && (is_block || meant.is_some()) {
-            Finding::new(
+        let diagnostic = if !ranged && next.index.is_none() && (is_block || meant.is_some()) {
+            Diagnostic::new(
                 Code::UnknownName,
                 format!("`{wanted}` is no face of `{word}`"),
             )
@@ -172,24 +172,24 @@ impl Expander<'_, '_> {
                 "the faces are up, down, north, south, east and west".to_owned()
             })
         } else if ranged {
-            Finding::new(Code::RangeMisused, "a range of instances")
+            Diagnostic::new(Code::RangeMisused, "a range of instances")
                 .label(self.site(segment.name.span), "one instance is needed here")
                 .help("go through the instances with a loop")
-        } else if let Some(finding) = self.instance_around(key, segment) {
-            finding
+        } else if let Some(diagnostic) = self.instance_around(key, segment) {
+            diagnostic
         } else {
             let name = self.plan.roles.name_of(key, self.symbols);
             let title = format!("no instance of a pattern is called `{name}`");
-            let finding = Finding::new(Code::UnknownName, title)
+            let diagnostic = Diagnostic::new(Code::UnknownName, title)
                 .label(self.site(segment.name.span), "not known here");
             let roles = &self.plan.roles;
             match members(key, roles.instances(scope), roles, self.symbols) {
-                Some(members) => finding.help(members.told("instance")),
+                Some(members) => diagnostic.help(members.told("instance")),
                 None => {
                     let known = roles.instances(scope);
                     let known = known.map(|known| self.symbols.word(known.word));
                     let meant = nearest(word, known);
-                    finding.suggest(self.site(segment.name.span), meant, || {
+                    diagnostic.suggest(self.site(segment.name.span), meant, || {
                         format!(
                             "name the instance where it grows: `tower(A, 2) as {word}`; \
                              what a pattern builds is known behind that statement"
@@ -198,12 +198,12 @@ impl Expander<'_, '_> {
                 }
             }
         };
-        self.findings.push(self.in_instance(finding));
+        self.diagnostics.push(self.in_instance(diagnostic));
         None
     }
 
     /// That a pattern does not see an instance that is known around it.
-    fn instance_around(&self, key: Key, segment: &Segment) -> Option<Finding> {
+    fn instance_around(&self, key: Key, segment: &Segment) -> Option<Diagnostic> {
         let grown = self.grown().filter(|_| key.scope == self.scope.instance)?;
         let roles = &self.plan.roles;
         let mut outer = std::iter::successors(roles.outer(key.scope), |&scope| roles.outer(scope));
@@ -211,12 +211,12 @@ impl Expander<'_, '_> {
         let (word, pattern) = (key.word, grown.pattern);
         let (word, pattern) = (self.symbols.word(word), self.symbols.word(pattern));
         let title = format!("the pattern `{pattern}` does not see the instance `{word}`");
-        let finding = Finding::new(Code::UnknownName, title).label(
+        let diagnostic = Diagnostic::new(Code::UnknownName, title).label(
             self.site(segment.name.span),
             "not known inside of the pattern",
         );
         let help = "give the pattern the block of it that is needed, as an argument";
-        Some(finding.help(help))
+        Some(diagnostic.help(help))
     }
 
     /// The names that a segment stands for.
@@ -231,8 +231,8 @@ impl Expander<'_, '_> {
             return Some((Keys::one(key), false));
         };
         if entries.len() > Key::MAX_INDICES {
-            self.findings.push(
-                Finding::new(
+            self.diagnostics.push(
+                Diagnostic::new(
                     Code::WrongArguments,
                     format!("more than {} indices", Key::MAX_INDICES),
                 )
@@ -266,8 +266,8 @@ impl Expander<'_, '_> {
         let Some(count) = count.filter(|&count| count <= room) else {
             self.exhausted = true;
             self.outgrown = true;
-            self.findings.push(
-                Finding::new(
+            self.diagnostics.push(
+                Diagnostic::new(
                     Code::ExpansionLimit,
                     format!("the program grows beyond {room} captures and releases"),
                 )
@@ -290,8 +290,8 @@ impl Expander<'_, '_> {
         let value = self.evaluate(expr)?;
         let index = i32::try_from(value).ok();
         if index.is_none() {
-            self.findings.push(
-                Finding::new(
+            self.diagnostics.push(
+                Diagnostic::new(
                     Code::Arithmetic,
                     format!("{value} is too large for an index"),
                 )

@@ -6,7 +6,7 @@ use stochc_ir::table::{PLANTED, Plate};
 
 use super::{Expander, Pass, Seeding, duplicate};
 use crate::Site;
-use crate::finding::{Code, Finding};
+use crate::diagnostic::{Code, Diagnostic};
 use crate::plan::{PlanPhase, Seed};
 
 /// Whether anything is attached by hand; loops are as deep as the parser lets them be.
@@ -33,8 +33,8 @@ impl<'a> Expander<'a, '_> {
             span: Span::new(span.start, span.start + "seed".len() as u32),
         };
         if let Some(old) = self.plate.replace(site) {
-            self.findings.push(
-                Finding::new(Code::DuplicateName, "an assembly has one seed plate")
+            self.diagnostics.push(
+                Diagnostic::new(Code::DuplicateName, "an assembly has one seed plate")
                     .label(site, "a second one")
                     .label(old, "the first")
                     .help("put all seeds on one plate"),
@@ -42,11 +42,12 @@ impl<'a> Expander<'a, '_> {
             return;
         }
         if let Some(phase) = self.plan.phases.first() {
-            let finding = Finding::new(Code::Misplaced, "the seed plate stands behind a phase")
-                .label(site, "comes too late")
-                .label(phase.site, "the first phase")
-                .help("move it to the beginning of the assembly");
-            self.findings.push(finding);
+            let diagnostic =
+                Diagnostic::new(Code::Misplaced, "the seed plate stands behind a phase")
+                    .label(site, "comes too late")
+                    .label(phase.site, "the first phase")
+                    .help("move it to the beginning of the assembly");
+            self.diagnostics.push(diagnostic);
             return;
         }
         let width = self.edge(&seed.size.0);
@@ -89,8 +90,8 @@ impl<'a> Expander<'a, '_> {
         if (1..=MAX_EDGE).contains(&value) {
             return u32::try_from(value).ok();
         }
-        self.findings.push(
-            Finding::new(Code::WrongValue, format!("a plate of {value} blocks")).label(
+        self.diagnostics.push(
+            Diagnostic::new(Code::WrongValue, format!("a plate of {value} blocks")).label(
                 self.site(expr.span),
                 format!("must be from 1 to {MAX_EDGE}"),
             ),
@@ -116,8 +117,8 @@ impl<'a> Expander<'a, '_> {
         let inside = |value: i64, edge: u32| (0..i64::from(edge)).contains(&value);
         if !(inside(x, width) && inside(y, depth)) {
             let at = self.site(seat.at.0.span.to(seat.at.1.span));
-            self.findings.push(
-                Finding::new(
+            self.diagnostics.push(
+                Diagnostic::new(
                     Code::SeedOutsidePlate,
                     format!("({x}, {y}) is not on the plate"),
                 )
@@ -141,7 +142,7 @@ impl<'a> Expander<'a, '_> {
         if (role.0 as usize) < self.plan.seeds.len() {
             let old = self.plan.seeds[role.0 as usize].site;
             let name = self.plan.roles.name(role, self.symbols);
-            self.findings.push(duplicate(&name, old, site, "a seed"));
+            self.diagnostics.push(duplicate(&name, old, site, "a seed"));
             return;
         }
         // Unless a statement that does not belong in a plate came first; that has been told of.

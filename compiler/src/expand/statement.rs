@@ -8,8 +8,8 @@ use stochc_ir::table::RoleId;
 use super::scope::Value;
 use super::{Expander, Pass};
 use crate::Site;
-use crate::finding::{Code, Finding, Fix};
-use crate::plan::{After, Deed, Event, EventId, Key};
+use crate::diagnostic::{Code, Diagnostic, Fix};
+use crate::plan::{After, Event, EventId, EventKind, Key};
 
 impl<'a> Expander<'a, '_> {
     /// Captures, one after the other.
@@ -42,12 +42,12 @@ impl<'a> Expander<'a, '_> {
                         continue;
                     };
                     if !blocks.ranged {
-                        let mut finding =
-                            Finding::new(Code::RangeMisused, "`->>` needs a range of blocks")
+                        let mut diagnostic =
+                            Diagnostic::new(Code::RangeMisused, "`->>` needs a range of blocks")
                                 .label(self.site(link.place.span), "a single block")
                                 .help("write a range such as `T[1..12]`, or `->` for one block");
-                        finding.fix = self.single_arrow(parent_place, &link.place);
-                        self.findings.push(finding);
+                        diagnostic.fix = self.single_arrow(parent_place, &link.place);
+                        self.diagnostics.push(diagnostic);
                     }
                     let used = self.face(parent, face, parent_place);
                     for key in blocks.keys.iter() {
@@ -67,7 +67,7 @@ impl<'a> Expander<'a, '_> {
         }
         if let (Some(_), Some(last)) = (face, chain.links.last()) {
             let span = last.place.face.map_or(last.place.span, |(_, span)| span);
-            let mut finding = Finding::new(
+            let mut diagnostic = Diagnostic::new(
                 Code::FaceMisused,
                 "a face at the end of a chain captures nothing",
             )
@@ -76,9 +76,9 @@ impl<'a> Expander<'a, '_> {
             if last.place.face.is_some() {
                 let dotted = self.site(Span::new(span.start - 1, span.end));
                 // Something may have been forgotten behind it.
-                finding.fix = Some(Fix::remove(dotted, "leave the face out").unsafe_if(true));
+                diagnostic.fix = Some(Fix::remove(dotted, "leave the face out").unsafe_if(true));
             }
-            self.findings.push(finding);
+            self.diagnostics.push(diagnostic);
         }
         if first < self.grown.events {
             self.after(EventId(first as u32), &chain.after);
@@ -99,8 +99,8 @@ impl<'a> Expander<'a, '_> {
         if parent.is_some() && face.is_none() {
             let text = place.path.last().map(|segment| segment.name.symbol);
             let name = text.map_or("", |symbol| self.symbols.word(symbol));
-            self.findings.push(
-                Finding::new(Code::MissingFace, "a capture needs a face")
+            self.diagnostics.push(
+                Diagnostic::new(Code::MissingFace, "a capture needs a face")
                     .label(self.site(place.span), "through which of its faces?")
                     .help(format!(
                         "write `{name}.up`, or another of up, down, north, south, east, west"
@@ -120,7 +120,7 @@ impl<'a> Expander<'a, '_> {
 
     fn capture(&mut self, parent: RoleId, face: Face, role: RoleId, site: Site) {
         self.push_event(Event {
-            deed: Deed::Capture { parent, face },
+            kind: EventKind::Capture { parent, face },
             role,
             site,
             sound: true,
@@ -164,7 +164,7 @@ impl<'a> Expander<'a, '_> {
             for key in blocks.keys.iter() {
                 let role = self.role(key);
                 let event = self.push_event(Event {
-                    deed: Deed::Release,
+                    kind: EventKind::Release,
                     role,
                     site,
                     sound: true,
@@ -204,15 +204,16 @@ impl<'a> Expander<'a, '_> {
         let Some(&(file, pattern)) = self.patterns.get(&name) else {
             let word = self.symbols.word(name);
             let known = self.patterns.keys().map(|&known| self.symbols.word(known));
-            let finding = Finding::new(Code::UnknownName, format!("no pattern is called `{word}`"))
-                .label(site, "not known here")
-                .suggest(site, nearest(word, known), || match word {
-                    "allow" | "deny" => format!(
-                        "a level is set without parentheses: `{word} unused-seed \"reason\"`"
-                    ),
-                    _ => format!("declare it: `pattern {word}(base) {{ ... }}`"),
-                });
-            self.findings.push(finding);
+            let diagnostic =
+                Diagnostic::new(Code::UnknownName, format!("no pattern is called `{word}`"))
+                    .label(site, "not known here")
+                    .suggest(site, nearest(word, known), || match word {
+                        "allow" | "deny" => format!(
+                            "a level is set without parentheses: `{word} unused-seed \"reason\"`"
+                        ),
+                        _ => format!("declare it: `pattern {word}(base) {{ ... }}`"),
+                    });
+            self.diagnostics.push(diagnostic);
             return;
         };
         if let Some(depth) = self.instances.iter().position(|&(outer, _)| outer == name) {
@@ -227,8 +228,8 @@ impl<'a> Expander<'a, '_> {
                 file,
                 span: pattern.name.span,
             };
-            self.findings.push(
-                Finding::new(
+            self.diagnostics.push(
+                Diagnostic::new(
                     Code::WrongArguments,
                     format!(
                         "`{}` takes {needed} argument{}, not {given}",
@@ -288,16 +289,16 @@ impl<'a> Expander<'a, '_> {
     }
 
     fn recursion(&mut self, depth: usize, site: Site) {
-        let mut finding = Finding::new(
+        let mut diagnostic = Diagnostic::new(
             Code::RecursivePattern,
             "a pattern grows itself, without end",
         )
         .label(site, "grows the pattern it stands in");
         for &(name, site) in &self.instances[depth..] {
-            finding = finding.label(site, format!("grows `{}`", self.symbols.word(name)));
+            diagnostic = diagnostic.label(site, format!("grows `{}`", self.symbols.word(name)));
         }
         let help = "repeat with `for` or `->>` instead";
-        self.findings.push(finding.help(help));
+        self.diagnostics.push(diagnostic.help(help));
         self.exhausted = true;
     }
 }

@@ -6,7 +6,7 @@ use stochc_ir::suggest::nearest;
 use super::Expander;
 use super::scope::Value;
 use crate::Site;
-use crate::finding::{Code, Finding, hand_in};
+use crate::diagnostic::{Code, Diagnostic, hand_in};
 use crate::names::ValueKind;
 
 impl Expander<'_, '_> {
@@ -25,15 +25,15 @@ impl Expander<'_, '_> {
                 format!("used as {}", needed.noun()),
             ),
         };
-        let mut finding = Finding::new(Code::WrongKind, title)
+        let mut diagnostic = Diagnostic::new(Code::WrongKind, title)
             .label(self.site(named.span), label)
             .help("blocks, numbers and parameters need different names");
         let thing = self.names.value(self.file, named.span);
         let known = thing.and_then(|thing| self.scope.get(named.symbol, thing));
         if let Some((_, site)) = known {
-            finding = finding.label(site, format!("{given} from here on"));
+            diagnostic = diagnostic.label(site, format!("{given} from here on"));
         }
-        self.findings.push(self.in_instance(finding));
+        self.diagnostics.push(self.in_instance(diagnostic));
         if let Some(thing) = thing {
             self.scope.forget(named.symbol, thing);
         }
@@ -43,15 +43,15 @@ impl Expander<'_, '_> {
     pub(super) fn unknown_number(&mut self, word: Symbol, span: Span) {
         let name = self.symbols.word(word);
         let site = self.site(span);
-        let finding = if let Some((let_, named)) = self.let_below(word) {
-            let finding = Finding::new(
+        let diagnostic = if let Some((let_, named)) = self.let_below(word) {
+            let diagnostic = Diagnostic::new(
                 Code::UnknownName,
                 format!("`{name}` is used before its `let`"),
             );
             match let_.file == site.file && (let_.span.start..let_.span.end).contains(&span.start) {
-                true => (finding.label(site, "used in its own value"))
+                true => (diagnostic.label(site, "used in its own value"))
                     .help("give it a value that can be worked out without it"),
-                false => (finding
+                false => (diagnostic
                     .label(site, "not known yet")
                     .label(named, "known from here on"))
                 .help(
@@ -60,7 +60,7 @@ impl Expander<'_, '_> {
             }
         } else if let Some((around, grown)) = self.scope.any(word).zip(self.grown()) {
             let pattern = self.symbols.word(grown.pattern);
-            Finding::new(
+            Diagnostic::new(
                 Code::UnknownName,
                 format!("the pattern `{pattern}` does not see `{name}`"),
             )
@@ -69,13 +69,13 @@ impl Expander<'_, '_> {
             .help(hand_in(self.sources, &grown, name, name))
         } else {
             let known = self.scope.words().map(|word| self.symbols.word(word));
-            Finding::new(Code::UnknownName, format!("no number is called `{name}`"))
+            Diagnostic::new(Code::UnknownName, format!("no number is called `{name}`"))
                 .label(site, "not known here")
                 .suggest(site, nearest(name, known), || {
                     format!("define it: `let {name} = 3`")
                 })
         };
-        self.findings.push(finding);
+        self.diagnostics.push(diagnostic);
     }
 
     /// The instance that is being written out.

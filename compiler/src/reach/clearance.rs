@@ -5,12 +5,12 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use stochc_ir::Face;
 
 use super::descendants::DescendantIndex;
-use super::path_search::{Search, Way, offset};
+use super::path_search::{Search, SearchOutcome, offset};
 use super::{Cell, EventId, Survey};
-use crate::plan::Deed;
+use crate::plan::EventKind;
 
 /// A capture whose block has to come through a gap one cell wide.
-pub struct Tight {
+pub struct NarrowCapture {
     /// Which.
     pub capture: EventId,
     /// Sides of its cell, the one it docks on apart, that are open: 1 to 5.
@@ -20,11 +20,11 @@ pub struct Tight {
 }
 
 /// All tight captures of a phase.
-pub struct TightPhase {
+pub struct NarrowCaptures {
     /// How many there are.
     pub count: usize,
     /// The tightest, the worst at the front.
-    pub worst: Vec<Tight>,
+    pub worst: Vec<NarrowCapture>,
 }
 
 /// Captures of a phase that are described.
@@ -35,7 +35,7 @@ const FARTHEST: usize = 20_000;
 
 impl Survey<'_> {
     /// The captures of a phase that come in through a gap, in their worst case.
-    pub fn tight(&mut self, events: &[EventId], descent: &DescendantIndex) -> TightPhase {
+    pub fn tight(&mut self, events: &[EventId], descent: &DescendantIndex) -> NarrowCaptures {
         let first = events.iter().map(|id| id.0).min().unwrap_or(0);
         // Whether nothing but what waits for it can stand above the cell of an event.
         let mut is_clear_above = vec![false; events.len()];
@@ -63,18 +63,18 @@ impl Survey<'_> {
         found.sort_unstable();
         found.truncate(MOST_SHOWN);
         let worst = (found.into_iter())
-            .map(|(open, capture)| Tight {
+            .map(|(open, capture)| NarrowCapture {
                 capture,
                 open,
                 length: self.gap_length(capture, descent),
             })
             .collect();
-        TightPhase { count, worst }
+        NarrowCaptures { count, worst }
     }
 
     /// The capture of the same phase, by its place in it, whose block holds this one on top.
     fn captor_below(&self, id: EventId, first: u32) -> Option<usize> {
-        let Deed::Capture { face: Face::Up, .. } = self.subject.plan.event(id).deed else {
+        let EventKind::Capture { face: Face::Up, .. } = self.subject.plan.event(id).kind else {
             return None;
         };
         let anchored_by = self.subject.liveness.contexts[id.0 as usize].anchored_by?;
@@ -109,8 +109,8 @@ impl Survey<'_> {
                 &mut self.known_paths[1],
                 &mut self.warning,
             ) {
-                Way::Out | Way::Unknown => return None,
-                Way::Sealed(_) => {}
+                SearchOutcome::Out | SearchOutcome::Unknown => return None,
+                SearchOutcome::Sealed(_) => {}
             }
         }
         let is_open = |face: &Face| {
@@ -145,9 +145,9 @@ impl Survey<'_> {
                     &mut self.known_paths[1],
                     &mut self.warning,
                 ) {
-                    Way::Out => return Some(length),
-                    Way::Sealed(pocket) => closed.extend(pocket),
-                    Way::Unknown => return None,
+                    SearchOutcome::Out => return Some(length),
+                    SearchOutcome::Sealed(pocket) => closed.extend(pocket),
+                    SearchOutcome::Unknown => return None,
                 }
             }
             if best.len() > FARTHEST || self.warning.is_spent() {

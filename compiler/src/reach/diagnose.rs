@@ -6,12 +6,12 @@ use stochc_ir::Face;
 
 use super::descendants::DescendantIndex;
 use super::occupancy::Has;
-use super::path_search::Way;
+use super::path_search::SearchOutcome;
 use super::reachable::Dismantled;
 use super::sealed::Stuck;
 use super::trial::Proposal;
 use super::{Cell, EventId, Survey, all_before, before, picture};
-use crate::finding::{Code, Finding, Fix, tell};
+use crate::diagnostic::{Code, Diagnostic, Fix, tell};
 use crate::graph::DependencyGraph;
 
 /// Blocks of a wall that are labelled.
@@ -71,7 +71,7 @@ impl Survey<'_> {
         events: &[EventId],
         descent: &DescendantIndex,
         stuck: &[Stuck],
-        findings: &mut Vec<Finding>,
+        diagnostics: &mut Vec<Diagnostic>,
     ) {
         let never = self.never(events, descent);
         let straight = self.straight(|id| never.contains(&id));
@@ -96,11 +96,11 @@ impl Survey<'_> {
             if told == most {
                 break;
             }
-            if let Some(finding) = self.sealed(&case, stuck.capture) {
+            if let Some(diagnostic) = self.sealed(&case, stuck.capture) {
                 match self.subject.trial {
-                    Some(_) => tell(findings, finding),
+                    Some(_) => tell(diagnostics, diagnostic),
                     // Each by itself, so that it is seen which of them a cure cures.
-                    None => findings.push(finding),
+                    None => diagnostics.push(diagnostic),
                 }
                 told += 1;
             }
@@ -108,13 +108,13 @@ impl Survey<'_> {
         // Where there is a cavity, what the search had no time for says nothing more.
         if told == 0 {
             for stuck in stuck.iter().take(most) {
-                tell(findings, self.undecided(stuck.capture));
+                tell(diagnostics, self.undecided(stuck.capture));
             }
         }
     }
 
     /// What is said of a stuck capture; `None`: only blocks that never come close it in.
-    fn sealed(&mut self, case: &Case, id: EventId) -> Option<Finding> {
+    fn sealed(&mut self, case: &Case, id: EventId) -> Option<Diagnostic> {
         let Self { subject, .. } = *self;
         let plan = subject.plan;
         let event = plan.event(id);
@@ -130,8 +130,8 @@ impl Survey<'_> {
             false => !following.contains(other) && !case.never.contains(&other),
         };
         let pocket = match self.way_out(id, &has) {
-            Way::Sealed(pocket) => pocket,
-            Way::Out if !is_never => return None,
+            SearchOutcome::Sealed(pocket) => pocket,
+            SearchOutcome::Out if !is_never => return None,
             _ => Vec::new(),
         };
         let walls = self.walls(&pocket, case, &has);
@@ -141,9 +141,9 @@ impl Survey<'_> {
             Fate::Walled(_) => format!("`{name}` can be walled in before its block comes"),
             Fate::Doubtful => format!("`{name}` may be walled in before its block comes"),
         };
-        let mut finding = Finding::new(Code::SealedCavity, title);
+        let mut diagnostic = Diagnostic::new(Code::SealedCavity, title);
         if subject.trial.is_none() {
-            return Some(finding.label(event.site, ""));
+            return Some(diagnostic.label(event.site, ""));
         }
         let what = match &fate {
             Fate::Never(Why::Walls) => format!("its cell {cell} has no way out"),
@@ -151,19 +151,19 @@ impl Survey<'_> {
             Fate::Never(Why::Together) => "what it waits for cannot be built together".into(),
             _ => format!("its cell {cell} has no way out once its walls stand"),
         };
-        finding = finding.label(event.site, what);
+        diagnostic = diagnostic.label(event.site, what);
         let mut help = String::new();
         match fate {
             Fate::Never(Why::Waits(first)) => {
                 let is_sure = own.contains(&first);
                 let first = plan.describe(first, subject.symbols);
-                return Some(finding.help(match is_sure {
+                return Some(diagnostic.help(match is_sure {
                     true => format!("`{first}` has to come first, and never can"),
                     false => format!("too many of those that it waits for never can come: `{first}` is one"),
                 }));
             }
             Fate::Never(Why::Together) => {
-                return Some(finding.help("no order of the phase reaches all of it: leave an opening"));
+                return Some(diagnostic.help("no order of the phase reaches all of it: leave an opening"));
             }
             Fate::Never(Why::Walls) if walls.is_empty() => help.push_str(
                 "the blocks of earlier phases close it: it has to come before them, or they leave an opening\n",
@@ -183,17 +183,17 @@ impl Survey<'_> {
         for &wall in walls.iter().take(MOST_WALLS) {
             let wall = plan.event(wall);
             let name = plan.roles.name(wall.role, subject.symbols);
-            finding = finding.label(wall.site, format!("`{name}` is part of the wall"));
+            diagnostic = diagnostic.label(wall.site, format!("`{name}` is part of the wall"));
         }
         if !is_never {
-            let (text, fix) = self.cure(case, id, &walls, &finding.title);
+            let (text, fix) = self.cure(case, id, &walls, &diagnostic.title);
             help.push_str(&text);
-            finding.cure = Some(text.trim_end().to_owned());
-            finding.fix = fix;
+            diagnostic.cure = Some(text.trim_end().to_owned());
+            diagnostic.fix = fix;
         }
         let is_full = |cell| self.occupancy.is_blocked(cell, &has);
         help.push_str(&picture::layer(cell, is_full));
-        Some(finding.help(help))
+        Some(diagnostic.help(help))
     }
 
     /// What helps, in words and as a change of the text.
@@ -328,11 +328,11 @@ impl Survey<'_> {
         text
     }
 
-    fn undecided(&self, id: EventId) -> Finding {
+    fn undecided(&self, id: EventId) -> Diagnostic {
         let plan = self.subject.plan;
         let name = plan.roles.name(plan.event(id).role, self.subject.symbols);
         let title = format!("whether a block can come to `{name}` was not decided");
-        Finding::new(Code::ReachUndecided, title)
+        Diagnostic::new(Code::ReachUndecided, title)
             .label(plan.event(id).site, "the search has reached its limit")
             .help("the walls around it are too large; build them in fewer phases, or leave a wider opening")
     }
@@ -343,7 +343,7 @@ impl Survey<'_> {
         number: usize,
         events: &[EventId],
         descent: &DescendantIndex,
-        findings: &mut Vec<Finding>,
+        diagnostics: &mut Vec<Diagnostic>,
     ) {
         let tight = self.tight(events, descent);
         let Some(first) = tight.worst.first() else {
@@ -361,7 +361,7 @@ impl Survey<'_> {
                 plan.phases[number].name
             ),
         };
-        let mut finding = Finding::new(Code::TightApproach, title);
+        let mut diagnostic = Diagnostic::new(Code::TightApproach, title);
         for tight in &tight.worst {
             let are = if tight.open == 1 { "is" } else { "are" };
             let length = match tight.length {
@@ -374,11 +374,11 @@ impl Survey<'_> {
                 name(tight.capture),
                 tight.open
             );
-            finding = finding.label(plan.event(tight.capture).site, text);
+            diagnostic = diagnostic.label(plan.event(tight.capture).site, text);
         }
         let help = "its neighbours may be in place before it: capture it before them, with `after` or in an earlier \
                     phase; in a gap of its own width a block jams easily, and the capture may take long";
-        tell(findings, finding.help(help));
+        tell(diagnostics, diagnostic.help(help));
     }
 }
 

@@ -4,8 +4,8 @@ use stochc_grammar::{Span, Symbol};
 use stochc_ir::table::RoleId;
 
 use super::{EventId, Subject};
-use crate::finding::Edit;
-use crate::plan::{Deed, Key};
+use crate::diagnostic::Edit;
+use crate::plan::{EventKind, Key};
 use crate::{FileId, Site};
 
 /// One arrow of a chain, with what it captures: in a row, a loop or a pattern, many times.
@@ -65,7 +65,7 @@ impl<'a> Statement<'a> {
         };
         let mut counters: Vec<(Symbol, i64)> = Vec::new();
         solve(child, inner, &mut counters);
-        if let Deed::Capture { parent: by, .. } = event.deed {
+        if let EventKind::Capture { parent: by, .. } = event.kind {
             let by = roles.path(by);
             if let Some(keys) = ending(parent, &by) {
                 solve(parent, keys, &mut counters);

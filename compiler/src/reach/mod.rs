@@ -57,12 +57,12 @@ use stochc_grammar::tree::{Assembly, Pattern};
 use stochc_grammar::{Cancellation, Cancelled, Symbol, Symbols};
 use stochc_ir::Cell;
 
-use crate::finding::{Code, Finding};
+use crate::diagnostic::{Code, Diagnostic};
 use crate::graph::DependencyGraph;
 use crate::layout::Layout;
 use crate::liveness::Liveness;
 use crate::order::Order;
-use crate::plan::{Deed, EventId, Plan};
+use crate::plan::{EventId, EventKind, Plan};
 use crate::{FileId, Sources, turns};
 pub use trial::Trial;
 
@@ -111,7 +111,11 @@ pub struct Subject<'a> {
 /// # Errors
 ///
 /// [`Cancelled`] if nobody waits for it.
-pub fn check(subject: Subject, search: u64, findings: &mut Vec<Finding>) -> Result<(), Cancelled> {
+pub fn check(
+    subject: Subject,
+    search: u64,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> Result<(), Cancelled> {
     let plan = subject.plan;
     let count = plan.events.len();
     let cancellation = subject.cancellation;
@@ -140,7 +144,7 @@ pub fn check(subject: Subject, search: u64, findings: &mut Vec<Finding>) -> Resu
         cancellation.check()?;
         let first = plan.phases[number].events.start;
         let descent = DescendantIndex::new(subject.certain, first, events);
-        survey.phase(number, events, &descent, findings);
+        survey.phase(number, events, &descent, diagnostics);
     }
     // A search that nobody waits for has been given up.
     cancellation.check()
@@ -202,7 +206,7 @@ impl Survey<'_> {
         number: usize,
         events: &[EventId],
         descent: &DescendantIndex,
-        findings: &mut Vec<Finding>,
+        diagnostics: &mut Vec<Diagnostic>,
     ) {
         for &id in events {
             if let (Some(cell), true) = (self.cell(id), self.is_capture(id)) {
@@ -218,10 +222,10 @@ impl Survey<'_> {
             .for_each(KnownPaths::begin_phase);
         let stuck = self.stuck(events, descent);
         if !stuck.is_empty() {
-            self.tell_sealed(events, descent, &stuck, findings);
+            self.tell_sealed(events, descent, &stuck, diagnostics);
         }
         if stuck.is_empty() {
-            self.tell_tight(number, events, descent, findings);
+            self.tell_tight(number, events, descent, diagnostics);
         }
         for &id in events {
             if !self.is_capture(id) {
@@ -243,7 +247,7 @@ impl Survey<'_> {
     }
 
     fn is_capture(&self, id: EventId) -> bool {
-        matches!(self.subject.plan.event(id).deed, Deed::Capture { .. })
+        matches!(self.subject.plan.event(id).kind, EventKind::Capture { .. })
     }
 
     /// Whether some capture has a choice of those it waits for.

@@ -28,7 +28,7 @@ pub struct Search<'a> {
 }
 
 /// How a search ended.
-pub enum Way {
+pub enum SearchOutcome {
     /// There is one.
     Out,
     /// There is none; the cells along the walls, in the order in which they were found.
@@ -104,7 +104,7 @@ impl Search<'_> {
         is_out: &dyn Fn(EventId) -> bool,
         known: &mut KnownPaths,
         effort: &mut Effort<'_>,
-    ) -> Way {
+    ) -> SearchOutcome {
         // Where each place was reached from.
         let mut found: FxHashMap<Cell, Cell> = FxHashMap::default();
         let mut order = Vec::new();
@@ -118,19 +118,19 @@ impl Search<'_> {
             order.push(at);
             effort.steps += 1 + self.occupancy.take_passed();
             if effort.is_spent() {
-                return Way::Unknown;
+                return SearchOutcome::Unknown;
             }
             if self.size == 1 && self.occupancy.at(at).is_some_and(is_out) {
-                return Way::Out;
+                return SearchOutcome::Out;
             }
             if known.leads_out(at, self, &mut effort.steps) {
                 known.keep(at, &found, self);
-                return Way::Out;
+                return SearchOutcome::Out;
             }
             let Some(under) = self.rise(at) else {
                 known.end(at, self);
                 known.keep(at, &found, self);
-                return Way::Out;
+                return SearchOutcome::Out;
             };
             for face in Face::ALL {
                 let Some(next) = at.across(face) else {
@@ -146,7 +146,7 @@ impl Search<'_> {
                 queue.push_front(under);
             }
         }
-        Way::Sealed(order)
+        SearchOutcome::Sealed(order)
     }
 }
 

@@ -3,7 +3,7 @@ use rustc_hash::FxHashSet;
 
 use super::descendants::DescendantIndex;
 use super::occupancy::Has;
-use super::path_search::{Search, Way};
+use super::path_search::{Search, SearchOutcome};
 use super::{EventId, Survey, after, all_before, before};
 use crate::graph::DependencyGraph;
 use crate::turns::is_ready;
@@ -37,9 +37,9 @@ impl Dismantled {
 
 impl Survey<'_> {
     /// The way out of the cell of a capture.
-    pub fn way_out(&mut self, id: EventId, has: Has) -> Way {
+    pub fn way_out(&mut self, id: EventId, has: Has) -> SearchOutcome {
         let Some(cell) = self.cell(id) else {
-            return Way::Out;
+            return SearchOutcome::Out;
         };
         self.occupancy.sort();
         let search = Search {
@@ -79,7 +79,7 @@ impl Survey<'_> {
                 let is_capture = self.is_capture(id);
                 let is_closed = is_capture
                     && !self.is_safe[id.0 as usize]
-                    && matches!(self.way_past_its_own(id, descent), Way::Sealed(_));
+                    && matches!(self.way_past_its_own(id, descent), SearchOutcome::Sealed(_));
                 if is_closed {
                     continue;
                 }
@@ -104,9 +104,9 @@ impl Survey<'_> {
     }
 
     /// The way out of a cell when of the phase only what the capture surely waits for has happened.
-    pub fn way_past_its_own(&mut self, id: EventId, descent: &DescendantIndex) -> Way {
+    pub fn way_past_its_own(&mut self, id: EventId, descent: &DescendantIndex) -> SearchOutcome {
         if self.cures.is_spent() {
-            return Way::Unknown;
+            return SearchOutcome::Unknown;
         }
         let own = all_before(self.subject.certain, [id]);
         self.cures.steps += own.len() as u64;
@@ -164,9 +164,9 @@ impl Survey<'_> {
                             || (other != id && is_member(other) && !apart.has_gone(other))
                     });
                     match way {
-                        Way::Out => going.push(id),
-                        Way::Sealed(_) => closed.push(id),
-                        Way::Unknown => return None,
+                        SearchOutcome::Out => going.push(id),
+                        SearchOutcome::Sealed(_) => closed.push(id),
+                        SearchOutcome::Unknown => return None,
                     }
                 }
             }

@@ -6,7 +6,7 @@ use stochc_ir::Face;
 
 use super::descendants::{DescendantIndex, Descendants};
 use super::diagnose::Case;
-use super::path_search::{Search, Way};
+use super::path_search::{Search, SearchOutcome};
 use super::reachable::Dismantled;
 use super::{Cell, EventId, Survey};
 use crate::Site;
@@ -66,7 +66,7 @@ impl Survey<'_> {
         let way = self.way_out(id, &|other| {
             at_worst(other) && following.iter().all(|after| !after.contains(other))
         });
-        matches!(way, Way::Out)
+        matches!(way, SearchOutcome::Out)
     }
 
     /// The captures on the way out that meets the fewest of those that are there at worst, and does not pass

@@ -2,7 +2,7 @@
 use stochc_ir::Face;
 
 use super::descendants::DescendantIndex;
-use super::path_search::{Search, Way};
+use super::path_search::{Search, SearchOutcome};
 use super::{Cell, EventId, Survey, after};
 use crate::turns::is_ready;
 
@@ -100,13 +100,13 @@ impl Survey<'_> {
         let is_safe = &self.is_safe;
         let is_out = |next: EventId| is_safe[next.0 as usize] && following.contains(next);
         let way = search.run([cell], &is_out, &mut self.known_paths[0], &mut self.proof);
-        if !matches!(way, Way::Out) {
+        if !matches!(way, SearchOutcome::Out) {
             stuck.push(Stuck {
                 capture: id,
-                is_shown: matches!(way, Way::Sealed(_)),
+                is_shown: matches!(way, SearchOutcome::Sealed(_)),
             });
         }
-        matches!(way, Way::Out)
+        matches!(way, SearchOutcome::Out)
     }
 }
 

@@ -3,7 +3,7 @@ use super::diagnose::Case;
 use super::edit::Statement;
 use super::{EventId, Survey, Told};
 use crate::Site;
-use crate::finding::{Code, Fix};
+use crate::diagnostic::{Code, Fix};
 
 /// Checks a program's files again with changes of the program's own file, and gives the errors, sorted, also those
 /// that are told as one. `None`: the changes do not fit together.

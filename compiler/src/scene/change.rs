@@ -2,19 +2,20 @@
 use stochc_ir::scene::scalars::ScalarError;
 
 use crate::Site;
-use crate::finding::{Code, Finding};
+use crate::diagnostic::{Code, Diagnostic};
 
 /// What is wrong with a change, as a finding at the assembly whose scene it is.
-pub(crate) fn finding(error: &ScalarError, assembly: Site) -> Finding {
+pub(crate) fn diagnostic(error: &ScalarError, assembly: Site) -> Diagnostic {
     let code = match error {
         ScalarError::Unknown { .. } => Code::UnknownTerm,
         ScalarError::Absent { .. } => Code::MissingTerm,
         ScalarError::Dimension { .. } => Code::WrongDimension,
         ScalarError::Range { .. } => Code::WrongValue,
     };
-    let finding = Finding::new(code, error.to_string()).label(assembly, "in the scene of this");
+    let diagnostic =
+        Diagnostic::new(code, error.to_string()).label(assembly, "in the scene of this");
     match error.has() {
-        [] => finding,
-        has => finding.help(format!("the scene has {}", has.join(", "))),
+        [] => diagnostic,
+        has => diagnostic.help(format!("the scene has {}", has.join(", "))),
     }
 }

@@ -9,7 +9,7 @@ mod tests;
 mod words;
 
 pub use builtin::{BUILT_IN, DEFAULT, built_in};
-pub(crate) use change::finding;
+pub(crate) use change::diagnostic;
 pub use quantity::{quantity, to_si};
 pub(crate) use read::read;
 pub(crate) use spelling::unit_meant;

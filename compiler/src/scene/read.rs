@@ -12,7 +12,7 @@ use stochc_ir::scene::schema::{
     self, Absent, Alternative, CLAUSES, Either, Entry, Group, Number, Part, REQUIREMENTS,
 };
 
-use crate::finding::{Code, Finding, Fix, tell};
+use crate::diagnostic::{Code, Diagnostic, Fix, tell};
 use crate::{FileId, Site};
 
 /// Reads a scene, on top of the one it is derived from.
@@ -23,9 +23,9 @@ pub fn read(
     base: Option<Scene>,
     file: FileId,
     symbols: &Symbols,
-    findings: &mut Vec<Finding>,
+    diagnostics: &mut Vec<Diagnostic>,
 ) -> Option<Scene> {
-    let before = findings.len();
+    let before = diagnostics.len();
     let is_derived = base.is_some();
     let mut draft = base.unwrap_or_else(schema::unsaid);
     symbols.word(scene.name.symbol).clone_into(&mut draft.name);
@@ -34,7 +34,7 @@ pub fn read(
         place: scene.name.span,
         file,
         symbols,
-        findings,
+        diagnostics,
     };
     let mut seen: Vec<Name> = Vec::new();
     let mut wrong: Vec<&str> = Vec::new();
@@ -54,12 +54,12 @@ pub fn read(
         };
         wrong.push(clause.word);
         let title = format!("a scene without `{}`", clause.word);
-        let finding = Finding::new(Code::MissingTerm, title)
+        let diagnostic = Diagnostic::new(Code::MissingTerm, title)
             .label(reader.site(scene.name.span), "says nothing of it")
             .help(format!("add `{example}`"));
-        tell(reader.findings, finding);
+        tell(reader.diagnostics, diagnostic);
     }
-    (wrong.is_empty() && findings.len() == before).then_some(draft)
+    (wrong.is_empty() && diagnostics.len() == before).then_some(draft)
 }
 
 /// What a clause says, before it is known which kind of term all of it belongs to.
@@ -86,7 +86,7 @@ struct Reader<'a, 'f> {
     place: Span,
     file: FileId,
     symbols: &'a Symbols,
-    findings: &'f mut Vec<Finding>,
+    diagnostics: &'f mut Vec<Diagnostic>,
 }
 
 impl<'a> Reader<'a, '_> {
@@ -157,13 +157,13 @@ impl<'a> Reader<'a, '_> {
             return None;
         };
         self.terms.next();
-        let before = self.findings.len();
+        let before = self.diagnostics.len();
         let mut inner = Reader {
             terms: terms.iter().peekable(),
             place: *span,
             file: self.file,
             symbols: self.symbols,
-            findings: &mut *self.findings,
+            diagnostics: &mut *self.diagnostics,
         };
         let mut seen: Vec<Name> = Vec::new();
         let mut sound: Vec<&str> = Vec::new();
@@ -179,14 +179,14 @@ impl<'a> Reader<'a, '_> {
         let fits = match group {
             Group::Free => Some(()),
             Group::Any { needed, help } => {
-                if sound.is_empty() && self.findings.len() == before {
-                    let finding = self.without(clause, needed).help(*help);
-                    tell(self.findings, finding);
+                if sound.is_empty() && self.diagnostics.len() == before {
+                    let diagnostic = self.without(clause, needed).help(*help);
+                    tell(self.diagnostics, diagnostic);
                 }
                 sound.first().map(|_| ())
             }
             Group::Either(either) => {
-                let is_wrong = self.findings.len() > before;
+                let is_wrong = self.diagnostics.len() > before;
                 self.either(clause, either, &seen, is_wrong)
                     .filter(|chosen| sound.contains(&chosen.fields[0]))
                     .map(|chosen| said.makes.push(chosen.make))
@@ -195,8 +195,8 @@ impl<'a> Reader<'a, '_> {
         let mut complete = fits;
         for field in fields.iter().filter(|field| field.absent.is_needed()) {
             if named(&seen, field.word, self.symbols).is_none() {
-                let finding = self.without(clause, field.word);
-                tell(self.findings, finding);
+                let diagnostic = self.without(clause, field.word);
+                tell(self.diagnostics, diagnostic);
             }
             complete = complete.filter(|()| sound.contains(&field.word));
         }
@@ -219,11 +219,11 @@ impl<'a> Reader<'a, '_> {
         };
         let chosen = match (first(0), first(1)) {
             (Some(one), Some(other)) => {
-                let finding = Finding::new(Code::ConflictingTerms, either.both)
+                let diagnostic = Diagnostic::new(Code::ConflictingTerms, either.both)
                     .label(self.site(other.span), either.of[1].label)
                     .label(self.site(one.span), either.of[0].label)
                     .help(either.help);
-                tell(self.findings, finding);
+                tell(self.diagnostics, diagnostic);
                 return None;
             }
             (None, None) if is_wrong => return None,
@@ -232,8 +232,8 @@ impl<'a> Reader<'a, '_> {
         };
         let needed = chosen.fields[0];
         if named(seen, needed, symbols).is_none() {
-            let finding = self.without(clause, needed).help(chosen.missing);
-            tell(self.findings, finding);
+            let diagnostic = self.without(clause, needed).help(chosen.missing);
+            tell(self.diagnostics, diagnostic);
             return None;
         }
         Some(chosen)
@@ -251,27 +251,27 @@ impl<'a> Reader<'a, '_> {
             .into_iter()
             .filter(|field| !other.contains(field));
         let shown = shown.collect::<Vec<_>>().join(" ... ");
-        let finding = Finding::new(Code::MissingTerm, format!("`{word}` without its braces"))
+        let diagnostic = Diagnostic::new(Code::MissingTerm, format!("`{word}` without its braces"))
             .label(self.site(clause.span), "what of it?")
             .help(format!("write `{word} ... {{ {shown} }}`"));
         let symbols = self.symbols;
         let is = |term: &Term, words: &[Entry]| matches!(term, Term::Word(name) if words.iter().any(|entry| entry.word == symbols.word(name.symbol)));
         if !(self.terms.peek()).is_some_and(|term| is(term, fields)) {
-            return tell(self.findings, finding);
+            return tell(self.diagnostics, diagnostic);
         }
         let behind = self.site(Span::new(self.place.end, self.place.end));
         tell(
-            self.findings,
-            finding.fix(Fix::replace(behind, " {", "write the `{`")),
+            self.diagnostics,
+            diagnostic.fix(Fix::replace(behind, " {", "write the `{`")),
         );
         // Its fields stand there without it.
         while self.terms.next_if(|term| !is(term, &CLAUSES)).is_some() {}
     }
 
     /// That a clause has none of a field that it needs.
-    fn without(&self, clause: Name, field: &str) -> Finding {
+    fn without(&self, clause: Name, field: &str) -> Diagnostic {
         let word = self.word_of(clause);
-        Finding::new(Code::MissingTerm, format!("`{word}` without `{field}`"))
+        Diagnostic::new(Code::MissingTerm, format!("`{word}` without `{field}`"))
             .label(self.site(clause.span), format!("needs `{field}`"))
     }
 
@@ -293,8 +293,8 @@ impl<'a> Reader<'a, '_> {
     fn tell(&mut self, code: Code, title: String, span: Span, label: &str, help: String) {
         let site = self.site(span);
         tell(
-            self.findings,
-            Finding::new(code, title).label(site, label).help(help),
+            self.diagnostics,
+            Diagnostic::new(code, title).label(site, label).help(help),
         );
     }
 

@@ -14,8 +14,8 @@ pub use stochc_compiler as compiler;
 pub use stochc_ir as ir;
 
 use proptest::prelude::*;
-use stochc_compiler::finding::{Change, Code, Finding, Fix};
-use stochc_compiler::{Checked, FileId, Fixed, Levels, Limits, check};
+use stochc_compiler::diagnostic::{Change, Code, Diagnostic, Fix};
+use stochc_compiler::{Checked, FileId, Fixed, Limits, LintLevels, check};
 
 /// Reads a text as `a.sa`, beside those that the fixtures import.
 fn files(text: &str) -> impl FnMut(&str) -> Result<Vec<u8>, String> {
@@ -36,7 +36,12 @@ fn checked(text: &str) -> Checked {
 /// The text with all safe changes.
 fn mend(text: &str) -> Fixed {
     let mut reader = files(text);
-    stochc_compiler::fix("a.sa", &mut reader, Limits::default(), &Levels::default())
+    stochc_compiler::fix(
+        "a.sa",
+        &mut reader,
+        Limits::default(),
+        &LintLevels::default(),
+    )
 }
 
 fn fixed(text: &str) -> String {
@@ -44,9 +49,9 @@ fn fixed(text: &str) -> String {
 }
 
 /// What is told, without its place.
-fn told(findings: &[Finding]) -> Vec<(Code, String)> {
-    let mut told: Vec<_> = (findings.iter())
-        .map(|finding| (finding.code, finding.title.clone()))
+fn told(diagnostics: &[Diagnostic]) -> Vec<(Code, String)> {
+    let mut told: Vec<_> = (diagnostics.iter())
+        .map(|diagnostic| (diagnostic.code, diagnostic.title.clone()))
         .collect();
     told.sort();
     told
@@ -299,7 +304,7 @@ fn what_is_not_certain_is_left_alone() {
         "assembly a { seed plate 3 x 1 { for i in 0..2 { M[i] at (i, 0) } } phase p { M[0].up -> A } }".to_owned(),
     ] {
         assert_eq!(fixed(&text), text);
-        assert!(!checked(&text).findings.is_empty(), "{text}");
+        assert!(!checked(&text).diagnostics.is_empty(), "{text}");
     }
 }
 
@@ -319,7 +324,7 @@ fn a_fix_that_brings_something_new_is_only_offered() {
         // What would be imported imports itself.
         ("let n = 1\nimport a.sa", Code::Syntax),
     ] {
-        let found = checked(wrong).findings;
+        let found = checked(wrong).diagnostics;
         assert_eq!(found[0].code, code, "{wrong}");
         let is_safe = |fix: &Fix| fix.safe;
         assert!(
@@ -359,7 +364,7 @@ fn many_fixes_are_tried_together() {
             .collect::<String>()
     };
     let safe = |checked: &Checked| {
-        let fixes = checked.findings.iter().filter_map(|it| it.fix.as_ref());
+        let fixes = checked.diagnostics.iter().filter_map(|it| it.fix.as_ref());
         fixes.filter(|fix| fix.safe).count()
     };
     for count in [1, 60, 99] {
@@ -407,9 +412,9 @@ fn every_fixture_and_page_is_only_bettered() {
     let mut fixes = 0;
     for text in &programs {
         let before = checked(text);
-        for finding in &before.findings {
-            if let Some(fix) = &finding.fix {
-                one_change(text, &before, finding, fix);
+        for diagnostic in &before.diagnostics {
+            if let Some(fix) = &diagnostic.fix {
+                one_change(text, &before, diagnostic, fix);
                 fixes += 1;
             }
         }
@@ -418,25 +423,25 @@ fn every_fixture_and_page_is_only_bettered() {
 }
 
 /// A change takes its finding away and, if it is safe, brings no error and keeps all comments.
-fn one_change(text: &str, before: &Checked, finding: &Finding, fix: &Fix) {
+fn one_change(text: &str, before: &Checked, diagnostic: &Diagnostic, fix: &Fix) {
     let mut change = Change::new(FileId(0), text);
     assert!(change.add(fix), "{fix:?}");
     let new = change.text();
     let after = checked(&new);
-    let (old, left) = (told(&before.findings), told(&after.findings));
-    let this = (finding.code, finding.title.clone());
+    let (old, left) = (told(&before.diagnostics), told(&after.diagnostics));
+    let this = (diagnostic.code, diagnostic.title.clone());
     let times = |told: &[(Code, String)]| told.iter().filter(|one| **one == this).count();
     assert!(times(&left) < times(&old), "{this:?} in\n{new}");
     if !fix.safe {
         return;
     }
     // A text with several errors of syntax is read only in part, and more of it with one less.
-    let partly_read = finding.code == Code::Syntax && before.findings.len() > 1;
-    for finding in &after.findings {
-        let known = old.contains(&(finding.code, finding.title.clone()));
+    let partly_read = diagnostic.code == Code::Syntax && before.diagnostics.len() > 1;
+    for diagnostic in &after.diagnostics {
+        let known = old.contains(&(diagnostic.code, diagnostic.title.clone()));
         assert!(
-            !finding.is_error() || known || partly_read,
-            "{finding:?} in\n{new}"
+            !diagnostic.is_error() || known || partly_read,
+            "{diagnostic:?} in\n{new}"
         );
     }
     let slips = |told: &[(Code, String)]| told.iter().filter(|one| one.0 == Code::Syntax).count();
@@ -481,7 +486,7 @@ proptest! {
         let right = EXAMPLES[example];
         let wrong = misspelt(right, at.index(right.len()), how).unwrap_or(right.to_owned());
         let new = fixed(&wrong);
-        let errors = |text: &str| checked(text).findings.iter().filter(|f| f.is_error()).count();
+        let errors = |text: &str| checked(text).diagnostics.iter().filter(|f| f.is_error()).count();
         prop_assert!(new == wrong || errors(&new) == 0, "{}\nto\n{}", wrong, new);
         prop_assert_eq!(comments(&new), comments(&wrong));
     }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestCaseError, TestRunner};
 use stochc_compiler::Checked;
-use stochc_compiler::finding::Code;
+use stochc_compiler::diagnostic::Code;
 
 use crate::random::declare;
 use crate::{checked, mend};
@@ -103,8 +103,8 @@ fn programs() -> Vec<String> {
 /// How often each code stands for an error.
 fn errors(checked: &Checked) -> BTreeMap<Code, usize> {
     let mut errors = BTreeMap::new();
-    for finding in checked.findings.iter().filter(|it| it.is_error()) {
-        *errors.entry(finding.code).or_default() += 1;
+    for diagnostic in checked.diagnostics.iter().filter(|it| it.is_error()) {
+        *errors.entry(diagnostic.code).or_default() += 1;
     }
     errors
 }
@@ -128,15 +128,15 @@ fn only_betters(wrong: &str) -> Result<bool, TestCaseError> {
         let size = |checked: &Checked| {
             (
                 errors(checked).values().sum::<usize>(),
-                checked.findings.len(),
+                checked.diagnostics.len(),
             )
         };
         prop_assert!(size(&left) < size(&once.before));
         prop_assert_eq!(mend(&once.text).changes, 0, "{}\nto\n{}", wrong, once.text);
     }
-    let is_safe = |fix: &stochc_compiler::finding::Fix| fix.safe;
+    let is_safe = |fix: &stochc_compiler::diagnostic::Fix| fix.safe;
     let has_left = left
-        .findings
+        .diagnostics
         .iter()
         .any(|it| it.fix.as_ref().is_some_and(is_safe));
     prop_assert!(!has_left, "a safe fix is left in\n{}", once.text);
@@ -199,7 +199,7 @@ fn a_forgotten_opening_brace_is_all_that_is_told_and_mended() {
     let mut tried = 0;
     for right in programs() {
         if checked(&right)
-            .findings
+            .diagnostics
             .iter()
             .any(|it| it.fix.is_some() || it.is_error())
         {
@@ -218,7 +218,7 @@ fn a_forgotten_opening_brace_is_all_that_is_told_and_mended() {
             }
             tried += 1;
             let wrong = format!("{}{}", &right[..at], &right[at + 1..]);
-            let found = checked(&wrong).findings;
+            let found = checked(&wrong).diagnostics;
             let codes: Vec<Code> = found
                 .iter()
                 .filter(|it| it.is_error())
@@ -240,9 +240,13 @@ fn a_closing_brace_too_many_is_all_that_is_told() {
         }
         for at in braces(&right, "}") {
             let wrong = format!("{} }}{}", &right[..at], &right[at..]);
-            let codes: Vec<Code> = checked(&wrong).findings.iter().map(|it| it.code).collect();
+            let codes: Vec<Code> = checked(&wrong)
+                .diagnostics
+                .iter()
+                .map(|it| it.code)
+                .collect();
             let errors = checked(&wrong)
-                .findings
+                .diagnostics
                 .into_iter()
                 .filter(|it| it.is_error());
             assert_eq!(errors.count(), 1, "{codes:?} in\n{wrong}");

@@ -8,5 +8,5 @@ mod outcome;
 mod points;
 
 pub use axis::Axis;
-pub use outcome::{Dial, Point, Sweep, Value};
+pub use outcome::{Point, Sweep, SweptNumber, Value};
 pub use points::{MOST_POINTS, points};

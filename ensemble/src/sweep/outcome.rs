@@ -13,7 +13,7 @@ const TICKS: &str = "ticks";
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Sweep {
     /// The numbers, in the order of the command line.
-    pub axes: Vec<Dial>,
+    pub axes: Vec<SweptNumber>,
     /// The unit of all times: ticks, or seconds where the points differ in the length of a tick.
     pub unit: &'static str,
     /// In the order of the manifest.
@@ -22,7 +22,7 @@ pub struct Sweep {
 
 /// A number that was varied.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Dial {
+pub struct SweptNumber {
     /// Its name, such as `bond.pull`.
     pub of: String,
     /// The unit of its values; empty: none.
@@ -71,7 +71,7 @@ pub struct Value {
     pub si: f64,
 }
 
-impl Dial {
+impl SweptNumber {
     /// As an axis says it: `bond.pull [N]`.
     pub fn label(&self) -> String {
         match &*self.unit {
@@ -95,11 +95,11 @@ impl Dial {
 impl Sweep {
     /// What came of the sweep that a manifest asks for; `None`: it asks for none.
     pub fn of(manifest: &Manifest, finished: &[Finished]) -> Option<Sweep> {
-        let dial = |varied: &Varied| Dial {
+        let dial = |varied: &Varied| SweptNumber {
             of: varied.of.clone(),
             unit: varied.unit.clone(),
         };
-        let axes: Vec<Dial> = manifest.axes().iter().map(dial).collect();
+        let axes: Vec<SweptNumber> = manifest.axes().iter().map(dial).collect();
         if axes.is_empty() {
             return None;
         }

@@ -3,7 +3,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::{Value as Json, json};
 use stochc_ensemble::TimeUnit;
-use stochc_ensemble::sweep::{Dial, Point, Sweep, Value};
+use stochc_ensemble::sweep::{Point, Sweep, SweptNumber, Value};
 use stochc_ir::scene::scalars::scalars;
 
 use super::subject::{Input, Subject};
@@ -72,7 +72,7 @@ fn found(subjects: &[Subject], clock: TimeUnit) -> Vec<Sweep> {
         sweeps.entry(of).or_default().extend(points);
     }
     let sweep = |(of, points): (&str, Vec<Point>)| Sweep {
-        axes: vec![Dial {
+        axes: vec![SweptNumber {
             of: of.to_owned(),
             unit: "SI".to_owned(),
         }],

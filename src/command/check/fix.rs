@@ -1,7 +1,7 @@
 //! `stochc check --fix`.
 use std::io::IsTerminal as _;
 
-use stochc_compiler::finding::is_hostile;
+use stochc_compiler::diagnostic::is_hostile;
 use stochc_files::programs::STDIN_NAME;
 
 use super::super::terminal::{print, warn};

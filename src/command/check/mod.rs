@@ -33,7 +33,7 @@ pub struct Options {
     cost: Option<usize>,
     /// Print the physics of the scenes of programs without errors: terms, values, absent terms, and
     /// whether the default number of steps in a tick resolves them. Its warnings do not change the
-    /// exit status. With `--format json` the document is `{ findings, scenes }`
+    /// exit status. With `--format json` the document is `{ diagnostics, scenes }`
     #[arg(long)]
     scene: bool,
     /// Apply all safe fixes, and show them as a diff
@@ -185,7 +185,7 @@ fn summary(file: &str, checked: &Checked, cost: Option<usize>) -> String {
 
 /// What can be said of a file without errors.
 fn judgement(checked: &Checked) -> String {
-    let verdict = match checked.findings.len() {
+    let verdict = match checked.diagnostics.len() {
         0 => "all is well".to_owned(),
         warnings => count(warnings, "warning"),
     };

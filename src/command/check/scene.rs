@@ -8,7 +8,7 @@ use stochc_ir::scene::groups::{BlockUnits, Group, Speed, SpeedFrom, groups, spee
 use stochc_ir::scene::{ContactLaw, Scene};
 use stochc_runtime::SUBSTEPS;
 
-use super::super::scene_doubts::{Doubt, doubts, short};
+use super::super::scene_warnings::{SceneWarning, scene_warnings, short};
 
 /// A scene that assemblies of a file run in, and all that is said of it.
 pub struct InForce<'a> {
@@ -21,7 +21,7 @@ pub struct InForce<'a> {
     speed: Speed,
     groups: Vec<Group>,
     /// With the steps that are taken unasked.
-    doubts: Vec<Doubt>,
+    scene_warnings: Vec<SceneWarning>,
 }
 
 /// The scenes of a file's assemblies, each once, in the order of the assemblies.
@@ -42,7 +42,7 @@ pub fn scenes<'a>(file: &'a str, checked: &'a Checked) -> Vec<InForce<'a>> {
                 absent: absent(scene),
                 speed: speed(scene),
                 groups: groups(scene),
-                doubts: doubts(scene, SUBSTEPS),
+                scene_warnings: scene_warnings(scene, SUBSTEPS),
             }),
         }
     }
@@ -53,7 +53,7 @@ impl InForce<'_> {
     /// The listing as one JSON object: `{ file, scene, assemblies, terms, absent, speed, groups, warnings }`.
     pub fn json(&self) -> Json {
         let units = BlockUnits::of(self.scene);
-        let warning = |doubt: &Doubt| format!("{}: {}", doubt.figure, doubt.effect);
+        let warning = |doubt: &SceneWarning| format!("{}: {}", doubt.figure, doubt.effect);
         let group = |group: &Group| {
             json!({
                 "symbol": group.symbol,
@@ -77,7 +77,7 @@ impl InForce<'_> {
                 "block": self.speed.rms.map(|rms| units.speed(rms)),
             },
             "groups": self.groups.iter().map(group).collect::<Vec<_>>(),
-            "warnings": self.doubts.iter().map(warning).collect::<Vec<_>>(),
+            "warnings": self.scene_warnings.iter().map(warning).collect::<Vec<_>>(),
         })
     }
 
@@ -104,10 +104,10 @@ impl InForce<'_> {
         );
         self.list_groups(&mut out);
         out.push('\n');
-        for Doubt { figure, effect, .. } in &self.doubts {
+        for SceneWarning { figure, effect, .. } in &self.scene_warnings {
             let _ = writeln!(out, "  warning: {figure}\n           {effect}");
         }
-        if self.doubts.is_empty() {
+        if self.scene_warnings.is_empty() {
             let _ = writeln!(
                 out,
                 "  {} short enough for all of these.",

@@ -1,6 +1,6 @@
 //! Files or a manifest to programs that are ready to run.
 
-use stochc_compiler::{Checked, Levels};
+use stochc_compiler::{Checked, LintLevels};
 use stochc_ensemble::{FORMAT, Manifest, Program, Source, Varied, this_build};
 use stochc_files::programs::{executables, refusal};
 use stochc_files::read_file;
@@ -10,7 +10,7 @@ use stochc_runtime::Settings;
 
 use super::super::check::verdict;
 use super::super::terminal::{has_colour, message_width, told, warn};
-use super::{Options, older, swept, tell_of_build};
+use super::{Options, older_manifest, sweep, tell_of_build};
 use crate::diagnostics::drawn;
 use crate::exit::Failure;
 
@@ -23,7 +23,7 @@ pub fn prepare(options: &Options) -> Result<Manifest, Failure> {
 }
 
 /// The programs of files, if nothing is wrong in any of them.
-pub fn programs(files: &[String], levels: &Levels) -> Result<Vec<Program>, Failure> {
+pub fn programs(files: &[String], levels: &LintLevels) -> Result<Vec<Program>, Failure> {
     let mut programs = Vec::new();
     let mut wrong = None;
     for file in files {
@@ -35,7 +35,7 @@ pub fn programs(files: &[String], levels: &Levels) -> Result<Vec<Program>, Failu
     wrong.map_or(Ok(programs), Err)
 }
 
-fn read(file: &str, levels: &Levels) -> Result<Vec<Program>, Failure> {
+fn read(file: &str, levels: &LintLevels) -> Result<Vec<Program>, Failure> {
     if let Some(reason) = refusal(file) {
         return Err(Failure::usage(reason));
     }
@@ -49,7 +49,7 @@ fn read(file: &str, levels: &Levels) -> Result<Vec<Program>, Failure> {
 fn from_files(options: &Options) -> Result<Manifest, Failure> {
     let mut programs = programs(&options.files, &options.levels.levels)?;
     if !options.sweep.is_empty() {
-        programs = swept::points(options, &programs)?;
+        programs = sweep::points(options, &programs)?;
     }
     let settings = Settings {
         model: options.model.into(),
@@ -104,7 +104,7 @@ pub(super) fn recompile(
     sources: &[Source],
     varied: &[Varied],
     assembly: &str,
-    levels: &Levels,
+    levels: &LintLevels,
 ) -> Checked {
     let texts = sources.iter();
     let texts: Vec<_> = texts
@@ -118,14 +118,14 @@ pub(super) fn recompile(
 }
 
 /// The programs that a manifest holds.
-fn from_manifest(path: &std::path::Path, levels: &Levels) -> Result<Manifest, Failure> {
+fn from_manifest(path: &std::path::Path, levels: &LintLevels) -> Result<Manifest, Failure> {
     let shown = path.display();
     let bytes = read_file(path)
         .map_err(|error| Failure::usage(format!("cannot read `{shown}`: {error}")))?;
     let text = String::from_utf8_lossy(&bytes);
     let refuse = |reason: String| Failure::usage(format!("`{shown}`: {reason}"));
     let mut manifest = match Manifest::format(&text).map_err(refuse)? {
-        older @ 1..FORMAT => older::read(older, &text, path, levels)?,
+        older_manifest @ 1..FORMAT => older_manifest::read(older_manifest, &text, path, levels)?,
         _ => Manifest::from_json(&text).map_err(refuse)?,
     };
     manifest.within_limits().map_err(refuse)?;

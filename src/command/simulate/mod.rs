@@ -1,12 +1,12 @@
 //! `stochc simulate`.
 mod accuracy;
-mod closing;
+mod completion_curves;
 mod input;
-mod older;
+mod older_manifest;
 mod options;
 mod record;
 mod single;
-mod swept;
+mod sweep;
 
 use std::num::NonZeroUsize;
 use std::sync::atomic::AtomicBool;
@@ -21,7 +21,7 @@ pub(super) use record::Draft;
 use super::interrupt::stop_on_interrupt;
 use super::progress::{Display, of_ensemble};
 use super::results::{Shown, show};
-use super::scene_doubts::{Doubt, doubts};
+use super::scene_warnings::{SceneWarning, scene_warnings};
 use super::terminal::warn;
 use crate::exit::{Exit, Failure};
 use stochc_ensemble::Cancelled;
@@ -95,9 +95,9 @@ fn tell_of_doubts(manifest: &Manifest) {
     if manifest.settings.model == Model::Shuffle {
         return;
     }
-    let mut found: Vec<(&str, Doubt, usize)> = Vec::new();
+    let mut found: Vec<(&str, SceneWarning, usize)> = Vec::new();
     for program in &manifest.programs {
-        let all = doubts(&program.scene, manifest.settings.substeps).into_iter();
+        let all = scene_warnings(&program.scene, manifest.settings.substeps).into_iter();
         for doubt in all.filter(|doubt| doubt.is_of_steps || grows_upwards(program.tables())) {
             match found
                 .iter_mut()
@@ -108,7 +108,7 @@ fn tell_of_doubts(manifest: &Manifest) {
             }
         }
     }
-    for (name, Doubt { figure, effect, .. }, more) in found {
+    for (name, SceneWarning { figure, effect, .. }, more) in found {
         let others = match more {
             0 => String::new(),
             1 => " and another program".to_owned(),
@@ -169,9 +169,9 @@ fn ensemble(options: &Options, manifest: &Manifest, stop: &AtomicBool) -> Result
     };
     let exit = show(manifest, &results.finished, &shown)?;
     if let Some(out) = &options.out {
-        swept::keep(out, manifest, &results.finished)?;
+        sweep::keep(out, manifest, &results.finished)?;
     }
-    closing::close(options, manifest, &results.finished)?;
+    completion_curves::close(options, manifest, &results.finished)?;
     if results.complete {
         return unrecorded.map_or(Ok(exit), Err);
     }

@@ -25,7 +25,7 @@ pub(super) struct Recordings<'a> {
 }
 
 /// The place of one recording.
-pub(super) struct Place<'a> {
+pub(super) struct RecordingOfRun<'a> {
     all: &'a Recordings<'a>,
     folder: &'a Path,
     program: usize,
@@ -44,9 +44,9 @@ impl<'a> Recordings<'a> {
     }
 
     /// Where a run is recorded; `None`: it is not.
-    pub fn of(&'a self, program: usize, run: u64) -> Option<Place<'a>> {
+    pub fn of(&'a self, program: usize, run: u64) -> Option<RecordingOfRun<'a>> {
         let (folder, _) = self.wanted.filter(|(_, runs)| runs.contains(run))?;
-        Some(Place {
+        Some(RecordingOfRun {
             all: self,
             folder,
             program,
@@ -78,7 +78,7 @@ impl<'a> Recordings<'a> {
     }
 }
 
-impl Place<'_> {
+impl RecordingOfRun<'_> {
     /// Makes the run and records it.
     ///
     /// A recording that cannot be written costs the recording, not the run.

@@ -6,7 +6,7 @@ use stochc_ir::scene::units::Dimension;
 
 use super::super::{to_si, unit_meant};
 use super::{Reader, Said, span};
-use crate::finding::{Code, Finding, tell};
+use crate::diagnostic::{Code, Diagnostic, tell};
 
 impl<'a> Reader<'a, '_> {
     /// A value for a number.
@@ -19,8 +19,8 @@ impl<'a> Reader<'a, '_> {
         }
         let label = format!("must be {}", number.range.rule());
         let site = self.site(quantity.span);
-        let finding = Finding::new(Code::WrongValue, "a value out of its range");
-        tell(self.findings, finding.label(site, label));
+        let diagnostic = Diagnostic::new(Code::WrongValue, "a value out of its range");
+        tell(self.diagnostics, diagnostic.label(site, label));
         None
     }
 
@@ -44,8 +44,8 @@ impl<'a> Reader<'a, '_> {
         }
         let site = self.site(first.span.to(last.span));
         tell(
-            self.findings,
-            Finding::new(Code::WrongValue, "a range that is empty or negative")
+            self.diagnostics,
+            Diagnostic::new(Code::WrongValue, "a range that is empty or negative")
                 .label(site, "from small to large, and not below 0"),
         );
         None
@@ -71,8 +71,9 @@ impl<'a> Reader<'a, '_> {
         let here = self.terms.peek().map_or(self.place, |term| span(term));
         let title = format!("expected {}", dimension.noun());
         tell(
-            self.findings,
-            Finding::new(Code::MissingTerm, title).label(self.site(here), "a value belongs here"),
+            self.diagnostics,
+            Diagnostic::new(Code::MissingTerm, title)
+                .label(self.site(here), "a value belongs here"),
         );
         None
     }
@@ -90,14 +91,14 @@ impl<'a> Reader<'a, '_> {
             self.terms.next();
             let word = self.word_of(name);
             let site = self.site(name.span);
-            let finding = Finding::new(Code::WrongDimension, title)
+            let diagnostic = Diagnostic::new(Code::WrongDimension, title)
                 .label(site, format!("`{word}` is no unit"))
                 .suggest(site, unit_meant(word), || {
                     "units are those of the SI, with prefixes such as `m` and `k`, and min, h, \
                      L, rev, deg and ticks"
                         .to_owned()
                 });
-            tell(self.findings, finding);
+            tell(self.diagnostics, diagnostic);
             return None;
         }
         let label = match found {
@@ -109,8 +110,8 @@ impl<'a> Reader<'a, '_> {
         };
         let site = self.site(quantity.span);
         tell(
-            self.findings,
-            Finding::new(Code::WrongDimension, title).label(site, label),
+            self.diagnostics,
+            Diagnostic::new(Code::WrongDimension, title).label(site, label),
         );
         None
     }

@@ -4,7 +4,7 @@ use stochc_ir::scene::schema::Entry;
 use stochc_ir::suggest::nearest;
 
 use super::{Reader, named, span, words};
-use crate::finding::{Code, Finding, Fix, tell};
+use crate::diagnostic::{Code, Diagnostic, Fix, tell};
 
 impl Reader<'_, '_> {
     /// The next word, which has to be one of `known`; skips what is none, and tells of it once.
@@ -31,12 +31,12 @@ impl Reader<'_, '_> {
                         // Nothing is said twice.
                         meant.clear &= named(said, &meant.word, self.symbols).is_none();
                     }
-                    let finding = Finding::new(Code::UnknownTerm, title)
+                    let diagnostic = Diagnostic::new(Code::UnknownTerm, title)
                         .label(site, "not known here")
                         .suggest(site, meant, || {
                             format!("known are {}", words(known).join(", "))
                         });
-                    tell(self.findings, finding);
+                    tell(self.diagnostics, diagnostic);
                 }
             } else if !told {
                 let span = span(term);
@@ -79,7 +79,7 @@ impl Reader<'_, '_> {
                 self.terms.next();
                 let site = self.site(name.span);
                 let title = format!("expected {expected}, found `{found}`");
-                let finding = Finding::new(Code::UnknownTerm, title)
+                let diagnostic = Diagnostic::new(Code::UnknownTerm, title)
                     .label(site, "here")
                     .help(help);
                 let fix = match (nearest(found, known), known) {
@@ -89,11 +89,11 @@ impl Reader<'_, '_> {
                     }
                     _ => None,
                 };
-                let finding = match fix {
-                    Some(fix) => finding.fix(fix),
-                    None => finding,
+                let diagnostic = match fix {
+                    Some(fix) => diagnostic.fix(fix),
+                    None => diagnostic,
                 };
-                tell(self.findings, finding);
+                tell(self.diagnostics, diagnostic);
                 return None;
             }
             Some(term) => ("something else", span(term)),
@@ -119,11 +119,12 @@ impl Reader<'_, '_> {
     pub(super) fn once(&mut self, seen: &mut Vec<Name>, name: Name) {
         if let Some(old) = seen.iter().find(|old| old.symbol == name.symbol) {
             let word = self.word_of(name);
-            let finding = Finding::new(Code::DuplicateTerm, format!("`{word}` is given twice"))
-                .label(self.site(name.span), "given again")
-                .label(self.site(old.span), "first given here")
-                .help("remove one of the two");
-            tell(self.findings, finding);
+            let diagnostic =
+                Diagnostic::new(Code::DuplicateTerm, format!("`{word}` is given twice"))
+                    .label(self.site(name.span), "given again")
+                    .label(self.site(old.span), "first given here")
+                    .help("remove one of the two");
+            tell(self.diagnostics, diagnostic);
         }
         seen.push(name);
     }

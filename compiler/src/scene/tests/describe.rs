@@ -19,15 +19,15 @@ fn scene(text: &str) -> Scene {
     let ItemKind::Scene(tree) = &parsed.tree.items[0].kind else {
         panic!("{text}");
     };
-    let (file, mut findings) = (Sources::default().add("s.sa", text), Vec::new());
+    let (file, mut diagnostics) = (Sources::default().add("s.sa", text), Vec::new());
     let scene = read(
         tree,
         built_in("hemisphere_2005"),
         file,
         &symbols,
-        &mut findings,
+        &mut diagnostics,
     );
-    assert_eq!(findings, [], "{text}");
+    assert_eq!(diagnostics, [], "{text}");
     scene.expect("nothing is wrong with it")
 }
 

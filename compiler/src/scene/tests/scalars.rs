@@ -7,7 +7,7 @@ use stochc_ir::scene::scalars::{Change, ScalarError, changed, find, scalars};
 use stochc_ir::scene::schema::{CLAUSES, numbers};
 use stochc_ir::scene::{Agitation, Scene};
 
-use crate::finding::Code;
+use crate::diagnostic::Code;
 use crate::scene::{BUILT_IN, built_in, quantity, read, to_si};
 use crate::{FileId, Sources};
 
@@ -309,12 +309,12 @@ fn a_changed_scene_is_compiled_like_one_that_was_written() {
             .collect();
         let mut reader = |_: &str| Ok(text.as_bytes().to_vec());
         let limits = crate::Limits::default();
-        let levels = crate::Levels::default();
+        let levels = crate::LintLevels::default();
         crate::check_changed("a.sa", &mut reader, limits, &levels, "a", &changes)
     };
     let timeout = |changes: &[(&str, f64)]| {
         let checked = checked(changes);
-        assert_eq!(checked.findings, [], "{changes:?}");
+        assert_eq!(checked.diagnostics, [], "{changes:?}");
         checked.programs[0].tables.as_ref().unwrap().phases[0].timeout
     };
     assert_eq!(timeout(&[]), Some(500));
@@ -322,7 +322,7 @@ fn a_changed_scene_is_compiled_like_one_that_was_written() {
     let codes = |changes: &[(&str, f64)]| {
         let checked = checked(changes);
         assert!(checked.programs[0].tables.is_none(), "{changes:?}");
-        let codes = checked.findings.iter().map(|finding| finding.code);
+        let codes = checked.diagnostics.iter().map(|diagnostic| diagnostic.code);
         codes.collect::<Vec<_>>()
     };
     assert_eq!(codes(&[("free", 2.0)]), [Code::TooFewBlocks]);

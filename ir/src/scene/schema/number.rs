@@ -20,7 +20,7 @@ pub struct Number {
     /// What it means, as a clause.
     pub meaning: &'static str,
     /// Where it is, in a scene that has a place for it.
-    pub(super) at: fn(&mut Scene) -> Option<Place<'_>>,
+    pub(super) at: fn(&mut Scene) -> Option<Accessor<'_>>,
 }
 
 /// Which values a number may have, in SI units.
@@ -39,7 +39,7 @@ pub enum Range {
 }
 
 /// Where a number is kept.
-pub(super) enum Place<'a> {
+pub(super) enum Accessor<'a> {
     Real(&'a mut f64),
     Byte(&'a mut u8),
     Count(&'a mut u32),
@@ -53,21 +53,21 @@ pub(super) enum Place<'a> {
     Low(&'a mut (f64, f64)),
 }
 
-impl<'a> From<&'a mut f64> for Place<'a> {
-    fn from(place: &'a mut f64) -> Place<'a> {
-        Place::Real(place)
+impl<'a> From<&'a mut f64> for Accessor<'a> {
+    fn from(place: &'a mut f64) -> Accessor<'a> {
+        Accessor::Real(place)
     }
 }
 
-impl<'a> From<&'a mut u8> for Place<'a> {
-    fn from(place: &'a mut u8) -> Place<'a> {
-        Place::Byte(place)
+impl<'a> From<&'a mut u8> for Accessor<'a> {
+    fn from(place: &'a mut u8) -> Accessor<'a> {
+        Accessor::Byte(place)
     }
 }
 
-impl<'a> From<&'a mut u32> for Place<'a> {
-    fn from(place: &'a mut u32) -> Place<'a> {
-        Place::Count(place)
+impl<'a> From<&'a mut u32> for Accessor<'a> {
+    fn from(place: &'a mut u32) -> Accessor<'a> {
+        Accessor::Count(place)
     }
 }
 
@@ -116,19 +116,19 @@ impl Number {
 
     /// Whether a scene has a place for it.
     pub fn is_in(&self, scene: &Scene) -> bool {
-        let place = |place| !matches!(place, Place::Term(None));
+        let place = |place| !matches!(place, Accessor::Term(None));
         (self.at)(&mut scene.clone()).is_some_and(place)
     }
 
     /// Its value in a scene, in SI units; `None`: the scene does not say it.
     pub fn get(&self, scene: &Scene) -> Option<f64> {
         match (self.at)(&mut scene.clone())? {
-            Place::Real(value) => Some(*value),
-            Place::Byte(value) => Some((*value).into()),
-            Place::Count(value) => Some((*value).into()),
-            Place::Optional(value) | Place::Term(value) => *value,
-            Place::High((_, high)) => Some(*high),
-            Place::Low((low, _)) => Some(*low),
+            Accessor::Real(value) => Some(*value),
+            Accessor::Byte(value) => Some((*value).into()),
+            Accessor::Count(value) => Some((*value).into()),
+            Accessor::Optional(value) | Accessor::Term(value) => *value,
+            Accessor::High((_, high)) => Some(*high),
+            Accessor::Low((low, _)) => Some(*low),
         }
     }
 
@@ -170,7 +170,7 @@ impl Number {
     pub fn set(&self, scene: &mut Scene, value: f64) -> Result<(), ScalarError> {
         self.check(value)?;
         match (self.at)(scene) {
-            Some(Place::Low((_, high))) if value > *high => {
+            Some(Accessor::Low((_, high))) if value > *high => {
                 Err(self.out_of_range(value, format!("at most the upper end, {high}")))
             }
             _ => {
@@ -184,11 +184,11 @@ impl Number {
     pub fn put(&self, scene: &mut Scene, value: f64) {
         match (self.at)(scene) {
             // Whole and within the range of its type.
-            Some(Place::Byte(place)) => *place = value as u8,
-            Some(Place::Count(place)) => *place = value as u32,
-            Some(Place::Real(place)) => *place = value,
-            Some(Place::Optional(place) | Place::Term(place)) => *place = Some(value),
-            Some(Place::High(place)) => {
+            Some(Accessor::Byte(place)) => *place = value as u8,
+            Some(Accessor::Count(place)) => *place = value as u32,
+            Some(Accessor::Real(place)) => *place = value,
+            Some(Accessor::Optional(place) | Accessor::Term(place)) => *place = Some(value),
+            Some(Accessor::High(place)) => {
                 let share = if place.0 < place.1 {
                     place.0 / place.1
                 } else {
@@ -196,7 +196,7 @@ impl Number {
                 };
                 *place = (share * value, value);
             }
-            Some(Place::Low(place)) => place.0 = value,
+            Some(Accessor::Low(place)) => place.0 = value,
             None => {}
         }
     }

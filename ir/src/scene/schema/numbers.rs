@@ -3,8 +3,8 @@ use super::super::quantity::QuantityKind;
 use super::super::{
     Agitation, Arrangement, Bond, ContactLaw, Enclosure, Flow, Strength, Turbulence,
 };
-use super::number::{Number, Place, Range};
-use Place::{High, Low, Optional, Term};
+use super::number::{Accessor, Number, Range};
+use Accessor::{High, Low, Optional, Term};
 use Range::{Acute, AtLeast, Between, Positive, Whole};
 
 /// A place in one variant of something.

@@ -1,17 +1,17 @@
 use super::sample::scene;
-use crate::finding::{Code, Finding};
+use crate::diagnostic::{Code, Diagnostic};
 
-fn told(clause: &str) -> Vec<Finding> {
-    let (scene, findings) = scene(clause);
+fn told(clause: &str) -> Vec<Diagnostic> {
+    let (scene, diagnostics) = scene(clause);
     assert_eq!(scene, None, "{clause}");
-    findings
+    diagnostics
 }
 
 /// It was passed over in silence, and the scene had no bond.
 #[test]
 fn an_anchor_that_says_nothing_is_told() {
-    let findings = told("bond attract { pull 1 N within 1cm  anchor }");
-    let titles: Vec<_> = findings.iter().map(|it| it.title.as_str()).collect();
+    let diagnostics = told("bond attract { pull 1 N within 1cm  anchor }");
+    let titles: Vec<_> = diagnostics.iter().map(|it| it.title.as_str()).collect();
     assert_eq!(
         titles,
         ["expected a measure of the anchoring distance, found nothing"]
@@ -22,8 +22,8 @@ fn an_anchor_that_says_nothing_is_told() {
 #[test]
 fn what_stands_behind_an_unknown_measure_is_read() {
     for anchor in ["anchor 1mm", "anchor middle 1mm tilt 20 deg"] {
-        let findings = told(&format!("bond attract {{ {anchor}  pull 1 N within 1cm }}"));
-        let codes: Vec<_> = findings.iter().map(|it| it.code).collect();
-        assert_eq!(codes, [Code::UnknownTerm], "{findings:?}");
+        let diagnostics = told(&format!("bond attract {{ {anchor}  pull 1 N within 1cm }}"));
+        let codes: Vec<_> = diagnostics.iter().map(|it| it.code).collect();
+        assert_eq!(codes, [Code::UnknownTerm], "{diagnostics:?}");
     }
 }

@@ -1,19 +1,20 @@
 use stochc_ir::scene::{Contact, ContactLaw};
 
 use super::sample::scene;
-use crate::finding::Code;
+use crate::diagnostic::Code;
 
 fn contact(fields: &str) -> Option<Contact> {
-    let (scene, findings) = scene(&format!("contact {{ {fields} }}"));
-    assert_eq!(findings, [], "{fields}");
+    let (scene, diagnostics) = scene(&format!("contact {{ {fields} }}"));
+    assert_eq!(diagnostics, [], "{fields}");
     scene?.contact
 }
 
 fn told(clause: &str) -> Vec<(Code, String)> {
-    let (scene, findings) = scene(clause);
+    let (scene, diagnostics) = scene(clause);
     assert_eq!(scene, None, "{clause}");
-    let told = findings.into_iter();
-    told.map(|finding| (finding.code, finding.title)).collect()
+    let told = diagnostics.into_iter();
+    told.map(|diagnostic| (diagnostic.code, diagnostic.title))
+        .collect()
 }
 
 #[test]
@@ -56,11 +57,11 @@ fn a_contact_is_not_both() {
         "stiffness 25 N/m  restitution 0  friction 0.2",
         "damping 5 kg/s  restitution 0  friction 0.2",
     ] {
-        let (scene, findings) = scene(&format!("contact {{ {fields} }}"));
+        let (scene, diagnostics) = scene(&format!("contact {{ {fields} }}"));
         assert_eq!(scene, None, "{fields}");
-        assert_eq!(findings.len(), 1, "{findings:?}");
-        assert_eq!(findings[0].code, Code::ConflictingTerms);
-        assert!(findings[0].help.is_some());
+        assert_eq!(diagnostics.len(), 1, "{diagnostics:?}");
+        assert_eq!(diagnostics[0].code, Code::ConflictingTerms);
+        assert!(diagnostics[0].help.is_some());
     }
 }
 
@@ -114,10 +115,10 @@ fn what_is_wrong_with_a_contact_is_told_of() {
 /// It is a compliant contact, whose braces are missing.
 #[test]
 fn fields_without_braces_are_known_as_such() {
-    let (_, findings) = scene("contact stiffness 25 N/m  friction 0.2");
-    let [finding] = &findings[..] else {
-        panic!("{findings:?}");
+    let (_, diagnostics) = scene("contact stiffness 25 N/m  friction 0.2");
+    let [diagnostic] = &diagnostics[..] else {
+        panic!("{diagnostics:?}");
     };
-    assert_eq!(finding.title, "`contact` without its braces");
-    assert!(finding.fix.is_some());
+    assert_eq!(diagnostic.title, "`contact` without its braces");
+    assert!(diagnostic.fix.is_some());
 }

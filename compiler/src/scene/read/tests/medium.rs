@@ -1,12 +1,12 @@
 use stochc_ir::scene::{Agitation, Flow, Scene};
 
 use super::sample;
-use crate::finding::Code;
+use crate::diagnostic::Code;
 
 /// A scene from `hemisphere` with these clauses, and what is told of it.
 fn scene(clauses: &str) -> (Option<Scene>, Vec<(Code, String)>) {
-    let (scene, findings) = sample::scene(clauses);
-    let told = findings.into_iter();
+    let (scene, diagnostics) = sample::scene(clauses);
+    let told = diagnostics.into_iter();
     (scene, told.map(|it| (it.code, it.title)).collect())
 }
 

@@ -5,11 +5,11 @@ use stochc_ir::scene::Scene;
 
 use super::super::read;
 use crate::Sources;
-use crate::finding::Finding;
+use crate::diagnostic::Diagnostic;
 use crate::scene::built_in;
 
 /// A scene from `hemisphere` with these clauses instead, and what is found in it.
-pub fn scene(clauses: &str) -> (Option<Scene>, Vec<Finding>) {
+pub fn scene(clauses: &str) -> (Option<Scene>, Vec<Diagnostic>) {
     let text = format!("scene s from hemisphere {{ {clauses} }}");
     let mut symbols = Symbols::new();
     let parsed = parse(&text, &mut symbols);
@@ -19,8 +19,14 @@ pub fn scene(clauses: &str) -> (Option<Scene>, Vec<Finding>) {
     let ItemKind::Scene(tree) = &parsed.tree.items[0].kind else {
         panic!("{clauses} is no scene");
     };
-    let mut findings = Vec::new();
+    let mut diagnostics = Vec::new();
     let file = Sources::default().add("s.sa", text.as_str());
-    let scene = read(tree, built_in("hemisphere"), file, &symbols, &mut findings);
-    (scene, findings)
+    let scene = read(
+        tree,
+        built_in("hemisphere"),
+        file,
+        &symbols,
+        &mut diagnostics,
+    );
+    (scene, diagnostics)
 }

@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::Deserialize;
-use stochc_compiler::Levels;
+use stochc_compiler::LintLevels;
 use stochc_ensemble::{Manifest, Source, Varied};
 use stochc_ir::scene::Scene;
 use stochc_runtime::Settings;
@@ -40,7 +40,7 @@ pub(super) fn read(
     format: u32,
     text: &str,
     path: &Path,
-    levels: &Levels,
+    levels: &LintLevels,
 ) -> Result<Manifest, Failure> {
     let shown = path.display();
     let refuse = |reason: String| Failure::usage(format!("`{shown}`: {reason}"));

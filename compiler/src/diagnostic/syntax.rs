@@ -4,22 +4,22 @@ use stochc_grammar::{
 };
 
 use super::syntax_hints::SyntaxHint;
-use super::{Code, Edit, Finding, Fix};
+use super::{Code, Diagnostic, Edit, Fix};
 use crate::{FileId, Site, Span};
 
-impl Finding {
+impl Diagnostic {
     /// A finding for a place where a text is not a program; `text` is all of it.
-    pub fn from_syntax(file: FileId, error: &SyntaxError, text: &str) -> Finding {
+    pub fn from_syntax(file: FileId, error: &SyntaxError, text: &str) -> Diagnostic {
         let site = Site {
             file,
             span: error.span,
         };
-        let mut finding = Finding::of_kind(site, error, text);
-        finding.fix = finding.fix.take().or_else(|| fix(site, error, text));
-        finding
+        let mut diagnostic = Diagnostic::of_kind(site, error, text);
+        diagnostic.fix = diagnostic.fix.take().or_else(|| fix(site, error, text));
+        diagnostic
     }
 
-    fn of_kind(site: Site, error: &SyntaxError, text: &str) -> Finding {
+    fn of_kind(site: Site, error: &SyntaxError, text: &str) -> Diagnostic {
         match &error.kind {
             K::Unexpected {
                 found,
@@ -32,20 +32,20 @@ impl Finding {
                 behind,
                 text,
             }),
-            K::Unclosed => Finding::new(Code::UnclosedBrace, "a block is not closed")
+            K::Unclosed => Diagnostic::new(Code::UnclosedBrace, "a block is not closed")
                 .label(site, "opened here")
                 .help("write `}` where the block ends"),
             K::MissingBrace { what } => {
-                Finding::new(Code::MissingBrace, format!("{what} without its `{{`"))
+                Diagnostic::new(Code::MissingBrace, format!("{what} without its `{{`"))
                     .label(site, "`{` is missing here")
                     .help("the statements of a block stand between `{` and `}`")
             }
             K::ClosedEarly { what } => {
-                Finding::new(Code::StrayBrace, format!("a `}}` closes {what} too early"))
+                Diagnostic::new(Code::StrayBrace, format!("a `}}` closes {what} too early"))
                     .label(site, "more of it follows")
                     .help("remove it, or look for a `{` that is missing before it")
             }
-            K::Unopened => Finding::new(Code::StrayBrace, "a `}` without a block to close")
+            K::Unopened => Diagnostic::new(Code::StrayBrace, "a `}` without a block to close")
                 .label(site, "nothing is open here")
                 .help("remove it, or look for a block closed too early above"),
             K::Misplaced {
@@ -53,7 +53,7 @@ impl Finding {
                 within,
                 belongs,
                 ..
-            } => Finding::new(
+            } => Diagnostic::new(
                 Code::Misplaced,
                 format!("{what} does not belong in {within}"),
             )
@@ -73,62 +73,62 @@ impl Finding {
                 _ => format!("it belongs in {belongs}"),
             }),
             K::Parentheses { word } => {
-                Finding::new(Code::Syntax, format!("parentheses round what `{word}` names"))
+                Diagnostic::new(Code::Syntax, format!("parentheses round what `{word}` names"))
                     .label(site, "not needed")
                     .help(format!("write it without: `{word} A`"))
             }
-            K::MissingNumber => Finding::new(Code::Syntax, "a unit without its number")
+            K::MissingNumber => Diagnostic::new(Code::Syntax, "a unit without its number")
                 .label(site, "how much?")
                 .help("write the number before it, such as `25 N/m`"),
-            K::ReservedWord { word } => Finding::new(
+            K::ReservedWord { word } => Diagnostic::new(
                 Code::ReservedWord,
                 format!("`{word}` is a word of the language"),
             )
             .label(site, "used as a name")
             .help(format!("choose another name, such as `{word}_1`")),
             K::FaceMisused { hint } => {
-                Finding::new(Code::FaceMisused, "a face does not fit here").label(site, *hint)
+                Diagnostic::new(Code::FaceMisused, "a face does not fit here").label(site, *hint)
             }
-            K::NumberTooLarge => Finding::new(Code::NumberTooLarge, "a number is too large")
+            K::NumberTooLarge => Diagnostic::new(Code::NumberTooLarge, "a number is too large")
                 .label(site, "too many digits")
                 .help("whole numbers have 64 bits; values of a scene are double precision"),
-            K::TooDeep => Finding::new(
+            K::TooDeep => Diagnostic::new(
                 Code::TooDeep,
                 format!("nested more than {MAX_DEPTH} levels deep"),
             )
             .label(site, "one level too many")
             .help("move the inner part into a pattern or a `let`"),
-            K::TooManyTerms => Finding::new(
+            K::TooManyTerms => Diagnostic::new(
                 Code::TooDeep,
                 format!("an expression of more than {MAX_TERMS} numbers and names"),
             )
             .label(site, "too many to work out at once")
             .help("name a part of it with a `let`"),
-            K::StatementTooLong => Finding::new(
+            K::StatementTooLong => Diagnostic::new(
                 Code::StatementTooLong,
                 format!("a statement of more than {MAX_STATEMENT} bytes"),
             )
             .label(site, "begins here")
             .help("break it up: a chain may go on in the next statement with its last block"),
-            K::MissingReason => Finding::new(Code::MissingReason, "no reason is given")
+            K::MissingReason => Diagnostic::new(Code::MissingReason, "no reason is given")
                 .label(site, "why?")
                 .help("say in quotation marks why: `allow unused-seed \"it marks the corner\"`"),
-            K::DanglingDoc => Finding::new(Code::DanglingDoc, "a `///` comment with nothing below")
+            K::DanglingDoc => Diagnostic::new(Code::DanglingDoc, "a `///` comment with nothing below")
                 .label(site, "belongs to nothing")
                 .help("use `//` for a free comment"),
-            K::TooMany => Finding::new(
+            K::TooMany => Diagnostic::new(
                 Code::TooManyErrors,
                 format!("more than {MAX_ERRORS} errors; the rest of the file was not read"),
             )
             .label(site, "reading stopped here")
             .help("fix the errors above first"),
-            K::FileTooLarge => Finding::new(Code::FileTooLarge, "a file of 4 GiB or more")
+            K::FileTooLarge => Diagnostic::new(Code::FileTooLarge, "a file of 4 GiB or more")
                 .help("split it into several files and `import` them"),
         }
     }
 }
 
-fn unexpected(slip: &SyntaxHint<'_>) -> Finding {
+fn unexpected(slip: &SyntaxHint<'_>) -> Diagnostic {
     let &SyntaxHint {
         site,
         found,
@@ -141,13 +141,13 @@ fn unexpected(slip: &SyntaxHint<'_>) -> Finding {
             span: Span::new(start, start + '\u{feff}'.len_utf8() as u32),
             ..site
         };
-        return Finding::new(Code::Syntax, "a byte-order mark")
+        return Diagnostic::new(Code::Syntax, "a byte-order mark")
             .label(site, "an invisible sign of three bytes")
             .help("save the file as UTF-8 without a byte-order mark")
             .fix(Fix::remove(mark, "remove the mark"));
     }
     if let Some((word, title, help)) = slip.foreign() {
-        return Finding::new(Code::Syntax, title)
+        return Diagnostic::new(Code::Syntax, title)
             .label(word, "not part of the language")
             .help(help);
     }
@@ -165,9 +165,9 @@ fn unexpected(slip: &SyntaxHint<'_>) -> Finding {
     } else {
         "here"
     };
-    let mut finding = Finding::new(Code::Syntax, title).label(site, label);
-    (finding.help, finding.fix) = slip.advice();
-    finding
+    let mut diagnostic = Diagnostic::new(Code::Syntax, title).label(site, label);
+    (diagnostic.help, diagnostic.fix) = slip.advice();
+    diagnostic
 }
 
 /// How errors of syntax other than a wrong word are mended.

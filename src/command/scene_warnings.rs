@@ -4,7 +4,7 @@ use stochc_ir::scene::groups::{Group, groups};
 
 /// A doubt about a scene: the figure that gives rise to it, and what comes of it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Doubt {
+pub struct SceneWarning {
     /// The symbol of the figure.
     pub symbol: &'static str,
     /// The figure, what it should keep to, and the way out.
@@ -16,13 +16,13 @@ pub struct Doubt {
 }
 
 /// The doubts about a scene with so many steps a tick.
-pub fn doubts(scene: &Scene, steps: u32) -> Vec<Doubt> {
+pub fn scene_warnings(scene: &Scene, steps: u32) -> Vec<SceneWarning> {
     let groups = groups(scene);
     let found = groups.iter().filter_map(|group| doubt(group, steps));
     found.collect()
 }
 
-fn doubt(group: &Group, steps: u32) -> Option<Doubt> {
+fn doubt(group: &Group, steps: u32) -> Option<SceneWarning> {
     /// As many as `simulate` takes.
     const MOST: u32 = 1000;
     let (symbol, value) = (group.symbol, short(group.value));
@@ -32,7 +32,7 @@ fn doubt(group: &Group, steps: u32) -> Option<Doubt> {
             _ => "no number of substeps that is allowed resolves it".to_owned(),
         };
         let most = short(limit.most);
-        return Some(Doubt {
+        return Some(SceneWarning {
             symbol,
             figure: format!("{symbol} is {value} with one step a tick, more than {most}; {cure}"),
             effect: limit.beyond,
@@ -40,7 +40,7 @@ fn doubt(group: &Group, steps: u32) -> Option<Doubt> {
         });
     }
     let least = group.least.filter(|_| group.is_too_small())?;
-    Some(Doubt {
+    Some(SceneWarning {
         symbol,
         figure: format!(
             "{symbol} is {value}, less than {}; {}",

@@ -1,10 +1,10 @@
 //! Findings as pictures of the text, by miette.
 use miette::{
-    Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteError,
-    MietteSpanContents, SourceCode, SourceSpan, SpanContents,
+    Diagnostic as MietteDiagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan,
+    MietteError, MietteSpanContents, SourceCode, SourceSpan, SpanContents,
 };
 
-use super::{Finding, Label, Severity};
+use super::{Diagnostic, Label, Severity};
 use crate::{FileId, SourceFile, Sources};
 
 /// Draws findings over the text they speak of.
@@ -27,12 +27,12 @@ impl Renderer {
     }
 
     /// One finding, ending in a newline.
-    pub fn render(&self, finding: &Finding, sources: &Sources) -> String {
-        let picture = Picture::new(finding, sources);
+    pub fn render(&self, diagnostic: &Diagnostic, sources: &Sources) -> String {
+        let picture = Picture::new(diagnostic, sources);
         let mut out = String::new();
         // Writing to a string cannot fail; a span that cannot be shown leaves the title.
         if self.handler.render_report(&mut out, &picture).is_err() {
-            out = format!("{}: {}\n", finding.code, finding.message());
+            out = format!("{}: {}\n", diagnostic.code, diagnostic.message());
         }
         out
     }
@@ -51,33 +51,33 @@ struct Picture<'a> {
 }
 
 impl<'a> Picture<'a> {
-    fn new(finding: &'a Finding, sources: &'a Sources) -> Picture<'a> {
-        let home = finding.labels.first().map(|label| label.site.file);
-        let mut elsewhere: Vec<FileId> = (finding.labels.iter())
+    fn new(diagnostic: &'a Diagnostic, sources: &'a Sources) -> Picture<'a> {
+        let home = diagnostic.labels.first().map(|label| label.site.file);
+        let mut elsewhere: Vec<FileId> = (diagnostic.labels.iter())
             .map(|label| label.site.file)
             .filter(|&file| Some(file) != home)
             .collect();
         elsewhere.sort_unstable();
         elsewhere.dedup();
         let part = |file: FileId| -> Vec<LabeledSpan> {
-            let of_file = finding
+            let of_file = diagnostic
                 .labels
                 .iter()
                 .filter(|label| label.site.file == file);
             of_file.map(labeled).collect()
         };
         Picture {
-            code: Some(finding.code.name()),
-            severity: finding.severity,
-            title: visible(&finding.message()),
-            help: advice(finding).as_deref().map(visible),
+            code: Some(diagnostic.code.name()),
+            severity: diagnostic.severity,
+            title: visible(&diagnostic.message()),
+            help: advice(diagnostic).as_deref().map(visible),
             excerpt: home.map(|file| Excerpt(sources.file(file))),
             labels: home.map(part).unwrap_or_default(),
             related: elsewhere
                 .into_iter()
                 .map(|file| Picture {
                     code: None,
-                    severity: finding.severity,
+                    severity: diagnostic.severity,
                     title: format!("in {}", sources.file(file).name),
                     help: None,
                     excerpt: Some(Excerpt(sources.file(file))),
@@ -90,9 +90,9 @@ impl<'a> Picture<'a> {
 }
 
 /// The help, and the change that would mend it if the help does not say so.
-fn advice(finding: &Finding) -> Option<String> {
-    let help = finding.help.as_deref();
-    let Some(fix) = &finding.fix else {
+fn advice(diagnostic: &Diagnostic) -> Option<String> {
+    let help = diagnostic.help.as_deref();
+    let Some(fix) = &diagnostic.fix else {
         return help.map(str::to_owned);
     };
     let new = match &fix.edits[..] {
@@ -157,7 +157,7 @@ impl std::fmt::Display for Picture<'_> {
 
 impl std::error::Error for Picture<'_> {}
 
-impl Diagnostic for Picture<'_> {
+impl MietteDiagnostic for Picture<'_> {
     fn code<'b>(&'b self) -> Option<Box<dyn std::fmt::Display + 'b>> {
         self.code.map(|code| Box::new(code) as Box<_>)
     }
@@ -181,11 +181,11 @@ impl Diagnostic for Picture<'_> {
         Some(Box::new(self.labels.iter().cloned()))
     }
 
-    fn related<'b>(&'b self) -> Option<Box<dyn Iterator<Item = &'b dyn Diagnostic> + 'b>> {
+    fn related<'b>(&'b self) -> Option<Box<dyn Iterator<Item = &'b dyn MietteDiagnostic> + 'b>> {
         let related = self
             .related
             .iter()
-            .map(|picture| picture as &dyn Diagnostic);
+            .map(|picture| picture as &dyn MietteDiagnostic);
         (!self.related.is_empty()).then(|| Box::new(related) as Box<_>)
     }
 }

@@ -1,5 +1,5 @@
 //! One statement in a loop, or in a pattern, may be wrong many times: it is told of once.
-use super::{Code, Finding};
+use super::{Code, Diagnostic};
 
 /// Findings like another one, at the same place.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -29,11 +29,11 @@ impl Others {
     }
 }
 
-impl Finding {
+impl Diagnostic {
     /// Takes another finding in, if it says the same at the same place; at most of another block,
     /// cell or number.
-    pub(super) fn absorb(&mut self, other: &Finding) -> bool {
-        let place = |finding: &Finding| finding.labels.first().map(|label| label.site);
+    pub(super) fn absorb(&mut self, other: &Diagnostic) -> bool {
+        let place = |diagnostic: &Diagnostic| diagnostic.labels.first().map(|label| label.site);
         if self.code != other.code || place(self) != place(other) || place(self).is_none() {
             return false;
         }
@@ -134,20 +134,20 @@ mod tests {
     use super::*;
     use crate::{FileId, Site, Span};
 
-    fn at(start: u32, title: &str) -> Finding {
+    fn at(start: u32, title: &str) -> Diagnostic {
         let site = Site {
             file: FileId(0),
             span: Span::new(start, start + 1),
         };
-        Finding::new(Code::AbsentBlock, title).label(site, "here")
+        Diagnostic::new(Code::AbsentBlock, title).label(site, "here")
     }
 
     fn told(titles: &[&str]) -> Vec<String> {
-        let mut findings: Vec<Finding> = Vec::new();
+        let mut diagnostics: Vec<Diagnostic> = Vec::new();
         for title in titles {
-            super::super::tell(&mut findings, at(0, title));
+            super::super::tell(&mut diagnostics, at(0, title));
         }
-        findings.iter().map(Finding::message).collect()
+        diagnostics.iter().map(Diagnostic::message).collect()
     }
 
     #[test]
@@ -204,19 +204,19 @@ mod tests {
             "it is absent",
         ];
         assert_eq!(told(&titles), titles);
-        let mut findings = vec![at(0, "`A` is absent")];
-        super::super::tell(&mut findings, at(1, "`B` is absent"));
-        assert_eq!(findings.len(), 2);
-        let nowhere = Finding::new(Code::ImportMissing, "cannot read `a`");
+        let mut diagnostics = vec![at(0, "`A` is absent")];
+        super::super::tell(&mut diagnostics, at(1, "`B` is absent"));
+        assert_eq!(diagnostics.len(), 2);
+        let nowhere = Diagnostic::new(Code::ImportMissing, "cannot read `a`");
         assert!(!nowhere.clone().absorb(&nowhere));
     }
 
     #[test]
     fn a_change_for_one_of_several_is_dropped() {
         let fix = |text: &str| {
-            let finding = at(0, text);
-            let site = finding.labels[0].site;
-            finding.fix(Fix::replace(site, text, "write it"))
+            let diagnostic = at(0, text);
+            let site = diagnostic.labels[0].site;
+            diagnostic.fix(Fix::replace(site, text, "write it"))
         };
         let mut first = fix("no `A`");
         assert!(first.absorb(&fix("no `A`")));

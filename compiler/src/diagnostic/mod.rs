@@ -20,7 +20,7 @@ use stochc_ir::suggest::Suggestion;
 
 /// One message, with the places it speaks of.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Finding {
+pub struct Diagnostic {
     /// Its kind; what `stochc explain` takes.
     pub code: Code,
     /// How bad it is: as its kind is, unless the file or the command line denies a warning.
@@ -74,48 +74,48 @@ pub const MOST_FINDINGS: usize = 1_000;
 
 /// Adds a finding, unless one like it has been told of the same place, or there are so many that
 /// nobody would read them.
-pub(crate) fn tell(findings: &mut Vec<Finding>, finding: Finding) {
-    if findings.len() > MOST_FINDINGS || is_repeated(findings, &finding) {
+pub(crate) fn tell(diagnostics: &mut Vec<Diagnostic>, diagnostic: Diagnostic) {
+    if diagnostics.len() > MOST_FINDINGS || is_repeated(diagnostics, &diagnostic) {
         return;
     }
-    if findings.len() < MOST_FINDINGS {
-        findings.push(finding);
+    if diagnostics.len() < MOST_FINDINGS {
+        diagnostics.push(diagnostic);
     } else {
         let title = format!("more than {MOST_FINDINGS} findings; the rest is not told");
-        let labels = finding.labels.into_iter().take(1);
+        let labels = diagnostic.labels.into_iter().take(1);
         let mut last =
-            Finding::new(Code::TooManyErrors, title).help("fix the first few and check again");
+            Diagnostic::new(Code::TooManyErrors, title).help("fix the first few and check again");
         last.labels.extend(labels);
-        findings.push(last);
+        diagnostics.push(last);
     }
 }
 
-/// Whether a finding only says of something else what one of `findings` says at the same place,
+/// Whether a finding only says of something else what one of `diagnostics` says at the same place,
 /// which has taken it in then.
-pub(crate) fn is_repeated(findings: &mut [Finding], finding: &Finding) -> bool {
-    let mut last_first = findings.iter_mut().rev();
-    last_first.any(|told| told.absorb(finding))
+pub(crate) fn is_repeated(diagnostics: &mut [Diagnostic], diagnostic: &Diagnostic) -> bool {
+    let mut last_first = diagnostics.iter_mut().rev();
+    last_first.any(|told| told.absorb(diagnostic))
 }
 
 /// Has each of the findings, which are in the order of their places, take in what only repeats it.
-pub(crate) fn fold(findings: Vec<Finding>) -> Vec<Finding> {
-    let mut folded: Vec<Finding> = Vec::new();
+pub(crate) fn fold(diagnostics: Vec<Diagnostic>) -> Vec<Diagnostic> {
+    let mut folded: Vec<Diagnostic> = Vec::new();
     let mut of_place = 0;
-    for finding in findings {
-        if folded.last().map(Finding::place) != Some(finding.place()) {
+    for diagnostic in diagnostics {
+        if folded.last().map(Diagnostic::place) != Some(diagnostic.place()) {
             of_place = folded.len();
         }
-        if !is_repeated(&mut folded[of_place..], &finding) {
-            folded.push(finding);
+        if !is_repeated(&mut folded[of_place..], &diagnostic) {
+            folded.push(diagnostic);
         }
     }
     folded
 }
 
-impl Finding {
+impl Diagnostic {
     /// A finding without labels or help.
-    pub fn new(code: Code, title: impl Into<String>) -> Finding {
-        Finding {
+    pub fn new(code: Code, title: impl Into<String>) -> Diagnostic {
+        Diagnostic {
             code,
             severity: code.severity(),
             title: title.into(),
@@ -140,7 +140,7 @@ impl Finding {
 
     /// Adds a place.
     #[must_use]
-    pub fn label(mut self, site: Site, text: impl Into<String>) -> Finding {
+    pub fn label(mut self, site: Site, text: impl Into<String>) -> Diagnostic {
         self.labels.push(Label {
             site,
             text: text.into(),
@@ -150,14 +150,14 @@ impl Finding {
 
     /// Says what to do next.
     #[must_use]
-    pub fn help(mut self, text: impl Into<String>) -> Finding {
+    pub fn help(mut self, text: impl Into<String>) -> Diagnostic {
         self.help = Some(text.into());
         self
     }
 
     /// Says how the text can be mended.
     #[must_use]
-    pub fn fix(mut self, fix: Fix) -> Finding {
+    pub fn fix(mut self, fix: Fix) -> Diagnostic {
         self.fix = Some(fix);
         self
     }
@@ -169,7 +169,7 @@ impl Finding {
         site: Site,
         meant: Option<Suggestion>,
         otherwise: impl FnOnce() -> String,
-    ) -> Finding {
+    ) -> Diagnostic {
         let Some(meant) = meant else {
             return self.help(otherwise());
         };
