@@ -14,19 +14,24 @@
 //! # }
 //! ```
 //!
-//! What is wrong with a program, and what to do about it, are its findings:
+//! What is wrong with a program, and what to do about it, are its diagnostics:
 //!
 //! ```
 //! let checked = stochc::check_text("pair.sa", "assembly pair { }");
 //! let error = stochc::compile(checked).unwrap_err();
-//! assert_eq!(error.checked.findings.len(), 1);
+//! assert_eq!(error.checked.diagnostics.len(), 1);
 //! assert!(error.to_string().contains("pair.sa:1:1"), "{error}");
 //! ```
 //!
 //! Many runs, and what they say, are in [`ensemble`]; pages and tables on them in [`report`].
+//!
+//! The feature `command`, which is on by default, adds the command line; programs that want the functions alone do without it.
+#[cfg(feature = "command")]
 pub mod cli;
+#[cfg(feature = "command")]
 pub mod command;
 pub mod diagnostics;
+#[cfg(feature = "command")]
 pub mod exit;
 mod facade;
 pub mod fix;

@@ -4,7 +4,6 @@ mod json;
 mod sarif;
 mod short;
 
-use clap::ValueEnum;
 use stochc_compiler::{Checked, Site, Sources};
 
 pub use graphical::{Tally, count};
@@ -12,7 +11,8 @@ pub use json::values;
 pub use sarif::Log;
 
 /// How findings are shown.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "command", derive(clap::ValueEnum))]
 pub enum Format {
     /// Drawn over the source text.
     Graphical,

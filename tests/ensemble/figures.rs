@@ -157,6 +157,6 @@ fn captures_are_summed_up_by_edge() {
     assert!(second.wait.censored > 0);
     assert_eq!(second.wait.completed + second.wait.censored, runs.count());
     assert!(captures(&manifest, &[], 1).is_empty());
-    assert_snapshot!(captures_to_text(&[], 1.0, 100), @"n   wait   CV   entries   docking   released before
-─   ────   ──   ───────   ───────   ───────────────");
+    assert_snapshot!(captures_to_text(&[], 1.0, 100), @"n  wait  CV  entries  docking  released before
+─  ────  ──  ───────  ───────  ───────────────");
 }

@@ -9,9 +9,10 @@ use stochc_ir::table::PhaseId;
 use stochc_runtime::world::SceneError;
 use stochc_runtime::{RunError, Settings, run as run_once};
 
+use super::assessment::Conditions;
 use super::candidates::base;
 use super::plan::{Extent, Job, Next, Plan};
-use super::result::{Conditions, Trade};
+use super::result::Trade;
 use super::sample::Measured;
 use super::thread_time::thread_time;
 use crate::clock::now;

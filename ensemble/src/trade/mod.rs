@@ -3,6 +3,7 @@
 //! [`Plan`] says which run comes next, [`Trade`] what came of them. Neither knows a clock or a
 //! thread; [`measure()`] brings them.
 mod advice;
+mod assessment;
 mod candidates;
 mod convergence;
 mod measure;
@@ -13,11 +14,12 @@ mod sample;
 mod selection;
 mod thread_time;
 
+pub use assessment::Conditions;
 pub use candidates::{FINEST, base, candidates};
 pub use convergence::{CLOSE, Convergence, Doubling, convergence};
 pub use measure::{Progress, Setup, measure};
 pub use plan::{Extent, Job, Next, Outcome, PILOT, Plan};
 pub use ranking::{Ranked, Verdict, rank};
-pub use result::{Cell, Conditions, FORMAT, Program, Reference, Setting, Trade, known};
+pub use result::{Cell, FORMAT, Program, Reference, Setting, Trade, known};
 pub use sample::{End, Measured, Sample};
 pub use selection::{Choice, choose, note};
