@@ -40,6 +40,7 @@ mod captures;
 mod clock;
 mod comparison;
 mod executor;
+pub mod fit;
 mod folder;
 mod folder_error;
 mod journal;

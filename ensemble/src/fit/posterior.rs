@@ -1,0 +1,232 @@
+//! What is known of the numbers after the data, by sequential Monte Carlo (P. Del Moral and others, J. R. Stat. Soc. B 68 (2006) 411).
+use nalgebra::{DMatrix, DVector};
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+use serde::Serialize;
+
+use super::Prior;
+use crate::statistics::quantile;
+
+/// Draws that the posterior is known by.
+const DRAWS: usize = 4_000;
+
+/// Steps that each draw makes at every temperature.
+const MOVES: usize = 12;
+
+/// Draws from a posterior: each is a share of the prior for every number.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Posterior {
+    /// One row for each draw.
+    pub draws: Vec<Vec<f64>>,
+}
+
+/// What is known of one number.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Marginal {
+    /// Its name.
+    pub of: String,
+    /// The unit of the values; empty: none.
+    pub unit: String,
+    /// Half of the probability is below.
+    pub median: f64,
+    /// The 95 % interval.
+    pub interval: (f64, f64),
+    /// Its width as a part of the prior's: near 1, the data say nothing of the number.
+    pub width: f64,
+    /// The data push it against an end of the prior: the truth may be beyond.
+    pub is_at_edge: bool,
+}
+
+impl Posterior {
+    /// Samples a posterior of so many numbers, whose prior is even in the unit cube; the same for the same seed.
+    ///
+    /// The likelihood is taken in by degrees, so that half of the draws stay of use at each.
+    pub fn sample(numbers: usize, log_likelihood: impl Fn(&[f64]) -> f64, seed: u64) -> Posterior {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut draws: Vec<Vec<f64>> = (0..DRAWS)
+            .map(|_| (0..numbers).map(|_| random.random()).collect())
+            .collect();
+        let mut known: Vec<f64> = draws.iter().map(|draw| log_likelihood(draw)).collect();
+        let mut heat = 0.0;
+        while heat < 1.0 {
+            let next = next_temperature(&known, heat);
+            let chosen = resample(&weights(&known, next - heat), random.random());
+            draws = chosen.iter().map(|&i| draws[i].clone()).collect();
+            known = chosen.iter().map(|&i| known[i]).collect();
+            heat = next;
+            let step = step(&draws);
+            for (draw, known) in draws.iter_mut().zip(&mut known) {
+                for _ in 0..MOVES {
+                    let kick =
+                        DVector::from_iterator(numbers, (0..numbers).map(|_| normal(&mut random)));
+                    let kick = &step * kick;
+                    let moved: Vec<f64> =
+                        draw.iter().zip(kick.iter()).map(|(x, by)| x + by).collect();
+                    let chance: f64 = random.random();
+                    if moved.iter().any(|x| !(0.0..=1.0).contains(x)) {
+                        continue;
+                    }
+                    let there = log_likelihood(&moved);
+                    if chance.ln() < heat * (there - *known) {
+                        (*draw, *known) = (moved, there);
+                    }
+                }
+            }
+        }
+        Posterior { draws }
+    }
+
+    /// What is known of number `i`, whose prior this is.
+    pub fn marginal(&self, i: usize, prior: &Prior) -> Marginal {
+        let shares: Vec<f64> = self.draws.iter().map(|draw| draw[i]).collect();
+        let at = |share| quantile(&shares, share).unwrap_or(0.5);
+        let (low, high) = (at(0.025), at(0.975));
+        let near = |end: f64| {
+            shares
+                .iter()
+                .filter(|share| (*share - end).abs() < 0.05)
+                .count()
+        };
+        // Evenly distributed, a twentieth would be there; twice the density of the rest is a push.
+        let is_crowded = |end| near(end) as f64 > 0.15 * shares.len() as f64;
+        Marginal {
+            of: prior.of.clone(),
+            unit: prior.unit.clone(),
+            median: prior.value(at(0.5)),
+            interval: (prior.value(low), prior.value(high)),
+            width: (high - low) / 0.95,
+            is_at_edge: is_crowded(0.0) || is_crowded(1.0),
+        }
+    }
+
+    /// A box that holds nearly all of it with some room, for the next design.
+    pub fn surroundings(&self) -> Vec<(f64, f64)> {
+        /// No narrower than this, so that a polynomial has something to go by.
+        const LEAST: f64 = 0.1;
+        let numbers = self.draws.first().map_or(0, Vec::len);
+        let ends = |i: usize| {
+            let shares: Vec<f64> = self.draws.iter().map(|draw| draw[i]).collect();
+            let at = |share| quantile(&shares, share).unwrap_or(0.5);
+            let (low, high) = (at(0.005), at(0.995));
+            let room = (0.25 * (high - low)).max((LEAST - (high - low)) / 2.0);
+            ((low - room).max(0.0), (high + room).min(1.0))
+        };
+        (0..numbers).map(ends).collect()
+    }
+}
+
+/// Weights of sum 1 for a likelihood to some power.
+fn weights(known: &[f64], power: f64) -> Vec<f64> {
+    let most = known.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let weights = known.iter().map(|it| (power * (it - most)).exp());
+    let weights: Vec<f64> = weights
+        .map(|it| if it.is_finite() { it } else { 0.0 })
+        .collect();
+    let sum: f64 = weights.iter().sum();
+    weights.iter().map(|it| it / sum).collect()
+}
+
+/// The power at which half of the draws would be of use, 1 at most.
+fn next_temperature(known: &[f64], heat: f64) -> f64 {
+    let of_use = |power: f64| {
+        let squares: f64 = weights(known, power - heat).iter().map(|it| it * it).sum();
+        1.0 / squares
+    };
+    let enough = known.len() as f64 / 2.0;
+    if of_use(1.0) >= enough {
+        return 1.0;
+    }
+    let (mut low, mut high) = (heat, 1.0);
+    for _ in 0..60 {
+        let middle = (low + high) / 2.0;
+        match of_use(middle) >= enough {
+            true => low = middle,
+            false => high = middle,
+        }
+    }
+    // Whatever rounding does, the next one is hotter.
+    low.max(heat + 1e-12).min(1.0)
+}
+
+/// Indices by weight, evenly spaced in their sum (systematic resampling).
+fn resample(weights: &[f64], offset: f64) -> Vec<usize> {
+    let n = weights.len();
+    let (mut sum, mut i) = (weights[0], 0);
+    (0..n)
+        .map(|k| {
+            let at = (k as f64 + offset) / n as f64;
+            while sum < at && i + 1 < n {
+                i += 1;
+                sum += weights[i];
+            }
+            i
+        })
+        .collect()
+}
+
+/// A matrix that turns independent normal numbers into steps of the size that suits the draws.
+fn step(draws: &[Vec<f64>]) -> DMatrix<f64> {
+    let numbers = draws[0].len();
+    let n = draws.len() as f64;
+    let rows = draws.iter().map(|draw| DVector::from_column_slice(draw));
+    let rows: Vec<DVector<f64>> = rows.collect();
+    let middle = rows.iter().sum::<DVector<f64>>() / n;
+    let mut covariance = DMatrix::zeros(numbers, numbers);
+    for row in &rows {
+        covariance += (row - &middle) * (row - &middle).transpose() / n;
+    }
+    for i in 0..numbers {
+        covariance[(i, i)] += 1e-10;
+    }
+    let size = 2.38 / (numbers as f64).sqrt();
+    covariance.cholesky().map_or_else(
+        || DMatrix::identity(numbers, numbers) * 1e-3,
+        |factor| factor.l() * size,
+    )
+}
+
+/// A normal number (G. E. P. Box, M. E. Muller 1958).
+fn normal(random: &mut ChaCha8Rng) -> f64 {
+    let (a, b): (f64, f64) = (random.random(), random.random());
+    (-2.0 * (1.0 - a).ln()).sqrt() * (std::f64::consts::TAU * b).cos()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn prior(of: &str) -> Prior {
+        Prior::parse(&format!("{of}=0..1")).unwrap()
+    }
+
+    #[test]
+    fn a_normal_likelihood_gives_a_normal_posterior() {
+        let (at, sd) = ([0.4, 0.6, 0.5], [0.05, 0.01, 0.1]);
+        let likelihood = |x: &[f64]| {
+            let off = (0..3).map(|i| ((x[i] - at[i]) / sd[i]).powi(2));
+            -0.5 * off.sum::<f64>()
+        };
+        let posterior = Posterior::sample(3, likelihood, 1);
+        assert_eq!(posterior, Posterior::sample(3, likelihood, 1));
+        for i in 0..3 {
+            let found = posterior.marginal(i, &prior("x"));
+            let half = (found.interval.1 - found.interval.0) / 2.0;
+            assert!((found.median - at[i]).abs() < 0.1 * sd[i], "{found:?}");
+            assert!((half / (1.96 * sd[i]) - 1.0).abs() < 0.1, "{found:?}");
+            assert!(!found.is_at_edge);
+        }
+    }
+
+    #[test]
+    fn what_the_data_say_nothing_of_stays_as_wide_as_before() {
+        let posterior = Posterior::sample(2, |x: &[f64]| -0.5 * ((x[0] + 0.2) / 0.1).powi(2), 1);
+        let [first, second] = [0, 1].map(|i| posterior.marginal(i, &prior("x")));
+        assert!(first.is_at_edge && first.width < 0.2, "{first:?}");
+        assert!(
+            (second.width - 1.0).abs() < 0.05 && !second.is_at_edge,
+            "{second:?}"
+        );
+        let ends = posterior.surroundings();
+        assert!(ends[0].1 < 0.4 && ends[1] == (0.0, 1.0), "{ends:?}");
+    }
+}

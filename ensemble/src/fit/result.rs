@@ -1,0 +1,145 @@
+//! What came of a fit.
+use serde::Serialize;
+
+use super::data::{Observed, Unit};
+use super::emulator::Emulator;
+use super::posterior::{Marginal, Posterior};
+use super::prior::Prior;
+use crate::statistics::quantile;
+
+/// Numbers of a scene that data speak for.
+#[derive(Clone, Debug, Serialize)]
+pub struct Fit {
+    /// The unit of all times.
+    pub unit: Unit,
+    /// One for each number, in the order of the priors.
+    pub numbers: Vec<Marginal>,
+    /// Correlations of the numbers in the posterior.
+    pub correlations: Vec<Vec<f64>>,
+    /// One for each program that was measured.
+    pub predictions: Vec<Prediction>,
+    /// Points simulated, of all rounds.
+    pub points: usize,
+    /// Runs made at them.
+    pub runs: usize,
+    /// Runs that were stopped before they completed, which no figure counts.
+    pub stopped: usize,
+    /// Draws from the posterior, in the units of the priors.
+    pub draws: Vec<Vec<f64>>,
+}
+
+/// The times of a program as the posterior predicts them for a new measurement of the same size.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Prediction {
+    /// What was measured.
+    pub observed: Observed,
+    /// Whether the fit has used it; `false`: it was held out.
+    pub is_fitted: bool,
+    /// Median of the predicted mean.
+    pub mean: f64,
+    /// 95 % interval of the predicted mean.
+    pub mean_interval: (f64, f64),
+    /// Median of the predicted standard deviation.
+    pub sd: f64,
+    /// 95 % interval of the predicted standard deviation.
+    pub sd_interval: (f64, f64),
+}
+
+impl Prediction {
+    /// Whether the measured mean is within its interval.
+    pub fn has_mean(&self) -> bool {
+        (self.mean_interval.0..=self.mean_interval.1).contains(&self.observed.mean)
+    }
+
+    /// Whether the measured standard deviation is within its interval.
+    pub fn has_sd(&self) -> bool {
+        (self.sd_interval.0..=self.sd_interval.1).contains(&self.observed.sd)
+    }
+}
+
+/// A program that was measured, with its emulator.
+pub struct Measured<'a> {
+    /// What was measured.
+    pub observed: &'a Observed,
+    /// Whether the fit uses it.
+    pub is_fitted: bool,
+    /// What simulations say of it.
+    pub emulator: &'a Emulator,
+}
+
+impl Posterior {
+    /// The posterior of numbers by the programs that are fitted.
+    pub fn of(numbers: usize, programs: &[Measured], seed: u64) -> Posterior {
+        let fitted = || programs.iter().filter(|program| program.is_fitted);
+        let likelihood = |at: &[f64]| {
+            let of = |program: &Measured| {
+                let Observed { n, mean, sd, .. } = *program.observed;
+                program.emulator.log_likelihood(at, n, mean, sd)
+            };
+            fitted().map(of).sum()
+        };
+        Posterior::sample(numbers, likelihood, seed)
+    }
+
+    /// What it predicts for a measurement like the one of a program.
+    pub fn predict(&self, program: &Measured) -> Prediction {
+        let chance = program.emulator.sampling_variance(program.observed.n);
+        let spread = |which: usize| {
+            let draws = self.draws.iter().enumerate();
+            let values: Vec<f64> = draws
+                .map(|(i, draw)| {
+                    let estimate = program.emulator.estimate(draw);
+                    let sd = (estimate.variance[which] + chance[which]).sqrt();
+                    // Errors evenly spread over the draws, by a sequence without chance.
+                    let share = (i as f64 * 0.618_033_988_749_894_9 + 0.5).fract();
+                    estimate.of[which] + sd * normal_at(share)
+                })
+                .collect();
+            let at = |share| quantile(&values, share).unwrap_or(f64::NAN).exp();
+            (at(0.5), (at(0.025), at(0.975)))
+        };
+        let ((mean, mean_interval), (sd, sd_interval)) = (spread(0), spread(1));
+        Prediction {
+            observed: program.observed.clone(),
+            is_fitted: program.is_fitted,
+            mean,
+            mean_interval,
+            sd,
+            sd_interval,
+        }
+    }
+
+    /// Correlations of all numbers.
+    pub fn correlations(&self) -> Vec<Vec<f64>> {
+        let numbers = self.draws.first().map_or(0, Vec::len);
+        let n = self.draws.len() as f64;
+        let mean = |i: usize| self.draws.iter().map(|draw| draw[i]).sum::<f64>() / n;
+        let means: Vec<f64> = (0..numbers).map(mean).collect();
+        let product = |i: usize, j: usize| {
+            let each = self
+                .draws
+                .iter()
+                .map(|draw| (draw[i] - means[i]) * (draw[j] - means[j]));
+            each.sum::<f64>() / n
+        };
+        let row = |i| {
+            let of = |j| product(i, j) / (product(i, i) * product(j, j)).sqrt();
+            (0..numbers).map(of).collect()
+        };
+        (0..numbers).map(row).collect()
+    }
+
+    /// The draws in the units of the priors.
+    pub fn values(&self, priors: &[Prior]) -> Vec<Vec<f64>> {
+        let value = |draw: &Vec<f64>| {
+            let pairs = draw.iter().zip(priors);
+            pairs.map(|(share, prior)| prior.value(*share)).collect()
+        };
+        self.draws.iter().map(value).collect()
+    }
+}
+
+fn normal_at(share: f64) -> f64 {
+    use statrs::distribution::{ContinuousCDF as _, Normal};
+    Normal::standard().inverse_cdf(share.clamp(1e-9, 1.0 - 1e-9))
+}
