@@ -1,10 +1,10 @@
 //! Programs with the changes that `check --fix` makes.
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use similar::TextDiff;
 use stochc_compiler::{self as compiler, Checked, Limits, LintLevels};
-use stochc_files::{atomic, programs, read, read_file};
+use stochc_files::{atomic, programs, read};
 
 /// A file, and what it is with all safe changes.
 #[derive(Debug)]
@@ -73,12 +73,7 @@ impl Fixed {
     /// Those of the file system; a file that may not be written is one. The old text is untouched
     /// then.
     pub fn write(&self) -> io::Result<bool> {
-        // What a link points to is replaced, not the link.
-        let path: PathBuf = std::fs::canonicalize(Path::new(&self.path))?;
-        if path.metadata()?.permissions().readonly() {
-            return Err(io::ErrorKind::PermissionDenied.into());
-        }
-        atomic::replace_if(&path, &self.new, || Ok(read_file(&path)? == self.original))
+        atomic::replace_text(Path::new(&self.path), &self.original, &self.new)
     }
 }
 

@@ -14,7 +14,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use stochc_files as files;
-use stochc_files::atomic;
+use stochc_files::atomic::{self, Replaces};
 
 use super::build::UNKNOWN;
 use super::folder_error::FolderError;
@@ -68,11 +68,11 @@ impl Folder {
         };
         // Before anything is created: the folder may be somebody else's.
         survey(path)?;
-        fs::create_dir_all(path).map_err(io)?;
+        atomic::make_folder(path).map_err(io)?;
         let lock = lock(path)?;
         // Again, now that nobody else can change the answer.
         let Some(stored) = survey(path)? else {
-            atomic::replace(&path.join(MANIFEST), manifest.to_json().as_bytes()).map_err(io)?;
+            replace(path, MANIFEST, manifest.to_json().as_bytes())?;
             return Ok(Folder {
                 path: path.to_owned(),
                 manifest: manifest.clone(),
@@ -106,10 +106,10 @@ impl Folder {
                 total,
             });
         }
-        clear_partial(path).map_err(io)?;
+        atomic::clear_partial(path).map_err(io)?;
         let recordings = path.join(RECORDINGS);
         if recordings.is_dir() {
-            clear_partial(&recordings).map_err(io)?;
+            atomic::clear_partial(&recordings).map_err(io)?;
         }
         let mut manifest = manifest.clone();
         manifest.builds = match done == total {
@@ -117,7 +117,7 @@ impl Folder {
             false => joined(&stored.builds, &manifest.builds),
         };
         if stored.runs < manifest.runs || stored.builds != manifest.builds {
-            atomic::replace(&path.join(MANIFEST), manifest.to_json().as_bytes()).map_err(io)?;
+            replace(path, MANIFEST, manifest.to_json().as_bytes())?;
         }
         Ok(Folder {
             path: path.to_owned(),
@@ -190,10 +190,7 @@ impl Folder {
     /// Those of the file system.
     pub(super) fn write_tables(&self, finished: &[Finished]) -> Result<(), FolderError> {
         for (name, table) in parquet::files(&self.manifest, finished) {
-            atomic::replace(&self.path.join(name), &table).map_err(|source| FolderError::Io {
-                path: self.path.clone(),
-                source,
-            })?;
+            replace(&self.path, &name, &table)?;
         }
         Ok(())
     }
@@ -244,7 +241,7 @@ fn lock(path: &Path) -> Result<File, FolderError> {
     };
     let mut options = File::options();
     let options = options.create(true).truncate(false).write(true);
-    let file = files::open_with(&path.join(LOCK), options).map_err(io)?;
+    let file = files::open_own(&path.join(LOCK), options).map_err(io)?;
     match file.try_lock() {
         Ok(()) => Ok(file),
         Err(TryLockError::WouldBlock) => Err(FolderError::Locked(path.to_owned())),
@@ -252,19 +249,11 @@ fn lock(path: &Path) -> Result<File, FolderError> {
     }
 }
 
-/// Removes what a crash left of a file that was being written.
-fn clear_partial(path: &Path) -> io::Result<()> {
-    for entry in fs::read_dir(path)? {
-        let entry = entry?;
-        if entry
-            .file_name()
-            .to_string_lossy()
-            .starts_with(atomic::PARTIAL)
-        {
-            fs::remove_file(entry.path())?;
-        }
-    }
-    Ok(())
+/// Writes a file of a folder of results, in the place of an earlier one.
+fn replace(path: &Path, name: &str, content: &[u8]) -> Result<(), FolderError> {
+    let path = path.join(name);
+    atomic::replace(&path, content, Replaces::Ordinary)
+        .map_err(|source| FolderError::Io { path, source })
 }
 
 /// The builds of a folder, after one more has made runs.

@@ -120,7 +120,7 @@ impl Journal {
     pub fn open(path: &Path, identity: &str, whole: u64) -> Result<Journal, JournalError> {
         let mut options = File::options();
         let options = options.create(true).truncate(false).write(true);
-        let mut file = files::open_with(path, options)?;
+        let mut file = files::open_own(path, options)?;
         file.set_len(whole)?;
         file.seek(SeekFrom::Start(whole))?;
         if whole == 0 {

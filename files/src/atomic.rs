@@ -1,59 +1,302 @@
-//! Files that are whole or absent, whatever happens while they are written.
-use std::fs::File;
-use std::io::{self, Write as _};
-use std::path::Path;
+//! The one way of writing files: whole or not at all, and never in the place of somebody else's.
+//!
+//! A file is written beside its target, synced, and then given its name. What a kill leaves is removed by the
+//! next who writes into the folder.
+use std::collections::BTreeSet;
+use std::fs::{self, File, Permissions, TryLockError};
+use std::io::{self, BufRead as _, BufReader, BufWriter, Read, Seek as _, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 
 use tempfile::NamedTempFile;
 
-/// How the files begin that are still being written; a crash may leave one behind.
+use super::{is_ordinary, open, open_own, read_file};
+
+/// How the files begin that are still being written; a kill may leave one behind.
 pub const PARTIAL: &str = ".stochc-partial-";
 
-/// Puts `content` in the place of the file at `path`, so that a reader sees the old or the new.
+/// How a copy of a text begins while its file is written over; a kill may leave one behind, and nobody removes it.
+const SAVED: &str = ".stochc-saved-";
+
+/// Which file may give its name to a new one.
+///
+/// A folder, a link, a pipe, a socket or a device never does.
+#[derive(Clone, Copy, Debug)]
+pub enum Replaces {
+    /// None: there has to be nothing of that name.
+    Nothing,
+    /// One that this says is of our making.
+    Ours(fn(&mut File) -> io::Result<bool>),
+    /// Any: the name is ours, in a folder that is.
+    Ordinary,
+}
+
+/// A file that is being written, and has not got its name yet; it is gone if it is dropped.
+#[derive(Debug)]
+pub struct Draft {
+    file: BufWriter<NamedTempFile>,
+    target: PathBuf,
+    replaces: Replaces,
+}
+
+impl Draft {
+    /// Begins the file that will be at `target`.
+    ///
+    /// # Errors
+    /// Those of the file system, and of a target that would replace what is not ours.
+    pub fn new(target: &Path, replaces: Replaces) -> io::Result<Draft> {
+        let old = replaced(target, replaces)?;
+        let file = begin(target, 0o666)?;
+        if let Some(permissions) = old {
+            file.as_file().set_permissions(permissions)?;
+        }
+        Ok(Draft {
+            file: BufWriter::with_capacity(1 << 16, file),
+            target: target.to_owned(),
+            replaces,
+        })
+    }
+
+    /// Gives it its name; it survives a loss of power once this has returned.
+    ///
+    /// # Errors
+    /// Those of the file system, and of what has appeared at the target meanwhile, which is untouched then.
+    pub fn keep(self) -> io::Result<()> {
+        let file = self.file.into_inner().map_err(|error| error.into_error())?;
+        file.as_file().sync_all()?;
+        match replaced(&self.target, self.replaces)? {
+            None => file.persist_noclobber(&self.target),
+            Some(_) => file.persist(&self.target),
+        }
+        .map_err(|error| error.error)?;
+        sync_folder(folder_of(&self.target))
+    }
+}
+
+impl Write for Draft {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.file.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+/// Puts `content` at `path`, so that a reader sees the old or the new.
 ///
 /// It survives a loss of power once this has returned.
 ///
 /// # Errors
-/// Those of the file system; the old file is untouched then.
-pub fn replace(path: &Path, content: &[u8]) -> io::Result<()> {
-    replace_if(path, content, || Ok(true)).map(|_| ())
+/// Those of [`Draft`]; the old file is untouched then.
+pub fn replace(path: &Path, content: &[u8], replaces: Replaces) -> io::Result<()> {
+    let mut draft = Draft::new(path, replaces)?;
+    draft.write_all(content)?;
+    draft.keep()
 }
 
-/// [`replace`], with the permissions of the old file, if `still` holds right before it goes.
+/// Puts the `new` text of a user's file in the place of the `old` one, unless it has changed meanwhile: then it
+/// is left as it is, and `false` is returned.
 ///
-/// Tells whether it did.
+/// The file keeps its owner, its mode and its other names, and a link stays a link.
 ///
 /// # Errors
-/// Those of the file system and of `still`; the old file is untouched then.
-pub fn replace_if(
-    path: &Path,
-    content: &[u8],
-    still: impl FnOnce() -> io::Result<bool>,
-) -> io::Result<bool> {
-    let mut file = draft(path)?;
-    file.write_all(content)?;
-    if let Ok(old) = path.metadata() {
-        file.as_file().set_permissions(old.permissions())?;
+/// Those of the file system; a file that may not be written is one. The old text is untouched then.
+pub fn replace_text(path: &Path, old: &[u8], new: &[u8]) -> io::Result<bool> {
+    let path = fs::canonicalize(path)?;
+    let target = open_own(&path, File::options().write(true))?;
+    let metadata = target.metadata()?;
+    // Those who may do everything have to be asked.
+    if metadata.permissions().readonly() {
+        return Err(io::ErrorKind::PermissionDenied.into());
     }
+    let mut file = begin(&path, 0o600)?;
+    file.write_all(new)?;
+    let takes_over = is_alone(&metadata) && take_over(file.as_file(), &metadata);
     file.as_file().sync_all()?;
-    if !still()? {
+    if read_file(&path)? != old {
         return Ok(false);
     }
-    file.persist(path).map_err(|error| error.error)?;
-    sync_folder(folder_of(path))?;
+    if takes_over {
+        file.persist(&path).map_err(|error| error.error)?;
+        sync_folder(folder_of(&path))?;
+    } else {
+        write_over(target, &path, old, new)?;
+    }
     Ok(true)
 }
 
-/// A file in the folder of `path`, for content that gets this name when it is whole.
+/// Writes over a file that has other names or another owner, with a copy of it beside it meanwhile.
+fn write_over(mut target: File, path: &Path, old: &[u8], new: &[u8]) -> io::Result<()> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let suffix = format!("-{name}");
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(SAVED).suffix(&suffix);
+    let mut saved = builder.tempfile_in(folder_of(path))?;
+    saved.write_all(old)?;
+    saved.as_file().sync_all()?;
+    sync_folder(folder_of(path))?;
+    let mut put = |text: &[u8]| {
+        target.rewind()?;
+        target.write_all(text)?;
+        target.set_len(text.len() as u64)?;
+        target.sync_all()
+    };
+    let Err(error) = put(new) else { return Ok(()) };
+    // Whoever cannot have the old text back has the copy.
+    if put(old).is_err() {
+        saved.keep().map_err(|error| error.error)?;
+    }
+    Err(error)
+}
+
+/// Whether a file has no other names.
+fn is_alone(metadata: &fs::Metadata) -> bool {
+    #[cfg(unix)]
+    return std::os::unix::fs::MetadataExt::nlink(metadata) == 1;
+    #[cfg(not(unix))]
+    true
+}
+
+/// Gives a file the owner and the mode of another one, if we may.
+fn take_over(file: &File, of: &fs::Metadata) -> bool {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::{MetadataExt as _, fchown};
+        let Ok(here) = file.metadata() else {
+            return false;
+        };
+        let same = (here.uid(), here.gid()) == (of.uid(), of.gid());
+        if !same && fchown(file, Some(of.uid()), Some(of.gid())).is_err() {
+            return false;
+        }
+    }
+    file.set_permissions(of.permissions()).is_ok()
+}
+
+/// The permissions of the file that a new one would replace; `None`: there is none.
+fn replaced(target: &Path, replaces: Replaces) -> io::Result<Option<Permissions>> {
+    let metadata = match fs::symlink_metadata(target) {
+        Ok(metadata) => metadata,
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+        Err(error) => return Err(error),
+    };
+    no_link(&metadata)?;
+    is_ordinary(&metadata)?;
+    let ours = match replaces {
+        Replaces::Nothing => false,
+        Replaces::Ordinary => true,
+        Replaces::Ours(ours) => ours(&mut open(target)?)?,
+    };
+    match ours {
+        true => Ok(Some(metadata.permissions())),
+        false => Err(io::Error::new(
+            io::ErrorKind::AlreadyExists,
+            "a file of this name is there, which may be somebody else's; remove it, or choose another name",
+        )),
+    }
+}
+
+/// Refuses a link.
+pub(super) fn no_link(metadata: &fs::Metadata) -> io::Result<()> {
+    match metadata.is_symlink() {
+        true => Err(io::Error::new(
+            io::ErrorKind::InvalidInput,
+            "it is no ordinary file but a link; remove the link, or name the file that it leads to",
+        )),
+        false => Ok(()),
+    }
+}
+
+/// Whether a file holds a mark, from where it stands to its end.
 ///
 /// # Errors
 /// Those of the file system.
-pub fn draft(path: &Path) -> io::Result<NamedTempFile> {
+pub fn holds(from: impl Read, mark: &[u8]) -> io::Result<bool> {
+    let mut from = BufReader::new(from);
+    // The last bytes that were read, as many as the mark has.
+    let mut seen = Vec::new();
+    loop {
+        let part = from.fill_buf()?;
+        if part.is_empty() {
+            return Ok(false);
+        }
+        seen.extend_from_slice(part);
+        let count = part.len();
+        from.consume(count);
+        if seen.windows(mark.len()).any(|part| part == mark) {
+            return Ok(true);
+        }
+        seen.drain(..seen.len().saturating_sub(mark.len()));
+    }
+}
+
+/// Whether a file holds a mark within its first bytes, some thousands.
+///
+/// # Errors
+/// Those of the file system.
+pub fn begins_with(file: &mut File, mark: &[u8]) -> io::Result<bool> {
+    holds(file.take(1 << 12), mark)
+}
+
+/// Whether a file holds a mark within its last bytes, a million.
+///
+/// # Errors
+/// Those of the file system.
+pub fn ends_with(file: &mut File, mark: &[u8]) -> io::Result<bool> {
+    let length = file.metadata()?.len();
+    file.seek(SeekFrom::Start(length.saturating_sub(1 << 20)))?;
+    holds(file, mark)
+}
+
+/// A file in the folder of `path` that nobody takes for the leaving of a kill.
+fn begin(path: &Path, mode: u32) -> io::Result<NamedTempFile> {
+    static CLEARED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+    let folder = folder_of(path);
+    let mut cleared = CLEARED.lock().expect("nobody panics while it is held");
+    if cleared.insert(folder.to_owned()) {
+        // Whoever may not remove anything may still write.
+        let _ = clear_partial(folder);
+    }
+    drop(cleared);
     let mut builder = tempfile::Builder::new();
     builder.prefix(PARTIAL);
-    // A temporary file is private by default; a result is as readable as any other file.
     #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder.tempfile_in(folder_of(path))
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(mode));
+    loop {
+        let file = builder.tempfile_in(folder)?;
+        // Where nothing can be locked, nobody clears anything either.
+        let _ = file.as_file().lock();
+        // Somebody may have taken it for a leaving before it was locked.
+        if file.path().exists() {
+            return Ok(file);
+        }
+    }
+}
+
+/// Removes what kills have left in a folder of files that were being written.
+///
+/// # Errors
+/// Those of the file system.
+pub fn clear_partial(folder: &Path) -> io::Result<()> {
+    for entry in fs::read_dir(folder)? {
+        let entry = entry?;
+        if !entry.file_name().to_string_lossy().starts_with(PARTIAL) {
+            continue;
+        }
+        let path = entry.path();
+        let file = match open_own(&path, File::options().read(true)) {
+            Ok(file) => file,
+            // Its owner has been quicker, or it is none of ours.
+            Err(_) => continue,
+        };
+        // Whoever still writes it holds a lock.
+        match file.try_lock() {
+            Ok(()) => fs::remove_file(&path)?,
+            Err(TryLockError::WouldBlock | TryLockError::Error(_)) => {}
+        }
+    }
+    Ok(())
 }
 
 fn folder_of(path: &Path) -> &Path {
@@ -63,11 +306,85 @@ fn folder_of(path: &Path) -> &Path {
         .unwrap_or(Path::new("."))
 }
 
+/// Makes a folder of ours, and those above it; what is there may be a folder but no link to one.
+///
+/// # Errors
+/// Those of the file system.
+pub fn make_own_folder(path: &Path) -> io::Result<()> {
+    match fs::symlink_metadata(path) {
+        Ok(metadata) => no_link(&metadata)?,
+        Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+        Err(error) => return Err(error),
+    }
+    make_folder(path)
+}
+
+/// Makes a folder, and those above it; they survive a loss of power once this has returned.
+///
+/// # Errors
+/// Those of the file system.
+pub fn make_folder(path: &Path) -> io::Result<()> {
+    let is_new = |folder: &&Path| *folder != Path::new("") && !folder.exists();
+    let new: Vec<&Path> = path.ancestors().take_while(is_new).collect();
+    fs::create_dir_all(path)?;
+    new.into_iter()
+        .try_for_each(|it| sync_folder(folder_of(it)))
+}
+
 /// Makes the names in a folder survive a loss of power.
+///
+/// # Errors
+/// Those of the file system.
 pub fn sync_folder(folder: &Path) -> io::Result<()> {
     // Only Unix lets a folder be opened as a file, and needs it.
     if cfg!(unix) {
         File::open(folder)?.sync_all()?;
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(
+        clippy::disallowed_methods,
+        reason = "the tests change files behind the back of the code"
+    )]
+    use super::*;
+
+    #[test]
+    fn an_edit_made_meanwhile_stays() {
+        let folder = tempfile::tempdir().unwrap();
+        let [path, twin] = ["a.sa", "twin"].map(|name| folder.path().join(name));
+        fs::write(&path, "mine").unwrap();
+        for _ in ["alone", "with another name"] {
+            assert!(!replace_text(&path, b"read before", b"new").unwrap());
+            assert_eq!(fs::read(&path).unwrap(), b"mine");
+            fs::hard_link(&path, &twin).ok();
+        }
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
+    }
+
+    #[test]
+    fn what_has_appeared_meanwhile_stays() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("page");
+        let never = Replaces::Ours(|_| Ok(false));
+        let mut draft = Draft::new(&path, never).unwrap();
+        draft.write_all(b"ours").unwrap();
+        fs::write(&path, "mine").unwrap();
+        let error = draft.keep().unwrap_err();
+        assert_eq!(error.kind(), io::ErrorKind::AlreadyExists);
+        assert_eq!(fs::read(&path).unwrap(), b"mine");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_mark_is_found_wherever_it_is() {
+        let mark = b"a mark of ours";
+        for before in [0, 1, 8191, 8192 - 7, 8192, 20_000] {
+            let text = [&vec![b'a'; before][..], mark, b"a"].concat();
+            assert!(holds(&text[..], mark).unwrap(), "{before}");
+            assert!(!holds(&text[..before + 13], mark).unwrap(), "{before}");
+        }
+    }
 }

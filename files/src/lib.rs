@@ -60,6 +60,27 @@ pub fn open(path: &Path) -> io::Result<File> {
 
 /// [`open`], for other purposes than reading; the file need not be there if `options` create it.
 pub fn open_with(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
+    open_flagged(path, options, FOLLOW)
+}
+
+#[cfg(unix)]
+type Flags = rustix::fs::OFlags;
+#[cfg(unix)]
+const NO_LINK: Flags = Flags::NOFOLLOW;
+#[cfg(unix)]
+const FOLLOW: Flags = Flags::empty();
+#[cfg(not(unix))]
+type Flags = ();
+#[cfg(not(unix))]
+const NO_LINK: Flags = ();
+#[cfg(not(unix))]
+const FOLLOW: Flags = ();
+
+#[cfg_attr(
+    not(unix),
+    allow(unused_variables, reason = "only Unix has such flags")
+)]
+fn open_flagged(path: &Path, options: &mut OpenOptions, flags: Flags) -> io::Result<File> {
     match std::fs::metadata(path) {
         Ok(metadata) => is_ordinary(&metadata)?,
         // It may be made now; if not, opening it says so.
@@ -70,11 +91,24 @@ pub fn open_with(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
     #[cfg(unix)]
     std::os::unix::fs::OpenOptionsExt::custom_flags(
         options,
-        rustix::fs::OFlags::NONBLOCK.bits().cast_signed(),
+        (flags | Flags::NONBLOCK).bits().cast_signed(),
     );
     let file = options.open(path)?;
     is_ordinary(&file.metadata()?)?;
     Ok(file)
+}
+
+/// [`open_with`], for a file of ours: not the one that a link leads to.
+///
+/// # Errors
+/// Those of [`open`], and of a link.
+pub fn open_own(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
+    match std::fs::symlink_metadata(path) {
+        Ok(metadata) => atomic::no_link(&metadata)?,
+        Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+        Err(error) => return Err(error),
+    }
+    open_flagged(path, options, NO_LINK)
 }
 
 fn is_ordinary(metadata: &Metadata) -> io::Result<()> {
@@ -86,18 +120,4 @@ fn is_ordinary(metadata: &Metadata) -> io::Result<()> {
         false => "it is no ordinary file",
     };
     Err(io::Error::new(io::ErrorKind::InvalidInput, what))
-}
-
-/// Writes a program over the one that is there, as a whole or not at all; it keeps its permissions,
-/// and a link stays a link.
-///
-/// # Errors
-///
-/// Those of the file system; the old text is untouched then.
-pub fn replace(path: &Path, text: &[u8]) -> io::Result<()> {
-    let path = std::fs::canonicalize(path)?;
-    if path.metadata()?.permissions().readonly() {
-        return Err(io::ErrorKind::PermissionDenied.into());
-    }
-    atomic::replace(&path, text)
 }

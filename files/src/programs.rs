@@ -1,6 +1,7 @@
 //! Which programs the arguments of a command stand for.
 use std::collections::BTreeSet;
-use std::io::Read as _;
+use std::fs::File;
+use std::io::{self, Read as _};
 use std::path::Path;
 use std::sync::OnceLock;
 
@@ -81,14 +82,22 @@ pub fn read(program: &str) -> Result<Vec<u8>, String> {
     INPUT.get_or_init(all).clone()
 }
 
-/// The compiled programs of a file; `None`: it does not look like one of those.
-pub fn executables(path: &str) -> Option<Result<Vec<Executable>, String>> {
+/// Whether a file looks like one of compiled programs.
+///
+/// # Errors
+/// Those of the file system.
+pub fn is_executable(file: &mut File) -> io::Result<bool> {
     /// Enough to tell.
     const HEAD: u64 = 64;
     let mut head = Vec::new();
-    let file = super::open(Path::new(path)).ok()?;
-    file.take(HEAD).read_to_end(&mut head).ok()?;
-    Executable::is_file(&head).then(|| {
+    file.take(HEAD).read_to_end(&mut head)?;
+    Ok(Executable::is_file(&head))
+}
+
+/// The compiled programs of a file; `None`: it does not look like one of those.
+pub fn executables(path: &str) -> Option<Result<Vec<Executable>, String>> {
+    let mut file = super::open(Path::new(path)).ok()?;
+    is_executable(&mut file).ok()?.then(|| {
         let bytes = super::read(path)?;
         Executable::read_all(&bytes).map_err(|error| error.to_string())
     })

@@ -9,11 +9,12 @@ use clap::Args;
 use stochc_ensemble::recording::{EVERY, Header, Recorder, Recording, RecordingError, path};
 use stochc_ensemble::{Folder, Manifest, Program};
 use stochc_files as files;
+use stochc_files::atomic::Draft;
 use stochc_ir::record::RunRecord;
 use stochc_runtime::observe::Observer;
 use stochc_runtime::{RunError, observe};
 
-use super::simulate::{Draft, tell_of_build};
+use super::simulate::{begin, tell_of_build};
 use crate::exit::{Exit, Failure};
 
 /// Which run.
@@ -163,9 +164,9 @@ impl ChosenRun {
         };
         let io =
             |error: std::io::Error| Failure::usage(format!("cannot keep the recording: {error}"));
-        if let Ok(mut draft) = Draft::new(&path, &header, self.entry()) {
-            let record = self.again(&mut draft.recorder, stop)?;
-            draft.keep(&record).map_err(io)?;
+        if let Ok(mut recorder) = begin(&path, &header, self.entry()) {
+            let record = self.again(&mut recorder, stop)?;
+            recorder.finish(&record).and_then(Draft::keep).map_err(io)?;
             return files::open(&path).map(BufReader::new).map_err(io);
         }
         let file = tempfile::tempfile().map_err(io)?;

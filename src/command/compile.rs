@@ -1,20 +1,19 @@
 //! `stochc compile`.
 use std::fmt::Display;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, Write};
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use stochc_compiler::emit::{structure_json, structure_svg, structure_text};
 use stochc_compiler::{Checked, Program, Symbols};
-use stochc_files::atomic::draft;
-use stochc_files::programs::refusal;
+use stochc_files::atomic::{Draft, Replaces};
+use stochc_files::programs::{is_executable, refusal};
 use stochc_grammar::to_json;
 use stochc_ir::emit::{graph_dot, graph_json, graph_text, table_json, table_text};
 use stochc_ir::graph::EventGraph;
 use stochc_ir::{Executable, Json};
 
 use super::check::verdict;
-use super::export::keep;
 use super::levels::LevelOptions;
 use super::terminal::{has_colour, message_width, print_with, warn};
 use crate::diagnostics::drawn;
@@ -94,10 +93,14 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
         print_with(|out| emit(checked, stage, form, out))?;
         return Ok(Exit::Success);
     };
-    let written = draft(path).and_then(|file| {
-        let mut file = BufWriter::new(file);
+    // Other stages bear no mark: nobody could tell whose a file is.
+    let replaces = match stage {
+        Stage::Executable => Replaces::Ours(is_executable),
+        _ => Replaces::Nothing,
+    };
+    let written = Draft::new(path, replaces).and_then(|mut file| {
         emit(checked, stage, form, &mut file)?;
-        keep(file, path)
+        file.keep()
     });
     match written {
         Ok(()) => Ok(Exit::Success),

@@ -1,11 +1,10 @@
 //! `stochc export`.
-use std::io::{self, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 use clap::{Args, ValueEnum};
-use stochc_files::atomic::draft;
-use stochc_report::export::{Gltf, Trajectories};
+use stochc_files::atomic::{Draft, Replaces, ends_with, holds};
+use stochc_report::export::{GLTF_MARK, Gltf, TRAJECTORIES_MARK, Trajectories};
 
 use super::chosen_run::{Choice, ChosenRun, choose};
 use super::terminal::print;
@@ -65,33 +64,31 @@ fn parquet(chosen: &ChosenRun, every: u32, path: &Path, stop: &AtomicBool) -> Re
         ("side_m", scene.block.side.to_string()),
         ("tick_s", scene.tick.to_string()),
     ];
-    let file = draft(path).map_err(|error| cannot(path, &error))?;
-    let mut table = Trajectories::new(BufWriter::new(file), every, tables, &about)
-        .map_err(|error| cannot(path, &error))?;
+    let file = Draft::new(
+        path,
+        Replaces::Ours(|file| ends_with(file, TRAJECTORIES_MARK)),
+    )
+    .map_err(|error| cannot(path, &error))?;
+    let mut table =
+        Trajectories::new(file, every, tables, &about).map_err(|error| cannot(path, &error))?;
     chosen.again(&mut table, stop)?;
     let file = table.finish().map_err(|error| cannot(path, &error))?;
-    keep(file, path).map_err(|error| cannot(path, &error))
+    file.keep().map_err(|error| cannot(path, &error))
 }
 
 fn gltf(chosen: &ChosenRun, every: u32, path: &Path, stop: &AtomicBool) -> Result<(), Failure> {
     let (tables, scene) = (chosen.entry().tables(), &chosen.entry().scene);
+    // Before the run, which may take long.
+    let file = Draft::new(path, Replaces::Ours(|file| holds(file, GLTF_MARK)));
+    let mut file = file.map_err(|error| cannot(path, &error))?;
     let mut gltf = Gltf::new(every, scene.free.count, tables);
     chosen.again(&mut gltf, stop)?;
     let title = format!("{}, run {}", tables.assembly, chosen.run);
-    let mut file = BufWriter::new(draft(path).map_err(|error| cannot(path, &error))?);
     gltf.write(tables, scene, &title, &mut file)
         .map_err(|error| cannot(path, &error))?;
-    keep(file, path).map_err(|error| cannot(path, &error))
+    file.keep().map_err(|error| cannot(path, &error))
 }
 
 fn cannot(path: &Path, error: &impl std::fmt::Display) -> Failure {
     Failure::usage(format!("cannot write `{}`: {error}", path.display()))
-}
-
-/// Gives a file its name.
-pub(super) fn keep(mut file: BufWriter<tempfile::NamedTempFile>, path: &Path) -> io::Result<()> {
-    file.flush()?;
-    let file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
-    file.persist(path).map_err(|error| error.error)?;
-    Ok(())
 }

@@ -5,7 +5,7 @@ use clap::Args;
 use similar::TextDiff;
 use stochc_compiler::Sources;
 use stochc_compiler::diagnostic::{Diagnostic, Renderer};
-use stochc_files as files;
+use stochc_files::atomic::replace_text;
 use stochc_files::programs::{STDIN_NAME, programs, read};
 use stochc_grammar::{Refusal, format};
 
@@ -55,10 +55,14 @@ fn one(file: &str, check: bool) -> Result<Exit, Failure> {
     }
     if file == STDIN_NAME {
         print(&laid_out)?;
-    } else if laid_out != text
-        && let Err(error) = files::replace(Path::new(file), laid_out.as_bytes())
-    {
-        return Err(Failure::usage(format!("cannot write `{file}`: {error}")));
+    } else if laid_out != text {
+        let cannot = |reason: &dyn std::fmt::Display| {
+            Failure::usage(format!("cannot write `{file}`: {reason}"))
+        };
+        let replaced = replace_text(Path::new(file), text.as_bytes(), laid_out.as_bytes());
+        if !replaced.map_err(|error| cannot(&error))? {
+            return Err(cannot(&"it has changed while it was laid out; try again"));
+        }
     }
     Ok(Exit::Success)
 }

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use clap_mangen::Man;
+use stochc_files::atomic::{Replaces, begins_with, make_folder, replace};
 
 use super::terminal::print;
 use crate::exit::{Exit, Failure};
@@ -37,7 +38,7 @@ fn page(command: clap::Command) -> io::Result<Vec<u8>> {
 }
 
 fn pages(command: clap::Command, folder: &Path) -> io::Result<()> {
-    std::fs::create_dir_all(folder)?;
+    make_folder(folder)?;
     let name = command.get_name().to_owned();
     let subcommands = command.get_subcommands();
     // `help` needs no page: it is what every page is about.
@@ -54,12 +55,8 @@ fn pages(command: clap::Command, folder: &Path) -> io::Result<()> {
 }
 
 fn write(folder: &Path, name: &str, page: &[u8]) -> io::Result<()> {
-    let mut file = tempfile::NamedTempFile::new_in(folder)?;
-    io::Write::write_all(&mut file, page)?;
-    let file = file.persist(folder.join(format!("{name}.1")))?;
-    // A temporary file is private; a page of the manual is for everybody.
-    #[cfg(unix)]
-    file.set_permissions(std::os::unix::fs::PermissionsExt::from_mode(0o644))?;
-    drop(file);
-    Ok(())
+    let ours = Replaces::Ours(|file| begins_with(file, b".TH stochc"));
+    let path = folder.join(format!("{name}.1"));
+    replace(&path, page, ours)
+        .map_err(|error| io::Error::new(error.kind(), format!("`{}`: {error}", path.display())))
 }

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use stochc_ensemble::{Folder, Manifest};
-use stochc_files as files;
-use stochc_files::atomic;
+use stochc_files::atomic::{self, Replaces, begins_with};
+use stochc_files::read_file;
 use stochc_report::ensemble_report::{Input, MARK, Report, Surroundings, address, report};
 
 use super::terminal::{print, warn};
@@ -37,7 +37,11 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
     });
     let beside = claim(&page).map_err(Failure::usage)?;
     let inputs: Vec<Input> = folders.iter().map(|(_, input)| input.clone()).collect();
-    let name = beside.file_name().unwrap_or_default().to_string_lossy();
+    let name = beside
+        .folder
+        .file_name()
+        .unwrap_or_default()
+        .to_string_lossy();
     let surroundings = Surroundings {
         folder: &name,
         replay: &|folder, program, run| {
@@ -110,66 +114,76 @@ fn read(paths: &[PathBuf]) -> Result<Vec<(PathBuf, Input)>, Failure> {
     }
 }
 
+/// The figures beside the page, and what belongs there already.
+struct Beside {
+    folder: PathBuf,
+    /// The page of an earlier report; empty: there is none.
+    earlier: Vec<u8>,
+}
+
 /// The folder beside the page, if neither would take the place of something else.
-fn claim(page: &Path) -> Result<PathBuf, String> {
+fn claim(page: &Path) -> Result<Beside, String> {
     let shown = page.display();
     let (Some(stem), false) = (page.file_stem(), page.is_dir()) else {
         return Err(format!("`{shown}` is a folder; give the name of a file"));
     };
     let mut name = stem.to_os_string();
     name.push("-figures");
-    let beside = page.with_file_name(name);
-    let ours = match begins_with_mark(page) {
-        Ok(ours) => ours,
-        Err(error) if error.kind() == io::ErrorKind::NotFound => false,
+    let folder = page.with_file_name(name);
+    let earlier = match read_file(page) {
+        Ok(earlier) if earlier.starts_with(MARK.as_bytes()) => earlier,
+        Ok(_) => {
+            return Err(format!(
+                "`{shown}` is not a report of stochc; choose another name with `--out`"
+            ));
+        }
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Vec::new(),
         Err(error) => return Err(format!("cannot use `{shown}`: {error}")),
     };
-    if page.exists() && !ours {
+    let shown = folder.display();
+    if folder.is_symlink() {
         return Err(format!(
-            "`{shown}` is not a report of stochc; choose another name with `--out`"
+            "`{shown}` is a link; remove it, or choose another name with `--out`"
         ));
     }
-    let shown = beside.display();
-    match std::fs::read_dir(&beside).map(Iterator::count) {
-        Ok(1..) if !ours => Err(format!(
-            "`{shown}` holds other files; choose another name with `--out`"
-        )),
-        Ok(_) => Ok(beside),
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(beside),
-        Err(error) => Err(format!("cannot use `{shown}`: {error}")),
+    match std::fs::read_dir(&folder).map(Iterator::count) {
+        Ok(1..) if earlier.is_empty() => {
+            return Err(format!(
+                "`{shown}` holds other files; choose another name with `--out`"
+            ));
+        }
+        Ok(_) => {}
+        Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+        Err(error) => return Err(format!("cannot use `{shown}`: {error}")),
     }
-}
-
-fn begins_with_mark(page: &Path) -> io::Result<bool> {
-    let mut begin = vec![0; MARK.len()];
-    match io::Read::read_exact(&mut files::open(page)?, &mut begin) {
-        Ok(()) => Ok(begin == MARK.as_bytes()),
-        Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => Ok(false),
-        Err(error) => Err(error),
-    }
+    Ok(Beside { folder, earlier })
 }
 
 /// Writes the figures, and last the page that refers to them; figures of an earlier report that
 /// this one does not have go.
-fn keep(page: &Path, beside: &Path, report: &Report) -> io::Result<()> {
+fn keep(page: &Path, beside: &Beside, report: &Report) -> io::Result<()> {
+    let Beside { folder, earlier } = beside;
     // Only this one: a folder that is not there may be a slip of the pen.
-    if !beside.is_dir() {
-        std::fs::create_dir(beside)?;
+    if !folder.is_dir() {
+        std::fs::create_dir(folder)?;
     }
-    for entry in std::fs::read_dir(beside)? {
+    for entry in std::fs::read_dir(folder)? {
         let entry = entry?;
         let name = entry.file_name();
         let extension = Path::new(&name).extension();
-        let ours = extension.is_some_and(|it| it == "svg" || it == "csv");
+        let is_figure = extension.is_some_and(|it| it == "svg" || it == "csv");
         let stays = report.files.iter().any(|(file, _)| name == file.as_str());
-        if ours && !stays {
+        // What the earlier page does not speak of is somebody else's.
+        let address = format!("/{}\"", name.to_string_lossy());
+        if is_figure && !stays && atomic::holds(&earlier[..], address.as_bytes())? {
             std::fs::remove_file(entry.path())?;
         }
     }
     for (name, content) in &report.files {
-        atomic::replace(&beside.join(name), content.as_bytes())?;
+        atomic::replace(&folder.join(name), content.as_bytes(), Replaces::Ordinary)?;
     }
-    atomic::replace(page, report.page.as_bytes())
+    let ours = Replaces::Ours(|file| begins_with(file, MARK.as_bytes()));
+    atomic::replace(page, report.page.as_bytes(), ours)
 }
 
 /// The address of a run's replay as seen from the page: beside the page of a single folder, or in

@@ -6,7 +6,7 @@ use std::time::Duration;
 use clap::{ArgGroup, Args};
 use stochc_ensemble::trade::{Extent, FINEST, Progress, Setup, Trade, measure};
 use stochc_ensemble::{MOST_RUNS, Manifest, Program};
-use stochc_files::atomic;
+use stochc_files::atomic::{self, Replaces};
 use stochc_report::figures::trade as trade_figure;
 use stochc_report::tables::trade_to_text;
 use stochc_runtime::Settings;
@@ -148,7 +148,7 @@ fn claim(out: &Path) -> Result<(), String> {
             "`{shown}` is a file; choose another name for the folder"
         ));
     }
-    std::fs::create_dir_all(out).map_err(io)?;
+    atomic::make_folder(out).map_err(io)?;
     let mut entries = std::fs::read_dir(out).map_err(io)?;
     match entries.next() {
         None => Ok(()),
@@ -159,9 +159,12 @@ fn claim(out: &Path) -> Result<(), String> {
 }
 
 fn keep(out: &Path, trade: &Trade) -> std::io::Result<()> {
-    atomic::replace(&out.join("trade.json"), trade.to_json().as_bytes())?;
-    atomic::replace(
-        &out.join("trade.svg"),
-        trade_figure(trade).file().as_bytes(),
-    )
+    let files = [
+        ("trade.json", trade.to_json()),
+        ("trade.svg", trade_figure(trade).file()),
+    ];
+    let mut files = files.iter();
+    files.try_for_each(|(name, text)| {
+        atomic::replace(&out.join(name), text.as_bytes(), Replaces::Nothing)
+    })
 }

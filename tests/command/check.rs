@@ -26,13 +26,15 @@ fn no_bottleneck_is_named() {
     let said = stochc("check --cost=3 examples/five_tower.sa");
     let table = "
   phase    depth  width
+  ───────  ─────  ─────
   corners      2      4
   centre       2      1
 
-  capture    open
-  M.up -> N  20 %
-  N.up -> O  36 %
-  A.up -> E  50 %
+  capture      open
+  ─────────  ──────
+  M.up -> N  20.0 %
+  N.up -> O  36.0 %
+  A.up -> E    50 %
   and 7 more; `--cost 10` shows them
 ";
     assert!(said.out.contains(table), "{}", said.out);

@@ -29,3 +29,5 @@ mod streams;
 mod sweep;
 mod tanks;
 mod trade;
+#[cfg(unix)]
+mod written;

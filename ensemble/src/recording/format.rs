@@ -58,6 +58,15 @@ pub enum RecordingError {
     Io(#[from] io::Error),
 }
 
+/// Whether a file begins as a recording does, of any version.
+///
+/// # Errors
+/// Those of the file.
+pub fn is_file(file: &mut std::fs::File) -> io::Result<bool> {
+    let mut mark = [0; 8];
+    Ok(fill(file, &mut mark)? == mark.len() && mark == MARK)
+}
+
 /// Writes the beginning of a file.
 pub(super) fn write_header(out: &mut impl Write, header: &Header) -> io::Result<()> {
     let json = serde_json::to_vec(header)?;

@@ -35,6 +35,9 @@ const UNSIGNED_SHORT: u32 = 5123;
 const VERTICES: u32 = 34962;
 const INDICES: u32 = 34963;
 
+/// What every such file holds.
+pub const GLTF_MARK: &[u8] = b"\"generator\":\"stochc ";
+
 /// Why there is no file.
 #[derive(Debug, thiserror::Error)]
 pub enum GltfError {

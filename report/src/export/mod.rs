@@ -5,5 +5,5 @@
 mod gltf;
 mod trajectories;
 
-pub use gltf::{Gltf, GltfError};
-pub use trajectories::Trajectories;
+pub use gltf::{GLTF_MARK, Gltf, GltfError};
+pub use trajectories::{TRAJECTORIES_MARK, Trajectories};

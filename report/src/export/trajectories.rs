@@ -18,6 +18,9 @@ use stochc_runtime::world::Arena;
 /// Rows of a group: some 30 MB in memory.
 const GROUP: usize = 1 << 20;
 
+/// What the end of every such table holds: a pair of its metadata, as Thrift's compact protocol writes it.
+pub const TRAJECTORIES_MARK: &[u8] = b"stochc.table\x18\x0ctrajectories";
+
 const SCHEMA: &str = "message trajectories {
   REQUIRED INT64 tick;
   REQUIRED INT32 body;
@@ -70,8 +73,10 @@ impl<W: Write + Send> Trajectories<W> {
         tables: &Tables,
         about: &[(&str, String)],
     ) -> Result<Trajectories<W>, ParquetError> {
-        let metadata = about
+        let table = [("stochc.table", "trajectories".to_owned())];
+        let metadata = table
             .iter()
+            .chain(about)
             .map(|(key, value)| KeyValue::new((*key).to_owned(), value.clone()));
         let mut properties = WriterProperties::builder()
             .set_compression(Compression::GZIP(GzipLevel::default()))

@@ -14,6 +14,9 @@ use stochc_ensemble::text::escaped;
 
 pub use about::about;
 
+/// What every such page begins with, but for a few lines.
+pub const MARK: &str = "<meta name=\"generator\" content=\"stochc replay\">";
+
 const PAGE: &str = include_str!("page/page.html");
 const STYLE: &str = include_str!("page/style.css");
 

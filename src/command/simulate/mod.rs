@@ -16,7 +16,7 @@ use stochc_runtime::{Model, RunError, Settings, run as run_once};
 
 pub(super) use input::programs;
 pub use options::Options;
-pub(super) use record::Draft;
+pub(super) use record::begin;
 
 use super::interrupt::stop_on_interrupt;
 use super::progress::{Display, of_ensemble};

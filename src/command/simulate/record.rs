@@ -1,11 +1,11 @@
 //! Runs of an ensemble that are recorded while they are made.
-use std::io::{self, BufWriter};
-use std::path::{Path, PathBuf};
+use std::io;
+use std::path::Path;
 use std::sync::Mutex;
 
-use stochc_ensemble::recording::{Header, Recorder, Selection, path};
+use stochc_ensemble::recording::{self, Header, Recorder, Selection, path};
 use stochc_ensemble::{Finished, Manifest, Program};
-use stochc_files::atomic::draft;
+use stochc_files::atomic::{Draft, Replaces, make_own_folder};
 use stochc_ir::record::RunRecord;
 use stochc_runtime::{RunError, Watch, observe};
 
@@ -89,11 +89,18 @@ impl RecordingOfRun<'_> {
             self.header(program),
             path(self.folder, self.program, self.run),
         );
-        match Draft::new(&path, &header, program) {
-            Ok(mut draft) => {
-                let recorder = &mut draft.recorder;
-                let record = observe(tables, scene, settings, seed, self.run, watch, recorder)?;
-                if let Err(error) = draft.keep(&record) {
+        match begin(&path, &header, program) {
+            Ok(mut recorder) => {
+                let record = observe(
+                    tables,
+                    scene,
+                    settings,
+                    seed,
+                    self.run,
+                    watch,
+                    &mut recorder,
+                )?;
+                if let Err(error) = recorder.finish(&record).and_then(Draft::keep) {
                     self.fail(error);
                 }
                 Ok(record)
@@ -123,30 +130,13 @@ impl RecordingOfRun<'_> {
     }
 }
 
-/// A recording that has not got its name yet.
-pub(in crate::command) struct Draft {
-    pub recorder: Recorder<BufWriter<tempfile::NamedTempFile>>,
-    path: PathBuf,
-}
-
-impl Draft {
-    /// Begins the recording that will be at `path`, and makes the folder for it.
-    pub fn new(path: &Path, header: &Header, program: &Program) -> io::Result<Draft> {
-        let folder = path.parent().unwrap_or(Path::new("."));
-        std::fs::create_dir_all(folder)?;
-        let file = BufWriter::new(draft(path)?);
-        Ok(Draft {
-            recorder: Recorder::new(file, header, program.tables())?,
-            path: path.to_owned(),
-        })
-    }
-
-    /// Ends it, and gives it its name.
-    pub fn keep(self, record: &RunRecord) -> io::Result<()> {
-        let file = self.recorder.finish(record)?;
-        let file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
-        file.as_file().sync_all()?;
-        file.persist(&self.path).map_err(|error| error.error)?;
-        Ok(())
-    }
+/// Begins the recording that will be at `path` in a folder of results, and makes the folder for it.
+pub(in crate::command) fn begin(
+    path: &Path,
+    header: &Header,
+    program: &Program,
+) -> io::Result<Recorder<Draft>> {
+    make_own_folder(path.parent().unwrap_or(Path::new(".")))?;
+    let file = Draft::new(path, Replaces::Ours(recording::is_file))?;
+    Recorder::new(file, header, program.tables())
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use stochc_ensemble::sweep::{MOST_POINTS, Sweep, points as combine};
 use stochc_ensemble::{Compiled, Finished, MOST_RUNS, Manifest, Program};
-use stochc_files::atomic;
+use stochc_files::atomic::{self, Replaces};
 use stochc_ir::Executable;
 use stochc_report::figures::sweep as pictures;
 
@@ -126,7 +126,7 @@ pub(super) fn keep(out: &Path, manifest: &Manifest, finished: &[Finished]) -> Re
     let pictures = pictures.map(|drawing| (format!("{}.svg", drawing.name), drawing.file()));
     for (name, text) in tables.into_iter().chain(pictures) {
         let path = out.join(name);
-        atomic::replace(&path, text.as_bytes()).map_err(|error| {
+        atomic::replace(&path, text.as_bytes(), Replaces::Ordinary).map_err(|error| {
             Failure::usage(format!("cannot write `{}`: {error}", path.display()))
         })?;
     }
