@@ -2,8 +2,8 @@
 use clap::{CommandFactory as _, Parser, Subcommand};
 
 use crate::command::{
-    check, compile, completions, explain, export, fmt, lsp, man, replay, report, results, simulate,
-    trade,
+    check, compile, completions, explain, export, fit, fmt, lsp, man, replay, report, results,
+    simulate, trade,
 };
 use crate::exit::{Exit, Failure};
 
@@ -33,6 +33,8 @@ pub enum Command {
     Simulate(Box<simulate::Options>),
     /// Measure what accuracy costs: compare many settings with a converged reference
     Trade(trade::Options),
+    /// Find the numbers of a scene that measured times speak for, with their uncertainty
+    Fit(Box<fit::Options>),
     /// Print the table of a results folder again
     Results(results::Options),
     /// Write an HTML report on results folders: completion curves, waits, critical paths, tests
@@ -59,6 +61,7 @@ pub fn run(cli: Cli) -> Result<Exit, Failure> {
         Command::Compile(options) => compile::run(&options),
         Command::Simulate(options) => simulate::run(&options),
         Command::Trade(options) => trade::run(&options),
+        Command::Fit(options) => fit::run(&options),
         Command::Results(options) => results::run(&options),
         Command::Report(options) => report::run(&options),
         Command::Replay(options) => replay::run(&options),

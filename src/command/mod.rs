@@ -5,6 +5,7 @@ pub mod compile;
 pub mod completions;
 pub mod explain;
 pub mod export;
+pub mod fit;
 pub mod fmt;
 mod interrupt;
 pub mod levels;

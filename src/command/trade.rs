@@ -140,7 +140,7 @@ pub(super) fn time(text: &str) -> Result<Duration, String> {
 }
 
 /// Makes a folder, or takes an empty one.
-fn claim(out: &Path) -> Result<(), String> {
+pub(super) fn claim(out: &Path) -> Result<(), String> {
     let shown = out.display();
     let io = |error: std::io::Error| format!("cannot use `{shown}`: {error}");
     if out.exists() && !out.is_dir() {

@@ -32,8 +32,8 @@ fn no_bottleneck_is_named() {
 
   capture      open
   ─────────  ──────
-  M.up -> N  20.0 %
-  N.up -> O  36.0 %
+  M.up -> N  20.1 %
+  N.up -> O  36.3 %
   A.up -> E    50 %
   and 7 more; `--cost 10` shows them
 ";

@@ -7,6 +7,7 @@ mod aggregate;
 mod check;
 mod compile;
 mod explain;
+mod fit;
 mod fix;
 mod fmt;
 mod hardware;

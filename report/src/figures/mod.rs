@@ -1,5 +1,6 @@
 //! Pictures (SVG) of ensembles, sweeps and trades.
 mod entries;
+mod fit;
 mod means;
 mod origins;
 mod survival;
@@ -13,6 +14,7 @@ pub(crate) use origins::origins;
 pub(crate) use survival::{Curve, survival};
 pub(crate) use waits::{SHOWN, waits};
 
+pub use fit::fit;
 pub use sweep::pictures as sweep;
 pub use trade::trade;
 

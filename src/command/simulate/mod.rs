@@ -17,6 +17,7 @@ use stochc_runtime::{Model, RunError, Settings, run as run_once};
 pub(super) use input::programs;
 pub use options::Options;
 pub(super) use record::begin;
+pub(super) use sweep::{at_point, share_tables};
 
 use super::interrupt::stop_on_interrupt;
 use super::progress::{Display, of_ensemble};

@@ -3,6 +3,7 @@ use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 
+use stochc_compiler::LintLevels;
 use stochc_ensemble::sweep::{MOST_POINTS, Sweep, points as combine};
 use stochc_ensemble::{Compiled, Finished, MOST_RUNS, Manifest, Program};
 use stochc_files::atomic::{self, Replaces};
@@ -52,7 +53,7 @@ pub(super) fn points(options: &Options, programs: &[Program]) -> Result<Vec<Prog
     }
     let mut wrong = Vec::new();
     for entry in &mut at_points {
-        if let Err(failure) = compile(entry, options) {
+        if let Err(failure) = at_point(entry, &options.levels.levels) {
             wrong.push((entry.name.clone(), failure));
         }
     }
@@ -72,8 +73,7 @@ pub(super) fn points(options: &Options, programs: &[Program]) -> Result<Vec<Prog
 /// Compiles a program at its point.
 ///
 /// Warnings have been told when the program was read as it is.
-fn compile(entry: &mut Program, options: &Options) -> Result<(), Failure> {
-    let levels = &options.levels.levels;
+pub fn at_point(entry: &mut Program, levels: &LintLevels) -> Result<(), Failure> {
     let checked = input::recompile(&entry.sources, &entry.varied, entry.assembly(), levels);
     if checked.has_errors() {
         let name = &entry.name;
@@ -100,7 +100,7 @@ fn compile(entry: &mut Program, options: &Options) -> Result<(), Failure> {
 }
 
 /// Keeps what is the same at many points once.
-fn share_tables(programs: &mut [Program]) {
+pub fn share_tables(programs: &mut [Program]) {
     let mut known: HashMap<String, Arc<Compiled>> = HashMap::new();
     for program in programs {
         let digest = program.compiled.digest().to_owned();

@@ -1,0 +1,139 @@
+//! A fit as text.
+use stochc_ensemble::fit::{Fit, Marginal, Prediction, Prior, Unit};
+use stochc_ensemble::text::{number, percent};
+
+use crate::text::{Column, Table, paragraph};
+
+/// Numbers whose interval has lost less than this of the prior's are not known from the data.
+const UNINFORMED: f64 = 0.8;
+
+/// The numbers that were found, what they predict, and what to make of it; `width` is that of the terminal, in characters.
+pub fn fit_to_text(fit: &Fit, priors: &[Prior], width: usize) -> String {
+    let mut text = numbers(fit, priors).text(width, false);
+    text += &format!("\n{}\n", predictions(fit).text(width, false));
+    for note in notes(fit) {
+        text += &paragraph(&note, width);
+    }
+    text
+}
+
+fn numbers(fit: &Fit, priors: &[Prior]) -> Table {
+    let column = |header: &str, cell: &dyn Fn(&Marginal, &Prior) -> String| {
+        let pairs = fit.numbers.iter().zip(priors);
+        Column::figures(header, pairs.map(|(it, prior)| cell(it, prior)).collect())
+    };
+    let range = |low: f64, high: f64, unit: &str| {
+        let text = format!("{} .. {} {unit}", number(low), number(high));
+        text.trim_end().to_owned()
+    };
+    let mut columns = vec![
+        column("range", &|it, prior| range(prior.from, prior.to, &it.unit)),
+        column("median", &|it, _| {
+            format!("{} {}", number(it.median), it.unit)
+                .trim_end()
+                .to_owned()
+        }),
+        column("95 % interval", &|it, _| {
+            range(it.interval.0, it.interval.1, &it.unit)
+        }),
+    ];
+    let remarks = fit.numbers.iter().map(|it| {
+        let remark = match it {
+            it if it.is_at_edge => "at an end of its range",
+            it if it.width > UNINFORMED => "the data say little of it",
+            _ => "",
+        };
+        remark.to_owned()
+    });
+    columns.push(Column::words("", remarks.collect()));
+    Table {
+        label: "number".to_owned(),
+        labels: fit.numbers.iter().map(|it| it.of.clone()).collect(),
+        columns,
+        ..Table::default()
+    }
+}
+
+fn predictions(fit: &Fit) -> Table {
+    let column = |header: &str, cell: &dyn Fn(&Prediction) -> String| {
+        Column::figures(header, fit.predictions.iter().map(cell).collect())
+    };
+    let interval = |(low, high): (f64, f64)| format!("{} .. {}", number(low), number(high));
+    let remark = |it: &Prediction| {
+        let used = if it.is_fitted { "" } else { "held out" };
+        let missed = match (it.has_mean(), it.has_sd()) {
+            (true, true) => "",
+            (false, true) => "mean missed",
+            (true, false) => "SD missed",
+            (false, false) => "both missed",
+        };
+        let parts = [used, missed].into_iter().filter(|part| !part.is_empty());
+        parts.collect::<Vec<_>>().join(", ")
+    };
+    let remarks = fit.predictions.iter().map(remark).collect();
+    Table {
+        label: "program".to_owned(),
+        labels: (fit.predictions.iter())
+            .map(|it| it.observed.program.clone())
+            .collect(),
+        columns: vec![
+            column("n", &|it| it.observed.n.to_string()),
+            column("mean", &|it| number(it.observed.mean)),
+            column("predicted", &|it| interval(it.mean_interval)),
+            column("SD", &|it| number(it.observed.sd)),
+            column("predicted", &|it| interval(it.sd_interval)),
+            Column::words("", remarks),
+        ],
+        ..Table::default()
+    }
+}
+
+fn notes(fit: &Fit) -> Vec<String> {
+    let unit = match fit.unit {
+        Unit::Ticks => "ticks",
+        Unit::Seconds => "seconds",
+    };
+    let mut notes = vec![format!(
+        "Times in {unit}. Within its range every value was as likely as any other before. Predicted: where the mean and the \
+         standard deviation of another measurement of n runs would be, with 95~% probability. {} points, {} runs.",
+        fit.points, fit.runs
+    )];
+    if fit.stopped > 0 {
+        let share = percent(fit.stopped as f64 / fit.runs as f64);
+        notes.push(format!(
+            "{} of the runs ({share}) were stopped before they completed and count for nothing; points at which more than a \
+             tenth were are left out.",
+            fit.stopped
+        ));
+    }
+    let together: Vec<String> = pairs(fit)
+        .into_iter()
+        .map(|(i, j, r)| format!("{} and {} ({r:.2})", fit.numbers[i].of, fit.numbers[j].of))
+        .collect();
+    if !together.is_empty() {
+        notes.push(format!(
+            "The data tell these apart badly, by their correlation: {}.",
+            together.join(", ")
+        ));
+    }
+    if fit.numbers.iter().any(|it| it.is_at_edge) {
+        notes.push(
+            "A number at an end of its range would rather be beyond: give a wider one, if that makes sense.".to_owned(),
+        );
+    }
+    notes
+}
+
+/// Pairs of numbers of which the data tell little more than one.
+fn pairs(fit: &Fit) -> Vec<(usize, usize, f64)> {
+    let mut found = Vec::new();
+    for (i, row) in fit.correlations.iter().enumerate() {
+        let strong = row
+            .iter()
+            .enumerate()
+            .skip(i + 1)
+            .filter(|(_, r)| r.abs() > 0.8);
+        found.extend(strong.map(|(j, r)| (i, j, *r)));
+    }
+    found
+}

@@ -1,0 +1,363 @@
+//! `stochc fit`.
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+
+use clap::Args;
+use stochc_compiler::LintLevels;
+use stochc_ensemble::fit::{
+    Design, Emulator, Fit, Measured, Observed, Posterior, Prior, Simulated, Unit,
+};
+use stochc_ensemble::{
+    Cancelled, Destination, Manifest, Program, Progress, Watch, completion_time, run as run_all,
+};
+use stochc_files::atomic::Replaces;
+use stochc_files::read_file;
+use stochc_report::figures::fit as fit_figure;
+use stochc_report::tables::fit_to_text;
+use stochc_runtime::{Model, SUBSTEPS, Settings, run as run_once};
+
+use super::interrupt::stop_on_interrupt;
+use super::levels::LevelOptions;
+use super::progress::{Display, of_ensemble};
+use super::results::Form;
+use super::simulate::{at_point, programs, share_tables};
+use super::terminal::{output_width, print, warn};
+use super::trade::{claim, threads};
+use crate::exit::{Exit, Failure};
+
+/// What `fit` is given.
+#[derive(Debug, Args)]
+pub struct Options {
+    /// Programs whose times were measured
+    #[arg(value_name = "FILE", required = true)]
+    files: Vec<String>,
+    /// Measured times (CSV): `program,ticks` with a row for each run, or `program,n,mean_ticks,sd_ticks`; `seconds` in
+    /// place of ticks
+    #[arg(long, value_name = "FILE.csv")]
+    data: PathBuf,
+    /// A number of the scene to find, and the range that it may be in: `bond.pull=2..12 N`, `free=50..500 log`
+    #[arg(long, value_name = "NAME=RANGE", required = true, value_parser = Prior::parse)]
+    vary: Vec<Prior>,
+    /// Predict the times of this program, and do not use them
+    #[arg(long, value_name = "PROGRAM")]
+    hold_out: Vec<String>,
+    /// Simulate at so many points in each round [default: three for each coefficient of the polynomials]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(8..=200))]
+    points: Option<u16>,
+    /// Rounds, each within what the one before has left
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=10))]
+    rounds: u8,
+    /// Runs of each program at each point
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u64).range(4..=10_000))]
+    runs: u64,
+    /// Steps of the model in each tick
+    #[arg(long, default_value_t = SUBSTEPS, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    substeps: u32,
+    /// Stop a run after this many ticks; its time then counts for nothing, and is told of
+    #[arg(long, value_name = "TICKS", default_value_t = 200_000, value_parser = clap::value_parser!(u64).range(1..))]
+    max_ticks: u64,
+    /// Seed of the random numbers
+    #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
+    seed: u64,
+    /// Number of runs at the same time [default: number of cores]
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Folder for `fit.json` and `fit.svg`; it must be new or empty
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Output format of the table
+    #[arg(long, value_name = "FORM", default_value = "text")]
+    format: Form,
+    /// Do not show progress
+    #[arg(long, short)]
+    quiet: bool,
+    /// What becomes of warnings
+    #[command(flatten)]
+    levels: LevelOptions,
+}
+
+/// Finds numbers of scenes that measured times speak for.
+pub fn run(options: &Options) -> Result<Exit, Failure> {
+    let (unit, observed) = data(&options.data)?;
+    let programs = programs(&options.files, &options.levels.levels)?;
+    let measured = matched(programs, observed, &options.hold_out)?;
+    distinct(&options.vary)?;
+    for (program, _) in &measured {
+        for prior in &options.vary {
+            // Both ends have to be values that the scene may have.
+            for share in [0.0, 1.0] {
+                prior
+                    .varied(share, &program.scene)
+                    .map_err(Failure::usage)?;
+            }
+        }
+    }
+    if let Some(out) = &options.out {
+        claim(out).map_err(Failure::usage)?;
+    }
+    let stop = stop_on_interrupt()?;
+    let fit = rounds(options, &measured, unit, stop)?;
+    match options.format {
+        Form::Text => print(&fit_to_text(&fit, &options.vary, output_width()))?,
+        Form::Json => print(&json(&fit))?,
+    }
+    if let Some(out) = &options.out {
+        keep(out, &fit, &options.vary)?;
+    }
+    Ok(Exit::Success)
+}
+
+/// A program, and what was measured of it; whether that is used.
+type Known = (Program, (Observed, bool));
+
+fn data(path: &Path) -> Result<(Unit, Vec<Observed>), Failure> {
+    let shown = path.display();
+    let bytes = read_file(path)
+        .map_err(|error| Failure::usage(format!("cannot read `{shown}`: {error}")))?;
+    Observed::read(&bytes).map_err(|error| Failure::usage(format!("`{shown}`: {error}")))
+}
+
+/// Holds names against names: everything that was measured has a program, and the other way round.
+fn matched(
+    programs: Vec<Program>,
+    mut observed: Vec<Observed>,
+    held_out: &[String],
+) -> Result<Vec<Known>, Failure> {
+    let mut known = Vec::new();
+    for program in programs {
+        let place = observed.iter().position(|it| it.program == program.name);
+        let Some(place) = place else {
+            let name = &program.name;
+            return Err(Failure::usage(format!(
+                "the data say nothing of `{name}`; leave its file out, or give its times"
+            )));
+        };
+        if program.sources.is_empty() {
+            return Err(Failure::usage(format!(
+                "`{}` is compiled already; name the file of its text instead",
+                program.name
+            )));
+        }
+        let of = observed.remove(place);
+        let is_fitted = !held_out.contains(&of.program);
+        known.push((program, (of, is_fitted)));
+    }
+    if let Some(left) = observed.first() {
+        return Err(Failure::usage(format!(
+            "the data have times of `{}`, and no file declares it",
+            left.program
+        )));
+    }
+    if let Some(name) = held_out
+        .iter()
+        .find(|&name| known.iter().all(|(it, _)| it.name != *name))
+    {
+        return Err(Failure::usage(format!(
+            "--hold-out: no file declares `{name}`"
+        )));
+    }
+    match known.iter().any(|(_, (_, is_fitted))| *is_fitted) {
+        true => Ok(known),
+        false => Err(Failure::usage("--hold-out: no program is left to fit to")),
+    }
+}
+
+fn distinct(priors: &[Prior]) -> Result<(), Failure> {
+    for (i, prior) in priors.iter().enumerate() {
+        if priors[..i].iter().any(|other| other.of == prior.of) {
+            return Err(Failure::usage(format!(
+                "--vary: `{}` is given twice",
+                prior.of
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// Simulates at the points of each round, and draws conclusions.
+fn rounds(
+    options: &Options,
+    measured: &[Known],
+    unit: Unit,
+    stop: &AtomicBool,
+) -> Result<Fit, Failure> {
+    let priors = &options.vary;
+    let numbers = priors.len();
+    let least = Emulator::terms(numbers) + 2;
+    let points = options
+        .points
+        .map_or(3 * Emulator::terms(numbers), usize::from);
+    if points < least {
+        return Err(Failure::usage(format!(
+            "--points: {numbers} numbers need {least} points at least"
+        )));
+    }
+    let mut ends = vec![(0.0, 1.0); numbers];
+    let mut all: Vec<Vec<Simulated>> = vec![Vec::new(); measured.len()];
+    let (mut posterior, mut stopped) = (None, 0);
+    for round in 0..u64::from(options.rounds) {
+        let seed = options.seed.wrapping_add(1_000_000 * round);
+        let design = Design::latin_hypercube(&ends, points, seed);
+        let (new, lost) = simulated(options, measured, unit, (&design, seed), stop)?;
+        stopped += lost;
+        for (all, new) in all.iter_mut().zip(new) {
+            all.extend(new);
+        }
+        // Further away, a polynomial would bend for what does not matter any more.
+        let is_within = |point: &&Simulated| {
+            let mut sides = point.at.iter().zip(&ends);
+            sides.all(|(at, (low, high))| (*low..=*high).contains(at))
+        };
+        let emulators: Option<Vec<Emulator>> = (all.iter())
+            .map(|points| {
+                let near: Vec<Simulated> = points.iter().filter(is_within).cloned().collect();
+                Emulator::of(&near)
+            })
+            .collect();
+        let Some(emulators) = emulators else {
+            return Err(Failure::error(
+                Exit::UnsuccessfulRun,
+                "at too few points do the runs complete: narrow the ranges, or raise `--max-ticks`",
+            ));
+        };
+        let known = emulators.iter().zip(measured);
+        let known: Vec<Measured> = known
+            .map(|(emulator, (_, (observed, is_fitted)))| Measured {
+                observed,
+                is_fitted: *is_fitted,
+                emulator,
+            })
+            .collect();
+        let found = Posterior::of(numbers, &known, seed);
+        ends = found.surroundings();
+        let predictions = known.iter().map(|it| found.predict(it)).collect();
+        posterior = Some((found, predictions));
+    }
+    let (posterior, predictions): (Posterior, Vec<_>) =
+        posterior.expect("there is one round at least");
+    let marginals = priors.iter().enumerate();
+    Ok(Fit {
+        unit,
+        numbers: marginals
+            .map(|(i, prior)| posterior.marginal(i, prior))
+            .collect(),
+        correlations: posterior.correlations(),
+        predictions,
+        points: points * usize::from(options.rounds),
+        runs: points * usize::from(options.rounds) * measured.len() * options.runs as usize,
+        stopped,
+        draws: posterior.values(priors),
+    })
+}
+
+/// The times of every program at every point of a design, and how many runs were stopped.
+fn simulated(
+    options: &Options,
+    measured: &[Known],
+    unit: Unit,
+    (design, seed): (&Design, u64),
+    stop: &AtomicBool,
+) -> Result<(Vec<Vec<Simulated>>, usize), Failure> {
+    let entries = at_points(options, measured, design, &options.levels.levels)?;
+    let settings = Settings {
+        max_ticks: Some(options.max_ticks),
+        ..Settings::of(Model::Rigid, options.substeps)
+    };
+    let manifest = Manifest::new(settings, seed, options.runs, entries);
+    let threads = NonZeroUsize::new(threads(options.threads)).unwrap_or(NonZeroUsize::MIN);
+    let progress = Progress::new(&manifest, threads);
+    let points = design.points.len();
+    let simulate = |entry: usize, number, watch: &Watch| {
+        let program = &manifest.programs[entry];
+        let mut told = |tick, phase| watch.tick(tick, phase);
+        // Points and programs that shared their kicks would share their errors as well.
+        let seed = seed.wrapping_add(entry as u64);
+        let (tables, scene) = (program.tables(), &program.scene);
+        let record = run_once(tables, scene, &manifest.settings, seed, number, &mut told);
+        record.map_err(|_| Cancelled)
+    };
+    let state = |elapsed| of_ensemble(&manifest, &progress, elapsed);
+    let display = Display::on_standard_error(options.quiet);
+    let destination = Destination::Memory(&manifest);
+    let results = display
+        .during(state, || run_all(destination, &progress, stop, simulate))
+        .map_err(Failure::usage)?;
+    if !results.complete {
+        return Err(Failure {
+            exit: Exit::Interrupted,
+            message: "stopped; nothing was fitted\n".to_owned(),
+        });
+    }
+    let mut found: Vec<Vec<Simulated>> = vec![Vec::new(); measured.len()];
+    let mut stopped = 0;
+    for (entry, program) in manifest.programs.iter().enumerate() {
+        let scale = match unit {
+            Unit::Ticks => 1.0,
+            Unit::Seconds => program.scene.tick,
+        };
+        let done = results.finished.iter().filter(|done| done.program == entry);
+        let times = done.filter_map(|done| completion_time(&done.record));
+        let times: Vec<f64> = times
+            .filter(|time| time.completed)
+            .map(|time| time.time * scale)
+            .collect();
+        stopped += options.runs as usize - times.len();
+        // A point where many runs are stopped has times of the fast ones.
+        if times.len() * 10 >= options.runs as usize * 9 {
+            let at = design.points[entry % points].clone();
+            found[entry / points].push(Simulated { at, times });
+        }
+    }
+    Ok((found, stopped))
+}
+
+/// Each program at each point, the points of the first program first.
+fn at_points(
+    options: &Options,
+    measured: &[Known],
+    design: &Design,
+    levels: &LintLevels,
+) -> Result<Vec<Program>, Failure> {
+    let mut entries = Vec::new();
+    for (program, _) in measured {
+        for point in &design.points {
+            let mut entry = program.clone();
+            let pairs = options.vary.iter().zip(point);
+            let varied: Result<_, String> = pairs
+                .map(|(prior, share)| prior.varied(*share, &program.scene))
+                .collect();
+            entry.varied = varied.map_err(Failure::usage)?;
+            entry.name += &entry.point();
+            at_point(&mut entry, levels)?;
+            entries.push(entry);
+        }
+    }
+    share_tables(&mut entries);
+    Ok(entries)
+}
+
+fn json(fit: &Fit) -> String {
+    let text = serde_json::to_string_pretty(fit).expect("a fit is plain data");
+    text + "\n"
+}
+
+fn keep(out: &Path, fit: &Fit, priors: &[Prior]) -> Result<(), Failure> {
+    let files = [
+        ("fit.json", json(fit)),
+        ("fit.svg", fit_figure(fit, priors).file()),
+    ];
+    for (name, text) in files {
+        let path = out.join(name);
+        stochc_files::atomic::replace(&path, text.as_bytes(), Replaces::Nothing).map_err(
+            |error| Failure::usage(format!("cannot write `{}`: {error}", path.display())),
+        )?;
+    }
+    if fit.stopped > 0 {
+        warn(&format!(
+            "note: {} of {} runs were stopped before they completed, and count for nothing\n",
+            fit.stopped, fit.runs
+        ));
+    }
+    Ok(())
+}
