@@ -3,7 +3,7 @@ use clap::{CommandFactory as _, Parser, Subcommand};
 
 use crate::command::{
     check, compile, completions, explain, export, fmt, lsp, man, replay, report, results, simulate,
-    trade,
+    trade, verify,
 };
 use crate::exit::{Exit, Failure};
 
@@ -35,6 +35,8 @@ pub enum Command {
     Trade(trade::Options),
     /// Print the table of a results folder again
     Results(results::Options),
+    /// Check that the files of a results folder are as they were written, and save what can be saved
+    Verify(verify::Options),
     /// Write an HTML report on results folders: completion curves, waits, critical paths, tests
     Report(report::Options),
     /// Write an HTML page that replays a run tick by tick
@@ -60,6 +62,7 @@ pub fn run(cli: Cli) -> Result<Exit, Failure> {
         Command::Simulate(options) => simulate::run(&options),
         Command::Trade(options) => trade::run(&options),
         Command::Results(options) => results::run(&options),
+        Command::Verify(options) => verify::run(&options),
         Command::Report(options) => report::run(&options),
         Command::Replay(options) => replay::run(&options),
         Command::Export(options) => export::run(&options),

@@ -18,3 +18,4 @@ mod scene_doubts;
 pub mod simulate;
 mod terminal;
 pub mod trade;
+pub mod verify;

@@ -29,5 +29,6 @@ mod streams;
 mod sweep;
 mod tanks;
 mod trade;
+mod verify;
 #[cfg(unix)]
 mod written;
