@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::stochc::{path, stochc_with, tables};
 
-const SIMULATE: &str = "simulate --quiet tests/fixtures/dense.sa --substeps 1 --runs 3 --record all --sweep free=100,150 --out";
+const SIMULATE: &str = "simulate --quiet tests/fixtures/dense.sa --substeps 1 --runs 3 --record all --sweep free=12,14 --out";
 
 fn flip(folder: &str, name: &str, at: usize) {
     let file = path(folder.as_ref(), name);
@@ -72,14 +72,7 @@ fn damage_is_told_and_what_is_sound_is_saved() {
     assert_eq!(said.status, 0, "{}", said.err);
     assert!(tables(&out) == whole);
     let page = path(folder.path(), "page.html");
-    let program = [
-        "--program",
-        "dense [free=100]",
-        "--run",
-        "1",
-        "--out",
-        &page,
-    ];
+    let program = ["--program", "dense [free=12]", "--run", "1", "--out", &page];
     let said = stochc_with("replay", &[&[&out[..]], &program[..]].concat());
     assert_eq!(said.status, 0, "{}", said.err);
 }
