@@ -3,7 +3,7 @@ use clap::{CommandFactory as _, Parser, Subcommand};
 
 use crate::command::{
     check, compile, completions, explain, export, fit, fmt, lsp, man, replay, report, results,
-    simulate, trade,
+    simulate, trade, verify,
 };
 use crate::exit::{Exit, Failure};
 
@@ -37,6 +37,8 @@ pub enum Command {
     Fit(Box<fit::Options>),
     /// Print the table of a results folder again
     Results(results::Options),
+    /// Check that the files of a results folder are as they were written, and save what can be saved
+    Verify(verify::Options),
     /// Write an HTML report on results folders: completion curves, waits, critical paths, tests
     Report(report::Options),
     /// Write an HTML page that replays a run tick by tick
@@ -63,6 +65,7 @@ pub fn run(cli: Cli) -> Result<Exit, Failure> {
         Command::Trade(options) => trade::run(&options),
         Command::Fit(options) => fit::run(&options),
         Command::Results(options) => results::run(&options),
+        Command::Verify(options) => verify::run(&options),
         Command::Report(options) => report::run(&options),
         Command::Replay(options) => replay::run(&options),
         Command::Export(options) => export::run(&options),

@@ -30,6 +30,16 @@ pub enum FolderError {
         /// What is wrong with the manifest.
         reason: String,
     },
+    /// The manifest is not what was written.
+    #[error(
+        "`manifest.json` in `{path}` is damaged, or has been changed by hand: its checksum differs; \
+         `stochc verify {}` says what is sound, and with `--repair` saves that",
+        shell_file(&.path.to_string_lossy())
+    )]
+    Damaged {
+        /// The folder.
+        path: PathBuf,
+    },
     /// Of an older layout.
     #[error(
         "`{path}` was filled by an older `stochc`, which kept less of each run; to make the same runs \
@@ -60,6 +70,17 @@ pub enum FolderError {
         done: u64,
         /// Runs that are asked for.
         total: u64,
+    },
+    /// Its runs are those of another build.
+    #[error(
+        "`{path}`: {reason}; go on with the `stochc` that made them, or choose another folder; `--mixed-builds` \
+         goes on if this one makes a run of them again as it was"
+    )]
+    OtherBuild {
+        /// The folder.
+        path: PathBuf,
+        /// Which, in words.
+        reason: String,
     },
     /// The same ensemble, with more runs than asked for.
     #[error(

@@ -1,4 +1,4 @@
-//! The write-ahead log: one line of JSON per finished run, as soon as it is finished.
+//! The write-ahead log: one line of JSON per finished run, with a checksum, as soon as it is finished.
 //!
 //! `journal.jsonl` begins with a line that names the ensemble, so that runs of another program
 //! cannot slip in. What a kill or a loss of power leaves of the last line is cut off on the next
@@ -6,23 +6,23 @@
 //! function of its number, so that nothing but time is lost.
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, BufWriter, Read as _, Seek as _, SeekFrom, Write as _};
+use std::io::{self, BufRead, BufReader, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::Path;
-use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
+use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
+use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 use stochc_files as files;
+use stochc_files::checksum::{self, Line};
 use stochc_ir::record::RunRecord;
 
-use super::clock;
+use super::plausible::impossible;
+use super::{Manifest, clock};
 
-/// What a kill may cost: the runs finished during this time.
+/// What a loss of power may cost: the runs finished during this time. A kill costs none.
 const SYNC_EVERY: Duration = Duration::from_millis(500);
-
-/// Finished runs that wait for the disk before workers have to.
-const WAITING: usize = 256;
 
 /// Bytes of a line, one more than may be: of a run with 10^7 captures it has a third.
 const MOST_LINE: u64 = 1 << 30;
@@ -36,9 +36,28 @@ pub struct Finished {
     pub record: RunRecord,
 }
 
+/// Version of the layout of a journal: in 1 lines had no checksums.
+const JOURNAL: u32 = 2;
+
+/// The first line. Another field would be another header, so that no damage makes it an older one.
 #[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 struct Header {
     ensemble: String,
+    #[serde(default)]
+    journal: Option<u32>,
+    #[serde(default, skip_serializing)]
+    crc: Option<String>,
+}
+
+impl Header {
+    fn of(identity: &str) -> Header {
+        Header {
+            ensemble: identity.to_owned(),
+            journal: Some(JOURNAL),
+            crc: None,
+        }
+    }
 }
 
 /// Why a journal cannot be used.
@@ -47,7 +66,7 @@ pub enum JournalError {
     /// Its first line names another ensemble, or is no such line.
     #[error(
         "`journal.jsonl` does not belong to `manifest.json` beside it; \
-         move both to where they came from, or choose another folder"
+         move both to where they came from, or choose another folder; if one is damaged, `stochc verify --repair` may help"
     )]
     Foreign,
     /// It could not be read or written.
@@ -55,49 +74,139 @@ pub enum JournalError {
     Io(#[from] io::Error),
 }
 
-/// A journal that is open for appending; dropping it without [`Journal::close`] may lose its end.
+/// A journal that is open for appending; dropping it without [`Journal::close`] may lose its end with the power.
 #[derive(Debug)]
 pub(super) struct Journal {
-    lines: SyncSender<String>,
-    writer: JoinHandle<io::Result<()>>,
+    file: Arc<File>,
+    /// Where its last whole line ends.
+    end: Mutex<u64>,
+    wake: SyncSender<()>,
+    syncer: JoinHandle<io::Result<()>>,
 }
 
-/// Reads the runs that a journal holds, sorted by program and run, and where its last whole line ends.
+/// What a journal holds.
+#[derive(Debug, Default)]
+pub(super) struct Stored {
+    /// Its runs, sorted by program and run. Of two lines for one run the first counts.
+    pub finished: Vec<Finished>,
+    /// Where its last line ends; what follows is half of one.
+    pub whole: u64,
+    /// Whether its lines bear checksums.
+    pub is_sealed: bool,
+    /// What is wrong with it, line by line.
+    pub damage: Vec<String>,
+}
+
+/// Reads the journal of an ensemble, and holds its runs against the manifest; a damaged line is passed over, and told.
 ///
-/// A file that ends within its first line holds none. Of two lines for one run the first counts.
+/// A file that ends within its first line holds nothing.
 ///
 /// # Errors
 /// [`JournalError::Foreign`] where it is not of the ensemble `identity`.
-pub(super) fn read(path: &Path, identity: &str) -> Result<(Vec<Finished>, u64), JournalError> {
+pub(super) fn read(
+    path: &Path,
+    manifest: &Manifest,
+    identity: &str,
+) -> Result<Stored, JournalError> {
+    let mut stored = Stored {
+        is_sealed: true,
+        ..Stored::default()
+    };
     let mut file = match files::open(path) {
         Ok(file) => BufReader::new(file),
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok((Vec::new(), 0)),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(stored),
         Err(error) => return Err(error.into()),
     };
     let mut line = Vec::new();
     let mut position = read_line(&mut file, &mut line)?;
-    if line.last() != Some(&b'\n') {
-        return Ok((Vec::new(), 0));
-    }
-    match serde_json::from_slice::<Header>(&line) {
-        Ok(header) if header.ensemble == identity => {}
+    let Some(first) = line.strip_suffix(b"\n") else {
+        return Ok(stored);
+    };
+    let header: Header = serde_json::from_slice(first).map_err(|_| JournalError::Foreign)?;
+    let sound = checksum::check(first) == Line::Sound;
+    stored.is_sealed = match (header.journal, header.crc) {
+        (Some(JOURNAL), Some(_)) if sound => true,
+        (None, None) => false,
         _ => return Err(JournalError::Foreign),
+    };
+    if header.ensemble != identity {
+        return Err(JournalError::Foreign);
     }
-    let mut whole = position;
+    stored.whole = position;
     let mut runs = BTreeMap::new();
-    loop {
+    for number in 2u64.. {
         line.clear();
         position += read_line(&mut file, &mut line)?;
-        if line.last() != Some(&b'\n') {
+        let Some(text) = line.strip_suffix(b"\n") else {
             break;
-        }
-        if let Ok(finished) = serde_json::from_slice::<Finished>(&line) {
-            whole = position;
-            let key = (finished.program, finished.record.run);
-            runs.entry(key).or_insert(finished);
+        };
+        stored.whole = position;
+        match run(text, stored.is_sealed, manifest) {
+            Ok(finished) => {
+                let key = (finished.program, finished.record.run);
+                runs.entry(key).or_insert(finished);
+            }
+            Err(reason) => {
+                let told = format!("line {number} of `journal.jsonl` {reason}, and is left out");
+                stored.damage.push(told);
+            }
         }
     }
-    Ok((runs.into_values().collect(), whole))
+    stored.finished = runs.into_values().collect();
+    Ok(stored)
+}
+
+/// The run of a line, or what is wrong with it.
+fn run(line: &[u8], is_sealed: bool, manifest: &Manifest) -> Result<Finished, String> {
+    let damaged = || "is damaged".to_owned();
+    match checksum::check(line) {
+        Line::Sound => {}
+        // Of an older journal those lines have one that were added since.
+        Line::Unsealed if !is_sealed => {}
+        Line::Damaged | Line::Unsealed => return Err(damaged()),
+    }
+    let finished = serde_json::from_slice(line).map_err(|_| damaged())?;
+    match impossible(manifest, &finished) {
+        Some(reason) => Err(format!("says what cannot be: {reason}")),
+        None => Ok(finished),
+    }
+}
+
+/// Writes a journal of the sound lines of one that `read` refuses or complains of; `None`: it is of another ensemble.
+///
+/// # Errors
+/// Those of the file system.
+pub(super) fn salvaged(
+    path: &Path,
+    manifest: &Manifest,
+    identity: &str,
+) -> io::Result<Option<Vec<u8>>> {
+    let mut file = BufReader::new(files::open(path)?);
+    let mut text = line(&Header::of(identity)).into_bytes();
+    let mut next = Vec::new();
+    // Where the first line is sound, it says whose the others are; where it is not, nobody says.
+    read_line(&mut file, &mut next)?;
+    if let Ok(header) = serde_json::from_slice::<Header>(&next) {
+        let first = next.strip_suffix(b"\n").unwrap_or(&next);
+        let sound = match header.journal {
+            Some(_) => checksum::check(first) == Line::Sound,
+            None => true,
+        };
+        if sound && header.ensemble != identity {
+            return Ok(None);
+        }
+    }
+    // The first line may have lost its end, and be the first run as well.
+    loop {
+        let whole = next.strip_suffix(b"\n").unwrap_or(&next);
+        if let Ok(finished) = run(whole, false, manifest) {
+            text.extend(line(&finished).into_bytes());
+        }
+        next.clear();
+        if read_line(&mut file, &mut next)? == 0 {
+            return Ok(Some(text));
+        }
+    }
 }
 
 /// Reads the next line with its end, or what there is of it; how many bytes.
@@ -123,70 +232,78 @@ impl Journal {
         let mut file = files::open_own(path, options)?;
         file.set_len(whole)?;
         file.seek(SeekFrom::Start(whole))?;
+        let mut end = whole;
         if whole == 0 {
-            let header = Header {
-                ensemble: identity.to_owned(),
-            };
-            let mut line = serde_json::to_vec(&header).expect("a header is plain data");
-            line.push(b'\n');
-            file.write_all(&line)?;
+            let line = line(&Header::of(identity));
+            file.write_all(line.as_bytes())?;
+            end = line.len() as u64;
         }
         file.sync_all()?;
-        let (lines, received) = sync_channel(WAITING);
-        let writer = std::thread::Builder::new()
-            .name("journal".into())
-            .spawn(move || write(file, &received))?;
-        Ok(Journal { lines, writer })
+        let file = Arc::new(file);
+        let (wake, woken) = sync_channel(1);
+        let syncer = std::thread::Builder::new().name("journal".into()).spawn({
+            let file = file.clone();
+            move || sync(&file, &woken)
+        })?;
+        Ok(Journal {
+            file,
+            end: Mutex::new(end),
+            wake,
+            syncer,
+        })
     }
 
-    /// Hands a finished run to the writer; waits while the disk is far behind.
+    /// Writes a finished run; the system has it once this has returned, and the disk soon after.
     ///
     /// # Errors
-    /// A word that the writer has stopped; [`Journal::close`] tells why.
+    /// Those of the file system; the journal ends with the run before, then.
     pub fn append(&self, finished: &Finished) -> Result<(), JournalError> {
-        let mut line = serde_json::to_string(finished).expect("a record is plain data");
-        line.push('\n');
-        self.lines
-            .send(line)
-            .map_err(|_| io::Error::other("writing has stopped").into())
+        let line = line(finished);
+        let mut end = self.end.lock().expect("nobody panics while it is held");
+        if let Err(error) = (&*self.file).write_all(line.as_bytes()) {
+            // Half a line would take the next one with it.
+            self.file.set_len(*end)?;
+            (&*self.file).seek(SeekFrom::Start(*end))?;
+            return Err(error.into());
+        }
+        *end += line.len() as u64;
+        match self.wake.try_send(()) {
+            Ok(()) | Err(TrySendError::Full(())) => Ok(()),
+            // [`Journal::close`] tells why.
+            Err(TrySendError::Disconnected(())) => {
+                Err(io::Error::other("writing has stopped").into())
+            }
+        }
     }
 
-    /// Writes all that was appended, and waits until it would survive a loss of power.
+    /// Waits until all that was appended would survive a loss of power.
     ///
     /// # Errors
-    /// The first that the writer met.
+    /// The first that the disk had.
     pub fn close(self) -> Result<(), JournalError> {
-        drop(self.lines);
-        let written = self.writer.join();
-        Ok(written.unwrap_or_else(|_| Err(io::Error::other("the writer panicked")))?)
+        drop(self.wake);
+        let synced = self.syncer.join();
+        synced.unwrap_or_else(|_| Err(io::Error::other("the writer panicked")))?;
+        Ok(self.file.sync_all()?)
     }
 }
 
-/// Writes lines until the other end hangs up, and makes them safe every so often.
-fn write(file: File, lines: &Receiver<String>) -> io::Result<()> {
-    let mut file = BufWriter::new(file);
-    loop {
-        // Nothing is unsafe here, so there is nothing to be woken up for but a line.
-        let Ok(line) = lines.recv() else {
-            return Ok(());
-        };
-        file.write_all(line.as_bytes())?;
+/// A line of a journal, with its checksum.
+fn line(of: &impl Serialize) -> String {
+    let json = serde_json::to_string(of).expect("a record is plain data");
+    checksum::sealed(&json) + "\n"
+}
+
+/// Makes lines safe every so often, until the other end hangs up.
+fn sync(file: &File, woken: &Receiver<()>) -> io::Result<()> {
+    // Nothing is unsafe here, so there is nothing to be woken up for but a line.
+    while woken.recv().is_ok() {
         let due = clock::now() + SYNC_EVERY;
-        let open = loop {
-            match lines.recv_timeout(due.saturating_duration_since(clock::now())) {
-                Ok(line) => file.write_all(line.as_bytes())?,
-                Err(RecvTimeoutError::Timeout) => break true,
-                Err(RecvTimeoutError::Disconnected) => break false,
-            }
-            // With a line always waiting, there would never be a timeout.
-            if clock::now() >= due {
-                break true;
-            }
-        };
-        file.flush()?;
-        file.get_ref().sync_data()?;
-        if !open {
-            return Ok(());
-        }
+        while woken
+            .recv_timeout(due.saturating_duration_since(clock::now()))
+            .is_ok_and(|()| clock::now() < due)
+        {}
+        file.sync_data()?;
     }
+    Ok(())
 }

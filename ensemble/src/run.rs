@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use stochc_ir::record::RunRecord;
+use stochc_ir::record::{Outcome, RunRecord};
 
 use super::executor::{Cancelled, attempt, execute};
 use super::journal::Journal;
@@ -52,6 +52,40 @@ pub enum RunError {
     /// The tables cannot be written; the journal holds every finished run.
     #[error(transparent)]
     Folder(#[from] FolderError),
+    /// A run does not come out as it is stored.
+    #[error(
+        "run {run} of `{program}` does not come out as it is in the folder, so that other runs are not added to it; go on \
+         with the `stochc` that made it, on a machine of the same kind, or choose another folder"
+    )]
+    Differs {
+        /// The name of its program.
+        program: String,
+        /// Its number.
+        run: u64,
+    },
+}
+
+/// Makes the shortest run of a folder again, before others are added to it; whether it comes out as it was, or `stop`
+/// came before.
+///
+/// # Errors
+/// [`RunError::Differs`]; the folder is as it was then.
+pub fn check_stored(
+    folder: &Folder,
+    simulate: impl FnOnce(usize, u64) -> Result<RunRecord, Cancelled>,
+) -> Result<(), RunError> {
+    let sound = |done: &&Finished| !matches!(done.record.outcome, Outcome::Failed { .. });
+    let kept = folder.kept().iter().filter(sound);
+    let Some(known) = kept.min_by_key(|done| done.record.ticks) else {
+        return Ok(());
+    };
+    match simulate(known.program, known.record.run) {
+        Ok(record) if record != known.record => Err(RunError::Differs {
+            program: folder.manifest().programs[known.program].name.clone(),
+            run: record.run,
+        }),
+        _ => Ok(()),
+    }
 }
 
 /// A run that is to be done.

@@ -299,6 +299,25 @@ pub fn clear_partial(folder: &Path) -> io::Result<()> {
     Ok(())
 }
 
+/// Moves a file into a folder of ours beside it, where it gets a name that is not taken; tells where it is.
+///
+/// # Errors
+/// Those of the file system; the file is where it was then.
+pub fn move_aside(file: &Path, folder: &Path) -> io::Result<PathBuf> {
+    make_own_folder(folder)?;
+    let name = file.file_name().unwrap_or_default().to_string_lossy();
+    let names = (1..).map(|copy| match copy {
+        1 => folder.join(&*name),
+        copy => folder.join(format!("{name}.{copy}")),
+    });
+    let mut free = names.filter(|path| fs::symlink_metadata(path).is_err());
+    let target = free.next().ok_or(io::ErrorKind::AlreadyExists)?;
+    fs::rename(file, &target)?;
+    sync_folder(folder)?;
+    sync_folder(folder_of(file))?;
+    Ok(target)
+}
+
 fn folder_of(path: &Path) -> &Path {
     // A name alone has an empty parent.
     path.parent()

@@ -7,13 +7,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
 use stochc_ensemble::recording::{EVERY, Header, Recorder, Recording, RecordingError, path};
-use stochc_ensemble::{Folder, Manifest, Program};
+use stochc_ensemble::{Finished, Manifest, Program};
 use stochc_files as files;
 use stochc_files::atomic::Draft;
 use stochc_ir::record::RunRecord;
 use stochc_runtime::observe::Observer;
 use stochc_runtime::{RunError, observe};
 
+use super::results::read;
 use super::simulate::{begin, tell_of_build};
 use crate::exit::{Exit, Failure};
 
@@ -40,13 +41,13 @@ pub struct ChosenRun {
     pub program: usize,
     /// The number of the run.
     pub run: u64,
-    /// What the folder says of the run; `None`: it has not been made yet.
-    record: Option<RunRecord>,
+    /// What the folder says of the run; empty: it has not been made yet.
+    known: Vec<Finished>,
 }
 
 /// Finds a run.
 pub fn choose(choice: &Choice) -> Result<ChosenRun, Failure> {
-    let (manifest, finished) = Folder::read(&choice.folder).map_err(Failure::usage)?;
+    let (manifest, finished) = read(&choice.folder)?;
     let program = index(&manifest, choice.program.as_deref()).map_err(Failure::usage)?;
     if choice.run >= manifest.runs {
         return Err(Failure::usage(format!(
@@ -55,13 +56,13 @@ pub fn choose(choice: &Choice) -> Result<ChosenRun, Failure> {
             manifest.no_such_run(choice.run)
         )));
     }
-    let done = (finished.into_iter())
-        .find(|done| done.program == program && done.record.run == choice.run);
+    let known = (finished.into_iter())
+        .filter(|done| done.program == program && done.record.run == choice.run);
     Ok(ChosenRun {
         folder: choice.folder.clone(),
         program,
         run: choice.run,
-        record: done.map(|done| done.record),
+        known: known.collect(),
         manifest,
     })
 }
@@ -130,7 +131,7 @@ impl ChosenRun {
             RunError::Cancelled => Failure::silent(Exit::Interrupted),
             error => Failure::usage(error),
         })?;
-        if self.record.as_ref().is_some_and(|known| *known != record) {
+        if self.known.iter().any(|known| known.record != record) {
             let by = match self.manifest.stochc == env!("CARGO_PKG_VERSION") {
                 true => "the simulation has changed since".to_owned(),
                 false => format!("it was made by version {}", self.manifest.stochc),
@@ -190,14 +191,7 @@ impl ChosenRun {
         let mut file = BufReader::new(file);
         let recording = Recording::read(file.by_ref(), self.entry().tables());
         let recording = recording.map_err(|error: RecordingError| refuse(&error.to_string()))?;
-        let header = recording.header();
-        let same = header.ensemble == self.manifest.identity()
-            && (header.program, header.run) == (self.program, self.run)
-            && self
-                .record
-                .as_ref()
-                .is_none_or(|known| known == recording.record());
-        if !same {
+        if !recording.is_of(&self.manifest, &self.known, self.program, self.run) {
             return Err(refuse("it is the recording of another run"));
         }
         file.rewind().map_err(|error| refuse(&error.to_string()))?;
@@ -209,6 +203,7 @@ impl ChosenRun {
 fn useless(path: &Path, reason: &str) -> Failure {
     let shown = path.display();
     Failure::usage(format!(
-        "cannot use `{shown}`: {reason}; remove it, and the run is made and recorded again"
+        "cannot use `{shown}`: {reason}; remove it, or have `stochc verify --repair` move it aside, and the run is \
+         made and recorded again"
     ))
 }

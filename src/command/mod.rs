@@ -19,3 +19,4 @@ mod scene_warnings;
 pub mod simulate;
 mod terminal;
 pub mod trade;
+pub mod verify;

@@ -3,11 +3,12 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use stochc_ensemble::{Folder, Manifest};
+use stochc_ensemble::Manifest;
 use stochc_files::atomic::{self, Replaces, begins_with};
 use stochc_files::read_file;
 use stochc_report::ensemble_report::{Input, MARK, Report, Surroundings, address, report};
 
+use super::results::read as read_folder;
 use super::terminal::{print, warn};
 use crate::exit::{Exit, Failure};
 
@@ -75,7 +76,7 @@ fn read(paths: &[PathBuf]) -> Result<Vec<(PathBuf, Input)>, Failure> {
             continue;
         }
         seen.push(real);
-        match Folder::read(path) {
+        match read_folder(path) {
             Ok((manifest, finished)) => {
                 let (done, total) = (finished.len() as u64, manifest.total());
                 if done < total {
@@ -92,8 +93,8 @@ fn read(paths: &[PathBuf]) -> Result<Vec<(PathBuf, Input)>, Failure> {
                 };
                 folders.push((path.clone(), input));
             }
-            Err(error) => {
-                warn(&format!("error: {error}\n"));
+            Err(failure) => {
+                warn(&failure.message);
                 wrong = true;
             }
         }

@@ -1,10 +1,12 @@
 //! `stochc results`, and the table that `simulate` ends with.
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use serde_json::json;
 use stochc_ensemble::sweep::Sweep;
+use stochc_ensemble::text::visible;
 use stochc_ensemble::{Comparison, Finished, Folder, Manifest, captures};
+use stochc_files::shell::file as shell_file;
 use stochc_report::tables::{captures_to_text, comparison_to_text, pairs_to_text, sweep_to_text};
 
 use super::terminal::{output_width, print, warn};
@@ -44,7 +46,7 @@ pub struct Shown {
 
 /// Shows what a folder holds, finished or not.
 pub fn run(options: &Options) -> Result<Exit, Failure> {
-    let (manifest, finished) = Folder::read(&options.folder).map_err(Failure::usage)?;
+    let (manifest, finished) = read(&options.folder)?;
     let missing = manifest.total().saturating_sub(finished.len() as u64);
     if missing > 0 {
         warn(&format!(
@@ -60,6 +62,34 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
             bonds: options.bonds,
         },
     )
+}
+
+/// Reads a results folder, and says what is wrong with it.
+pub(super) fn read(folder: &Path) -> Result<(Manifest, Vec<Finished>), Failure> {
+    let contents = Folder::read(folder).map_err(Failure::usage)?;
+    tell_of_damage(folder, &contents.damage);
+    Ok((contents.manifest, contents.finished))
+}
+
+/// Says what is wrong with the files of a results folder.
+pub(super) fn tell_of_damage(folder: &Path, damage: &[String]) {
+    /// More than these say the same.
+    const TOLD: usize = 5;
+    if damage.is_empty() {
+        return;
+    }
+    let mut text = String::new();
+    for told in damage.iter().take(TOLD) {
+        text += &format!("warning: {told}\n");
+    }
+    let rest = damage.len().saturating_sub(TOLD);
+    if rest > 0 {
+        text += &format!("warning: so are {rest} more\n");
+    }
+    let folder = shell_file(&visible(&folder.to_string_lossy()));
+    text +=
+        &format!("`stochc verify {folder}` says what is sound; with `--repair`, it saves that\n");
+    warn(&text);
 }
 
 /// Prints the comparison of an ensemble's programs; says whether every run was successful.

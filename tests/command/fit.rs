@@ -3,7 +3,7 @@ use std::fs;
 
 use serde_json::Value;
 
-use crate::stochc::{path, put, stochc_with};
+use crate::stochc::{path, stochc_with};
 
 /// Two programs in a small scene with so many free blocks.
 fn programs(free: u32) -> String {
@@ -20,13 +20,21 @@ phase grow {{ M.up -> A  A.up -> B }} }}
 /// The times of a simulation with 20 blocks, as somebody would have measured them.
 fn measured(folder: &std::path::Path) -> String {
     let truth = path(folder, "truth.sa");
-    put(&truth, &programs(20));
-    let said = stochc_with("simulate --runs 200 --seed 900 --quiet --format json", &[&truth]);
+    fs::write(&truth, programs(20)).unwrap();
+    let said = stochc_with(
+        "simulate --runs 200 --seed 900 --quiet --format json",
+        &[&truth],
+    );
     assert_eq!(said.status, 0, "{}", said.err);
     let table: Value = serde_json::from_str(&said.out).unwrap();
     let rows = table["programs"].as_array().unwrap().iter().map(|program| {
         let time = &program["time"];
-        format!("{},200,{},{}\n", program["name"].as_str().unwrap(), time["mean"], time["sd"])
+        format!(
+            "{},200,{},{}\n",
+            program["name"].as_str().unwrap(),
+            time["mean"],
+            time["sd"]
+        )
     });
     "program,n,mean_ticks,sd_ticks\n".to_owned() + &rows.collect::<String>()
 }
@@ -39,22 +47,38 @@ fn a_number_is_found_again_and_what_was_held_out_is_predicted() {
         path(folder.path(), "times.csv"),
         path(folder.path(), "out"),
     );
-    put(&data, &measured(folder.path()));
+    fs::write(&data, measured(folder.path())).unwrap();
     // The number that the fit starts from is another one.
-    put(&file, &programs(8));
+    fs::write(&file, programs(8)).unwrap();
     let options = [
-        &file, "--data", &data, "--vary", "free=8..60 log", "--hold-out", "two", "--out", &out,
+        &file,
+        "--data",
+        &data,
+        "--vary",
+        "free=8..60 log",
+        "--hold-out",
+        "two",
+        "--out",
+        &out,
     ];
     let said = stochc_with("fit --quiet --runs 40 --points 12", &options);
     assert_eq!(said.status, 0, "{}", said.err);
     assert!(said.out.contains("free"), "{}", said.out);
-    let fit: Value = serde_json::from_str(&fs::read_to_string(path(folder.path(), "out/fit.json")).unwrap()).unwrap();
+    let fit: Value =
+        serde_json::from_str(&fs::read_to_string(path(folder.path(), "out/fit.json")).unwrap())
+            .unwrap();
     let number = &fit["numbers"][0];
     let [low, high] = [0, 1].map(|i| number["interval"][i].as_f64().unwrap());
     assert!(low < 20.0 && 20.0 < high, "{low} .. {high}\n{}", said.out);
-    assert!(high - low < 20.0, "{low} .. {high}: the times say something of it");
+    assert!(
+        high - low < 20.0,
+        "{low} .. {high}: the times say something of it"
+    );
     let two = &fit["predictions"][1];
-    assert_eq!((&two["observed"]["program"], &two["is_fitted"]), (&"two".into(), &false.into()));
+    assert_eq!(
+        (&two["observed"]["program"], &two["is_fitted"]),
+        (&"two".into(), &false.into())
+    );
     let mean = two["observed"]["mean"].as_f64().unwrap();
     let [low, high] = [0, 1].map(|i| two["mean_interval"][i].as_f64().unwrap());
     assert!(low < mean && mean < high, "{low} .. {high}, {mean}");
@@ -63,47 +87,92 @@ fn a_number_is_found_again_and_what_was_held_out_is_predicted() {
     // The same again to the letter, but not into the same folder.
     let again = stochc_with("fit --quiet --runs 40 --points 12", &options[..7]);
     assert_eq!((again.status, &again.out), (0, &said.out));
-    assert_eq!(stochc_with("fit --quiet --runs 40 --points 12", &options).status, 2);
+    assert_eq!(
+        stochc_with("fit --quiet --runs 40 --points 12", &options).status,
+        2
+    );
 }
 
 #[test]
 fn what_does_not_fit_together_is_told() {
     let folder = tempfile::tempdir().unwrap();
-    let (file, data) = (path(folder.path(), "small.sa"), path(folder.path(), "times.csv"));
-    put(&file, &programs(8));
+    let (file, data) = (
+        path(folder.path(), "small.sa"),
+        path(folder.path(), "times.csv"),
+    );
+    fs::write(&file, programs(8)).unwrap();
     let good = "program,ticks\none,10\none,20\ntwo,20\ntwo,30\n";
     for (table, vary, more, reason) in [
-        ("program,ticks\none,10\none,20\n", "free=8..60", "", "the data say nothing of `two`"),
-        (&*format!("{good}three,1\nthree,2\n"), "free=8..60", "", "no file declares it"),
+        (
+            "program,ticks\none,10\none,20\n",
+            "free=8..60",
+            "",
+            "the data say nothing of `two`",
+        ),
+        (
+            &*format!("{good}three,1\nthree,2\n"),
+            "free=8..60",
+            "",
+            "no file declares it",
+        ),
         ("a,b\n1,2\n", "free=8..60", "", "its columns are `a,b`"),
-        ("program,ticks\none,ten\n", "free=8..60", "", "line 2: `ten` is no number above 0"),
+        (
+            "program,ticks\none,ten\n",
+            "free=8..60",
+            "",
+            "line 2: `ten` is no number above 0",
+        ),
         (good, "frei=8..60", "", "no number `frei`"),
         (good, "free=60..8", "", "is no range"),
         (good, "free=-5..60", "", "free"),
         (good, "free=8..60", "--vary free=8..60", "given twice"),
-        (good, "free=8..60", "--hold-out none", "no file declares `none`"),
-        (good, "free=8..60", "--hold-out one --hold-out two", "no program is left to fit to"),
+        (
+            good,
+            "free=8..60",
+            "--hold-out none",
+            "no file declares `none`",
+        ),
+        (
+            good,
+            "free=8..60",
+            "--hold-out one --hold-out two",
+            "no program is left to fit to",
+        ),
         (good, "free=8..60", "--vary bond.pull=1..9,N", "bond.pull"),
     ] {
-        put(&data, table);
+        fs::write(&data, table).unwrap();
         let mut options = vec![&*file, "--data", &data, "--vary", vary];
         options.extend(more.split_whitespace());
         let said = stochc_with("fit --quiet", &options);
         assert_eq!(said.status, 2, "{vary} {more}: {}", said.err);
         assert!(said.err.contains(reason), "{reason}: {}", said.err);
     }
-    let said = stochc_with("fit --quiet --vary free=8..60", &[&file, "--data", "no.csv"]);
-    assert!(said.status == 2 && said.err.contains("cannot read `no.csv`"), "{}", said.err);
+    let said = stochc_with(
+        "fit --quiet --vary free=8..60",
+        &[&file, "--data", "no.csv"],
+    );
+    assert!(
+        said.status == 2 && said.err.contains("cannot read `no.csv`"),
+        "{}",
+        said.err
+    );
 }
 
 #[test]
 fn times_that_no_run_reaches_are_told_of() {
     let folder = tempfile::tempdir().unwrap();
-    let (file, data) = (path(folder.path(), "small.sa"), path(folder.path(), "times.csv"));
-    put(&file, &programs(8));
-    put(&data, "program,ticks\none,10\none,20\ntwo,20\ntwo,30\n");
+    let (file, data) = (
+        path(folder.path(), "small.sa"),
+        path(folder.path(), "times.csv"),
+    );
+    fs::write(&file, programs(8)).unwrap();
+    fs::write(&data, "program,ticks\none,10\none,20\ntwo,20\ntwo,30\n").unwrap();
     let options = [&*file, "--data", &data, "--vary", "free=8..9"];
     let said = stochc_with("fit --quiet --runs 4 --points 8 --max-ticks 2", &options);
     assert_eq!(said.status, 3, "{}", said.err);
-    assert!(said.err.contains("at too few points do the runs complete"), "{}", said.err);
+    assert!(
+        said.err.contains("at too few points do the runs complete"),
+        "{}",
+        said.err
+    );
 }

@@ -30,5 +30,6 @@ mod streams;
 mod sweep;
 mod tanks;
 mod trade;
+mod verify;
 #[cfg(unix)]
 mod written;

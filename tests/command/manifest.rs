@@ -175,6 +175,7 @@ fn made_by(folder: &std::path::Path, builds: &[&str]) -> String {
         builds => manifest["builds"] = builds.into(),
     }
     fs::write(&file, manifest.to_string()).unwrap();
+    fs::remove_file(path(out.as_ref(), "checksums.json")).unwrap();
     out
 }
 
@@ -200,7 +201,13 @@ fn runs_of_another_build_are_told_of_once() {
         once(&stochc_with("export --run 1 --format parquet", &[&out]).err);
         once(&stochc_with("replay --run 1", &[&out]).err);
         let line = "simulate --quiet tests/fixtures/dense.sa --runs 5 --resume --out";
-        let resumed = stochc_with(line, &[&out]);
+        let before = fs::read(&file).unwrap();
+        let refused = stochc_with(line, &[&out]);
+        assert_eq!(refused.status, 2, "{}", refused.err);
+        once(&refused.err);
+        assert!(refused.err.contains("`--mixed-builds`"), "{}", refused.err);
+        assert!(fs::read(&file).unwrap() == before);
+        let resumed = stochc_with(line, &[&out, "--mixed-builds"]);
         assert_eq!(resumed.status, 0, "{}", resumed.err);
         once(&resumed.err);
         // Then both have made runs of it.
@@ -208,5 +215,37 @@ fn runs_of_another_build_are_told_of_once() {
             serde_json::from_str(&fs::read_to_string(&file).unwrap()).unwrap();
         let builds = manifest["builds"].as_array().unwrap();
         assert_eq!((builds.len(), &builds[0]), (2, &after.into()));
+    }
+}
+
+/// Runs of two physics are never mixed: one that is there is made again first.
+#[test]
+fn a_run_that_comes_out_differently_ends_the_resuming() {
+    let folder = tempfile::tempdir().unwrap();
+    let this = stochc::ensemble::this_build();
+    for (build, more) in [(&this[..], &[][..]), ("other", &["--mixed-builds"])] {
+        let out = made_by(folder.path(), &[build]);
+        let journal = path(out.as_ref(), "journal.jsonl");
+        let text = fs::read_to_string(&journal).unwrap();
+        // As a build would have made them whose messages take other ways.
+        let lines = text.lines().map(|line| {
+            let (object, _) = line.rsplit_once(",\"crc\"").unwrap();
+            let object = object.replace("\"hops\":", "\"hops\":1") + "}";
+            stochc::files::checksum::sealed(&object) + "\n"
+        });
+        let text: String = lines.collect();
+        fs::write(&journal, &text).unwrap();
+        let before = fs::read(path(out.as_ref(), "manifest.json")).unwrap();
+        let line = "simulate --quiet tests/fixtures/dense.sa --runs 5 --resume --out";
+        let said = stochc_with(line, &[&[&out[..]], more].concat());
+        assert_eq!((said.status, said.out.as_str()), (2, ""), "{}", said.err);
+        assert!(
+            said.err.contains("does not come out as it is"),
+            "{}",
+            said.err
+        );
+        assert_eq!(fs::read_to_string(&journal).unwrap(), text);
+        assert!(fs::read(path(out.as_ref(), "manifest.json")).unwrap() == before);
+        fs::remove_dir_all(&out).unwrap();
     }
 }

@@ -1,6 +1,6 @@
 //! Whatever happens on the way, the tables are the same to the byte.
 use std::fs;
-use std::io::{BufRead as _, BufReader};
+use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -50,7 +50,7 @@ fn a_torn_last_line_costs_one_run() {
     for end in last..whole.len() {
         put(&journal, &whole[..end]);
         fs::remove_file(folder.path().join("runs.parquet")).unwrap();
-        let (_, kept) = Folder::read(folder.path()).unwrap();
+        let kept = Folder::read(folder.path()).unwrap().finished;
         assert_eq!(kept.len(), 7);
         assert!(complete(folder.path(), &manifest(4), 2).complete);
         assert!(bytes(folder.path()) == tables, "cut at byte {end}");
@@ -79,7 +79,7 @@ fn a_damaged_journal_costs_its_damaged_lines() {
     damaged[header + 20..header + 40].fill(0);
     damaged.extend([0; 512]);
     put(&journal, &damaged);
-    assert_eq!(Folder::read(folder.path()).unwrap().1.len(), 7);
+    assert_eq!(Folder::read(folder.path()).unwrap().finished.len(), 7);
     complete(folder.path(), &manifest(4), 1);
     assert!(bytes(folder.path()) == tables);
 }
@@ -105,7 +105,7 @@ fn stopping_keeps_what_is_finished() {
     .unwrap();
     assert!(!results.complete && results.finished.len() < 24);
     // The tables hold what there is.
-    let (_, kept) = Folder::read(folder.path()).unwrap();
+    let kept = Folder::read(folder.path()).unwrap().finished;
     assert_eq!(kept, results.finished);
     assert!(folder.path().join("runs.parquet").exists());
 
@@ -141,18 +141,21 @@ fn more_runs_extend_an_ensemble() {
     complete(folder.path(), &manifest(9), 2);
     complete(other.path(), &manifest(9), 1);
     assert!(bytes(folder.path()) == bytes(other.path()));
-    assert_eq!(Folder::read(folder.path()).unwrap().0, manifest(9));
+    assert_eq!(Folder::read(folder.path()).unwrap().manifest, manifest(9));
 }
 
 /// Where the process that is to be killed works.
 const VICTIM: &str = "STOCHC_TEST_VICTIM";
 
-#[test]
-fn a_killed_process_leaves_a_folder_that_resumes() {
-    let [folder, other] = [(); 2].map(|()| tempfile::tempdir().unwrap());
+/// On how many threads it works.
+const THREADS: &str = "STOCHC_TEST_THREADS";
+
+/// A process that makes runs in a folder, until one of them gets stuck.
+fn stuck(folder: &Path, threads: &str) -> std::process::Child {
     let mut victim = Command::new(std::env::current_exe().unwrap())
         .args(["--exact", "interrupted::victim", "--ignored", "--nocapture"])
-        .env(VICTIM, folder.path())
+        .env(VICTIM, folder)
+        .env(THREADS, threads)
         .stdout(Stdio::piped())
         .stderr(Stdio::null())
         .spawn()
@@ -160,6 +163,26 @@ fn a_killed_process_leaves_a_folder_that_resumes() {
     let output = BufReader::new(victim.stdout.take().unwrap());
     let stuck = output.lines().any(|line| line.unwrap().contains("stuck"));
     assert!(stuck, "the victim reaches its last run");
+    victim
+}
+
+#[test]
+fn a_kill_costs_no_finished_run() {
+    for _ in 0..10 {
+        let folder = tempfile::tempdir().unwrap();
+        let mut victim = stuck(folder.path(), "1");
+        victim.kill().unwrap();
+        victim.wait().unwrap();
+        // Six of each program, and the seventh of the first was stuck.
+        let contents = Folder::read(folder.path()).unwrap();
+        assert_eq!((contents.finished.len(), contents.damage.len()), (12, 0));
+    }
+}
+
+#[test]
+fn a_killed_process_leaves_a_folder_that_resumes() {
+    let [folder, other] = [(); 2].map(|()| tempfile::tempdir().unwrap());
+    let mut victim = stuck(folder.path(), "2");
     let locked = Folder::open(folder.path(), &manifest(8), true).unwrap_err();
     assert!(
         locked.to_string().starts_with("another process"),
@@ -182,13 +205,15 @@ fn victim() {
     };
     let folder = Folder::open(Path::new(&path), &manifest(8), false).unwrap();
     let never = AtomicBool::new(false);
+    let threads = std::env::var(THREADS).unwrap().parse().unwrap();
     run_on(
-        2,
+        threads,
         Destination::Folder(folder),
         &never,
         |program, run, watch| {
             if run == 6 {
-                println!("stuck");
+                // Of two threads that get stuck, nobody listens to the second.
+                let _ = writeln!(std::io::stdout(), "stuck");
                 loop {
                     std::thread::park();
                 }

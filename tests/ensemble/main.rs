@@ -1,4 +1,5 @@
 //! Ensembles from outside: what is kept, what is refused, and what the tables say.
+mod damaged;
 mod figures;
 mod interrupted;
 mod refused;

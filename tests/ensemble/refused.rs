@@ -49,7 +49,7 @@ fn a_manifest_of_something_else_is_not_touched() {
     put(&folder.path().join("manifest.json"), "{\"icons\": []}");
     assert_snapshot!(refusal(folder.path(), &manifest(2), true), @"cannot read `manifest.json` in `DIR`: it is not the manifest of an ensemble; choose another folder, or read this one with the version that made it");
     put(&folder.path().join("manifest.json"), "{\"format\": 99}");
-    assert_snapshot!(refusal(folder.path(), &manifest(2), true), @"cannot read `manifest.json` in `DIR`: its format is 99, and this is 3; choose another folder, or read this one with the version that made it");
+    assert_snapshot!(refusal(folder.path(), &manifest(2), true), @"cannot read `manifest.json` in `DIR`: its format is 99, and this is 4; choose another folder, or read this one with the version that made it");
 }
 
 #[test]
@@ -108,7 +108,7 @@ fn a_journal_of_another_ensemble_is_refused() {
     complete(other.path(), &changed, 1);
     let journal = |of: &tempfile::TempDir| of.path().join("journal.jsonl");
     fs::copy(journal(&other), journal(&folder)).unwrap();
-    assert_snapshot!(refusal(folder.path(), &manifest(2), true), @"`journal.jsonl` does not belong to `manifest.json` beside it; move both to where they came from, or choose another folder");
+    assert_snapshot!(refusal(folder.path(), &manifest(2), true), @"`journal.jsonl` does not belong to `manifest.json` beside it; move both to where they came from, or choose another folder; if one is damaged, `stochc verify --repair` may help");
 }
 
 #[test]
@@ -127,6 +127,7 @@ fn what_a_crash_leaves_is_no_reason_to_refuse() {
         [
             ".lock",
             "bonds.parquet",
+            "checksums.json",
             "journal.jsonl",
             "manifest.json",
             "phases.parquet",

@@ -3,8 +3,23 @@ use std::fs;
 use std::path::Path;
 
 use stochc::ensemble::Manifest;
+use stochc::files::checksum::sealed;
 
 use crate::stochc::{command, path, said, stochc_with};
+
+/// Takes what is known of the files of a folder away, as if somebody had changed them on purpose.
+fn unseal(out: &str) {
+    fs::remove_file(path(out.as_ref(), "checksums.json")).unwrap();
+}
+
+/// A journal of another ensemble, with the checksums that it would have.
+fn renamed(journal: &str, before: &str, after: &str) -> String {
+    let lines = journal.lines().map(|line| {
+        let (object, _) = line.rsplit_once(",\"crc\"").unwrap();
+        sealed(&(object.replace(before, after) + "}")) + "\n"
+    });
+    lines.collect()
+}
 
 /// A finished ensemble in `out` below a folder.
 fn simulated(folder: &Path, name: &str, more: &[&str]) -> String {
@@ -99,11 +114,14 @@ fn what_is_no_results_folder_is_refused() {
     // A manifest of another layout.
     let manifest = path(out.as_ref(), "manifest.json");
     let text = fs::read_to_string(&manifest).unwrap();
-    fs::write(&manifest, text.replace("\"format\": 3", "\"format\": 99")).unwrap();
+    fs::write(&manifest, text.replace("\"format\": 4", "\"format\": 99")).unwrap();
+    let said = stochc_with("report", &[&out]);
+    assert!(said.err.contains("changed by hand"), "{}", said.err);
+    unseal(&out);
     let said = stochc_with("report", &[&out]);
     assert_eq!(said.status, 2);
     assert!(
-        said.err.contains("its format is 99, and this is 3"),
+        said.err.contains("its format is 99, and this is 4"),
         "{}",
         said.err
     );
@@ -116,6 +134,7 @@ fn an_ensemble_that_is_not_finished_is_told_of_as_such() {
     let out = simulated(folder.path(), "out", &[]);
     let journal = path(out.as_ref(), "journal.jsonl");
     let text = fs::read_to_string(&journal).unwrap();
+    unseal(&out);
     let lines: Vec<&str> = text.lines().collect();
     // Two runs, and half of the third.
     let half = &lines[3][..lines[3].len() / 2];
@@ -154,10 +173,11 @@ fn another_version_is_told_of() {
     let before = manifest.identity();
     manifest.stochc = "0.0.1".into();
     fs::write(file("manifest.json"), manifest.to_json()).unwrap();
+    fs::remove_file(file("checksums.json")).unwrap();
     let journal = fs::read_to_string(file("journal.jsonl")).unwrap();
     fs::write(
         file("journal.jsonl"),
-        journal.replace(&before, &manifest.identity()),
+        renamed(&journal, &before, &manifest.identity()),
     )
     .unwrap();
     let page = path(folder.path(), "both.html");
@@ -183,10 +203,11 @@ fn a_report_needs_no_text() {
     let before = manifest.identity();
     manifest.programs[0].sources[0].text = "assembly tower {".into();
     fs::write(file("manifest.json"), manifest.to_json()).unwrap();
+    fs::remove_file(file("checksums.json")).unwrap();
     let journal = fs::read_to_string(file("journal.jsonl")).unwrap();
     fs::write(
         file("journal.jsonl"),
-        journal.replace(&before, &manifest.identity()),
+        renamed(&journal, &before, &manifest.identity()),
     )
     .unwrap();
     assert_eq!(stochc_with("report", &[&out]).status, 0);

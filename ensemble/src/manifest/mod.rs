@@ -16,8 +16,14 @@ use super::build::this_build;
 /// Version of the layout of a results folder; another one is not read.
 ///
 /// In 1 a run left nothing of the waits under way when it ended, of its releases and of its unplanned bonds; in 2 a
-/// manifest held texts alone, which had to be compiled again.
-pub const FORMAT: u32 = 3;
+/// manifest held texts alone, which had to be compiled again; in 3 there were no checksums, and it is still read.
+pub const FORMAT: u32 = 4;
+
+/// The oldest layout that is read.
+pub const OLDEST: u32 = 3;
+
+/// The layout of what decides a run: the same ensemble has the same identity in all layouts that are read.
+const IDENTITY: u32 = 3;
 
 /// Everything that an ensemble depends on; `manifest.json` in its folder.
 #[derive(Clone, Debug, PartialEq)]
@@ -155,7 +161,7 @@ impl Manifest {
     /// Paths, the number of runs and the number of threads are no part of it.
     pub fn identity(&self) -> String {
         let identity = Identity {
-            format: FORMAT,
+            format: IDENTITY,
             stochc: &self.stochc,
             settings: self.settings.resolved(),
             seed: self.seed,

@@ -9,7 +9,7 @@ use stochc_ir::scene::Scene;
 use stochc_ir::table::Tables;
 use stochc_runtime::Settings;
 
-use super::{Compiled, FORMAT, Manifest, Program, Source, Varied};
+use super::{Compiled, FORMAT, Manifest, OLDEST, Program, Source, Varied};
 
 #[derive(Serialize, Deserialize)]
 struct Stored {
@@ -107,7 +107,7 @@ impl Manifest {
     /// In words, when it is no manifest, one of another format, or damaged.
     pub fn from_json(json: &str) -> Result<Manifest, String> {
         let format = Manifest::format(json)?;
-        if format != FORMAT {
+        if !(OLDEST..=FORMAT).contains(&format) {
             return Err(format!("its format is {format}, and this is {FORMAT}"));
         }
         let damaged = |error: &dyn std::fmt::Display| format!("it is damaged, {error}");

@@ -6,9 +6,10 @@ use flate2::Compression;
 use flate2::read::ZlibDecoder;
 use flate2::write::ZlibEncoder;
 use serde::{Deserialize, Serialize};
+use stochc_files::checksum::crc32;
 
-/// Of the file format; another one is not read.
-pub const VERSION: u32 = 1;
+/// Of the file format; in 1 there were no checksums, and it is still read.
+pub const VERSION: u32 = 2;
 
 /// How the file begins.
 pub(super) const MARK: [u8; 8] = *b"STOCHREC";
@@ -70,60 +71,110 @@ pub fn is_file(file: &mut std::fs::File) -> io::Result<bool> {
 /// Writes the beginning of a file.
 pub(super) fn write_header(out: &mut impl Write, header: &Header) -> io::Result<()> {
     let json = serde_json::to_vec(header)?;
-    out.write_all(&MARK)?;
-    out.write_all(&VERSION.to_le_bytes())?;
-    out.write_all(&(json.len() as u32).to_le_bytes())?;
-    out.write_all(&json)
+    let length = json.len() as u32;
+    let numbers = [VERSION.to_le_bytes(), length.to_le_bytes()].concat();
+    write_sealed(out, &[&MARK, &numbers, &json])
 }
 
-/// Reads the beginning of a file.
-pub(super) fn read_header(from: &mut impl Read) -> Result<Header, RecordingError> {
-    let mut mark = [0; 8];
-    let have = fill(from, &mut mark)?;
-    if mark[..have] != MARK[..have] || have == 0 {
+/// Writes a part of a file, and its checksum.
+fn write_sealed(out: &mut impl Write, parts: &[&[u8]]) -> io::Result<()> {
+    let part = parts.concat();
+    out.write_all(&part)?;
+    out.write_all(&crc32(&part).to_le_bytes())
+}
+
+/// A part of a file that has been read, and is to be held against its checksum.
+struct Part<R> {
+    from: R,
+    bytes: Vec<u8>,
+}
+
+impl<R: Read> Part<R> {
+    /// The next bytes, or what there is of them.
+    fn take(&mut self, count: u64) -> io::Result<&[u8]> {
+        let at = self.bytes.len();
+        self.from
+            .by_ref()
+            .take(count)
+            .read_to_end(&mut self.bytes)?;
+        Ok(&self.bytes[at..])
+    }
+
+    /// The next number; `None`: the file ends before it does.
+    fn number(&mut self) -> io::Result<Option<u32>> {
+        Ok(self.take(4)?.try_into().ok().map(u32::from_le_bytes))
+    }
+
+    /// Whether the checksum that follows is right; `None`: the file ends before it does.
+    fn is_sound(&mut self) -> io::Result<Option<bool>> {
+        let crc = crc32(&self.bytes);
+        Ok(self.number()?.map(|stored| stored == crc))
+    }
+}
+
+/// Reads the beginning of a file; tells its version as well.
+pub(super) fn read_header(from: &mut impl Read) -> Result<(Header, u32), RecordingError> {
+    let short = || RecordingError::CutShort(None);
+    let mut part = Part {
+        from,
+        bytes: Vec::new(),
+    };
+    let mark = part.take(8)?;
+    if mark.is_empty() || !MARK.starts_with(mark) {
         return Err(RecordingError::Foreign);
     }
-    let version = number(from)?;
-    if version != VERSION {
+    let version = part.number()?.ok_or_else(short)?;
+    if !(1..=VERSION).contains(&version) {
         return Err(RecordingError::Version(version));
     }
-    let length = number(from)?;
-    let mut json = Vec::new();
-    from.take(length.into()).read_to_end(&mut json)?;
+    let length = part.number()?.ok_or_else(short)?;
+    let json = part.take(length.into())?;
     if json.len() < length as usize {
-        return Err(RecordingError::CutShort(None));
+        return Err(short());
     }
-    serde_json::from_slice(&json).map_err(|_| RecordingError::Damaged("its header"))
+    let header = serde_json::from_slice(json);
+    if version > 1 && !part.is_sound()?.ok_or_else(short)? {
+        return Err(RecordingError::Damaged("its header"));
+    }
+    let header = header.map_err(|_| RecordingError::Damaged("its header"))?;
+    Ok((header, version))
 }
 
 /// Writes a section.
 pub(super) fn write_section(out: &mut impl Write, tag: [u8; 4], payload: &[u8]) -> io::Result<()> {
     let length = u32::try_from(payload.len()).map_err(|_| io::ErrorKind::FileTooLarge)?;
-    out.write_all(&tag)?;
-    out.write_all(&length.to_le_bytes())?;
-    out.write_all(payload)
+    write_sealed(out, &[&tag, &length.to_le_bytes(), payload])
 }
 
-/// Reads the next section; `None`: the file ends here, or in the midst of it.
-pub(super) fn read_section(from: &mut impl Read) -> io::Result<Option<([u8; 4], Vec<u8>)>> {
-    let mut tag = [0; 4];
-    if fill(from, &mut tag)? < tag.len() {
-        return Ok(None);
-    }
-    let Ok(length) = number(from) else {
+/// Reads the next section of a file of this version; `None`: the file ends here, or in the midst of it.
+pub(super) fn read_section(
+    from: &mut impl Read,
+    version: u32,
+) -> Result<Option<([u8; 4], Vec<u8>)>, RecordingError> {
+    let mut part = Part {
+        from,
+        bytes: Vec::new(),
+    };
+    let Ok(tag) = <[u8; 4]>::try_from(part.take(4)?) else {
         return Ok(None);
     };
-    let mut payload = Vec::new();
-    from.take(length.into()).read_to_end(&mut payload)?;
-    Ok((payload.len() == length as usize).then_some((tag, payload)))
-}
-
-fn number(from: &mut impl Read) -> Result<u32, RecordingError> {
-    let mut bytes = [0; 4];
-    if fill(from, &mut bytes)? < bytes.len() {
-        return Err(RecordingError::CutShort(None));
+    let Some(length) = part.number()? else {
+        return Ok(None);
+    };
+    if part.take(length.into())?.len() < length as usize {
+        return Ok(None);
     }
-    Ok(u32::from_le_bytes(bytes))
+    if version > 1 {
+        match part.is_sound()? {
+            Some(true) => {}
+            Some(false) => return Err(RecordingError::Damaged("the checksum of a part differs")),
+            None => return Ok(None),
+        }
+    }
+    let payload = 8..8 + length as usize;
+    part.bytes.truncate(payload.end);
+    part.bytes.drain(..payload.start);
+    Ok(Some((tag, part.bytes)))
 }
 
 /// Reads until the buffer is full or the file ends; how much that was.

@@ -6,6 +6,8 @@ use stochc_ir::table::Tables;
 
 use super::chunk::Chunk;
 use super::events::{Happening, Seeds};
+use crate::{Finished, Manifest};
+
 use super::format::{
     DONE, EVENTS, Header, POSES, RecordingError, inflate, read_header, read_section,
 };
@@ -17,6 +19,7 @@ const LARGEST: u64 = 1 << 30;
 #[derive(Clone, Debug)]
 pub struct Recording {
     header: Header,
+    version: u32,
     chunks: Vec<Chunk>,
     events: Vec<Happening>,
     record: RunRecord,
@@ -38,11 +41,11 @@ impl Recording {
     /// # Errors
     /// When it is none, of another version, cut short or damaged.
     pub fn read(mut from: impl Read, tables: &Tables) -> Result<Recording, RecordingError> {
-        let header = read_header(&mut from)?;
+        let (header, version) = read_header(&mut from)?;
         let seeds = Seeds::of(tables);
         let (mut chunks, mut events): (Vec<Chunk>, Vec<Happening>) = (Vec::new(), Vec::new());
         loop {
-            let Some((tag, payload)) = read_section(&mut from)? else {
+            let Some((tag, payload)) = read_section(&mut from, version)? else {
                 let last = chunks.last().and_then(|chunk| chunk.ticks.last());
                 return Err(RecordingError::CutShort(last.copied()));
             };
@@ -60,11 +63,21 @@ impl Recording {
                 DONE => {
                     let damaged = || RecordingError::Damaged("its record");
                     let json = inflate(&payload, LARGEST).ok_or_else(damaged)?;
+                    let record: RunRecord = serde_json::from_slice(&json).map_err(|_| damaged())?;
+                    let ticks = chunks.iter().flat_map(|chunk| chunk.ticks.iter().copied());
+                    let mut ticks = ticks.chain(events.iter().map(|event| event.tick));
+                    if ticks.any(|tick| tick > record.ticks) {
+                        return Err(RecordingError::Damaged("something happens after its end"));
+                    }
+                    if version > 1 && from.read(&mut [0])? > 0 {
+                        return Err(RecordingError::Damaged("something follows its end"));
+                    }
                     return Ok(Recording {
                         header,
+                        version,
                         chunks,
                         events,
-                        record: serde_json::from_slice(&json).map_err(|_| damaged())?,
+                        record,
                     });
                 }
                 _ => return Err(RecordingError::Damaged("a part of an unknown kind")),
@@ -75,6 +88,25 @@ impl Recording {
     /// What it is of.
     pub fn header(&self) -> &Header {
         &self.header
+    }
+
+    /// The version of its format.
+    pub fn version(&self) -> u32 {
+        self.version
+    }
+
+    /// Whether it is that of a run of an ensemble, of which these runs are finished.
+    pub fn is_of(
+        &self,
+        manifest: &Manifest,
+        finished: &[Finished],
+        program: usize,
+        run: u64,
+    ) -> bool {
+        let known = (finished.iter()).find(|it| it.program == program && it.record.run == run);
+        self.header.ensemble == manifest.identity()
+            && (self.header.program, self.header.run) == (program, run)
+            && known.is_none_or(|known| known.record == self.record)
     }
 
     /// All that happened, in its order.

@@ -1,7 +1,7 @@
 //! Files or a manifest to programs that are ready to run.
 
 use stochc_compiler::{Checked, LintLevels};
-use stochc_ensemble::{FORMAT, Manifest, Program, Source, Varied, this_build};
+use stochc_ensemble::{Manifest, OLDEST, Program, Source, Varied, this_build};
 use stochc_files::programs::{executables, refusal};
 use stochc_files::read_file;
 use stochc_ir::Executable;
@@ -125,7 +125,7 @@ fn from_manifest(path: &std::path::Path, levels: &LintLevels) -> Result<Manifest
     let text = String::from_utf8_lossy(&bytes);
     let refuse = |reason: String| Failure::usage(format!("`{shown}`: {reason}"));
     let mut manifest = match Manifest::format(&text).map_err(refuse)? {
-        older_manifest @ 1..FORMAT => older_manifest::read(older_manifest, &text, path, levels)?,
+        older @ 1..OLDEST => older_manifest::read(older, &text, path, levels)?,
         _ => Manifest::from_json(&text).map_err(refuse)?,
     };
     manifest.within_limits().map_err(refuse)?;

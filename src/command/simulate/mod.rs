@@ -9,7 +9,8 @@ mod single;
 mod sweep;
 
 use std::num::NonZeroUsize;
-use std::sync::atomic::AtomicBool;
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use stochc_ir::table::{Action, Tables};
 use stochc_runtime::{Model, RunError, Settings, run as run_once};
@@ -17,11 +18,11 @@ use stochc_runtime::{Model, RunError, Settings, run as run_once};
 pub(super) use input::programs;
 pub use options::Options;
 pub(super) use record::begin;
-pub(super) use sweep::{at_point, share_tables};
+pub(super) use sweep::{at_point, files as sweep_files, share_tables};
 
 use super::interrupt::stop_on_interrupt;
 use super::progress::{Display, of_ensemble};
-use super::results::{Shown, show};
+use super::results::{Shown, show, tell_of_damage};
 use super::scene_warnings::{SceneWarning, scene_warnings};
 use super::terminal::warn;
 use crate::exit::{Exit, Failure};
@@ -31,8 +32,10 @@ use stochc_ensemble::Folder;
 use stochc_ensemble::Manifest;
 use stochc_ensemble::Program;
 use stochc_ensemble::Progress;
+use stochc_ensemble::Resume;
 use stochc_ensemble::State;
 use stochc_ensemble::Watch;
+use stochc_ensemble::check_stored;
 use stochc_ensemble::other_build;
 use stochc_ensemble::run as run_all;
 
@@ -125,7 +128,12 @@ fn ensemble(options: &Options, manifest: &Manifest, stop: &AtomicBool) -> Result
     let destination = match &options.out {
         None => Destination::Memory(manifest),
         Some(out) => {
-            let folder = Folder::open(out, manifest, options.resume).map_err(Failure::usage)?;
+            let resume = match (options.resume, options.mixed_builds) {
+                (_, true) => Resume::MixedBuilds,
+                (resume, false) => resume.into(),
+            };
+            let folder = Folder::open(out, manifest, resume).map_err(Failure::usage)?;
+            tell_of_damage(out, folder.damage());
             match folder.state() {
                 State::New => {}
                 State::Finished => warn(&format!("`{}` is finished already\n", out.display())),
@@ -133,7 +141,20 @@ fn ensemble(options: &Options, manifest: &Manifest, stop: &AtomicBool) -> Result
                 State::Resumed if options.manifest.is_some() => {}
                 State::Resumed => tell_of_build(folder.builds()),
             }
-            Destination::Folder(folder)
+            if folder.state() == State::Resumed {
+                let mut watch = |_, _| match stop.load(Ordering::Relaxed) {
+                    true => ControlFlow::Break(()),
+                    false => ControlFlow::Continue(()),
+                };
+                let again = |program: usize, number| {
+                    let of = &manifest.programs[program];
+                    let (settings, seed) = (&manifest.settings, manifest.seed);
+                    run_once(of.tables(), &of.scene, settings, seed, number, &mut watch)
+                        .map_err(|_| Cancelled)
+                };
+                check_stored(&folder, again).map_err(Failure::usage)?;
+            }
+            Destination::Folder(folder.with(sweep::files))
         }
     };
     let threads = match options.threads {
@@ -169,9 +190,6 @@ fn ensemble(options: &Options, manifest: &Manifest, stop: &AtomicBool) -> Result
         bonds: options.bonds,
     };
     let exit = show(manifest, &results.finished, &shown)?;
-    if let Some(out) = &options.out {
-        sweep::keep(out, manifest, &results.finished)?;
-    }
     completion_curves::close(options, manifest, &results.finished)?;
     if results.complete {
         return unrecorded.map_or(Ok(exit), Err);

@@ -69,6 +69,9 @@ pub struct Options {
     /// Continue an interrupted ensemble in `--out`, or add runs to a finished one
     #[arg(long, requires = "out")]
     pub resume: bool,
+    /// Continue it although another build of `stochc` has made its runs, if one of them comes out again as it was
+    #[arg(long, requires = "resume")]
+    pub mixed_builds: bool,
     /// Record the trajectories of these runs for `stochc replay`: 17, 0..4, 0,5,10..12 or all
     #[arg(long, value_name = "RUNS", requires = "out")]
     pub record: Option<Selection>,

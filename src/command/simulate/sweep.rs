@@ -1,12 +1,10 @@
 //! Programs at many points of a sweep, and the files that tell of it.
 use std::collections::HashMap;
-use std::path::Path;
 use std::sync::Arc;
 
 use stochc_compiler::LintLevels;
 use stochc_ensemble::sweep::{MOST_POINTS, Sweep, points as combine};
 use stochc_ensemble::{Compiled, Finished, MOST_RUNS, Manifest, Program};
-use stochc_files::atomic::{self, Replaces};
 use stochc_ir::Executable;
 use stochc_report::figures::sweep as pictures;
 
@@ -113,22 +111,19 @@ pub fn share_tables(programs: &mut [Program]) {
     }
 }
 
-/// Writes `sweep.json`, `sweep.csv` and the figures into a results folder, if its ensemble is a sweep.
-pub(super) fn keep(out: &Path, manifest: &Manifest, finished: &[Finished]) -> Result<(), Failure> {
+/// `sweep.json`, `sweep.csv` and the figures of a results folder, if its ensemble is a sweep: names and contents.
+pub(in crate::command) fn files(
+    manifest: &Manifest,
+    finished: &[Finished],
+) -> Vec<(String, String)> {
     let Some(sweep) = Sweep::of(manifest, finished) else {
-        return Ok(());
+        return Vec::new();
     };
-    let tables = [
+    let mut files = vec![
         ("sweep.json".to_owned(), sweep.to_json(manifest)),
         ("sweep.csv".to_owned(), sweep.to_csv()),
     ];
     let pictures = pictures(&sweep, "sweep").into_iter();
-    let pictures = pictures.map(|drawing| (format!("{}.svg", drawing.name), drawing.file()));
-    for (name, text) in tables.into_iter().chain(pictures) {
-        let path = out.join(name);
-        atomic::replace(&path, text.as_bytes(), Replaces::Ordinary).map_err(|error| {
-            Failure::usage(format!("cannot write `{}`: {error}", path.display()))
-        })?;
-    }
-    Ok(())
+    files.extend(pictures.map(|drawing| (format!("{}.svg", drawing.name), drawing.file())));
+    files
 }

@@ -1,0 +1,126 @@
+//! `checksums.json`: what the files of a results folder were when they were last written as a whole.
+//!
+//! A line of JSON that bears its own checksum. The journal grows behind what is known of it.
+use std::fs::File;
+use std::io;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+use stochc_files::checksum::{self, Line, crc32, mended, of_file};
+use stochc_files::{open, read_file};
+
+/// Its name.
+pub(super) const SEAL: &str = "checksums.json";
+
+/// Checksums of files.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) struct Seal {
+    files: Vec<Entry>,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+struct Entry {
+    name: String,
+    bytes: u64,
+    /// CRC-32 of them, in hexadecimal.
+    crc32: String,
+}
+
+impl Seal {
+    /// Notes a file with this content.
+    pub fn add(&mut self, name: &str, content: &[u8]) {
+        self.note(name, (content.len() as u64, crc32(content)));
+    }
+
+    /// Notes a file that is there.
+    ///
+    /// # Errors
+    /// Those of the file system.
+    pub fn add_file(&mut self, name: &str, file: File) -> io::Result<()> {
+        self.note(name, of_file(file, u64::MAX)?);
+        Ok(())
+    }
+
+    fn note(&mut self, name: &str, (bytes, crc): (u64, u32)) {
+        self.files.push(Entry {
+            name: name.to_owned(),
+            bytes,
+            crc32: format!("{crc:08x}"),
+        });
+    }
+
+    /// The text of the file.
+    pub fn to_json(&self) -> String {
+        let json = serde_json::to_string(self).expect("checksums are plain data");
+        checksum::sealed(&json) + "\n"
+    }
+
+    /// Reads it in a folder; `None`: there is none, or it says nothing that can be believed.
+    pub fn read(folder: &Path) -> (Option<Seal>, Option<String>) {
+        let damaged = || (None, Some(format!("`{SEAL}` is damaged")));
+        let bytes = match read_file(&folder.join(SEAL)) {
+            Ok(bytes) => bytes,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return (None, None),
+            Err(error) => return (None, Some(format!("cannot read `{SEAL}`: {error}"))),
+        };
+        let Some(line) = bytes.strip_suffix(b"\n") else {
+            return damaged();
+        };
+        match (checksum::check(line), serde_json::from_slice(line)) {
+            (Line::Sound, Ok(seal)) => (Some(seal), None),
+            _ => damaged(),
+        }
+    }
+
+    /// Whether it is known what a file was.
+    pub fn knows(&self, name: &str) -> bool {
+        self.entry(name).is_some()
+    }
+
+    fn entry(&self, name: &str) -> Option<&Entry> {
+        self.files.iter().find(|entry| entry.name == name)
+    }
+
+    /// What a file was, of which one bit has been flipped since; `None`: it is not one bit, or nothing is known.
+    pub fn mended(&self, name: &str, content: &[u8]) -> Option<Vec<u8>> {
+        let entry = self.entry(name)?;
+        let crc = u32::from_str_radix(&entry.crc32, 16).ok()?;
+        let same = content.len() as u64 == entry.bytes;
+        same.then(|| mended(content, crc)).flatten()
+    }
+
+    /// The names of its files, those alone that lie in the folder itself.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        let names = self.files.iter().map(|entry| entry.name.as_str());
+        names.filter(|name| Path::new(name).file_name().is_some_and(|it| it == *name))
+    }
+
+    /// What is wrong with a file of the folder; `None`: nothing, or nothing is known of it. One that `grows` may
+    /// have become longer.
+    pub fn damage(&self, folder: &Path, name: &str, grows: bool) -> Option<String> {
+        let entry = self.entry(name)?;
+        let found = open(&folder.join(name)).and_then(|file| {
+            let length = file.metadata()?.len();
+            Ok((length, of_file(file, entry.bytes)?))
+        });
+        let shown = crate::text::visible(name);
+        match found {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                Some(format!("`{shown}` is missing"))
+            }
+            Err(error) => Some(format!("cannot read `{shown}`: {error}")),
+            Ok((length, _)) if length < entry.bytes => Some(format!(
+                "`{shown}` is cut short: it has {length} bytes and had {}",
+                entry.bytes
+            )),
+            Ok((length, (_, crc)))
+                if format!("{crc:08x}") != entry.crc32 || !grows && length > entry.bytes =>
+            {
+                Some(format!(
+                    "`{shown}` is not what was written: its checksum differs"
+                ))
+            }
+            Ok(_) => None,
+        }
+    }
+}

@@ -1,0 +1,252 @@
+//! Which files of a results folder are sound, and saving what can be saved of it.
+use std::fs;
+use std::io::BufReader;
+use std::path::Path;
+
+use stochc_files::atomic::{Replaces, move_aside, replace};
+use stochc_files::{open, read_file};
+
+use super::folder::{JOURNAL, MANIFEST, lock, write_manifest};
+use super::journal::{JournalError, read as read_journal, salvaged};
+use super::manifest::OLDEST;
+use super::recording::{Recording, VERSION, path as recording_path};
+use super::seal::{SEAL, Seal};
+use super::text::visible;
+use super::{Finished, Folder, FolderError, Further, Manifest, RECORDINGS, Resume};
+
+/// The folder within it to which damaged files are moved.
+pub const DAMAGED: &str = "damaged";
+
+/// A file of a folder, and what is known of it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FileHealth {
+    /// Its name within the folder.
+    pub name: String,
+    /// How it is.
+    pub health: Health,
+}
+
+/// How a file is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Health {
+    /// Its checksums are right.
+    Sound,
+    /// It can be read, but nothing says whether it is as it was written.
+    Unprotected,
+    /// It is not as it was written: why, in words.
+    Damaged(Vec<String>),
+}
+
+impl Health {
+    /// Whether something is wrong.
+    pub fn is_damaged(&self) -> bool {
+        matches!(self, Health::Damaged(_))
+    }
+
+    fn of(damage: Vec<String>, is_protected: bool) -> Health {
+        match (damage.is_empty(), is_protected) {
+            (false, _) => Health::Damaged(damage),
+            (true, true) => Health::Sound,
+            (true, false) => Health::Unprotected,
+        }
+    }
+}
+
+/// Holds every file of a results folder against its checksums, and changes nothing.
+///
+/// # Errors
+/// When there are no results, or they cannot be looked at.
+pub fn verify(path: &Path) -> Result<Vec<FileHealth>, FolderError> {
+    let io = |source| FolderError::Io {
+        path: path.to_owned(),
+        source,
+    };
+    let mut files = Vec::new();
+    let mut tell = |name: &str, health| {
+        let name = name.to_owned();
+        files.push(FileHealth { name, health });
+    };
+    if !path.join(MANIFEST).exists() {
+        return Err(FolderError::Absent(path.to_owned()));
+    }
+    let bytes = read_file(&path.join(MANIFEST)).map_err(io)?;
+    let format = std::str::from_utf8(&bytes).map_err(|error| error.to_string());
+    if matches!(format.and_then(Manifest::format), Ok(1..OLDEST)) {
+        let path = path.to_owned();
+        return Err(FolderError::Old { path });
+    }
+    let (seal, damage) = Seal::read(path);
+    if seal.is_some() || damage.is_some() {
+        tell(SEAL, Health::of(damage.into_iter().collect(), true));
+    }
+    let seal = seal.unwrap_or_default();
+    let read = parsed(&bytes);
+    let mut damage: Vec<String> = seal.damage(path, MANIFEST, false).into_iter().collect();
+    if let (Err(reason), true) = (&read, damage.is_empty()) {
+        damage.push(format!("`{MANIFEST}`: {reason}"));
+    }
+    // What the other files belong to is what it has been.
+    let manifest = match damage.is_empty() {
+        true => read,
+        false => saved(path).map_err(io)?,
+    };
+    tell(MANIFEST, Health::of(damage, seal.knows(MANIFEST)));
+    let Ok(manifest) = manifest else {
+        return Ok(files);
+    };
+    let mut finished = Vec::new();
+    let journal = path.join(JOURNAL);
+    if journal.exists() || seal.knows(JOURNAL) {
+        let health = match read_journal(&journal, &manifest, &manifest.identity()) {
+            Ok(stored) => {
+                let mut damage = stored.damage;
+                if damage.is_empty() {
+                    damage.extend(seal.damage(path, JOURNAL, true));
+                }
+                finished = stored.finished;
+                Health::of(damage, stored.is_sealed)
+            }
+            Err(error) => Health::Damaged(vec![error.to_string()]),
+        };
+        tell(JOURNAL, health);
+    }
+    for name in seal.names().filter(|it| ![MANIFEST, JOURNAL].contains(it)) {
+        let damage = seal.damage(path, name, false).into_iter().collect();
+        tell(name, Health::of(damage, true));
+    }
+    for table in super::tables() {
+        let name = format!("{}.parquet", table.name);
+        if !seal.knows(&name) && path.join(&name).exists() {
+            tell(&name, Health::Unprotected);
+        }
+    }
+    for (program, run) in recordings(&manifest, path) {
+        let health = recording(path, &manifest, &finished, (program, run));
+        tell(&format!("{RECORDINGS}/{program}-{run}.rec"), health);
+    }
+    Ok(files)
+}
+
+/// Moves what is damaged aside, into [`DAMAGED`], and makes it again from what is sound, as far as that goes: the
+/// manifest from its checksum if no more than one bit of it is wrong, the journal from its sound lines, tables and
+/// `further` files from the journal. Recordings are made again by those who ask for them.
+///
+/// # Errors
+/// When the manifest cannot be saved, another process writes to the folder, or the file system refuses.
+pub fn repair(path: &Path, further: Further) -> Result<(), FolderError> {
+    let io = |source| FolderError::Io {
+        path: path.to_owned(),
+        source,
+    };
+    let health = verify(path)?;
+    let is_damaged =
+        |name: &str| (health.iter()).any(|file| file.name == name && file.health.is_damaged());
+    let aside = |name: &str| {
+        let moved = move_aside(&path.join(name), &path.join(DAMAGED));
+        moved.map(|_| ()).map_err(io)
+    };
+    let lock = lock(path)?;
+    let manifest = match is_damaged(MANIFEST) {
+        false => manifest(path).map_err(io)?,
+        true => saved(path).map_err(io)?,
+    };
+    let manifest = manifest.map_err(|reason| FolderError::Unreadable {
+        path: path.to_owned(),
+        reason,
+    })?;
+    if is_damaged(MANIFEST) {
+        aside(MANIFEST)?;
+        write_manifest(path, &manifest)?;
+    }
+    if is_damaged(JOURNAL) && path.join(JOURNAL).exists() {
+        let text = salvaged(&path.join(JOURNAL), &manifest, &manifest.identity()).map_err(io)?;
+        let text = text.ok_or(FolderError::Journal(JournalError::Foreign))?;
+        aside(JOURNAL)?;
+        replace(&path.join(JOURNAL), &text, Replaces::Nothing).map_err(io)?;
+    }
+    for file in &health {
+        let is_done = [MANIFEST, JOURNAL].contains(&&*file.name);
+        if file.health.is_damaged() && !is_done && path.join(&file.name).exists() {
+            aside(&file.name)?;
+        }
+    }
+    // Its checksums are those of what has been.
+    if path.join(SEAL).exists() && health.iter().any(|file| file.health.is_damaged()) {
+        aside(SEAL)?;
+    }
+    drop(lock);
+    let folder = Folder::open(path, &manifest, Resume::MixedBuilds)?.with(further);
+    folder.write_tables(folder.kept())
+}
+
+/// Reads the manifest, whatever its checksum; why it cannot be, in words.
+fn manifest(path: &Path) -> std::io::Result<Result<Manifest, String>> {
+    let bytes = read_file(&path.join(MANIFEST))?;
+    Ok(parsed(&bytes))
+}
+
+fn parsed(bytes: &[u8]) -> Result<Manifest, String> {
+    let json = std::str::from_utf8(bytes).map_err(|error| error.to_string())?;
+    Manifest::from_json(json)
+}
+
+/// The manifest as it was written, from a damaged one.
+fn saved(path: &Path) -> std::io::Result<Result<Manifest, String>> {
+    let bytes = read_file(&path.join(MANIFEST))?;
+    let (seal, _) = Seal::read(path);
+    if let Some(mended) = seal.and_then(|seal| seal.mended(MANIFEST, &bytes)) {
+        return Ok(parsed(&mended));
+    }
+    // What its journal belongs to is what decides the runs.
+    let belongs = |manifest: &Manifest| {
+        let identity = manifest.identity();
+        read_journal(&path.join(JOURNAL), manifest, &identity).is_ok_and(|stored| stored.whole > 0)
+    };
+    Ok(parsed(&bytes).and_then(|manifest| match belongs(&manifest) {
+        true => Ok(manifest),
+        false => Err(
+            "more than one bit of it is wrong, and it is not that of the journal; nothing was changed".to_owned(),
+        ),
+    }))
+}
+
+/// The runs of the folder that have a recording, by the number of their program and their own.
+fn recordings(manifest: &Manifest, path: &Path) -> Vec<(usize, u64)> {
+    let Ok(entries) = fs::read_dir(path.join(RECORDINGS)) else {
+        return Vec::new();
+    };
+    let of = |name: &str| {
+        let (program, run) = name.strip_suffix(".rec")?.split_once('-')?;
+        let (program, run) = (program.parse().ok()?, run.parse().ok()?);
+        let is_canonical = name == format!("{program}-{run}.rec");
+        (program < manifest.programs.len() && is_canonical).then_some((program, run))
+    };
+    let names = entries.filter_map(|entry| Some(entry.ok()?.file_name()));
+    let mut found: Vec<_> = names.filter_map(|name| of(name.to_str()?)).collect();
+    found.sort_unstable();
+    found
+}
+
+fn recording(
+    path: &Path,
+    manifest: &Manifest,
+    finished: &[Finished],
+    (program, run): (usize, u64),
+) -> Health {
+    let name = visible(&format!("{RECORDINGS}/{program}-{run}.rec"));
+    let damaged =
+        |reason: &dyn std::fmt::Display| Health::Damaged(vec![format!("`{name}`: {reason}")]);
+    let file = match open(&recording_path(path, program, run)) {
+        Ok(file) => file,
+        Err(error) => return damaged(&error),
+    };
+    let recording = match Recording::read(BufReader::new(file), manifest.programs[program].tables())
+    {
+        Ok(recording) => recording,
+        Err(error) => return damaged(&error),
+    };
+    match recording.is_of(manifest, finished, program, run) {
+        false => damaged(&"it is the recording of another run"),
+        true => Health::of(Vec::new(), recording.version() == VERSION),
+    }
+}

@@ -1,0 +1,131 @@
+//! Checksums (CRC-32) of lines, parts and whole files: any flipped bit is found.
+use std::fs::File;
+use std::io::{self, BufRead as _, BufReader, Read};
+
+use flate2::Crc;
+
+/// The checksum of some bytes.
+pub fn crc32(bytes: &[u8]) -> u32 {
+    let mut crc = Crc::new();
+    crc.update(bytes);
+    crc.sum()
+}
+
+/// How long the beginning of a file is, of at most `length` bytes, and its checksum.
+///
+/// # Errors
+/// Those of the file system.
+pub fn of_file(file: File, length: u64) -> io::Result<(u64, u32)> {
+    let mut crc = Crc::new();
+    let mut from = BufReader::with_capacity(1 << 16, file.take(length));
+    let mut count = 0;
+    loop {
+        let part = from.fill_buf()?;
+        if part.is_empty() {
+            return Ok((count, crc.sum()));
+        }
+        crc.update(part);
+        let read = part.len();
+        count += read as u64;
+        from.consume(read);
+    }
+}
+
+/// What a line of JSON says of itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Line {
+    /// It is as it was written.
+    Sound,
+    /// It is not.
+    Damaged,
+    /// It bears no checksum.
+    Unsealed,
+}
+
+/// Bytes of which one bit has been flipped, as they were when this was their checksum; `None`: it is not one bit.
+pub fn mended(bytes: &[u8], crc: u32) -> Option<Vec<u8>> {
+    /// Of CRC-32, its lowest bit first.
+    const POLYNOMIAL: u32 = 0xedb8_8320;
+    let one_more_bit = |sum: u32| (sum >> 1) ^ (POLYNOMIAL * (sum & 1));
+    let wrong = crc32(bytes) ^ crc;
+    // What a bit does to the sum, for the last bit and then for those before it.
+    let mut effect = POLYNOMIAL;
+    for at in (0..bytes.len()).rev() {
+        for bit in (0..8).rev() {
+            if effect == wrong {
+                let mut mended = bytes.to_vec();
+                mended[at] ^= 1 << bit;
+                return Some(mended);
+            }
+            effect = one_more_bit(effect);
+        }
+    }
+    None
+}
+
+/// How the checksum of a line begins, which is the last field of its object.
+const FIELD: &[u8] = b",\"crc\":\"";
+/// `,"crc":"01234567"}`
+const LENGTH: usize = FIELD.len() + 8 + 2;
+
+/// A JSON object with a field more, `crc`: the checksum, in hexadecimal, of all before it.
+///
+/// # Panics
+/// Where it is no object with a field, without white space behind it.
+pub fn sealed(object: &str) -> String {
+    let body = object.strip_suffix('}').expect("an object ends so");
+    format!("{body},\"crc\":\"{:08x}\"}}", crc32(body.as_bytes()))
+}
+
+/// Holds a line, without the line break, against its checksum.
+pub fn check(line: &[u8]) -> Line {
+    let Some(at) = line.len().checked_sub(LENGTH) else {
+        return Line::Unsealed;
+    };
+    let (body, seal) = line.split_at(at);
+    if !seal.starts_with(FIELD) {
+        return Line::Unsealed;
+    }
+    // As text, so that no digit has two forms.
+    let sound = format!(",\"crc\":\"{:08x}\"}}", crc32(body));
+    match seal == sound.as_bytes() {
+        true => Line::Sound,
+        false => Line::Damaged,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_flipped_bit_of_a_line_passes() {
+        let line = sealed("{\"a\":[1,2,3],\"b\":\"\u{e4}\"}").into_bytes();
+        assert_eq!(check(&line), Line::Sound);
+        assert_eq!(check(b"{\"a\":1}"), Line::Unsealed);
+        for bit in 0..8 * line.len() {
+            let mut line = line.clone();
+            line[bit / 8] ^= 1 << (bit % 8);
+            assert_ne!(check(&line), Line::Sound, "{bit}");
+        }
+    }
+
+    #[test]
+    fn one_flipped_bit_is_found_again() {
+        let bytes = b"{\"format\": 4, \"seed\": 1}\n";
+        let crc = crc32(bytes);
+        for bit in 0..8 * bytes.len() {
+            let mut damaged = bytes.to_vec();
+            damaged[bit / 8] ^= 1 << (bit % 8);
+            assert_eq!(mended(&damaged, crc).unwrap(), bytes, "{bit}");
+            damaged[3] ^= 0x55;
+            assert_ne!(mended(&damaged, crc).as_deref(), Some(&bytes[..]), "{bit}");
+        }
+        assert_eq!(mended(bytes, crc), None);
+    }
+
+    #[test]
+    fn the_checksum_is_that_of_zip_and_png() {
+        assert_eq!(crc32(b"123456789"), 0xcbf4_3926);
+    }
+}

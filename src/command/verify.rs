@@ -1,0 +1,67 @@
+//! `stochc verify`.
+use std::path::PathBuf;
+
+use clap::Args;
+use stochc_ensemble::Folder;
+use stochc_ensemble::text::visible;
+use stochc_ensemble::verify::{DAMAGED, FileHealth, Health, repair, verify};
+
+use super::simulate::sweep_files;
+use super::terminal::{print, warn};
+use crate::exit::{Exit, Failure};
+
+/// What `verify` is given.
+#[derive(Debug, Args)]
+pub struct Options {
+    /// Results folder of `simulate --out`
+    #[arg(value_name = "DIR")]
+    folder: PathBuf,
+    /// Save what is sound: move damaged files into `DIR/damaged`, and write the journal and the tables anew from the rest
+    #[arg(long)]
+    repair: bool,
+}
+
+/// Says of every file of a folder whether it is as it was written.
+pub fn run(options: &Options) -> Result<Exit, Failure> {
+    let path = &options.folder;
+    let health = verify(path).map_err(Failure::usage)?;
+    let is_damaged = |files: &[FileHealth]| files.iter().any(|file| file.health.is_damaged());
+    print(&table(&health))?;
+    if !is_damaged(&health) {
+        return Ok(Exit::Success);
+    }
+    if !options.repair {
+        warn("something is damaged; `--repair` saves what is sound, and deletes nothing\n");
+        return Ok(Exit::Usage);
+    }
+    repair(path, sweep_files).map_err(Failure::usage)?;
+    let contents = Folder::read(path).map_err(Failure::usage)?;
+    let (kept, all) = (contents.finished.len(), contents.manifest.total());
+    let folder = visible(&path.join(DAMAGED).to_string_lossy());
+    print(&format!(
+        "repaired: {kept} of {all} runs are kept, and what was damaged is in `{folder}`\n"
+    ))?;
+    match is_damaged(&verify(path).map_err(Failure::usage)?) {
+        true => Err(Failure::usage(
+            "something is damaged still; verify it again",
+        )),
+        false => Ok(Exit::Success),
+    }
+}
+
+/// A line for each file, and for all that is wrong with it.
+fn table(files: &[FileHealth]) -> String {
+    let mut text = String::new();
+    for FileHealth { name, health } in files {
+        let name = visible(name);
+        match health {
+            Health::Sound => text += &format!("{name}: sound\n"),
+            Health::Unprotected => text += &format!("{name}: has no checksum, and can be read\n"),
+            Health::Damaged(reasons) => {
+                let lines = reasons.iter();
+                text.extend(lines.map(|reason| format!("{name}: damaged: {reason}\n")));
+            }
+        }
+    }
+    text
+}

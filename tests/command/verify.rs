@@ -1,0 +1,85 @@
+//! `stochc verify`, as a user meets it.
+use std::fs;
+use std::path::Path;
+
+use crate::stochc::{path, stochc_with, tables};
+
+const SIMULATE: &str = "simulate --quiet tests/fixtures/dense.sa --substeps 1 --runs 3 --record all --sweep free=12,14 --out";
+
+fn flip(folder: &str, name: &str, at: usize) {
+    let file = path(folder.as_ref(), name);
+    let mut bytes = fs::read(&file).unwrap();
+    let at = at.min(bytes.len() - 1);
+    bytes[at] ^= 0x10;
+    fs::write(&file, bytes).unwrap();
+}
+
+#[test]
+fn damage_is_told_and_what_is_sound_is_saved() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = path(folder.path(), "out");
+    assert_eq!(stochc_with(SIMULATE, &[&out]).status, 0);
+    let whole = tables(&out);
+    let said = stochc_with("verify", &[&out]);
+    assert_eq!((said.status, said.err.as_str()), (0, ""));
+    for name in [
+        "manifest.json",
+        "journal.jsonl",
+        "sweep.csv",
+        "recordings/1-2.rec",
+    ] {
+        assert!(
+            said.out.contains(&format!("{name}: sound\n")),
+            "{}",
+            said.out
+        );
+    }
+    let names = [
+        "manifest.json",
+        "journal.jsonl",
+        "runs.parquet",
+        "sweep.svg",
+        "recordings/0-1.rec",
+    ];
+    let names = names.map(|name| match Path::new(&out).join(name).exists() {
+        true => name,
+        false => "sweep.json",
+    });
+    for name in names {
+        flip(&out, name, 700);
+    }
+    let said = stochc_with("verify", &[&out]);
+    assert_eq!(said.status, 2);
+    for name in names {
+        assert!(
+            said.out.contains(&format!("{name}: damaged: ")),
+            "{}",
+            said.out
+        );
+    }
+    assert_eq!(said.out.matches("damaged: ").count(), 5, "{}", said.out);
+    assert!(!Path::new(&out).join("damaged").exists());
+    let told = stochc_with("results", &[&out]);
+    assert_eq!(told.status, 2);
+    assert!(told.err.contains("`stochc verify"), "{}", told.err);
+    let said = stochc_with("verify --repair", &[&out]);
+    assert_eq!(said.status, 0, "{}{}", said.out, said.err);
+    assert!(said.out.contains("5 of 6 runs are kept"), "{}", said.out);
+    let aside = fs::read_dir(path(out.as_ref(), "damaged")).unwrap().count();
+    assert_eq!(aside, 6, "the five, and the checksums");
+    assert_eq!(stochc_with("verify", &[&out]).status, 0);
+    let said = stochc_with(SIMULATE, &[&out, "--resume"]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    assert!(tables(&out) == whole);
+    let page = path(folder.path(), "page.html");
+    let program = ["--program", "dense [free=12]", "--run", "1", "--out", &page];
+    let said = stochc_with("replay", &[&[&out[..]], &program[..]].concat());
+    assert_eq!(said.status, 0, "{}", said.err);
+}
+
+#[test]
+fn what_is_no_folder_of_results_is_told_of() {
+    let said = stochc_with("verify", &["tests/fixtures"]);
+    assert_eq!((said.status, said.out.as_str()), (2, ""));
+    assert!(said.err.contains("holds no results"), "{}", said.err);
+}

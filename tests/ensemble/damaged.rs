@@ -1,0 +1,169 @@
+//! Flipped bits: each is found, none makes a panic, and what is sound is saved.
+use std::fs;
+use std::path::Path;
+
+use stochc::ensemble::Folder;
+use stochc::ensemble::verify::{Health, repair, verify};
+
+use crate::world::{bytes, complete, manifest, put};
+
+const FILES: [&str; 5] = [
+    "manifest.json",
+    "journal.jsonl",
+    "checksums.json",
+    "runs.parquet",
+    "bonds.parquet",
+];
+
+/// Whether somebody who reads the folder, or goes on in it, is told of something.
+fn is_told(folder: &Path) -> bool {
+    let read = Folder::read(folder).map_or(true, |contents| !contents.damage.is_empty());
+    let opened =
+        Folder::open(folder, &manifest(4), true).map_or(true, |it| !it.damage().is_empty());
+    assert_eq!(read, opened);
+    read
+}
+
+fn damaged(folder: &Path) -> Vec<String> {
+    let files = verify(folder).unwrap().into_iter();
+    let damaged = files.filter(|file| file.health.is_damaged());
+    damaged.map(|file| file.name).collect()
+}
+
+#[test]
+fn every_flipped_bit_is_found() {
+    let folder = tempfile::tempdir().unwrap();
+    complete(folder.path(), &manifest(4), 1);
+    assert!(!is_told(folder.path()));
+    assert!(damaged(folder.path()).is_empty());
+    for name in FILES {
+        let path = folder.path().join(name);
+        let whole = fs::read(&path).unwrap();
+        let bits = 8 * whole.len();
+        // A prime, so that all bits of a byte get their turn.
+        for bit in (0..bits).step_by((bits / 150) | 1) {
+            let mut flipped = whole.clone();
+            flipped[bit / 8] ^= 1 << (bit % 8);
+            put(&path, &flipped);
+            assert!(is_told(folder.path()), "bit {bit} of {name}");
+            assert_eq!(damaged(folder.path()), [name], "bit {bit}");
+            // Opening may have cut off half a line at the end of a journal.
+            put(&path, &whole);
+        }
+        // Nor may it lose its end.
+        put(&path, &whole[..whole.len() - 1]);
+        assert_eq!(damaged(folder.path()), [name]);
+        put(&path, &whole);
+    }
+    assert!(damaged(folder.path()).is_empty());
+}
+
+#[test]
+fn what_is_sound_is_saved_and_what_is_not_is_moved_aside() {
+    let folder = tempfile::tempdir().unwrap();
+    complete(folder.path(), &manifest(4), 1);
+    let tables = bytes(folder.path());
+    let sound: Vec<_> = FILES
+        .map(|name| fs::read(folder.path().join(name)).unwrap())
+        .into();
+    for (name, whole) in FILES.iter().zip(&sound) {
+        for at in [0, 15, whole.len() / 2, whole.len() - 1] {
+            let path = folder.path().join(name);
+            let mut flipped = whole.clone();
+            flipped[at] ^= 0x04;
+            put(&path, &flipped);
+            repair(folder.path(), |_, _| Vec::new()).unwrap();
+            assert!(damaged(folder.path()).is_empty(), "byte {at} of {name}");
+            let contents = Folder::read(folder.path()).unwrap();
+            assert_eq!(contents.manifest, manifest(4));
+            assert!(contents.finished.len() >= 7, "byte {at} of {name}");
+            let mut aside = fs::read_dir(folder.path().join("damaged")).unwrap();
+            let kept = aside.any(|it| fs::read(it.unwrap().path()).unwrap() == flipped);
+            assert!(kept, "byte {at} of {name}");
+            complete(folder.path(), &manifest(4), 2);
+            assert!(bytes(folder.path()) == tables, "byte {at} of {name}");
+        }
+    }
+}
+
+#[test]
+fn a_manifest_that_is_lost_is_left_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    complete(folder.path(), &manifest(4), 1);
+    let path = folder.path().join("manifest.json");
+    let mut bytes = fs::read(&path).unwrap();
+    bytes[100..120].fill(b'#');
+    put(&path, &bytes);
+    let error = repair(folder.path(), |_, _| Vec::new()).unwrap_err();
+    assert!(
+        error.to_string().starts_with("cannot read `manifest.json`"),
+        "{error}"
+    );
+    assert!(fs::read(&path).unwrap() == bytes);
+}
+
+/// As version 3 has written it: lines and files have no checksums.
+fn older(folder: &Path) -> String {
+    complete(folder, &manifest(4), 1);
+    fs::remove_file(folder.join("checksums.json")).unwrap();
+    let file = folder.join("manifest.json");
+    let text = fs::read_to_string(&file).unwrap();
+    put(&file, text.replace("\"format\": 4", "\"format\": 3"));
+    let text = fs::read_to_string(folder.join("journal.jsonl")).unwrap();
+    let lines = text.lines().map(|line| {
+        let (object, _) = line.rsplit_once(",\"crc\"").unwrap();
+        object.replace(",\"journal\":2", "") + "}\n"
+    });
+    let old: String = lines.collect();
+    put(&folder.join("journal.jsonl"), &old);
+    old
+}
+
+#[test]
+fn an_older_folder_is_read_and_goes_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let old = older(folder.path());
+    let contents = Folder::read(folder.path()).unwrap();
+    assert_eq!((contents.finished.len(), contents.damage.len()), (8, 0));
+    let health = verify(folder.path()).unwrap();
+    assert!(health.iter().all(|file| file.health == Health::Unprotected));
+    complete(folder.path(), &manifest(5), 1);
+    let contents = Folder::read(folder.path()).unwrap();
+    assert_eq!((contents.finished.len(), contents.damage.len()), (10, 0));
+    let grown = fs::read_to_string(folder.path().join("journal.jsonl")).unwrap();
+    assert!(grown.starts_with(&old));
+}
+
+#[test]
+fn what_cannot_be_is_told_and_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let old = older(folder.path());
+    let mut manifest = manifest(4);
+    manifest.settings.max_ticks = Some(1_000);
+    put(&folder.path().join("manifest.json"), manifest.to_json());
+    let before = crate::world::manifest(4).identity();
+    let old = old.replace(&before, &manifest.identity());
+    let first = old.lines().nth(1).unwrap();
+    for (what, with, reason) in [
+        (
+            "\"ticks\":",
+            "\"ticks\":9999",
+            "beyond `--max-ticks` (1000)",
+        ),
+        ("\"docked\":", "\"docked\":9999", "after its end"),
+        ("\"program\":0", "\"program\":2", "there is no program 2"),
+        ("\"run\":0", "\"run\":4", "run 4 is not among runs 0..3"),
+        ("\"child\":1", "\"child\":7", "no such role"),
+        ("\"phase\":0", "\"phase\":7", "no such phase"),
+    ] {
+        let changed = first.replacen(what, with, 1);
+        assert_ne!(changed, first, "{what}");
+        put(
+            &folder.path().join("journal.jsonl"),
+            old.replace(first, &changed),
+        );
+        let contents = Folder::read(folder.path()).unwrap();
+        assert_eq!(contents.finished.len(), 7, "{what}");
+        assert!(contents.damage[0].contains(reason), "{:?}", contents.damage);
+    }
+}
