@@ -8,7 +8,7 @@ use crate::stochc::{path, stochc_with};
 /// Two programs in a small scene with so many free blocks.
 fn programs(free: u32) -> String {
     format!(
-        "scene small from hemisphere {{ free {free}  enclosure hemisphere {{ radius 1m  wall 25 N/m }} }}
+        "scene small from hemisphere {{ free {free} uniform  enclosure hemisphere {{ radius 1m  wall 25 N/m }} }}
 assembly one in small {{ seed plate 3 x 3 {{ M at (1, 1) }}
 phase grow {{ M.up -> A }} }}
 assembly two in small {{ seed plate 3 x 3 {{ M at (1, 1) }}
