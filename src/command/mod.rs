@@ -6,7 +6,7 @@ pub mod completions;
 pub mod explain;
 pub mod export;
 pub mod fmt;
-mod interrupt;
+pub(crate) mod interrupt;
 pub mod levels;
 pub mod lsp;
 pub mod man;
