@@ -1,6 +1,7 @@
 //! The command line.
 use clap::{CommandFactory as _, Parser, Subcommand};
 
+use crate::command::interrupt::outlive_file_limit;
 use crate::command::{
     check, compile, completions, explain, export, fit, fmt, lsp, man, replay, report, results,
     simulate, trade, verify,
@@ -57,6 +58,7 @@ pub enum Command {
 
 /// Does what the command line says; what is left to say is in the failure.
 pub fn run(cli: Cli) -> Result<Exit, Failure> {
+    outlive_file_limit();
     match cli.command {
         Command::Check(options) => check::run(&options),
         Command::Fmt(options) => fmt::run(&options),

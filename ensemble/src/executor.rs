@@ -10,7 +10,8 @@ use stochc_ir::table::PhaseId;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cancelled;
 
-/// Has each of so many threads do one job after the other, until `next` has none left or `stop` is set.
+/// Has each of so many threads do one job after the other, until `next` has none left or `stop` is set. One of them is
+/// that of the caller, and fewer have to do where the system has no more.
 ///
 /// `work` gets the number of its thread, from 0, and says whether to go on.
 pub(crate) fn execute<J>(
@@ -28,10 +29,14 @@ pub(crate) fn execute<J>(
         }
     };
     std::thread::scope(|scope| {
-        for number in 0..threads {
+        for number in 1..threads {
             let thread = &thread;
-            scope.spawn(move || thread(number));
+            let builder = std::thread::Builder::new();
+            if builder.spawn_scoped(scope, move || thread(number)).is_err() {
+                break;
+            }
         }
+        thread(0);
     });
 }
 

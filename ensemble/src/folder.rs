@@ -307,7 +307,7 @@ fn damage(path: &Path, journal: Vec<String>) -> Vec<String> {
     for name in seal.names() {
         // Line by line is more to the point.
         let is_journal = name == JOURNAL;
-        if !(is_journal && !told.is_empty()) {
+        if !is_journal || told.is_empty() {
             told.extend(seal.damage(path, name, is_journal));
         }
     }

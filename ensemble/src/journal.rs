@@ -108,23 +108,50 @@ pub(super) fn read(
     manifest: &Manifest,
     identity: &str,
 ) -> Result<Stored, JournalError> {
-    let mut stored = Stored {
-        is_sealed: true,
-        ..Stored::default()
-    };
+    let mut stored = Stored::default();
+    let mut runs = BTreeMap::new();
+    let mut damage = Vec::new();
+    (stored.whole, stored.is_sealed) = read_lines(path, identity, |number, text, is_sealed| {
+        match run(text, is_sealed, manifest) {
+            Ok(finished) => {
+                let key = (finished.program, finished.record.run);
+                runs.entry(key).or_insert(finished);
+            }
+            Err(reason) => {
+                damage.push(format!(
+                    "line {number} of `journal.jsonl` {reason}, and is left out"
+                ));
+            }
+        }
+    })?;
+    stored.finished = runs.into_values().collect();
+    stored.damage = damage;
+    Ok(stored)
+}
+
+/// Reads the whole lines of a journal behind its first: the number of each, the line, and whether the journal is of
+/// a layout in which lines bear checksums. Where the last one ends, and whether it is.
+///
+/// # Errors
+/// [`JournalError::Foreign`] where it is not of `identity`.
+pub(super) fn read_lines(
+    path: &Path,
+    identity: &str,
+    mut each: impl FnMut(u64, &[u8], bool),
+) -> Result<(u64, bool), JournalError> {
     let mut file = match files::open(path) {
         Ok(file) => BufReader::new(file),
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(stored),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok((0, true)),
         Err(error) => return Err(error.into()),
     };
     let mut line = Vec::new();
     let mut position = read_line(&mut file, &mut line)?;
     let Some(first) = line.strip_suffix(b"\n") else {
-        return Ok(stored);
+        return Ok((0, true));
     };
     let header: Header = serde_json::from_slice(first).map_err(|_| JournalError::Foreign)?;
     let sound = checksum::check(first) == Line::Sound;
-    stored.is_sealed = match (header.journal, header.crc) {
+    let is_sealed = match (header.journal, header.crc) {
         (Some(JOURNAL), Some(_)) if sound => true,
         (None, None) => false,
         _ => return Err(JournalError::Foreign),
@@ -132,28 +159,17 @@ pub(super) fn read(
     if header.ensemble != identity {
         return Err(JournalError::Foreign);
     }
-    stored.whole = position;
-    let mut runs = BTreeMap::new();
-    for number in 2u64.. {
+    let mut whole = position;
+    for number in 2.. {
         line.clear();
         position += read_line(&mut file, &mut line)?;
         let Some(text) = line.strip_suffix(b"\n") else {
             break;
         };
-        stored.whole = position;
-        match run(text, stored.is_sealed, manifest) {
-            Ok(finished) => {
-                let key = (finished.program, finished.record.run);
-                runs.entry(key).or_insert(finished);
-            }
-            Err(reason) => {
-                let told = format!("line {number} of `journal.jsonl` {reason}, and is left out");
-                stored.damage.push(told);
-            }
-        }
+        whole = position;
+        each(number, text, is_sealed);
     }
-    stored.finished = runs.into_values().collect();
-    Ok(stored)
+    Ok((whole, is_sealed))
 }
 
 /// The run of a line, or what is wrong with it.
@@ -257,7 +273,7 @@ impl Journal {
     ///
     /// # Errors
     /// Those of the file system; the journal ends with the run before, then.
-    pub fn append(&self, finished: &Finished) -> Result<(), JournalError> {
+    pub fn append(&self, finished: &impl Serialize) -> Result<(), JournalError> {
         let line = line(finished);
         let mut end = self.end.lock().expect("nobody panics while it is held");
         if let Err(error) = (&*self.file).write_all(line.as_bytes()) {

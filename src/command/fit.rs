@@ -94,7 +94,7 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
         }
     }
     if let Some(out) = &options.out {
-        claim(out).map_err(Failure::usage)?;
+        claim(out, false).map_err(Failure::usage)?;
     }
     let stop = stop_on_interrupt()?;
     let fit = rounds(options, &measured, unit, stop)?;

@@ -22,15 +22,55 @@ pub fn stop_on_interrupt() -> Result<&'static AtomicBool, Failure> {
     if *listens {
         return Ok(&STOP);
     }
-    ctrlc::set_handler(|| {
-        if STOP.swap(true, Ordering::Relaxed) {
-            // Whatever the threads do, they are not waited for.
-            std::process::exit(Exit::Interrupted.status().into());
-        }
-        let message = "\nstopping; press Ctrl-C again to quit at once";
-        let _ = writeln!(io::stderr(), "{message}");
-    })
-    .map_err(|error| Failure::usage(format!("cannot listen for Ctrl-C: {error}")))?;
+    listen().map_err(|error| Failure::usage(format!("cannot listen for Ctrl-C: {error}")))?;
     *listens = true;
     Ok(&STOP)
+}
+
+/// What an interrupt does.
+fn interrupted() {
+    if STOP.swap(true, Ordering::Relaxed) {
+        // Whatever the threads do, they are not waited for.
+        std::process::exit(Exit::Interrupted.status().into());
+    }
+    let message = "\nstopping; press Ctrl-C again to quit at once";
+    let _ = writeln!(io::stderr(), "{message}");
+}
+
+#[cfg(unix)]
+fn listen() -> io::Result<()> {
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    // Whoever starts us with `nohup`, or in the background, has decided what does not end us.
+    let heeded = [SIGINT, SIGTERM, SIGHUP]
+        .into_iter()
+        .filter(|&signal| !is_ignored(signal));
+    let mut signals = signal_hook::iterator::Signals::new(heeded)?;
+    let thread = std::thread::Builder::new().name("signals".into());
+    thread.spawn(move || signals.forever().for_each(|_| interrupted()))?;
+    Ok(())
+}
+
+#[cfg(not(unix))]
+fn listen() -> io::Result<()> {
+    ctrlc::set_handler(interrupted).map_err(io::Error::other)
+}
+
+/// Whether a signal was ignored when the process began; only Linux says so without unsafe code.
+#[cfg(unix)]
+fn is_ignored(signal: i32) -> bool {
+    let status = stochc_files::read("/proc/self/status").unwrap_or_default();
+    let status = String::from_utf8_lossy(&status);
+    let mask = (status.lines()).find_map(|line| line.strip_prefix("SigIgn:"));
+    let mask = mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    mask.is_some_and(|mask| mask & (1 << (signal - 1)) != 0)
+}
+
+/// Makes a limit on the size of files an error of those who write, instead of the end of the process.
+pub fn outlive_file_limit() {
+    #[cfg(unix)]
+    {
+        let reached = std::sync::Arc::new(AtomicBool::new(false));
+        // Where it cannot be had, the process ends as it always has.
+        let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, reached);
+    }
 }

@@ -7,7 +7,7 @@ pub mod explain;
 pub mod export;
 pub mod fit;
 pub mod fmt;
-mod interrupt;
+pub(crate) mod interrupt;
 pub mod levels;
 pub mod lsp;
 pub mod man;

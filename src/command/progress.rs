@@ -58,11 +58,13 @@ impl Display {
         std::thread::scope(|scope| {
             // Dropped at the end of the work, also by a panic; that is what ends the display.
             let (_working, ended) = channel();
-            scope.spawn(move || match self {
+            let show = move || match self {
                 Display::Bar => bar(state, &ended),
                 Display::Lines => lines(state, &ended),
                 Display::Quiet => {}
-            });
+            };
+            // The work goes on where the system has no thread to show it.
+            let _ = std::thread::Builder::new().spawn_scoped(scope, show);
             work()
         })
     }

@@ -5,8 +5,8 @@ use console::Term;
 
 use crate::exit::{Exit, Failure};
 
-/// Prints; a reader that has gone away, such as `head`, ends the command quietly, and any other
-/// reason why nothing can be written, such as a full disk, with a word.
+/// Prints; a reader that has gone away, such as `head`, changes nothing, and any other reason why nothing can be
+/// written, such as a full disk, ends the command with a word.
 pub fn print(text: &str) -> Result<(), Failure> {
     print_with(|out| out.write_all(text.as_bytes()))
 }
@@ -15,10 +15,12 @@ pub fn print(text: &str) -> Result<(), Failure> {
 pub fn print_with(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Failure> {
     let mut out = BufWriter::with_capacity(1 << 16, io::stdout().lock());
     let written = write(&mut out).and_then(|()| out.flush());
-    written.map_err(|error| match error.kind() {
-        ErrorKind::BrokenPipe => Failure::silent(Exit::Success),
-        _ => Failure::usage(format!("cannot write the output: {error}")),
-    })
+    match written {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(Failure::usage(format!("cannot write the output: {error}")))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Says something about the work on standard error; nobody listening is no reason to stop.

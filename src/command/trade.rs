@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::{ArgGroup, Args};
-use stochc_ensemble::trade::{Extent, FINEST, Progress, Setup, Trade, measure};
-use stochc_ensemble::{MOST_RUNS, Manifest, Program};
+use stochc_ensemble::trade::{Extent, FINEST, MEMORY, Memory, Progress, Setup, Trade, measure};
+use stochc_ensemble::{FolderError, JournalError, MOST_RUNS, Manifest, Program};
 use stochc_files::atomic::{self, Replaces};
 use stochc_report::figures::trade as trade_figure;
 use stochc_report::tables::trade_to_text;
@@ -48,6 +48,9 @@ pub struct Options {
     /// Folder for `trade.json` and `trade.svg`; it must be new or empty
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Continue a trade in `--out` that was stopped or killed: its runs are not made again
+    #[arg(long, requires = "out")]
+    resume: bool,
     /// Output format of the table
     #[arg(long, value_name = "FORM", default_value = "text")]
     format: Form,
@@ -69,9 +72,14 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
     let manifest = Manifest::new(Settings::default(), options.seed, 1, programs);
     manifest.within_limits().map_err(Failure::usage)?;
     let programs = manifest.programs;
-    if let Some(out) = &options.out {
-        claim(out).map_err(Failure::usage)?;
-    }
+    let memory = match &options.out {
+        Some(out) => {
+            claim(out, options.resume).map_err(Failure::usage)?;
+            let memory = Memory::open(out, &programs, options.seed);
+            Some(memory.map_err(|error| cannot_go_on(out, &error))?)
+        }
+        None => None,
+    };
     let stop = stop_on_interrupt()?;
     let extent = match (options.runs, options.budget) {
         (Some(runs), _) => Extent::Runs(runs),
@@ -83,17 +91,21 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
         threads: threads(options.threads),
         finest: options.finest,
         max_ticks: options.max_ticks,
+        memory: memory.as_ref(),
         stop,
     };
     let trade = of(&programs, &setup, options.quiet)?;
+    // What is kept is kept before anything is said: nobody may be there to listen.
+    if let (Some(out), Some(memory)) = (&options.out, memory) {
+        let cannot = |error: &dyn std::fmt::Display| {
+            Failure::usage(format!("cannot write to `{}`: {error}", out.display()))
+        };
+        memory.close().map_err(|error| cannot(&error))?;
+        keep(out, &trade).map_err(|error| cannot(&error))?;
+    }
     match options.format {
         Form::Text => print(&trade_to_text(&trade, output_width(), output_has_colour()))?,
         Form::Json => print(&trade.to_json())?,
-    }
-    if let Some(out) = &options.out {
-        keep(out, &trade).map_err(|error| {
-            Failure::usage(format!("cannot write to `{}`: {error}", out.display()))
-        })?;
     }
     if trade.complete {
         return Ok(Exit::Success);
@@ -139,8 +151,19 @@ pub(super) fn time(text: &str) -> Result<Duration, String> {
     Ok(time)
 }
 
-/// Makes a folder, or takes an empty one.
-pub(super) fn claim(out: &Path) -> Result<(), String> {
+fn cannot_go_on(out: &Path, error: &FolderError) -> Failure {
+    let shown = out.display();
+    Failure::usage(match error {
+        FolderError::Journal(JournalError::Foreign) => format!(
+            "`{shown}` holds the trade of other programs, of another seed or of another build of `stochc`; choose \
+             another folder"
+        ),
+        error => error.to_string(),
+    })
+}
+
+/// Makes a folder, or takes an empty one; to `resume`, one that holds a trade.
+pub(super) fn claim(out: &Path, resume: bool) -> Result<(), String> {
     let shown = out.display();
     let io = |error: std::io::Error| format!("cannot use `{shown}`: {error}");
     if out.exists() && !out.is_dir() {
@@ -149,9 +172,14 @@ pub(super) fn claim(out: &Path) -> Result<(), String> {
         ));
     }
     atomic::make_folder(out).map_err(io)?;
+    let is_ours = out.join(MEMORY).is_file();
     let mut entries = std::fs::read_dir(out).map_err(io)?;
     match entries.next() {
         None => Ok(()),
+        Some(_) if is_ours && resume => Ok(()),
+        Some(_) if is_ours => Err(format!(
+            "`{shown}` is not empty; choose an empty or a new folder, or go on with the trade in it by `--resume`"
+        )),
         Some(_) => Err(format!(
             "`{shown}` is not empty; choose an empty or a new folder"
         )),
@@ -165,6 +193,6 @@ fn keep(out: &Path, trade: &Trade) -> std::io::Result<()> {
     ];
     let mut files = files.iter();
     files.try_for_each(|(name, text)| {
-        atomic::replace(&out.join(name), text.as_bytes(), Replaces::Nothing)
+        atomic::replace(&out.join(name), text.as_bytes(), Replaces::Ordinary)
     })
 }

@@ -146,3 +146,81 @@ fn a_trade_tells_what_it_has_measured() {
     let runs = kept["rungs"][0]["programs"][0]["runs"].as_u64().unwrap();
     assert!(runs > 0, "{runs}");
 }
+
+/// What `nohup` ignores stays ignored, and what it does not still ends.
+#[test]
+#[cfg(target_os = "linux")]
+fn an_ignored_signal_stays_ignored() {
+    let still = "simulate tests/fixtures/still.sa --max-ticks 1000000000000 --quiet";
+    let line = format!("trap '' HUP; exec {} {still}", env!("CARGO_BIN_EXE_stochc"));
+    let mut command = Command::new("sh");
+    command.args(["-c", &line]).stdin(Stdio::null());
+    command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().unwrap();
+    listens(&mut child);
+    let id = child.id().to_string();
+    let sent = Command::new("kill").args(["-HUP", &id]).status().unwrap();
+    assert!(sent.success());
+    std::thread::sleep(Duration::from_millis(500));
+    assert!(child.try_wait().unwrap().is_none());
+    let said = interrupt(child, "-TERM");
+    assert_eq!(said.status, 130, "{}", said.err);
+    assert_eq!(said.err.matches("stopping").count(), 1, "{}", said.err);
+}
+
+/// A kill costs no run that has ended, and none is made again.
+#[test]
+fn a_trade_that_was_killed_goes_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = path(folder.path(), "out");
+    let trade = [
+        "trade",
+        "tests/fixtures/dense.sa",
+        "--threads",
+        "1",
+        "--finest",
+        "8",
+    ];
+    let trade = [
+        &trade[..],
+        &["--max-ticks", "3000", "--quiet", "--out", &out],
+    ]
+    .concat();
+    let journal = path(out.as_ref(), "trade.jsonl");
+    let text = || fs::read_to_string(&journal).unwrap_or_default();
+    let mut child = start(&[&trade[..], &["--runs", "10000000"]].concat());
+    until(&mut child, "measured run", || {
+        text().matches('\n').count() > 20
+    });
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let before = text();
+    let refused = stochc_with("", &[&trade[..], &["--runs", "2"]].concat());
+    assert_eq!(refused.status, 2);
+    assert!(refused.err.contains("`--resume`"), "{}", refused.err);
+    let other = [&trade[..], &["--runs", "2", "--resume", "--seed", "2"]].concat();
+    let refused = stochc_with("", &other);
+    assert_eq!(refused.status, 2);
+    assert!(refused.err.contains("of another seed"), "{}", refused.err);
+    assert_eq!(text(), before);
+
+    let resumed = stochc_with("", &[&trade[..], &["--runs", "2", "--resume"]].concat());
+    assert_eq!(resumed.status, 0, "{}", resumed.err);
+    let whole = before.rfind('\n').unwrap() + 1;
+    assert!(text().starts_with(&before[..whole]));
+    let text = text();
+    let runs = text.lines().skip(1).map(|line| {
+        let line: serde_json::Value = serde_json::from_str(line).unwrap();
+        (
+            line["settings"].to_string(),
+            line["program"].to_string(),
+            line["run"]["run"].as_u64(),
+        )
+    });
+    let runs: Vec<_> = runs.collect();
+    let different: std::collections::BTreeSet<_> = runs.iter().collect();
+    assert_eq!(different.len(), runs.len(), "none is measured twice");
+    let kept = fs::read_to_string(path(out.as_ref(), "trade.json")).unwrap();
+    let kept: serde_json::Value = serde_json::from_str(&kept).unwrap();
+    assert_eq!(kept["complete"], true);
+}

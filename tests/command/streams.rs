@@ -125,3 +125,77 @@ fn a_full_disk_is_told_of() {
         assert!(err.contains("cannot write the output"), "{err}");
     }
 }
+
+/// Files come before words: whether anybody listens changes neither them nor the exit status.
+#[test]
+fn a_reader_that_leaves_costs_no_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let [out, trade] = ["out", "trade"].map(|name| path(folder.path(), name));
+    let unsuccessful = [
+        "simulate",
+        "--model",
+        "shuffle",
+        "--runs",
+        "2",
+        "--max-ticks",
+        "2",
+        "--quiet",
+    ];
+    let sweep = [
+        "tests/fixtures/tower.sa",
+        "--sweep",
+        "free=50,100",
+        "--out",
+        &out,
+    ];
+    let measure = [
+        "trade",
+        "tests/fixtures/dense.sa",
+        "--runs",
+        "2",
+        "--finest",
+        "4",
+        "--quiet",
+    ];
+    for (line, status, files) in [
+        (
+            [&unsuccessful[..], &sweep].concat(),
+            3,
+            &["runs.parquet", "sweep.csv", "sweep.json"][..],
+        ),
+        (
+            [&measure[..], &["--max-ticks", "2000", "--out", &trade]].concat(),
+            0,
+            &["trade.json", "trade.svg"],
+        ),
+    ] {
+        let mut command = command(line.iter().copied());
+        command.stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut child = command.spawn().unwrap();
+        drop(child.stdout.take());
+        let output = child.wait_with_output().unwrap();
+        let err = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(status), "{err}");
+        let out = line.last().unwrap();
+        for file in files {
+            assert!(std::path::Path::new(out).join(file).is_file(), "{file}");
+        }
+    }
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_limit_on_the_size_of_files_is_told_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = path(folder.path(), "graph.json");
+    let line = format!(
+        "ulimit -f 1; exec {} compile examples/five_tower.sa --format json --out {out}",
+        env!("CARGO_BIN_EXE_stochc")
+    );
+    let mut limited = std::process::Command::new("sh");
+    let output = limited.args(["-c", &line]).output().unwrap();
+    let err = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{err}");
+    assert!(err.contains("cannot write"), "{err}");
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+}

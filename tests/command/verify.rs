@@ -57,7 +57,7 @@ fn damage_is_told_and_what_is_sound_is_saved() {
             said.out
         );
     }
-    assert_eq!(said.out.matches("damaged: ").count(), 5, "{}", said.out);
+    assert_eq!(said.out.matches(": damaged: ").count(), 5, "{}", said.out);
     assert!(!Path::new(&out).join("damaged").exists());
     let told = stochc_with("results", &[&out]);
     assert_eq!(told.status, 2);

@@ -1,4 +1,8 @@
 //! Flipped bits: each is found, none makes a panic, and what is sound is saved.
+#![allow(
+    clippy::disallowed_methods,
+    reason = "the tests read what the library has written"
+)]
 use std::fs;
 use std::path::Path;
 

@@ -146,11 +146,14 @@ pub(super) fn write_section(out: &mut impl Write, tag: [u8; 4], payload: &[u8]) 
     write_sealed(out, &[&tag, &length.to_le_bytes(), payload])
 }
 
+/// What a section is, and what it holds.
+pub(super) type Section = ([u8; 4], Vec<u8>);
+
 /// Reads the next section of a file of this version; `None`: the file ends here, or in the midst of it.
 pub(super) fn read_section(
     from: &mut impl Read,
     version: u32,
-) -> Result<Option<([u8; 4], Vec<u8>)>, RecordingError> {
+) -> Result<Option<Section>, RecordingError> {
     let mut part = Part {
         from,
         bytes: Vec::new(),

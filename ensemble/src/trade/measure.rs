@@ -11,6 +11,7 @@ use stochc_runtime::{RunError, Settings, run as run_once};
 
 use super::assessment::Conditions;
 use super::candidates::base;
+use super::memory::Memory;
 use super::plan::{Extent, Job, Next, Plan};
 use super::result::Trade;
 use super::sample::Measured;
@@ -57,6 +58,8 @@ pub struct Setup<'a> {
     pub finest: u32,
     /// Ticks after which a run is given up; `None`: 20 times the mean of the first runs.
     pub max_ticks: Option<u64>,
+    /// What was measured before, and where what is measured now is kept; `None`: nowhere.
+    pub memory: Option<&'a Memory>,
     /// Set by somebody else to stop at the next tick.
     pub stop: &'a AtomicBool,
 }
@@ -119,6 +122,8 @@ fn try_out(program: &Program, settings: &Settings) -> Result<(), SceneError> {
 
 fn carry_out(plan: Plan, programs: &[Program], setup: &Setup, progress: &Progress) -> Plan {
     let start = now();
+    let before = setup.memory.map_or(Duration::ZERO, Memory::elapsed);
+    let elapsed = || before + start.elapsed();
     let plan = Mutex::new(plan);
     let ended = Condvar::new();
     let lock = || plan.lock().expect("nobody panics while it is held");
@@ -128,7 +133,7 @@ fn carry_out(plan: Plan, programs: &[Program], setup: &Setup, progress: &Progres
             if setup.stop.load(Ordering::Relaxed) {
                 return None;
             }
-            match plan.next(start.elapsed()) {
+            match plan.next(elapsed()) {
                 Next::Do(job) => {
                     let mut settings = plan.settings(job.rung).clone();
                     settings.max_ticks = Some(job.max_ticks);
@@ -148,13 +153,22 @@ fn carry_out(plan: Plan, programs: &[Program], setup: &Setup, progress: &Progres
         setup.stop,
         next,
         |_, (job, settings)| {
-            if let Some(measured) = one(&job, &settings, &programs[job.program], setup) {
+            let known = setup.memory.and_then(|it| it.recall(&job, &settings));
+            let measured = known.or_else(|| one(&job, &settings, &programs[job.program], setup));
+            let mut is_kept = true;
+            if let Some(measured) = measured {
+                if let (Some(memory), None) = (setup.memory, known) {
+                    is_kept = memory.keep(&job, &settings, measured, elapsed());
+                }
                 let mut plan = lock();
                 plan.done(&job, measured);
                 progress.put(plan.progress());
             }
             ended.notify_all();
-            ControlFlow::Continue(())
+            match is_kept {
+                true => ControlFlow::Continue(()),
+                false => ControlFlow::Break(()),
+            }
         },
     );
     plan.into_inner().expect("every thread has ended well")

@@ -1,11 +1,12 @@
 //! What the runs of one program at one setting have shown.
+use serde::{Deserialize, Serialize};
 use stochc_ir::record::RunRecord;
 
 use crate::completion_time;
 use crate::statistics::{Observation, Runs, median};
 
 /// One run.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Measured {
     /// Its number.
     pub run: u64,
@@ -20,7 +21,8 @@ pub struct Measured {
 }
 
 /// How a run ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum End {
     /// With the whole structure.
     Completed,

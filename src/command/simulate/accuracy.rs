@@ -79,6 +79,7 @@ fn measured(options: &Options, manifest: &Manifest, stop: &AtomicBool) -> Result
         threads: threads(options.threads),
         finest: FINEST,
         max_ticks: None,
+        memory: None,
         stop,
     };
     let trade = command::of(&manifest.programs, &setup, options.quiet)?;
