@@ -61,7 +61,7 @@ fn a_number_is_found_again_and_what_was_held_out_is_predicted() {
         "--out",
         &out,
     ];
-    let said = stochc_with("fit --quiet --runs 40 --points 12", &options);
+    let said = stochc_with("fit --quiet --runs 16 --points 10", &options);
     assert_eq!(said.status, 0, "{}", said.err);
     assert!(said.out.contains("free"), "{}", said.out);
     let fit: Value =
@@ -85,10 +85,10 @@ fn a_number_is_found_again_and_what_was_held_out_is_predicted() {
     let picture = fs::read_to_string(path(folder.path(), "out/fit.svg")).unwrap();
     roxmltree::Document::parse(&picture).unwrap();
     // The same again to the letter, but not into the same folder.
-    let again = stochc_with("fit --quiet --runs 40 --points 12", &options[..7]);
+    let again = stochc_with("fit --quiet --runs 16 --points 10", &options[..7]);
     assert_eq!((again.status, &again.out), (0, &said.out));
     assert_eq!(
-        stochc_with("fit --quiet --runs 40 --points 12", &options).status,
+        stochc_with("fit --quiet --runs 16 --points 10", &options).status,
         2
     );
 }

@@ -143,3 +143,70 @@ fn normal_at(share: f64) -> f64 {
     use statrs::distribution::{ContinuousCDF as _, Normal};
     Normal::standard().inverse_cdf(share.clamp(1e-9, 1.0 - 1e-9))
 }
+
+#[cfg(test)]
+mod tests {
+    use rand::{RngExt as _, SeedableRng as _};
+    use rand_chacha::ChaCha8Rng;
+
+    use super::super::{Design, Simulated};
+    use super::*;
+    use crate::statistics::Summary;
+
+    /// Sums of four waits, with the mean that a law of two numbers has.
+    fn times(random: &mut ChaCha8Rng, at: &[f64], n: usize) -> Vec<f64> {
+        let mean = (6.0 - 1.2 * at[0] + 0.4 * at[1] * at[0]).exp();
+        let wait = |random: &mut ChaCha8Rng| -(1.0 - random.random::<f64>()).ln() * mean / 4.0;
+        (0..n).map(|_| (0..4).map(|_| wait(random)).sum()).collect()
+    }
+
+    /// An interval of 95 % holds the truth about so often.
+    #[test]
+    fn intervals_hold_what_they_promise() {
+        const TRIALS: u64 = 60;
+        let (mut held, mut widths) = (0, 0.0);
+        for trial in 0..TRIALS {
+            let mut random = ChaCha8Rng::seed_from_u64(trial);
+            let truth = [0.2 + 0.6 * random.random::<f64>(), 0.5];
+            let measured = Summary::of(&times(&mut random, &truth, 100)).unwrap();
+            let observed = Observed {
+                program: "sums".to_owned(),
+                n: measured.n,
+                mean: measured.mean,
+                sd: measured.sd.unwrap(),
+            };
+            let mut ends = vec![(0.0, 1.0); 2];
+            let mut points: Vec<Simulated> = Vec::new();
+            let mut found = None;
+            for round in 0..2 {
+                let design = Design::latin_hypercube(&ends, 18, trial + 1000 * round);
+                points.extend(design.points.into_iter().map(|at| Simulated {
+                    times: times(&mut random, &at, 12),
+                    at,
+                }));
+                let near = |point: &&Simulated| {
+                    let mut sides = point.at.iter().zip(&ends);
+                    sides.all(|(at, (low, high))| (*low..=*high).contains(at))
+                };
+                let near: Vec<Simulated> = points.iter().filter(near).cloned().collect();
+                let emulator = Emulator::of(&near).unwrap();
+                let measured = Measured {
+                    observed: &observed,
+                    is_fitted: true,
+                    emulator: &emulator,
+                };
+                let posterior = Posterior::of(2, &[measured], trial);
+                ends = posterior.surroundings();
+                let prior = Prior::parse("x=0..1").unwrap();
+                found = Some(posterior.marginal(0, &prior));
+            }
+            let (low, high) = found.unwrap().interval;
+            held += u64::from((low..=high).contains(&truth[0]));
+            widths += high - low;
+        }
+        println!("{held} of {TRIALS}, mean width {}", widths / TRIALS as f64);
+        // Binomial: 52 or fewer of 60 have a probability of 1 %.
+        assert!(held >= 52, "{held} of {TRIALS}");
+        assert!(widths / (TRIALS as f64) < 0.5, "the data say something");
+    }
+}
