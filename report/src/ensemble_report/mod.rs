@@ -1,6 +1,6 @@
 //! What came of ensembles, as one page to read and a folder of figures and tables.
 //!
-//! [`analysis`](crate::analysis) sums up the inputs, [`figures`](crate::figures) and `data.rs` write that down, `page/` puts
+//! `analysis` sums up the inputs, [`figures`](crate::figures) and `data.rs` write that down, `page/` puts
 //! the page together. All of it is a pure function of the inputs. `docs/report.md` says what each figure shows.
 mod data;
 mod html;
