@@ -48,11 +48,7 @@ impl Reader {
         for folder in [&clone.join("examples"), &bin, &home] {
             std::fs::create_dir_all(folder).unwrap();
         }
-        for example in std::fs::read_dir("examples").unwrap() {
-            let example = example.unwrap();
-            let to = clone.join("examples").join(example.file_name());
-            std::fs::copy(example.path(), to).unwrap();
-        }
+        copy(Path::new("examples"), &clone.join("examples"));
         std::os::unix::fs::symlink(env!("CARGO_BIN_EXE_stochc"), bin.join("stochc")).unwrap();
         let cargo = "#!/bin/sh\n[ \"$1 $2 $3\" = 'run --release --' ] || exit 127\nshift 3\nexec stochc \"$@\"\n";
         executable(&bin.join("cargo"), cargo);
@@ -88,6 +84,21 @@ fn is_whole(text: &str) -> bool {
 }
 
 /// What goes wrong when a reader follows a document.
+/// Copies a folder with all that is in it.
+fn copy(from: &Path, to: &Path) {
+    std::fs::create_dir_all(to).unwrap();
+    for entry in std::fs::read_dir(from).unwrap() {
+        let (from, to) = {
+            let entry = entry.unwrap();
+            (entry.path(), to.join(entry.file_name()))
+        };
+        match from.is_dir() {
+            true => copy(&from, &to),
+            false => drop(std::fs::copy(&from, &to).unwrap()),
+        }
+    }
+}
+
 fn follow(name: &str, page: &str) -> Vec<String> {
     let reader = Reader::new();
     let blocks = blocks(page);
