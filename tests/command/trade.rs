@@ -140,7 +140,7 @@ fn it_depends_on_nothing_but_its_inputs() {
 }
 
 #[test]
-fn a_model_that_cannot_do_a_scene_is_a_row_that_says_so() {
+fn a_model_that_cannot_do_a_scene_is_told_of_with_the_reason() {
     let said = stochc("trade tests/fixtures/soft.sa --runs 2 --finest 1 --quiet");
     assert_eq!((said.status, said.err.as_str()), (0, ""));
     let row = said

@@ -32,13 +32,18 @@ struct Line {
 /// `width` is that of the terminal, for the sentences; `colour` marks what is wrong in red.
 pub fn trade_to_text(trade: &Trade, width: usize, colour: bool) -> String {
     let mut text = String::new();
+    let mut cells = trade.rungs.iter().flat_map(|rung| &rung.programs);
+    let any_failed = cells.any(|cell| cell.failed > 0);
     for (i, program) in trade.programs.iter().enumerate() {
         text += &format!("{}\n", program.name);
-        let line = |(n, rung): (usize, &Setting)| line(trade, n, rung, i);
-        let lines = trade.rungs.iter().enumerate().map(line).collect::<Vec<_>>();
-        text += &table(&HEADER, &lines).text(width, colour);
+        let rungs = trade.rungs.iter().enumerate();
+        let run = rungs.filter(|(_, rung)| rung.programs[i].runs > 0);
+        let lines: Vec<Line> = run.map(|(n, rung)| line(trade, n, rung, i)).collect();
+        let header = &HEADER[..HEADER.len() - usize::from(!any_failed)];
+        text += &table(header, &lines).text(width, colour);
         text.push('\n');
     }
+    text += &left_out(trade, width);
     if trade.programs.len() > 1 && trade.reference.is_some() {
         text += &ranking(trade, width, colour);
         text.push('\n');
@@ -54,16 +59,6 @@ pub fn trade_to_text(trade: &Trade, width: usize, colour: bool) -> String {
 fn line(trade: &Trade, number: usize, rung: &Setting, program: usize) -> Line {
     let cell = &rung.programs[program];
     let itself = trade.reference.as_ref().is_some_and(|r| r.rung == number);
-    let mut cells = Vec::new();
-    let mut remark = String::new();
-    if cell.runs == 0 {
-        remark = rung
-            .left_out
-            .clone()
-            .unwrap_or("there was no time for it".into());
-    } else {
-        cells.extend(figures(trade, cell, itself, program));
-    }
     let mark = match rung.reversed {
         _ if itself => "reference",
         true => "REVERSED",
@@ -73,9 +68,39 @@ fn line(trade: &Trade, number: usize, rung: &Setting, program: usize) -> Line {
     Line {
         label: label(number, rung),
         mark,
-        cells,
-        remark,
+        cells: figures(trade, cell, itself, program).to_vec(),
+        remark: String::new(),
         wrong: rung.reversed,
+    }
+}
+
+/// The settings that were not run at all or not with every program, and why.
+fn left_out(trade: &Trade, width: usize) -> String {
+    let mut text = String::new();
+    for (number, rung) in trade.rungs.iter().enumerate() {
+        let without = trade.programs.iter().zip(&rung.programs);
+        let without: Vec<&str> = without
+            .filter(|(_, cell)| cell.runs == 0)
+            .map(|(program, _)| program.name.as_str())
+            .collect();
+        let of = match without.len() {
+            0 => continue,
+            n if n == trade.programs.len() => String::new(),
+            _ => format!(", {}", without.join(", ")),
+        };
+        let reason = rung
+            .left_out
+            .as_deref()
+            .unwrap_or("there was no time for it");
+        let label = label(number, rung);
+        text += &paragraph(
+            &format!("{}{of}: not run, {reason}", label.trim_start()),
+            width,
+        );
+    }
+    match text.is_empty() {
+        true => text,
+        false => text + "\n",
     }
 }
 
