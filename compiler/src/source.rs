@@ -2,8 +2,7 @@
 use std::sync::{Arc, OnceLock};
 
 use stochc_grammar::Span;
-
-use crate::diagnostic::is_hostile;
+use stochc_ir::is_invisible;
 
 /// One of a program's files; an index into [`Sources`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -116,7 +115,7 @@ impl SourceFile {
 
     /// The text with harmless characters, of as many bytes, for those that act on a terminal.
     pub(crate) fn shown(&self) -> &str {
-        let hostile = |c: char| is_hostile(c) && !matches!(c, '\n' | '\t');
+        let hostile = |c: char| is_invisible(c) && !matches!(c, '\n' | '\t');
         self.shown.get_or_init(|| {
             if !self.text.contains(hostile) {
                 return self.text.clone();

@@ -7,6 +7,7 @@ pub mod emit;
 mod executable;
 mod face;
 pub mod graph;
+mod invisible;
 mod json;
 pub mod record;
 pub mod scene;
@@ -16,6 +17,7 @@ pub mod table;
 pub use cell::Cell;
 pub use executable::{Executable, ExecutableError, FORMAT, sha256};
 pub use face::Face;
+pub use invisible::is_invisible;
 pub use json::Json;
 
 /// A digest of this crate's sources: two builds with one digest compute the same.

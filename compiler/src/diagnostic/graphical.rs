@@ -3,6 +3,7 @@ use miette::{
     Diagnostic as MietteDiagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan,
     MietteError, MietteSpanContents, SourceCode, SourceSpan, SpanContents,
 };
+use stochc_ir::is_invisible;
 
 use super::{Diagnostic, Label, Severity};
 use crate::{FileId, SourceFile, Sources};
@@ -134,19 +135,13 @@ pub fn visible(text: &str) -> String {
     for c in text.chars() {
         length = if c.is_whitespace() { 0 } else { length + 1 };
         match length {
-            0..LONGEST if is_hostile(c) && c != '\n' => out.push('\u{fffd}'),
+            0..LONGEST if is_invisible(c) && c != '\n' => out.push('\u{fffd}'),
             0..LONGEST => out.push(c),
             LONGEST => out.push_str("..."),
             _ => {}
         }
     }
     out
-}
-
-/// Whether a character acts on a terminal, or is not seen there.
-pub fn is_hostile(c: char) -> bool {
-    c.is_control()
-        || matches!(c, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}')
 }
 
 impl std::fmt::Display for Picture<'_> {

@@ -11,7 +11,7 @@ mod syntax_hints;
 pub use change::Change;
 pub use code::{Code, Severity};
 pub(crate) use fix::{LONG, entry, named, removal};
-pub use graphical::{Renderer, is_hostile, visible};
+pub use graphical::{Renderer, visible};
 pub(crate) use hand_in::hand_in;
 pub use repeat::Others;
 

@@ -1,6 +1,8 @@
 //! Text of others, shown as what it is.
 use std::fmt::Write as _;
 
+use stochc_ir::is_invisible;
+
 /// The text with its invisible signs spelled out, such as `⟨U+202E⟩` for one that turns the
 /// direction of reading: nothing in it can look like something else, or end a document.
 pub fn visible(text: &str) -> String {
@@ -22,22 +24,6 @@ pub fn escaped(text: &str) -> String {
     text.replace('>', "&gt;")
         .replace('"', "&quot;")
         .replace('\'', "&#39;")
-}
-
-/// Signs that steer a terminal or a browser, and those that XML forbids.
-fn is_invisible(sign: char) -> bool {
-    sign.is_control()
-        || matches!(
-            sign,
-            '\u{061C}'
-                | '\u{200B}'..='\u{200F}'
-                | '\u{2028}'..='\u{202E}'
-                | '\u{2060}'..='\u{206F}'
-                | '\u{FEFF}'
-                | '\u{FFF9}'..='\u{FFFB}'
-                | '\u{FFFE}'
-                | '\u{FFFF}'
-        )
 }
 
 #[cfg(test)]

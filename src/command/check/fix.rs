@@ -1,8 +1,8 @@
 //! `stochc check --fix`.
 use std::io::IsTerminal as _;
 
-use stochc_compiler::diagnostic::is_hostile;
 use stochc_files::programs::STDIN_NAME;
+use stochc_ir::is_invisible;
 
 use super::super::terminal::{print, warn};
 use super::{Options, verdict};
@@ -71,7 +71,7 @@ fn shown(diff: String) -> String {
     if !std::io::stdout().is_terminal() {
         return diff;
     }
-    let harmless = |c: char| match is_hostile(c) && !matches!(c, '\n' | '\t') {
+    let harmless = |c: char| match is_invisible(c) && !matches!(c, '\n' | '\t') {
         true => '\u{fffd}',
         false => c,
     };
