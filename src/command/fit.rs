@@ -1,5 +1,4 @@
 //! `stochc fit`.
-use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
@@ -204,15 +203,11 @@ fn rounds(
         for (all, new) in all.iter_mut().zip(new) {
             all.extend(new);
         }
-        // Further away, a polynomial would bend for what does not matter any more.
-        let is_within = |point: &&Simulated| {
-            let mut sides = point.at.iter().zip(&ends);
-            sides.all(|(at, (low, high))| (*low..=*high).contains(at))
-        };
         let emulators: Option<Vec<Emulator>> = (all.iter())
             .map(|points| {
-                let near: Vec<Simulated> = points.iter().filter(is_within).cloned().collect();
-                Emulator::of(&near)
+                // Further away, a polynomial would bend for what does not matter any more.
+                let near = points.iter().filter(|point| point.is_within(&ends));
+                Emulator::of(&near.cloned().collect::<Vec<_>>())
             })
             .collect();
         let Some(emulators) = emulators else {
@@ -265,8 +260,7 @@ fn simulated(
         ..Settings::of(Model::Rigid, options.substeps)
     };
     let manifest = Manifest::new(settings, seed, options.runs, entries);
-    let threads = NonZeroUsize::new(threads(options.threads)).unwrap_or(NonZeroUsize::MIN);
-    let progress = Progress::new(&manifest, threads);
+    let progress = Progress::new(&manifest, threads(options.threads));
     let points = design.points.len();
     let simulate = |entry: usize, number, watch: &Watch| {
         let program = &manifest.programs[entry];

@@ -88,7 +88,7 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
     let setup = Setup {
         extent,
         seed: options.seed,
-        threads: threads(options.threads),
+        threads: threads(options.threads).get(),
         finest: options.finest,
         max_ticks: options.max_ticks,
         memory: memory.as_ref(),
@@ -128,9 +128,10 @@ pub(super) fn of(programs: &[Program], setup: &Setup, quiet: bool) -> Result<Tra
 }
 
 /// How many runs to do at the same time.
-pub(super) fn threads(asked: Option<u16>) -> usize {
-    let cores = || std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
-    asked.map_or_else(cores, usize::from)
+pub(super) fn threads(asked: Option<u16>) -> NonZeroUsize {
+    let cores = || std::thread::available_parallelism().ok();
+    let threads = asked.map_or_else(cores, |asked| NonZeroUsize::new(asked.into()));
+    threads.unwrap_or(NonZeroUsize::MIN)
 }
 
 /// A time with its unit.

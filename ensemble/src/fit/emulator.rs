@@ -10,6 +10,14 @@ pub struct Simulated {
     pub times: Vec<f64>,
 }
 
+impl Simulated {
+    /// Whether the point is in a box, given by its lower and upper ends.
+    pub fn is_within(&self, ends: &[(f64, f64)]) -> bool {
+        let mut sides = self.at.iter().zip(ends);
+        sides.all(|(at, (low, high))| (*low..=*high).contains(at))
+    }
+}
+
 /// The logarithms of mean and standard deviation of a sample, and how well they are known.
 struct Logarithms {
     of: Vector2<f64>,

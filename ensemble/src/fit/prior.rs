@@ -1,9 +1,8 @@
 //! What is known of a number before: it is between two values, each as likely as any other.
-use stochc_compiler::scene::{quantity, to_si};
 use stochc_ir::scene::Scene;
-use stochc_ir::scene::scalars::find;
 
 use crate::Varied;
+use crate::sweep::{common, digits, logarithmic, number, value, varied};
 
 /// A number of a scene and its range.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,28 +27,15 @@ impl Prior {
     pub fn parse(text: &str) -> Result<Prior, String> {
         let wrong = "write NAME=FROM..TO, such as `bond.pull=2..12 N` or `free=50..500 log`";
         let (name, range) = text.split_once('=').ok_or(wrong)?;
-        let range = range.trim();
-        let (range, is_logarithmic) = match range.strip_suffix("log") {
-            Some(before) if before.ends_with(char::is_whitespace) => (before.trim_end(), true),
-            _ => (range, false),
-        };
+        let (range, is_logarithmic) = logarithmic(range);
         let (from, to) = range.split_once("..").ok_or(wrong)?;
         if name.trim().is_empty() || to.contains('/') && to.rsplit('/').next().is_some_and(is_count)
         {
             return Err(wrong.to_owned());
         }
-        let is_number = |c: char| c.is_ascii_digit() || "+-.eE".contains(c);
-        let unit = |text: &str| text.trim().trim_start_matches(is_number).trim().to_owned();
-        let (first, last) = (unit(from), unit(to));
-        if !first.is_empty() && first != last {
-            return Err(format!(
-                "one unit for both ends, not `{first}` and `{last}`"
-            ));
-        }
-        let (from, to) = (
-            quantity(from.trim_end_matches(&first))?.value,
-            quantity(to)?.value,
-        );
+        let ends = [value(from)?, value(to)?];
+        let unit = common(&ends)?;
+        let [from, to] = ends.map(|(end, _)| end);
         if from >= to || !(from.is_finite() && to.is_finite()) {
             return Err(format!(
                 "`{from}..{to}` is no range: the first end has to be the lower one"
@@ -62,7 +48,7 @@ impl Prior {
             of: name.trim().to_owned(),
             from,
             to,
-            unit: last,
+            unit,
             is_logarithmic,
         })
     }
@@ -80,26 +66,14 @@ impl Prior {
     /// # Errors
     /// In words, when the scene has no such number, or may not have this value of it.
     pub fn varied(&self, share: f64, scene: &Scene) -> Result<Varied, String> {
-        let number = find(scene, &self.of).map_err(|error| match error.has() {
-            [] => error.to_string(),
-            has => format!("{error}\n  it has {}", has.join(", ")),
-        })?;
+        let number = number(scene, &self.of)?;
         let said = self.value(share);
         let said = match number.is_whole() {
             true => said.round(),
             // As many digits as single precision has: more would make no other run.
-            false => format!("{said:.6e}").parse().unwrap_or(said),
+            false => digits(said, 7),
         };
-        let given = quantity(&format!("{said} {}", self.unit))?;
-        let value = number
-            .accept(to_si(&given))
-            .map_err(|error| error.to_string())?;
-        Ok(Varied {
-            of: number.name().to_owned(),
-            value,
-            said,
-            unit: self.unit.clone(),
-        })
+        varied(number, said, &self.unit)
     }
 }
 

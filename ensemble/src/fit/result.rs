@@ -184,11 +184,8 @@ mod tests {
                     times: times(&mut random, &at, 12),
                     at,
                 }));
-                let near = |point: &&Simulated| {
-                    let mut sides = point.at.iter().zip(&ends);
-                    sides.all(|(at, (low, high))| (*low..=*high).contains(at))
-                };
-                let near: Vec<Simulated> = points.iter().filter(near).cloned().collect();
+                let near = points.iter().filter(|point| point.is_within(&ends));
+                let near: Vec<Simulated> = near.cloned().collect();
                 let emulator = Emulator::of(&near).unwrap();
                 let measured = Measured {
                     observed: &observed,

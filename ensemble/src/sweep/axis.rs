@@ -37,11 +37,7 @@ impl Axis {
             .split_once('=')
             .filter(|(name, _)| !name.trim().is_empty())
             .ok_or("write NAME=VALUES, such as `free=50..600/6` or `bond.pull=2,4,8 N`")?;
-        let values = values.trim();
-        let (spaced, is_geometric) = match values.strip_suffix("log") {
-            Some(before) if before.ends_with(char::is_whitespace) => (before.trim_end(), true),
-            _ => (values, false),
-        };
+        let (spaced, is_geometric) = logarithmic(values);
         let (values, unit) = match spaced.split_once("..") {
             Some((from, rest)) => range(from, rest, is_geometric)?,
             None if is_geometric => {
@@ -64,17 +60,8 @@ impl Axis {
     pub fn values(&self, number: &Number) -> Result<Vec<Varied>, String> {
         let mut out: Vec<Varied> = Vec::new();
         for said in self.said(number)? {
-            let given = quantity(&format!("{said} {}", self.unit))?;
-            let value = number
-                .accept(to_si(&given))
-                .map_err(|error| error.to_string())?;
-            let varied = Varied {
-                of: number.name().to_owned(),
-                value,
-                said,
-                unit: self.unit.clone(),
-            };
-            if out.iter().any(|other| other.value == value) {
+            let varied = varied(number, said, &self.unit)?;
+            if out.iter().any(|other| other.value == varied.value) {
                 return Err(format!(
                     "`{}` is {} twice; ask for fewer values",
                     number.name(),
@@ -112,6 +99,32 @@ impl Axis {
     }
 }
 
+/// Values without the word `log` behind them, and whether it was there.
+pub(crate) fn logarithmic(values: &str) -> (&str, bool) {
+    let values = values.trim();
+    match values.strip_suffix("log") {
+        Some(before) if before.ends_with(char::is_whitespace) => (before.trim_end(), true),
+        _ => (values, false),
+    }
+}
+
+/// A number of a scene with a value in a unit.
+///
+/// # Errors
+/// In words, when the number may not have it.
+pub(crate) fn varied(number: &Number, said: f64, unit: &str) -> Result<Varied, String> {
+    let given = quantity(&format!("{said} {unit}"))?;
+    let value = number
+        .accept(to_si(&given))
+        .map_err(|error| error.to_string())?;
+    Ok(Varied {
+        of: number.name().to_owned(),
+        value,
+        said,
+        unit: unit.to_owned(),
+    })
+}
+
 fn even(from: f64, to: f64, n: u32, i: u32) -> f64 {
     match i {
         0 => from,
@@ -121,7 +134,7 @@ fn even(from: f64, to: f64, n: u32, i: u32) -> f64 {
 }
 
 /// A value with so many digits that count: `0.30000000000000004` is not what anybody means.
-fn digits(value: f64, n: usize) -> f64 {
+pub(crate) fn digits(value: f64, n: usize) -> f64 {
     let rounded = format!("{value:.*e}", n - 1).parse();
     rounded.unwrap_or(value)
 }
@@ -185,7 +198,7 @@ fn list(text: &str) -> Result<(Values, String), String> {
 }
 
 /// A number, and its unit as text.
-fn value(text: &str) -> Result<(f64, String), String> {
+pub(crate) fn value(text: &str) -> Result<(f64, String), String> {
     let number = quantity(text)?.value;
     // No unit begins with one of these.
     let is_number = |c: char| c.is_ascii_digit() || "+-.eE".contains(c);
@@ -194,7 +207,7 @@ fn value(text: &str) -> Result<(f64, String), String> {
 }
 
 /// The unit of the last value, which is that of those that have none.
-fn common(values: &[(f64, String)]) -> Result<String, String> {
+pub(crate) fn common(values: &[(f64, String)]) -> Result<String, String> {
     let unit = values.last().map_or("", |(_, unit)| unit);
     let other = values.iter().find(|(_, it)| !it.is_empty() && it != unit);
     match other {

@@ -8,5 +8,7 @@ mod outcome;
 mod points;
 
 pub use axis::Axis;
+pub(crate) use axis::{common, digits, logarithmic, value, varied};
 pub use outcome::{Point, Sweep, SweptNumber, Value};
+pub(crate) use points::number;
 pub use points::{MOST_POINTS, points};

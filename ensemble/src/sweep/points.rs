@@ -1,6 +1,7 @@
 //! All combinations of the values of several axes.
 use stochc_ir::scene::Scene;
 use stochc_ir::scene::scalars::find;
+use stochc_ir::scene::schema::Number;
 
 use super::Axis;
 use crate::Varied;
@@ -17,10 +18,7 @@ pub fn points(axes: &[Axis], scene: &Scene) -> Result<Vec<Vec<Varied>>, String> 
     let mut all: Vec<Vec<Varied>> = vec![Vec::new()];
     let mut seen: Vec<&str> = Vec::new();
     for axis in axes {
-        let scalar = find(scene, &axis.name).map_err(|error| match error.has() {
-            [] => error.to_string(),
-            has => format!("{error}\n  it has {}", has.join(", ")),
-        })?;
+        let scalar = number(scene, &axis.name)?;
         if seen.contains(&scalar.name()) {
             return Err(format!("`{}` is swept twice", scalar.name()));
         }
@@ -39,6 +37,17 @@ pub fn points(axes: &[Axis], scene: &Scene) -> Result<Vec<Vec<Varied>>, String> 
         all = all.into_iter().flat_map(longer).collect();
     }
     Ok(all)
+}
+
+/// The number of a scene that has this name.
+///
+/// # Errors
+/// In words, with the names that it has.
+pub(crate) fn number(scene: &Scene, name: &str) -> Result<&'static Number, String> {
+    find(scene, name).map_err(|error| match error.has() {
+        [] => error.to_string(),
+        has => format!("{error}\n  it has {}", has.join(", ")),
+    })
 }
 
 #[cfg(test)]

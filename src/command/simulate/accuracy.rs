@@ -76,7 +76,7 @@ fn measured(options: &Options, manifest: &Manifest, stop: &AtomicBool) -> Result
     let setup = Setup {
         extent: Extent::Budget(options.budget),
         seed: manifest.seed,
-        threads: threads(options.threads),
+        threads: threads(options.threads).get(),
         finest: FINEST,
         max_ticks: None,
         memory: None,

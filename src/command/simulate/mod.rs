@@ -8,7 +8,6 @@ mod record;
 mod single;
 mod sweep;
 
-use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -25,6 +24,7 @@ use super::progress::{Display, of_ensemble};
 use super::results::{Shown, show, tell_of_damage};
 use super::scene_warnings::{SceneWarning, scene_warnings};
 use super::terminal::warn;
+use super::trade::threads;
 use crate::exit::{Exit, Failure};
 use stochc_ensemble::Cancelled;
 use stochc_ensemble::Destination;
@@ -157,11 +157,7 @@ fn ensemble(options: &Options, manifest: &Manifest, stop: &AtomicBool) -> Result
             Destination::Folder(folder.with(sweep::files))
         }
     };
-    let threads = match options.threads {
-        Some(threads) => NonZeroUsize::new(threads.into()),
-        None => std::thread::available_parallelism().ok(),
-    };
-    let progress = Progress::new(manifest, threads.unwrap_or(NonZeroUsize::MIN));
+    let progress = Progress::new(manifest, threads(options.threads));
     let recordings = record::Recordings::new(options, manifest);
     let simulate = |program: usize, number, watch: &Watch| {
         let program_of = &manifest.programs[program];
