@@ -12,7 +12,7 @@ mod settings;
 pub mod world;
 
 pub use run::{RunError, Watch, drive, observe, run};
-pub use settings::{Model, Precision, Reduction, SUBSTEPS, Settings};
+pub use settings::{Model, Precision, Reduction, Settings, Substeps};
 
 /// A digest of this crate's sources: two builds with one digest compute the same.
 pub const SOURCES: &str = env!("STOCHC_SOURCES");

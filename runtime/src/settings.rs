@@ -1,15 +1,22 @@
 //! How a run is computed: the model and its accuracy, which are never the scene's.
 use serde::{Deserialize, Serialize};
+use stochc_ir::scene::{Bond, Scene};
 
 /// Everything about a run that is neither in the program nor in the scene.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Settings {
     /// What moves the blocks.
     pub model: Model,
-    /// Steps of the model per tick, at least 1; default [`SUBSTEPS`].
+    /// Steps of the model per tick, at least 1; default [`Substeps::DEFAULT`].
     ///
     /// More resolve contacts and docking better and cost proportionally more.
+    ///
+    /// With `away`, those of blocks near magnetized faces.
     pub substeps: u32,
+    /// Steps per tick of blocks that are not near a magnetized face, of which `substeps` is a multiple; `None`: as many
+    /// as near one. For `rigid` only: `rapier` takes the short steps everywhere.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub away: Option<u32>,
     /// How hard contacts are worked on in a substep; `None`: [`Settings::iterations`] of the model.
     ///
     /// For `rapier` that is its `num_solver_iterations`, internal steps that also make contacts
@@ -25,9 +32,69 @@ pub struct Settings {
     pub max_ticks: Option<u64>,
 }
 
-/// Steps per tick, if nothing else is said: with as many, the times of the default scene are within a
-/// few percent of the limit of small steps (docs/reproduction.md).
-pub const SUBSTEPS: u32 = 4;
+/// The steps of the model per tick, as an option says them: `4`, or `1/8` for one of blocks away from magnetized faces and eight
+/// of those near them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Substeps {
+    /// [`Settings::substeps`].
+    pub near: u32,
+    /// [`Settings::away`].
+    pub away: Option<u32>,
+}
+
+impl Substeps {
+    /// The most steps a tick that are taken.
+    pub const MOST: u32 = 1000;
+
+    /// If nothing else is said: the cheapest whose times in the default scene are not known to be off the limit of small steps
+    /// (docs/trade.md).
+    pub const DEFAULT: Substeps = Substeps {
+        near: 8,
+        away: Some(2),
+    };
+
+    /// Whether there are steps, not too many, and whole numbers of short ones in a long one.
+    pub fn are_sound(self) -> bool {
+        (1..=Substeps::MOST).contains(&self.near)
+            && (self.away).is_none_or(|away| away > 0 && self.near.is_multiple_of(away))
+    }
+}
+
+impl std::fmt::Display for Substeps {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.away {
+            Some(away) => write!(f, "{away}/{}", self.near),
+            None => write!(f, "{}", self.near),
+        }
+    }
+}
+
+impl std::str::FromStr for Substeps {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Substeps, String> {
+        let number = |text: &str| text.trim().parse::<u32>().ok();
+        let (away, near) = match text.split_once('/') {
+            Some((away, near)) => (Some(number(away)), number(near)),
+            None => (None, number(text)),
+        };
+        let read = match (away, near) {
+            (None, Some(near)) => Some(Substeps { near, away: None }),
+            (Some(Some(away)), Some(near)) => Some(Substeps {
+                near,
+                away: (away != near).then_some(away),
+            }),
+            _ => None,
+        };
+        read.filter(|steps| steps.are_sound()).ok_or_else(|| {
+            format!(
+                "say from 1 to {} steps a tick, such as `4`, or `1/8` for one away from magnetized faces and \
+                 eight near them, which have to be a multiple",
+                Substeps::MOST
+            )
+        })
+    }
+}
 
 /// Rounds over contacts that `rigid` makes at most, if nothing else is said.
 pub(crate) const ROUNDS: u32 = 10;
@@ -122,16 +189,39 @@ impl Precision {
     }
 }
 
+/// Whether blocks of a scene may take steps of different lengths: not where a fluid carries them, or where free blocks pull
+/// each other.
+pub(crate) fn takes_local_steps(scene: &Scene) -> bool {
+    scene.fluid.is_none()
+        && scene.flow.is_none()
+        && !matches!(scene.bond, Some(Bond::Reject { .. }))
+}
+
 impl Settings {
     /// So many steps per tick of a model, and nothing else out of the ordinary.
     pub const fn of(model: Model, substeps: u32) -> Settings {
         Settings {
             model,
             substeps,
+            away: None,
             solver_iterations: None,
             precision: Precision::Single,
             reduction: None,
             max_ticks: None,
+        }
+    }
+
+    /// How many steps a tick the blocks of a scene take that take the longest.
+    pub fn longest_steps(&self, scene: &Scene) -> u32 {
+        let local = takes_local_steps(scene) && self.model == Model::Rigid;
+        self.away.filter(|_| local).unwrap_or(self.substeps)
+    }
+
+    /// The steps per tick.
+    pub fn steps(&self) -> Substeps {
+        Substeps {
+            near: self.substeps,
+            away: self.away,
         }
     }
 
@@ -147,7 +237,9 @@ impl Settings {
     /// The same, with everything said that goes without saying: two settings compute the same if these are equal.
     #[must_use]
     pub fn resolved(&self) -> Settings {
+        let local = |&away: &u32| away != self.substeps && self.model == Model::Rigid;
         Settings {
+            away: self.away.filter(local),
             solver_iterations: Some(self.iterations()),
             ..self.clone()
         }
@@ -160,7 +252,7 @@ impl Settings {
         let values = |of: &Settings| {
             [
                 ("the model", of.model.name().to_owned()),
-                ("the number of substeps", of.substeps.to_string()),
+                ("the number of substeps", of.steps().to_string()),
                 ("the limit of ticks", limit(of)),
                 ("`solver-iterations`", of.iterations().to_string()),
                 ("`precision`", of.precision.name().to_owned()),
@@ -177,6 +269,29 @@ impl Settings {
 
 impl Default for Settings {
     fn default() -> Settings {
-        Settings::of(Model::Rigid, SUBSTEPS)
+        let Substeps { near, away } = Substeps::DEFAULT;
+        Settings {
+            away,
+            ..Settings::of(Model::Rigid, near)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_are_read_as_they_are_written() {
+        for text in ["1", "4", "1/8", "2/16", "1000"] {
+            let steps: Substeps = text.parse().expect("it is allowed");
+            assert_eq!(steps.to_string(), text);
+        }
+        assert_eq!("8/8".parse(), "8".parse::<Substeps>());
+        for text in [
+            "", "0", "1001", "3/8", "8/1", "0/4", "1/", "/8", "1/8/2", "-1", "a",
+        ] {
+            assert!(text.parse::<Substeps>().is_err(), "{text}");
+        }
     }
 }

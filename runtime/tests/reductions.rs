@@ -102,7 +102,7 @@ fn spheres_touch_at_one_side_whatever_their_orientation<K: Kind>() {
         let mut block = |sign: f64| BodyState {
             orientation: dice.rotation(),
             velocity: -sign * speed * way,
-            ..BodyState::at_rest(at(0.0, 0.0, 8.0) + sign * 0.75 * way)
+            ..BodyState::at_rest(at(0.0, 0.0, 8.0) + sign * 0.755 * way)
         };
         let start = [block(1.0), block(-1.0)];
         let mut world: K::World = scenes::world(&scene, &reduced::<K>(Reduction::Spheres), &start);

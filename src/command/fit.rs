@@ -14,7 +14,7 @@ use stochc_files::atomic::Replaces;
 use stochc_files::read_file;
 use stochc_report::figures::fit as fit_figure;
 use stochc_report::tables::fit_to_text;
-use stochc_runtime::{Model, SUBSTEPS, Settings, run as run_once};
+use stochc_runtime::{Settings, Substeps, run as run_once};
 
 use super::interrupt::stop_on_interrupt;
 use super::levels::LevelOptions;
@@ -50,9 +50,9 @@ pub struct Options {
     /// Runs of each program at each point
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u64).range(4..=10_000))]
     runs: u64,
-    /// Steps of the model in each tick
-    #[arg(long, default_value_t = SUBSTEPS, value_parser = clap::value_parser!(u32).range(1..=1000))]
-    substeps: u32,
+    /// Steps of the model in each tick; `1/8`: one, and eight for blocks near magnetized faces
+    #[arg(long, value_name = "STEPS", default_value_t = Substeps::DEFAULT)]
+    substeps: Substeps,
     /// Stop a run after this many ticks; its time then counts for nothing, and is told of
     #[arg(long, value_name = "TICKS", default_value_t = 200_000, value_parser = clap::value_parser!(u64).range(1..))]
     max_ticks: u64,
@@ -257,7 +257,9 @@ fn simulated(
     let entries = at_points(options, measured, design, &options.levels.levels)?;
     let settings = Settings {
         max_ticks: Some(options.max_ticks),
-        ..Settings::of(Model::Rigid, options.substeps)
+        substeps: options.substeps.near,
+        away: options.substeps.away,
+        ..Settings::default()
     };
     let manifest = Manifest::new(settings, seed, options.runs, entries);
     let progress = Progress::new(&manifest, threads(options.threads));

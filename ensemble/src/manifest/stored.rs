@@ -112,7 +112,7 @@ impl Manifest {
         }
         let damaged = |error: &dyn std::fmt::Display| format!("it is damaged, {error}");
         let stored: Stored = serde_json::from_str(json).map_err(|error| damaged(&error))?;
-        if stored.settings.substeps == 0 || stored.settings.solver_iterations == Some(0) {
+        if !stored.settings.steps().are_sound() || stored.settings.solver_iterations == Some(0) {
             return Err(damaged(&"it has no steps"));
         }
         let compiled = stored.compiled.iter().map(|raw| {

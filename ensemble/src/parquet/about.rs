@@ -10,7 +10,7 @@ pub(super) fn about(manifest: &Manifest) -> Vec<(&'static str, String)> {
         ("stochc.version", manifest.stochc.clone()),
         ("stochc.ensemble", manifest.identity()),
         ("stochc.model", manifest.settings.model.name().to_owned()),
-        ("stochc.substeps", manifest.settings.substeps.to_string()),
+        ("stochc.substeps", manifest.settings.steps().to_string()),
         ("stochc.settings", json!(manifest.settings).to_string()),
         ("stochc.seed", manifest.seed.to_string()),
         ("stochc.runs", manifest.runs.to_string()),

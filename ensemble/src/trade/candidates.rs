@@ -23,6 +23,11 @@ pub fn candidates(finest: u32) -> Vec<Settings> {
     };
     // Nothing means anything without a reference, so that what leads to it comes first.
     let mut rungs: Vec<Settings> = doubled().map(rigid).collect();
+    let local = [1, 2].map(|away| Settings {
+        away: Some(away),
+        ..rigid(FIRST)
+    });
+    rungs.extend(local.into_iter().filter(|rung| within(&rung.substeps)));
     // A third and three times the default.
     rungs.extend([3, 30].map(|iterations| with(base(), iterations)));
     rungs.push(Settings {
@@ -56,7 +61,7 @@ pub fn refines(settings: &Settings) -> bool {
 
 /// The rung in few letters: `rigid 2`, `rapier 1 iterations 8`, `rigid 1 no-friction`.
 pub fn short(settings: &Settings) -> String {
-    let mut text = format!("{} {}", settings.model.name(), settings.substeps);
+    let mut text = format!("{} {}", settings.model.name(), settings.steps());
     if let Some(iterations) = settings.solver_iterations {
         text += &format!(" iterations {iterations}");
     }
@@ -74,7 +79,7 @@ pub fn flags(settings: &Settings) -> String {
     let mut text = format!(
         "--model {} --substeps {}",
         settings.model.name(),
-        settings.substeps
+        settings.steps()
     );
     if let Some(iterations) = settings.solver_iterations {
         text += &format!(" --solver-iterations {iterations}");

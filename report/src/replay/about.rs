@@ -3,6 +3,7 @@ use serde_json::{Value, json};
 use stochc_ensemble::text::visible;
 use stochc_ensemble::{Manifest, Program};
 use stochc_ir::emit::{graph_json, table_json};
+use stochc_runtime::Substeps;
 
 /// `{ program, file, seed, model, stochc, scene, radius, lift, tables, graph }`: the scene as the
 /// manifest has it, the radius of its shell \[side\] or null and the height of the shell's centre, and tables and
@@ -15,9 +16,9 @@ pub fn about(manifest: &Manifest, program: &Program) -> Value {
     let radius = enclosure.map(|enclosure| enclosure.radius() / side);
     let lift = enclosure.map_or(0.0, |it| it.centre_height(&tables.plate, side) / side);
     let file = program.sources.first().map_or("", |source| &source.path);
-    let substeps = match manifest.settings.substeps {
-        1 => "1 substep".to_owned(),
-        n => format!("{n} substeps"),
+    let substeps = match manifest.settings.steps() {
+        Substeps { near: 1, .. } => "1 substep".to_owned(),
+        steps => format!("{steps} substeps"),
     };
     let mut about = json!({
         "program": program.name,

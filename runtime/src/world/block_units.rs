@@ -11,6 +11,7 @@ use super::parameters::{
     Attraction, Contact, Eddies, Kicks, Magnet, MeanFlow, Parameters, Passive, Pull, Resistance,
     Shell, Suction, built,
 };
+use crate::settings::takes_local_steps;
 
 impl Parameters {
     /// The terms of a scene around a plate.
@@ -46,6 +47,7 @@ impl Parameters {
         }
         let weight = |&gravity: &f64| units.weight(gravity, scene.fluid.as_ref());
         Ok(Parameters {
+            local: takes_local_steps(scene),
             shell,
             kicks,
             drag: made(&scene.drag, |drag| {
@@ -261,6 +263,7 @@ impl Units {
             measure,
             within: self.length("the anchoring distance", within)?,
             cos_tilt: libm::cos(number("the anchoring tilt", tilt)?),
+            square_of_step: 0.0,
         })
     }
 }

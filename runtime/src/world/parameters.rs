@@ -1,4 +1,5 @@
 //! The numbers of all terms of the physics, in block units.
+use crate::settings::{Model, Settings};
 use stochc_ir::scene::{ContactLaw, Measure};
 
 /// The terms that this build can compute: without one, its code is unreachable and left out.
@@ -15,6 +16,8 @@ pub(crate) mod built {
 /// The terms in force; `None` is a term that does not exist.
 #[derive(Clone, Debug)]
 pub(crate) struct Parameters {
+    /// Whether blocks may take steps of different lengths.
+    pub local: bool,
     pub shell: Option<Shell>,
     pub kicks: Option<Kicks>,
     /// Rate of the linear drag \[1 / tick\].
@@ -123,6 +126,8 @@ pub(crate) struct Magnet {
     pub within: f64,
     /// Cosine of the greatest tilt at which a block is anchored.
     pub cos_tilt: f64,
+    /// What a unit force moves a block at rest by in a step \[tick^2\]: the square of its length, less what drag takes.
+    pub square_of_step: f64,
 }
 
 /// What a face does to a block in its reach.
@@ -192,9 +197,23 @@ pub(crate) struct Pull {
 }
 
 impl Parameters {
+    /// How many steps a tick blocks take away from magnetized faces and near them.
+    pub fn rates(&self, settings: &Settings) -> [u32; 2] {
+        let short = settings.substeps.max(1);
+        let long = settings
+            .away
+            .filter(|_| self.local && settings.model == Model::Rigid);
+        [long.unwrap_or(short), short]
+    }
+
     /// Where a force leaves only this part of its effect in a step: what drag takes of walls and contacts is not
     /// there to be parted.
-    pub fn weakened(mut self, response: f64) -> Parameters {
+    ///
+    /// `dt`: length of a step \[tick\].
+    pub fn weakened(mut self, response: f64, dt: f64) -> Parameters {
+        if let Some(magnet) = &mut self.bond {
+            magnet.square_of_step = dt * dt * response;
+        }
         if let Some(shell) = &mut self.shell {
             shell.stiffness *= response;
         }

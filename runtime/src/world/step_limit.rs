@@ -11,7 +11,7 @@ impl Parameters {
     /// If a spring would turn by more than one radian in a step, or, slowed by drag, swing back by more than it
     /// was out: from twice as much on it gains energy.
     pub fn check(&self, settings: &Settings) -> Result<(), SceneError> {
-        let substeps = settings.substeps.max(1);
+        let [substeps, _] = self.rates(settings);
         let Some(shell) = self.shell else {
             return Ok(());
         };

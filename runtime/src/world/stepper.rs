@@ -20,10 +20,24 @@ use super::{Arena, BlockFace, Body, BodyState, Docking, Fault, SceneError, World
 use crate::counter_rng::{Draws, Step, Stream};
 use crate::settings::{Reduction, Settings};
 
+/// Who moves in a short step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Moving {
+    /// All blocks, those that take long steps for the whole of one.
+    All,
+    /// Those that take short steps only.
+    Short,
+}
+
 /// Moves blocks and lets them collide: all in which two worlds of rigid blocks differ.
 pub(crate) trait Integrator: Sized {
     type Real: Real;
     type Blocks: Blocks<Real = Self::Real>;
+
+    /// How many long steps and short steps a tick has.
+    fn rates(_parameters: &Parameters, settings: &Settings) -> [u32; 2] {
+        [settings.substeps.max(1); 2]
+    }
 
     /// For the terms of a scene, each spring as weak as the drag makes it.
     ///
@@ -50,8 +64,33 @@ pub(crate) trait Integrator: Sized {
         found: &mut Vec<u32>,
     );
 
+    /// How far a block, or the fastest one, may get in a long step; only asked if there are short ones.
+    fn way(&self, _blocks: &Self::Blocks, _id: Option<u32>) -> Self::Real {
+        Self::Real::of(0.0)
+    }
+
+    /// Begins a long step that is made of several short ones: these blocks, in rising order, may come into the field of a
+    /// magnetized face in it, and have to take short ones.
+    fn begin_long_step(&mut self, _blocks: &mut Self::Blocks, _in_field: &[u32]) {}
+
+    /// The blocks that take short steps in this long one.
+    fn short_steps(&self) -> &[u32] {
+        &[]
+    }
+
+    /// For how many short steps the forces act that a block is moved by next.
+    fn span(&self, _blocks: &Self::Blocks, _id: u32) -> f64 {
+        1.0
+    }
+
     /// Finds who touches whom, before any velocity is changed.
-    fn find_contacts(&mut self, _blocks: &mut Self::Blocks, _bonds: Option<&FreeBonds>) {}
+    fn find_contacts(
+        &mut self,
+        _blocks: &mut Self::Blocks,
+        _bonds: Option<&FreeBonds>,
+        _who: Moving,
+    ) {
+    }
 
     /// Checks a block whose motion has been changed by a force; not needed where [`Integrator::advance`] looks at
     /// everything.
@@ -71,6 +110,7 @@ pub(crate) trait Integrator: Sized {
         blocks: &mut Self::Blocks,
         kicks: Option<(&Kicks, Step<'_>)>,
         bonds: Option<&mut FreeBonds>,
+        who: Moving,
     ) -> Result<(), Fault>;
 
     /// An anchored block has been set free.
@@ -83,8 +123,10 @@ pub(crate) trait Integrator: Sized {
 /// A world of rigid cubes that an integrator moves.
 pub(crate) struct Stepper<I: Integrator> {
     tick: u64,
+    /// Short steps in a tick, and in a long step.
     substeps: u32,
-    /// Length of a substep \[tick\].
+    ratio: u32,
+    /// Length of a short step \[tick\].
     dt: I::Real,
     blocks: I::Blocks,
     integrator: I,
@@ -118,6 +160,34 @@ impl<I: Integrator> Stepper<I> {
         }
     }
 
+    /// Begins a long step: finds who is near which face, and has them take short ones.
+    fn split(&mut self) {
+        self.refresh();
+        let mut in_field = Vec::new();
+        if let Some(faces) = &mut self.faces
+            && faces.count() > 0
+        {
+            let fastest = self.integrator.way(&self.blocks, None);
+            for active in 0..faces.count() {
+                let (centre, horizon) = (faces.centre(active), faces.horizon());
+                let reach = horizon + fastest;
+                (self.integrator).near(&self.blocks, centre, reach, &mut self.nearby);
+                self.nearby.retain(|&id| {
+                    let most = horizon + self.integrator.way(&self.blocks, Some(id));
+                    let square = (self.blocks.position(id) - centre).norm_squared();
+                    self.blocks.is_free(id) && square < most * most
+                });
+                faces.set_nearby(active, &self.nearby);
+                in_field.extend_from_slice(&self.nearby);
+            }
+        }
+        in_field.sort_unstable();
+        in_field.dedup();
+        (self.integrator).begin_long_step(&mut self.blocks, &in_field);
+        // What has been looked up holds for all of the long step.
+        self.blind = false;
+    }
+
     /// Looks again who is where, if something has moved.
     fn refresh(&mut self) {
         if !std::mem::take(&mut self.stale) {
@@ -125,6 +195,7 @@ impl<I: Integrator> Stepper<I> {
         }
         let anew = self.integrator.follow(&self.blocks);
         if let Some(faces) = &mut self.faces
+            && self.ratio == 1
             && (anew || self.blind)
         {
             self.blind = false;
@@ -137,18 +208,20 @@ impl<I: Integrator> Stepper<I> {
     }
 
     /// Finds who is near which face, and who touches whom.
-    fn survey(&mut self) {
-        self.refresh();
+    fn survey(&mut self, who: Moving) {
+        if self.ratio == 1 {
+            self.refresh();
+        }
         if built::BOND
             && let Some(faces) = &mut self.faces
         {
             faces.survey(self.tick, &mut self.blocks);
         }
-        (self.integrator).find_contacts(&mut self.blocks, self.free_bonds.as_ref());
+        (self.integrator).find_contacts(&mut self.blocks, self.free_bonds.as_ref(), who);
     }
 
     /// What is around the blocks, for each of them alone.
-    fn surround(&mut self, substep: u32) -> Result<(), Fault> {
+    fn surround(&mut self, substep: u32, who: Moving) -> Result<(), Fault> {
         let (true, Some(external_forces)) =
             (built::FLUID || built::GRAVITY, &mut self.external_forces)
         else {
@@ -158,12 +231,19 @@ impl<I: Integrator> Stepper<I> {
         let sinks = faces.map(Faces::sinks).unwrap_or_default();
         let step = self.tick * u64::from(self.substeps) + u64::from(substep);
         external_forces.begin(self.tick, substep, step);
-        for id in 0..self.blocks.count() {
-            if !self.blocks.is_free(id) {
-                continue;
+        match who {
+            Moving::All => self.blocks.list_free(&mut self.free),
+            Moving::Short => {
+                self.free.clear();
+                let short = self.integrator.short_steps().iter().copied();
+                self.free
+                    .extend(short.filter(|&id| self.blocks.is_free(id)));
             }
+        }
+        for &id in &self.free {
             let mut motion = self.blocks.motion(id);
-            external_forces.act(id, &mut motion, &sinks);
+            let span = self.integrator.span(&self.blocks, id);
+            external_forces.act(id, &mut motion, &sinks, span);
             if !self.turns {
                 motion.spin = Vector3::zeros();
             }
@@ -204,23 +284,25 @@ impl<I: Integrator> Stepper<I> {
         bonds.settle(&mut self.blocks, dt, response);
     }
 
-    fn advance(&mut self, substep: u32) -> Result<(), Fault> {
+    fn advance(&mut self, substep: u32, who: Moving) -> Result<(), Fault> {
         let kicks = self.kicks.as_mut().filter(|_| substep == 0);
         let kicks = kicks.map(|(kicks, draws)| (&*kicks, draws.step(self.tick)));
         let bonds = self.free_bonds.as_mut().filter(|_| built::BOND);
-        self.integrator.advance(&mut self.blocks, kicks, bonds)?;
+        (self.integrator).advance(&mut self.blocks, kicks, bonds, who)?;
         self.stale = true;
         Ok(())
     }
 
     /// Anchors the blocks that dock.
     fn capture(&mut self, dockings: &mut Vec<Docking>) {
-        self.refresh();
+        if self.ratio == 1 {
+            self.refresh();
+        }
         let (true, Some(faces)) = (built::BOND, &mut self.faces) else {
             return;
         };
         let mut held = Vec::new();
-        faces.capture(self.tick, &mut self.blocks, |block, docking| {
+        faces.capture(self.tick, self.dt, &mut self.blocks, |block, docking| {
             held.push(block);
             dockings.push(docking);
         });
@@ -264,16 +346,18 @@ impl<I: Integrator> Arena for Stepper<I> {
     ) -> Result<Stepper<I>, SceneError> {
         let parameters = Parameters::new(scene, plate)?;
         parameters.check(settings)?;
-        let substeps = settings.substeps.max(1);
+        let rates = I::rates(&parameters, settings);
+        let substeps = rates[1];
         let external_forces = ExternalForces::new(&parameters, substeps, seed, run);
         let response = external_forces
             .as_ref()
             .map_or(Response::FREE, ExternalForces::response);
-        let parameters = parameters.weakened(response.linear);
+        let parameters = parameters.weakened(response.linear, 1.0 / f64::from(substeps));
         let (blocks, integrator) = I::new(&parameters, plate, settings, blocks)?;
         Ok(Stepper {
             tick: 0,
             substeps,
+            ratio: substeps / rates[0],
             dt: I::Real::of(1.0 / f64::from(substeps)),
             blocks,
             integrator,
@@ -392,11 +476,16 @@ impl<I: Integrator> World for Stepper<I> {
             (0..self.count()).try_for_each(|id| self.integrator.check(&self.blocks, id))?;
         }
         for substep in 0..self.substeps {
-            self.survey();
-            self.surround(substep)?;
+            let begins = substep % self.ratio == 0;
+            if begins && self.ratio > 1 {
+                self.split();
+            }
+            let who = if begins { Moving::All } else { Moving::Short };
+            self.survey(who);
+            self.surround(substep, who)?;
             self.pull()?;
             self.settle();
-            self.advance(substep)?;
+            self.advance(substep, who)?;
             self.capture(dockings);
             self.join();
         }

@@ -3,6 +3,7 @@
 //! The page of the results is written anew with
 //! `STOCHC_WRITE_DOCS=1 cargo test -p stochc-runtime --test extremes`.
 #![allow(clippy::disallowed_methods, reason = "tests read and write files")]
+mod digits;
 #[path = "../scenes/mod.rs"]
 mod scenes;
 mod tanks;
@@ -340,6 +341,7 @@ fn every_extreme_has_the_outcome_that_the_page_states() {
         }
     }
     unsound.extend(tanks::table(&mut page));
+    unsound.extend(digits::table(&mut page));
     page.push_str(TAIL);
     if std::env::var_os("STOCHC_WRITE_DOCS").is_some() {
         std::fs::write(PAGE, &page).unwrap();

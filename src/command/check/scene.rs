@@ -6,7 +6,7 @@ use stochc_compiler::Checked;
 use stochc_ir::scene::describe::{Absent, Term, Value, absent, terms};
 use stochc_ir::scene::groups::{BlockUnits, Group, Speed, SpeedFrom, groups, speed};
 use stochc_ir::scene::{ContactLaw, Scene};
-use stochc_runtime::SUBSTEPS;
+use stochc_runtime::Settings;
 
 use super::super::scene_warnings::{SceneWarning, scene_warnings, short};
 
@@ -42,7 +42,7 @@ pub fn scenes<'a>(file: &'a str, checked: &'a Checked) -> Vec<InForce<'a>> {
                 absent: absent(scene),
                 speed: speed(scene),
                 groups: groups(scene),
-                scene_warnings: scene_warnings(scene, SUBSTEPS),
+                scene_warnings: scene_warnings(scene, Settings::default().longest_steps(scene)),
             }),
         }
     }
@@ -114,7 +114,8 @@ impl InForce<'_> {
                 match self.needed() {
                     1 => "One step a tick is".to_owned(),
                     needed => format!(
-                        "{needed} steps a tick are needed, and the {SUBSTEPS} that `simulate` takes are"
+                        "{needed} steps a tick are needed, and the {} that `simulate` takes are",
+                        Settings::default().longest_steps(self.scene)
                     ),
                 }
             );

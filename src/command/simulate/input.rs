@@ -53,7 +53,8 @@ fn from_files(options: &Options) -> Result<Manifest, Failure> {
     }
     let settings = Settings {
         model: options.model.into(),
-        substeps: options.substeps,
+        substeps: options.substeps.near,
+        away: options.substeps.away,
         solver_iterations: options.solver_iterations,
         precision: options.precision.into(),
         reduction: options.reduce.map(Into::into),

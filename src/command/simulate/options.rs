@@ -5,7 +5,7 @@ use clap::{Args, ValueEnum};
 use stochc_ensemble::MOST_RUNS;
 use stochc_ensemble::recording::{EVERY, Selection};
 use stochc_ensemble::sweep::Axis;
-use stochc_runtime::{Model, Precision, Reduction, SUBSTEPS};
+use stochc_runtime::{Model, Precision, Reduction, Substeps};
 
 use super::super::levels::LevelOptions;
 use super::super::results::Form;
@@ -34,9 +34,10 @@ pub struct Options {
     /// Physical model
     #[arg(long, default_value = "rigid")]
     pub model: ModelName,
-    /// Steps of the model in each tick: more are more accurate and slower
-    #[arg(long, default_value_t = SUBSTEPS, value_parser = clap::value_parser!(u32).range(1..=1000))]
-    pub substeps: u32,
+    /// Steps of the model in each tick: more are more accurate and slower; `1/8`: one, and eight for
+    /// blocks near magnetized faces
+    #[arg(long, value_name = "STEPS", default_value_t = Substeps::DEFAULT)]
+    pub substeps: Substeps,
     /// Iterations of the contact solver in each substep [default: 4 for `rapier`, at most 10 for
     /// `rigid`]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1000))]

@@ -27,7 +27,7 @@ pub(super) fn origin(parts: &Parts, out: &mut Html) {
         let rows: Vec<Vec<Cell>> = [
             ("made by", format!("stochc {}", manifest.stochc)),
             ("model", manifest.settings.model.name().to_owned()),
-            ("substeps", manifest.settings.substeps.to_string()),
+            ("substeps", manifest.settings.steps().to_string()),
             ("settings", settings.join(", ")),
             ("seed", manifest.seed.to_string()),
             ("runs of each program", number(manifest.runs as f64)),
@@ -109,7 +109,7 @@ pub(super) fn simulate(manifest: &stochc_ensemble::Manifest) -> String {
     };
     let settings = &manifest.settings;
     option("model", settings.model.name());
-    option("substeps", &settings.substeps.to_string());
+    option("substeps", &settings.steps().to_string());
     for (name, value) in further(settings) {
         option(name, &value);
     }

@@ -7,6 +7,7 @@ use stochc_protocol::Orientation;
 use super::face_attraction::{AttractingFace, Near, Push, best_turn};
 use super::hydraulic_network::Pressures;
 use super::open_faces::PlacedBlocks;
+use super::swept_docking::Sweep;
 use crate::world::blocks::Blocks;
 use crate::world::external_forces::Sink;
 use crate::world::parameters::{Attraction, Magnet};
@@ -357,12 +358,13 @@ impl<R: Real> Faces<R> {
         }
     }
 
-    /// The blocks have moved: surveys them, and anchors those that are close and straight enough:
+    /// The blocks have moved for `dt`: surveys them, and anchors those that were close and straight enough on their way:
     /// the closest first, then the lowest number, then the lowest site. A face takes one block, and
     /// a block one face.
     pub fn capture(
         &mut self,
         tick: u64,
+        dt: R,
         blocks: &mut impl Blocks<Real = R>,
         mut hold: impl FnMut(Anchored<R>, Docking),
     ) {
@@ -370,11 +372,12 @@ impl<R: Real> Faces<R> {
         // Entries of this step are seen at its end, and docking may follow at once.
         self.survey(tick + 1, blocks);
         let mut ready: Vec<Sighting<R>> = Vec::new();
-        for sighting in &self.sightings {
-            let target = &self.active[sighting.active].target;
-            let rotation = blocks.rotation(sighting.body);
-            if target.anchors(&sighting.near, rotation, &self.magnet) {
-                ready.push(*sighting);
+        for &Sighting { active, body, near } in &self.sightings {
+            let motion = [blocks.velocity(body), blocks.spin(body)];
+            let sweep = Sweep::of_step(&near, blocks.position(body), motion, dt);
+            if let Some(distance) = sweep.docks(&self.active[active].target, &self.magnet) {
+                let near = Near { distance, ..near };
+                ready.push(Sighting { active, body, near });
             }
         }
         if !self.rejected.is_empty() {

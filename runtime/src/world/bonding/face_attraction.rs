@@ -1,7 +1,6 @@
 //! What a magnetized face does to a free block near it: pull, alignment, and when it anchors.
 use nalgebra::{UnitQuaternion, Vector3};
 use stochc_ir::Face;
-use stochc_ir::scene::Measure;
 use stochc_protocol::Orientation;
 
 use crate::world::parameters::{Attraction, Magnet, Passive, Pull, Suction};
@@ -10,6 +9,13 @@ use crate::world::rotation::matrix;
 
 /// Below this distance \[side\] a pull has no direction.
 const COINCIDENT: f64 = 1e-6;
+
+/// What a unit force changes the velocity of a face's centre by: as the block moves, and as it turns about an axis half
+/// a side away.
+const FACE_YIELDS: f64 = 1.0 + 0.25 * INVERSE_INERTIA;
+
+/// The same of its four corners together, which turn the block about the normal, 1/sqrt(2) of a side away.
+const CORNERS_YIELD: f64 = 4.0 * 0.5 * INVERSE_INERTIA;
 
 /// Of a cube of side 1 and mass 1.
 pub(crate) const INVERSE_INERTIA: f64 = 6.0;
@@ -103,6 +109,10 @@ impl<R: Real> AttractingFace<R> {
 
     /// What the face does to a block within its reach.
     ///
+    /// A force that has the same magnitude at any distance is turned round when the block passes the middle, which may be
+    /// many times in a step. Where a step would take a block past it, the force falls off so that the block
+    /// swings by a radian in a step: within a distance that goes to 0 with the square of the step.
+    ///
     /// `drop` is the pressure drop on a face that draws fluid, as the acceleration of a block; 0 for others.
     pub fn push(
         &self,
@@ -116,11 +126,14 @@ impl<R: Real> AttractingFace<R> {
             linear: Vector3::zeros(),
             angular: Vector3::zeros(),
         };
-        let mut pull = |from: Vector3<R>, to: Vector3<R>, force: &dyn Fn(R) -> R| {
+        let square = R::of(magnet.square_of_step);
+        // `yields`: how readily what the force pulls at gives way, at most.
+        let mut pull = |from: Vector3<R>, to: Vector3<R>, yields: f64, force: &dyn Fn(R) -> R| {
             let way = to - from;
             let length = way.norm();
             if length > R::of(COINCIDENT) {
-                let force = way * (force(length) / length);
+                let force = force(length);
+                let force = way * (force / length.max(force * R::of(yields) * square));
                 push.linear += force;
                 push.angular += (from - position).cross(&force) * R::of(INVERSE_INERTIA);
             }
@@ -132,14 +145,14 @@ impl<R: Real> AttractingFace<R> {
                 align,
             } => {
                 let force = R::of(to_centre.force);
-                pull(near.centre, self.centre, &|_| force);
+                pull(near.centre, self.centre, FACE_YIELDS, &|_| force);
                 if let Some(Pull { force, within }) = align
                     && near.distance < R::of(within)
                 {
                     let (own, force) = (own(), R::of(force));
                     let turn = self.pairing(&own);
                     for (i, &corner) in own.iter().enumerate() {
-                        pull(corner, self.counterpart(turn, i), &|_| force);
+                        pull(corner, self.counterpart(turn, i), CORNERS_YIELD, &|_| force);
                     }
                 }
             }
@@ -157,16 +170,20 @@ impl<R: Real> AttractingFace<R> {
                 let turn = self.pairing(&own);
                 for (i, &corner) in own.iter().enumerate() {
                     let to = half(self.counterpart(turn, i), self.centre);
-                    pull(half(corner, near.centre), to, &dipoles);
+                    pull(half(corner, near.centre), to, CORNERS_YIELD, &dipoles);
                 }
             }
             Attraction::Suction(Suction { seal, .. }) => {
                 if near.distance < R::of(seal) {
                     let own = own();
                     let turn = self.pairing(&own);
-                    pull(near.centre, self.centre, &|_| drop * R::of(0.5));
+                    pull(near.centre, self.centre, FACE_YIELDS, &|_| {
+                        drop * R::of(0.5)
+                    });
                     for (i, &corner) in own.iter().enumerate() {
-                        pull(corner, self.counterpart(turn, i), &|_| drop * R::of(0.125));
+                        pull(corner, self.counterpart(turn, i), CORNERS_YIELD, &|_| {
+                            drop * R::of(0.125)
+                        });
                     }
                 }
             }
@@ -195,21 +212,6 @@ impl<R: Real> AttractingFace<R> {
     /// Faces that touch see each other's corners in opposite order.
     fn counterpart(&self, turn: usize, own: usize) -> Vector3<R> {
         self.corners[(turn + 4 - own) % 4]
-    }
-
-    /// Whether a block within reach is close and straight enough to be anchored.
-    pub fn anchors(&self, near: &Near<R>, rotation: UnitQuaternion<R>, magnet: &Magnet) -> bool {
-        let within = R::of(magnet.within);
-        let close = match magnet.measure {
-            Measure::Centres => near.distance < within,
-            Measure::Gap => {
-                let offset = near.centre - self.centre;
-                let gap = offset.dot(&self.normal);
-                gap.abs() < within && (offset - self.normal * gap).norm() < R::of(0.5)
-            }
-        };
-        let own = rotation * normal::<R>(near.face.normal());
-        close && own.dot(&self.normal) < -R::of(magnet.cos_tilt)
     }
 }
 

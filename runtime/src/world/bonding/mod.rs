@@ -4,6 +4,7 @@ mod face_attraction;
 mod hydraulic_network;
 mod open_faces;
 pub(crate) mod pair_attraction;
+mod swept_docking;
 
 pub(crate) use docking::{Anchored, Faces, Release};
 pub(crate) use face_attraction::INVERSE_INERTIA;

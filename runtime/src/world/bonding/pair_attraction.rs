@@ -4,6 +4,7 @@ use stochc_ir::Face;
 use stochc_protocol::Orientation;
 
 use super::face_attraction::{AttractingFace, Push, best_turn};
+use super::swept_docking::Sweep;
 use crate::world::blocks::Pose;
 use crate::world::parameters::{Attraction, Magnet, Passive};
 use crate::world::real::normal;
@@ -73,7 +74,9 @@ pub(crate) fn meet(magnet: &Magnet, first: &Pose, second: &Pose) -> Option<Meeti
     Some(Meeting {
         face,
         other,
-        bonds: target.anchors(&near, second.rotation, magnet),
+        bonds: Sweep::resting(&near, second.position)
+            .docks(&target, magnet)
+            .is_some(),
         pushes: [first_push, second_push],
     })
 }
@@ -108,6 +111,7 @@ mod tests {
             measure: Measure::Centres,
             within: 0.05,
             cos_tilt: 0.96,
+            square_of_step: 0.0,
         }
     }
 

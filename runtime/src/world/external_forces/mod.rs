@@ -100,7 +100,10 @@ impl ExternalForces {
     }
 
     /// What one step makes of a free block's velocity and spin.
-    pub fn act(&mut self, id: u32, motion: &mut Motion, sinks: &[Sink]) {
+    ///
+    /// `span`: for how many steps the weight acts; more than one where blocks take steps of different lengths, which they do in no
+    /// fluid.
+    pub fn act(&mut self, id: u32, motion: &mut Motion, sinks: &[Sink], span: f64) {
         let response = self.response();
         let mut force = Vector3::zeros();
         if let Some(weight) = self.weight {
@@ -111,7 +114,7 @@ impl ExternalForces {
             force += wind.acceleration * self.displaced;
             drag.slow(motion, wind.velocity, wind.spin);
         }
-        motion.velocity += force * (self.dt * response.linear);
+        motion.velocity += force * (self.dt * span * response.linear);
         if let Some(heat) = &mut self.heat {
             heat.shake(id, motion);
         }

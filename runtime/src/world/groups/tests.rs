@@ -7,7 +7,7 @@ const INERTIA: f64 = 1.0 / 6.0;
 /// At rest at these places.
 fn at(places: &[[f64; 3]]) -> Bodies<f64> {
     let states = places.iter().map(|&place| BodyState::at_rest(place.into()));
-    Bodies::new(&states.collect::<Vec<_>>(), 1.0)
+    Bodies::new(&states.collect::<Vec<_>>(), 1.0, 1.0)
 }
 
 fn motions(blocks: &Bodies<f64>) -> impl Iterator<Item = Motion> {

@@ -11,7 +11,7 @@ use crate::world::blocks::Blocks;
 use crate::world::free_bonds::FreeBonds;
 use crate::world::motion_limits::MotionLimits;
 use crate::world::parameters::{Kicks, Parameters, Shell};
-use crate::world::stepper::Integrator;
+use crate::world::stepper::{Integrator, Moving};
 use crate::world::{BodyState, Fault, SceneError};
 
 /// The engine as an integrator.
@@ -75,6 +75,7 @@ impl Integrator for Rapier {
         bodies: &mut EngineBodies,
         mut kicks: Option<(&Kicks, Step<'_>)>,
         bonds: Option<&mut FreeBonds>,
+        _who: Moving,
     ) -> Result<(), Fault> {
         if let Some(bonds) = bonds {
             self.joints.follow(bodies, bonds.groups.bonds());

@@ -1,4 +1,6 @@
 //! Where every block is and how it moves, in arrays.
+use std::ops::{Add, Sub};
+
 use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 use stochc_protocol::Orientation;
 
@@ -21,12 +23,18 @@ const NEVER: u64 = u64::MAX;
 #[derive(Clone, Debug)]
 pub(crate) struct Bodies<R: Lane> {
     pub position: [Vec<R>; 3],
+    /// What rounding has taken from the positions: to be subtracted (W. Kahan, 1965). Steps far smaller than the last digit of
+    /// a place add up.
+    pub rounded: [Vec<R>; 3],
     pub velocity: [Vec<R>; 3],
     /// 1 if the block is free, 0 if it is anchored.
     ///
-    /// These seven arrays are longer than there are blocks, by blocks that are anchored for ever, to
+    /// These twelve arrays are longer than there are blocks, by blocks that are anchored for ever, to
     /// make full groups of [`LANES`].
     pub mobility: Vec<R>,
+    /// Length of the step that a block takes next, and of the one that it has taken last \[tick\].
+    pub step: Vec<R>,
+    pub last: Vec<R>,
     /// As of `turned`, by the number of the substep.
     rotation: Vec<UnitQuaternion<R>>,
     turned: Vec<u64>,
@@ -36,21 +44,25 @@ pub(crate) struct Bodies<R: Lane> {
     spin: Vec<Vector3<R>>,
     /// How a block sits in the structure; `None`: it is free.
     anchored: Vec<Option<Orientation>>,
-    /// Substeps that have passed.
+    /// Short steps that have passed.
     pub now: u64,
-    /// Length of a substep \[tick\].
+    /// Length of a short step \[tick\].
     pub dt: R,
 }
 
 impl<R: Lane> Bodies<R> {
-    pub fn new(blocks: &[BodyState], dt: R) -> Bodies<R> {
+    /// `step`: how long a step is; `dt`: how long the shortest one is that a block may take.
+    pub fn new(blocks: &[BodyState], step: R, dt: R) -> Bodies<R> {
         let zeros = vec![R::zero(); blocks.len().next_multiple_of(LANES)];
         let mut mobility = zeros.clone();
         mobility[..blocks.len()].fill(R::one());
         let mut bodies = Bodies {
             position: std::array::from_fn(|_| zeros.clone()),
+            rounded: std::array::from_fn(|_| zeros.clone()),
             velocity: std::array::from_fn(|_| zeros.clone()),
             mobility,
+            step: vec![step; zeros.len()],
+            last: vec![step; zeros.len()],
             rotation: vec![UnitQuaternion::identity(); blocks.len()],
             turned: vec![0; blocks.len()],
             axes: vec![Rotation3::identity(); blocks.len()],
@@ -72,8 +84,39 @@ impl<R: Lane> Bodies<R> {
         self.spin[id as usize] = spin;
     }
 
+    /// Changes the velocity alone: the block turns as before.
+    pub fn set_moved(&mut self, id: u32, velocity: Vector3<R>) {
+        scatter(&mut self.velocity, id, velocity);
+    }
+
     pub fn set_position(&mut self, id: u32, position: Vector3<R>) {
         scatter(&mut self.position, id, position);
+        scatter(&mut self.rounded, id, Vector3::zeros());
+    }
+
+    /// Moves a block by this way.
+    pub fn shift(&mut self, id: u32, way: Vector3<R>) {
+        let i = id as usize;
+        for axis in 0..3 {
+            let place = &mut self.position[axis][i];
+            (*place, self.rounded[axis][i]) = add(*place, way[axis], self.rounded[axis][i]);
+        }
+    }
+
+    /// How long the forces of a block act that it is moved by next: velocities are half a step behind places.
+    pub fn span(&self, id: u32) -> R {
+        let i = id as usize;
+        (self.step[i] + self.last[i]) * R::of(0.5)
+    }
+
+    /// How long the force acts between two blocks that touch, of which one may be anchored: as long as that on whoever takes
+    /// the longer steps.
+    pub fn span_of_pair(&self, [a, b]: [u32; 2]) -> R {
+        let longer = |steps: &[R]| {
+            let of = |id: u32| steps[id as usize] * self.mobility[id as usize];
+            of(a).max(of(b))
+        };
+        (longer(&self.step) + longer(&self.last)) * R::of(0.5)
     }
 
     /// The greatest speed \[side / tick\].
@@ -227,7 +270,7 @@ impl<R: Lane> Blocks for Bodies<R> {
         let late = R::of((self.now - self.turned[i]) as f64);
         let rotation = turn(self.spin[i] * (self.dt * late), self.rotation[i]);
         BodyState {
-            position: cast(self.position(id)),
+            position: cast::<R, f64>(self.position(id)) - cast(gather(&self.rounded, id)),
             orientation: UnitQuaternion::from_quaternion(rotation.coords.map(Real::double).into()),
             velocity: cast(self.velocity(id)),
             spin: cast(self.spin[i]),
@@ -236,6 +279,8 @@ impl<R: Lane> Blocks for Bodies<R> {
 
     fn set_state(&mut self, id: u32, state: &BodyState) {
         self.set_position(id, cast(state.position));
+        let kept: Vector3<f64> = cast(self.position(id));
+        scatter(&mut self.rounded, id, cast(kept - state.position));
         self.set_velocity_of_turned(id, cast(state.velocity), cast(state.spin));
         self.set_rotation(id, state.orientation);
     }
@@ -268,6 +313,18 @@ impl<R: Lane> Blocks for Bodies<R> {
         self.mobility[id as usize] = R::one();
         scatter(&mut self.velocity, id, velocity);
     }
+}
+
+/// A place after a way, and what rounding has added to it; `rounded`: what it had added before.
+#[inline(always)]
+pub(super) fn add<W: Copy + Add<Output = W> + Sub<Output = W>>(
+    place: W,
+    way: W,
+    rounded: W,
+) -> (W, W) {
+    let way = way - rounded;
+    let moved = place + way;
+    (moved, (moved - place) - way)
 }
 
 fn gather<R: Real>(arrays: &[Vec<R>; 3], id: u32) -> Vector3<R> {

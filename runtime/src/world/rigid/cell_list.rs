@@ -296,7 +296,7 @@ mod tests {
                     BodyState::at_rest(place)
                 })
                 .collect();
-            let mut bodies: Bodies<f64> = Bodies::new(&blocks, 1.0);
+            let mut bodies: Bodies<f64> = Bodies::new(&blocks, 1.0, 1.0);
             let anchored = |i: u32| i.is_multiple_of(4);
             for i in (0..40).filter(|&i| anchored(i)) {
                 let place = blocks[i as usize].position;

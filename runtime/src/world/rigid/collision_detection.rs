@@ -5,7 +5,10 @@ use stochc_ir::table::Plate;
 
 use super::bodies::Bodies;
 use super::cell_list::TOUCH;
-use super::narrow_phase::{Cuboid, Manifold, ball_on_ground, balls, boxes, cube_on_ground};
+use super::local_steps::LocalSteps;
+use super::narrow_phase::{
+    Cuboid, Manifold, ball_on_ground, balls, boxes, cube_on_ground, face_on_ground,
+};
 use super::neighbour_list::NeighbourList;
 use super::simd::{ABREAST, Lane};
 use super::solver::{Law, Solver};
@@ -19,6 +22,8 @@ use crate::world::real::Real;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Shape<R: Real> {
     spheres: bool,
+    /// A contact acts at one point of a patch, and not at all corners of a block.
+    compliant: bool,
     ground: Ground<R>,
 }
 
@@ -32,7 +37,7 @@ enum Ground<R: Real> {
 
 impl<R: Lane> Shape<R> {
     /// Without an enclosure there is no floor.
-    pub fn new(floor: bool, plate: &Plate, spheres: bool) -> Shape<R> {
+    pub fn new(floor: bool, plate: &Plate, spheres: bool, compliant: bool) -> Shape<R> {
         let half = |blocks: u32| R::of(f64::from(blocks) / 2.0);
         let ground = if floor {
             Ground::Plane
@@ -43,7 +48,11 @@ impl<R: Lane> Shape<R> {
                 half: Vector3::new(half(plate.width), half(plate.depth), R::of(0.5)),
             })
         };
-        Shape { spheres, ground }
+        Shape {
+            spheres,
+            compliant,
+            ground,
+        }
     }
 
     /// Leaves out blocks, low enough for it, that cannot touch the ground.
@@ -60,6 +69,7 @@ impl<R: Lane> Shape<R> {
     fn on_ground(&self, bodies: &Bodies<R>, id: u32) -> Option<Manifold<R>> {
         match &self.ground {
             Ground::Plane if self.spheres => ball_on_ground(bodies.position(id)),
+            Ground::Plane if self.compliant => face_on_ground(bodies.position(id), bodies.axes(id)),
             Ground::Plane => cube_on_ground(bodies.position(id), bodies.axes(id)),
             // A ball on an edge of the plate is a rare thing that is not worth a rule of its own.
             Ground::Plate(plate) => boxes(&[(cube(bodies, id), *plate)]).next().flatten(),
@@ -110,7 +120,12 @@ impl<R: Lane> Contacts<R> {
         let turns = !without(Reduction::NoRotation);
         let rounds = settings.solver_iterations.unwrap_or(ROUNDS);
         Contacts {
-            shape: Shape::new(floor, plate, without(Reduction::Spheres)),
+            shape: Shape::new(
+                floor,
+                plate,
+                without(Reduction::Spheres),
+                law.restitution().is_none(),
+            ),
             solver: Solver::new(law, count, rounds, turns),
             mutual: !without(Reduction::NoBlockContact),
             low: Vec::new(),
@@ -125,6 +140,26 @@ impl<R: Lane> Contacts<R> {
         neighbours: &mut NeighbourList<R>,
         bonds: Option<&FreeBonds>,
     ) {
+        bodies.list_below(R::of(TOUCH / 2.0), &mut self.low);
+        neighbours.close_pairs(bodies, &mut self.close);
+        self.find_among(bodies, bonds);
+    }
+
+    /// The same of the blocks that take short steps, between two long ones.
+    pub fn find_short(&mut self, bodies: &mut Bodies<R>, local: &LocalSteps<R>) {
+        let (height, touch) = (R::of(TOUCH / 2.0), R::of(TOUCH * TOUCH));
+        self.low.clear();
+        let low = |&id: &u32| bodies.is_free(id) && bodies.position(id).z < height;
+        self.low.extend(local.blocks.iter().copied().filter(low));
+        self.close.clear();
+        let near =
+            |&(a, b): &(u32, u32)| (bodies.position(a) - bodies.position(b)).norm_squared() < touch;
+        self.close.extend(local.pairs.iter().copied().filter(near));
+        self.find_among(bodies, None);
+    }
+
+    /// Finds the contacts of those that have been listed.
+    fn find_among(&mut self, bodies: &mut Bodies<R>, bonds: Option<&FreeBonds>) {
         let Contacts {
             shape,
             solver,
@@ -133,9 +168,7 @@ impl<R: Lane> Contacts<R> {
             close,
         } = self;
         solver.clear();
-        bodies.list_below(R::of(TOUCH / 2.0), low);
         shape.keep_near_ground(bodies, low);
-        neighbours.close_pairs(bodies, close);
         close.retain(|&(a, b)| {
             let free = [a, b].map(|id| bodies.is_free(id));
             free != [false, false]

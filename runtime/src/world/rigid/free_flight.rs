@@ -1,9 +1,10 @@
 //! What all blocks do in every substep, wherever the others are: shell, kicks, drag, and moving on.
 use nalgebra::Vector3;
 
-use super::bodies::Bodies;
+use super::bodies::{Bodies, add};
 use super::simd::{LANES, Lane, Wide, square};
 use crate::counter_rng::{Step, WORDS};
+use crate::world::blocks::Blocks;
 use crate::world::motion_limits::MotionLimits;
 use crate::world::parameters::{self, Kicks, built};
 
@@ -14,8 +15,10 @@ const CHECKED: usize = 8;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FreeFlight<R: Lane> {
     pub shell: Option<ShellForce<R>>,
-    /// Factor on the velocity in each substep.
-    pub drag: Option<R>,
+    /// Factors on the velocity in a long step and in a short one.
+    pub drag: Option<[R; 2]>,
+    /// Length of a short step \[tick\].
+    short: R,
     limits: MotionLimits,
 }
 
@@ -24,7 +27,7 @@ pub(super) struct ShellForce<R> {
     radius: R,
     /// Of its centre.
     height: R,
-    /// Change of velocity per depth in a substep.
+    /// Change of velocity per depth and time.
     pull: R,
 }
 
@@ -33,15 +36,16 @@ impl<R: Lane> FreeFlight<R> {
         shell: Option<parameters::Shell>,
         drag: Option<f64>,
         limits: MotionLimits,
-        dt: f64,
+        [long, short]: [f64; 2],
     ) -> FreeFlight<R> {
         FreeFlight {
             shell: shell.map(|shell| ShellForce {
                 radius: R::of(shell.radius),
                 height: R::of(shell.height),
-                pull: R::of(shell.stiffness * dt),
+                pull: R::of(shell.stiffness),
             }),
-            drag: drag.map(|rate| R::of(libm::exp(-rate * dt))),
+            drag: drag.map(|rate| [long, short].map(|dt| R::of(libm::exp(-rate * dt)))),
+            short: R::of(short),
             limits,
         }
     }
@@ -74,6 +78,24 @@ impl<R: Lane> FreeFlight<R> {
         }
     }
 
+    /// Moves those of these blocks that are free by a short step, in which there are no kicks.
+    pub fn fly_short(&self, bodies: &mut Bodies<R>, ids: &[u32]) {
+        for &id in ids {
+            if !bodies.is_free(id) {
+                continue;
+            }
+            let (place, mut velocity) = (bodies.position(id), bodies.velocity(id));
+            if let (true, Some(shell)) = (built::ENCLOSURE, self.shell) {
+                velocity += shell.push(place) * bodies.span(id);
+            }
+            if let (true, Some([_, drag])) = (built::DRAG, self.drag) {
+                velocity *= drag;
+            }
+            bodies.shift(id, velocity * self.short);
+            bodies.set_moved(id, velocity);
+        }
+    }
+
     /// One pass over all blocks; a term that is absent leaves no code behind.
     fn pass<const KICKS: bool, const SHELL: bool, const DRAG: bool>(
         &self,
@@ -81,14 +103,14 @@ impl<R: Lane> FreeFlight<R> {
         draws: &[u8],
         kicks: Option<Kick<R>>,
     ) -> bool {
-        let dt = bodies.dt;
         let kick = kicks.unwrap_or(Kick::none());
         let shell = self.shell.unwrap_or(ShellForce {
             radius: R::zero(),
             height: R::zero(),
             pull: R::zero(),
         });
-        let drag = self.drag.unwrap_or(R::one());
+        let [long, short] = self.drag.unwrap_or([R::one(); 2]).map(R::Wide::splat);
+        let longer = R::Wide::splat(self.short * R::of(1.5));
         // Below one as long as no speed and no distance is beyond its bound, and all are numbers.
         let (speeds, ways) = (
             R::of(1.0 / (self.limits.speed * self.limits.speed)),
@@ -99,28 +121,36 @@ impl<R: Lane> FreeFlight<R> {
             .position
             .each_mut()
             .map(|x| x.as_chunks_mut::<LANES>().0);
+        let [ex, ey, ez] = (bodies.rounded.each_mut()).map(|e| e.as_chunks_mut::<LANES>().0);
         let [vx, vy, vz] = bodies
             .velocity
             .each_mut()
             .map(|v| v.as_chunks_mut::<LANES>().0);
         let mobility = bodies.mobility.as_chunks::<LANES>().0;
+        let (steps, last) = (&bodies.step, &bodies.last);
+        let (steps, last) = (steps.as_chunks::<LANES>().0, last.as_chunks::<LANES>().0);
         let (words, _) = draws.as_chunks::<4>();
         let (words, _) = words.as_chunks::<{ WORDS as usize * LANES }>();
         let groups = mobility.len();
         let (px, py, pz) = (&mut px[..groups], &mut py[..groups], &mut pz[..groups]);
+        let (ex, ey, ez) = (&mut ex[..groups], &mut ey[..groups], &mut ez[..groups]);
         let (vx, vy, vz) = (&mut vx[..groups], &mut vy[..groups], &mut vz[..groups]);
+        let (steps, last) = (&steps[..groups], &last[..groups]);
         let (speeds, ways) = (R::Wide::splat(speeds), R::Wide::splat(ways));
-        let (dt, drag) = (R::Wide::splat(dt), R::Wide::splat(drag));
+        let half = R::Wide::splat(R::of(0.5));
         let load = R::Wide::load;
         for from in (0..groups).step_by(CHECKED) {
             let mut excess = R::Wide::splat(R::zero());
             for group in from..(from + CHECKED).min(groups) {
                 let mut x = [load(&px[group]), load(&py[group]), load(&pz[group])];
+                let mut rounded = [load(&ex[group]), load(&ey[group]), load(&ez[group])];
                 let mut v = [load(&vx[group]), load(&vy[group]), load(&vz[group])];
                 let mobility = load(&mobility[group]);
+                let dt = load(&steps[group]);
                 if SHELL {
                     let way = [x[0], x[1], x[2] - R::Wide::splat(shell.height)];
-                    let by = shell.factor(&way) * mobility;
+                    let span = (dt + load(&last[group])) * half;
+                    let by = shell.factor(&way) * span * mobility;
                     for axis in 0..3 {
                         v[axis] -= way[axis] * by;
                     }
@@ -131,14 +161,20 @@ impl<R: Lane> FreeFlight<R> {
                         v[axis] += kick[axis] * mobility;
                     }
                 }
+                let drag = if DRAG {
+                    dt.above(longer).choose(long, short)
+                } else {
+                    dt
+                };
                 for axis in 0..3 {
                     if DRAG {
                         v[axis] *= drag;
                     }
-                    x[axis] += v[axis] * dt;
+                    (x[axis], rounded[axis]) = add(x[axis], v[axis] * dt, rounded[axis]);
                 }
                 excess += square(v) * speeds + square(x) * ways;
                 [px[group], py[group], pz[group]] = x.map(Wide::store);
+                [ex[group], ey[group], ez[group]] = rounded.map(Wide::store);
                 [vx[group], vy[group], vz[group]] = v.map(Wide::store);
             }
             // What is not a number is not below anything.
@@ -149,8 +185,8 @@ impl<R: Lane> FreeFlight<R> {
 }
 
 impl<R: Lane> ShellForce<R> {
-    /// Half of what the velocity of a block there is changed by in a substep.
-    pub fn half_push(&self, place: Vector3<R>) -> Vector3<R> {
+    /// What the velocity of a block there changes by \[side / tick^2\].
+    pub fn push(&self, place: Vector3<R>) -> Vector3<R> {
         let way = place - Vector3::z() * self.height;
         if way.norm_squared() < R::of(0.99) * self.radius * self.radius {
             return Vector3::zeros();
@@ -158,7 +194,7 @@ impl<R: Lane> ShellForce<R> {
         let distance = way.norm();
         let depth = distance - self.radius;
         if depth > R::zero() {
-            way * (-self.pull * depth / distance * R::of(0.5))
+            way * (-self.pull * depth / distance)
         } else {
             Vector3::zeros()
         }

@@ -5,6 +5,7 @@ use stochc_ir::table::Plate;
 use super::bodies::Bodies;
 use super::collision_detection::Contacts;
 use super::free_flight::FreeFlight;
+use super::local_steps::LocalSteps;
 use super::neighbour_list::NeighbourList;
 use super::simd::Lane;
 use crate::counter_rng::Step;
@@ -13,7 +14,7 @@ use crate::world::blocks::Blocks;
 use crate::world::free_bonds::FreeBonds;
 use crate::world::motion_limits::MotionLimits;
 use crate::world::parameters::{Kicks, Parameters, built};
-use crate::world::stepper::Integrator;
+use crate::world::stepper::{Integrator, Moving};
 use crate::world::{BodyState, Fault, SceneError};
 
 /// An integrator in one precision.
@@ -24,6 +25,8 @@ pub(super) struct Kernel<R: Lane> {
     contacts: Option<Contacts<R>>,
     /// `None` where nobody asks who is near whom.
     neighbours: Option<NeighbourList<R>>,
+    /// `None`: all blocks take the same steps.
+    local: Option<LocalSteps<R>>,
     limits: MotionLimits,
 }
 
@@ -31,15 +34,26 @@ impl<R: Lane> Integrator for Kernel<R> {
     type Real = R;
     type Blocks = Bodies<R>;
 
+    fn rates(parameters: &Parameters, settings: &Settings) -> [u32; 2] {
+        parameters.rates(settings)
+    }
+
+    fn span(&self, bodies: &Bodies<R>, id: u32) -> f64 {
+        match self.local {
+            Some(_) => (bodies.span(id) / bodies.dt).double(),
+            None => 1.0,
+        }
+    }
+
     fn new(
         parameters: &Parameters,
         plate: &Plate,
         settings: &Settings,
         blocks: &[BodyState],
     ) -> Result<(Bodies<R>, Kernel<R>), SceneError> {
-        let substeps = settings.substeps.max(1);
-        let dt = 1.0 / f64::from(substeps);
-        let limits = MotionLimits::new(substeps, parameters.contact.is_some());
+        let rates = parameters.rates(settings);
+        let steps = rates.map(|rate| 1.0 / f64::from(rate));
+        let limits = MotionLimits::new(rates[0], parameters.contact.is_some());
         let floor = parameters.shell.is_some();
         let contacts = (parameters.contact.as_ref())
             .map(|contact| Contacts::new(contact, floor, plate, settings, blocks.len()));
@@ -52,18 +66,36 @@ impl<R: Lane> Integrator for Kernel<R> {
             NeighbourList::new(blocks.len(), span + 2.0, floor)
         });
         let kernel = Kernel {
-            flight: FreeFlight::new(parameters.shell, parameters.drag, limits, dt),
+            flight: FreeFlight::new(parameters.shell, parameters.drag, limits, steps),
             words: Vec::new(),
             contacts,
             neighbours,
+            local: (rates[0] != rates[1]).then(|| LocalSteps::new(steps)),
             limits,
         };
-        Ok((Bodies::new(blocks, R::of(dt)), kernel))
+        let [long, short] = steps.map(R::of);
+        Ok((Bodies::new(blocks, long, short), kernel))
     }
 
     fn follow(&mut self, bodies: &Bodies<R>) -> bool {
         let neighbours = self.neighbours.as_mut();
         neighbours.is_some_and(|neighbours| neighbours.follow(bodies))
+    }
+
+    fn way(&self, bodies: &Bodies<R>, id: Option<u32>) -> R {
+        let speed = id.map_or_else(|| bodies.fastest(), |id| bodies.velocity(id).norm());
+        let local = self.local.as_ref();
+        local.map_or_else(R::zero, |local| local.way(speed))
+    }
+
+    fn begin_long_step(&mut self, bodies: &mut Bodies<R>, in_field: &[u32]) {
+        if let (Some(local), Some(neighbours)) = (&mut self.local, &self.neighbours) {
+            local.begin(bodies, neighbours, in_field);
+        }
+    }
+
+    fn short_steps(&self) -> &[u32] {
+        self.local.as_ref().map_or(&[], |local| &local.blocks)
     }
 
     fn near(&self, _bodies: &Bodies<R>, place: Vector3<R>, reach: R, found: &mut Vec<u32>) {
@@ -72,11 +104,14 @@ impl<R: Lane> Integrator for Kernel<R> {
         }
     }
 
-    fn find_contacts(&mut self, bodies: &mut Bodies<R>, bonds: Option<&FreeBonds>) {
+    fn find_contacts(&mut self, bodies: &mut Bodies<R>, bonds: Option<&FreeBonds>, who: Moving) {
         if built::CONTACT
             && let (Some(contacts), Some(neighbours)) = (&mut self.contacts, &mut self.neighbours)
         {
-            contacts.find(bodies, neighbours, bonds);
+            match (who, &self.local) {
+                (Moving::Short, Some(local)) => contacts.find_short(bodies, local),
+                _ => contacts.find(bodies, neighbours, bonds),
+            }
         }
     }
 
@@ -89,11 +124,23 @@ impl<R: Lane> Integrator for Kernel<R> {
         bodies: &mut Bodies<R>,
         kicks: Option<(&Kicks, Step<'_>)>,
         bonds: Option<&mut FreeBonds>,
+        who: Moving,
     ) -> Result<(), Fault> {
-        if !self.flight.fly(bodies, kicks, &mut self.words) {
-            (0..bodies.count()).try_for_each(|id| self.check(bodies, id))?;
+        match (who, &self.local) {
+            (Moving::Short, Some(local)) => {
+                self.flight.fly_short(bodies, &local.blocks);
+                (local.blocks.iter()).try_for_each(|&id| self.check(bodies, id))?;
+            }
+            _ => {
+                if !self.flight.fly(bodies, kicks, &mut self.words) {
+                    (0..bodies.count()).try_for_each(|id| self.check(bodies, id))?;
+                }
+            }
         }
         self.collide(bodies)?;
+        if let (Moving::All, Some(local)) = (who, &self.local) {
+            local.has_begun(bodies);
+        }
         bodies.now += 1;
         if let Some(bonds) = bonds {
             let dt = bodies.dt.double();
@@ -116,8 +163,8 @@ impl<R: Lane> Kernel<R> {
             return Ok(());
         };
         let (mut sound, limits, shell) = (Ok(()), &self.limits, self.flight.shell);
-        let late = |place| shell.map_or_else(Vector3::zeros, |shell| shell.half_push(place));
-        contacts.solver.solve(bodies, late, |bodies, id| {
+        let push = |place| shell.map_or_else(Vector3::zeros, |shell| shell.push(place));
+        contacts.solver.solve(bodies, push, |bodies, id| {
             if sound.is_ok() {
                 sound = bodies.check(id, limits);
             }

@@ -9,6 +9,7 @@ mod cell_list;
 mod collision_detection;
 mod free_flight;
 mod integrator;
+mod local_steps;
 mod narrow_phase;
 mod neighbour_list;
 mod quaternion;

@@ -149,7 +149,7 @@ mod tests {
         let mut dice = ChaCha8Rng::seed_from_u64(1);
         let mut vector = |size: f64| Vector3::from_fn(|_, _| dice.random_range(-size..size));
         let blocks: Vec<BodyState> = (0..60).map(|_| BodyState::at_rest(vector(5.0))).collect();
-        let mut bodies = Bodies::<f32>::new(&blocks, 1.0);
+        let mut bodies = Bodies::<f32>::new(&blocks, 1.0, 1.0);
         let mut neighbours = NeighbourList::new(blocks.len(), 2.0, None);
         let (mut found, mut lists, mut without) = (Vec::new(), 0, 0);
         for step in 0..1000 {

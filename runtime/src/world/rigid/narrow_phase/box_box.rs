@@ -50,16 +50,18 @@ fn manifold<R: Lane>(a: &Cuboid<R>, b: &Cuboid<R>, least: &LeastOverlap<R>) -> O
     match least.direction {
         Direction::Face { first: true, axis } => {
             let out = outward(a.axis(axis), offset);
-            face_points(a, b, out, axis).map(|points| Manifold {
+            face_points(a, b, out, axis).map(|(points, slope)| Manifold {
                 normal: -out,
                 points,
+                slope,
             })
         }
         Direction::Face { first: false, axis } => {
             let out = outward(b.axis(axis), -offset);
-            face_points(b, a, out, axis).map(|points| Manifold {
+            face_points(b, a, out, axis).map(|(points, slope)| Manifold {
                 normal: out,
                 points,
+                slope,
             })
         }
         Direction::Edges { own, other } => {
@@ -72,6 +74,7 @@ fn manifold<R: Lane>(a: &Cuboid<R>, b: &Cuboid<R>, least: &LeastOverlap<R>) -> O
                     place,
                     depth: least.depth,
                 }],
+                slope: Vector3::zeros(),
             })
         }
     }

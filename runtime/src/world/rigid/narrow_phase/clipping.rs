@@ -5,17 +5,20 @@ use smallvec::SmallVec;
 use super::{Cuboid, ManifoldPoint};
 use crate::world::real::Real;
 
-type Polygon<R> = SmallVec<[Vector3<R>; 8]>;
+/// Points, and how much deeper they are per length.
+type Patch<R> = (SmallVec<[ManifoldPoint<R>; 8]>, Vector3<R>);
+
+pub type Polygon<R> = SmallVec<[Vector3<R>; 8]>;
 
 /// The points of `other`'s most opposite face that are below the face of `own` that looks along
-/// `out`, which is its direction number `axis` or the opposite.
+/// `out`, which is its direction number `axis` or the opposite; and how much deeper they are per length.
 pub fn face_points<R: Real>(
     own: &Cuboid<R>,
     other: &Cuboid<R>,
     out: Vector3<R>,
     axis: usize,
-) -> Option<SmallVec<[ManifoldPoint<R>; 8]>> {
-    let mut polygon = opposite_face(other, out);
+) -> Option<Patch<R>> {
+    let (mut polygon, opposite) = opposite_face(other, out);
     for step in 1..3 {
         let side = (axis + step) % 3;
         let along = own.axis(side);
@@ -34,11 +37,17 @@ pub fn face_points<R: Real>(
             })
         })
         .collect();
-    (!points.is_empty()).then_some(points)
+    (!points.is_empty()).then(|| (points, slope(opposite, out)))
 }
 
-/// The corners of the face that looks most against `out`, in order.
-fn opposite_face<R: Real>(of: &Cuboid<R>, out: Vector3<R>) -> Polygon<R> {
+/// How much deeper a face that looks along `face` is per length below one that looks along `out`.
+pub fn slope<R: Real>(face: Vector3<R>, out: Vector3<R>) -> Vector3<R> {
+    let against = face.dot(&out);
+    face / against - out
+}
+
+/// The corners of the face that looks most against `out`, in order, and where it looks.
+pub fn opposite_face<R: Real>(of: &Cuboid<R>, out: Vector3<R>) -> (Polygon<R>, Vector3<R>) {
     let along = of.axes.inverse_transform_vector(&out);
     let axis = along.iamax();
     let sign = if along[axis] > R::zero() {
@@ -47,14 +56,16 @@ fn opposite_face<R: Real>(of: &Cuboid<R>, out: Vector3<R>) -> Polygon<R> {
         R::one()
     };
     let (one, two) = ((axis + 1) % 3, (axis + 2) % 3);
-    let middle = of.centre + of.axis(axis) * (sign * of.half[axis]);
+    let face = of.axis(axis) * sign;
+    let middle = of.centre + face * of.half[axis];
     let (u, v) = (of.axis(one) * of.half[one], of.axis(two) * of.half[two]);
-    SmallVec::from_iter([
+    let corners = [
         middle + u + v,
         middle - u + v,
         middle - u - v,
         middle + u - v,
-    ])
+    ];
+    (SmallVec::from_iter(corners), face)
 }
 
 /// Cuts off what is farther than `limit` along a direction.

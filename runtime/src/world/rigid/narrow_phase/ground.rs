@@ -2,7 +2,8 @@
 use nalgebra::{Rotation3, Vector3};
 use smallvec::{SmallVec, smallvec};
 
-use super::{Manifold, ManifoldPoint};
+use super::clipping::{opposite_face, slope};
+use super::{Cuboid, Manifold, ManifoldPoint};
 use crate::world::real::Real;
 
 /// The corners of a cube that are below the ground.
@@ -28,7 +29,29 @@ pub fn cube_on_ground<R: Real>(centre: Vector3<R>, axes: &Rotation3<R>) -> Optio
         }
     }
     let normal = Vector3::z();
-    (!points.is_empty()).then_some(Manifold { normal, points })
+    let slope = Vector3::zeros();
+    (!points.is_empty()).then_some(Manifold {
+        normal,
+        points,
+        slope,
+    })
+}
+
+/// The corners of a cube's lowest face that are below the ground.
+pub fn face_on_ground<R: Real>(centre: Vector3<R>, axes: &Rotation3<R>) -> Option<Manifold<R>> {
+    let half = R::of(0.5);
+    let row = axes.matrix().row(2) * half;
+    if centre.z >= row[0].abs() + row[1].abs() + row[2].abs() {
+        return None;
+    }
+    let (face, out) = opposite_face(&Cuboid::cube(centre, *axes), Vector3::z());
+    let below = face.iter().filter(|corner| corner.z < R::zero());
+    let points: SmallVec<_> = below.map(|&corner| raised(corner)).collect();
+    (!points.is_empty()).then_some(Manifold {
+        normal: Vector3::z(),
+        points,
+        slope: slope(out, Vector3::z()),
+    })
 }
 
 /// A ball of diameter 1 that reaches below the ground.
@@ -37,6 +60,7 @@ pub fn ball_on_ground<R: Real>(centre: Vector3<R>) -> Option<Manifold<R>> {
     (lowest.z < R::zero()).then(|| Manifold {
         normal: Vector3::z(),
         points: smallvec![raised(lowest)],
+        slope: Vector3::zeros(),
     })
 }
 

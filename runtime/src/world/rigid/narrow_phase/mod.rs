@@ -10,14 +10,17 @@ use smallvec::SmallVec;
 use crate::world::real::Real;
 
 pub(super) use box_box::{Cuboid, boxes};
-pub(super) use ground::{ball_on_ground, cube_on_ground};
+pub(super) use ground::{ball_on_ground, cube_on_ground, face_on_ground};
 
 /// The points at which one body touches another.
 #[derive(Clone, Debug)]
 pub(super) struct Manifold<R: Real> {
     /// The direction in which the first body leaves the second one soonest.
     pub normal: Vector3<R>,
+    /// In order around the patch, unless several faces of a body touch.
     pub points: SmallVec<[ManifoldPoint<R>; 8]>,
+    /// How much deeper the bodies overlap per length across the normal; 0 if they touch in a point.
+    pub slope: Vector3<R>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -45,5 +48,6 @@ pub(super) fn balls<R: Real>(a: Vector3<R>, b: Vector3<R>) -> Option<Manifold<R>
     Some(Manifold {
         normal,
         points: smallvec::smallvec![ManifoldPoint { place, depth }],
+        slope: Vector3::zeros(),
     })
 }

@@ -4,12 +4,14 @@ use std::ops::Range;
 use nalgebra::Vector3;
 
 use crate::world::real::Real;
-use crate::world::rigid::narrow_phase::Manifold;
+use crate::world::rigid::narrow_phase::ManifoldPoint;
 
 /// Two bodies that touch, or one and the ground.
 #[derive(Clone, Debug)]
 pub(super) struct TouchingBodies<R: Real> {
     pub bodies: [usize; 2],
+    /// How long the force acts in this step \[tick\].
+    pub span: R,
     /// Along the normal, and across it.
     pub frame: [Vector3<R>; 3],
     /// Among the points of all contacts.
@@ -43,9 +45,10 @@ impl<R: Real> ContactList<R> {
         &mut self,
         bodies: [usize; 2],
         centres: [Option<Vector3<R>>; 2],
-        manifold: &Manifold<R>,
+        span: R,
+        normal: Vector3<R>,
+        points: &[ManifoldPoint<R>],
     ) {
-        let normal = manifold.normal;
         let across = if normal.x.abs() < R::of(0.7) {
             Vector3::x()
         } else {
@@ -53,7 +56,7 @@ impl<R: Real> ContactList<R> {
         };
         let one = normal.cross(&across).normalize();
         let from = self.points.len();
-        self.points.extend(manifold.points.iter().map(|point| {
+        self.points.extend(points.iter().map(|point| {
             ContactPoint {
                 depth: point.depth,
                 arms: centres.map(|centre| {
@@ -63,6 +66,7 @@ impl<R: Real> ContactList<R> {
         }));
         self.list.push(TouchingBodies {
             bodies,
+            span,
             frame: [normal, one, normal.cross(&one)],
             points: from..self.points.len(),
         });

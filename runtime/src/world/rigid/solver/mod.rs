@@ -5,6 +5,7 @@
 //! A compliant one is a spring and a damper, taken implicitly. Most bodies touch one thing only:
 //! such contacts are solved side by side, and all others one after the other, by the same
 //! arithmetic.
+mod centre_of_pressure;
 mod contact_law;
 mod contact_list;
 mod parallel;
@@ -18,6 +19,7 @@ use super::bodies::Bodies;
 use super::narrow_phase::Manifold;
 use super::simd::{Lane, Quad};
 use crate::world::blocks::Blocks;
+use centre_of_pressure::centre_of_pressure;
 pub(super) use contact_law::Law;
 use contact_law::{FASTEST, PRECISION};
 use contact_list::ContactList;
@@ -63,21 +65,29 @@ impl<R: Lane> Solver<R> {
             Some(id) if bodies.is_free(id) => self.moving.place(id),
             _ => GROUND,
         });
+        let span = bodies.span_of_pair([a, b.unwrap_or(a)]);
         let centres = [Some(a), b].map(|id| id.map(|id| bodies.position(id)));
-        self.touches.add(places, centres, manifold);
+        if let Some(stiffness) = self.law.stiffness() {
+            let moving = [0, 1].map(|i| centres[i].filter(|_| places[i] != GROUND));
+            let response = stiffness * span * span;
+            let point = centre_of_pressure(manifold, moving, response);
+            (self.touches).add(places, centres, span, manifold.normal, &[point]);
+        } else {
+            (self.touches).add(places, centres, span, manifold.normal, &manifold.points);
+        }
     }
 
     /// Solves all contacts, whose bodies have been moved with the velocities that they would have
     /// without: changes the velocities, and moves the bodies by the difference.
     ///
-    /// `late` is half of what the shell has done to a block at a place: in the middle of a step its
+    /// `push` is what the shell does to a block at a place, in unit time: in the middle of a step its
     /// velocity was that much less far. A collision at another velocity than that would add to the
     /// energy of all blocks that meet in the shell. `moved` is told of every block whose motion has
     /// changed.
     pub fn solve(
         &mut self,
         bodies: &mut Bodies<R>,
-        late: impl Fn(Vector3<R>) -> Vector3<R>,
+        push: impl Fn(Vector3<R>) -> Vector3<R>,
         mut moved: impl FnMut(&Bodies<R>, u32),
     ) {
         if self.touches.list.is_empty() {
@@ -85,15 +95,16 @@ impl<R: Lane> Solver<R> {
         }
         self.moving.start(|id| {
             let velocity = bodies.velocity(id);
-            let place = bodies.position(id) - velocity * bodies.dt;
-            (velocity - late(place), bodies.spin(id))
+            let place = bodies.position(id) - velocity * bodies.step[id as usize];
+            let late = push(place) * (bodies.span(id) * R::of(0.5));
+            (velocity - late, bodies.spin(id))
         });
-        self.find_impulses(bodies.dt);
-        let dt = bodies.dt;
+        self.find_impulses();
         let rigid = self.law.restitution().is_some();
         for (id, change) in self.moving.changes() {
+            let dt = bodies.step[id as usize];
             let way = change.velocity + change.shift.velocity.unpack();
-            bodies.set_position(id, bodies.position(id) + way * dt);
+            bodies.shift(id, way * dt);
             if rigid {
                 bodies.turn_now(id, change.shift.spin.unpack() * dt);
             } else {
@@ -106,7 +117,7 @@ impl<R: Lane> Solver<R> {
     }
 
     /// Solves all contacts for the motions of their bodies.
-    fn find_impulses(&mut self, dt: R) {
+    fn find_impulses(&mut self) {
         let (law, rounds) = (&self.law, self.iterations);
         let (touches, moving) = (&self.touches, &mut self.moving);
         self.single.clear();
@@ -115,7 +126,7 @@ impl<R: Lane> Solver<R> {
         let mut fastest = R::zero();
         for (number, touch) in touches.list.iter().enumerate() {
             if !moving.is_alone(touch.bodies) {
-                let approach = (self.chains).add(touches, touch, &moving.motions, law, dt);
+                let approach = (self.chains).add(touches, touch, &moving.motions, law);
                 fastest = fastest.max(approach);
             } else if touch.bodies[1] == GROUND {
                 self.single.add(number);
@@ -123,8 +134,8 @@ impl<R: Lane> Solver<R> {
                 self.double.add(number);
             }
         }
-        let single = self.single.load(touches, moving, law, dt);
-        let double = self.double.load(touches, moving, law, dt);
+        let single = self.single.load(touches, moving, law);
+        let double = self.double.load(touches, moving, law);
         let tolerance = fastest.max(single).max(double) * R::of(PRECISION);
         self.single.push(law, rounds, tolerance, moving.inertia());
         self.double.push(law, rounds, tolerance, moving.inertia());
@@ -165,7 +176,7 @@ mod tests {
                 ..BodyState::at_rest(Vector3::x() * f64::from(i))
             })
             .collect();
-        let bodies = Bodies::<f32>::new(&blocks, 0.5);
+        let bodies = Bodies::<f32>::new(&blocks, 0.5, 0.5);
         let mut solver = Solver::new(Law::new(contact), blocks.len(), 50, true);
         solver.clear();
         // By rounding, a corner that is below the ground may seem to be level with it.
@@ -183,7 +194,11 @@ mod tests {
             });
             let points = points.collect();
             let normal = vector(1.0).normalize();
-            let manifold = Manifold { normal, points };
+            let manifold = Manifold {
+                normal,
+                points,
+                slope: vector(0.3),
+            };
             solver.add(&bodies, id, (!single).then_some(id + 1), &manifold);
             id += if single { 1 } else { 2 };
         }
@@ -192,7 +207,7 @@ mod tests {
         if !side_by_side {
             moving.entangle();
         }
-        solver.find_impulses(bodies.dt);
+        solver.find_impulses();
         let alone = solver.moving.changes();
         let found = alone.map(|(_, change)| {
             let shift = change.shift;

@@ -3,7 +3,7 @@
 //! Each lane is a contact of its own, with the arithmetic of [`super::sequential`] in the same order: it
 //! does not matter to a contact which others are beside it. What a lane no longer takes part in
 //! goes on as a change by nothing.
-use super::contact_law::{FASTEST, Law, LawKind, RECOVERY, SLOP};
+use super::contact_law::{FASTEST, Law, LawKind, RECOVERY, SLOP, Spring};
 use super::contact_list::ContactList;
 use super::solver_bodies::{SolverBodies, SolverBody};
 use crate::world::rigid::simd::{ABREAST, Lane, Wide, cross, first, sum, transposed};
@@ -78,13 +78,7 @@ impl<R: Lane, const N: usize> ParallelContacts<R, N> {
     }
 
     /// Looks all contacts up; how fast their points approach at most.
-    pub fn load(
-        &mut self,
-        touches: &ContactList<R>,
-        moving: &SolverBodies<R>,
-        law: &Law<R>,
-        dt: R,
-    ) -> R {
+    pub fn load(&mut self, touches: &ContactList<R>, moving: &SolverBodies<R>, law: &Law<R>) -> R {
         // Those with equally many points side by side.
         let points = |&number: &usize| std::cmp::Reverse(touches.list[number].points.len());
         self.numbers.sort_by_key(points);
@@ -95,7 +89,7 @@ impl<R: Lane, const N: usize> ParallelContacts<R, N> {
         groups
             .zip(&mut self.groups)
             .fold(R::zero(), |fastest, (numbers, group)| {
-                fastest.max(group.load(touches, numbers, moving, law, dt))
+                fastest.max(group.load(touches, numbers, moving, law))
             })
     }
 
@@ -144,7 +138,6 @@ impl<R: Lane, const N: usize> Batch<R, N> {
         numbers: &[usize],
         moving: &SolverBodies<R>,
         law: &Law<R>,
-        dt: R,
     ) -> R {
         let list = || numbers.iter().map(|&number| &touches.list[number]);
         self.real = first::<R>(numbers.len());
@@ -181,39 +174,34 @@ impl<R: Lane, const N: usize> Batch<R, N> {
                 shift: all::<R>(0.0),
             });
         }
-        self.prepare(law, dt)
+        let [span] = transposed(list().map(|touch| [touch.span]));
+        self.prepare(law, self.real.choose(span, all::<R>(1.0)))
     }
 
     /// Works out what each point asks for; the fastest approach.
-    fn prepare(&mut self, law: &Law<R>, dt: R) -> R {
+    ///
+    /// `span`: how long forces act.
+    fn prepare(&mut self, law: &Law<R>, span: R::Quad) -> R {
         let mut fastest = all::<R>(0.0);
-        let dt = R::Quad::splat(dt);
-        let (mut deepest, mut depths) = (all::<R>(0.0), all::<R>(0.0));
-        for spot in &self.spots {
-            deepest = deepest.most(spot.depth);
-            depths += spot.depth;
-        }
         self.softness = all::<R>(0.0);
         for spot in &mut self.spots {
             let approach = velocity(&self.frame[0], &spot.torques[0], &self.bodies);
+            let yields =
+                |one: usize, two: usize| yields(&self.frame, &spot.torques, &self.bodies, one, two);
             fastest = fastest.most(spot.real.choose(approach.abs(), all::<R>(0.0)));
             match law.kind {
                 LawKind::Rigid { restitution } => {
                     spot.target = R::Quad::splat(-restitution) * approach;
                     let excess = (spot.depth - all::<R>(SLOP)).most(all::<R>(0.0));
-                    spot.recovery = (excess * all::<R>(RECOVERY) / dt).least(all::<R>(FASTEST));
+                    spot.recovery = (excess * all::<R>(RECOVERY) / span).least(all::<R>(FASTEST));
                 }
                 LawKind::Compliant { stiffness, damping } => {
-                    let share = deepest / depths;
-                    let stiffness = R::Quad::splat(stiffness) * share;
-                    let damping = R::Quad::splat(damping) * share;
-                    let firmness = dt * (damping + dt * stiffness);
-                    self.softness = all::<R>(1.0) / firmness;
-                    spot.target = spot.depth * stiffness * dt / firmness;
+                    let along = yields(0, 0);
+                    let spring =
+                        Spring::new::<R>(stiffness, damping, span, spot.depth, approach, along);
+                    (spot.target, self.softness) = (spring.target, spring.softness);
                 }
             }
-            let yields =
-                |one: usize, two: usize| yields(&self.frame, &spot.torques, &self.bodies, one, two);
             spot.masses[0] = all::<R>(1.0) / (yields(0, 0) + self.softness);
             if law.friction > R::zero() {
                 let (k11, k22, k12) = (yields(1, 1), yields(2, 2), yields(1, 2));

@@ -5,10 +5,10 @@ use std::ops::Range;
 
 use petgraph::unionfind::UnionFind;
 
-use super::contact_law::{FASTEST, Law, LawKind, RECOVERY, SLOP};
+use super::contact_law::{FASTEST, Law, LawKind, RECOVERY, SLOP, Spring};
 use super::contact_list::{ContactList, ContactPoint, TouchingBodies};
 use super::solver_bodies::{GROUND, SolverBodies, SolverBody};
-use crate::world::rigid::simd::{Lane, Quad};
+use crate::world::rigid::simd::{Lane, Quad, Wide};
 
 /// The contacts of bodies that touch several things.
 #[derive(Clone, Debug, Default)]
@@ -71,7 +71,6 @@ impl<R: Lane> SequentialContacts<R> {
         touch: &TouchingBodies<R>,
         motions: &[SolverBody<R>],
         law: &Law<R>,
-        dt: R,
     ) -> R {
         let from = self.spots.len();
         let points = touches.points_of(touch).iter();
@@ -85,7 +84,7 @@ impl<R: Lane> SequentialContacts<R> {
             visited: 0,
             content: false,
         };
-        let approach = contact.prepare(&mut self.spots[from..], motions, law, dt);
+        let approach = contact.prepare(&mut self.spots[from..], motions, law, touch.span);
         self.contacts.push(contact);
         approach
     }
@@ -210,28 +209,20 @@ impl<R: Lane> PointConstraint<R> {
 
 impl SequentialContact {
     /// Works out what each point asks for; the fastest approach.
+    ///
+    /// `span`: how long forces act.
     fn prepare<R: Lane>(
         &self,
         spots: &mut [PointConstraint<R>],
         motions: &[SolverBody<R>],
         law: &Law<R>,
-        dt: R,
+        span: R,
     ) -> R {
         let (a, b) = (motions[self.a], motions[self.b]);
         let mut fastest = R::zero();
-        // Together the points of a compliant contact are as stiff as one at the deepest of them.
-        let share = match law.kind {
-            LawKind::Rigid { .. } => R::one(),
-            LawKind::Compliant { .. } => {
-                let depths = spots.iter().map(|p| p.depth);
-                let deepest = depths
-                    .clone()
-                    .fold(R::zero(), |most, depth| most.max(depth));
-                deepest / depths.fold(R::zero(), |sum, depth| sum + depth)
-            }
-        };
         for point in spots {
             let approach = point.along.velocity(&a, &b);
+            let along = point.along.yields(&point.along, &a, &b);
             fastest = fastest.max(approach.abs());
             match law.kind {
                 LawKind::Rigid { restitution } => {
@@ -239,17 +230,18 @@ impl SequentialContact {
                     // make it livelier than it was.
                     point.target = -restitution * approach;
                     let excess = (point.depth - R::of(SLOP)).max(R::zero());
-                    point.recovery = (excess * R::of(RECOVERY) / dt).min(R::of(FASTEST));
+                    point.recovery = (excess * R::of(RECOVERY) / span).min(R::of(FASTEST));
                 }
                 LawKind::Compliant { stiffness, damping } => {
-                    let (stiffness, damping) = (stiffness * share, damping * share);
-                    let firmness = dt * (damping + dt * stiffness);
-                    point.softness = R::one() / firmness;
-                    point.target = point.depth * stiffness * dt / firmness;
+                    let [duration, depth, parting, yields] =
+                        [span, point.depth, approach, along].map(R::Quad::splat);
+                    let spring =
+                        Spring::new::<R>(stiffness, damping, duration, depth, parting, yields);
+                    [point.target, point.softness] =
+                        [spring.target, spring.softness].map(|lanes| lanes.store()[0]);
                 }
             }
-            point.along.mass =
-                R::one() / (point.along.yields(&point.along, &a, &b) + point.softness);
+            point.along.mass = R::one() / (along + point.softness);
             if law.friction > R::zero() {
                 let [one, two] = &point.across;
                 let (k11, k22) = (one.yields(one, &a, &b), two.yields(two, &a, &b));

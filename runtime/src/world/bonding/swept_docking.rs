@@ -1,0 +1,160 @@
+//! Whether a block comes into the docking window of a face anywhere on its way through a step: at its end, a fast block
+//! is often past it.
+use nalgebra::Vector3;
+use stochc_ir::scene::Measure;
+
+use super::face_attraction::{AttractingFace, Near};
+use crate::world::parameters::Magnet;
+use crate::world::real::Real;
+
+/// The way of a block's face past a magnetized one: at the beginning of a step and at its end.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sweep<R: Real> {
+    /// Of the centre of the face.
+    pub centre: [Vector3<R>; 2],
+    /// Outward.
+    pub normal: [Vector3<R>; 2],
+}
+
+impl<R: Real> Sweep<R> {
+    /// Of a face that is where it is.
+    pub fn resting(near: &Near<R>, position: Vector3<R>) -> Sweep<R> {
+        let normal = (near.centre - position) * R::of(2.0);
+        Sweep {
+            centre: [near.centre; 2],
+            normal: [normal; 2],
+        }
+    }
+
+    /// Of a face that is where it is after a step of length `dt` at this velocity and spin.
+    pub fn of_step(
+        near: &Near<R>,
+        position: Vector3<R>,
+        [velocity, spin]: [Vector3<R>; 2],
+        dt: R,
+    ) -> Sweep<R> {
+        let after = (near.centre - position) * R::of(2.0);
+        let before = (after - (spin * dt).cross(&after)).normalize();
+        let centre = position - velocity * dt + before * R::of(0.5);
+        Sweep {
+            centre: [centre, near.centre],
+            normal: [before, after],
+        }
+    }
+
+    /// The distance between the centres of the two faces where the block is close and straight enough to be anchored; `None`:
+    /// nowhere.
+    pub fn docks(&self, target: &AttractingFace<R>, magnet: &Magnet) -> Option<R> {
+        let within = R::of(magnet.within);
+        let from = self.centre[0] - target.centre;
+        let way = self.centre[1] - self.centre[0];
+        let part = match magnet.measure {
+            Measure::Centres => nearest(from, way, [R::zero(), R::one()]),
+            Measure::Gap => {
+                let (gap, change) = (from.dot(&target.normal), way.dot(&target.normal));
+                let parts = between(gap, change, within)?;
+                let aside = |vector: Vector3<R>, along| vector - target.normal * along;
+                nearest(aside(from, gap), aside(way, change), parts)
+            }
+        };
+        let offset = from + way * part;
+        let close = match magnet.measure {
+            Measure::Centres => offset.norm() < within,
+            Measure::Gap => {
+                let gap = offset.dot(&target.normal);
+                (offset - target.normal * gap).norm() < R::of(0.5)
+            }
+        };
+        let normal = self.normal[0] + (self.normal[1] - self.normal[0]) * part;
+        let straight = normal.dot(&target.normal) < -R::of(magnet.cos_tilt) * normal.norm();
+        (close && straight).then(|| offset.norm())
+    }
+}
+
+/// The part of a way, between these two, at which it is nearest to the origin.
+fn nearest<R: Real>(from: Vector3<R>, way: Vector3<R>, [first, last]: [R; 2]) -> R {
+    let length = way.norm_squared();
+    if length > R::zero() {
+        (-from.dot(&way) / length).clamp(first, last)
+    } else {
+        last
+    }
+}
+
+/// The parts of a way between which a number that goes from `from` by `change` is smaller than `most`.
+fn between<R: Real>(from: R, change: R, most: R) -> Option<[R; 2]> {
+    if change == R::zero() {
+        return (from.abs() < most).then_some([R::zero(), R::one()]);
+    }
+    let [one, two] = [most, -most].map(|end| (end - from) / change);
+    let (first, last) = (one.min(two).max(R::zero()), one.max(two).min(R::one()));
+    (first < last).then_some([first, last])
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::UnitQuaternion;
+    use stochc_ir::Face;
+
+    use super::*;
+    use crate::world::parameters::{Attraction, Pull};
+
+    fn magnet(measure: Measure) -> Magnet {
+        let pull = Pull {
+            force: 0.0,
+            within: 1.0,
+        };
+        Magnet {
+            law: Attraction::Switched { pull, align: None },
+            measure,
+            within: 0.005,
+            cos_tilt: 0.9,
+            square_of_step: 0.0,
+        }
+    }
+
+    /// A step that ends with the lower face's centre here, over a face that looks up from the origin.
+    fn docks(measure: Measure, end: Vector3<f64>, velocity: Vector3<f64>, spin: f64) -> bool {
+        let target = AttractingFace::new(Vector3::z() * -0.5, Face::Up);
+        let position = end + Vector3::z() * 0.5;
+        let near = target.at(position, UnitQuaternion::identity(), Face::Down);
+        let motion = [velocity, Vector3::x() * spin];
+        let sweep = Sweep::of_step(&near, position, motion, 1.0);
+        sweep.docks(&target, &magnet(measure)).is_some()
+    }
+
+    #[test]
+    fn a_face_that_passes_the_window_docks_wherever_the_step_ends() {
+        for part in [0.0, 0.3, 0.7, 1.0] {
+            for aside in [0.0, 0.004, 0.006] {
+                let way = Vector3::new(0.0, 0.3, -0.1);
+                let aside_of_way = Vector3::x() * aside;
+                let end = aside_of_way + way * (1.0 - part);
+                assert_eq!(docks(Measure::Centres, end, way, 0.0), aside < 0.005);
+            }
+        }
+        // It comes no farther, or has been past it before.
+        let way = Vector3::z() * -0.1;
+        assert!(!docks(Measure::Centres, Vector3::z() * 0.02, way, 0.0));
+        assert!(!docks(Measure::Centres, Vector3::z() * -0.12, way, 0.0));
+    }
+
+    #[test]
+    fn a_gap_is_looked_at_where_it_closes() {
+        let way = Vector3::new(0.4, 0.0, -0.2);
+        // Level with the plate at 0.3 aside, and at 0.7.
+        for (end, expected) in [(0.5, true), (0.9, false)] {
+            let end = Vector3::new(end, 0.0, -0.1);
+            assert_eq!(docks(Measure::Gap, end, way, 0.0), expected);
+        }
+    }
+
+    #[test]
+    fn tilt_counts_where_the_block_is_close() {
+        // Straight at the end, 0.6 radians off at the beginning, where it is close.
+        let (way, spin) = (Vector3::z() * 0.3, 0.6);
+        let arm = Vector3::new(0.0, 0.5 * spin, 0.0);
+        assert!(!docks(Measure::Centres, way + arm, way, spin));
+        assert!(docks(Measure::Centres, way, way, 0.0));
+    }
+}

@@ -1,0 +1,109 @@
+//! Which blocks take short steps: those in the field of a magnetized face, and whoever may touch them.
+//!
+//! All others move once in a long step. A pair feels the force of its contact at the steps of whoever takes the longer ones, both
+//! by the same impulse, so that momentum is kept. Who is chosen depends on places and velocities at the beginning of
+//! a long step, and on which faces are on.
+use super::bodies::Bodies;
+use super::cell_list::TOUCH;
+use super::neighbour_list::NeighbourList;
+use super::simd::Lane;
+use crate::world::blocks::Blocks;
+use crate::world::real::Real;
+
+/// How much farther than at its present velocity a block may get in a step, which contacts and magnets change \[side\].
+pub(super) const SURPRISE: f64 = 0.1;
+
+/// The blocks that take short steps in a long one.
+#[derive(Clone, Debug)]
+pub(super) struct LocalSteps<R: Real> {
+    /// Lengths of a long and a short step \[tick\].
+    long: R,
+    short: R,
+    /// In rising order; and those of the long step before.
+    pub blocks: Vec<u32>,
+    before: Vec<u32>,
+    /// The pairs among them, and with blocks that are anchored, that may touch in the long step; the lower number first, in
+    /// rising order.
+    pub pairs: Vec<(u32, u32)>,
+    found: Vec<u32>,
+}
+
+impl<R: Lane> LocalSteps<R> {
+    pub fn new([long, short]: [f64; 2]) -> LocalSteps<R> {
+        LocalSteps {
+            long: R::of(long),
+            short: R::of(short),
+            blocks: Vec::new(),
+            before: Vec::new(),
+            pairs: Vec::new(),
+            found: Vec::new(),
+        }
+    }
+
+    /// How far a block may get in a long step.
+    pub fn way(&self, speed: R) -> R {
+        speed * self.long + R::of(SURPRISE)
+    }
+
+    /// Begins a long step, in which these blocks may come into the field of a face.
+    pub fn begin(
+        &mut self,
+        bodies: &mut Bodies<R>,
+        neighbours: &NeighbourList<R>,
+        in_field: &[u32],
+    ) {
+        for &id in &self.before {
+            bodies.last[id as usize] = self.long;
+        }
+        for &id in &self.blocks {
+            bodies.last[id as usize] = self.short;
+            bodies.step[id as usize] = self.long;
+        }
+        std::mem::swap(&mut self.before, &mut self.blocks);
+        self.blocks.clear();
+        self.blocks.extend_from_slice(in_field);
+        let (long, most) = (self.long, self.way(bodies.fastest()));
+        let way = |bodies: &Bodies<R>, id: u32| bodies.velocity(id).norm() * long + R::of(SURPRISE);
+        let reach = |bodies: &Bodies<R>, id: u32| R::of(TOUCH) + way(bodies, id);
+        let near = |bodies: &Bodies<R>, id: u32, other: u32| {
+            let most = reach(bodies, id) + way(bodies, other);
+            (bodies.position(other) - bodies.position(id)).norm_squared() < most * most
+        };
+        let mut found = std::mem::take(&mut self.found);
+        for &id in in_field {
+            let place = bodies.position(id);
+            neighbours.around(place, reach(bodies, id) + most, &mut found);
+            found.retain(|&other| bodies.is_free(other) && near(bodies, id, other));
+            self.blocks.extend_from_slice(&found);
+        }
+        self.blocks.sort_unstable();
+        self.blocks.dedup();
+        for &id in &self.blocks {
+            bodies.step[id as usize] = self.short;
+        }
+        self.pairs.clear();
+        for &id in &self.blocks {
+            let place = bodies.position(id);
+            neighbours.around(place, reach(bodies, id) + most, &mut found);
+            found.retain(|&other| {
+                let is_partner = if bodies.is_free(other) {
+                    other > id && bodies.step[other as usize] == self.short
+                } else {
+                    true
+                };
+                is_partner && near(bodies, id, other)
+            });
+            let pairs = found.iter().map(|&other| (id.min(other), id.max(other)));
+            self.pairs.extend(pairs);
+        }
+        self.pairs.sort_unstable();
+        self.found = found;
+    }
+
+    /// The first short step is done.
+    pub fn has_begun(&self, bodies: &mut Bodies<R>) {
+        for &id in &self.blocks {
+            bodies.last[id as usize] = self.short;
+        }
+    }
+}

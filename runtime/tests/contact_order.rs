@@ -1,0 +1,266 @@
+//! Prepared collisions against exact or finely resolved ones: the error by the number of steps, and its order.
+//!
+//! A collision begins anywhere within a step, so that each case is many collisions that begin at other moments. Of one
+//! that begins late in a step the damper is felt for less of it, by chance: such errors go down with the step and have
+//! no side. What would shift the results of a simulation is their mean, which goes down with the square of the step.
+//! `STOCHC_WRITE_DOCS=1 cargo test -p stochc-runtime --test contact_order` writes the table of docs/model.md.
+#![allow(clippy::disallowed_methods, reason = "tests read and write files")]
+mod scenes;
+
+use std::fmt::Write as _;
+
+use nalgebra::UnitQuaternion;
+use scenes::{Dice, Double, Kind, at, compliant, empty, energy, hemisphere, pass, states, world};
+use stochc_runtime::world::BodyState;
+
+const PAGE: &str = "../docs/model.md";
+/// Around the table.
+const BEGIN: &str = "<!-- collisions -->\n";
+const END: &str = "<!-- end of collisions -->\n";
+
+/// Of the scene `hemisphere`, in block units.
+const STIFFNESS: f64 = 0.1;
+const DAMPING: f64 = 0.12;
+
+/// Collisions of a case.
+const COUNT: usize = 256;
+
+/// Steps a tick.
+const STEPS: [u32; 5] = [1, 2, 4, 8, 16];
+
+/// Fine enough to be called exact beside the others.
+const FINE: u32 = 64;
+
+/// Blocks that are about to collide.
+type Prepare = fn(&mut Dice) -> Vec<BodyState>;
+
+struct Case {
+    name: &'static str,
+    friction: f64,
+    damping: f64,
+    prepare: Prepare,
+}
+
+fn corner() -> UnitQuaternion<f64> {
+    UnitQuaternion::rotation_between(&at(1.0, 1.0, 1.0), &at(0.0, 0.0, 1.0)).expect("not opposite")
+}
+
+fn edge() -> UnitQuaternion<f64> {
+    UnitQuaternion::from_scaled_axis(at(std::f64::consts::FRAC_PI_4, 0.0, 0.0))
+}
+
+/// One block above another that lies flat, both on their way to each other; `reach`: of the upper one, downward.
+fn head_on(dice: &mut Dice, turned: UnitQuaternion<f64>, reach: f64) -> Vec<BodyState> {
+    let speed = 0.13;
+    let gap = 0.5 + reach + 2.0 * speed * dice.unit();
+    let block = |side: f64, orientation| BodyState {
+        orientation,
+        velocity: at(0.0, 0.0, -side * speed),
+        ..BodyState::at_rest(at(0.0, 0.0, 30.0 + 0.5 * side * gap))
+    };
+    vec![block(1.0, turned), block(-1.0, UnitQuaternion::identity())]
+}
+
+fn face_to_face(dice: &mut Dice) -> Vec<BodyState> {
+    head_on(dice, UnitQuaternion::identity(), 0.5)
+}
+
+fn edge_to_face(dice: &mut Dice) -> Vec<BodyState> {
+    head_on(dice, edge(), 0.5f64.sqrt())
+}
+
+fn corner_to_face(dice: &mut Dice) -> Vec<BodyState> {
+    head_on(dice, corner(), 0.75f64.sqrt())
+}
+
+/// Two that meet off centre, turned anyhow and turning.
+fn pair(dice: &mut Dice) -> Vec<BodyState> {
+    let way = dice.direction();
+    let aside = dice.direction().cross(&way).normalize() * (0.5 * dice.unit());
+    let speed = 0.07 + 0.1 * dice.unit();
+    [1.0, -1.0]
+        .map(|side| BodyState {
+            position: at(0.0, 0.0, 30.0) + (way * 0.9 + aside * 0.5) * side,
+            orientation: dice.rotation(),
+            velocity: -way * (side * speed),
+            spin: 0.1 * dice.direction(),
+        })
+        .to_vec()
+}
+
+/// One that lands turned anyhow and turning.
+fn landing(dice: &mut Dice) -> Vec<BodyState> {
+    let speed = 0.07 + 0.1 * dice.unit();
+    vec![BodyState {
+        position: at(0.0, 0.0, 0.9 + 0.2 * dice.unit()),
+        orientation: dice.rotation(),
+        velocity: at(0.0, 0.0, -speed),
+        spin: 0.1 * dice.direction(),
+    }]
+}
+
+/// One that lands on an edge and slides across it.
+fn sliding(dice: &mut Dice) -> Vec<BodyState> {
+    let speed = 0.13;
+    vec![BodyState {
+        position: at(0.0, 0.0, 0.5f64.sqrt() + speed * dice.unit()),
+        orientation: edge(),
+        velocity: at(0.25, 0.0, -speed),
+        ..BodyState::at_rest(at(0.0, 0.0, 0.0))
+    }]
+}
+
+const CASES: [Case; 8] = [
+    Case {
+        name: "face to face",
+        friction: 0.0,
+        damping: DAMPING,
+        prepare: face_to_face,
+    },
+    Case {
+        name: "edge to face",
+        friction: 0.0,
+        damping: DAMPING,
+        prepare: edge_to_face,
+    },
+    Case {
+        name: "corner to face",
+        friction: 0.0,
+        damping: DAMPING,
+        prepare: corner_to_face,
+    },
+    Case {
+        name: "any pair, with spin",
+        friction: 0.0,
+        damping: DAMPING,
+        prepare: pair,
+    },
+    Case {
+        name: "the same, friction 1",
+        friction: 1.0,
+        damping: DAMPING,
+        prepare: pair,
+    },
+    Case {
+        name: "the same, undamped and frictionless",
+        friction: 0.0,
+        damping: 0.0,
+        prepare: pair,
+    },
+    Case {
+        name: "landing, with spin",
+        friction: 0.0,
+        damping: DAMPING,
+        prepare: landing,
+    },
+    Case {
+        name: "landing on an edge, sliding, friction 0.3",
+        friction: 0.3,
+        damping: DAMPING,
+        prepare: sliding,
+    },
+];
+
+/// Energy after a collision over that before, of all collisions of a case.
+fn left(case: &Case, steps: u32) -> Vec<f64> {
+    let mut scene = empty();
+    scene.contact = compliant(STIFFNESS, case.damping, case.friction);
+    scene.enclosure = hemisphere(100.0, 0.01);
+    let mut dice = Dice::new(3);
+    let collide = |_| {
+        let blocks = (case.prepare)(&mut dice);
+        let before: f64 = blocks.iter().map(energy).sum();
+        let mut arena: <Double as Kind>::World =
+            world(&scene, &Double::with_substeps(steps), &blocks);
+        pass(&mut arena, 100);
+        states(&arena).iter().map(energy).sum::<f64>() / before
+    };
+    (0..COUNT).map(collide).collect()
+}
+
+/// Mean and rms of a sample.
+fn moments(sample: &[f64]) -> [f64; 2] {
+    let n = sample.len() as f64;
+    [
+        sample.iter().sum::<f64>() / n,
+        (sample.iter().map(|x| x * x).sum::<f64>() / n).sqrt(),
+    ]
+}
+
+/// The limit of small steps; without a damper and friction nothing is lost.
+fn exact(case: &Case) -> Vec<f64> {
+    if case.damping == 0.0 {
+        return vec![1.0; COUNT];
+    }
+    left(case, FINE)
+}
+
+/// What is off at each number of steps: mean and rms of the part of the energy that is left.
+fn errors(case: &Case) -> [[f64; 2]; STEPS.len()] {
+    let exact = exact(case);
+    STEPS.map(|steps| {
+        let off: Vec<f64> = (left(case, steps).iter().zip(&exact))
+            .map(|(a, b)| a - b)
+            .collect();
+        moments(&off)
+    })
+}
+
+/// A mean below this is chance: twice the standard error of a case's collisions at one step a tick.
+const CHANCE: f64 = 0.01;
+
+#[test]
+fn errors_go_down_as_the_page_says() {
+    let mut table = String::from(
+        "| collision | left | 1 step | 2 | 4 | 8 | 16 |\n|---|--:|--:|--:|--:|--:|--:|\n",
+    );
+    for case in &CASES {
+        let errors = errors(case);
+        let [exact, _] = moments(&exact(case));
+        write!(table, "| {} | {:.1} % |", case.name, 100.0 * exact).expect("memory");
+        for [mean, rms] in errors {
+            write!(table, " {:+.1} ({:.1}) |", 100.0 * mean, 100.0 * rms).expect("memory");
+        }
+        table.push('\n');
+        for (coarse, fine) in errors.iter().zip(&errors[2..]) {
+            // Four times the steps: of the first order each, and of the second in the mean.
+            assert!(fine[1] < coarse[1] / 2.0, "{}: {errors:?}", case.name);
+            assert!(
+                fine[0].abs() < coarse[0].abs() / 8.0 + CHANCE,
+                "{}: {errors:?}",
+                case.name
+            );
+        }
+    }
+    let page = std::fs::read_to_string(PAGE).expect("it is there");
+    let (before, rest) = page.split_once(BEGIN).expect("the table begins");
+    let (_, after) = rest.split_once(END).expect("the table ends");
+    let anew = format!("{before}{BEGIN}{table}{END}{after}");
+    if std::env::var_os("STOCHC_WRITE_DOCS").is_some() {
+        std::fs::write(PAGE, &anew).expect("it can be written");
+    } else {
+        assert!(
+            page == anew,
+            "write it anew with STOCHC_WRITE_DOCS=1: {table}"
+        );
+    }
+}
+
+/// Where it is exact: all three are the damped oscillator of two blocks, which lasts pi - 2 a of its phase.
+#[test]
+fn head_on_collisions_are_exact_in_the_mean() {
+    for case in &CASES[..3] {
+        let frequency = (2.0 * STIFFNESS).sqrt();
+        let angle = f64::asin(DAMPING / frequency);
+        let back = (-angle.tan() * (std::f64::consts::PI - 2.0 * angle)).exp();
+        for steps in [1, 2, 4] {
+            let [mean, _] = moments(&left(case, steps));
+            let off = mean - back * back;
+            assert!(
+                off.abs() < 0.01 / f64::from(steps),
+                "{} {steps}: {off}",
+                case.name
+            );
+        }
+    }
+}
