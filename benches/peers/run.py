@@ -25,8 +25,7 @@ ENGINES = [
     ("MuJoCo, Newton", "mujoco", "newton"),
 ]
 
-# Greatest change of speed of the first engine [side / tick]: blocks move in a step as far as those of
-# `hemisphere` do in one of their four steps a tick.
+# Greatest change of speed of the first engine [side / tick]: blocks move 0.05 sides in a step.
 KICK = 0.0128
 DRAG = 0.01  # [1 / tick]
 WARM_UP = 300  # ticks; speeds forget their past in 100

@@ -53,6 +53,11 @@ impl Substeps {
         away: Some(2),
     };
 
+    /// Those of the blocks that take the longest.
+    pub fn longest(self) -> u32 {
+        self.away.unwrap_or(self.near)
+    }
+
     /// Whether there are steps, not too many, and whole numbers of short ones in a long one.
     pub fn are_sound(self) -> bool {
         (1..=Substeps::MOST).contains(&self.near)
@@ -211,13 +216,16 @@ impl Settings {
         }
     }
 
-    /// How many steps a tick the blocks of a scene take that take the longest.
-    pub fn longest_steps(&self, scene: &Scene) -> u32 {
+    /// The steps per tick that blocks of a scene take.
+    pub fn steps_in(&self, scene: &Scene) -> Substeps {
         let local = takes_local_steps(scene) && self.model == Model::Rigid;
-        self.away.filter(|_| local).unwrap_or(self.substeps)
+        Substeps {
+            near: self.substeps,
+            away: self.away.filter(|_| local),
+        }
     }
 
-    /// The steps per tick.
+    /// The steps per tick that are asked for.
     pub fn steps(&self) -> Substeps {
         Substeps {
             near: self.substeps,

@@ -18,7 +18,7 @@ const PAGE: &str = "../docs/model.md";
 const BEGIN: &str = "<!-- collisions -->\n";
 const END: &str = "<!-- end of collisions -->\n";
 
-/// Of the scene `hemisphere`, in block units.
+/// Of the scene `hemisphere_soft`, in block units.
 const STIFFNESS: f64 = 0.1;
 const DAMPING: f64 = 0.12;
 

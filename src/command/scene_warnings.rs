@@ -1,6 +1,7 @@
 //! What a scene does that so many steps a tick do not resolve, and what it does not do at all.
 use stochc_ir::scene::Scene;
 use stochc_ir::scene::groups::{Group, groups};
+use stochc_runtime::Substeps;
 
 /// A doubt about a scene: the figure that gives rise to it, and what comes of it.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,19 +17,26 @@ pub struct SceneWarning {
 }
 
 /// The doubts about a scene with so many steps a tick.
-pub fn scene_warnings(scene: &Scene, steps: u32) -> Vec<SceneWarning> {
+pub fn scene_warnings(scene: &Scene, steps: Substeps) -> Vec<SceneWarning> {
     let groups = groups(scene);
-    let found = groups.iter().filter_map(|group| doubt(group, steps));
+    let taken = |group: &Group| {
+        if group.of_faces {
+            steps.near
+        } else {
+            steps.longest()
+        }
+    };
+    let found = groups.iter().filter_map(|group| doubt(group, taken(group)));
     found.collect()
 }
 
 fn doubt(group: &Group, steps: u32) -> Option<SceneWarning> {
-    /// As many as `simulate` takes.
-    const MOST: u32 = 1000;
     let (symbol, value) = (group.symbol, short(group.value));
     if let Some(limit) = group.limit.filter(|_| group.is_exceeded(steps)) {
         let cure = match group.substeps() {
-            Some(substeps) if substeps <= MOST => format!("`--substeps {substeps}` resolves it"),
+            Some(substeps) if substeps <= Substeps::MOST => {
+                format!("`--substeps {substeps}` resolves it")
+            }
             _ => "no number of substeps that is allowed resolves it".to_owned(),
         };
         let most = short(limit.most);

@@ -60,10 +60,10 @@ fn another_ensemble_is_refused_with_what_differs() {
 
     let mut other = manifest(2);
     other.seed = 4;
-    other.settings.substeps = 8;
+    other.settings.substeps = 16;
     other.settings.max_ticks = Some(100);
     other.settings.solver_iterations = Some(3);
-    assert_snapshot!(refused(&other), @"`DIR` holds another ensemble: the seed is `18446744073709551615` there and `4` here, the number of substeps is `4` there and `8` here, the limit of ticks is `none` there and `100` here, `solver-iterations` is `10` there and `3` here; choose another folder, results are never overwritten");
+    assert_snapshot!(refused(&other), @"`DIR` holds another ensemble: the seed is `18446744073709551615` there and `4` here, the number of substeps is `2/8` there and `2/16` here, the limit of ticks is `none` there and `100` here, `solver-iterations` is `10` there and `3` here; choose another folder, results are never overwritten");
 
     let mut other = manifest(2);
     other.programs[0].sources[0].text.push(' ');

@@ -293,7 +293,7 @@ fn every_table_says_what_it_is_and_of_what() {
             ("version", manifest.stochc.clone()),
             ("ensemble", manifest.identity()),
             ("model", "rigid".into()),
-            ("substeps", "4".into()),
+            ("substeps", "2/8".into()),
             ("settings", json!(manifest.settings).to_string()),
             ("seed", u64::MAX.to_string()),
             ("runs", "2".into()),

@@ -7,8 +7,9 @@ use super::read;
 use crate::Sources;
 
 /// The built-in scenes: a name, and the text that declares it.
-pub const BUILT_IN: [(&str, &str); 5] = [
+pub const BUILT_IN: [(&str, &str); 6] = [
     ("hemisphere", include_str!("hemisphere.sa")),
+    ("hemisphere_soft", include_str!("hemisphere_soft.sa")),
     ("hemisphere_2005", include_str!("hemisphere_2005.sa")),
     ("magnet_tank", include_str!("magnet_tank.sa")),
     ("jet_tank", include_str!("jet_tank.sa")),

@@ -42,7 +42,7 @@ pub fn scenes<'a>(file: &'a str, checked: &'a Checked) -> Vec<InForce<'a>> {
                 absent: absent(scene),
                 speed: speed(scene),
                 groups: groups(scene),
-                scene_warnings: scene_warnings(scene, Settings::default().longest_steps(scene)),
+                scene_warnings: scene_warnings(scene, Settings::default().steps_in(scene)),
             }),
         }
     }
@@ -115,7 +115,7 @@ impl InForce<'_> {
                     1 => "One step a tick is".to_owned(),
                     needed => format!(
                         "{needed} steps a tick are needed, and the {} that `simulate` takes are",
-                        Settings::default().longest_steps(self.scene)
+                        Settings::default().steps_in(self.scene)
                     ),
                 }
             );

@@ -101,11 +101,8 @@ fn tell_of_doubts(manifest: &Manifest) {
     }
     let mut found: Vec<(&str, SceneWarning, usize)> = Vec::new();
     for program in &manifest.programs {
-        let all = scene_warnings(
-            &program.scene,
-            manifest.settings.longest_steps(&program.scene),
-        )
-        .into_iter();
+        let steps = manifest.settings.steps_in(&program.scene);
+        let all = scene_warnings(&program.scene, steps).into_iter();
         for doubt in all.filter(|doubt| doubt.is_of_steps || grows_upwards(program.tables())) {
             match found
                 .iter_mut()

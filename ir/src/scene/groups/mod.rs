@@ -30,6 +30,8 @@ pub struct Group {
     pub limit: Option<Limit>,
     /// What it should keep to whatever the steps are.
     pub least: Option<Least>,
+    /// Whether it is about blocks that an open face attracts, which may take shorter steps than all others.
+    pub of_faces: bool,
 }
 
 /// The largest value of a group at which what it stands for is resolved.
@@ -209,6 +211,7 @@ impl Push {
             |steps| value * self.displacement(steps),
             "a pulled block jumps over the place where it would be anchored",
         )
+        .of_faces()
     }
 
     /// A group of a spring \[1/tick^2\].
@@ -374,7 +377,13 @@ impl Group {
             value,
             limit: None,
             least: None,
+            of_faces: false,
         }
+    }
+
+    const fn of_faces(mut self) -> Group {
+        self.of_faces = true;
+        self
     }
 
     /// `at` is its value with so many steps a tick, and `most` what it may be then.
