@@ -1,5 +1,6 @@
 //! Reading ordinary files, and writing whole ones.
 pub mod atomic;
+pub mod bound;
 pub mod checksum;
 pub mod csv;
 pub mod programs;

@@ -16,6 +16,7 @@ use stochc_report::figures::fit as fit_figure;
 use stochc_report::tables::fit_to_text;
 use stochc_runtime::{Settings, Substeps, run as run_once};
 
+use super::imports::ImportOptions;
 use super::interrupt::stop_on_interrupt;
 use super::levels::LevelOptions;
 use super::progress::{Display, of_ensemble};
@@ -74,12 +75,14 @@ pub struct Options {
     /// What becomes of warnings
     #[command(flatten)]
     levels: LevelOptions,
+    #[command(flatten)]
+    imports: ImportOptions,
 }
 
 /// Finds numbers of scenes that measured times speak for.
 pub fn run(options: &Options) -> Result<Exit, Failure> {
     let (unit, observed) = data(&options.data)?;
-    let programs = programs(&options.files, &options.levels.levels)?;
+    let programs = programs(&options.files, &options.levels.levels, &options.imports)?;
     let measured = matched(programs, observed, &options.hold_out)?;
     distinct(&options.vary)?;
     for (program, _) in &measured {

@@ -11,6 +11,7 @@ mod fit;
 mod fix;
 mod fmt;
 mod hardware;
+mod hostile;
 #[cfg(unix)]
 mod interrupted;
 #[cfg(unix)]

@@ -6,6 +6,7 @@ use stochc_compiler::Checked;
 use stochc_ir::scene::describe::{Absent, Term, Value, absent, terms};
 use stochc_ir::scene::groups::{BlockUnits, Group, Speed, SpeedFrom, groups, speed};
 use stochc_ir::scene::{ContactLaw, Scene};
+use stochc_ir::visible;
 use stochc_runtime::Settings;
 
 use super::super::scene_warnings::{SceneWarning, scene_warnings, short};
@@ -85,7 +86,7 @@ impl InForce<'_> {
     pub fn text(&self) -> String {
         let mut out = format!(
             "{}: scene {}, of {}\n\n  in force, with the values in SI units and in block units\n",
-            self.file,
+            visible(self.file),
             self.scene.name,
             self.assemblies.join(", ")
         );

@@ -9,7 +9,8 @@ use stochc_ir::scene::scalars::Change;
 use stochc_runtime::Settings;
 
 use super::super::check::verdict;
-use super::super::terminal::{has_colour, message_width, told, warn};
+use super::super::imports::ImportOptions;
+use super::super::terminal::{has_colour, message_width, told, warn_drawn};
 use super::{Options, older_manifest, sweep, tell_of_build};
 use crate::diagnostics::drawn;
 use crate::exit::Failure;
@@ -23,11 +24,15 @@ pub fn prepare(options: &Options) -> Result<Manifest, Failure> {
 }
 
 /// The programs of files, if nothing is wrong in any of them.
-pub fn programs(files: &[String], levels: &LintLevels) -> Result<Vec<Program>, Failure> {
+pub fn programs(
+    files: &[String],
+    levels: &LintLevels,
+    imports: &ImportOptions,
+) -> Result<Vec<Program>, Failure> {
     let mut programs = Vec::new();
     let mut wrong = None;
     for file in files {
-        match read(file, levels) {
+        match read(file, levels, imports) {
             Ok(found) => programs.extend(found),
             Err(failure) => wrong = Some(Failure::silent(told(Err(failure)))),
         }
@@ -35,19 +40,19 @@ pub fn programs(files: &[String], levels: &LintLevels) -> Result<Vec<Program>, F
     wrong.map_or(Ok(programs), Err)
 }
 
-fn read(file: &str, levels: &LintLevels) -> Result<Vec<Program>, Failure> {
+fn read(file: &str, levels: &LintLevels, imports: &ImportOptions) -> Result<Vec<Program>, Failure> {
     if let Some(reason) = refusal(file) {
         return Err(Failure::usage(reason));
     }
     match executables(file) {
         Some(Ok(found)) => Ok(compiled(found)),
         Some(Err(reason)) => Err(Failure::usage(format!("`{file}`: {reason}"))),
-        None => accept(file, crate::check_with(file, levels)),
+        None => accept(file, crate::check_within(file, levels, &imports.folders)),
     }
 }
 
 fn from_files(options: &Options) -> Result<Manifest, Failure> {
-    let mut programs = programs(&options.files, &options.levels.levels)?;
+    let mut programs = programs(&options.files, &options.levels.levels, &options.imports)?;
     if !options.sweep.is_empty() {
         programs = sweep::points(options, &programs)?;
     }
@@ -77,7 +82,7 @@ fn compiled(executables: Vec<Executable>) -> Vec<Program> {
 
 /// The programs of a file in which nothing is wrong.
 pub(super) fn accept(file: &str, checked: Checked) -> Result<Vec<Program>, Failure> {
-    warn(&drawn(&checked, has_colour(), message_width()));
+    warn_drawn(&drawn(&checked, has_colour(), message_width()));
     if checked.has_errors() {
         return Err(Failure::silent(verdict(&checked)));
     }

@@ -12,6 +12,7 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use stochc_ir::table::{Action, Tables};
+use stochc_ir::visible;
 use stochc_runtime::{Model, RunError, Settings, run as run_once};
 
 pub(super) use input::programs;
@@ -140,7 +141,10 @@ fn ensemble(options: &Options, manifest: &Manifest, stop: &AtomicBool) -> Result
             tell_of_damage(out, folder.damage());
             match folder.state() {
                 State::New => {}
-                State::Finished => warn(&format!("`{}` is finished already\n", out.display())),
+                State::Finished => warn(&format!(
+                    "`{}` is finished already\n",
+                    visible(&out.to_string_lossy())
+                )),
                 // Of a manifest that is given it has been told.
                 State::Resumed if options.manifest.is_some() => {}
                 State::Resumed => tell_of_build(folder.builds()),
