@@ -107,7 +107,7 @@ fn tell_of_doubts(manifest: &Manifest) {
             manifest.settings.longest_steps(&program.scene),
         )
         .into_iter();
-        for doubt in all.filter(|doubt| doubt.is_of_steps || grows_upwards(program.tables())) {
+        for doubt in all.filter(|doubt| !doubt.is_of_height || grows_upwards(program.tables())) {
             match found
                 .iter_mut()
                 .find(|(_, it, _)| it.symbol == doubt.symbol)
