@@ -11,6 +11,7 @@ use stochc_ensemble::{
     Cancelled, Destination, Manifest, Program, Progress, Watch, completion_time, run as run_all,
 };
 use stochc_files::atomic::Replaces;
+use stochc_files::budget::TIMES;
 use stochc_files::read_file;
 use stochc_report::figures::fit as fit_figure;
 use stochc_report::tables::fit_to_text;
@@ -115,7 +116,7 @@ type Known = (Program, (Observed, bool));
 
 fn data(path: &Path) -> Result<(Unit, Vec<Observed>), Failure> {
     let shown = path.display();
-    let bytes = read_file(path)
+    let bytes = read_file(path, TIMES)
         .map_err(|error| Failure::usage(format!("cannot read `{shown}`: {error}")))?;
     Observed::read(&bytes).map_err(|error| Failure::usage(format!("`{shown}`: {error}")))
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use stochc_ensemble::Manifest;
 use stochc_files::atomic::{self, Replaces, begins_with};
-use stochc_files::read_file;
+use stochc_files::{budget, read_file};
 use stochc_ir::visible;
 use stochc_report::ensemble_report::{Input, MARK, Report, Surroundings, address, report};
 
@@ -135,7 +135,7 @@ fn claim(page: &Path) -> Result<Beside, String> {
     let mut name = stem.to_os_string();
     name.push("-figures");
     let folder = page.with_file_name(name);
-    let earlier = match read_file(page) {
+    let earlier = match read_file(page, budget::PAGE) {
         Ok(earlier) if earlier.starts_with(MARK.as_bytes()) => earlier,
         Ok(_) => {
             return Err(format!(

@@ -6,12 +6,12 @@ use std::process::Command;
 use crate::stochc::{Said, path, stochc, stochc_with};
 
 /// A name that clears the screen, turns the direction of reading, and begins a line of its own.
-const NAME: &str = "a\u{1b}[2J\u{202e}b\nerror: c\u{e0041}";
+const NAME: &str = "a\u{1b}[2J\u{202e}b\nerror: forged\u{e0041}";
 
 /// Nothing of what is said acts on a terminal, and no name makes a line.
 fn is_harmless(text: &str) -> bool {
     let acts = |c: char| stochc::ir::is_invisible(c) && c != '\n';
-    !text.contains(acts) && !text.lines().any(|line| line.starts_with("error: c"))
+    !text.contains(acts) && !text.lines().any(|line| line.starts_with("error: forged"))
 }
 
 #[track_caller]

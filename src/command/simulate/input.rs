@@ -2,6 +2,7 @@
 
 use stochc_compiler::{Checked, LintLevels};
 use stochc_ensemble::{Manifest, OLDEST, Program, Source, Varied, this_build};
+use stochc_files::budget::MANIFEST;
 use stochc_files::programs::{executables, refusal};
 use stochc_files::read_file;
 use stochc_ir::Executable;
@@ -126,7 +127,7 @@ pub(super) fn recompile(
 /// The programs that a manifest holds.
 fn from_manifest(path: &std::path::Path, levels: &LintLevels) -> Result<Manifest, Failure> {
     let shown = path.display();
-    let bytes = read_file(path)
+    let bytes = read_file(path, MANIFEST)
         .map_err(|error| Failure::usage(format!("cannot read `{shown}`: {error}")))?;
     let text = String::from_utf8_lossy(&bytes);
     let refuse = |reason: String| Failure::usage(format!("`{shown}`: {reason}"));
