@@ -1,5 +1,6 @@
 //! The command line.
 use clap::{CommandFactory as _, Parser, Subcommand};
+use stochc_ir::visible_lines;
 
 use crate::command::interrupt::outlive_file_limit;
 use crate::command::{
@@ -54,6 +55,19 @@ pub enum Command {
     Completions(completions::Options),
     /// Print the manual in the format of `man`
     Man(man::Options),
+}
+
+/// Says what is wrong with a command line, in which a name may hold anything.
+pub fn wrong(error: clap::Error) -> Result<Exit, Failure> {
+    let plain = error.to_string();
+    let shown = visible_lines(&plain);
+    match error.use_stderr() && shown != plain {
+        true => Err(Failure {
+            exit: Exit::Usage,
+            message: shown,
+        }),
+        false => error.exit(),
+    }
 }
 
 /// Does what the command line says; what is left to say is in the failure.

@@ -1,6 +1,8 @@
 //! How a command ends: its status, and what it says where it fails.
 use std::fmt::Display;
 
+use stochc_ir::visible;
+
 /// How a command ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Exit {
@@ -61,11 +63,11 @@ impl Failure {
         Failure::error(Exit::WrongProgram, reason)
     }
 
-    /// An error in one sentence.
+    /// An error in one sentence, whatever names of others it holds.
     pub(crate) fn error(exit: Exit, reason: impl Display) -> Failure {
         Failure {
             exit,
-            message: format!("error: {reason}\n"),
+            message: format!("error: {}\n", visible(&reason.to_string())),
         }
     }
 

@@ -1,6 +1,7 @@
 //! Text to compiled programs to runs, in a few functions.
 use std::fmt;
 use std::ops::ControlFlow;
+use std::path::PathBuf;
 
 use stochc_compiler::{Checked, Limits, LintLevels, Program};
 use stochc_ir::Executable;
@@ -10,6 +11,7 @@ use stochc_runtime::{RunError, Settings};
 
 use crate::diagnostics::{Format, show};
 use crate::model_check;
+use crate::reader::DiskReader;
 
 /// Checks a file of the disk and all it imports, and compiles its assemblies.
 ///
@@ -22,8 +24,15 @@ pub fn check(path: &str) -> Checked {
 ///
 /// Small programs are tried [in every order of events](model_check) as well.
 pub fn check_with(path: &str, levels: &LintLevels) -> Checked {
+    check_within(path, levels, &[])
+}
+
+/// [`check_with`], for a program that may also import from these folders, in which no link is left; others import from the
+/// folder of the program alone.
+pub fn check_within(path: &str, levels: &LintLevels, further: &[PathBuf]) -> Checked {
+    let mut reader = DiskReader::new(path, None, further);
     let limits = Limits::default();
-    let mut checked = stochc_compiler::check_with(path, &mut stochc_files::read, limits, levels);
+    let mut checked = stochc_compiler::check_with(path, &mut reader, limits, levels);
     model_check::try_out(&mut checked);
     checked
 }

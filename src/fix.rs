@@ -1,10 +1,13 @@
 //! Programs with the changes that `check --fix` makes.
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use similar::TextDiff;
 use stochc_compiler::{self as compiler, Checked, Limits, LintLevels};
-use stochc_files::{atomic, programs, read};
+use stochc_files::{atomic, programs};
+use stochc_ir::visible;
+
+use crate::reader::DiskReader;
 
 /// A file, and what it is with all safe changes.
 #[derive(Debug)]
@@ -23,16 +26,14 @@ pub struct Fixed {
 /// The mark of the byte order, which the compiler passes over.
 const MARK: &[u8] = "\u{feff}".as_bytes();
 
-/// Works out all safe changes of a file; those of files that it imports are left to them.
+/// Works out all safe changes of a file, which may also import from these folders; those of files that it imports are left
+/// to them.
 ///
 /// # Errors
 /// In the system's words, if the file cannot be read.
-pub fn fix(path: &str, levels: &LintLevels) -> Result<Fixed, String> {
+pub fn fix(path: &str, levels: &LintLevels, further: &[PathBuf]) -> Result<Fixed, String> {
     let original = programs::read(path)?;
-    let mut reader = |asked: &str| match asked == path {
-        true => Ok(original.clone()),
-        false => read(asked),
-    };
+    let mut reader = DiskReader::new(path, Some(&original), further);
     let compiler::Fixed {
         text,
         changes,
@@ -62,7 +63,7 @@ impl Fixed {
         let new = String::from_utf8_lossy(&self.new);
         TextDiff::from_lines(&*old, &*new)
             .unified_diff()
-            .header(&self.path, &self.path)
+            .header(&visible(&self.path), &visible(&self.path))
             .to_string()
     }
 
@@ -91,7 +92,7 @@ mod tests {
         let path = folder.path().join("a.sa");
         let text = "assembly a { seed plate 1 x 1 { M at (0, 0) } phaze p { M.up -> A } }";
         std::fs::write(&path, text).unwrap();
-        let mended = fix(path.to_str().unwrap(), &LintLevels::default()).unwrap();
+        let mended = fix(path.to_str().unwrap(), &LintLevels::default(), &[]).unwrap();
         assert_eq!(mended.changes, 1);
         std::fs::write(&path, "// mine\n").unwrap();
         assert!(!mended.write().unwrap());

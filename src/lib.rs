@@ -36,8 +36,11 @@ pub mod exit;
 mod facade;
 pub mod fix;
 pub mod model_check;
+mod reader;
 
-pub use facade::{WrongProgram, check, check_text, check_texts, check_with, compile, simulate};
+pub use facade::{
+    WrongProgram, check, check_text, check_texts, check_with, check_within, compile, simulate,
+};
 pub use stochc_compiler as compiler;
 pub use stochc_ensemble as ensemble;
 pub use stochc_files as files;

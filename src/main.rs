@@ -3,11 +3,12 @@ use std::io::Write as _;
 use std::process::ExitCode;
 
 use clap::Parser as _;
-use stochc::cli::{Cli, run};
+use stochc::cli::{Cli, run, wrong};
 
 /// The one place where failures are told, and the process ends.
 fn main() -> ExitCode {
-    let exit = run(Cli::parse()).unwrap_or_else(|failure| {
+    let done = Cli::try_parse().map_or_else(wrong, run);
+    let exit = done.unwrap_or_else(|failure| {
         // Nobody listening is no reason for another status.
         let _ = std::io::stderr()
             .lock()

@@ -5,7 +5,7 @@ use stochc::compiler::diagnostic::Code;
 use stochc::compiler::{Checked, Limits, check};
 
 /// Pages without a wrong program, and why.
-const WITHOUT: [(Code, &str); 9] = [
+const WITHOUT: [(Code, &str); 10] = [
     (Code::NotUtf8, "a page is UTF-8 itself"),
     (Code::FileTooLarge, "4 GiB are too many for a test as well"),
     (Code::TooDeep, "a hundred braces on a page help nobody"),
@@ -17,6 +17,7 @@ const WITHOUT: [(Code, &str); 9] = [
         "the compiler is not known to make this mistake",
     ),
     (Code::ImportMissing, "a fence has no files beside it"),
+    (Code::ImportOutside, "a fence has no folder"),
     (Code::ImportCycle, "a fence has no files beside it"),
 ];
 

@@ -6,7 +6,7 @@
 use std::fmt::Write as _;
 
 use stochc::compiler::diagnostic::{Code, Diagnostic, Renderer, Severity};
-use stochc::compiler::{Checked, FileId, Limits, Sources, Span, check};
+use stochc::compiler::{Checked, FileId, Limits, Reader, Sources, Span, check};
 use stochc::ir::table::{Action, Tables};
 use stochc_grammar::{SyntaxError, SyntaxErrorKind};
 
@@ -46,6 +46,21 @@ struct Sample {
     spoilt: bool,
 }
 
+/// The folder `/home/you/towers`, in which the files of a sample lie.
+struct SampleFolder<'a>(&'a [(&'static str, Vec<u8>)]);
+
+impl Reader for SampleFolder<'_> {
+    fn read(&mut self, path: &str) -> Result<Vec<u8>, String> {
+        let file = self.0.iter().find(|(name, _)| *name == path);
+        file.map(|(_, text)| text.clone())
+            .ok_or("No such file or directory (os error 2)".to_owned())
+    }
+
+    fn outside(&mut self, path: &str) -> Option<String> {
+        path.starts_with('/').then(|| "/home/you/towers".to_owned())
+    }
+}
+
 impl Sample {
     fn of(text: impl Into<Vec<u8>>) -> Sample {
         Sample {
@@ -62,12 +77,8 @@ impl Sample {
     }
 
     fn check(&self) -> Checked {
-        let mut reader = |path: &str| {
-            let file = self.files.iter().find(|(name, _)| *name == path);
-            file.map(|(_, text)| text.clone())
-                .ok_or("No such file or directory (os error 2)".to_owned())
-        };
-        let mut checked = check(self.files[0].0, &mut reader, self.limits);
+        let mut folder = SampleFolder(&self.files);
+        let mut checked = check(self.files[0].0, &mut folder, self.limits);
         if self.spoilt {
             for program in &mut checked.programs {
                 program.tables = program.tables.as_ref().map(without_news);
@@ -178,6 +189,7 @@ fn sample(code: Code) -> Option<Sample> {
             sample.spoilt = true;
             sample
         }
+        Code::ImportOutside => Sample::of("import \"/etc/passwd\"\n"),
         Code::ImportMissing => Sample::of("import \"towers.sa\"\n"),
         Code::ImportCycle => Sample {
             files: vec![

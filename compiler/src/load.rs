@@ -2,6 +2,7 @@
 use rustc_hash::FxHashMap;
 use stochc_grammar::tree::{ItemKind, Tree};
 use stochc_grammar::{Cancellation, Cancelled, Span, Symbol, Symbols, parse_cancellable};
+use stochc_ir::visible;
 
 use crate::diagnostic::{Code, Diagnostic, Fix, removal, tell};
 use crate::{FileId, Site, Sources};
@@ -12,6 +13,12 @@ pub trait Reader {
     ///
     /// `path` is the program's own path joined with that of the import, with `/` between folders.
     fn read(&mut self, path: &str) -> Result<Vec<u8>, String>;
+
+    /// The folder within which imports stay, if a file that is imported lies outside of it and is not to be read.
+    fn outside(&mut self, path: &str) -> Option<String> {
+        let _ = path;
+        None
+    }
 }
 
 impl<F: FnMut(&str) -> Result<Vec<u8>, String>> Reader for F {
@@ -150,12 +157,21 @@ impl Loader<'_> {
     /// Reads a file; `None` if that cannot be done, which has been told.
     fn open(&mut self, path: String, importer: Option<Site>) -> Result<Option<Pending>, Cancelled> {
         self.cancellation.check()?;
+        if let Some(site) = importer
+            && let Some(folder) = self.reader.outside(&path)
+        {
+            self.outside(&path, &folder, site);
+            self.state.insert(path, State::Done);
+            return Ok(None);
+        }
         let bytes = match self.reader.read(&path) {
             Ok(bytes) => bytes,
             Err(reason) => {
                 self.state.insert(path.clone(), State::Done);
-                let diagnostic =
-                    Diagnostic::new(Code::ImportMissing, format!("cannot read `{path}`"));
+                let diagnostic = Diagnostic::new(
+                    Code::ImportMissing,
+                    format!("cannot read `{}`", visible(&path)),
+                );
                 let diagnostic = match importer {
                     Some(site) => diagnostic
                         .label(site, reason)
@@ -211,6 +227,18 @@ impl Loader<'_> {
         }))
     }
 
+    /// Says that an import leads out of the folders from which files may come.
+    fn outside(&mut self, path: &str, folder: &str, import: Site) {
+        let (path, folder) = (visible(path), visible(folder));
+        let title = format!("`{path}` is not in the folder of the program");
+        let diagnostic = Diagnostic::new(Code::ImportOutside, title)
+            .label(import, format!("imports stay within `{folder}`"))
+            .help(
+                "put the file there, or allow the folder in which it is with `--allow-import DIR`",
+            );
+        tell(self.diagnostics, diagnostic);
+    }
+
     /// Labels every import of a circle of files.
     fn cycle(&mut self, path: &str, stack: &[Pending], statement: Option<Site>) {
         /// Circles told of, and imports labelled of each, at most.
@@ -230,8 +258,10 @@ impl Loader<'_> {
         for pending in circle.iter().take(MOST) {
             if let Some(State::Open(site)) = self.state.get(&pending.path) {
                 let import = self.sources.text(*site).to_owned();
-                diagnostic =
-                    diagnostic.label(*site, format!("`{}` imports {import}", pending.path));
+                diagnostic = diagnostic.label(
+                    *site,
+                    format!("`{}` imports {import}", visible(&pending.path)),
+                );
             }
         }
         let help = match circle.len() {

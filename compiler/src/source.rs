@@ -125,7 +125,8 @@ impl SourceFile {
                 1 if c == '\r' => ' ',
                 1 => '?',
                 2 => '\u{bf}',
-                _ => '\u{fffd}',
+                3 => '\u{fffd}',
+                _ => '\u{1fbc4}',
             };
             self.text.chars().map(harmless).collect::<String>().into()
         })

@@ -16,6 +16,7 @@ use std::path::{Path, PathBuf};
 
 use stochc_files as files;
 use stochc_files::atomic::{self, Replaces};
+use stochc_files::budget;
 
 use super::build::{UNKNOWN, other_build};
 use super::folder_error::FolderError;
@@ -347,7 +348,7 @@ fn survey(path: &Path) -> Result<Option<Manifest>, FolderError> {
     for entry in entries {
         let name = entry.map_err(io)?.file_name();
         if name == MANIFEST {
-            let bytes = files::read_file(&path.join(MANIFEST)).map_err(io)?;
+            let bytes = files::read_file(&path.join(MANIFEST), budget::MANIFEST).map_err(io)?;
             if let (Some(seal), _) = Seal::read(path)
                 && seal.damage(path, MANIFEST, false).is_some()
             {

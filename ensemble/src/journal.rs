@@ -15,17 +15,15 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 use stochc_files as files;
+use stochc_files::budget::{self, JOURNAL as JOURNAL_BUDGET};
 use stochc_files::checksum::{self, Line};
 use stochc_ir::record::RunRecord;
 
 use super::plausible::impossible;
-use super::{Manifest, clock};
+use super::{Manifest, Program, clock};
 
 /// What a loss of power may cost: the runs finished during this time. A kill costs none.
 const SYNC_EVERY: Duration = Duration::from_millis(500);
-
-/// Bytes of a line, one more than may be: of a run with 10^7 captures it has a third.
-const MOST_LINE: u64 = 1 << 30;
 
 /// A run of one of the ensemble's programs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -111,19 +109,21 @@ pub(super) fn read(
     let mut stored = Stored::default();
     let mut runs = BTreeMap::new();
     let mut damage = Vec::new();
-    (stored.whole, stored.is_sealed) = read_lines(path, identity, |number, text, is_sealed| {
-        match run(text, is_sealed, manifest) {
-            Ok(finished) => {
-                let key = (finished.program, finished.record.run);
-                runs.entry(key).or_insert(finished);
+    let most = most_line(manifest);
+    (stored.whole, stored.is_sealed) =
+        read_lines(path, identity, most, |number, text, is_sealed| {
+            match run(text, is_sealed, manifest) {
+                Ok(finished) => {
+                    let key = (finished.program, finished.record.run);
+                    runs.entry(key).or_insert(finished);
+                }
+                Err(reason) => {
+                    damage.push(format!(
+                        "line {number} of `journal.jsonl` {reason}, and is left out"
+                    ));
+                }
             }
-            Err(reason) => {
-                damage.push(format!(
-                    "line {number} of `journal.jsonl` {reason}, and is left out"
-                ));
-            }
-        }
-    })?;
+        })?;
     stored.finished = runs.into_values().collect();
     stored.damage = damage;
     Ok(stored)
@@ -137,15 +137,18 @@ pub(super) fn read(
 pub(super) fn read_lines(
     path: &Path,
     identity: &str,
+    most: u64,
     mut each: impl FnMut(u64, &[u8], bool),
 ) -> Result<(u64, bool), JournalError> {
-    let mut file = match files::open(path) {
-        Ok(file) => BufReader::new(file),
+    let file = match files::open(path) {
+        Ok(file) => file,
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok((0, true)),
         Err(error) => return Err(error.into()),
     };
+    JOURNAL_BUDGET.admits(file.metadata()?.len())?;
+    let mut file = BufReader::new(file);
     let mut line = Vec::new();
-    let mut position = read_line(&mut file, &mut line)?;
+    let mut position = read_line(&mut file, most, &mut line)?;
     let Some(first) = line.strip_suffix(b"\n") else {
         return Ok((0, true));
     };
@@ -162,7 +165,7 @@ pub(super) fn read_lines(
     let mut whole = position;
     for number in 2.. {
         line.clear();
-        position += read_line(&mut file, &mut line)?;
+        position += read_line(&mut file, most, &mut line)?;
         let Some(text) = line.strip_suffix(b"\n") else {
             break;
         };
@@ -201,7 +204,8 @@ pub(super) fn salvaged(
     let mut text = line(&Header::of(identity)).into_bytes();
     let mut next = Vec::new();
     // Where the first line is sound, it says whose the others are; where it is not, nobody says.
-    read_line(&mut file, &mut next)?;
+    let most = most_line(manifest);
+    read_line(&mut file, most, &mut next)?;
     if let Ok(header) = serde_json::from_slice::<Header>(&next) {
         let first = next.strip_suffix(b"\n").unwrap_or(&next);
         let sound = match header.journal {
@@ -219,21 +223,30 @@ pub(super) fn salvaged(
             text.extend(line(&finished).into_bytes());
         }
         next.clear();
-        if read_line(&mut file, &mut next)? == 0 {
+        if read_line(&mut file, most, &mut next)? == 0 {
             return Ok(Some(text));
         }
     }
 }
 
+/// Bytes of a line of the journal of an ensemble, fewer than which it has.
+pub(super) fn most_line(manifest: &Manifest) -> u64 {
+    let captures = manifest.programs.iter().map(Program::captures);
+    budget::record(captures.max().unwrap_or(0))
+}
+
 /// Reads the next line with its end, or what there is of it; how many bytes.
-fn read_line(file: &mut impl BufRead, line: &mut Vec<u8>) -> io::Result<u64> {
-    let count = file.take(MOST_LINE).read_until(b'\n', line)? as u64;
-    match count < MOST_LINE {
+///
+/// # Errors
+/// Those of the file, and of a line of `most` bytes.
+fn read_line(file: &mut impl BufRead, most: u64, line: &mut Vec<u8>) -> io::Result<u64> {
+    let count = file.take(most).read_until(b'\n', line)? as u64;
+    match count < most {
         true => Ok(count),
-        false => Err(io::Error::new(
-            io::ErrorKind::FileTooLarge,
-            "a line of 1 GiB or more",
-        )),
+        false => {
+            let size = budget::size(most);
+            Err(budget::too_large(&format!("a line of {size} or more")))
+        }
     }
 }
 

@@ -6,6 +6,7 @@ use std::io;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
+use stochc_files::budget::CHECKSUMS;
 use stochc_files::checksum::{self, Line, crc32, mended, of_file};
 use stochc_files::{open, read_file};
 
@@ -58,7 +59,7 @@ impl Seal {
     /// Reads it in a folder; `None`: there is none, or it says nothing that can be believed.
     pub fn read(folder: &Path) -> (Option<Seal>, Option<String>) {
         let damaged = || (None, Some(format!("`{SEAL}` is damaged")));
-        let bytes = match read_file(&folder.join(SEAL)) {
+        let bytes = match read_file(&folder.join(SEAL), CHECKSUMS) {
             Ok(bytes) => bytes,
             Err(error) if error.kind() == io::ErrorKind::NotFound => return (None, None),
             Err(error) => return (None, Some(format!("cannot read `{SEAL}`: {error}"))),

@@ -4,12 +4,12 @@ use std::io::BufReader;
 use std::path::Path;
 
 use stochc_files::atomic::{Replaces, move_aside, replace};
-use stochc_files::{open, read_file};
+use stochc_files::{budget, open, read_file};
 
 use super::folder::{JOURNAL, MANIFEST, lock, write_manifest};
 use super::journal::{JournalError, read as read_journal, salvaged};
 use super::manifest::OLDEST;
-use super::recording::{Recording, VERSION, path as recording_path};
+use super::recording::{Outline, VERSION, path as recording_path};
 use super::seal::{SEAL, Seal};
 use super::text::visible;
 use super::{Finished, Folder, FolderError, Further, Manifest, RECORDINGS, Resume};
@@ -69,7 +69,7 @@ pub fn verify(path: &Path) -> Result<Vec<FileHealth>, FolderError> {
     if !path.join(MANIFEST).exists() {
         return Err(FolderError::Absent(path.to_owned()));
     }
-    let bytes = read_file(&path.join(MANIFEST)).map_err(io)?;
+    let bytes = read_file(&path.join(MANIFEST), budget::MANIFEST).map_err(io)?;
     let format = std::str::from_utf8(&bytes).map_err(|error| error.to_string());
     if matches!(format.and_then(Manifest::format), Ok(1..OLDEST)) {
         let path = path.to_owned();
@@ -181,7 +181,7 @@ pub fn repair(path: &Path, further: Further) -> Result<(), FolderError> {
 
 /// Reads the manifest, whatever its checksum; why it cannot be, in words.
 fn manifest(path: &Path) -> std::io::Result<Result<Manifest, String>> {
-    let bytes = read_file(&path.join(MANIFEST))?;
+    let bytes = read_file(&path.join(MANIFEST), budget::MANIFEST)?;
     Ok(parsed(&bytes))
 }
 
@@ -192,7 +192,7 @@ fn parsed(bytes: &[u8]) -> Result<Manifest, String> {
 
 /// The manifest as it was written, from a damaged one.
 fn saved(path: &Path) -> std::io::Result<Result<Manifest, String>> {
-    let bytes = read_file(&path.join(MANIFEST))?;
+    let bytes = read_file(&path.join(MANIFEST), budget::MANIFEST)?;
     let (seal, _) = Seal::read(path);
     if let Some(mended) = seal.and_then(|seal| seal.mended(MANIFEST, &bytes)) {
         return Ok(parsed(&mended));
@@ -236,12 +236,15 @@ fn recording(
     let name = visible(&format!("{RECORDINGS}/{program}-{run}.rec"));
     let damaged =
         |reason: &dyn std::fmt::Display| Health::Damaged(vec![format!("`{name}`: {reason}")]);
-    let file = match open(&recording_path(path, program, run)) {
+    let opened = open(&recording_path(path, program, run)).and_then(|file| {
+        budget::RECORDING.admits(file.metadata()?.len())?;
+        Ok(file)
+    });
+    let file = match opened {
         Ok(file) => file,
         Err(error) => return damaged(&error),
     };
-    let recording = match Recording::read(BufReader::new(file), manifest.programs[program].tables())
-    {
+    let recording = match Outline::read(BufReader::new(file), manifest.programs[program].tables()) {
         Ok(recording) => recording,
         Err(error) => return damaged(&error),
     };

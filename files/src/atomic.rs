@@ -10,6 +10,7 @@ use std::sync::Mutex;
 
 use tempfile::NamedTempFile;
 
+use super::budget::PROGRAM;
 use super::{is_ordinary, open, open_own, read_file};
 
 /// How the files begin that are still being written; a kill may leave one behind.
@@ -114,7 +115,7 @@ pub fn replace_text(path: &Path, old: &[u8], new: &[u8]) -> io::Result<bool> {
     file.write_all(new)?;
     let takes_over = is_alone(&metadata) && take_over(file.as_file(), &metadata);
     file.as_file().sync_all()?;
-    if read_file(&path)? != old {
+    if read_file(&path, PROGRAM)? != old {
         return Ok(false);
     }
     if takes_over {

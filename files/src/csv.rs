@@ -1,4 +1,6 @@
 //! Tables of comma-separated values (RFC 4180).
+use std::borrow::Cow;
+
 use csv::{Terminator, Writer, WriterBuilder};
 
 /// A table that grows row by row in memory.
@@ -6,7 +8,7 @@ pub struct Table(Writer<Vec<u8>>);
 
 impl Table {
     /// A table without rows.
-    pub fn new(columns: impl IntoIterator<Item = impl AsRef<[u8]>>) -> Table {
+    pub fn new(columns: impl IntoIterator<Item = impl AsRef<str>>) -> Table {
         let writer = WriterBuilder::new()
             .terminator(Terminator::CRLF)
             .from_writer(Vec::new());
@@ -15,14 +17,17 @@ impl Table {
         table
     }
 
-    /// Adds a row, which has to have a cell for each column.
+    /// Adds a row, which has to have a cell for each column; [`original`] tells what a cell was.
     ///
     /// # Panics
     /// Where it has not.
-    pub fn row(&mut self, cells: impl IntoIterator<Item = impl AsRef<[u8]>>) {
-        self.0
-            .write_record(cells)
-            .expect("every row has a cell for each column");
+    pub fn row(&mut self, cells: impl IntoIterator<Item = impl AsRef<str>>) {
+        for cell in cells {
+            let cell = inert(cell.as_ref());
+            self.0.write_field(&*cell).expect("memory takes everything");
+        }
+        let end = self.0.write_record(None::<&[u8]>);
+        end.expect("every row has a cell for each column");
     }
 
     /// The text of the file.
@@ -32,9 +37,58 @@ impl Table {
     }
 }
 
+/// A cell that no spreadsheet computes: text that would be a formula has an apostrophe in front.
+fn inert(cell: &str) -> Cow<'_, str> {
+    match is_computed(cell) && cell.parse::<f64>().is_err() {
+        true => format!("'{cell}").into(),
+        false => cell.into(),
+    }
+}
+
+/// What a cell was before a [`Table`] made it inert.
+pub fn original(cell: &str) -> &str {
+    match cell.strip_prefix('\'') {
+        Some(rest) if is_computed(rest) => rest,
+        _ => cell,
+    }
+}
+
+/// Whether a spreadsheet takes a cell for a formula, with or without apostrophes in front.
+fn is_computed(cell: &str) -> bool {
+    let bare = cell.trim_start_matches('\'');
+    bare.starts_with(['=', '+', '-', '@', '\t', '\r', '\n'])
+}
+
 #[cfg(test)]
 mod tests {
-    use super::Table;
+    use super::{Table, original};
+
+    #[test]
+    fn no_text_is_a_formula_and_numbers_stay() {
+        let mut table = Table::new(["=a", "b"]);
+        for text in ["=1+1", "+cmd|' /C calc'!A0", "-a", "@b", "\tc", "\rd"] {
+            table.row([text, "'=e"]);
+        }
+        table.row(["-1.5e-3", "it's"]);
+        table.row(["+4", "-inf"]);
+        let text = table.finish();
+        assert!(text.contains("-1.5e-3,it's\r\n+4,-inf\r\n"), "{text}");
+        let mut reader = csv::ReaderBuilder::new()
+            .has_headers(false)
+            .from_reader(text.as_bytes());
+        let rows: Vec<_> = reader.records().map(Result::unwrap).collect();
+        for cell in rows.iter().flatten() {
+            let is_number = cell.parse::<f64>().is_ok();
+            assert!(
+                is_number || !cell.starts_with(['=', '+', '-', '@', '\t', '\r']),
+                "{cell:?}"
+            );
+        }
+        assert_eq!(original(&rows[0][0]), "=a");
+        assert_eq!(original(&rows[1][0]), "=1+1");
+        assert_eq!(original(&rows[1][1]), "'=e");
+        assert_eq!(original(&rows[7][1]), "it's");
+    }
 
     #[test]
     fn a_field_may_hold_anything() {

@@ -1,5 +1,7 @@
 //! Reading ordinary files, and writing whole ones.
 pub mod atomic;
+pub mod bound;
+pub mod budget;
 pub mod checksum;
 pub mod csv;
 pub mod programs;
@@ -9,8 +11,7 @@ use std::fs::{File, Metadata, OpenOptions};
 use std::io::{self, Read};
 use std::path::Path;
 
-/// A file that is read as a whole has fewer bytes: places in a program are counted with 32 bits.
-const LIMIT: u64 = 1 << 32;
+use budget::{Budget, PROGRAM};
 
 /// The bytes of a file, for the compiler.
 ///
@@ -18,36 +19,38 @@ const LIMIT: u64 = 1 << 32;
 ///
 /// In the system's words, or if the file is no ordinary one or larger than the language allows.
 pub fn read(path: &str) -> Result<Vec<u8>, String> {
-    read_file(Path::new(path)).map_err(|error| error.to_string())
+    read_file(Path::new(path), PROGRAM).map_err(|error| error.to_string())
 }
 
 /// The bytes of an ordinary file.
 ///
 /// # Errors
-/// Those of [`open`], and of a file of 4 GiB or more.
-pub fn read_file(path: &Path) -> io::Result<Vec<u8>> {
+/// Those of [`open`], and of a file beyond its budget.
+pub fn read_file(path: &Path, budget: Budget) -> io::Result<Vec<u8>> {
     let file = open(path)?;
-    match file.metadata()?.len() < LIMIT {
-        true => read_stream(file),
-        false => Err(too_large()),
-    }
+    budget.admits(file.metadata()?.len())?;
+    read_stream(file, budget)
 }
 
 /// All that a stream gives, such as the standard input.
 ///
 /// # Errors
-/// Those of the stream, and of one of 4 GiB or more.
-pub fn read_stream(stream: impl Read) -> io::Result<Vec<u8>> {
+/// Those of the stream, and of one beyond its budget.
+pub fn read_stream(mut stream: impl Read, budget: Budget) -> io::Result<Vec<u8>> {
+    /// Bytes between two looks at what has come; smaller files are not worth one.
+    const PIECE: u64 = 1 << 24;
     let mut bytes = Vec::new();
-    stream.take(LIMIT).read_to_end(&mut bytes)?;
-    match (bytes.len() as u64) < LIMIT {
-        true => Ok(bytes),
-        false => Err(too_large()),
+    loop {
+        let before = bytes.len();
+        (&mut stream).take(PIECE).read_to_end(&mut bytes)?;
+        if bytes.len() == before {
+            return Ok(bytes);
+        }
+        if (bytes.len() - before) as u64 == PIECE {
+            budget.accepts(&bytes[before..])?;
+        }
+        budget.admits(bytes.len() as u64)?;
     }
-}
-
-fn too_large() -> io::Error {
-    io::Error::new(io::ErrorKind::FileTooLarge, "it has 4 GiB or more")
 }
 
 /// Opens an ordinary file for reading, or the one that a link leads to.

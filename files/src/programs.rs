@@ -7,6 +7,8 @@ use std::sync::OnceLock;
 
 use stochc_ir::Executable;
 
+use super::budget::{EXECUTABLE, PROGRAM};
+
 /// The argument that stands for the standard input.
 pub const STDIN: &str = "-";
 
@@ -78,7 +80,8 @@ pub fn read(program: &str) -> Result<Vec<u8>, String> {
     if program != STDIN_NAME {
         return super::read(program);
     }
-    let all = || super::read_stream(std::io::stdin().lock()).map_err(|error| error.to_string());
+    let all =
+        || super::read_stream(std::io::stdin().lock(), PROGRAM).map_err(|error| error.to_string());
     INPUT.get_or_init(all).clone()
 }
 
@@ -98,7 +101,8 @@ pub fn is_executable(file: &mut File) -> io::Result<bool> {
 pub fn executables(path: &str) -> Option<Result<Vec<Executable>, String>> {
     let mut file = super::open(Path::new(path)).ok()?;
     is_executable(&mut file).ok()?.then(|| {
-        let bytes = super::read(path)?;
+        let bytes = super::read_file(Path::new(path), EXECUTABLE);
+        let bytes = bytes.map_err(|error| error.to_string())?;
         Executable::read_all(&bytes).map_err(|error| error.to_string())
     })
 }

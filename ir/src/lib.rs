@@ -17,7 +17,7 @@ pub mod table;
 pub use cell::Cell;
 pub use executable::{Executable, ExecutableError, FORMAT, sha256};
 pub use face::Face;
-pub use invisible::is_invisible;
+pub use invisible::{is_invisible, visible, visible_lines};
 pub use json::Json;
 
 /// A digest of this crate's sources: two builds with one digest compute the same.

@@ -1,9 +1,11 @@
 //! What is known of each open program, and what is being found out.
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use gen_lsp_types::Diagnostic as LspDiagnostic;
-use stochc_compiler::Cancellation;
+use stochc_compiler::{Cancellation, Reader};
+use stochc_files::bound::Bound;
 
 use super::analysis::Analysis;
 use super::diagnostics;
@@ -151,6 +153,7 @@ impl Programs {
         path: &str,
         wanted: Wanted,
         documents: &Documents,
+        folders: &Arc<[PathBuf]>,
         encoding: Encoding,
         jobs: &mut Jobs,
     ) {
@@ -162,8 +165,9 @@ impl Programs {
         }
         program.reads = Arc::default();
         let (path, documents, reads) = (path.to_owned(), documents.clone(), program.reads.clone());
+        let folders = folders.clone();
         let job = jobs.start(move |cancellation| {
-            check(&path, &documents, &reads, encoding, cancellation).map(Done::Checked)
+            check(&path, &documents, &reads, &folders, encoding, cancellation).map(Done::Checked)
         });
         program.state = job.map_or(State::Failed, State::UnderWay);
     }
@@ -187,20 +191,41 @@ impl Programs {
     }
 }
 
-/// Checks a program, and says which files it has asked for.
+/// Reads what a program asks for, and takes note of it.
+struct ProgramReader<'a> {
+    documents: &'a Documents,
+    reads: &'a Mutex<Reads>,
+    bound: Bound,
+}
+
+impl Reader for ProgramReader<'_> {
+    fn read(&mut self, path: &str) -> Result<Vec<u8>, String> {
+        let reads = || self.reads.lock().unwrap_or_else(PoisonError::into_inner);
+        reads().paths.insert(path.to_owned());
+        let text = self.documents.read(path);
+        reads().has_missing |= text.is_err();
+        text
+    }
+
+    fn outside(&mut self, path: &str) -> Option<String> {
+        self.bound.outside(path)
+    }
+}
+
+/// Checks a program, which may import from these folders, and says which files it has asked for.
 fn check(
     path: &str,
     documents: &Documents,
     reads: &Mutex<Reads>,
+    folders: &[PathBuf],
     encoding: Encoding,
     cancellation: Cancellation<'_>,
 ) -> Option<Checked> {
-    let reads = || reads.lock().unwrap_or_else(PoisonError::into_inner);
-    let mut reader = |path: &str| {
-        reads().paths.insert(path.to_owned());
-        let text = documents.read(path);
-        reads().has_missing |= text.is_err();
-        text
+    let bound = Bound::of(path, folders);
+    let mut reader = ProgramReader {
+        documents,
+        reads,
+        bound,
     };
     let analysis = Analysis::of(path, &mut reader, encoding, cancellation).ok()?;
     Some(Checked {

@@ -1,12 +1,14 @@
 //! The conversation: what has come in, what is still to be answered, and what has been said.
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender};
 use std::time::Duration;
 
 use gen_lsp_types::Diagnostic as LspDiagnostic;
 use serde_json::{Value, json};
+use stochc_files::bound;
 
 use super::analysis::Analysis;
 use super::documents::Documents;
@@ -14,6 +16,7 @@ use super::jobs::{JobId, Jobs, Wanted};
 use super::position::Encoding;
 use super::programs::{Checked, Knowledge, Programs};
 use super::requests::{self, Answer, Context, Needs, Notification, Query};
+use super::uri;
 use super::wire::{self, Failure, Incoming, Message, Reason};
 
 /// How long nothing has to come in before a changed text is checked unasked.
@@ -52,6 +55,8 @@ pub struct Server<W> {
     documents: Documents,
     encoding: Encoding,
     programs: Programs,
+    /// Those that the client has open, from which every program may import.
+    folders: Arc<[PathBuf]>,
     /// Requests without an answer, in the order in which they have come in.
     requests: Vec<Request>,
     /// The diagnostics of each file, as the client has them, and the number of its text.
@@ -100,6 +105,7 @@ impl<W: Write> Server<W> {
             documents: Documents::default(),
             encoding: Encoding::default(),
             programs: Programs::default(),
+            folders: Arc::default(),
             requests: Vec::new(),
             shown: BTreeMap::new(),
             gone: false,
@@ -343,7 +349,8 @@ impl<W: Write> Server<W> {
 
     fn check(&mut self, path: &str, wanted: Wanted) {
         let (documents, encoding) = (&self.documents, self.encoding);
-        (self.programs).check(path, wanted, documents, encoding, &mut self.jobs);
+        let (folders, jobs) = (&self.folders, &mut self.jobs);
+        (self.programs).check(path, wanted, documents, folders, encoding, jobs);
     }
 
     fn initialize(&mut self, params: &Value) -> Value {
@@ -355,6 +362,7 @@ impl<W: Write> Server<W> {
         if offers("utf-8") {
             self.encoding = Encoding::Utf8;
         }
+        self.folders = folders(params);
         self.stage = Stage::Serving;
         let encoding = match self.encoding {
             Encoding::Utf8 => "utf-8",
@@ -434,4 +442,15 @@ impl<W: Write> Server<W> {
 fn failed(method: &str) -> Failure {
     let why = format!("`{method}` failed: please report this with the program");
     Failure::new(Reason::InternalError, why)
+}
+
+/// The folders that a client has open when it introduces itself.
+fn folders(params: &Value) -> Arc<[PathBuf]> {
+    let several = params["workspaceFolders"].as_array();
+    let several = several.map(|all| all.iter().map(|folder| &folder["uri"]).collect());
+    let uris: Vec<&Value> = several.unwrap_or_else(|| vec![&params["rootUri"]]);
+    let paths = uris.into_iter().filter_map(Value::as_str).map(uri::path);
+    paths
+        .filter_map(|path| bound::folder(Path::new(&path)).ok())
+        .collect()
 }

@@ -6,10 +6,11 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
-use stochc_ensemble::recording::{EVERY, Header, Recorder, Recording, RecordingError, path};
+use stochc_ensemble::recording::{EVERY, Header, Outline, Recorder, RecordingError, path};
 use stochc_ensemble::{Finished, Manifest, Program};
 use stochc_files as files;
 use stochc_files::atomic::Draft;
+use stochc_files::budget::RECORDING;
 use stochc_ir::record::RunRecord;
 use stochc_runtime::observe::Observer;
 use stochc_runtime::{RunError, observe};
@@ -188,8 +189,12 @@ impl ChosenRun {
     /// A recording that is whole, and of this run.
     fn checked(&self, file: File, path: &Path) -> Result<BufReader<File>, Failure> {
         let refuse = |reason: &str| useless(path, reason);
+        let length = file
+            .metadata()
+            .map_err(|error| refuse(&error.to_string()))?;
+        (RECORDING.admits(length.len())).map_err(|error| refuse(&error.to_string()))?;
         let mut file = BufReader::new(file);
-        let recording = Recording::read(file.by_ref(), self.entry().tables());
+        let recording = Outline::read(file.by_ref(), self.entry().tables());
         let recording = recording.map_err(|error: RecordingError| refuse(&error.to_string()))?;
         if !recording.is_of(&self.manifest, &self.known, self.program, self.run) {
             return Err(refuse("it is the recording of another run"));

@@ -14,8 +14,9 @@ use stochc_ir::graph::EventGraph;
 use stochc_ir::{Executable, Json};
 
 use super::check::verdict;
+use super::imports::ImportOptions;
 use super::levels::LevelOptions;
-use super::terminal::{has_colour, message_width, print_with, warn};
+use super::terminal::{has_colour, message_width, print_with, warn_drawn};
 use crate::diagnostics::drawn;
 use crate::exit::{Exit, Failure};
 
@@ -36,6 +37,8 @@ pub struct Options {
     out: Option<PathBuf>,
     #[command(flatten)]
     levels: LevelOptions,
+    #[command(flatten)]
+    imports: ImportOptions,
 }
 
 /// A stage of the compilation.
@@ -83,8 +86,12 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
     if let Some(reason) = refusal(&options.file) {
         return Err(Failure::usage(reason));
     }
-    let checked = crate::check_with(&options.file, &options.levels.levels);
-    warn(&drawn(&checked, has_colour(), message_width()));
+    let checked = crate::check_within(
+        &options.file,
+        &options.levels.levels,
+        &options.imports.folders,
+    );
+    warn_drawn(&drawn(&checked, has_colour(), message_width()));
     if checked.has_errors() {
         return Ok(verdict(&checked));
     }

@@ -11,11 +11,13 @@ use stochc_ensemble::{
     Cancelled, Destination, Manifest, Program, Progress, Watch, completion_time, run as run_all,
 };
 use stochc_files::atomic::Replaces;
+use stochc_files::budget::TIMES;
 use stochc_files::read_file;
 use stochc_report::figures::fit as fit_figure;
 use stochc_report::tables::fit_to_text;
 use stochc_runtime::{Settings, Substeps, run as run_once};
 
+use super::imports::ImportOptions;
 use super::interrupt::stop_on_interrupt;
 use super::levels::LevelOptions;
 use super::progress::{Display, of_ensemble};
@@ -74,12 +76,14 @@ pub struct Options {
     /// What becomes of warnings
     #[command(flatten)]
     levels: LevelOptions,
+    #[command(flatten)]
+    imports: ImportOptions,
 }
 
 /// Finds numbers of scenes that measured times speak for.
 pub fn run(options: &Options) -> Result<Exit, Failure> {
     let (unit, observed) = data(&options.data)?;
-    let programs = programs(&options.files, &options.levels.levels)?;
+    let programs = programs(&options.files, &options.levels.levels, &options.imports)?;
     let measured = matched(programs, observed, &options.hold_out)?;
     distinct(&options.vary)?;
     for (program, _) in &measured {
@@ -112,7 +116,7 @@ type Known = (Program, (Observed, bool));
 
 fn data(path: &Path) -> Result<(Unit, Vec<Observed>), Failure> {
     let shown = path.display();
-    let bytes = read_file(path)
+    let bytes = read_file(path, TIMES)
         .map_err(|error| Failure::usage(format!("cannot read `{shown}`: {error}")))?;
     Observed::read(&bytes).map_err(|error| Failure::usage(format!("`{shown}`: {error}")))
 }

@@ -8,6 +8,7 @@ use stochc_compiler::diagnostic::{Diagnostic, Renderer};
 use stochc_files::atomic::replace_text;
 use stochc_files::programs::{STDIN_NAME, programs, read};
 use stochc_grammar::{Refusal, format};
+use stochc_ir::visible;
 
 use super::terminal::{has_colour, message_width, print, told};
 use crate::exit::{Exit, Failure};
@@ -93,6 +94,7 @@ fn compare(file: &str, text: &str, laid_out: &str) -> Result<Exit, Failure> {
     }
     let diff = TextDiff::from_lines(text, laid_out);
     let mut diff = diff.unified_diff();
-    print(&diff.header(file, &format!("{file} laid out")).to_string())?;
+    let file = visible(file);
+    print(&diff.header(&file, &format!("{file} laid out")).to_string())?;
     Ok(Exit::WrongProgram)
 }

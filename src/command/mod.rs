@@ -7,6 +7,7 @@ pub mod explain;
 pub mod export;
 pub mod fit;
 pub mod fmt;
+mod imports;
 pub(crate) mod interrupt;
 pub mod levels;
 pub mod lsp;

@@ -1,13 +1,15 @@
 //! How work that takes long is shown: a bar on a terminal, a line now and then elsewhere.
 use std::collections::BTreeMap;
-use std::io::{IsTerminal as _, Write as _};
+use std::io::IsTerminal as _;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use stochc_ensemble::text::words;
+use stochc_ensemble::text::{visible, words};
 use stochc_ensemble::trade::{self, Extent};
 use stochc_ensemble::{Manifest, Progress, Snapshot, time_left};
+
+use super::terminal::warn;
 
 /// How to show progress on standard error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -114,7 +116,7 @@ fn bar(state: impl Fn(Duration) -> State, ended: &Receiver<()>) {
     loop {
         let state = state(start.elapsed());
         bar.set_position((state.share * LENGTH as f64) as u64);
-        bar.set_message(state.done + &state.more);
+        bar.set_message(visible(&(state.done + &state.more)));
         match ended.recv_timeout(Duration::from_millis(200)) {
             Err(RecvTimeoutError::Timeout) => {}
             _ => break,
@@ -142,7 +144,7 @@ fn say_last(state: &State, elapsed: Duration) {
 
 /// A line on standard error, if there still is somebody to read it.
 fn say(line: &str) {
-    let _ = writeln!(std::io::stderr(), "{line}");
+    warn(&format!("{}\n", visible(line)));
 }
 
 /// How long an ensemble will take, and what is under way.

@@ -5,11 +5,12 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use stochc_ensemble::Manifest;
 use stochc_files::atomic::{self, Replaces, begins_with};
-use stochc_files::read_file;
+use stochc_files::{budget, read_file};
+use stochc_ir::visible;
 use stochc_report::ensemble_report::{Input, MARK, Report, Surroundings, address, report};
 
 use super::results::read as read_folder;
-use super::terminal::{print, warn};
+use super::terminal::{print, warn, warn_drawn};
 use crate::exit::{Exit, Failure};
 
 /// What `report` is given.
@@ -72,7 +73,10 @@ fn read(paths: &[PathBuf]) -> Result<Vec<(PathBuf, Input)>, Failure> {
     for path in paths {
         let real = std::fs::canonicalize(path).unwrap_or_else(|_| path.clone());
         if seen.contains(&real) {
-            warn(&format!("note: `{}` is given twice\n", path.display()));
+            warn(&format!(
+                "note: `{}` is given twice\n",
+                visible(&path.to_string_lossy())
+            ));
             continue;
         }
         seen.push(real);
@@ -94,7 +98,7 @@ fn read(paths: &[PathBuf]) -> Result<Vec<(PathBuf, Input)>, Failure> {
                 folders.push((path.clone(), input));
             }
             Err(failure) => {
-                warn(&failure.message);
+                warn_drawn(&failure.message);
                 wrong = true;
             }
         }
@@ -131,7 +135,7 @@ fn claim(page: &Path) -> Result<Beside, String> {
     let mut name = stem.to_os_string();
     name.push("-figures");
     let folder = page.with_file_name(name);
-    let earlier = match read_file(page) {
+    let earlier = match read_file(page, budget::PAGE) {
         Ok(earlier) if earlier.starts_with(MARK.as_bytes()) => earlier,
         Ok(_) => {
             return Err(format!(

@@ -105,7 +105,10 @@ pub fn show(manifest: &Manifest, finished: &[Finished], shown: &Shown) -> Result
             })?;
             if shown.bonds {
                 for (number, program) in manifest.programs.iter().enumerate() {
-                    print(&format!("\n{}, capture by capture\n", program.name))?;
+                    print(&format!(
+                        "\n{}, capture by capture\n",
+                        visible(&program.name)
+                    ))?;
                     let tick = program.scene.tick;
                     print(&captures_to_text(&captures(number), tick, width))?;
                 }

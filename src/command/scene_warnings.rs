@@ -1,6 +1,6 @@
 //! What a scene does that so many steps a tick do not resolve, and what it does not do at all.
 use stochc_ir::scene::Scene;
-use stochc_ir::scene::groups::{Group, groups};
+use stochc_ir::scene::groups::{Bound, Group, groups};
 use stochc_runtime::Substeps;
 
 /// A doubt about a scene: the figure that gives rise to it, and what comes of it.
@@ -12,8 +12,8 @@ pub struct SceneWarning {
     pub figure: String,
     /// What happens, as a clause.
     pub effect: &'static str,
-    /// Whether it is about steps; `false`: about where the blocks are.
-    pub is_of_steps: bool,
+    /// Whether it matters to structures alone that grow away from where blocks settle.
+    pub is_of_height: bool,
 }
 
 /// The doubts about a scene with so many steps a tick.
@@ -44,19 +44,19 @@ fn doubt(group: &Group, steps: u32) -> Option<SceneWarning> {
             symbol,
             figure: format!("{symbol} is {value} with one step a tick, more than {most}; {cure}"),
             effect: limit.beyond,
-            is_of_steps: true,
+            is_of_height: false,
         });
     }
-    let least = group.least.filter(|_| group.is_too_small())?;
+    let expected = group.disappoints()?;
+    let bound = match expected.bound {
+        Bound::AtLeast(least) => format!("less than {}", short(least)),
+        Bound::AtMost(most) => format!("more than {}", short(most)),
+    };
     Some(SceneWarning {
         symbol,
-        figure: format!(
-            "{symbol} is {value}, less than {}; {}",
-            short(least.least),
-            least.cure
-        ),
-        effect: least.below,
-        is_of_steps: false,
+        figure: format!("{symbol} is {value}, {bound}; {}", expected.cure),
+        effect: expected.beyond,
+        is_of_height: expected.is_of_height,
     })
 }
 

@@ -2,18 +2,35 @@
 use std::io::{self, BufWriter, ErrorKind, IsTerminal as _, Write};
 
 use console::Term;
+use stochc_ir::visible_lines;
 
 use crate::exit::{Exit, Failure};
 
-/// Prints; a reader that has gone away, such as `head`, changes nothing, and any other reason why nothing can be
-/// written, such as a full disk, ends the command with a word.
+/// Prints: a terminal is shown what is invisible, and anything else gets the text as it is. A reader that has gone
+/// away, such as `head`, changes nothing, and any other reason why nothing can be written, such as a full disk, ends
+/// the command with a word.
 pub fn print(text: &str) -> Result<(), Failure> {
     print_with(|out| out.write_all(text.as_bytes()))
 }
 
 /// [`print`]s what is written to a stream, as it comes.
 pub fn print_with(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Failure> {
-    let mut out = BufWriter::with_capacity(1 << 16, io::stdout().lock());
+    match output_is_watched() {
+        true => print_to(Shown::new(io::stdout().lock()), write),
+        false => print_to(io::stdout().lock(), write),
+    }
+}
+
+/// [`print`]s what may have colours of ours; in the names of others, everything is visible already.
+pub fn print_drawn(text: &str) -> Result<(), Failure> {
+    print_to(io::stdout().lock(), |out| out.write_all(text.as_bytes()))
+}
+
+fn print_to(
+    out: impl Write,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<(), Failure> {
+    let mut out = BufWriter::with_capacity(1 << 16, out);
     let written = write(&mut out).and_then(|()| out.flush());
     match written {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
@@ -23,15 +40,54 @@ pub fn print_with(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Resul
     }
 }
 
-/// Says something about the work on standard error; nobody listening is no reason to stop.
+/// UTF-8 for a terminal, with [`visible_lines`] of it.
+struct Shown<W> {
+    out: W,
+    /// The beginning of a character.
+    begun: Vec<u8>,
+}
+
+impl<W: Write> Shown<W> {
+    fn new(out: W) -> Shown<W> {
+        let begun = Vec::new();
+        Shown { out, begun }
+    }
+}
+
+impl<W: Write> Write for Shown<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.begun.extend_from_slice(bytes);
+        let whole = match std::str::from_utf8(&self.begun) {
+            // What is no character at all is shown as such.
+            Err(error) if error.error_len().is_none() => error.valid_up_to(),
+            _ => self.begun.len(),
+        };
+        let rest = self.begun.split_off(whole);
+        let text = std::mem::replace(&mut self.begun, rest);
+        let text = visible_lines(&String::from_utf8_lossy(&text));
+        self.out.write_all(text.as_bytes())?;
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()
+    }
+}
+
+/// Says something about the work on standard error, with what is invisible shown; nobody listening is no reason to stop.
 pub fn warn(text: &str) {
+    warn_drawn(&visible_lines(text));
+}
+
+/// [`warn`]s with what may have colours of ours; in the names of others, everything is visible already.
+pub fn warn_drawn(text: &str) {
     let _ = std::io::stderr().lock().write_all(text.as_bytes());
 }
 
 /// Says why a part of the work failed, where the rest of it goes on; how that part ended.
 pub fn told(done: Result<Exit, Failure>) -> Exit {
     done.unwrap_or_else(|failure| {
-        warn(&failure.message);
+        warn_drawn(&failure.message);
         failure.exit
     })
 }
@@ -69,4 +125,23 @@ fn columns(terminal: &Term) -> Option<usize> {
     const LEAST: usize = 40;
     let (_, columns) = terminal.size_checked()?;
     Some(usize::from(columns).max(LEAST))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_terminal_is_shown_what_is_invisible_however_it_comes() {
+        let text = "é\u{1b}[2J\u{202e}∞\r\n\tend\n".as_bytes();
+        for size in 1..=text.len() {
+            let mut out = Vec::new();
+            let mut shown = Shown::new(&mut out);
+            for part in text.chunks(size) {
+                shown.write_all(part).unwrap();
+            }
+            let expected = "é⟨U+001B⟩[2J⟨U+202E⟩∞⟨U+000D⟩\n\tend\n";
+            assert_eq!(String::from_utf8(out).unwrap(), expected, "{size}");
+        }
+    }
 }

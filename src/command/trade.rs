@@ -11,12 +11,13 @@ use stochc_report::figures::trade as trade_figure;
 use stochc_report::tables::trade_to_text;
 use stochc_runtime::Settings;
 
+use super::imports::ImportOptions;
 use super::interrupt::stop_on_interrupt;
 use super::levels::LevelOptions;
 use super::progress::{Display, of_trade};
 use super::results::Form;
 use super::simulate;
-use super::terminal::{output_has_colour, output_width, print};
+use super::terminal::{output_has_colour, output_width, print, print_drawn};
 use crate::exit::{Exit, Failure};
 
 /// What `trade` is given.
@@ -60,6 +61,8 @@ pub struct Options {
     /// What becomes of warnings
     #[command(flatten)]
     levels: LevelOptions,
+    #[command(flatten)]
+    imports: ImportOptions,
 }
 
 /// Time for everything, where nobody says how long.
@@ -67,7 +70,7 @@ const BUDGET: Duration = Duration::from_secs(600);
 
 /// Measures what accuracy costs.
 pub fn run(options: &Options) -> Result<Exit, Failure> {
-    let programs = simulate::programs(&options.files, &options.levels.levels)?;
+    let programs = simulate::programs(&options.files, &options.levels.levels, &options.imports)?;
     // Programs of the same name are told apart as in an ensemble.
     let manifest = Manifest::new(Settings::default(), options.seed, 1, programs);
     manifest.within_limits().map_err(Failure::usage)?;
@@ -104,7 +107,7 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
         keep(out, &trade).map_err(|error| cannot(&error))?;
     }
     match options.format {
-        Form::Text => print(&trade_to_text(&trade, output_width(), output_has_colour()))?,
+        Form::Text => print_drawn(&trade_to_text(&trade, output_width(), output_has_colour()))?,
         Form::Json => print(&trade.to_json())?,
     }
     if trade.complete {

@@ -15,7 +15,7 @@ pub fn show(checked: &Checked, colour: bool, width: usize) -> String {
     let rest = checked.diagnostics.len().saturating_sub(MOST_DRAWN);
     if rest > 0 {
         let diagnostics = count(rest, "more finding");
-        let file = &checked.sources.file(FileId(0)).name;
+        let file = stochc_ir::visible(&checked.sources.file(FileId(0)).name);
         out.push_str(&format!(
             "{diagnostics} in {file}; `--format short` shows all of them\n\n"
         ));

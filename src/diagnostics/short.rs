@@ -18,7 +18,8 @@ fn line(diagnostic: &Diagnostic, sources: &Sources) -> String {
     };
     let place = diagnostic.labels.first().map_or_else(String::new, |label| {
         let (line, column) = position(sources, label.site, label.site.span.start);
-        format!("{}:{line}:{column}: ", sources.file(label.site.file).name)
+        let name = stochc_ir::visible(&sources.file(label.site.file).name);
+        format!("{name}:{line}:{column}: ")
     });
     let title = visible(&diagnostic.message());
     format!("{place}{severity}[{}]: {title}\n", diagnostic.code)

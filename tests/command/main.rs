@@ -4,6 +4,8 @@
     reason = "the tests read what the command has written"
 )]
 mod aggregate;
+#[cfg(target_os = "linux")]
+mod budget;
 mod check;
 mod compile;
 mod explain;
@@ -11,6 +13,7 @@ mod fit;
 mod fix;
 mod fmt;
 mod hardware;
+mod hostile;
 #[cfg(unix)]
 mod interrupted;
 #[cfg(unix)]

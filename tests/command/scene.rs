@@ -1,5 +1,11 @@
 //! The physics that is in force.
+use std::ops::ControlFlow;
+
 use serde_json::Value;
+use stochc::ir::table::PhaseId;
+use stochc::runtime::observe::{Event, Observer};
+use stochc::runtime::world::Arena;
+use stochc::runtime::{Model, Settings, observe};
 
 use crate::stochc::{path, stochc, stochc_with};
 
@@ -187,4 +193,100 @@ fn a_tank_whose_blocks_sink_is_told_of() {
     std::fs::write(&file, text.replace("A.up -> B", "A")).unwrap();
     let said = stochc_with("simulate --quiet --runs 1 --max-ticks 1", &[&file]);
     assert_eq!(said.err, "");
+}
+
+/// A scene whose blocks float, or sink where there is no floor, with nothing that stirs them.
+fn tank(wall: &str, density: &str, contact: &str) -> String {
+    format!(
+        "scene tank {{ tick 5 ms\n block cube {{ side 20 cm  mass 1 kg  faces 1 }}\n free 1 uniform\n \
+         enclosure hemisphere {{ radius 2 m  wall {wall} }}\n gravity 9.81 m/s^2\n \
+         fluid {{ density {density}  viscosity 20 Pa s }}\n {contact}\n \
+         bond attract {{ pull 0.1 N within 20 cm  anchor centres 1 mm tilt 26 deg }} }}\n\
+         assembly a in tank {{ seed plate 1 x 1 {{ M at (0, 0) }} phase p {{ M.up -> A }} }}\n"
+    )
+}
+
+/// The net force on a block is (8 kg - 1 kg) g, or -0.2 g times 1 kg, and the wall's stiffness times 20 cm bears it.
+#[test]
+fn walls_that_cannot_hold_what_floats_or_sinks_are_told_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(folder.path(), "tank.sa");
+    let contact = "contact { stiffness 250 N/m  damping 6 N s/m  friction 1 }";
+    for (wall, density, contact, depth, effect) in [
+        (
+            "25 N/m",
+            "1000 kg/m^3",
+            contact,
+            13.734,
+            "blocks that float",
+        ),
+        ("25 N/m", "1000 kg/m^3", "", 13.734, "blocks that float"),
+        ("1 kN/m", "1000 kg/m^3", contact, 0.34335, ""),
+        (
+            "3 N/m",
+            "100 kg/m^3",
+            "",
+            3.27,
+            "blocks sink through the floor",
+        ),
+        ("3 N/m", "100 kg/m^3", contact, f64::NAN, ""),
+    ] {
+        std::fs::write(&file, tank(wall, density, contact)).unwrap();
+        let said = stochc_with("check --scene --format json", &[&file]);
+        assert_eq!(said.status, 0, "{}", said.err);
+        let scene = &said.json()["scenes"][0];
+        let groups = scene["groups"].as_array().unwrap();
+        let group = groups
+            .iter()
+            .find(|it| it["symbol"] == "|m - ρ a³| g / (k a)");
+        match depth.is_nan() {
+            true => assert_eq!(group, None),
+            false => {
+                let value = group.unwrap()["value"].as_f64().unwrap();
+                assert!((value / depth - 1.0).abs() < 1e-9, "{value}");
+            }
+        }
+        let warnings = scene["warnings"].to_string();
+        let told = |text: &str| text.contains("outside of the shell");
+        assert_eq!(told(&warnings), !effect.is_empty(), "{warnings}");
+        let run = stochc_with("simulate --quiet --runs 1 --max-ticks 1", &[&file]);
+        assert_eq!(told(&run.err), !effect.is_empty(), "{}", run.err);
+        assert!(run.err.contains(effect), "{}", run.err);
+    }
+}
+
+/// Where the last of the free blocks was.
+#[derive(Default)]
+struct Last(Vec<f64>);
+
+impl Observer for Last {
+    fn look(&mut self, arena: &impl Arena, _: &[Event]) {
+        self.0 = arena.state(0).position.iter().copied().collect();
+    }
+}
+
+/// The closed form says where a block comes to rest.
+#[test]
+fn a_block_at_rest_is_as_far_outside_of_the_shell_as_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(folder.path(), "tank.sa");
+    for (wall, density, depth) in [
+        ("25 N/m", "1000 kg/m^3", 13.734),
+        ("3 N/m", "100 kg/m^3", 3.27),
+    ] {
+        std::fs::write(&file, tank(wall, density, "")).unwrap();
+        let program = stochc::check(&file).programs.remove(0);
+        let (tables, scene) = (program.tables.unwrap(), program.scene.unwrap());
+        let mut settings = Settings::of(Model::Rigid, 1);
+        settings.max_ticks = Some(200_000);
+        let mut watch = |_: u64, _: PhaseId| ControlFlow::Continue(());
+        let mut last = Last::default();
+        observe(&tables, &scene, &settings, 5, 0, &mut watch, &mut last).unwrap();
+        let distance = last.0.iter().map(|x| x * x).sum::<f64>().sqrt();
+        // The radius is 10 sides.
+        assert!(
+            (distance - 10.0 - depth).abs() < 1e-3,
+            "{distance} and {depth}"
+        );
+    }
 }

@@ -293,7 +293,7 @@ fn what_a_scene_does_not_have_is_told() {
     for (sweep, reason) in [
         (
             "fre=50",
-            "the scene `hemisphere` has no number `fre`; did you mean `free`?\n  it has tick, block.side,",
+            "the scene `hemisphere` has no number `fre`; did you mean `free`? (it has tick, block.side,",
         ),
         ("drag=1 s^-1", "the scene `hemisphere` declares no `drag`"),
         (

@@ -432,3 +432,37 @@ fn what_nobody_uses_is_marked_as_unnecessary() {
     let found = tags(&client.diagnostics(URI));
     assert_eq!(found, [("unused-let".to_owned(), unnecessary())]);
 }
+
+/// A program imports from its own folder, and from those that the editor has open.
+#[test]
+fn imports_stay_within_the_folders_that_are_open() {
+    let folder = tempfile::tempdir().unwrap();
+    let uri = |name: &str| format!("file://{}/{name}", folder.path().to_str().unwrap());
+    std::fs::create_dir_all(folder.path().join("own")).unwrap();
+    std::fs::create_dir_all(folder.path().join("other")).unwrap();
+    std::fs::write(folder.path().join("other/secret"), "a secret").unwrap();
+    for (open, code) in [
+        (json!({}), "import-outside"),
+        (json!({ "rootUri": uri("own") }), "import-outside"),
+        (json!({ "rootUri": uri("") }), "syntax"),
+        (
+            json!({ "workspaceFolders": [{ "uri": uri("own"), "name": "" }] }),
+            "import-outside",
+        ),
+        (
+            json!({ "workspaceFolders": [{ "uri": uri("own") }, { "uri": uri("other") }] }),
+            "syntax",
+        ),
+    ] {
+        let mut client = Client::start();
+        client.ask("initialize", open.clone());
+        client.tell("initialized", json!({}));
+        client.open(&uri("own/main.sa"), "import \"../other/secret\"\n");
+        let file = match code {
+            "syntax" => "other/secret",
+            _ => "own/main.sa",
+        };
+        let found = client.diagnostics(&uri(file));
+        assert_eq!(found[0]["code"], code, "{open}");
+    }
+}

@@ -6,7 +6,7 @@ use crate::browser::browser;
 use crate::folder::Results;
 
 /// Ends a script, begins others, and turns the text around it.
-const HOSTILE: &str = "</script><script>document.title='broken'</script><img src=x onerror=\"document.title='broken'\">'\"\u{202e}\u{2028}`${1}\\";
+const HOSTILE: &str = "<meta http-equiv='refresh' content='0;url=about:blank'></script><script>document.title='broken'</script><img src=x onerror=\"document.title='broken'\">'\"\u{202e}\u{2028}`${1}\\";
 
 #[test]
 fn hostile_names_are_shown_as_text() {
@@ -39,6 +39,9 @@ fn hostile_names_are_shown_as_text() {
         .replace('\u{2028}', "⟨U+2028⟩");
     assert_eq!(browser.value("document.title"), shown);
     assert_eq!(browser.value("document.querySelectorAll('img').length"), 0);
+    let instructions =
+        "[...document.querySelectorAll('[http-equiv]')].map(it => it.httpEquiv).join()";
+    assert_eq!(browser.value(instructions), "Content-Security-Policy");
     assert_eq!(
         browser.value("document.querySelectorAll('script').length"),
         3

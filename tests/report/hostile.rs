@@ -7,12 +7,14 @@ use stochc::report::ensemble_report::address;
 
 use crate::sample::{five, parsed, told};
 
-const NAMES: [&str; 5] = [
+const NAMES: [&str; 7] = [
     "</script><script>alert(1)</script>",
     "\"onload=\"alert(1)",
     "a & b &amp; <b>'c'</b>",
     "gpj.\u{202e}exe\u{2066}\u{200f}",
     "\u{1b}[31m\0\u{7}]]>--><!--",
+    "<meta http-equiv=\"refresh\" content=\"0;url=//x\"/><base href=\"//x\"/><form action=\"//x\">",
+    "=HYPERLINK(\"//x\")",
 ];
 
 #[test]
@@ -49,6 +51,16 @@ fn hostile_names_are_shown_as_text() {
             text.contains(bad)
         };
         assert!(!invisible(&report.page), "{name:?}");
+        // The only instruction to the browser is the policy; nothing leads elsewhere by itself.
+        let instructions = document
+            .descendants()
+            .filter_map(|node| node.attribute("http-equiv"));
+        assert_eq!(
+            instructions.collect::<Vec<_>>(),
+            ["Content-Security-Policy"]
+        );
+        let elsewhere = ["form", "base", "iframe", "object", "embed", "link", "img"];
+        assert!(!tags.iter().any(|tag| elsewhere.contains(tag)), "{tags:?}");
         for (file, content) in &report.files {
             if file.ends_with(".svg") {
                 parsed(content);
@@ -124,5 +136,40 @@ fn impossible_records_are_no_reason_to_stop() {
                 );
             }
         }
+    }
+}
+
+/// What a spreadsheet would compute is text.
+#[test]
+fn no_cell_of_the_data_is_a_formula() {
+    for name in ["=1+1", "@sum(a)", "+a", "-a"] {
+        let mut inputs = [0.1, 0.2].map(five);
+        for input in &mut inputs {
+            let program = &mut input.manifest.programs[0];
+            program.name = name.into();
+            let tables = &mut Arc::make_mut(&mut program.compiled).tables;
+            tables.phases[0].name = name.into();
+            tables
+                .roles
+                .iter_mut()
+                .for_each(|role| role.name = name.into());
+        }
+        let report = told(&inputs);
+        let data = (report.files.iter()).filter(|(file, _)| file.ends_with(".csv"));
+        let mut cells = 0;
+        for (file, text) in data {
+            let mut reader = csv::ReaderBuilder::new()
+                .has_headers(false)
+                .from_reader(text.as_bytes());
+            for row in reader.records().map(Result::unwrap) {
+                for cell in &row {
+                    let is_number = cell.parse::<f64>().is_ok();
+                    let is_text = !cell.starts_with(['=', '+', '-', '@']);
+                    assert!(is_number || is_text, "{file}: {cell}");
+                    cells += usize::from(cell.starts_with(&format!("'{name}")));
+                }
+            }
+        }
+        assert!(cells > 0, "{name}");
     }
 }

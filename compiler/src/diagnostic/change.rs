@@ -72,16 +72,11 @@ impl<'a> Change<'a> {
         &'r self,
         sources: &'r Sources,
         reader: &'r mut dyn Reader,
-    ) -> impl FnMut(&str) -> Result<Vec<u8>, String> + 'r {
-        // Reading takes one mark of the byte order away.
-        let bytes = |text: &str| ["\u{feff}", text].concat().into_bytes();
-        move |asked| {
-            let known = sources.files().iter().position(|file| file.name == asked);
-            match known.map(|number| (FileId(number as u32), &sources.files()[number])) {
-                Some((id, _)) if id == self.file => Ok(bytes(&self.text())),
-                Some((_, file)) if file.is_exact => Ok(bytes(&file.text)),
-                _ => reader.read(asked),
-            }
+    ) -> impl Reader + 'r {
+        Over {
+            change: self,
+            sources,
+            reader,
         }
     }
 
@@ -121,6 +116,31 @@ fn is_free(edits: &BTreeMap<usize, (usize, &str)>, start: usize, end: usize) -> 
     let behind = edits.range(start..).next();
     before.is_none_or(|(&at, &(until, _))| until <= start && at != start)
         && behind.is_none_or(|(&at, _)| at >= end)
+}
+
+/// See [`Change::over`].
+struct Over<'r, 't> {
+    change: &'r Change<'t>,
+    sources: &'r Sources,
+    reader: &'r mut dyn Reader,
+}
+
+impl Reader for Over<'_, '_> {
+    fn read(&mut self, path: &str) -> Result<Vec<u8>, String> {
+        // Reading takes one mark of the byte order away.
+        let bytes = |text: &str| ["\u{feff}", text].concat().into_bytes();
+        let files = self.sources.files();
+        let known = files.iter().position(|file| file.name == path);
+        match known.map(|number| (FileId(number as u32), &files[number])) {
+            Some((id, _)) if id == self.change.file => Ok(bytes(&self.change.text())),
+            Some((_, file)) if file.is_exact => Ok(bytes(&file.text)),
+            _ => self.reader.read(path),
+        }
+    }
+
+    fn outside(&mut self, path: &str) -> Option<String> {
+        self.reader.outside(path)
+    }
 }
 
 #[cfg(test)]

@@ -62,6 +62,7 @@ codes! {
     Error TooManyErrors "too-many-errors"
 
     Error ImportMissing "import-missing"
+    Error ImportOutside "import-outside"
     Error ImportCycle "import-cycle"
 
     Error UnknownName "unknown-name"

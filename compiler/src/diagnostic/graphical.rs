@@ -3,7 +3,7 @@ use miette::{
     Diagnostic as MietteDiagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan,
     MietteError, MietteSpanContents, SourceCode, SourceSpan, SpanContents,
 };
-use stochc_ir::is_invisible;
+use stochc_ir::visible_lines;
 
 use super::{Diagnostic, Label, Severity};
 use crate::{FileId, SourceFile, Sources};
@@ -79,7 +79,7 @@ impl<'a> Picture<'a> {
                 .map(|file| Picture {
                     code: None,
                     severity: diagnostic.severity,
-                    title: format!("in {}", sources.file(file).name),
+                    title: format!("in {}", stochc_ir::visible(&sources.file(file).name)),
                     help: None,
                     excerpt: Some(Excerpt(sources.file(file))),
                     labels: part(file),
@@ -125,8 +125,7 @@ fn labeled(label: &Label) -> LabeledSpan {
     LabeledSpan::new(Some(text), span.start as usize, span.len())
 }
 
-/// Keeps control characters and marks of writing direction from acting on the terminal, and words
-/// of any length from filling it.
+/// Keeps what is invisible from acting on the terminal, and words of any length from filling it.
 pub fn visible(text: &str) -> String {
     /// Characters of a word that are shown.
     const LONGEST: usize = 100;
@@ -135,13 +134,12 @@ pub fn visible(text: &str) -> String {
     for c in text.chars() {
         length = if c.is_whitespace() { 0 } else { length + 1 };
         match length {
-            0..LONGEST if is_invisible(c) && c != '\n' => out.push('\u{fffd}'),
             0..LONGEST => out.push(c),
             LONGEST => out.push_str("..."),
             _ => {}
         }
     }
-    out
+    visible_lines(&out)
 }
 
 impl std::fmt::Display for Picture<'_> {
@@ -232,7 +230,7 @@ impl SourceCode for Excerpt<'_> {
         let line = file.line_of(start as u32);
         let column = start - file.line_range(line).0;
         Ok(Box::new(MietteSpanContents::new_named(
-            file.name.clone(),
+            stochc_ir::visible(&file.name),
             &text.as_bytes()[start..end],
             (start, end - start).into(),
             line,

@@ -1,5 +1,6 @@
 //! Measured times, from a table of comma-separated values.
 use std::collections::BTreeMap;
+use stochc_files::csv::original;
 
 use crate::statistics::Summary;
 
@@ -85,7 +86,7 @@ impl Observed {
                     .filter(|value| value.is_finite() && *value > 0.0)
                     .ok_or_else(|| wrong(format!("`{text}` is no number above 0")))
             };
-            let program = record.get(0).unwrap_or_default().to_owned();
+            let program = original(record.get(0).unwrap_or_default()).to_owned();
             let is_new = !order.contains(&program);
             if is_summed_up {
                 if !is_new {

@@ -4,6 +4,8 @@
 //! power of two, so that a block at rest stays where it is from chunk to chunk. A quaternion keeps
 //! its sign from frame to frame. What is written is the second difference in time, wrapping in 16
 //! bits: blocks fly straight and turn evenly for most of the time, and so most numbers are small.
+use stochc_files::budget::RECORDING_PART;
+
 use super::format::{RecordingError, deflate, inflate};
 
 /// Numbers of a place: x, y, z \[side\], then the quaternion's x, y, z, w.
@@ -13,8 +15,14 @@ pub(super) const NUMBERS: usize = 7;
 const UNIT: f64 = 4095.0;
 /// The finest step of a coordinate \[side\].
 const FINEST: f64 = 1.0 / (1 << 20) as f64;
-/// More bytes than this are not inflated at once.
-const LARGEST: u64 = 1 << 30;
+
+/// Bytes of the places of so many blocks at so many ticks.
+pub(super) fn unpacked(bodies: u32, ticks: u32) -> u64 {
+    // More than can be is too many as well.
+    u64::from(bodies)
+        .saturating_mul(u64::from(ticks))
+        .saturating_mul(2 * NUMBERS as u64)
+}
 
 /// The places of all blocks at some ticks, as they are kept.
 #[derive(Clone, Debug, PartialEq)]
@@ -162,8 +170,8 @@ impl Chunk {
             })
             .collect();
         let ticks = ticks.ok_or_else(damaged)?;
-        let count = u64::from(bodies) * u64::from(frames) * NUMBERS as u64;
-        if frames == 0 || 2 * count > LARGEST || !ticks.is_sorted() {
+        let count = unpacked(bodies, frames) / 2;
+        if frames == 0 || unpacked(bodies, frames) > RECORDING_PART || !ticks.is_sorted() {
             return Err(damaged());
         }
         let planes = inflate(rest, 2 * count).ok_or_else(damaged)?;

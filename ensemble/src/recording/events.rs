@@ -3,6 +3,7 @@
 //! A free block is its number; a seed is -1 less the number of its role, so that -1 is the role 0.
 use std::collections::BTreeMap;
 
+use serde_json::value::RawValue;
 use serde_json::{Value, json};
 use stochc_ir::table::{PhaseId, RoleId, Tables};
 use stochc_ir::{Cell, Face};
@@ -87,8 +88,8 @@ impl Seeds {
     }
 
     /// The event of a row; `None`: it does not make sense.
-    pub fn event(&self, row: &Value) -> Option<Happening> {
-        let row = row.as_array()?;
+    pub fn event(&self, row: &RawValue) -> Option<Happening> {
+        let row: Vec<Value> = serde_json::from_str(row.get()).ok()?;
         let tick = row.first()?.as_u64()?;
         let number = |i: usize| u32::try_from(row.get(i)?.as_u64()?).ok();
         let body = |i: usize| self.body(row.get(i)?.as_i64()?);

@@ -6,6 +6,7 @@ use flate2::Compression;
 use flate2::read::ZlibDecoder;
 use flate2::write::ZlibEncoder;
 use serde::{Deserialize, Serialize};
+use stochc_files::budget::{RECORDING_HEADER, RECORDING_WHOLE, size};
 use stochc_files::checksum::crc32;
 
 /// Of the file format; in 1 there were no checksums, and it is still read.
@@ -54,6 +55,9 @@ pub enum RecordingError {
     /// A part of it does not make sense.
     #[error("it is damaged: {0}")]
     Damaged(&'static str),
+    /// It is too large to be held in memory as a whole.
+    #[error("it has {} or more, unpacked", size(RECORDING_WHOLE))]
+    TooLarge,
     /// It could not be read or written.
     #[error(transparent)]
     Io(#[from] io::Error),
@@ -128,6 +132,9 @@ pub(super) fn read_header(from: &mut impl Read) -> Result<(Header, u32), Recordi
         return Err(RecordingError::Version(version));
     }
     let length = part.number()?.ok_or_else(short)?;
+    if u64::from(length) > RECORDING_HEADER {
+        return Err(RecordingError::Damaged("its header"));
+    }
     let json = part.take(length.into())?;
     if json.len() < length as usize {
         return Err(short());
@@ -149,10 +156,12 @@ pub(super) fn write_section(out: &mut impl Write, tag: [u8; 4], payload: &[u8]) 
 /// What a section is, and what it holds.
 pub(super) type Section = ([u8; 4], Vec<u8>);
 
-/// Reads the next section of a file of this version; `None`: the file ends here, or in the midst of it.
+/// Reads the next section of a file of this version, of at most so many bytes; `None`: the file ends here, or in the
+/// midst of it.
 pub(super) fn read_section(
     from: &mut impl Read,
     version: u32,
+    most: u64,
 ) -> Result<Option<Section>, RecordingError> {
     let mut part = Part {
         from,
@@ -164,6 +173,9 @@ pub(super) fn read_section(
     let Some(length) = part.number()? else {
         return Ok(None);
     };
+    if u64::from(length) > most {
+        return Err(RecordingError::Damaged("a part of it is too long"));
+    }
     if part.take(length.into())?.len() < length as usize {
         return Ok(None);
     }

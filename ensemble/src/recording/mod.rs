@@ -13,7 +13,7 @@ mod write;
 
 pub use events::Happening;
 pub use format::{Header, RecordingError, VERSION, is_file};
-pub use read::{Frame, Recording};
+pub use read::{Frame, Outline, Recording};
 pub use selection::Selection;
 pub use write::Recorder;
 

@@ -1,28 +1,40 @@
 //! Reading recordings.
 use std::io::Read;
 
+use serde::Deserializer as _;
+use serde::de::{Error as _, SeqAccess, Visitor};
+use serde_json::value::RawValue;
+use stochc_files::budget::{self, RECORDING_EVENT, RECORDING_PART, RECORDING_WHOLE};
 use stochc_ir::record::RunRecord;
 use stochc_ir::table::Tables;
 
 use super::chunk::Chunk;
 use super::events::{Happening, Seeds};
-use crate::{Finished, Manifest};
-
 use super::format::{
     DONE, EVENTS, Header, POSES, RecordingError, inflate, read_header, read_section,
 };
+use crate::{Finished, Manifest};
 
-/// More bytes of events than this are not read at once.
-const LARGEST: u64 = 1 << 30;
-
-/// A whole recording: its events, and its places in chunks.
+/// What a recording is of, and what came of the run.
 #[derive(Clone, Debug)]
-pub struct Recording {
+pub struct Outline {
     header: Header,
     version: u32,
+    record: RunRecord,
+}
+
+/// A whole recording in memory: its events, and its places in chunks.
+#[derive(Clone, Debug)]
+pub struct Recording {
+    outline: Outline,
     chunks: Vec<Chunk>,
     events: Vec<Happening>,
-    record: RunRecord,
+}
+
+/// What a recording holds, as it is read.
+enum Content {
+    Places(Chunk),
+    Event(Happening),
 }
 
 /// Where all blocks were at a tick.
@@ -35,59 +47,13 @@ pub struct Frame {
     pub places: Vec<[f64; 7]>,
 }
 
-impl Recording {
-    /// Reads all of a recording of a program with these `tables`.
+impl Outline {
+    /// Reads and checks all of a recording of a program with these `tables`, part by part.
     ///
     /// # Errors
     /// When it is none, of another version, cut short or damaged.
-    pub fn read(mut from: impl Read, tables: &Tables) -> Result<Recording, RecordingError> {
-        let (header, version) = read_header(&mut from)?;
-        let seeds = Seeds::of(tables);
-        let (mut chunks, mut events): (Vec<Chunk>, Vec<Happening>) = (Vec::new(), Vec::new());
-        loop {
-            let Some((tag, payload)) = read_section(&mut from, version)? else {
-                let last = chunks.last().and_then(|chunk| chunk.ticks.last());
-                return Err(RecordingError::CutShort(last.copied()));
-            };
-            match tag {
-                POSES => chunks.push(Chunk::from_bytes(&payload, header.bodies)?),
-                EVENTS => {
-                    let damaged = || RecordingError::Damaged("its events");
-                    let json = inflate(&payload, LARGEST).ok_or_else(damaged)?;
-                    let rows: Vec<serde_json::Value> =
-                        serde_json::from_slice(&json).map_err(|_| damaged())?;
-                    for row in &rows {
-                        events.push(seeds.event(row).ok_or_else(damaged)?);
-                    }
-                }
-                DONE => {
-                    let damaged = || RecordingError::Damaged("its record");
-                    let json = inflate(&payload, LARGEST).ok_or_else(damaged)?;
-                    let record: RunRecord = serde_json::from_slice(&json).map_err(|_| damaged())?;
-                    let ticks = chunks.iter().flat_map(|chunk| chunk.ticks.iter().copied());
-                    let mut ticks = ticks.chain(events.iter().map(|event| event.tick));
-                    if ticks.any(|tick| tick > record.ticks) {
-                        return Err(RecordingError::Damaged("something happens after its end"));
-                    }
-                    if version > 1 && from.read(&mut [0])? > 0 {
-                        return Err(RecordingError::Damaged("something follows its end"));
-                    }
-                    return Ok(Recording {
-                        header,
-                        version,
-                        chunks,
-                        events,
-                        record,
-                    });
-                }
-                _ => return Err(RecordingError::Damaged("a part of an unknown kind")),
-            }
-        }
-    }
-
-    /// What it is of.
-    pub fn header(&self) -> &Header {
-        &self.header
+    pub fn read(from: impl Read, tables: &Tables) -> Result<Outline, RecordingError> {
+        walk(from, tables, &mut |_| Ok(()))
     }
 
     /// The version of its format.
@@ -108,6 +74,123 @@ impl Recording {
             && (self.header.program, self.header.run) == (program, run)
             && known.is_none_or(|known| known.record == self.record)
     }
+}
+
+/// Reads a recording, and gives what it holds to `each`, in its order.
+fn walk(
+    mut from: impl Read,
+    tables: &Tables,
+    each: &mut dyn FnMut(Content) -> Result<(), RecordingError>,
+) -> Result<Outline, RecordingError> {
+    let (header, version) = read_header(&mut from)?;
+    let seeds = Seeds::of(tables);
+    let most = budget::record(tables.captures() as u64);
+    // The last tick with places, and of anything.
+    let (mut last, mut latest) = (None, 0);
+    loop {
+        let Some((tag, payload)) = read_section(&mut from, version, most.max(RECORDING_PART))?
+        else {
+            return Err(RecordingError::CutShort(last));
+        };
+        match tag {
+            POSES => {
+                let chunk = Chunk::from_bytes(&payload, header.bodies)?;
+                last = chunk.ticks.last().copied();
+                latest = latest.max(last.unwrap_or(0));
+                each(Content::Places(chunk))?;
+            }
+            EVENTS => {
+                let damaged = || RecordingError::Damaged("its events");
+                let json = inflate(&payload, RECORDING_PART).ok_or_else(damaged)?;
+                let mut broken = None;
+                let mut row = |row: &RawValue| {
+                    let event = seeds.event(row)?;
+                    latest = latest.max(event.tick);
+                    each(Content::Event(event))
+                        .map_err(|error| broken = Some(error))
+                        .ok()
+                };
+                let mut rows = serde_json::Deserializer::from_slice(&json);
+                let read = rows
+                    .deserialize_seq(Rows(&mut row))
+                    .and_then(|()| rows.end());
+                match (read, broken) {
+                    (Ok(()), _) => {}
+                    (Err(_), Some(error)) => return Err(error),
+                    (Err(_), None) => return Err(damaged()),
+                }
+            }
+            DONE => {
+                let damaged = || RecordingError::Damaged("its record");
+                let json = inflate(&payload, most).ok_or_else(damaged)?;
+                let record: RunRecord = serde_json::from_slice(&json).map_err(|_| damaged())?;
+                if latest > record.ticks {
+                    return Err(RecordingError::Damaged("something happens after its end"));
+                }
+                if version > 1 && from.read(&mut [0])? > 0 {
+                    return Err(RecordingError::Damaged("something follows its end"));
+                }
+                return Ok(Outline {
+                    header,
+                    version,
+                    record,
+                });
+            }
+            _ => return Err(RecordingError::Damaged("a part of an unknown kind")),
+        }
+    }
+}
+
+/// Takes the rows of a list one by one; `None`: one does not make sense.
+struct Rows<'a>(&'a mut dyn FnMut(&RawValue) -> Option<()>);
+
+impl<'de> Visitor<'de> for Rows<'_> {
+    type Value = ();
+
+    fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("a list of events")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut rows: A) -> Result<(), A::Error> {
+        while let Some(row) = rows.next_element::<&RawValue>()? {
+            if row.get().len() > RECORDING_EVENT || (self.0)(row).is_none() {
+                return Err(A::Error::custom("no event"));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Recording {
+    /// Reads all of a recording of a program with these `tables` into memory.
+    ///
+    /// # Errors
+    /// Those of [`Outline::read`], and of one that is too large for that.
+    pub fn read(from: impl Read, tables: &Tables) -> Result<Recording, RecordingError> {
+        let (mut chunks, mut events, mut size) = (Vec::new(), Vec::new(), 0);
+        let outline = walk(from, tables, &mut |content| {
+            size += match &content {
+                Content::Places(chunk) => chunk.numbers.len() * 2 + chunk.ticks.len() * 8,
+                Content::Event(_) => size_of::<Happening>(),
+            } as u64;
+            match content {
+                _ if size > RECORDING_WHOLE => return Err(RecordingError::TooLarge),
+                Content::Places(chunk) => chunks.push(chunk),
+                Content::Event(event) => events.push(event),
+            }
+            Ok(())
+        })?;
+        Ok(Recording {
+            outline,
+            chunks,
+            events,
+        })
+    }
+
+    /// What it is of.
+    pub fn header(&self) -> &Header {
+        &self.outline.header
+    }
 
     /// All that happened, in its order.
     pub fn events(&self) -> &[Happening] {
@@ -116,12 +199,12 @@ impl Recording {
 
     /// The record of the run.
     pub fn record(&self) -> &RunRecord {
-        &self.record
+        &self.outline.record
     }
 
     /// All places that were kept, in the order of time.
     pub fn frames(&self) -> impl Iterator<Item = Frame> + '_ {
-        let bodies = self.header.bodies as usize;
+        let bodies = self.header().bodies as usize;
         self.chunks.iter().flat_map(move |chunk| {
             chunk
                 .ticks

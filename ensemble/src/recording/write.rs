@@ -1,12 +1,13 @@
 //! Recording, while a run goes.
 use std::io::{self, Write};
 
+use stochc_files::budget::RECORDING_PART;
 use stochc_ir::record::RunRecord;
 use stochc_ir::table::Tables;
 use stochc_runtime::observe::{Event, Observer};
 use stochc_runtime::world::Arena;
 
-use super::chunk::{Chunk, NUMBERS};
+use super::chunk::{Chunk, NUMBERS, unpacked};
 use super::events::Seeds;
 use super::format::{DONE, EVENTS, Header, POSES, deflate, write_header, write_section};
 
@@ -16,6 +17,9 @@ const ENOUGH: usize = 1 << 19;
 const FEWEST_TICKS: usize = 16;
 /// With very few blocks less.
 const MOST_TICKS: usize = 512;
+
+/// Events of a part, so that it keeps to its budget: none has 128 bytes.
+const MOST_EVENTS: usize = 1 << 20;
 
 /// Records the run that it observes.
 pub struct Recorder<W: Write> {
@@ -66,7 +70,11 @@ impl<W: Write> Recorder<W> {
 
     fn is_full(&self) -> bool {
         let ticks = self.ticks.len();
-        ticks >= MOST_TICKS || (self.places.len() >= ENOUGH && ticks >= FEWEST_TICKS)
+        let next = unpacked(self.bodies as u32, ticks as u32 + 1);
+        ticks >= MOST_TICKS
+            || (self.places.len() >= ENOUGH && ticks >= FEWEST_TICKS)
+            || next > RECORDING_PART
+            || self.rows.len() >= MOST_EVENTS
     }
 
     /// The events come before the places of the same ticks.

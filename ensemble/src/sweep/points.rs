@@ -46,7 +46,7 @@ pub fn points(axes: &[Axis], scene: &Scene) -> Result<Vec<Vec<Varied>>, String> 
 pub(crate) fn number(scene: &Scene, name: &str) -> Result<&'static Number, String> {
     find(scene, name).map_err(|error| match error.has() {
         [] => error.to_string(),
-        has => format!("{error}\n  it has {}", has.join(", ")),
+        has => format!("{error} (it has {})", has.join(", ")),
     })
 }
 

@@ -1,22 +1,5 @@
 //! Text of others, shown as what it is.
-use std::fmt::Write as _;
-
-use stochc_ir::is_invisible;
-
-/// The text with its invisible signs spelled out, such as `⟨U+202E⟩` for one that turns the
-/// direction of reading: nothing in it can look like something else, or end a document.
-pub fn visible(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for sign in text.chars() {
-        if is_invisible(sign) {
-            // Writing to a string cannot fail.
-            let _ = write!(out, "⟨U+{:04X}⟩", u32::from(sign));
-        } else {
-            out.push(sign);
-        }
-    }
-    out
-}
+pub use stochc_ir::visible;
 
 /// [`visible`] text as it may stand anywhere in XML or HTML, in attributes too.
 pub fn escaped(text: &str) -> String {

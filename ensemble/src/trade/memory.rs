@@ -6,6 +6,7 @@ use std::sync::Mutex;
 use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
+use stochc_files::budget;
 use stochc_files::checksum::{self, Line};
 use stochc_ir::sha256;
 use stochc_runtime::Settings;
@@ -48,10 +49,11 @@ impl Memory {
     pub fn open(folder: &Path, programs: &[Program], seed: u64) -> Result<Memory, FolderError> {
         let lock = lock(folder)?;
         let path = folder.join(MEMORY);
+        let most = programs.iter().map(Program::captures).max().unwrap_or(0);
         let programs: Vec<_> = programs.iter().map(|it| (&it.name, it.hash())).collect();
         let identity = sha256(&("trade", this_build(), seed, programs));
         let (mut known, mut elapsed) = (BTreeMap::new(), Duration::ZERO);
-        let (whole, _) = read_lines(&path, &identity, |_, line, _| {
+        let (whole, _) = read_lines(&path, &identity, budget::record(most), |_, line, _| {
             // A damaged line costs its run, which is measured again.
             if checksum::check(line) == Line::Sound
                 && let Ok(entry) = serde_json::from_slice::<Entry>(line)

@@ -1,5 +1,5 @@
 //! A trade as text.
-use stochc_ensemble::text::{Tick, percent, ratio, relative, seconds};
+use stochc_ensemble::text::{Tick, percent, ratio, relative, seconds, visible};
 use stochc_ensemble::trade::{
     CLOSE, Cell, Convergence, Program, Reference, Setting, Trade, Verdict,
 };
@@ -35,7 +35,7 @@ pub fn trade_to_text(trade: &Trade, width: usize, colour: bool) -> String {
     let mut cells = trade.rungs.iter().flat_map(|rung| &rung.programs);
     let any_failed = cells.any(|cell| cell.failed > 0);
     for (i, program) in trade.programs.iter().enumerate() {
-        text += &format!("{}\n", program.name);
+        text += &format!("{}\n", visible(&program.name));
         let rungs = trade.rungs.iter().enumerate();
         let run = rungs.filter(|(_, rung)| rung.programs[i].runs > 0);
         let lines: Vec<Line> = run.map(|(n, rung)| line(trade, n, rung, i)).collect();

@@ -1,14 +1,15 @@
 //! Sentences in lines.
+use stochc_ensemble::text::visible;
 
 /// Between words that belong together; no name has it.
 const TIE: char = '~';
 
 /// A sentence in lines of `width` characters, all but the first of them indented; it is not broken
-/// at `~`, which becomes a space.
+/// at `~`, which becomes a space. What is invisible in it is shown.
 pub fn paragraph(text: &str, width: usize) -> String {
     let mut out = String::new();
     let mut used = 0;
-    for word in text.split(' ') {
+    for word in visible(text).split(' ') {
         let fits = used + 1 + word.chars().count() <= width;
         let gap = match (used, fits) {
             (0, _) => "",

@@ -1,4 +1,5 @@
 //! A share over time in a few lines of a terminal.
+use stochc_ensemble::text::visible;
 
 /// A share that falls from 1, and how far it is known.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,7 +39,7 @@ pub fn strips(strips: &[Strip], width: usize, unit: &str) -> String {
     let columns = width.saturating_sub(AXIS + 1).clamp(10, 72);
     let mut out = String::new();
     for strip in strips {
-        let name = &strip.name;
+        let name = visible(&strip.name);
         out += &format!("{name}: runs that are not complete yet\n");
         let shares: Vec<_> = (0..columns)
             .map(|i| strip.at(end * (i as f64 + 0.5) / columns as f64))

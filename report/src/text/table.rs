@@ -1,4 +1,5 @@
 //! Aligned columns of plain text.
+use stochc_ensemble::text::visible;
 
 /// A header cell is broken into lines of this many characters.
 const HEADER: usize = 22;
@@ -60,7 +61,28 @@ struct Placed<'a> {
 
 impl Table {
     /// The text, in lines of `width` characters or as many as one column needs; `colour`: red rows are red.
+    ///
+    /// What is invisible in a name is shown.
     pub fn text(&self, width: usize, colour: bool) -> String {
+        self.visible().laid_out(width, colour)
+    }
+
+    fn visible(&self) -> Table {
+        let all = |texts: &[String]| texts.iter().map(|text| visible(text)).collect();
+        let column = |column: &Column| Column {
+            header: visible(&column.header),
+            cells: all(&column.cells),
+            is_words: column.is_words,
+        };
+        Table {
+            label: visible(&self.label),
+            labels: all(&self.labels),
+            columns: self.columns.iter().map(column).collect(),
+            red: self.red.clone(),
+        }
+    }
+
+    fn laid_out(&self, width: usize, colour: bool) -> String {
         let labels = self.labels.iter().chain([&self.label]);
         let label_width = labels.map(|label| chars(label)).max().unwrap_or(0);
         let mut blocks = Vec::new();

@@ -3,6 +3,7 @@ use std::fmt::Write as _;
 
 use stochc_compiler::Checked;
 use stochc_ir::table::Tables;
+use stochc_ir::visible;
 use stochc_protocol::explore::{Bound, Bounds, Exploration, Faults, Report, Verdict};
 use stochc_runtime::counter_rng::schedules;
 
@@ -23,6 +24,7 @@ const SEED: u64 = 0;
 /// of them goes wrong. How it does is said on standard error.
 pub fn explore(file: &str, checked: &Checked, states: u64) -> (String, Exit) {
     let (mut told, mut exit) = (String::new(), Exit::Success);
+    let file = &*visible(file);
     for program in &checked.programs {
         let Some(tables) = &program.tables else {
             continue;

@@ -1,8 +1,6 @@
 //! `stochc check --fix`.
-use std::io::IsTerminal as _;
-
 use stochc_files::programs::STDIN_NAME;
-use stochc_ir::is_invisible;
+use stochc_ir::visible;
 
 use super::super::terminal::{print, warn};
 use super::{Options, verdict};
@@ -20,15 +18,16 @@ pub fn run(
     text: &mut Option<Vec<u8>>,
 ) -> Result<Option<Exit>, Failure> {
     // A file that cannot be read is told of by the check.
-    let Ok(fixed) = fix(file, &options.levels.levels) else {
+    let Ok(fixed) = fix(file, &options.levels.levels, &options.imports.folders) else {
         return Ok(None);
     };
+    let shown = visible(file);
     let alone = options.format == Format::Graphical;
     if file == STDIN_NAME && !options.dry_run {
         print(&String::from_utf8_lossy(&fixed.new))?;
         warn(&match fixed.changes {
             0 => String::new(),
-            changes => format!("{file}: {} made\n", count(changes, "change")),
+            changes => format!("{shown}: {} made\n", count(changes, "change")),
         });
         *text = Some(fixed.new);
         return Ok(None);
@@ -36,22 +35,22 @@ pub fn run(
     let diff = fixed.diff();
     // A machine reads nothing but the findings.
     if alone {
-        print(&shown(diff))?;
+        print(&diff)?;
     } else {
         warn(&diff);
     }
     let changes = count(fixed.changes, "change");
     if options.dry_run {
-        warn(&format!("{file}: {changes} to make\n"));
+        warn(&format!("{shown}: {changes} to make\n"));
         return Ok(alone.then(|| verdict(&fixed.before)));
     }
     if fixed.changes == 0 {
         return Ok(None);
     }
     match write(&fixed) {
-        Ok(()) => warn(&format!("{file}: {changes} made\n")),
+        Ok(()) => warn(&format!("{shown}: {changes} made\n")),
         Err(reason) => {
-            warn(&format!("error: `{file}` is left as it is: {reason}\n"));
+            warn(&format!("error: `{shown}` is left as it is: {reason}\n"));
             *exit = exit.or_worse(Exit::Usage);
         }
     }
@@ -64,16 +63,4 @@ fn write(fixed: &Fixed) -> Result<(), String> {
         Ok(false) => Err("it has changed while it was checked; try again".to_owned()),
         Err(error) => Err(error.to_string()),
     }
-}
-
-/// A diff without what acts on a terminal, if it goes to one.
-fn shown(diff: String) -> String {
-    if !std::io::stdout().is_terminal() {
-        return diff;
-    }
-    let harmless = |c: char| match is_invisible(c) && !matches!(c, '\n' | '\t') {
-        true => '\u{fffd}',
-        false => c,
-    };
-    diff.chars().map(harmless).collect()
 }

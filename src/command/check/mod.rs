@@ -7,16 +7,18 @@ mod scene;
 use clap::Args;
 use stochc_compiler::order::Order;
 use stochc_compiler::{Checked, Limits, Program, check_with};
-use stochc_files as files;
-use stochc_files::programs::{STDIN, programs, read};
+use stochc_files::programs::{STDIN, programs};
 use stochc_ir::emit::chain_text;
+use stochc_ir::visible;
 
 use self::cost::costs;
 use self::scene::scenes;
+use super::imports::ImportOptions;
 use super::levels::LevelOptions;
-use super::terminal::{has_colour, message_width, print, told, warn};
+use super::terminal::{has_colour, message_width, print, told, warn, warn_drawn};
 use crate::diagnostics::{Format, Log, Tally, count, json_document, show, values};
 use crate::exit::{Exit, Failure};
+use crate::reader::DiskReader;
 
 /// What `check` is given.
 #[derive(Debug, Args)]
@@ -44,6 +46,8 @@ pub struct Options {
     dry_run: bool,
     #[command(flatten)]
     levels: LevelOptions,
+    #[command(flatten)]
+    imports: ImportOptions,
     /// Also execute the event tables in every order of messages and captures, up to STATES states
     /// [default: 1000000]; larger programs are executed in random orders
     #[arg(
@@ -109,7 +113,7 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
             Format::Json => document.extend(values(&checked)),
             Format::Sarif => log.add(file, &checked),
             Format::Graphical => {
-                warn(&shown());
+                warn_drawn(&shown());
                 tally.add(&checked);
                 if !checked.has_errors() {
                     say(&summary(file, &checked, options.cost))?;
@@ -150,11 +154,7 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
 
 /// Checks a program, which has another text than the one to read if `text` says so.
 fn check(file: &str, text: Option<Vec<u8>>, options: &Options) -> Checked {
-    let mut reader = |asked: &str| match &text {
-        Some(text) if asked == file => Ok(text.clone()),
-        _ if asked == file => read(file),
-        _ => files::read(asked),
-    };
+    let mut reader = DiskReader::new(file, text.as_deref(), &options.imports.folders);
     let levels = &options.levels.levels;
     check_with(file, &mut reader, Limits::default(), levels)
 }
@@ -171,6 +171,7 @@ pub fn verdict(checked: &Checked) -> Exit {
 }
 
 fn summary(file: &str, checked: &Checked, cost: Option<usize>) -> String {
+    let file = visible(file);
     if checked.programs.is_empty() {
         let verdict = judgement(checked);
         return format!("{file}: {verdict}; it declares no assembly or aggregate\n");

@@ -4,8 +4,9 @@ use std::fmt::Write as _;
 use serde_json::{Value as Json, json};
 use stochc_compiler::Checked;
 use stochc_ir::scene::describe::{Absent, Term, Value, absent, terms};
-use stochc_ir::scene::groups::{BlockUnits, Group, Speed, SpeedFrom, groups, speed};
+use stochc_ir::scene::groups::{BlockUnits, Bound, Group, Speed, SpeedFrom, groups, speed};
 use stochc_ir::scene::{ContactLaw, Scene};
+use stochc_ir::visible;
 use stochc_runtime::Settings;
 
 use super::super::scene_warnings::{SceneWarning, scene_warnings, short};
@@ -59,10 +60,10 @@ impl InForce<'_> {
                 "symbol": group.symbol,
                 "meaning": group.meaning,
                 "value": group.value,
-                "most": group.limit.map(|limit| limit.most),
+                "most": most(group),
                 "exceeded": group.is_exceeded(1),
                 "substeps": group.substeps(),
-                "least": group.least.map(|least| least.least),
+                "least": least(group),
             })
         };
         json!({
@@ -85,7 +86,7 @@ impl InForce<'_> {
     pub fn text(&self) -> String {
         let mut out = format!(
             "{}: scene {}, of {}\n\n  in force, with the values in SI units and in block units\n",
-            self.file,
+            visible(self.file),
             self.scene.name,
             self.assemblies.join(", ")
         );
@@ -165,12 +166,8 @@ impl InForce<'_> {
             w = symbol + meaning + 4
         );
         for group in &self.groups {
-            let most = group
-                .limit
-                .map(|limit| format!("at most {}", short(limit.most)));
-            let least = group
-                .least
-                .map(|least| format!("at least {}", short(least.least)));
+            let most = most(group).map(|most| format!("at most {}", short(most)));
+            let least = least(group).map(|least| format!("at least {}", short(least)));
             let limit = most.or(least).unwrap_or_default();
             let line = format!(
                 "    {:symbol$}  {:meaning$}  {:9}  {limit}",
@@ -217,6 +214,25 @@ impl InForce<'_> {
 
     fn contact(&self) -> Option<&ContactLaw> {
         self.scene.contact.as_ref().map(|contact| &contact.law)
+    }
+}
+
+/// The smallest value that a group should have.
+fn least(group: &Group) -> Option<f64> {
+    match group.expected?.bound {
+        Bound::AtLeast(least) => Some(least),
+        Bound::AtMost(_) => None,
+    }
+}
+
+/// The largest value that a group should have: with one step a tick, or whatever the steps are.
+fn most(group: &Group) -> Option<f64> {
+    if let Some(limit) = group.limit {
+        return Some(limit.most);
+    }
+    match group.expected?.bound {
+        Bound::AtMost(most) => Some(most),
+        Bound::AtLeast(_) => None,
     }
 }
 

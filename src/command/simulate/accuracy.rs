@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use stochc_ensemble::Manifest;
 use stochc_ensemble::text::percent;
 use stochc_ensemble::trade::{Extent, FINEST, Setup, Trade, choose, known, note};
+use stochc_files::budget::TRADE;
 use stochc_files::read_file;
 use stochc_runtime::Settings;
 
@@ -96,7 +97,7 @@ fn read(path: &Path) -> Result<Trade, Failure> {
         false => path.to_owned(),
     };
     let shown = file.display();
-    let bytes = read_file(&file)
+    let bytes = read_file(&file, TRADE)
         .map_err(|error| Failure::usage(format!("cannot read `{shown}`: {error}")))?;
     let text = String::from_utf8_lossy(&bytes);
     Trade::from_json(&text).map_err(|reason| Failure::usage(format!("`{shown}`: {reason}")))

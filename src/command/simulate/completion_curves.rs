@@ -45,7 +45,7 @@ fn curves(manifest: &Manifest, finished: &[Finished]) -> Vec<Strip> {
         let estimate = KaplanMeier::of(&times)?;
         let steps = estimate.curve().into_iter();
         Some(Strip {
-            name: visible(name),
+            name: name.to_owned(),
             steps: steps.map(|point| (point.time, point.incomplete)).collect(),
             last: estimate.last(),
         })

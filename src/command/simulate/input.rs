@@ -2,6 +2,7 @@
 
 use stochc_compiler::{Checked, LintLevels};
 use stochc_ensemble::{Manifest, OLDEST, Program, Source, Varied, this_build};
+use stochc_files::budget::MANIFEST;
 use stochc_files::programs::{executables, refusal};
 use stochc_files::read_file;
 use stochc_ir::Executable;
@@ -9,7 +10,8 @@ use stochc_ir::scene::scalars::Change;
 use stochc_runtime::Settings;
 
 use super::super::check::verdict;
-use super::super::terminal::{has_colour, message_width, told, warn};
+use super::super::imports::ImportOptions;
+use super::super::terminal::{has_colour, message_width, told, warn_drawn};
 use super::{Options, older_manifest, sweep, tell_of_build};
 use crate::diagnostics::drawn;
 use crate::exit::Failure;
@@ -23,11 +25,15 @@ pub fn prepare(options: &Options) -> Result<Manifest, Failure> {
 }
 
 /// The programs of files, if nothing is wrong in any of them.
-pub fn programs(files: &[String], levels: &LintLevels) -> Result<Vec<Program>, Failure> {
+pub fn programs(
+    files: &[String],
+    levels: &LintLevels,
+    imports: &ImportOptions,
+) -> Result<Vec<Program>, Failure> {
     let mut programs = Vec::new();
     let mut wrong = None;
     for file in files {
-        match read(file, levels) {
+        match read(file, levels, imports) {
             Ok(found) => programs.extend(found),
             Err(failure) => wrong = Some(Failure::silent(told(Err(failure)))),
         }
@@ -35,19 +41,19 @@ pub fn programs(files: &[String], levels: &LintLevels) -> Result<Vec<Program>, F
     wrong.map_or(Ok(programs), Err)
 }
 
-fn read(file: &str, levels: &LintLevels) -> Result<Vec<Program>, Failure> {
+fn read(file: &str, levels: &LintLevels, imports: &ImportOptions) -> Result<Vec<Program>, Failure> {
     if let Some(reason) = refusal(file) {
         return Err(Failure::usage(reason));
     }
     match executables(file) {
         Some(Ok(found)) => Ok(compiled(found)),
         Some(Err(reason)) => Err(Failure::usage(format!("`{file}`: {reason}"))),
-        None => accept(file, crate::check_with(file, levels)),
+        None => accept(file, crate::check_within(file, levels, &imports.folders)),
     }
 }
 
 fn from_files(options: &Options) -> Result<Manifest, Failure> {
-    let mut programs = programs(&options.files, &options.levels.levels)?;
+    let mut programs = programs(&options.files, &options.levels.levels, &options.imports)?;
     if !options.sweep.is_empty() {
         programs = sweep::points(options, &programs)?;
     }
@@ -77,7 +83,7 @@ fn compiled(executables: Vec<Executable>) -> Vec<Program> {
 
 /// The programs of a file in which nothing is wrong.
 pub(super) fn accept(file: &str, checked: Checked) -> Result<Vec<Program>, Failure> {
-    warn(&drawn(&checked, has_colour(), message_width()));
+    warn_drawn(&drawn(&checked, has_colour(), message_width()));
     if checked.has_errors() {
         return Err(Failure::silent(verdict(&checked)));
     }
@@ -121,7 +127,7 @@ pub(super) fn recompile(
 /// The programs that a manifest holds.
 fn from_manifest(path: &std::path::Path, levels: &LintLevels) -> Result<Manifest, Failure> {
     let shown = path.display();
-    let bytes = read_file(path)
+    let bytes = read_file(path, MANIFEST)
         .map_err(|error| Failure::usage(format!("cannot read `{shown}`: {error}")))?;
     let text = String::from_utf8_lossy(&bytes);
     let refuse = |reason: String| Failure::usage(format!("`{shown}`: {reason}"));

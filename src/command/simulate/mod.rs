@@ -12,6 +12,7 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use stochc_ir::table::{Action, Tables};
+use stochc_ir::visible;
 use stochc_runtime::{Model, RunError, Settings, run as run_once};
 
 pub(super) use input::programs;
@@ -103,7 +104,7 @@ fn tell_of_doubts(manifest: &Manifest) {
     for program in &manifest.programs {
         let steps = manifest.settings.steps_in(&program.scene);
         let all = scene_warnings(&program.scene, steps).into_iter();
-        for doubt in all.filter(|doubt| doubt.is_of_steps || grows_upwards(program.tables())) {
+        for doubt in all.filter(|doubt| !doubt.is_of_height || grows_upwards(program.tables())) {
             match found
                 .iter_mut()
                 .find(|(_, it, _)| it.symbol == doubt.symbol)
@@ -137,7 +138,10 @@ fn ensemble(options: &Options, manifest: &Manifest, stop: &AtomicBool) -> Result
             tell_of_damage(out, folder.damage());
             match folder.state() {
                 State::New => {}
-                State::Finished => warn(&format!("`{}` is finished already\n", out.display())),
+                State::Finished => warn(&format!(
+                    "`{}` is finished already\n",
+                    visible(&out.to_string_lossy())
+                )),
                 // Of a manifest that is given it has been told.
                 State::Resumed if options.manifest.is_some() => {}
                 State::Resumed => tell_of_build(folder.builds()),

@@ -7,6 +7,7 @@ use stochc_ensemble::recording::{EVERY, Selection};
 use stochc_ensemble::sweep::Axis;
 use stochc_runtime::{Model, Precision, Reduction, Substeps};
 
+use super::super::imports::ImportOptions;
 use super::super::levels::LevelOptions;
 use super::super::results::Form;
 use super::super::trade::time;
@@ -94,6 +95,9 @@ pub struct Options {
     /// What becomes of warnings
     #[command(flatten)]
     pub levels: LevelOptions,
+    /// Where imports may lie.
+    #[command(flatten)]
+    pub imports: ImportOptions,
 }
 
 /// A model of the physics.

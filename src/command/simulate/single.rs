@@ -3,10 +3,10 @@ use std::fmt::Write as _;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use stochc_ensemble::text::{Tick, seconds};
+use stochc_ensemble::text::{Tick, seconds, visible};
 use stochc_ensemble::{Manifest, Program, named};
 use stochc_ir::record::{BondRecord, Limit, Origin, Outcome, ReleaseRecord, RunRecord, WaitRecord};
-use stochc_ir::table::PhaseId;
+use stochc_ir::table::{PhaseId, RoleId};
 use stochc_runtime::run as run_once;
 
 use super::super::results::Form;
@@ -56,10 +56,10 @@ fn story(record: &RunRecord, program: &Program) -> String {
     let teller = Teller { record, program };
     let mut out = String::new();
     // Writing to a string cannot fail.
-    let _ = writeln!(out, "{}, run {}", program.name, record.run);
+    let _ = writeln!(out, "{}, run {}", visible(&program.name), record.run);
     let mut begun: u64 = 0;
     for (number, name) in (0..).zip(program.phases().iter().map(|phase| &phase.name)) {
-        let phase = PhaseId(number);
+        let (phase, name) = (PhaseId(number), visible(name));
         let ended = record.phase_ticks.get(number as usize);
         let lines = teller.lines(phase);
         if ended.is_none() && lines.is_empty() {
@@ -95,6 +95,10 @@ impl Teller<'_> {
         Tick(self.program.scene.tick)
     }
 
+    fn role(&self, role: RoleId) -> String {
+        visible(self.program.role(role))
+    }
+
     /// A number of ticks, in seconds as well.
     fn ticks(&self, n: u64) -> String {
         count(n, "tick", "ticks") + &self.tick().beside(n as f64)
@@ -118,15 +122,15 @@ impl Teller<'_> {
         let origin = match &bond.origin {
             Origin::Free => String::new(),
             Origin::Released { role, tick } => {
-                let role = self.program.role(*role);
+                let role = self.role(*role);
                 format!(", the former {role}, released at {tick}")
             }
         };
         format!(
             "{}.{} captures {} after {} and {}: block {}{origin}",
-            self.program.role(bond.parent),
+            self.role(bond.parent),
             bond.face,
-            self.program.role(bond.child),
+            self.role(bond.child),
             self.ticks(bond.docked.saturating_sub(bond.magnetized)),
             count(bond.entries.into(), "entry", "entries"),
             bond.body,
@@ -136,8 +140,8 @@ impl Teller<'_> {
     fn release(&self, release: &ReleaseRecord) -> String {
         format!(
             "{} releases {}: block {}",
-            self.program.role(release.parent),
-            self.program.role(release.child),
+            self.role(release.parent),
+            self.role(release.child),
             release.body
         )
     }
@@ -145,9 +149,9 @@ impl Teller<'_> {
     fn waiting(&self, wait: &WaitRecord) -> String {
         format!(
             "{}.{} still waits for {} after {} and {}",
-            self.program.role(wait.parent),
+            self.role(wait.parent),
             wait.face,
-            self.program.role(wait.child),
+            self.role(wait.child),
             self.ticks(self.record.ticks.saturating_sub(wait.magnetized)),
             count(wait.entries.into(), "entry", "entries"),
         )
@@ -155,7 +159,7 @@ impl Teller<'_> {
 
     fn end(&self) -> String {
         let record = self.record;
-        let phase = |phase| self.program.phase(phase);
+        let phase = |phase| visible(self.program.phase(phase));
         let end = match &record.outcome {
             Outcome::Completed => "complete".to_owned(),
             Outcome::TimedOut { phase: of, by } => match by {
@@ -163,7 +167,7 @@ impl Teller<'_> {
                 Limit::MaxTicks => format!("stopped by `--max-ticks` in phase {}", phase(*of)),
             },
             Outcome::Failed { phase: of, reason } => {
-                format!("failed in phase {}: {reason}", phase(*of))
+                format!("failed in phase {}: {}", phase(*of), visible(reason))
             }
         };
         let mut parts = vec![

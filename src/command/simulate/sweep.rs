@@ -6,6 +6,7 @@ use stochc_compiler::LintLevels;
 use stochc_ensemble::sweep::{MOST_POINTS, Sweep, points as combine};
 use stochc_ensemble::{Compiled, Finished, MOST_RUNS, Manifest, Program};
 use stochc_ir::Executable;
+use stochc_ir::visible;
 use stochc_report::figures::sweep as pictures;
 
 use super::super::check::verdict;
@@ -61,7 +62,7 @@ pub(super) fn points(options: &Options, programs: &[Program]) -> Result<Vec<Prog
         return Ok(at_points);
     };
     // Most are wrong for one reason.
-    let more: Vec<String> = wrong.map(|(name, _)| name).collect();
+    let more: Vec<String> = wrong.map(|(name, _)| visible(&name)).collect();
     if !more.is_empty() {
         failure.message += &format!("error: nor can these be run: {}\n", more.join(", "));
     }
@@ -74,7 +75,7 @@ pub(super) fn points(options: &Options, programs: &[Program]) -> Result<Vec<Prog
 pub fn at_point(entry: &mut Program, levels: &LintLevels) -> Result<(), Failure> {
     let checked = input::recompile(&entry.sources, &entry.varied, entry.assembly(), levels);
     if checked.has_errors() {
-        let name = &entry.name;
+        let name = visible(&entry.name);
         let drawn = drawn(&checked, has_colour(), message_width());
         return Err(Failure {
             exit: verdict(&checked),

@@ -1,4 +1,4 @@
-use stochc_ir::scene::groups::{Group, Settling, SpeedFrom, groups, speed};
+use stochc_ir::scene::groups::{Settling, SpeedFrom, groups, speed};
 use stochc_ir::scene::{
     Agitation, BOLTZMANN, Bond, Contact, ContactLaw, Drag, Enclosure, Flow, Fluid, Scene, Strength,
 };
@@ -296,7 +296,7 @@ fn sinking_is_held_against_what_stirs() {
         close(value("⟨z⟩ / a"), settling.height / 10e-6),
         "heat lifts all"
     );
-    assert!(groups(&scene).iter().any(Group::is_too_small));
+    assert!(groups(&scene).iter().any(|it| it.disappoints().is_some()));
     scene.block.mass = 0.95e-12;
     assert!(Settling::of(&scene).unwrap().is_floating);
     scene.block.mass = 1e-12;

@@ -29,7 +29,7 @@ pub struct Group {
     /// What it has to keep to, if it is one that steps have to resolve.
     pub limit: Option<Limit>,
     /// What it should keep to whatever the steps are.
-    pub least: Option<Least>,
+    pub expected: Option<Expected>,
     /// Whether it is about blocks that an open face attracts, which may take shorter steps than all others.
     pub of_faces: bool,
 }
@@ -45,15 +45,26 @@ pub struct Limit {
     pub beyond: &'static str,
 }
 
-/// The smallest value of a group at which a scene does what it is for.
+/// The values of a group at which a scene does what it is for.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Least {
-    /// The value, about.
-    pub least: f64,
-    /// What happens below it, as a clause.
-    pub below: &'static str,
+pub struct Expected {
+    /// The bound, about.
+    pub bound: Bound,
+    /// What happens beyond it, as a clause.
+    pub beyond: &'static str,
     /// What changes it.
     pub cure: &'static str,
+    /// Whether it matters to structures alone that grow away from where blocks settle.
+    pub is_of_height: bool,
+}
+
+/// A smallest or a largest value.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub enum Bound {
+    /// A smallest one.
+    AtLeast(f64),
+    /// A largest one.
+    AtMost(f64),
 }
 
 impl Group {
@@ -68,9 +79,12 @@ impl Group {
         self.limit?.substeps
     }
 
-    /// Whether it is smaller than it should be.
-    pub fn is_too_small(&self) -> bool {
-        self.least.is_some_and(|least| self.value < least.least)
+    /// What it should keep to whatever the steps are, and does not.
+    pub fn disappoints(&self) -> Option<Expected> {
+        self.expected.filter(|expected| match expected.bound {
+            Bound::AtLeast(least) => self.value < least,
+            Bound::AtMost(most) => self.value > most,
+        })
     }
 }
 
@@ -160,6 +174,7 @@ pub fn groups(scene: &Scene) -> Vec<Group> {
     contact(scene, push, &mut out);
     gas(scene, v, &mut out);
     settling(scene, &mut out);
+    bearing(scene, &mut out);
     out
 }
 
@@ -358,14 +373,54 @@ fn settling(scene: &Scene, out: &mut Vec<Group>) {
             "part of the blocks that is kept a side or more from where they settle",
             settling.above(scene.block.side),
         )
-        .not_below(
-            0.1,
-            match settling.is_floating {
+        .expected(Expected {
+            bound: Bound::AtLeast(0.1),
+            beyond: match settling.is_floating {
                 true => "most blocks float at the top, and few come to what is below",
                 false => "most blocks lie on the floor, and few come to what is above",
             },
-            "stir more, or bring the blocks' density closer to the fluid's",
+            cure: "stir more, or bring the blocks' density closer to the fluid's",
+            is_of_height: true,
+        }),
+    );
+}
+
+/// What the shell alone bears: all blocks that float, and without contacts, so that there is no floor, those that sink.
+fn bearing(scene: &Scene, out: &mut Vec<Group>) {
+    let Some(Enclosure::Hemisphere { wall, .. } | Enclosure::Sphere { wall, .. }) =
+        &scene.enclosure
+    else {
+        return;
+    };
+    let down = settling::down(scene);
+    let lies_on_floor = down > 0.0 && scene.contact.is_some();
+    if down == 0.0 || lies_on_floor {
+        return;
+    }
+    let units = BlockUnits::of(scene);
+    let depth = units.acceleration(down.abs()) / units.stiffness(*wall);
+    let (beyond, cure) = match down < 0.0 {
+        true => (
+            "blocks that float come to rest outside of the shell",
+            "give the enclosure a stiffer `wall`, or bring the blocks' density closer to the fluid's",
         ),
+        false => (
+            "blocks sink through the floor, which is solid for contacts alone, and come to rest outside of the shell",
+            "give the scene a `contact`, or the enclosure a stiffer `wall`",
+        ),
+    };
+    out.push(
+        Group::new(
+            "|m - ρ a³| g / (k a)",
+            "sides that a block at rest, which the shell alone bears, is outside of it",
+            depth,
+        )
+        .expected(Expected {
+            bound: Bound::AtMost(0.5),
+            beyond,
+            cure,
+            is_of_height: false,
+        }),
     );
 }
 
@@ -376,7 +431,7 @@ impl Group {
             meaning,
             value,
             limit: None,
-            least: None,
+            expected: None,
             of_faces: false,
         }
     }
@@ -401,8 +456,8 @@ impl Group {
         self
     }
 
-    const fn not_below(mut self, least: f64, below: &'static str, cure: &'static str) -> Group {
-        self.least = Some(Least { least, below, cure });
+    const fn expected(mut self, expected: Expected) -> Group {
+        self.expected = Some(expected);
         self
     }
 }

@@ -25,7 +25,7 @@ impl Settling {
     /// `None` without weight or a floor, or where nothing is known of what spreads the blocks.
     pub fn of(scene: &Scene) -> Option<Settling> {
         scene.contact.as_ref()?;
-        let down = scene.gravity? * (1.0 - borne(scene));
+        let down = down(scene);
         let weight = down.abs();
         if weight == 0.0 {
             return None;
@@ -58,6 +58,11 @@ impl Settling {
             false => 0.0,
         }
     }
+}
+
+/// What pulls a block at rest down, or up where it is below 0 \[m/s^2\].
+pub fn down(scene: &Scene) -> f64 {
+    scene.gravity.unwrap_or(0.0) * (1.0 - borne(scene))
 }
 
 /// Part of a block's weight that its fluid bears.

@@ -1,0 +1,118 @@
+//! The folders within which the imports of a program stay.
+use std::io;
+use std::path::{Component, Path, PathBuf};
+
+/// Folders, links resolved.
+#[derive(Clone, Debug)]
+pub struct Bound(Vec<PathBuf>);
+
+impl Bound {
+    /// The folder of a program, and further ones as [`folder`] gives them.
+    pub fn of(program: &str, further: &[PathBuf]) -> Bound {
+        let own = Path::new(program).parent().unwrap_or(Path::new(""));
+        let own = std::iter::once(resolved(own));
+        Bound(own.chain(further.iter().cloned()).collect())
+    }
+
+    /// The folder of the program, where a file is in none of the folders: whether it is there or not, nothing of it
+    /// is told.
+    pub fn outside(&self, path: &str) -> Option<String> {
+        let path = resolved(Path::new(path));
+        let is_above = |folder: &PathBuf| path.starts_with(folder);
+        let own = self.0.first()?;
+        (!self.0.iter().any(is_above)).then(|| own.to_string_lossy().into_owned())
+    }
+}
+
+/// A folder, links resolved.
+///
+/// # Errors
+/// Those of the file system, and of what is no folder.
+pub fn folder(path: &Path) -> io::Result<PathBuf> {
+    let path = std::fs::canonicalize(path)?;
+    match path.is_dir() {
+        true => Ok(path),
+        false => Err(io::ErrorKind::NotADirectory.into()),
+    }
+}
+
+/// A path with all links resolved, as far as there is anything at it.
+fn resolved(path: &Path) -> PathBuf {
+    let path = Path::new(".").join(path);
+    let absolute = std::path::absolute(&path).unwrap_or(path);
+    for there in absolute.ancestors() {
+        let Ok(mut found) = std::fs::canonicalize(there) else {
+            continue;
+        };
+        let rest = absolute.strip_prefix(there).unwrap_or(Path::new(""));
+        for part in rest.components() {
+            match part {
+                Component::ParentDir => {
+                    found.pop();
+                }
+                part => found.push(part),
+            }
+        }
+        return found;
+    }
+    absolute
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(
+        clippy::disallowed_methods,
+        reason = "the test makes the files that it asks about"
+    )]
+    use super::*;
+
+    #[test]
+    #[cfg(unix)]
+    fn imports_stay_within_the_folder_whatever_their_path_is() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+        for name in ["in/deep", "in-between", "out"] {
+            std::fs::create_dir_all(at(name)).unwrap();
+        }
+        for name in ["in/own.sa", "in/deep/a.sa", "out/b.sa"] {
+            std::fs::write(at(name), "").unwrap();
+        }
+        std::os::unix::fs::symlink(at("out"), at("in/link")).unwrap();
+        std::os::unix::fs::symlink(at("out/b.sa"), at("in/b.sa")).unwrap();
+        std::os::unix::fs::symlink(at("in"), at("same")).unwrap();
+        let inside = [
+            "in/own.sa",
+            "in/deep/a.sa",
+            "in/deep/../own.sa",
+            "in/missing.sa",
+            "in/missing/x.sa",
+            "same/own.sa",
+        ];
+        let outside = [
+            "out/b.sa",
+            "in/b.sa",
+            "in/link/b.sa",
+            "in/link/missing.sa",
+            "in/../out/b.sa",
+            "in/missing/../../out/b.sa",
+            "in-between/x.sa",
+            "missing.sa",
+        ];
+        for program in ["in/own.sa", "same/own.sa"] {
+            let bound = Bound::of(&at(program), &[]);
+            for path in inside {
+                assert_eq!(bound.outside(&at(path)), None, "{path}");
+            }
+            for path in outside {
+                assert!(bound.outside(&at(path)).is_some(), "{path}");
+            }
+        }
+        let allowed = super::folder(Path::new(&at("in/link"))).unwrap();
+        let bound = Bound::of(&at("in/own.sa"), &[allowed]);
+        assert_eq!(bound.outside(&at("in/b.sa")), None);
+        assert!(bound.outside(&at("missing.sa")).is_some());
+        assert!(super::folder(Path::new(&at("in/own.sa"))).is_err());
+        assert!(Bound::of("own.sa", &[]).outside("/etc/passwd").is_some());
+        assert_eq!(Bound::of("own.sa", &[]).outside("deep/x.sa"), None);
+    }
+}

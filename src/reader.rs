@@ -1,0 +1,39 @@
+//! What the compiler reads of the disk.
+use std::path::PathBuf;
+
+use stochc_compiler::Reader;
+use stochc_files::bound::Bound;
+use stochc_files::{programs, read};
+
+/// Reads a program, and what it imports from within the bound.
+pub(crate) struct DiskReader<'a> {
+    program: &'a str,
+    text: Option<&'a [u8]>,
+    bound: Bound,
+}
+
+impl<'a> DiskReader<'a> {
+    /// For a program, which has another text than the one to read if `text` says so; it may import from further folders.
+    pub fn new(program: &'a str, text: Option<&'a [u8]>, further: &[PathBuf]) -> DiskReader<'a> {
+        let bound = Bound::of(program, further);
+        DiskReader {
+            program,
+            text,
+            bound,
+        }
+    }
+}
+
+impl Reader for DiskReader<'_> {
+    fn read(&mut self, path: &str) -> Result<Vec<u8>, String> {
+        match self.text {
+            Some(text) if path == self.program => Ok(text.to_vec()),
+            _ if path == self.program => programs::read(path),
+            _ => read(path),
+        }
+    }
+
+    fn outside(&mut self, path: &str) -> Option<String> {
+        self.bound.outside(path)
+    }
+}

@@ -1,0 +1,245 @@
+//! Names that would act on the terminal.
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use crate::stochc::{Said, path, stochc, stochc_with};
+
+/// A name that clears the screen, turns the direction of reading, and begins a line of its own.
+const NAME: &str = "a\u{1b}[2J\u{202e}b\nerror: forged\u{e0041}";
+
+/// Nothing of what is said acts on a terminal, and no name makes a line.
+fn is_harmless(text: &str) -> bool {
+    let acts = |c: char| stochc::ir::is_invisible(c) && c != '\n';
+    !text.contains(acts) && !text.lines().any(|line| line.starts_with("error: forged"))
+}
+
+#[track_caller]
+fn assert_harmless(said: &Said, is_data: bool) {
+    assert!(is_harmless(&said.err), "{:?}", said.err);
+    assert!(is_data || is_harmless(&said.out), "{:?}", said.out);
+    let told = format!("{}{}", said.out, said.err);
+    assert!(is_data || told.contains("⟨U+001B⟩[2J⟨U+202E⟩b"), "{told}");
+}
+
+const TOWER: &str = include_str!("../fixtures/tower.sa");
+
+#[test]
+fn names_of_files_are_shown_as_what_they_are() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| path(folder.path(), name);
+    let [good, wrong, missing, plain] =
+        ["good.sa", "wrong.sa", "missing", "unlaid.sa"].map(|end| at(&format!("{NAME}{end}")));
+    fs::write(&good, TOWER).unwrap();
+    fs::write(
+        &wrong,
+        "assembly a { seed plate 1 x 1 { M at (0, 0) } phaze p { M.up -> A } }",
+    )
+    .unwrap();
+    fs::write(&plain, format!("{TOWER}\n\n\n")).unwrap();
+    for (line, file) in [
+        ("check", &good),
+        ("check --scene", &good),
+        ("check --exhaustive", &good),
+        ("check", &wrong),
+        ("check --format short", &wrong),
+        ("check --fix --dry-run", &wrong),
+        ("check --fix", &wrong),
+        ("check", &missing),
+        ("check --format short", &missing),
+        ("fmt --check", &plain),
+        ("fmt", &missing),
+        ("compile", &missing),
+        ("simulate --quiet --runs 1", &missing),
+        ("simulate --manifest", &missing),
+        ("simulate --quiet --runs 1 --trade", &missing),
+        ("trade --model shuffle --quiet --runs 2", &missing),
+        ("results", &missing),
+        ("verify", &missing),
+        ("report", &missing),
+        ("replay --run 0", &missing),
+        ("export --run 0", &missing),
+        (
+            "fit tests/fixtures/tower.sa --vary free=1..2 --data",
+            &missing,
+        ),
+    ] {
+        assert_harmless(&stochc_with(line, &[file]), false);
+    }
+    // An argument that begins as an option does.
+    assert_harmless(&stochc_with("check", &[&format!("--{NAME}")]), false);
+    let import = format!("import \"{}\"\n", "x\u{1b}[2J\u{202e}b");
+    fs::write(at("plain.sa"), import).unwrap();
+    for form in ["graphical", "short"] {
+        assert_harmless(
+            &stochc_with("check --format", &[form, &at("plain.sa")]),
+            false,
+        );
+    }
+}
+
+/// Names in a file of compiled programs may be any text.
+#[test]
+fn names_in_files_are_shown_as_what_they_are() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| path(folder.path(), name);
+    let (tower, results) = (at("tower.json"), at("results"));
+    stochc_with(
+        "compile tests/fixtures/tower.sa --emit executable --out",
+        &[&tower],
+    );
+    let text = fs::read_to_string(&tower).unwrap();
+    let mut file: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let names = rename(&mut file, "");
+    assert!(names >= 4, "{names}");
+    // A file of executables says first what it is.
+    let programs = &file["programs"];
+    let hostile =
+        format!("{{\"kind\":\"stochc executable\",\"format\":1,\"programs\":{programs}}}\n");
+    fs::write(&tower, hostile).unwrap();
+    let simulate = "simulate --model shuffle --runs 3 --max-ticks 100000 --out";
+    assert_harmless(&stochc_with(simulate, &[&results, &tower]), false);
+    for line in ["results --bonds", "results"] {
+        assert_harmless(&stochc_with(line, &[&results]), false);
+    }
+    assert_harmless(
+        &stochc_with("simulate --model shuffle --run 1", &[&tower]),
+        false,
+    );
+    let again = stochc_with(
+        "simulate --model shuffle --runs 3 --max-ticks 100000 --seed 2 --out",
+        &[&results, &tower],
+    );
+    assert_eq!(again.status, 2);
+    assert_harmless(&again, true);
+    assert_harmless(&stochc_with("replay --run 9", &[&results]), true);
+    let none = stochc_with("replay --run 0 --program none", &[&results]);
+    assert_harmless(&none, false);
+    let trade = "trade --model shuffle --quiet --runs 2 --max-ticks 100000";
+    assert_harmless(&stochc_with(trade, &[&tower]), true);
+}
+
+/// Gives every `name` in a document, and every assembly, a hostile one; how many.
+fn rename(value: &mut serde_json::Value, key: &str) -> usize {
+    use serde_json::Value::{Array, Object, String};
+    match value {
+        String(text) if matches!(key, "name" | "assembly") => {
+            text.push_str(NAME);
+            1
+        }
+        Array(all) => all.iter_mut().map(|value| rename(value, "")).sum(),
+        Object(fields) => (fields.iter_mut())
+            .map(|(key, value)| rename(value, key))
+            .sum(),
+        _ => 0,
+    }
+}
+
+/// A terminal is shown more than a pipe: what goes into a file is what it is.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_terminal_is_shown_what_a_pipe_gets_as_it_is() {
+    let there = Command::new("script").arg("--version").output();
+    if !there.is_ok_and(|output| output.status.success()) {
+        return crate::skipped::skipped("bsdutils", "script");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(folder.path(), "a.sa");
+    let hostile = "assembly a { seed plate 1 x 1 { M at (0, 0) } phaze p { M.up -> A } } // \u{1b}[2J\u{202e}\n";
+    fs::write(&file, hostile).unwrap();
+    let piped = stochc_with("check --fix --dry-run", &[&file]);
+    assert!(piped.out.contains("// \u{1b}[2J\u{202e}"), "{}", piped.out);
+    let line = format!(
+        "{} check --fix --dry-run {file}",
+        env!("CARGO_BIN_EXE_stochc")
+    );
+    let shown = Command::new("script")
+        .args(["--quiet", "--return", "--command", &line, "/dev/null"])
+        .env("NO_COLOR", "1")
+        .output()
+        .unwrap();
+    let shown = String::from_utf8_lossy(&shown.stdout).into_owned();
+    assert!(shown.contains("// ⟨U+001B⟩[2J⟨U+202E⟩"), "{shown}");
+    assert!(
+        !shown.contains("\u{1b}[2J") && !shown.contains('\u{202e}'),
+        "{shown:?}"
+    );
+}
+
+#[test]
+fn imports_stay_within_the_folder_of_the_program() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| path(folder.path(), name);
+    let secret = "this is a secret of somebody\n";
+    for name in ["own/deep", "other"] {
+        fs::create_dir_all(at(name)).unwrap();
+    }
+    let tower = fs::read_to_string("tests/fixtures/importing_tower.sa").unwrap();
+    let main = fs::read_to_string("tests/fixtures/importing.sa").unwrap();
+    fs::write(at("other/importing_tower.sa"), &tower).unwrap();
+    fs::write(at("own/deep/importing_tower.sa"), &tower).unwrap();
+    fs::write(at("other/secret"), secret).unwrap();
+    let program = at("own/main.sa");
+    let importing = |path: &str| {
+        fs::write(&program, main.replace("importing_tower.sa", path)).unwrap();
+    };
+    let elsewhere = at("other/importing_tower.sa");
+    let other = at("other");
+    let checked = |more: &[&str]| {
+        let words = [more, &[&*program]].concat();
+        let said = stochc_with("check", &words);
+        // Every command that compiles says the same.
+        for line in [
+            "compile --emit structure",
+            "simulate --model shuffle --run 0 --quiet --max-ticks 100000",
+            "check --fix",
+        ] {
+            assert_eq!(
+                stochc_with(line, &words).status,
+                said.status,
+                "{line}: {}",
+                said.err
+            );
+        }
+        said
+    };
+    for path in [
+        "../other/secret",
+        &*at("other/secret"),
+        "/etc/passwd",
+        "../other/none",
+    ] {
+        importing(path);
+        let said = checked(&[]);
+        assert_eq!(said.status, 1, "{}", said.err);
+        assert!(said.err.contains("import-outside"), "{}", said.err);
+        assert!(said.err.contains("--allow-import DIR"), "{}", said.err);
+        assert!(
+            !said.err.contains("somebody") && !said.err.contains("root:"),
+            "{}",
+            said.err
+        );
+    }
+    importing("deep/importing_tower.sa");
+    assert_eq!(checked(&[]).status, 0);
+    for path in ["../other/importing_tower.sa", &elsewhere] {
+        importing(path);
+        assert_eq!(checked(&[]).status, 1);
+        assert_eq!(
+            checked(&["--allow-import", &at("own"), "--allow-import", &other]).status,
+            0
+        );
+    }
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink(&elsewhere, at("own/link.sa")).unwrap();
+        importing("link.sa");
+        assert_eq!(checked(&[]).status, 1);
+        assert_eq!(checked(&["--allow-import", &other]).status, 0);
+    }
+    let said = stochc_with("check --allow-import", &[&at("none"), &program]);
+    assert_eq!(said.status, 2);
+    assert!(said.err.contains("--allow-import"), "{}", said.err);
+    assert!(Path::new("tests/fixtures/importing.sa").exists());
+    assert_eq!(stochc("check tests/fixtures/importing.sa").status, 0);
+}
