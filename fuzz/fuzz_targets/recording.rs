@@ -1,0 +1,5 @@
+//! Any bytes are a recording or none.
+#![no_main]
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|bytes: &[u8]| stochc_fuzz::recording::read(bytes));

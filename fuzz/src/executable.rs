@@ -1,0 +1,33 @@
+//! Any bytes are compiled programs or none; those that are survive being written and read again, and can be run.
+use std::ops::ControlFlow;
+
+use stochc_ir::Executable;
+use stochc_runtime::{Model, Settings};
+
+/// Reads an input, and panics where something is wrong with what comes of it.
+pub fn read(bytes: &[u8]) {
+    let Ok(programs) = Executable::read_all(bytes) else {
+        return;
+    };
+    let mut written = Vec::new();
+    Executable::write_all(&programs, &mut written).expect("memory takes everything");
+    let again = Executable::read_all(&written).expect("what is written can be read");
+    for (program, again) in programs.iter().zip(&again) {
+        assert_eq!(program.identity(), again.identity());
+    }
+    for Executable { tables, scene, .. } in programs.iter().take(2) {
+        // Small enough that every execution is quick.
+        if scene.free.count > 50 || tables.roles.len() > 50 {
+            continue;
+        }
+        for model in [Model::Shuffle, Model::Rigid] {
+            let mut settings = Settings::of(model, 1);
+            settings.max_ticks = Some(5);
+            let mut watch = |tick, _| match tick > 5 {
+                true => ControlFlow::Break(()),
+                false => ControlFlow::Continue(()),
+            };
+            let _ = stochc_runtime::run(tables, scene, &settings, 1, 0, &mut watch);
+        }
+    }
+}

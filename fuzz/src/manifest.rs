@@ -1,0 +1,15 @@
+//! Any text is a manifest or none; what is one survives being written and read again.
+use stochc_ensemble::Manifest;
+
+/// Reads an input, and panics where something is wrong with what comes of it.
+pub fn read(text: &str) {
+    let Ok(manifest) = Manifest::from_json(text) else {
+        return;
+    };
+    let written = manifest.to_json();
+    let again = Manifest::from_json(&written).expect("what is written can be read");
+    assert_eq!(again.to_json(), written);
+    assert_eq!(again.identity(), manifest.identity());
+    assert!(manifest.total() > 0 && manifest.within_limits().is_ok());
+    let _ = manifest.differences(&super::ensemble());
+}
