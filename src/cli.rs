@@ -1,6 +1,6 @@
 //! The command line.
 use clap::{CommandFactory as _, Parser, Subcommand};
-use stochc_ir::visible_lines;
+use stochc_ir::is_invisible;
 
 use crate::command::interrupt::outlive_file_limit;
 use crate::command::{
@@ -59,14 +59,14 @@ pub enum Command {
 
 /// Says what is wrong with a command line, in which a name may hold anything.
 pub fn wrong(error: clap::Error) -> Result<Exit, Failure> {
-    let plain = error.to_string();
-    let shown = visible_lines(&plain);
-    match error.use_stderr() && shown != plain {
-        true => Err(Failure {
-            exit: Exit::Usage,
-            message: shown,
-        }),
-        false => error.exit(),
+    let mut arguments = std::env::args_os().map(|it| it.to_string_lossy().into_owned());
+    let strange = arguments.find(|it| it.contains(is_invisible));
+    match strange.filter(|_| error.use_stderr()) {
+        Some(argument) => Err(Failure::usage(format!(
+            "{}; look at `{argument}`, and at `--help`",
+            error.kind()
+        ))),
+        None => error.exit(),
     }
 }
 
