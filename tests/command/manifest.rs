@@ -89,8 +89,9 @@ fn an_older_folder_is_refused_and_made_again() {
     let folder = tempfile::tempdir().unwrap();
     let [fresh, old, again] =
         ["fresh", "an old one", "again"].map(|name| path(folder.path(), name));
-    let like = "--runs 3 --substeps 4 --precision double --out";
-    stochc_with(&format!("{TOWER} {like}"), &[&fresh]);
+    let like = "simulate --model shuffle --quiet tests/fixtures/tower_soft.sa \
+                --runs 3 --substeps 4 --precision double --out";
+    stochc_with(like, &[&fresh]);
     fs::create_dir(&old).unwrap();
     let manifest = path(old.as_ref(), "manifest.json");
     // As version 2 has written it; version 1 said the same.

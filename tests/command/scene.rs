@@ -67,7 +67,7 @@ fn scenes_come_as_json_beside_the_findings() {
     let pull = find(&hemisphere["groups"], "symbol", "F τ² / (m d)");
     assert_eq!(
         (&pull["most"], &pull["exceeded"], &pull["substeps"]),
-        (&1.0.into(), &true.into(), &2.into())
+        (&1.0.into(), &true.into(), &3.into())
     );
     assert_eq!(hemisphere["warnings"].as_array().unwrap().len(), 0);
     assert_eq!(hemisphere["speed"]["from"], "collisions");

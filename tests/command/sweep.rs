@@ -295,7 +295,10 @@ fn what_a_scene_does_not_have_is_told() {
             "fre=50",
             "the scene `hemisphere` has no number `fre`; did you mean `free`? (it has tick, block.side,",
         ),
-        ("drag=1 s^-1", "the scene `hemisphere` declares no `drag`"),
+        (
+            "gravity=1 m/s^2",
+            "the scene `hemisphere` declares no `gravity`",
+        ),
         (
             "contact.restitution=0",
             "the scene `hemisphere` does not say `contact.restitution`",
