@@ -1,7 +1,7 @@
 //! How far the speed that `stochc check --scene` expects is from the one that blocks have: `cargo
 //! run --release -p stochc-runtime --example expected_speed`.
 //!
-//! The default scene, with one thing changed in each row, and no face magnetized. Speeds in sides a tick.
+//! The scene `hemisphere_2005`, with one thing changed in each row, and no face magnetized. Speeds in sides a tick.
 use stochc_compiler::scene::built_in;
 use stochc_ir::scene::groups::{BlockUnits, Gas, speed};
 use stochc_ir::scene::{Agitation, Contact, ContactLaw, Drag, Scene};
@@ -37,11 +37,11 @@ fn main() {
 }
 
 fn scenes() -> Vec<(&'static str, Scene, u32)> {
-    let scene = built_in("hemisphere_2005").expect("the default scene is built in");
+    let scene = built_in("hemisphere_2005").expect("it is built in");
     let kicks = |scene: &Scene, factor: f64| {
         let mut scene = scene.clone();
         let Some(Agitation::Kicks { speed }) = &mut scene.agitation else {
-            panic!("the default scene is agitated");
+            panic!("the scene is agitated");
         };
         speed.1 *= factor;
         scene
@@ -63,7 +63,7 @@ fn scenes() -> Vec<(&'static str, Scene, u32)> {
         scene
     };
     vec![
-        ("hemisphere", scene.clone(), 1),
+        ("hemisphere_2005", scene.clone(), 1),
         ("2 substeps", scene.clone(), 2),
         ("4 substeps", scene.clone(), 4),
         ("kicks x 1/4", kicks(&scene, 0.25), 1),
@@ -96,7 +96,7 @@ fn observe(scene: &Scene, substeps: u32) -> Seen {
     };
     let units = BlockUnits::of(scene);
     let Some(Agitation::Kicks { speed: (_, most) }) = scene.agitation else {
-        panic!("the default scene is agitated");
+        panic!("the scene is agitated");
     };
     let most = units.speed(most) * 1.001;
     let radius = (1.5 / std::f64::consts::PI * f64::from(scene.free.count)
