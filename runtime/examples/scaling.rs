@@ -94,7 +94,7 @@ fn report(what: &str, make: &dyn Fn(u32) -> Option<RigidWorld>) {
 
 /// A world with so many blocks, over a square plate of so many seeds along its side.
 fn setting(count: u32, side: u32) -> (u32, RigidWorld) {
-    let mut scene: Scene = built_in("hemisphere").expect("built in");
+    let mut scene: Scene = built_in("hemisphere_soft").expect("built in");
     scene.free.count = count;
     if let Some(Enclosure::Hemisphere { radius, .. }) = &mut scene.enclosure {
         let plate = f64::from(side) * scene.block.side;

@@ -42,7 +42,7 @@ fn main() {
 
 /// All terms that there are, less one.
 fn scene(without: &str) -> Scene {
-    let mut scene = built_in("hemisphere").expect("built in");
+    let mut scene = built_in("hemisphere_soft").expect("built in");
     scene.free.arrangement = Arrangement::Uniform;
     scene.drag = Some(Drag { rate: 0.5 });
     scene.gravity = Some(0.1);
