@@ -3,7 +3,7 @@ use std::fs;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::stochc::{Said, command, path, stochc_with};
+use crate::stochc::{Said, path, stochc_with};
 
 /// Longer than any of these waits can take on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(120);
@@ -18,8 +18,19 @@ fn until(child: &mut Child, what: &str, so: impl Fn() -> bool) {
     }
 }
 
+/// Runs a program to which no signal is ignored, whatever is for whoever runs the tests: children inherit that.
+fn with_signals(program: &str) -> Command {
+    if !cfg!(target_os = "linux") {
+        return Command::new(program);
+    }
+    let mut command = Command::new("env");
+    command.args(["--default-signal=INT,TERM,HUP", program]);
+    command
+}
+
 fn start(arguments: &[&str]) -> Child {
-    let mut command = command(arguments.iter().copied());
+    let mut command = with_signals(env!("CARGO_BIN_EXE_stochc"));
+    command.args(arguments).stdin(Stdio::null());
     command.stdout(Stdio::piped()).stderr(Stdio::piped());
     command.spawn().unwrap()
 }
@@ -134,9 +145,12 @@ fn a_trade_tells_what_it_has_measured() {
         "--out",
         &out,
     ];
+    let journal = path(out.as_ref(), "trade.jsonl");
     let mut child = start(&trade);
-    listens(&mut child);
-    std::thread::sleep(Duration::from_secs(2));
+    until(&mut child, "measured run", || {
+        let text = fs::read_to_string(&journal).unwrap_or_default();
+        text.matches('\n').count() > 2
+    });
     let said = interrupt(child, "-INT");
     assert_eq!(said.status, 130, "{}", said.err);
     assert!(said.out.contains("It was interrupted"), "{}", said.out);
@@ -153,7 +167,7 @@ fn a_trade_tells_what_it_has_measured() {
 fn an_ignored_signal_stays_ignored() {
     let still = "simulate tests/fixtures/still.sa --max-ticks 1000000000000 --quiet";
     let line = format!("trap '' HUP; exec {} {still}", env!("CARGO_BIN_EXE_stochc"));
-    let mut command = Command::new("sh");
+    let mut command = with_signals("sh");
     command.args(["-c", &line]).stdin(Stdio::null());
     command.stdout(Stdio::piped()).stderr(Stdio::piped());
     let mut child = command.spawn().unwrap();
