@@ -332,5 +332,5 @@ fn a_changed_scene_is_compiled_like_one_that_was_written() {
     );
     assert_eq!(codes(&[("free", 2.5)]), [Code::WrongValue]);
     assert_eq!(codes(&[("fre", 2.0)]), [Code::UnknownTerm]);
-    assert_eq!(codes(&[("drag", 2.0)]), [Code::MissingTerm]);
+    assert_eq!(codes(&[("gravity", 2.0)]), [Code::MissingTerm]);
 }
