@@ -54,11 +54,7 @@ fn main() {
         };
         scale(&mut scene, number, factor);
     }
-    let settings = Settings {
-        substeps: steps.near,
-        away: steps.away,
-        ..Settings::default()
-    };
+    let settings = Settings::default().with_steps(steps);
     let seen = observe(&scene, &settings, ticks);
     let share = |part: u64, of: u64| part as f64 / of.max(1) as f64;
     println!("{name}, {steps} steps a tick, {ticks} ticks");

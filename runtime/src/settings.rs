@@ -216,6 +216,16 @@ impl Settings {
         }
     }
 
+    /// The same with so many steps per tick.
+    #[must_use]
+    pub fn with_steps(self, Substeps { near, away }: Substeps) -> Settings {
+        Settings {
+            substeps: near,
+            away,
+            ..self
+        }
+    }
+
     /// The steps per tick that blocks of a scene take.
     pub fn steps_in(&self, scene: &Scene) -> Substeps {
         let local = takes_local_steps(scene) && self.model == Model::Rigid;
@@ -277,11 +287,7 @@ impl Settings {
 
 impl Default for Settings {
     fn default() -> Settings {
-        let Substeps { near, away } = Substeps::DEFAULT;
-        Settings {
-            away,
-            ..Settings::of(Model::Rigid, near)
-        }
+        Settings::of(Model::Rigid, 1).with_steps(Substeps::DEFAULT)
     }
 }
 

@@ -6,7 +6,7 @@
 mod scenes;
 
 use nalgebra::Vector3;
-use scenes::{Dice, Double, Kind, Single, compliant, contact, empty, energy, pass, states};
+use scenes::{Double, Kind, Single, compliant, contact, empty, energy, pass, states};
 use stochc_ir::scene::{Contact, Scene};
 use stochc_runtime::world::{Arena, BodyState};
 use stochc_runtime::{Reduction, Settings};
@@ -31,21 +31,7 @@ const RADIUS: f64 = 4.0;
 
 /// `count` blocks that move and turn anyhow, none touching another.
 fn gas(count: usize, seed: u64) -> Vec<BodyState> {
-    let mut dice = Dice::new(seed);
-    let mut blocks: Vec<BodyState> = Vec::new();
-    while blocks.len() < count {
-        let position = MIDDLE + RADIUS * dice.unit().cbrt() * dice.direction();
-        let apart = |b: &BodyState| (b.position - position).norm() > 1.9;
-        if blocks.iter().all(apart) {
-            blocks.push(BodyState {
-                position,
-                orientation: dice.rotation(),
-                velocity: 0.05 * dice.direction(),
-                spin: 0.05 * dice.direction(),
-            });
-        }
-    }
-    blocks
+    scenes::gas(count, seed, (MIDDLE, RADIUS), 1.9, 0.05)
 }
 
 /// What changed in the worst tick, and in all of them.

@@ -5,7 +5,7 @@
 mod scenes;
 
 use nalgebra::Vector3;
-use scenes::{Dice, Kind, attract, compliant, empty, energy, pass, states, world};
+use scenes::{Kind, attract, compliant, empty, energy, pass, states, world};
 use stochc_ir::scene::Scene;
 use stochc_ir::{Cell, Face};
 use stochc_runtime::Settings;
@@ -23,22 +23,8 @@ const RADIUS: f64 = 4.5;
 const BLOCKS: usize = 16;
 
 fn gas(seed: u64, speed: f64) -> Vec<BodyState> {
-    let mut dice = Dice::new(seed);
-    let mut blocks: Vec<BodyState> = Vec::new();
-    while blocks.len() < BLOCKS {
-        let position = MIDDLE + RADIUS * dice.unit().cbrt() * dice.direction();
-        // The plate's middle, of which only the face attracts.
-        let apart = |b: &BodyState| (b.position - position).norm() > 1.8;
-        if blocks.iter().all(apart) {
-            blocks.push(BodyState {
-                position,
-                orientation: dice.rotation(),
-                velocity: speed * dice.direction(),
-                spin: speed * dice.direction(),
-            });
-        }
-    }
-    blocks
+    // The plate's middle, of which only the face attracts.
+    scenes::gas(BLOCKS, seed, (MIDDLE, RADIUS), 1.8, speed)
 }
 
 fn steps<K: Kind>(away: u32, near: u32) -> Settings {

@@ -261,9 +261,7 @@ fn simulated(
     let entries = at_points(options, measured, design, &options.levels.levels)?;
     let settings = Settings {
         max_ticks: Some(options.max_ticks),
-        substeps: options.substeps.near,
-        away: options.substeps.away,
-        ..Settings::default()
+        ..Settings::default().with_steps(options.substeps)
     };
     let manifest = Manifest::new(settings, seed, options.runs, entries);
     let progress = Progress::new(&manifest, threads(options.threads));

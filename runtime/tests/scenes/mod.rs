@@ -238,6 +238,32 @@ pub fn pass(world: &mut impl World, ticks: u64) {
     assert_eq!(dockings, []);
 }
 
+/// So many blocks in a ball, given by its middle and radius, that move and turn anyhow at this speed; no two centres are nearer than
+/// `apart`.
+pub fn gas(
+    count: usize,
+    seed: u64,
+    (middle, radius): (Vector3<f64>, f64),
+    apart: f64,
+    speed: f64,
+) -> Vec<BodyState> {
+    let mut dice = Dice::new(seed);
+    let mut blocks: Vec<BodyState> = Vec::new();
+    while blocks.len() < count {
+        let position = middle + radius * dice.unit().cbrt() * dice.direction();
+        let is_apart = |b: &BodyState| (b.position - position).norm() > apart;
+        if blocks.iter().all(is_apart) {
+            blocks.push(BodyState {
+                position,
+                orientation: dice.rotation(),
+                velocity: speed * dice.direction(),
+                spin: speed * dice.direction(),
+            });
+        }
+    }
+    blocks
+}
+
 /// Numbers in (0, 1) and directions for setting up tests, from a stream that no world uses.
 pub struct Dice(Draws, u64);
 

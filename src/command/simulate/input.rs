@@ -59,12 +59,11 @@ fn from_files(options: &Options) -> Result<Manifest, Failure> {
     }
     let settings = Settings {
         model: options.model.into(),
-        substeps: options.substeps.near,
-        away: options.substeps.away,
         solver_iterations: options.solver_iterations,
         precision: options.precision.into(),
         reduction: options.reduce.map(Into::into),
         max_ticks: Some(options.max_ticks),
+        ..Settings::default().with_steps(options.substeps)
     };
     let settings = settings.resolved();
     let manifest = Manifest::new(settings, options.seed, options.runs, programs);
