@@ -3,8 +3,14 @@ use std::sync::LazyLock;
 
 use stochc_ir::{Cell, Face};
 
-/// Points in the sphere around a face.
-const POINTS: usize = 1024;
+/// Points across the sphere around a face.
+const ACROSS: usize = 16;
+
+/// Those in the sphere.
+const POINTS: usize = 2176;
+
+/// Words of a bit for each point.
+const WORDS: usize = POINTS.div_ceil(64);
 
 /// Radius of the sphere around the centre of the face \[side\].
 const RADIUS: f64 = 1.35;
@@ -16,7 +22,7 @@ const CLEARANCE: f64 = 0.35;
 const FARTHEST: i32 = 2;
 
 /// One bit for each point.
-type Points = [u64; POINTS / 64];
+type Points = [u64; WORDS];
 
 /// The cells that may block, for faces of one direction: offsets from the open cell, with the points that each blocks.
 type Blockers = Vec<([i32; 3], Points)>;
@@ -26,7 +32,7 @@ type Blockers = Vec<([i32; 3], Points)>;
 /// `cell` is where the captured block will sit, and `way` leads there from the block that captures. `is_full` is asked for
 /// cells above the plate only: everything below is ground.
 pub fn unobstructed(cell: Cell, way: Face, is_full: impl Fn(Cell) -> bool) -> f64 {
-    let mut blocked: Points = [0; POINTS / 64];
+    let mut blocked: Points = [0; WORDS];
     for ([x, y, z], points) in &BLOCKERS[way as usize] {
         let height = cell.z.saturating_add(*z);
         let there = || {
@@ -59,13 +65,13 @@ fn blockers(way: Face) -> Blockers {
     let offsets = range().flat_map(|x| range().flat_map(move |y| range().map(move |z| [x, y, z])));
     let mut found: Blockers = offsets
         .filter_map(|offset| {
-            let mut blocked: Points = [0; POINTS / 64];
+            let mut blocked: Points = [0; WORDS];
             for (number, point) in points.iter().enumerate() {
                 if distance(*point, offset) < CLEARANCE {
                     blocked[number / 64] |= 1 << (number % 64);
                 }
             }
-            (blocked != [0; POINTS / 64]).then_some((offset, blocked))
+            (blocked != [0; WORDS]).then_some((offset, blocked))
         })
         .collect();
     // The nearest first: they block most.
@@ -80,28 +86,23 @@ fn distance(point: [f64; 3], cell: [i32; 3]) -> f64 {
     libm::sqrt(squares)
 }
 
-/// Points that fill the sphere evenly, seen from the middle of the open cell: whole orbits of the quarter turns and
-/// reflections that leave the face where it is, so that the same surroundings count the same whichever way they are turned.
+/// Points of a cubic grid in the sphere, seen from the middle of the open cell: it looks the same after a quarter turn, so that the
+/// same surroundings count the same whichever way they are turned.
 fn points(way: Face) -> Vec<[f64; 3]> {
-    let mut points = Vec::with_capacity(POINTS);
     let (axis, sign) = axis(way);
-    for number in 0..POINTS / 8 {
-        // A net: one point in each of 16 x 8 parts of equal volume, no two of one height or one radius; and a wedge of an eighth of
-        // the circle.
-        let (layer, shell) = ((number / 8) as f64, (number % 8) as f64);
-        let height = 1.0 - 2.0 * (layer + (shell + 0.5) / 8.0) / 16.0;
-        let around = libm::sqrt(1.0 - height * height);
-        let angle = (number as f64 * 0.618_033_988_749_895).fract() * std::f64::consts::FRAC_PI_4;
-        let radius = RADIUS * libm::cbrt((shell + (layer + 0.5) / 16.0) / 8.0);
-        let (u, v) = (around * libm::cos(angle), around * libm::sin(angle));
-        for (u, v) in [(u, v), (v, u)] {
-            for (u, v) in [(u, v), (-v, u), (-u, -v), (v, -u)] {
-                let mut point = [0.0; 3];
-                point[axis] = sign * (height * radius - 0.5);
-                point[(axis + 1) % 3] = u * radius;
-                point[(axis + 2) % 3] = v * radius;
-                points.push(point);
-            }
+    let step = 2.0 * RADIUS / ACROSS as f64;
+    let at = |i: usize| (i as f64 + 0.5) * step - RADIUS;
+    let mut points = Vec::new();
+    for (i, j, k) in
+        (0..ACROSS).flat_map(|i| (0..ACROSS).flat_map(move |j| (0..ACROSS).map(move |k| (i, j, k))))
+    {
+        let [along, u, v] = [at(i), at(j), at(k)];
+        if along * along + u * u + v * v < RADIUS * RADIUS {
+            let mut point = [0.0; 3];
+            point[axis] = sign * (along - 0.5);
+            point[(axis + 1) % 3] = u;
+            point[(axis + 2) % 3] = v;
+            points.push(point);
         }
     }
     points
@@ -127,6 +128,11 @@ mod tests {
 
     fn with(cell: Cell, way: Face, full: &[Cell]) -> f64 {
         unobstructed(cell, way, |cell| full.contains(&cell))
+    }
+
+    #[test]
+    fn as_many_points_are_in_the_sphere_as_are_counted() {
+        assert_eq!(points(Face::Up).len(), POINTS);
     }
 
     #[test]
