@@ -1,7 +1,7 @@
 //! What was measured of a scene.
 use serde::{Deserialize, Serialize};
 use stochc_ir::scene::Scene;
-use stochc_ir::{Cell, Face, sha256};
+use stochc_ir::{Cell, Face};
 
 use crate::law::{Parameters, Surroundings};
 use crate::surroundings::around;
@@ -13,8 +13,8 @@ use crate::wait::Wait;
 pub struct Rates {
     /// The version of this form.
     pub format: u32,
-    /// Which scene: [`scene_digest`].
-    pub scene: String,
+    /// The scene that they are of.
+    pub scene: Scene,
     /// How it was simulated: the model and its steps.
     pub simulated: String,
     /// The seed of the runs.
@@ -41,6 +41,8 @@ pub struct Rates {
 pub struct HeadStart {
     /// The squared distance from its cell to the open one, in sides.
     pub squared_distance: u32,
+    /// How far it was before the open face, beyond the open cell, in sides; behind it, this is negative.
+    pub before: i32,
     /// The probability that it docks there, if no other does before.
     pub probability: f64,
     /// The mean time in which it does \[tick\].
@@ -61,18 +63,40 @@ pub struct Coverage {
 /// The version of the form of [`Rates`].
 pub const FORMAT: u32 = 1;
 
+/// Rates of built-in scenes, as `stochc calibrate SCENE --out` wrote them.
+const BUILT_IN: [&str; 0] = [];
+
 /// Ticks after which a released block is one like any other.
 pub const FORGOTTEN: u64 = 150;
 
-/// The name of a scene's numbers: two scenes with one digest behave the same.
-pub fn scene_digest(scene: &Scene) -> String {
-    sha256(scene)
+/// Where a cell is from an open one, to which `way` leads: the squared distance, and how far before the face; `None`: beyond all
+/// numbers.
+pub fn relative(cell: Cell, way: Face, from: Cell) -> Option<(u32, i32)> {
+    let offset = [
+        from.x.checked_sub(cell.x)?,
+        from.y.checked_sub(cell.y)?,
+        from.z.checked_sub(cell.z)?,
+    ];
+    let mut squares = 0_u32;
+    for part in offset {
+        squares = squares.checked_add(part.unsigned_abs().checked_pow(2)?)?;
+    }
+    let before = offset.iter().zip(way.normal()).map(|(a, b)| a * b).sum();
+    Some((squares, before))
 }
 
 impl Rates {
+    /// Those that come with this crate, of a built-in scene; `None`: the scene is another.
+    pub fn built_in(scene: &Scene) -> Option<Rates> {
+        let all = BUILT_IN
+            .iter()
+            .filter_map(|text| Rates::from_text(text).ok());
+        all.into_iter().find(|rates| rates.are_of(scene))
+    }
+
     /// Whether they are of this scene.
     pub fn are_of(&self, scene: &Scene) -> bool {
-        self.scene == scene_digest(scene)
+        self.scene == *scene
     }
 
     /// Density of the free gas at a layer of cells over the mean; above the measured ones that of the last.
@@ -101,10 +125,12 @@ impl Rates {
         self.parameters.wait(surroundings)
     }
 
-    /// The chance of a released block to dock at a squared distance.
-    pub fn head_start(&self, squared_distance: u32) -> Option<HeadStart> {
-        (self.head_starts.iter())
-            .find(|start| start.squared_distance == squared_distance)
+    /// The chance of a block that was released in the cell `from` to dock at an open cell, to which `way` leads.
+    pub fn head_start(&self, cell: Cell, way: Face, from: Cell) -> Option<HeadStart> {
+        let (squared_distance, before) = relative(cell, way, from)?;
+        let mut known = self.head_starts.iter();
+        known
+            .find(|it| (it.squared_distance, it.before) == (squared_distance, before))
             .copied()
     }
 
@@ -131,7 +157,7 @@ impl Eq for Rates {}
 #[derive(Deserialize)]
 struct Stored {
     format: u32,
-    scene: String,
+    scene: Scene,
     simulated: String,
     seed: u64,
     captures: u64,

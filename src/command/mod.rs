@@ -1,4 +1,5 @@
 //! One module for each subcommand, and what they share.
+pub mod calibrate;
 pub mod check;
 mod chosen_run;
 pub mod compile;
@@ -8,6 +9,7 @@ pub mod export;
 pub mod fit;
 pub mod fmt;
 mod imports;
+mod in_memory;
 pub(crate) mod interrupt;
 pub mod levels;
 pub mod lsp;
