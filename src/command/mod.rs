@@ -4,6 +4,7 @@ pub mod check;
 mod chosen_run;
 pub mod compile;
 pub mod completions;
+pub mod estimate;
 pub mod explain;
 pub mod export;
 pub mod fit;

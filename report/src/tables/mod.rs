@@ -1,6 +1,7 @@
 //! Tables for a terminal.
 mod captures;
 mod comparison;
+mod estimate;
 mod fit;
 mod rates;
 mod sweep;
@@ -8,6 +9,7 @@ mod trade;
 
 pub use captures::captures_to_text;
 pub use comparison::{comparison_to_text, pairs_to_text};
+pub use estimate::estimates_to_text;
 pub use fit::fit_to_text;
 pub use rates::rates_to_text;
 pub use sweep::sweep_to_text;

@@ -69,7 +69,12 @@ fn from_files(options: &Options, stop: &AtomicBool) -> Result<Manifest, Failure>
     };
     let mut settings = settings.resolved();
     if settings.model == Model::Rate {
-        settings.rates = rates::of_scenes(options, &programs, stop)?;
+        settings.rates = rates::of_scenes(
+            &options.rates,
+            &programs,
+            (options.threads, options.quiet),
+            stop,
+        )?;
     }
     let manifest = Manifest::new(settings, options.seed, options.runs, programs);
     manifest.within_limits().map_err(Failure::usage)?;

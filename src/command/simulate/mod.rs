@@ -18,6 +18,7 @@ use stochc_runtime::{RunError, Settings, run as run_once};
 
 pub(super) use input::programs;
 pub use options::Options;
+pub(super) use rates::of_scenes as rates_of_scenes;
 pub(super) use record::begin;
 pub(super) use sweep::{at_point, files as sweep_files, share_tables};
 
@@ -74,7 +75,7 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
 }
 
 /// Sets a scene up once, so that one that cannot be is told of before the first run.
-fn try_out(program: &Program, settings: &Settings) -> Result<(), RunError> {
+pub(super) fn try_out(program: &Program, settings: &Settings) -> Result<(), RunError> {
     let mut stop = |_, _| std::ops::ControlFlow::Break(());
     match run_once(program.tables(), &program.scene, settings, 0, 0, &mut stop) {
         Err(RunError::Scene(error)) => Err(error.into()),

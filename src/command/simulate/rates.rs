@@ -1,5 +1,5 @@
 //! Rates for `--model rate`: those of files, or measured now.
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 use stochc_ensemble::Program;
@@ -9,17 +9,18 @@ use stochc_runtime::rates::Rates;
 
 use super::super::calibrate::{Effort, measure};
 use super::super::terminal::warn;
-use super::Options;
 use crate::exit::Failure;
 
 /// The rates of the scenes of programs, each once.
+/// What has to be measured first takes so many threads, and shows its progress unless it is to be quiet.
 pub fn of_scenes(
-    options: &Options,
+    files: &[PathBuf],
     programs: &[Program],
+    (threads, quiet): (Option<u16>, bool),
     stop: &AtomicBool,
 ) -> Result<Vec<Rates>, Failure> {
     let mut known = Vec::new();
-    for path in &options.rates {
+    for path in files {
         known.push(read(path)?);
     }
     let mut found: Vec<Rates> = Vec::new();
@@ -36,7 +37,7 @@ pub fn of_scenes(
                     "measuring the rates of the scene of {}, of which there are none; `stochc calibrate --out` keeps them\n",
                     program.name
                 ));
-                measure(scene, &Effort::usual(options.threads, options.quiet), stop)?
+                measure(scene, &Effort::usual(threads, quiet), stop)?
             }
         };
         found.push(rates);
