@@ -1,4 +1,6 @@
 //! What was measured of a scene.
+use std::sync::LazyLock;
+
 use serde::{Deserialize, Serialize};
 use stochc_ir::scene::Scene;
 use stochc_ir::{Cell, Face};
@@ -87,11 +89,12 @@ pub fn relative(cell: Cell, way: Face, from: Cell) -> Option<(u32, i32)> {
 
 impl Rates {
     /// Those that come with this crate, of a built-in scene; `None`: the scene is another.
-    pub fn built_in(scene: &Scene) -> Option<Rates> {
-        let all = BUILT_IN
-            .iter()
-            .filter_map(|text| Rates::from_text(text).ok());
-        all.into_iter().find(|rates| rates.are_of(scene))
+    pub fn built_in(scene: &Scene) -> Option<&'static Rates> {
+        static ALL: LazyLock<Vec<Rates>> = LazyLock::new(|| {
+            let all = BUILT_IN.iter();
+            all.filter_map(|text| Rates::from_text(text).ok()).collect()
+        });
+        ALL.iter().find(|rates| rates.are_of(scene))
     }
 
     /// Whether they are of this scene.
@@ -246,3 +249,42 @@ const MOST_LAYERS: usize = 1000;
 
 /// Squared distances of head starts, at most.
 const MOST_HEAD_STARTS: usize = 100;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_shipped_is_read_and_comes_out_again() {
+        for text in BUILT_IN {
+            let rates = Rates::from_text(text).expect("it is sound");
+            assert_eq!(rates.to_text(), text);
+            let renamed = Scene {
+                name: "another".to_owned(),
+                ..rates.scene.clone()
+            };
+            assert_eq!(Rates::built_in(&renamed), Some(&rates));
+            let mut denser = renamed;
+            denser.free.count += 1;
+            assert_eq!(Rates::built_in(&denser), None);
+        }
+    }
+
+    #[test]
+    fn what_makes_no_sense_is_refused() {
+        let sound = Rates::from_text(BUILT_IN[0]).expect("it is sound");
+        let spoilt: [fn(&mut Rates); 6] = [
+            |rates| rates.format += 1,
+            |rates| rates.parameters.0[3] = 1e300,
+            |rates| rates.profile.clear(),
+            |rates| rates.profile[0] = -1.0,
+            |rates| rates.covariance.truncate(7),
+            |rates| rates.head_starts[0].probability = 1.5,
+        ];
+        for spoil in spoilt {
+            let mut rates = sound.clone();
+            spoil(&mut rates);
+            assert!(Rates::from_text(&rates.to_text()).is_err());
+        }
+    }
+}

@@ -30,7 +30,7 @@ pub struct Settings {
     /// What `rigid` leaves out, though the scene has it; `None`: nothing.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reduction: Option<Reduction>,
-    /// Of [`Model::Rate`], what was measured of the scenes.
+    /// Of [`Model::Rate`], what was measured of the scenes, but for those of which [`Rates::built_in`] are meant.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub rates: Vec<Rates>,
     /// Ticks after which a run is given up; `None`, the default: never.

@@ -239,7 +239,9 @@ fn skipping_time_changes_nothing() {
 
 #[test]
 fn what_the_law_does_not_know_is_refused() {
-    let (tables, scene) = compiled(SINGLE);
+    let other = "scene other from hemisphere { free 77 uniform }
+        assembly single in other { seed plate 1 x 1 { M at (0, 0) } phase only { M.up -> A } }";
+    let (tables, scene) = compiled(other);
     let settings = Settings::of(Model::Rate, 1);
     let refused = |tables: &Tables, scene: &Scene, settings: &Settings| {
         let mut watch = |_, _| ControlFlow::Continue(());

@@ -11,6 +11,7 @@ use stochc_files::atomic::{Replaces, replace};
 use stochc_ir::scene::Scene;
 use stochc_report::tables::rates_to_text;
 use stochc_runtime::rates::Rates;
+use stochc_runtime::world::rate::RateWorld;
 use stochc_runtime::{Settings, Substeps};
 
 use super::imports::ImportOptions;
@@ -142,6 +143,9 @@ impl Effort {
 
 /// Measures the rates of a scene by runs with physics.
 pub fn measure(scene: &Scene, effort: &Effort, stop: &AtomicBool) -> Result<Rates, Failure> {
+    if let Some(error) = RateWorld::refusal(scene) {
+        return Err(Failure::wrong_program(error.to_string()));
+    }
     let mut observed: Vec<Program> = Vec::new();
     for (name, text) in PROGRAMS {
         let checked = check_texts(&[(name, text)], &LintLevels::default(), "", &[]);

@@ -1,8 +1,9 @@
 //! Estimates as text.
 use stochc_ensemble::text::percent;
 
+use super::rates::KNOWN_BIAS;
 use crate::estimate::{Estimate, Times};
-use crate::text::{Column, Table};
+use crate::text::{Column, Table, paragraph};
 
 /// The times of programs and of their phases, and the `most` events of each that decide most of them; `width` is that of the
 /// terminal, in characters.
@@ -24,7 +25,7 @@ pub fn estimates_to_text(estimates: &[Estimate], most: usize, width: usize) -> S
             text += &format!("\n{}", shares(estimate, most).text(width, false));
         }
     }
-    text
+    text + "\n" + &paragraph(KNOWN_BIAS, width)
 }
 
 fn times(estimate: &Estimate) -> Table {

@@ -30,7 +30,7 @@ pub fn of_scenes(
             continue;
         }
         let given = known.iter().find(|rates| rates.are_of(scene)).cloned();
-        let rates = match given.or_else(|| Rates::built_in(scene)) {
+        let rates = match given.or_else(|| Rates::built_in(scene).cloned()) {
             Some(rates) => rates,
             None => {
                 warn(&format!(

@@ -32,9 +32,6 @@ pub struct RateWorld<'r> {
     drawn: u64,
 }
 
-/// The name of the model, as messages say it.
-const MODEL: &str = "rate";
-
 impl<'r> RateWorld<'r> {
     /// The world of a program in a scene, by rates that were measured there; its chance is that of (`seed`, `run`).
     ///
@@ -47,15 +44,13 @@ impl<'r> RateWorld<'r> {
         seed: u64,
         run: u64,
     ) -> Result<RateWorld<'r>, SceneError> {
-        if let Some(what) = unknown(tables, scene) {
-            let (model, instead) = (MODEL, "rigid");
-            return Err(SceneError::NotInModel {
-                what,
-                model,
-                instead,
-            });
+        match (&tables.aggregate, RateWorld::refusal(scene)) {
+            (Some(_), _) => return Err(not_known("aggregate")),
+            (None, Some(error)) => return Err(error),
+            _ => {}
         }
-        let rates = rates.iter().find(|rates| rates.are_of(scene));
+        let given = rates.iter().find(|rates| rates.are_of(scene));
+        let rates = given.or_else(|| Rates::built_in(scene));
         let rates = rates.ok_or(SceneError::NoRates)?;
         let count = scene.free.count;
         Ok(RateWorld {
@@ -68,6 +63,19 @@ impl<'r> RateWorld<'r> {
             draws: DrawsAhead::new(seed, run, Stream::Rate),
             drawn: 0,
         })
+    }
+
+    /// What a scene has that the law does not know.
+    pub fn refusal(scene: &Scene) -> Option<SceneError> {
+        let what = match &scene.bond {
+            Some(Bond::Reject { .. }) => "bond by magnets that always attract",
+            Some(Bond::Suction { .. }) => "bond by suction",
+            None => "scene without bonds",
+            Some(_) if scene.fluid.is_some() || scene.flow.is_some() => "fluid",
+            Some(_) if scene.gravity.is_some() => "gravity",
+            Some(_) => return None,
+        };
+        Some(not_known(what))
     }
 
     /// The next draw.
@@ -239,21 +247,11 @@ impl<'r> RateWorld<'r> {
     }
 }
 
-/// What a program or a scene has that the law does not know.
-fn unknown(tables: &Tables, scene: &Scene) -> Option<&'static str> {
-    if tables.aggregate.is_some() {
-        return Some("aggregate");
-    }
-    match &scene.bond {
-        Some(Bond::Reject { .. }) => return Some("bond by magnets that always attract"),
-        Some(Bond::Suction { .. }) => return Some("bond by suction"),
-        _ => {}
-    }
-    let fluid = scene.fluid.is_some() || scene.flow.is_some();
-    match (fluid, scene.gravity.is_some()) {
-        (true, _) => Some("fluid"),
-        (_, true) => Some("gravity"),
-        _ => None,
+fn not_known(what: &'static str) -> SceneError {
+    SceneError::NotInModel {
+        what,
+        model: "rate",
+        instead: "rigid",
     }
 }
 
