@@ -66,7 +66,7 @@ pub struct Coverage {
 pub const FORMAT: u32 = 1;
 
 /// Rates of built-in scenes, as `stochc calibrate SCENE --out` wrote them.
-const BUILT_IN: [&str; 1] = [include_str!("../data/hemisphere.rates")];
+const BUILT_IN: [&str; 1] = [include_str!("data/hemisphere.rates")];
 
 /// Ticks after which a released block is one like any other.
 pub const FORGOTTEN: u64 = 150;
