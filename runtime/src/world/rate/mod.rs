@@ -5,6 +5,7 @@
 mod agenda;
 mod race;
 
+use smallvec::SmallVec;
 use stochc_ir::Cell;
 use stochc_ir::scene::{Bond, Scene};
 use stochc_ir::table::Tables;
@@ -97,13 +98,15 @@ impl<'r> RateWorld<'r> {
             let (seat, face) = site(face);
             self.lattice.seats[seat].across(face)
         });
-        let cells: Vec<Cell> = targets.chain(around).collect();
+        let mut cells: SmallVec<[Cell; 4]> = targets.chain(around).collect();
+        cells.sort_unstable();
+        cells.dedup();
         for cell in cells {
             self.reconsider(cell);
         }
     }
 
-    /// A face begins to wait.
+    /// A face begins to wait; for how long, nobody has said yet.
     fn open(&mut self, face: usize) {
         let (seat, own) = site(face);
         let of = self.lattice.seats[seat];
@@ -114,7 +117,6 @@ impl<'r> RateWorld<'r> {
             face,
             Racer::new(cell, way, self.tick, exponential(threshold)),
         );
-        self.estimate(face);
         // Those who were let go near it are still there.
         let tick = self.tick;
         self.released.retain(|(when, ..)| tick < when + FORGOTTEN);
