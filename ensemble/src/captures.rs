@@ -62,11 +62,11 @@ pub struct Waits {
     pub time: Time,
     /// The tenth and the ninetieth percentile of the waits that ended \[ticks\].
     pub spread: Option<(f64, f64)>,
-    /// Entries of blocks into the reach of the pull for each capture.
+    /// Entries of blocks into the reach of the pull for each capture; `None`: nothing moved.
     pub entries: Option<Summary>,
     /// Ticks from the captured block's last entry to its docking.
     pub docking: Option<Summary>,
-    /// Entries per tick of waiting, censored waits included; `None`: nobody waited.
+    /// Entries per tick of waiting, censored waits included; `None`: nobody waited, or nothing moved.
     pub entry_rate: Option<f64>,
     /// Captures of blocks that had never been captured.
     pub free: usize,
@@ -90,9 +90,12 @@ impl Tally {
     fn add(&mut self, bond: &BondRecord) {
         let wait = bond.docked.saturating_sub(bond.magnetized);
         self.times.push(Observation::completed(wait as f64));
-        self.entries.push(bond.entries.into());
+        // Who is captured has come in, but where nothing moves.
+        if bond.entries > 0 {
+            self.entries.push(bond.entries.into());
+            self.docking.push(bond.docking as f64);
+        }
         self.all_entries += f64::from(bond.entries);
-        self.docking.push(bond.docking as f64);
         match bond.origin {
             Origin::Free => self.free += 1,
             Origin::Released { role, .. } => *self.released.entry(role).or_default() += 1,
@@ -109,12 +112,13 @@ impl Tally {
         let ended = self.times.iter().filter(|time| time.completed);
         let ended: Vec<f64> = ended.map(|time| time.time).collect();
         let total: f64 = self.times.iter().map(|time| time.time).sum();
+        let is_known = !self.entries.is_empty() || ended.is_empty();
         Some(Waits {
             time: Time::of(&self.times)?,
             spread: quantile(&ended, 0.1).zip(quantile(&ended, 0.9)),
             entries: Summary::of(&self.entries),
             docking: Summary::of(&self.docking),
-            entry_rate: (total > 0.0).then(|| self.all_entries / total),
+            entry_rate: (total > 0.0 && is_known).then(|| self.all_entries / total),
             free: self.free,
             released: self.released.into_iter().collect(),
         })
