@@ -6,8 +6,8 @@ use stochc_runtime::rates::{Parameters, Rates};
 use crate::text::{Column, Table};
 
 /// What goes with every time by rates.
-pub const KNOWN_BIAS: &str = "Times are by rates: means of other programs were 4 % off those with physics on average, and 13 % at most. Blocks jam \
-     where `check` warns of a tight approach, and where three faces or more are open side by side; rates do not know that, and are too fast there \
+pub const KNOWN_BIAS: &str = "Times are by rates: means of other programs were 3 % off those with physics on average, and 13 % at most. Blocks jam \
+     where `check` warns of a tight approach, or of crowded captures; rates do not know that, and are too fast there \
      (docs/rates.md).";
 
 /// The law's numbers with their standard errors, and what follows for some faces; `width` is that of the terminal, in characters.
