@@ -19,7 +19,7 @@ pub(super) fn fit(observations: &Observations) -> ([f64; COUNT], Vec<f64>) {
     let (mut value, mut slope) = loss(&at);
     let mut damping = 1e-3;
     for _ in 0..STEPS {
-        let curvature = curvature(&loss, &at);
+        let curvature = curvature(loss, &at);
         let damped = curvature
             + Matrix::from_diagonal(&curvature.diagonal().map(|it| damping * it.abs().max(1.0)));
         let step = damped.cholesky().map(|factor| factor.solve(&slope));
@@ -38,7 +38,7 @@ pub(super) fn fit(observations: &Observations) -> ([f64; COUNT], Vec<f64>) {
             _ => damping *= 10.0,
         }
     }
-    let covariance = curvature(&loss, &at)
+    let covariance = curvature(loss, &at)
         .try_inverse()
         .unwrap_or_else(Matrix::zeros);
     (at.into(), covariance.transpose().as_slice().to_vec())
@@ -70,7 +70,7 @@ fn loss(observations: &Observations, at: &Vector) -> (f64, Vector) {
         value += hazard;
         let (mut of_rate, mut of_docking) = (hazard, to - from);
         if piece.captured {
-            value -= libm_log(wait, piece.to);
+            value -= log_hazard(wait, piece.to);
             of_rate -= 1.0;
             of_docking -= of_hazard;
         }
@@ -85,7 +85,7 @@ fn loss(observations: &Observations, at: &Vector) -> (f64, Vector) {
 }
 
 /// The logarithm of the hazard of a capture, which takes a tick at least.
-fn libm_log(wait: Wait, ticks: f64) -> f64 {
+fn log_hazard(wait: Wait, ticks: f64) -> f64 {
     wait.hazard(ticks.max(1.0)).max(f64::MIN_POSITIVE).ln()
 }
 
