@@ -1107,8 +1107,9 @@ fn crowded(phase: &str) -> Vec<String> {
     for (x, y) in (0..3).flat_map(|x| (0..3).map(move |y| (x, y))) {
         let _ = write!(seeds, "M[{x}, {y}] at ({x}, {y}) ");
     }
-    let text =
-        format!("allow unused-seed \"blocks of the plate have names by their places\"\nassembly all {{ seed plate 3 x 3 {{ {seeds}}} {phase} }}");
+    let text = format!(
+        "allow unused-seed \"blocks of the plate have names by their places\"\nassembly all {{ seed plate 3 x 3 {{ {seeds}}} {phase} }}"
+    );
     let found = checked(&text);
     assert!(!found.has_errors(), "{:#?}", found.diagnostics);
     let of_crowds = found.diagnostics.into_iter();
