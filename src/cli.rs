@@ -4,8 +4,8 @@ use stochc_ir::is_invisible;
 
 use crate::command::interrupt::outlive_file_limit;
 use crate::command::{
-    check, compile, completions, explain, export, fit, fmt, lsp, man, replay, report, results,
-    simulate, trade, verify,
+    check, compile, completions, explain, export, fit, fmt, lsp, man, merge, replay, report,
+    results, shard, simulate, status, trade, verify,
 };
 use crate::exit::{Exit, Failure};
 
@@ -33,6 +33,12 @@ pub enum Command {
     Compile(compile::Options),
     /// Simulate programs many times and compare their times to completion
     Simulate(Box<simulate::Options>),
+    /// Make one piece of an ensemble that `simulate --shards` has cut
+    Shard(shard::Options),
+    /// Say which pieces of an ensemble are there
+    Status(status::Options),
+    /// Put the pieces of an ensemble together: the same results as without pieces
+    Merge(merge::Options),
     /// Measure what accuracy costs: compare many settings with a converged reference
     Trade(trade::Options),
     /// Find the numbers of a scene that measured times speak for, with their uncertainty
@@ -78,6 +84,9 @@ pub fn run(cli: Cli) -> Result<Exit, Failure> {
         Command::Fmt(options) => fmt::run(&options),
         Command::Compile(options) => compile::run(&options),
         Command::Simulate(options) => simulate::run(&options),
+        Command::Shard(options) => shard::run(&options),
+        Command::Status(options) => status::run(&options),
+        Command::Merge(options) => merge::run(&options),
         Command::Trade(options) => trade::run(&options),
         Command::Fit(options) => fit::run(&options),
         Command::Results(options) => results::run(&options),

@@ -30,6 +30,9 @@ pub enum Replaces {
     Ours(fn(&mut File) -> io::Result<bool>),
     /// Any: the name is ours, in a folder that is.
     Ordinary,
+    /// One that is the same, whoever is the last to write it: in a folder into which several machines write, where locks
+    /// mean nothing. What a kill leaves begins with the stem of the name and `.draft-`, and is not removed.
+    Same,
 }
 
 /// A file that is being written, and has not got its name yet; it is gone if it is dropped.
@@ -47,7 +50,10 @@ impl Draft {
     /// Those of the file system, and of a target that would replace what is not ours.
     pub fn new(target: &Path, replaces: Replaces) -> io::Result<Draft> {
         let old = replaced(target, replaces)?;
-        let file = begin(target, 0o666)?;
+        let file = match replaces {
+            Replaces::Same => begin_shared(target)?,
+            _ => begin(target, 0o666)?,
+        };
         if let Some(permissions) = old {
             file.as_file().set_permissions(permissions)?;
         }
@@ -65,9 +71,11 @@ impl Draft {
     pub fn keep(self) -> io::Result<()> {
         let file = self.file.into_inner().map_err(|error| error.into_error())?;
         file.as_file().sync_all()?;
-        match replaced(&self.target, self.replaces)? {
-            None => file.persist_noclobber(&self.target),
-            Some(_) => file.persist(&self.target),
+        match (replaced(&self.target, self.replaces)?, self.replaces) {
+            (None, Replaces::Nothing | Replaces::Ours(_) | Replaces::Ordinary) => {
+                file.persist_noclobber(&self.target)
+            }
+            (Some(_), _) | (None, Replaces::Same) => file.persist(&self.target),
         }
         .map_err(|error| error.error)?;
         sync_folder(folder_of(&self.target))
@@ -186,7 +194,7 @@ fn replaced(target: &Path, replaces: Replaces) -> io::Result<Option<Permissions>
     is_ordinary(&metadata)?;
     let ours = match replaces {
         Replaces::Nothing => false,
-        Replaces::Ordinary => true,
+        Replaces::Ordinary | Replaces::Same => true,
         Replaces::Ours(ours) => ours(&mut open(target)?)?,
     };
     match ours {
@@ -250,6 +258,29 @@ pub fn ends_with(file: &mut File, mark: &[u8]) -> io::Result<bool> {
     holds(file, mark)
 }
 
+/// A file of [`Replaces::Same`].
+fn begin_shared(path: &Path) -> io::Result<NamedTempFile> {
+    let name = path.file_stem().unwrap_or_default().to_string_lossy();
+    named(&format!("{name}.draft-"), 0o666).tempfile_in(folder_of(path))
+}
+
+/// Makes an empty file of a new name in a folder, which begins with `prefix`.
+///
+/// # Errors
+/// Those of the file system.
+pub fn new_own(folder: &Path, prefix: &str) -> io::Result<PathBuf> {
+    let file = named(prefix, 0o666).tempfile_in(folder)?;
+    Ok(file.into_temp_path().keep()?)
+}
+
+fn named(prefix: &str, mode: u32) -> tempfile::Builder<'_, 'static> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(prefix);
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(mode));
+    builder
+}
+
 /// A file in the folder of `path` that nobody takes for the leaving of a kill.
 fn begin(path: &Path, mode: u32) -> io::Result<NamedTempFile> {
     static CLEARED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
@@ -260,10 +291,7 @@ fn begin(path: &Path, mode: u32) -> io::Result<NamedTempFile> {
         let _ = clear_partial(folder);
     }
     drop(cleared);
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(PARTIAL);
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(mode));
+    let builder = named(PARTIAL, mode);
     loop {
         let file = builder.tempfile_in(folder)?;
         // Where nothing can be locked, nobody clears anything either.

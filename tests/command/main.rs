@@ -25,6 +25,7 @@ mod physical;
 mod refused;
 mod results;
 mod scene;
+mod shards;
 mod simulate;
 #[path = "../skipped/mod.rs"]
 mod skipped;

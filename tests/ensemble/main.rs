@@ -3,5 +3,6 @@ mod damaged;
 mod figures;
 mod interrupted;
 mod refused;
+mod shards;
 mod tables;
 mod world;
