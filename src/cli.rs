@@ -20,7 +20,7 @@ pub struct Cli {
 
 const EXIT_STATUS: &str = "\
 Exit status: 0 success, 1 the program has errors, 2 the command line is wrong or a file cannot be \
-read or written, 3 a run did not complete, 4 no setting is known to be accurate enough, 130 interrupted.";
+read or written, 3 a run did not complete or pieces are missing, 4 no setting is known to be accurate enough, 130 interrupted.";
 
 /// The subcommands.
 #[derive(Debug, Subcommand)]

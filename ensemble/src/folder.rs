@@ -10,14 +10,16 @@
 //! | `.lock` | held by the process that writes |
 //!
 //! Nothing in it is ever replaced by the results of another ensemble.
-use std::fs::{self, File, TryLockError};
+use std::fs::{OpenOptions, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
 
 use stochc_files as files;
+use stochc_files::File;
 use stochc_files::atomic::{self, Draft, Replaces};
 use stochc_files::budget;
 use stochc_files::checksum::{Sum, Summed, of_file};
+use stochc_files::disk;
 
 use super::build::{UNKNOWN, other_build};
 use super::folder_error::FolderError;
@@ -128,6 +130,7 @@ impl Folder {
         let lock = lock(path)?;
         // Again, now that nobody else can change the answer.
         let Some(stored) = survey(path)? else {
+            atomic::clear_partial(path).map_err(io)?;
             write_manifest(path, manifest)?;
             return Ok(Folder {
                 path: path.to_owned(),
@@ -359,7 +362,7 @@ pub(super) fn seal(
 
 /// Refuses a folder whose runs are in pieces.
 fn not_cut(path: &Path) -> Result<(), FolderError> {
-    match fs::symlink_metadata(path.join(SHARDS_FILE)) {
+    match disk::look(&path.join(SHARDS_FILE)) {
         Ok(_) => Err(FolderError::Cut {
             path: path.to_owned(),
         }),
@@ -385,7 +388,7 @@ fn damage(path: &Path, journal: Vec<String>) -> Vec<String> {
 
 /// Removes a file of ours, if it is there.
 fn remove(path: &Path, name: &str) -> Result<(), FolderError> {
-    match fs::remove_file(path.join(name)) {
+    match disk::remove(&path.join(name)) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => Err(FolderError::Io {
             path: path.join(name),
             source: error,
@@ -404,7 +407,7 @@ pub(super) fn survey(path: &Path) -> Result<Option<Manifest>, FolderError> {
         path: path.to_owned(),
         reason,
     };
-    let entries = match fs::read_dir(path) {
+    let entries = match disk::list(path) {
         Ok(entries) => entries,
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
         Err(error) if error.kind() == io::ErrorKind::NotADirectory => {
@@ -414,7 +417,7 @@ pub(super) fn survey(path: &Path) -> Result<Option<Manifest>, FolderError> {
     };
     let mut foreign = false;
     for entry in entries {
-        let name = entry.map_err(io)?.file_name();
+        let name = entry.file_name().unwrap_or_default();
         if name == MANIFEST {
             let bytes = files::read_file(&path.join(MANIFEST), budget::MANIFEST).map_err(io)?;
             if let (Some(seal), _) = Seal::read(path)
@@ -443,7 +446,7 @@ pub(super) fn lock(path: &Path) -> Result<File, FolderError> {
         path: path.to_owned(),
         source,
     };
-    let mut options = File::options();
+    let mut options = OpenOptions::new();
     let options = options.create(true).truncate(false).write(true);
     let file = files::open_own(&path.join(LOCK), options).map_err(io)?;
     match file.try_lock() {

@@ -4,7 +4,7 @@
 //! cannot slip in. What a kill or a loss of power leaves of the last line is cut off on the next
 //! opening; a damaged line before it is passed over, and its run done again: a run is a pure
 //! function of its number, so that nothing but time is lost.
-use std::fs::File;
+use std::fs::OpenOptions;
 use std::io::{self, BufRead, BufReader, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::Path;
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
@@ -14,6 +14,7 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 use stochc_files as files;
+use stochc_files::File;
 use stochc_files::budget::{self, JOURNAL as JOURNAL_BUDGET};
 use stochc_files::checksum::{self, Line};
 use stochc_ir::record::{Outcome, RunRecord};
@@ -367,7 +368,7 @@ impl Journal {
     /// # Errors
     /// Those of the file system.
     pub fn open(path: &Path, header: &Header, whole: u64) -> Result<Journal, JournalError> {
-        let mut options = File::options();
+        let mut options = OpenOptions::new();
         let options = options.create(true).truncate(false).write(true);
         let mut file = files::open_own(path, options)?;
         file.set_len(whole)?;

@@ -1,7 +1,8 @@
 //! The finished runs of an ensemble, in order, without all of them in memory.
-use std::fs::File;
 use std::io::{self, BufReader, Seek as _, SeekFrom};
 use std::sync::{Arc, Mutex, MutexGuard};
+
+use stochc_files::File;
 
 use super::Finished;
 use super::journal::{JournalError, read_at};

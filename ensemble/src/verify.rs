@@ -1,10 +1,9 @@
 //! Which files of a results folder are sound, and saving what can be saved of it.
-use std::fs;
 use std::io::BufReader;
 use std::path::Path;
 
 use stochc_files::atomic::{Replaces, move_aside, replace};
-use stochc_files::{budget, open, read_file};
+use stochc_files::{budget, disk, open, read_file};
 
 use super::folder::{JOURNAL, MANIFEST, lock, write_manifest};
 use super::journal::{JournalError, read as read_journal, salvaged};
@@ -233,7 +232,7 @@ fn saved(path: &Path) -> std::io::Result<Result<Manifest, String>> {
 
 /// The runs of the folder that have a recording, by the number of their program and their own.
 fn recordings(manifest: &Manifest, path: &Path) -> Vec<(usize, u64)> {
-    let Ok(entries) = fs::read_dir(path.join(RECORDINGS)) else {
+    let Ok(entries) = disk::list(&path.join(RECORDINGS)) else {
         return Vec::new();
     };
     let of = |name: &str| {
@@ -242,8 +241,10 @@ fn recordings(manifest: &Manifest, path: &Path) -> Vec<(usize, u64)> {
         let is_canonical = name == format!("{program}-{run}.rec");
         (program < manifest.programs.len() && is_canonical).then_some((program, run))
     };
-    let names = entries.filter_map(|entry| Some(entry.ok()?.file_name()));
-    let mut found: Vec<_> = names.filter_map(|name| of(name.to_str()?)).collect();
+    let names = entries
+        .iter()
+        .filter_map(|entry| entry.file_name()?.to_str());
+    let mut found: Vec<_> = names.filter_map(of).collect();
     found.sort_unstable();
     found
 }

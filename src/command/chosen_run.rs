@@ -1,5 +1,4 @@
 //! One run of a folder of results, found again: to look at it, or to make it once more.
-use std::fs::File;
 use std::io::{BufReader, ErrorKind, Read, Seek as _};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -9,6 +8,7 @@ use clap::Args;
 use stochc_ensemble::recording::{EVERY, Header, Outline, Recorder, RecordingError, path};
 use stochc_ensemble::{Finished, Manifest, Program};
 use stochc_files as files;
+use stochc_files::File;
 use stochc_files::atomic::Draft;
 use stochc_files::budget::RECORDING;
 use stochc_ir::record::RunRecord;
@@ -182,7 +182,7 @@ impl ChosenRun {
             })
             .map_err(io)?;
         file.rewind().map_err(io)?;
-        Ok(BufReader::new(file))
+        Ok(BufReader::new(file.into()))
     }
 
     /// A recording that is whole, and of this run.

@@ -1,5 +1,6 @@
 //! Ensembles from outside: what is kept, what is refused, and what the tables say.
 mod damaged;
+mod faults;
 mod figures;
 mod interrupted;
 mod refused;

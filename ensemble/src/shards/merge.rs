@@ -1,9 +1,9 @@
 //! Putting pieces together.
-use std::fs;
 use std::io::{self, Write as _};
 use std::path::Path;
 
 use stochc_files::atomic::{Draft, Replaces, sync_folder};
+use stochc_files::disk;
 
 use super::ShardError;
 use super::cut::{Cut, SHARDS, SHARDS_FILE, build, piece_file};
@@ -89,21 +89,24 @@ fn join(path: &Path, manifest: &Manifest, cut: &Cut) -> Result<(), ShardError> {
 /// Removes the pieces, and at last what says that there are any.
 fn clear(path: &Path) -> io::Result<()> {
     let pieces = path.join(SHARDS);
-    match fs::read_dir(&pieces) {
+    match disk::list(&pieces) {
         Ok(entries) => {
             for entry in entries {
-                let entry = entry?;
-                if is_ours(&entry.file_name().to_string_lossy()) {
-                    fs::remove_file(entry.path())?;
+                let name = entry.file_name().unwrap_or_default();
+                if is_ours(&name.to_string_lossy()) {
+                    disk::remove(&entry)?;
                 }
             }
-            // What somebody else has put there stays.
-            let _ = fs::remove_dir(&pieces);
+            match disk::remove_folder(&pieces) {
+                // What somebody else has put there stays.
+                Err(error) if error.kind() == io::ErrorKind::DirectoryNotEmpty => {}
+                removed => removed?,
+            }
         }
         Err(error) if error.kind() == io::ErrorKind::NotFound => {}
         Err(error) => return Err(error),
     }
-    fs::remove_file(path.join(SHARDS_FILE))?;
+    disk::remove(&path.join(SHARDS_FILE))?;
     sync_folder(path)
 }
 

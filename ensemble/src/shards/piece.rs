@@ -1,5 +1,4 @@
 //! Making one piece.
-use std::fs;
 use std::io::{self, Write as _};
 use std::num::NonZeroUsize;
 use std::ops::Range;
@@ -7,7 +6,8 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 use stochc_files as files;
-use stochc_files::atomic::{Draft, Replaces, move_aside, new_own, sync_folder};
+use stochc_files::atomic::{Draft, Replaces, make_own_folder, move_aside, new_own, sync_folder};
+use stochc_files::disk;
 use stochc_ir::record::RunRecord;
 
 use super::ShardError;
@@ -146,6 +146,8 @@ impl Piece {
         }
         let folder = self.path.join(SHARDS);
         let io = |source| in_folder(&self.path, source);
+        // Whoever has copied the folder may have left it out, and `merge` may have been stopped.
+        make_own_folder(&folder).map_err(io)?;
         let part = new_own(&folder, &format!("{}.part-", self.number)).map_err(io)?;
         sync_folder(&folder).map_err(io)?;
         let journal = Journal::open(&part, &self.header, 0)?;
@@ -159,7 +161,7 @@ impl Piece {
         }
         self.finish(&all)?;
         // What was killed in between is left to `merge`.
-        fs::remove_file(&part).map_err(io)?;
+        disk::remove(&part).map_err(io)?;
         Ok(true)
     }
 
@@ -226,7 +228,7 @@ pub(super) fn read(
     jobs: &Range<u64>,
     mut each: impl FnMut(&[u8]) -> io::Result<()>,
 ) -> Result<Found, ShardError> {
-    match identify(file, header) {
+    match identify(file, header)? {
         Found::Whole => {}
         other => return Ok(other),
     }
@@ -256,6 +258,7 @@ pub(super) fn read(
         return Err(JournalError::Io(error).into());
     }
     Ok(match (lines, wrong) {
+        (Err(JournalError::Io(error)), _) => unreadable(error)?,
         (Err(error), _) => Found::Damaged(format!("cannot be read: {error}")),
         (_, Some(wrong)) => Found::Damaged(wrong),
         _ if next < jobs.end => Found::Damaged(format!(
@@ -268,19 +271,23 @@ pub(super) fn read(
 }
 
 /// What the first line of a piece says of it.
-pub(super) fn identify(file: &Path, header: &Header) -> Found {
+///
+/// # Errors
+/// Those of the file system, which may be others the next time.
+pub(super) fn identify(file: &Path, header: &Header) -> Result<Found, JournalError> {
     let found = match journal::read_header(file) {
         Ok(Some(found)) => found,
         Ok(None) => {
-            return Found::Damaged("is damaged: its first line is not what was written".to_owned());
+            let what = "is damaged: its first line is not what was written";
+            return Ok(Found::Damaged(what.to_owned()));
         }
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Found::Nothing,
-        Err(error) => return Found::Damaged(format!("cannot be read: {error}")),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Found::Nothing),
+        Err(error) => return unreadable(error),
     };
     if found.ensemble != header.ensemble {
-        return Found::Foreign("belongs to another manifest".to_owned());
+        return Ok(Found::Foreign("belongs to another manifest".to_owned()));
     }
-    match (&found.piece, &header.piece) {
+    Ok(match (&found.piece, &header.piece) {
         (Some(there), Some(here)) if there == here => Found::Whole,
         (Some(there), Some(here))
             if (there.number, there.of, there.runs) == (here.number, here.of, here.runs) =>
@@ -295,6 +302,14 @@ pub(super) fn identify(file: &Path, header: &Header) -> Found {
             there.number, there.of, there.runs
         )),
         (None, _) => Found::Foreign("is in fact the journal of a whole ensemble".to_owned()),
+    })
+}
+
+/// What cannot be read, unless it is the system that says so.
+fn unreadable(error: io::Error) -> Result<Found, JournalError> {
+    match error.raw_os_error() {
+        Some(_) => Err(error.into()),
+        None => Ok(Found::Damaged(format!("cannot be read: {error}"))),
     }
 }
 
@@ -302,10 +317,14 @@ pub(super) fn identify(file: &Path, header: &Header) -> Found {
 pub(super) fn parts_of(path: &Path, number: u64) -> io::Result<Vec<PathBuf>> {
     let prefix = format!("{number}.part-");
     let mut parts = Vec::new();
-    for entry in fs::read_dir(path.join(SHARDS))? {
-        let entry = entry?;
-        if entry.file_name().to_string_lossy().starts_with(&prefix) {
-            parts.push(entry.path());
+    let entries = match disk::list(&path.join(SHARDS)) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Vec::new(),
+        listed => listed?,
+    };
+    for entry in entries {
+        let name = entry.file_name().unwrap_or_default();
+        if name.to_string_lossy().starts_with(&prefix) {
+            parts.push(entry);
         }
     }
     parts.sort();

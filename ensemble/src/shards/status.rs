@@ -1,17 +1,17 @@
 //! What there is of the pieces.
 use std::collections::BTreeMap;
-use std::fs;
 use std::io::{self, BufRead as _, BufReader};
 use std::path::Path;
 
 use serde::Serialize;
 use stochc_files as files;
+use stochc_files::disk;
 
 use super::ShardError;
 use super::cut::{Cut, SHARDS, build, piece_file};
 use super::piece::{Found, identify, in_folder, read};
-use crate::Manifest;
 use crate::verify::{FileHealth, Health};
+use crate::{JournalError, Manifest};
 
 /// All pieces of an ensemble.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -66,40 +66,44 @@ pub fn status(path: &Path) -> Result<Status, ShardError> {
     let (manifest, cut) = Cut::of(path)?;
     let begun = begun(path).map_err(|source| in_folder(path, source))?;
     let header = |number| cut.header(build(&manifest), number);
-    let state = |number: u64| match identify(&piece_file(path, number), &header(number)) {
-        Found::Whole => PieceState::Whole,
-        Found::Damaged(reason) => PieceState::Damaged { reason },
-        Found::Foreign(reason) => PieceState::Foreign { reason },
-        Found::Nothing => match begun.get(&number) {
-            Some(&runs) => PieceState::Begun { runs },
-            None => PieceState::Missing,
-        },
+    let state = |number: u64| {
+        Ok(
+            match identify(&piece_file(path, number), &header(number))? {
+                Found::Whole => PieceState::Whole,
+                Found::Damaged(reason) => PieceState::Damaged { reason },
+                Found::Foreign(reason) => PieceState::Foreign { reason },
+                Found::Nothing => match begun.get(&number) {
+                    Some(&runs) => PieceState::Begun { runs },
+                    None => PieceState::Missing,
+                },
+            },
+        )
     };
+    let pieces = (0..cut.shards).map(state);
+    let pieces = pieces.collect::<Result<_, JournalError>>()?;
     Ok(Status {
         shards: cut.shards,
         runs: manifest.total(),
-        pieces: (0..cut.shards).map(state).collect(),
+        pieces,
     })
 }
 
 /// Runs in the files of pieces that are not whole, by their numbers.
 fn begun(path: &Path) -> io::Result<BTreeMap<u64, u64>> {
     let mut begun = BTreeMap::new();
-    let entries = match fs::read_dir(path.join(SHARDS)) {
+    let entries = match disk::list(&path.join(SHARDS)) {
         Ok(entries) => entries,
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(begun),
         Err(error) => return Err(error),
     };
     for entry in entries {
-        let entry = entry?;
-        let name = entry.file_name();
-        let number = name.to_str().and_then(|name| {
-            let (number, what) = name.split_once('.')?;
+        let number = entry.file_name().and_then(|name| {
+            let (number, what) = name.to_str()?.split_once('.')?;
             what.starts_with("part-").then(|| number.parse().ok())?
         });
         if let Some(number) = number {
             // The first line says what it is.
-            let lines = lines(&entry.path()).unwrap_or_default().saturating_sub(1);
+            let lines = lines(&entry).unwrap_or_default().saturating_sub(1);
             *begun.entry(number).or_default() += lines;
         }
     }

@@ -1,13 +1,12 @@
 //! What a measurement has found, run by run, in a file that outlives a kill.
 use std::collections::BTreeMap;
-use std::fs::File;
 use std::path::Path;
 use std::sync::Mutex;
 use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
-use stochc_files::budget;
 use stochc_files::checksum::{self, Line};
+use stochc_files::{File, budget};
 use stochc_ir::sha256;
 use stochc_runtime::Settings;
 
