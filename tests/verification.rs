@@ -150,6 +150,10 @@ fn proof_and_execution_agree_on_every_program() {
         if case.checked.diagnostics.iter().any(is_tight) {
             titles.push("`tight-approach`".to_owned());
         }
+        let is_crowded = |diagnostic: &Diagnostic| diagnostic.code == Code::CrowdedCaptures;
+        if case.checked.diagnostics.iter().any(is_crowded) {
+            titles.push("`crowded-captures`".to_owned());
+        }
         let number = case.name.split('_').next().unwrap();
         let _ = writeln!(
             page,

@@ -1098,7 +1098,52 @@ assembly well {
         .iter()
         .map(|diagnostic| diagnostic.code)
         .collect();
-    assert_eq!(codes, [Code::TightApproach]);
+    assert_eq!(codes, [Code::CrowdedCaptures, Code::TightApproach]);
+}
+
+/// The titles of findings about captures side by side, of an assembly on a plate of 3 x 3 with blocks named by their places.
+fn crowded(phase: &str) -> Vec<String> {
+    let mut seeds = String::new();
+    for (x, y) in (0..3).flat_map(|x| (0..3).map(move |y| (x, y))) {
+        let _ = write!(seeds, "M[{x}, {y}] at ({x}, {y}) ");
+    }
+    let text = format!(
+        "allow unused-seed \"blocks of the plate have names by their places\"\nassembly all {{ seed plate 3 x 3 {{ {seeds}}} {phase} }}"
+    );
+    let found = checked(&text);
+    assert!(!found.has_errors(), "{:#?}", found.diagnostics);
+    let of_crowds = found.diagnostics.into_iter();
+    let of_crowds = of_crowds.filter(|it| it.code == Code::CrowdedCaptures);
+    of_crowds.map(|it| it.title).collect()
+}
+
+#[test]
+fn three_of_a_square_at_the_same_time_are_told_of() {
+    let foot = |x: i32, y: i32| format!("M[{x}, {y}].up -> A[{x}, {y}] ");
+    let grow = |feet: &str| format!("phase grow {{ {feet} }}");
+    let corner = foot(0, 0) + &foot(1, 0) + &foot(0, 1);
+    assert_eq!(
+        crowded(&grow(&corner)),
+        ["`A[0, 0]`, `A[1, 0]` and `A[0, 1]` may be waited for side by side"]
+    );
+    // Without the cell that would be the lowest of its square.
+    let other = foot(1, 0) + &foot(0, 1) + &foot(1, 1);
+    assert_eq!(crowded(&grow(&other)).len(), 1);
+    // A row, a diagonal and two are none.
+    for few in [
+        foot(0, 0) + &foot(1, 0) + &foot(2, 0),
+        foot(0, 0) + &foot(1, 1) + &foot(2, 2),
+        foot(0, 0) + &foot(1, 0) + &foot(0, 2),
+    ] {
+        assert_eq!(crowded(&grow(&few)), [""; 0], "{few}");
+    }
+    // Nor are three of which one waits, by `after`, in a chain or for its phase.
+    let waits = foot(0, 0) + &foot(1, 0) + "M[0, 1].up -> A[0, 1] after A[1, 0]";
+    assert_eq!(crowded(&grow(&waits)), [""; 0]);
+    let chain = foot(0, 0) + "A[0, 0].up -> B " + "B.east -> C " + "M[1, 0].up -> D after B";
+    assert_eq!(crowded(&grow(&chain)), [""; 0]);
+    let phases = grow(&(foot(0, 0) + &foot(1, 0))) + &format!("phase later {{ {} }}", foot(0, 1));
+    assert_eq!(crowded(&phases), [""; 0]);
 }
 
 /// Two wells whose walls are written out one by one, with a core each from one loop.

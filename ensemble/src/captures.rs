@@ -62,11 +62,11 @@ pub struct Waits {
     pub time: Time,
     /// The tenth and the ninetieth percentile of the waits that ended \[ticks\].
     pub spread: Option<(f64, f64)>,
-    /// Entries of blocks into the reach of the pull for each capture, on average; `None`: none was made.
+    /// Entries of blocks into the reach of the pull for each capture, on average; `None`: none was made, or nothing moved.
     pub entries: Option<f64>,
     /// Ticks from the captured block's last entry to its docking, on average.
     pub docking: Option<f64>,
-    /// Entries per tick of waiting, censored waits included; `None`: nobody waited.
+    /// Entries per tick of waiting, censored waits included; `None`: nobody waited, or nothing moved.
     pub entry_rate: Option<f64>,
     /// Captures of blocks that had never been captured.
     pub free: usize,
@@ -90,9 +90,12 @@ impl Tally {
     fn add(&mut self, bond: &BondRecord) {
         let wait = bond.docked.saturating_sub(bond.magnetized);
         self.times.push(Observation::completed(wait as f64));
-        self.entries.add(bond.entries.into());
+        // Who is captured has come in, but where nothing moves.
+        if bond.entries > 0 {
+            self.entries.add(bond.entries.into());
+            self.docking.add(bond.docking as f64);
+        }
         self.all_entries += f64::from(bond.entries);
-        self.docking.add(bond.docking as f64);
         match bond.origin {
             Origin::Free => self.free += 1,
             Origin::Released { role, .. } => *self.released.entry(role).or_default() += 1,
@@ -109,6 +112,7 @@ impl Tally {
         let ended = self.times.iter().filter(|time| time.completed);
         let ended: Vec<f64> = ended.map(|time| time.time).collect();
         let spread = quantile(&ended, 0.1).zip(quantile(&ended, 0.9));
+        let is_known = self.entries.value().is_some() || ended.is_empty();
         drop(ended);
         let total: f64 = self.times.iter().map(|time| time.time).sum();
         Some(Waits {
@@ -116,7 +120,7 @@ impl Tally {
             spread,
             entries: self.entries.value(),
             docking: self.docking.value(),
-            entry_rate: (total > 0.0).then(|| self.all_entries / total),
+            entry_rate: (total > 0.0 && is_known).then(|| self.all_entries / total),
             free: self.free,
             released: self.released.into_iter().collect(),
         })

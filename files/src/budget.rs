@@ -37,6 +37,8 @@ pub const CHECKSUMS: Budget = json(16 * MIB);
 pub const SHARDS: Budget = json(MIB);
 /// A `trade.json`.
 pub const TRADE: Budget = json(256 * MIB);
+/// The rates of a scene.
+pub const RATES: Budget = json(16 * MIB);
 /// A table of times to fit to.
 pub const TIMES: Budget = any(256 * MIB);
 /// The page of an earlier report.

@@ -50,6 +50,12 @@ fn every_setting_is_measured_and_kept() {
     let trade: Value = serde_json::from_str(&text).unwrap();
     for rung in rungs(&trade) {
         let cell = &rung["programs"][0];
+        if rung["name"] == "rate" {
+            // Nobody has measured this scene.
+            assert_eq!(cell["runs"], 0);
+            assert!(said.out.contains("`stochc calibrate`"), "{}", said.out);
+            continue;
+        }
         assert_eq!(cell["runs"], 3, "{}", rung["name"]);
         assert!(cell["mean"].as_f64().unwrap() > 1.0);
         assert!(cell["cost"].as_f64().unwrap() > 0.0);

@@ -160,5 +160,5 @@ fn a_model_without_places_has_no_observer() {
     let mut watch = |_: u64, _: PhaseId| ControlFlow::Continue(());
     let mut notes = Notes::default();
     let refused = observe(&tables, &scene, &settings, 1, 0, &mut watch, &mut notes);
-    assert_eq!(refused, Err(RunError::Nowhere));
+    assert_eq!(refused, Err(RunError::Nowhere(Model::Shuffle)));
 }

@@ -95,6 +95,7 @@ codes! {
     Error Adrift "adrift"
     Error SealedCavity "sealed-cavity"
     Warning TightApproach "tight-approach"
+    Warning CrowdedCaptures "crowded-captures"
     Warning ReachUndecided "reach-undecided"
     Error ShapeMismatch "shape-mismatch"
     Error ShapeMalformed "shape-malformed"

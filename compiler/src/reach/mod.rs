@@ -32,6 +32,7 @@
 //! mostly if it or a neighbouring cell sees the sky. Only the rest is searched for, along the walls
 //! (`path_search.rs`). The work is bounded; what was not decided within the bound is told.
 mod clearance;
+mod crowding;
 mod descendants;
 mod diagnose;
 mod edit;
@@ -226,6 +227,7 @@ impl Survey<'_> {
         }
         if stuck.is_empty() {
             self.tell_tight(number, events, descent, diagnostics);
+            self.tell_crowded(number, events, descent, diagnostics);
         }
         for &id in events {
             if !self.is_capture(id) {

@@ -135,20 +135,25 @@ fn item(subject: &Subject, run: &Run, link: &Link) -> String {
                     at(*tick)
                 ),
             };
+            let docked = |entries: &str| {
+                let docking = ticks(subject, bond.docking);
+                format!(": {entries} took {docking} to dock")
+            };
             let entries = match bond.entries {
-                1 => "1 block entered the field and".to_owned(),
-                n => format!(
+                // Nothing moved.
+                0 => String::new(),
+                1 => docked("1 block entered the field and"),
+                n => docked(&format!(
                     "blocks entered the field {} times, and the one that stayed",
                     number(f64::from(n))
-                ),
+                )),
             };
             format!(
-                "{} waited <strong>{}</strong>{share}, from tick {}, {}: {entries} took {} to dock{origin}.",
+                "{} waited <strong>{}</strong>{share}, from tick {}, {}{entries}{origin}.",
                 code(&text),
                 count(link.ticks()),
                 at(link.from),
                 reason(subject, link),
-                ticks(subject, bond.docking)
             )
         }
     }

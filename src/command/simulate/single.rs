@@ -119,6 +119,11 @@ impl Teller<'_> {
     }
 
     fn capture(&self, bond: &BondRecord) -> String {
+        let entries = match bond.entries {
+            // Nothing moved.
+            0 => String::new(),
+            entries => format!(" and {}", count(entries.into(), "entry", "entries")),
+        };
         let origin = match &bond.origin {
             Origin::Free => String::new(),
             Origin::Released { role, tick } => {
@@ -127,12 +132,11 @@ impl Teller<'_> {
             }
         };
         format!(
-            "{}.{} captures {} after {} and {}: block {}{origin}",
+            "{}.{} captures {} after {}{entries}: block {}{origin}",
             self.role(bond.parent),
             bond.face,
             self.role(bond.child),
             self.ticks(bond.docked.saturating_sub(bond.magnetized)),
-            count(bond.entries.into(), "entry", "entries"),
             bond.body,
         )
     }

@@ -1,0 +1,120 @@
+//! Captures that may be waited for side by side, so that the blocks that come jam each other.
+use rustc_hash::FxHashMap;
+use stochc_ir::Cell;
+
+use super::Survey;
+use super::descendants::DescendantIndex;
+use crate::diagnostic::{Code, Diagnostic, tell};
+use crate::plan::EventId;
+
+/// Captures of a phase that are shown, at most.
+const MOST_SHOWN: usize = 5;
+
+/// Squares of four cells that are looked at in a phase, at most: what is crowded in more is crowded enough.
+const MOST_SQUARES: usize = 10_000;
+
+impl Survey<'_> {
+    /// Tells of three or more faces that may be open at the same time towards cells of one square of four.
+    pub fn tell_crowded(
+        &mut self,
+        number: usize,
+        events: &[EventId],
+        descent: &DescendantIndex,
+        diagnostics: &mut Vec<Diagnostic>,
+    ) {
+        let crowded = self.crowded(events, descent);
+        let Some(first) = crowded.first() else { return };
+        let plan = self.subject.plan;
+        let name = |id: EventId| plan.roles.name(plan.event(id).role, self.subject.symbols);
+        let title = match crowded.len() {
+            3 => {
+                let [one, two, three] = [0, 1, 2].map(|i| name(crowded[i]));
+                format!("`{one}`, `{two}` and `{three}` may be waited for side by side")
+            }
+            count => format!(
+                "{count} blocks of phase `{}` may be waited for side by side",
+                plan.phases[number].name
+            ),
+        };
+        let mut diagnostic = Diagnostic::new(Code::CrowdedCaptures, title)
+            .label(plan.event(*first).site, format!("`{}`", name(*first)));
+        for &id in crowded[1..].iter().take(MOST_SHOWN - 1) {
+            diagnostic = diagnostic.label(plan.event(id).site, format!("`{}`", name(id)));
+        }
+        let help = "three faces in a square attract blocks that jam each other, and the captures may take long: let one wait for \
+                    another, with `after` or in a later phase";
+        tell(diagnostics, diagnostic.help(help));
+    }
+
+    /// The captures of a phase that are in such a square, in the order of the source.
+    fn crowded(&mut self, events: &[EventId], descent: &DescendantIndex) -> Vec<EventId> {
+        let captures = events.iter().filter(|&&id| self.is_capture(id));
+        let at: FxHashMap<Cell, EventId> = captures
+            .filter_map(|&id| Some((self.cell(id)?, id)))
+            .collect();
+        let mut looked_at = 0;
+        let mut crowded: Vec<EventId> = Vec::new();
+        for &id in events {
+            let Some(cell) = self.cell(id).filter(|cell| at.get(cell) == Some(&id)) else {
+                continue;
+            };
+            for square in squares(cell, &at) {
+                looked_at += 1;
+                if looked_at > MOST_SQUARES {
+                    break;
+                }
+                for left_out in 0..4 {
+                    let three = square.iter().enumerate();
+                    let three: Vec<EventId> = three
+                        .filter_map(|(i, id)| id.filter(|_| i != left_out))
+                        .collect();
+                    if three.len() == 3 && self.are_together(&three, descent) {
+                        crowded.extend(three);
+                    }
+                }
+            }
+        }
+        crowded.sort_unstable();
+        crowded.dedup();
+        crowded
+    }
+
+    /// Whether none of these events has to wait for another.
+    fn are_together(&mut self, events: &[EventId], descent: &DescendantIndex) -> bool {
+        events.iter().all(|&id| {
+            let following = descent.of(id, &mut self.warning.steps);
+            events
+                .iter()
+                .all(|&other| other == id || !following.contains(other))
+        })
+    }
+}
+
+/// The squares of four cells, in each plane, of which at least three are captured in and this cell is the lowest that may be: each
+/// square is found from one cell.
+fn squares(cell: Cell, at: &FxHashMap<Cell, EventId>) -> Vec<[Option<EventId>; 4]> {
+    let found = |x: i32, y: i32, z: i32| {
+        let there = Cell::new(
+            cell.x.checked_add(x)?,
+            cell.y.checked_add(y)?,
+            cell.z.checked_add(z)?,
+        );
+        at.get(&there).copied()
+    };
+    let axes = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
+    let mut squares = Vec::new();
+    for (u, v) in [(0, 1), (0, 2), (1, 2)] {
+        let (u, v): ([i32; 3], [i32; 3]) = (axes[u], axes[v]);
+        let place = |i: i32, j: i32| {
+            let [x, y, z] = [0, 1, 2].map(|k| i * u[k] + j * v[k]);
+            found(x, y, z)
+        };
+        // Its lowest cell is this one; or it is empty, and this one is beside it.
+        squares.push([place(0, 0), place(1, 0), place(0, 1), place(1, 1)]);
+        if place(-1, 0).is_none() {
+            squares.push([None, place(0, 0), place(-1, 1), place(0, 1)]);
+        }
+    }
+    squares.retain(|square| square.iter().flatten().count() >= 3);
+    squares
+}

@@ -1,0 +1,290 @@
+//! What was measured of a scene.
+use std::sync::LazyLock;
+
+use serde::{Deserialize, Serialize};
+use stochc_ir::scene::Scene;
+use stochc_ir::{Cell, Face};
+
+use crate::law::{Parameters, Surroundings};
+use crate::surroundings::around;
+use crate::wait::Wait;
+
+/// The rates of capture in a scene, with what they were measured from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Stored")]
+pub struct Rates {
+    /// The version of this form.
+    pub format: u32,
+    /// The scene that they are of.
+    pub scene: Scene,
+    /// How it was simulated: the model and its steps.
+    pub simulated: String,
+    /// The seed of the runs.
+    pub seed: u64,
+    /// The captures observed.
+    pub captures: u64,
+    /// The numbers of the law.
+    pub parameters: Parameters,
+    /// Their covariance, row by row.
+    pub covariance: Vec<f64>,
+    /// Density of the free gas around the plate over the mean of the gas, in layers of one side: the first has the middles of blocks
+    /// in the lowest cells.
+    pub profile: Vec<f64>,
+    /// Blocks that were free at the beginning.
+    pub free: u32,
+    /// What released blocks do near open faces.
+    pub head_starts: Vec<HeadStart>,
+    /// Where it was measured.
+    pub coverage: Coverage,
+}
+
+/// What a block does that is released near an open face.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct HeadStart {
+    /// The squared distance from its cell to the open one, in sides.
+    pub squared_distance: u32,
+    /// How far it was before the open face, beyond the open cell, in sides; behind it, this is negative.
+    pub before: i32,
+    /// The probability that it docks there, if no other does before.
+    pub probability: f64,
+    /// The mean time in which it does \[tick\].
+    pub ticks: f64,
+}
+
+/// What surroundings were observed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Coverage {
+    /// The highest cell that captured.
+    pub highest: i32,
+    /// The least part of its sphere of reach that a face had open.
+    pub least_open: f64,
+    /// The least part of the blocks that was free.
+    pub least_free: f64,
+}
+
+/// The version of the form of [`Rates`].
+pub const FORMAT: u32 = 1;
+
+/// Rates of built-in scenes, as `stochc calibrate SCENE --out` wrote them.
+const BUILT_IN: [&str; 1] = [include_str!("data/hemisphere.rates")];
+
+/// Ticks after which a released block is one like any other.
+pub const FORGOTTEN: u64 = 150;
+
+/// Where a cell is from an open one, to which `way` leads: the squared distance, and how far before the face; `None`: beyond all
+/// numbers.
+pub fn relative(cell: Cell, way: Face, from: Cell) -> Option<(u32, i32)> {
+    let offset = [
+        from.x.checked_sub(cell.x)?,
+        from.y.checked_sub(cell.y)?,
+        from.z.checked_sub(cell.z)?,
+    ];
+    let mut squares = 0_u32;
+    for part in offset {
+        squares = squares.checked_add(part.unsigned_abs().checked_pow(2)?)?;
+    }
+    let before = offset.iter().zip(way.normal()).map(|(a, b)| a * b).sum();
+    Some((squares, before))
+}
+
+impl Rates {
+    /// Those that come with this crate, of a built-in scene; `None`: the scene is another.
+    pub fn built_in(scene: &Scene) -> Option<&'static Rates> {
+        static ALL: LazyLock<Vec<Rates>> = LazyLock::new(|| {
+            let all = BUILT_IN.iter();
+            all.filter_map(|text| Rates::from_text(text).ok()).collect()
+        });
+        ALL.iter().find(|rates| rates.are_of(scene))
+    }
+
+    /// Whether they are of this scene.
+    pub fn are_of(&self, scene: &Scene) -> bool {
+        // What it is called, how many faces a block switches on and what messages do has nothing to do with a wait.
+        let mut alike = scene.clone();
+        alike.name.clone_from(&self.scene.name);
+        alike.block.faces = self.scene.block.faces;
+        alike.messages.clone_from(&self.scene.messages);
+        self.scene == alike
+    }
+
+    /// Density of the free gas at a layer of cells over the mean; above the measured ones that of the last.
+    pub fn density(&self, layer: i32) -> f64 {
+        let layer = usize::try_from(layer - 1).unwrap_or(0);
+        let there = self.profile.get(layer).or(self.profile.last());
+        there.copied().unwrap_or(1.0)
+    }
+
+    /// What is around an open face; see [`around`].
+    pub fn surroundings(
+        &self,
+        cell: Cell,
+        way: Face,
+        is_full: impl Fn(Cell) -> bool,
+        is_open: impl Fn(Cell) -> bool,
+    ) -> Surroundings {
+        Surroundings {
+            density: self.density(cell.z),
+            ..around(cell, way, is_full, is_open)
+        }
+    }
+
+    /// The wait of a face in such surroundings.
+    pub fn wait(&self, surroundings: &Surroundings) -> Wait {
+        self.parameters.wait(surroundings)
+    }
+
+    /// The chance of a block that was released in the cell `from` to dock at an open cell, to which `way` leads.
+    pub fn head_start(&self, cell: Cell, way: Face, from: Cell) -> Option<HeadStart> {
+        let (squared_distance, before) = relative(cell, way, from)?;
+        let mut known = self.head_starts.iter();
+        known
+            .find(|it| (it.squared_distance, it.before) == (squared_distance, before))
+            .copied()
+    }
+
+    /// As a file, a JSON object on lines of its own.
+    pub fn to_text(&self) -> String {
+        let mut text = serde_json::to_string_pretty(self).unwrap_or_default();
+        text.push('\n');
+        text
+    }
+
+    /// From a file.
+    ///
+    /// # Errors
+    /// If it is no such file, or one that makes no sense, in words.
+    pub fn from_text(text: &str) -> Result<Rates, String> {
+        serde_json::from_str(text).map_err(|error| error.to_string())
+    }
+}
+
+// All numbers are finite: `Stored` sees to that.
+impl Eq for Rates {}
+
+/// Rates that nobody has looked at yet.
+#[derive(Deserialize)]
+struct Stored {
+    format: u32,
+    scene: Scene,
+    simulated: String,
+    seed: u64,
+    captures: u64,
+    parameters: Parameters,
+    covariance: Vec<f64>,
+    profile: Vec<f64>,
+    free: u32,
+    head_starts: Vec<HeadStart>,
+    coverage: Coverage,
+}
+
+impl TryFrom<Stored> for Rates {
+    type Error = String;
+
+    fn try_from(stored: Stored) -> Result<Rates, String> {
+        let Stored {
+            format,
+            scene,
+            simulated,
+            seed,
+            captures,
+            parameters,
+            covariance,
+            profile,
+            free,
+            head_starts,
+            coverage,
+        } = stored;
+        if format != FORMAT {
+            return Err(format!(
+                "its format is {format}, and this is {FORMAT}; calibrate again"
+            ));
+        }
+        if covariance.len() != Parameters::COUNT * Parameters::COUNT {
+            return Err("its covariance has another size".to_owned());
+        }
+        // Beyond e^30 no wait has a meaning, and sums overflow.
+        if parameters
+            .0
+            .iter()
+            .any(|value| !(-30.0..=30.0).contains(value))
+        {
+            return Err("a parameter is out of range".to_owned());
+        }
+        let is_density = |value: &f64| (0.0..=1e6).contains(value);
+        if profile.is_empty() || profile.len() > MOST_LAYERS || !profile.iter().all(is_density) {
+            return Err("its profile makes no sense".to_owned());
+        }
+        let is_start = |start: &HeadStart| {
+            (0.0..=1.0).contains(&start.probability) && (0.0..=1e9).contains(&start.ticks)
+        };
+        if head_starts.len() > MOST_HEAD_STARTS || !head_starts.iter().all(is_start) {
+            return Err("its head starts make no sense".to_owned());
+        }
+        let others = [coverage.least_open, coverage.least_free];
+        if covariance
+            .iter()
+            .chain(&others)
+            .any(|value| !value.is_finite())
+        {
+            return Err("a number is not finite".to_owned());
+        }
+        Ok(Rates {
+            format,
+            scene,
+            simulated,
+            seed,
+            captures,
+            parameters,
+            covariance,
+            profile,
+            free,
+            head_starts,
+            coverage,
+        })
+    }
+}
+
+/// Layers of a profile, at most.
+const MOST_LAYERS: usize = 1000;
+
+/// Squared distances of head starts, at most.
+const MOST_HEAD_STARTS: usize = 100;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_shipped_is_read_and_comes_out_again() {
+        for text in BUILT_IN {
+            let rates = Rates::from_text(text).expect("it is sound");
+            assert_eq!(rates.to_text(), text);
+            let renamed = Scene {
+                name: "another".to_owned(),
+                ..rates.scene.clone()
+            };
+            assert_eq!(Rates::built_in(&renamed), Some(&rates));
+            let mut denser = renamed;
+            denser.free.count += 1;
+            assert_eq!(Rates::built_in(&denser), None);
+        }
+    }
+
+    #[test]
+    fn what_makes_no_sense_is_refused() {
+        let sound = Rates::from_text(BUILT_IN[0]).expect("it is sound");
+        let spoilt: [fn(&mut Rates); 6] = [
+            |rates| rates.format += 1,
+            |rates| rates.parameters.0[3] = 1e300,
+            |rates| rates.profile.clear(),
+            |rates| rates.profile[0] = -1.0,
+            |rates| rates.covariance.truncate(7),
+            |rates| rates.head_starts[0].probability = 1.5,
+        ];
+        for spoil in spoilt {
+            let mut rates = sound.clone();
+            spoil(&mut rates);
+            assert!(Rates::from_text(&rates.to_text()).is_err());
+        }
+    }
+}
