@@ -4,8 +4,8 @@ use stochc_ir::is_invisible;
 
 use crate::command::interrupt::outlive_file_limit;
 use crate::command::{
-    calibrate, check, compile, completions, estimate, explain, export, fit, fmt, lsp, man, replay,
-    report, results, simulate, trade, verify,
+    calibrate, check, compile, completions, estimate, explain, export, fit, fmt, lsp, man, merge,
+    replay, report, results, shard, simulate, status, trade, verify,
 };
 use crate::exit::{Exit, Failure};
 
@@ -20,7 +20,7 @@ pub struct Cli {
 
 const EXIT_STATUS: &str = "\
 Exit status: 0 success, 1 the program has errors, 2 the command line is wrong or a file cannot be \
-read or written, 3 a run did not complete, 4 no setting is known to be accurate enough, 130 interrupted.";
+read or written, 3 a run did not complete or pieces are missing, 4 no setting is known to be accurate enough, 130 interrupted.";
 
 /// The subcommands.
 #[derive(Debug, Subcommand)]
@@ -33,6 +33,12 @@ pub enum Command {
     Compile(compile::Options),
     /// Simulate programs many times and compare their times to completion
     Simulate(Box<simulate::Options>),
+    /// Make one piece of an ensemble that `simulate --shards` has cut
+    Shard(shard::Options),
+    /// Say which pieces of an ensemble are there
+    Status(status::Options),
+    /// Put the pieces of an ensemble together: the same results as without pieces
+    Merge(merge::Options),
     /// Measure what accuracy costs: compare many settings with a converged reference
     Trade(trade::Options),
     /// Measure how often faces capture in a scene, for `--model rate`
@@ -82,6 +88,9 @@ pub fn run(cli: Cli) -> Result<Exit, Failure> {
         Command::Fmt(options) => fmt::run(&options),
         Command::Compile(options) => compile::run(&options),
         Command::Simulate(options) => simulate::run(&options),
+        Command::Shard(options) => shard::run(&options),
+        Command::Status(options) => status::run(&options),
+        Command::Merge(options) => merge::run(&options),
         Command::Trade(options) => trade::run(&options),
         Command::Calibrate(options) => calibrate::run(&options),
         Command::Estimate(options) => estimate::run(&options),

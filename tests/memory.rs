@@ -1,15 +1,22 @@
 //! How much memory is taken: by programs beyond the limits, and by showing large ones.
 use std::fmt::{Display, Write as _};
 use std::io::{Write as _, sink};
+use std::num::NonZeroUsize;
+use std::sync::atomic::AtomicBool;
 use std::sync::{Mutex, PoisonError};
 
 use peak_alloc::PeakAlloc;
 use stochc::compiler::diagnostic::Code;
 use stochc::compiler::emit::{structure_json, structure_text};
 use stochc::compiler::{Checked, Limits, check};
+use stochc::ensemble::{
+    Cancelled, ComparisonTally, Destination, Folder, Manifest, Program, Progress, Watch, run,
+};
 use stochc::ir::Json;
 use stochc::ir::emit::{graph_dot, graph_json, graph_text, table_json, table_text};
+use stochc::report::ensemble_report::{Input, Surroundings, report};
 use stochc_grammar::to_json;
+use stochc_runtime::{Model, Settings};
 
 #[global_allocator]
 static MEMORY: PeakAlloc = PeakAlloc;
@@ -131,4 +138,65 @@ fn a_program_beyond_the_limits_takes_little_memory() {
         assert!(codes.contains(&Code::ExpansionLimit), "{text:.200}: {codes:?}");
         assert!(taken < 100 * MIB, "{text:.200}: {} MiB", taken / MIB);
     }
+}
+
+/// Ensembles stay in their files: more runs take a few bytes each while they are made, summed up and reported, where a
+/// record of this program has 2 kB.
+#[test]
+fn memory_hardly_grows_with_the_number_of_runs() {
+    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+    // Both have more runs than a group of rows of a table.
+    let few = of_ensemble(10_000);
+    let many = of_ensemble(24_000);
+    let grown = many.saturating_sub(few);
+    assert!(
+        grown < 14_000 * 300,
+        "{few} and {many} bytes: {} for each run",
+        grown / 14_000
+    );
+}
+
+/// Bytes that it takes at its peak to make so many runs in a folder, to sum them up, and to report on them.
+fn of_ensemble(runs: u64) -> usize {
+    let text =
+        "assembly line { seed plate 1 x 1 { M at (0, 0) } phase grow { M.up ->> T[1..13] } }";
+    let mut reader = |_: &str| Ok(text.as_bytes().to_vec());
+    let mut checked = check("line.sa", &mut reader, Limits::default());
+    let executable = checked.programs.remove(0).into_executable().unwrap();
+    let settings = Settings::of(Model::Shuffle, 1);
+    let program = Program::new("line", Vec::new(), executable);
+    let manifest = Manifest::new(settings, 1, runs, vec![program]);
+    let place = tempfile::tempdir().unwrap();
+    let (_, bytes) = peak(|| {
+        let folder = Folder::open(place.path(), &manifest, false).unwrap();
+        let progress = Progress::new(&manifest, NonZeroUsize::MIN);
+        let never = AtomicBool::new(false);
+        let program = &manifest.programs[0];
+        let simulate = |_: usize, run, watch: &Watch| {
+            let mut told = |tick, phase| watch.tick(tick, phase);
+            let (tables, scene) = (program.tables(), &program.scene);
+            let (settings, seed) = (&manifest.settings, manifest.seed);
+            let record = stochc_runtime::run(tables, scene, settings, seed, run, &mut told);
+            record.map_err(|_| Cancelled)
+        };
+        let results = run(Destination::Folder(folder), &progress, &never, simulate);
+        assert!(results.unwrap().complete);
+        let contents = Folder::read(place.path()).unwrap();
+        let mut comparison = ComparisonTally::new(&contents.manifest);
+        let told = contents.finished.each(|done| comparison.add(done));
+        told.unwrap();
+        assert_eq!(comparison.finish().programs[0].completed, runs);
+        let inputs = [Input {
+            path: "line".to_owned(),
+            manifest: contents.manifest,
+            finished: contents.finished,
+        }];
+        let surroundings = Surroundings {
+            folder: "figures",
+            replay: &|_, _, _| None,
+        };
+        let made = report(&inputs, &surroundings, &mut sink());
+        assert!(made.unwrap().page.contains("line"));
+    });
+    bytes
 }

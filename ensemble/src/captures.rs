@@ -9,8 +9,8 @@ use stochc_ir::Face;
 use stochc_ir::record::{BondRecord, Origin, Outcome, RunRecord, WaitRecord};
 use stochc_ir::table::{PhaseId, RoleId};
 
-use super::{Finished, Manifest, Time};
-use crate::statistics::{Observation, Summary, quantile};
+use super::{Program, Time};
+use crate::statistics::{Mean, Observation, Sample, quantile};
 
 /// Which capture of a program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -62,10 +62,10 @@ pub struct Waits {
     pub time: Time,
     /// The tenth and the ninetieth percentile of the waits that ended \[ticks\].
     pub spread: Option<(f64, f64)>,
-    /// Entries of blocks into the reach of the pull for each capture; `None`: nothing moved.
-    pub entries: Option<Summary>,
-    /// Ticks from the captured block's last entry to its docking.
-    pub docking: Option<Summary>,
+    /// Entries of blocks into the reach of the pull for each capture, on average; `None`: none was made, or nothing moved.
+    pub entries: Option<f64>,
+    /// Ticks from the captured block's last entry to its docking, on average.
+    pub docking: Option<f64>,
     /// Entries per tick of waiting, censored waits included; `None`: nobody waited, or nothing moved.
     pub entry_rate: Option<f64>,
     /// Captures of blocks that had never been captured.
@@ -75,11 +75,11 @@ pub struct Waits {
 }
 
 /// The waits for a capture while they are collected.
-#[derive(Default)]
+#[derive(Clone, Debug, Default)]
 struct Tally {
-    times: Vec<Observation>,
-    entries: Vec<f64>,
-    docking: Vec<f64>,
+    times: Sample,
+    entries: Mean,
+    docking: Mean,
     /// Entries in all waits, also in those that led to nothing.
     all_entries: f64,
     free: usize,
@@ -92,8 +92,8 @@ impl Tally {
         self.times.push(Observation::completed(wait as f64));
         // Who is captured has come in, but where nothing moves.
         if bond.entries > 0 {
-            self.entries.push(bond.entries.into());
-            self.docking.push(bond.docking as f64);
+            self.entries.add(bond.entries.into());
+            self.docking.add(bond.docking as f64);
         }
         self.all_entries += f64::from(bond.entries);
         match bond.origin {
@@ -111,13 +111,15 @@ impl Tally {
     fn sum_up(self) -> Option<Waits> {
         let ended = self.times.iter().filter(|time| time.completed);
         let ended: Vec<f64> = ended.map(|time| time.time).collect();
+        let spread = quantile(&ended, 0.1).zip(quantile(&ended, 0.9));
+        let is_known = self.entries.value().is_some() || ended.is_empty();
+        drop(ended);
         let total: f64 = self.times.iter().map(|time| time.time).sum();
-        let is_known = !self.entries.is_empty() || ended.is_empty();
         Some(Waits {
-            time: Time::of(&self.times)?,
-            spread: quantile(&ended, 0.1).zip(quantile(&ended, 0.9)),
-            entries: Summary::of(&self.entries),
-            docking: Summary::of(&self.docking),
+            time: Time::of(&self.times.to_vec())?,
+            spread,
+            entries: self.entries.value(),
+            docking: self.docking.value(),
             entry_rate: (total > 0.0 && is_known).then(|| self.all_entries / total),
             free: self.free,
             released: self.released.into_iter().collect(),
@@ -125,28 +127,35 @@ impl Tally {
     }
 }
 
-/// The waits for each capture in runs of one program, of which failed ones count nothing.
-pub fn waits<'r>(records: impl IntoIterator<Item = &'r RunRecord>) -> BTreeMap<CaptureKey, Waits> {
-    let mut tallies = BTreeMap::<CaptureKey, Tally>::new();
-    for record in records {
+/// The waits for each capture while runs of one program are told, of which failed ones count nothing.
+#[derive(Clone, Debug, Default)]
+pub struct WaitsTally(BTreeMap<CaptureKey, Tally>);
+
+impl WaitsTally {
+    /// Adds a run.
+    pub fn add(&mut self, record: &RunRecord) {
         if matches!(record.outcome, Outcome::Failed { .. }) {
-            continue;
+            return;
         }
         let mut done = Repetitions::default();
         for bond in &record.bonds {
             let key = done.next(bond.phase, (bond.parent, bond.face, bond.child));
-            tallies.entry(key).or_default().add(bond);
+            self.0.entry(key).or_default().add(bond);
         }
         for wait in &record.waiting {
             let key = done.next(wait.phase, (wait.parent, wait.face, wait.child));
-            let tally = tallies.entry(key).or_default();
+            let tally = self.0.entry(key).or_default();
             tally.add_censored(wait, record.ticks);
         }
     }
-    let waits = tallies.into_iter();
-    waits
-        .filter_map(|(key, tally)| Some((key, tally.sum_up()?)))
-        .collect()
+
+    /// What they say.
+    pub fn finish(self) -> BTreeMap<CaptureKey, Waits> {
+        let waits = self.0.into_iter();
+        waits
+            .filter_map(|(key, tally)| Some((key, tally.sum_up()?)))
+            .collect()
+    }
 }
 
 /// A capture of a program, in all runs that did not fail; times are in ticks.
@@ -176,12 +185,9 @@ pub struct Capture {
     pub released: Vec<(String, usize)>,
 }
 
-/// Sums up the captures of the manifest's program number `program`, sorted by phase and roles.
-pub fn captures(manifest: &Manifest, finished: &[Finished], program: usize) -> Vec<Capture> {
-    let records = finished.iter().filter(|done| done.program == program);
-    let program = &manifest.programs[program];
-    waits(records.map(|done| &done.record))
-        .into_iter()
+/// The captures of a program, sorted by phase and roles.
+pub fn captures(program: &Program, tally: WaitsTally) -> Vec<Capture> {
+    (tally.finish().into_iter())
         // What is attached by hand was not waited for.
         .filter(|(key, _)| !program.is_planted(key.phase))
         .map(|(key, waits)| Capture {
@@ -192,8 +198,8 @@ pub fn captures(manifest: &Manifest, finished: &[Finished], program: usize) -> V
             child: program.role(key.child).to_owned(),
             repetition: key.repetition,
             wait: waits.time,
-            entries: waits.entries.map(|entries| entries.mean),
-            docking: waits.docking.map(|docking| docking.mean),
+            entries: waits.entries,
+            docking: waits.docking,
             entry_rate: waits.entry_rate,
             released: (waits.released.into_iter())
                 .map(|(role, n)| (program.role(role).to_owned(), n))

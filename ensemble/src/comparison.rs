@@ -1,12 +1,12 @@
 //! The figures that compare programs: what `--format json` says, and tables draw.
 use serde::Serialize;
-use stochc_ir::record::{Limit, Outcome, RunRecord};
+use stochc_ir::record::{Limit, Outcome};
 use stochc_ir::table::PhaseId;
 
 use super::pairwise::{Group, TimeUnit, Verdict, pairwise_tests};
-use super::times::{completion_time, completion_times, phase_time};
+use super::times::{completion_time, phase_time};
 use super::{Finished, Manifest, Program};
-use crate::statistics::{Difference, KaplanMeier, Observation, Summary};
+use crate::statistics::{Difference, KaplanMeier, Mean, Observation, Runs, Sample, Summary};
 
 /// An ensemble in figures; times are in ticks.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -105,25 +105,95 @@ pub struct Pair {
 
 impl Comparison {
     /// Draws up the figures of finished runs.
-    pub fn of(manifest: &Manifest, finished: &[Finished]) -> Comparison {
-        let records = |of: usize| {
-            let of = finished.iter().filter(move |done| done.program == of);
-            of.map(|done| &done.record).collect::<Vec<_>>()
+    pub fn of<'a>(
+        manifest: &Manifest,
+        finished: impl IntoIterator<Item = &'a Finished>,
+    ) -> Comparison {
+        let mut tally = ComparisonTally::new(manifest);
+        finished.into_iter().for_each(|done| tally.add(done));
+        tally.finish()
+    }
+}
+
+/// A comparison while runs are told, sorted by program and run: of each it keeps a few bytes for its times.
+#[derive(Debug)]
+pub struct ComparisonTally<'a> {
+    manifest: &'a Manifest,
+    clock: TimeUnit,
+    programs: Vec<Tally>,
+}
+
+/// What the runs of a program have told.
+#[derive(Clone, Debug, Default)]
+struct Tally {
+    finished: u64,
+    completed: u64,
+    timed_out: u64,
+    stopped: u64,
+    blocks: Mean,
+    unplanned: Mean,
+    is_any_unplanned: bool,
+    /// By their numbers, in ticks.
+    times: Vec<(u64, Observation)>,
+    phase_times: Vec<Sample>,
+}
+
+impl<'a> ComparisonTally<'a> {
+    /// Before the first run.
+    pub fn new(manifest: &'a Manifest) -> ComparisonTally<'a> {
+        let tally = |program: &Program| Tally {
+            phase_times: vec![Sample::default(); program.phases().len()],
+            ..Tally::default()
         };
-        let records: Vec<_> = (0..manifest.programs.len()).map(records).collect();
-        let programs = manifest.programs.iter().zip(&records);
-        let clock = TimeUnit::of(manifest.programs.iter());
-        let sides: Vec<Group> = (programs.clone())
-            .map(|(program, records)| Group {
+        ComparisonTally {
+            manifest,
+            clock: TimeUnit::of(manifest.programs.iter()),
+            programs: manifest.programs.iter().map(tally).collect(),
+        }
+    }
+
+    /// Adds a run.
+    pub fn add(&mut self, done: &Finished) {
+        let (tally, record) = (&mut self.programs[done.program], &done.record);
+        tally.finished += 1;
+        tally.is_any_unplanned |= record.unplanned > 0;
+        match record.outcome {
+            Outcome::Completed => {
+                tally.completed += 1;
+                tally.blocks.add(record.blocks_used.into());
+                tally.unplanned.add(record.unplanned as f64);
+            }
+            Outcome::TimedOut { by, .. } => match by {
+                Limit::Timeout => tally.timed_out += 1,
+                Limit::MaxTicks => tally.stopped += 1,
+            },
+            Outcome::Failed { .. } => {}
+        }
+        let time = completion_time(record);
+        tally.times.extend(time.map(|time| (record.run, time)));
+        for (phase, times) in tally.phase_times.iter_mut().enumerate() {
+            if let Some(time) = phase_time(record, phase) {
+                times.push(time);
+            }
+        }
+    }
+
+    /// The figures.
+    pub fn finish(self) -> Comparison {
+        let manifest = self.manifest;
+        let programs = manifest.programs.iter().zip(&self.programs);
+        let columns = programs.map(|(program, tally)| tally.column(manifest, program));
+        let columns = columns.collect();
+        let programs = manifest.programs.iter().zip(self.programs);
+        let sides: Vec<Group> = programs
+            .map(|(program, tally)| Group {
                 varied: &program.varied,
-                runs: completion_times(records.iter().copied(), manifest.seed, clock.tick(program)),
+                runs: Runs::of(manifest.seed, tally.times, self.clock.tick(program)),
             })
             .collect();
         let name = |i: usize| manifest.programs[i].name.clone();
         Comparison {
-            programs: programs
-                .map(|(program, records)| column(manifest, program, records))
-                .collect(),
+            programs: columns,
             pairs: pairwise_tests(&sides, |_, _| false)
                 .into_iter()
                 .map(|contrast| Pair {
@@ -135,7 +205,7 @@ impl Comparison {
                     },
                 })
                 .collect(),
-            unit: clock.unit(),
+            unit: self.clock.unit(),
         }
     }
 }
@@ -182,59 +252,38 @@ impl Time {
     }
 }
 
-fn column(manifest: &Manifest, program: &Program, records: &[&RunRecord]) -> Column {
-    let completed = |record: &&&RunRecord| record.outcome == Outcome::Completed;
-    let limited = |limit| {
-        let by = |record: &&&RunRecord| matches!(record.outcome, Outcome::TimedOut { by, .. } if by == limit);
-        records.iter().filter(by).count()
-    };
-    let blocks: Vec<f64> = records
-        .iter()
-        .filter(completed)
-        .map(|record| record.blocks_used.into())
-        .collect();
-    let unplanned: Vec<f64> = records
-        .iter()
-        .filter(completed)
-        .map(|record| record.unplanned as f64)
-        .collect();
-    let count = |runs: usize| runs as u64;
-    let done = records.iter().filter(completed).count();
-    let (late, stopped) = (limited(Limit::Timeout), limited(Limit::MaxTicks));
-    // What is attached by hand takes no time.
-    let phases = program.phases().iter().enumerate();
-    let waited = |(i, _): &(usize, _)| !program.is_planted(PhaseId(*i as u32));
-    let phases: Vec<_> = phases.filter(waited).collect();
-    Column {
-        name: program.name.clone(),
-        tick: program.scene.tick,
-        phases: phases.len(),
-        captures: program.captures(),
-        blocks_used: Summary::of(&blocks).map(|summary| summary.mean),
-        unplanned: Summary::of(&unplanned)
-            .map(|summary| summary.mean)
-            .filter(|_| records.iter().any(|record| record.unplanned > 0)),
-        runs: manifest.runs,
-        finished: count(records.len()),
-        completed: count(done),
-        timed_out: count(late),
-        stopped: count(stopped),
-        failed: count(records.len() - done - late - stopped),
-        time: Time::of(&times(records, completion_time)),
-        phase_times: phases
-            .into_iter()
-            .map(|(i, phase)| PhaseTime {
-                name: phase.name.clone(),
-                number: i,
-                time: Time::of(&times(records, |record| phase_time(record, i))),
-            })
-            .collect(),
+impl Tally {
+    fn column(&self, manifest: &Manifest, program: &Program) -> Column {
+        let times: Vec<Observation> = self.times.iter().map(|&(_, time)| time).collect();
+        let time = Time::of(&times);
+        drop(times);
+        // What is attached by hand takes no time.
+        let phases = program.phases().iter().enumerate();
+        let waited = |(i, _): &(usize, _)| !program.is_planted(PhaseId(*i as u32));
+        let phases: Vec<_> = phases.filter(waited).collect();
+        let known = self.completed + self.timed_out + self.stopped;
+        Column {
+            name: program.name.clone(),
+            tick: program.scene.tick,
+            phases: phases.len(),
+            captures: program.captures(),
+            blocks_used: self.blocks.value(),
+            unplanned: self.unplanned.value().filter(|_| self.is_any_unplanned),
+            runs: manifest.runs,
+            finished: self.finished,
+            completed: self.completed,
+            timed_out: self.timed_out,
+            stopped: self.stopped,
+            failed: self.finished - known,
+            time,
+            phase_times: phases
+                .into_iter()
+                .map(|(i, phase)| PhaseTime {
+                    name: phase.name.clone(),
+                    number: i,
+                    time: Time::of(&self.phase_times[i].to_vec()),
+                })
+                .collect(),
+        }
     }
-}
-
-fn times(
-    records: &[&RunRecord],
-    of: impl Fn(&RunRecord) -> Option<Observation>,
-) -> Vec<Observation> {
-    records.iter().filter_map(|record| of(record)).collect()
 }

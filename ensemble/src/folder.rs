@@ -10,20 +10,25 @@
 //! | `.lock` | held by the process that writes |
 //!
 //! Nothing in it is ever replaced by the results of another ensemble.
-use std::fs::{self, File, TryLockError};
+use std::fs::{OpenOptions, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
 
 use stochc_files as files;
-use stochc_files::atomic::{self, Replaces};
+use stochc_files::File;
+use stochc_files::atomic::{self, Draft, Replaces};
 use stochc_files::budget;
+use stochc_files::checksum::{Sum, Summed, of_file};
+use stochc_files::disk;
 
 use super::build::{UNKNOWN, other_build};
 use super::folder_error::FolderError;
-use super::journal::{self, Finished, Journal, JournalError};
+use super::journal::{self, Finished, Header, Journal, JournalError};
 use super::manifest::{Manifest, OLDEST};
 use super::parquet;
+use super::records::{Place, Records};
 use super::seal::{SEAL, Seal};
+use super::shards::SHARDS_FILE;
 
 pub(super) const MANIFEST: &str = "manifest.json";
 pub(super) const JOURNAL: &str = "journal.jsonl";
@@ -41,7 +46,8 @@ pub struct Folder {
     /// Whether its manifest is not yet the one that it has been opened for.
     is_changed: bool,
     state: State,
-    kept: Vec<Finished>,
+    kept: Records,
+    shortest: Option<Finished>,
     whole: u64,
     damage: Vec<String>,
     further: Further,
@@ -49,16 +55,16 @@ pub struct Folder {
     _lock: File,
 }
 
-/// What makes further files of a folder, by their names, from runs sorted by program and run.
-pub type Further = fn(&Manifest, &[Finished]) -> Vec<(String, String)>;
+/// What makes further files of a folder, by their names, from its runs.
+pub type Further = fn(&Manifest, &Records) -> Result<Vec<(String, String)>, JournalError>;
 
 /// What a folder holds, as far as it is sound.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Debug)]
 pub struct Contents {
     /// What its ensemble depends on.
     pub manifest: Manifest,
-    /// Its runs, sorted by program and run.
-    pub finished: Vec<Finished>,
+    /// Its runs.
+    pub finished: Records,
     /// What is wrong with its files, each in a sentence.
     pub damage: Vec<String>,
 }
@@ -104,7 +110,16 @@ impl Folder {
         manifest: &Manifest,
         resume: impl Into<Resume>,
     ) -> Result<Folder, FolderError> {
-        let resume = resume.into();
+        not_cut(path)?;
+        Folder::open_cut(path, manifest, resume.into())
+    }
+
+    /// The same, also if it is cut into pieces.
+    pub(super) fn open_cut(
+        path: &Path,
+        manifest: &Manifest,
+        resume: Resume,
+    ) -> Result<Folder, FolderError> {
         let io = |source| FolderError::Io {
             path: path.to_owned(),
             source,
@@ -115,6 +130,7 @@ impl Folder {
         let lock = lock(path)?;
         // Again, now that nobody else can change the answer.
         let Some(stored) = survey(path)? else {
+            atomic::clear_partial(path).map_err(io)?;
             write_manifest(path, manifest)?;
             return Ok(Folder {
                 path: path.to_owned(),
@@ -122,10 +138,11 @@ impl Folder {
                 builds: manifest.builds.clone(),
                 state: State::New,
                 is_changed: false,
-                kept: Vec::new(),
+                kept: Records::default(),
+                shortest: None,
                 whole: 0,
                 damage: Vec::new(),
-                further: |_, _| Vec::new(),
+                further: |_, _| Ok(Vec::new()),
                 _lock: lock,
             });
         };
@@ -182,9 +199,10 @@ impl Folder {
                 State::Resumed
             },
             kept,
+            shortest: journal.shortest,
             whole: journal.whole,
             damage,
-            further: |_, _| Vec::new(),
+            further: |_, _| Ok(Vec::new()),
             _lock: lock,
         })
     }
@@ -200,6 +218,7 @@ impl Folder {
             surveyed => surveyed?,
         };
         let manifest = manifest.ok_or_else(absent)?;
+        not_cut(path)?;
         let journal = journal::read(&path.join(JOURNAL), &manifest, &manifest.identity())?;
         Ok(Contents {
             manifest,
@@ -234,9 +253,19 @@ impl Folder {
         self.state
     }
 
-    /// The runs that were done when it was opened, sorted by program and run.
-    pub fn kept(&self) -> &[Finished] {
+    /// The runs that were done when it was opened.
+    pub fn kept(&self) -> &Records {
         &self.kept
+    }
+
+    /// Lets go of the folder, but for the runs that it was opened with.
+    pub(super) fn close(self) -> (Manifest, Records) {
+        (self.manifest, self.kept)
+    }
+
+    /// The shortest of them that did not fail.
+    pub(super) fn shortest(&self) -> Option<&Finished> {
+        self.shortest.as_ref()
     }
 
     /// Opens the journal for the runs that are still to be done; once, since it begins where the
@@ -245,30 +274,58 @@ impl Folder {
     /// # Errors
     /// Those of the file system.
     pub(super) fn journal(&self) -> Result<Journal, FolderError> {
-        if self.is_changed {
-            write_manifest(&self.path, &self.manifest)?;
-        }
-        let identity = self.manifest.identity();
-        let journal = Journal::open(&self.path.join(JOURNAL), &identity, self.whole)?;
+        self.write_manifest()?;
+        let header = Header::of(&self.manifest.identity());
+        let journal = Journal::open(&self.path.join(JOURNAL), &header, self.whole)?;
         atomic::sync_folder(&self.path).map_err(JournalError::Io)?;
         Ok(journal)
     }
 
-    /// Writes the tables from runs sorted by program and run, the further files, and at last the checksums of all.
+    /// The runs at these places of its journal.
     ///
     /// # Errors
     /// Those of the file system.
-    pub(super) fn write_tables(&self, finished: &[Finished]) -> Result<(), FolderError> {
-        let further = (self.further)(&self.manifest, finished).into_iter();
-        let further = further.map(|(name, text)| (name, text.into_bytes()));
-        let tables = parquet::files(&self.manifest, finished).into_iter();
-        let files: Vec<_> = tables.chain(further).collect();
+    pub(super) fn records(&self, places: Vec<Place>) -> Result<Records, JournalError> {
+        let file = files::open(&self.path.join(JOURNAL))?;
+        let most = journal::most_line(&self.manifest);
+        Ok(Records::at(places, vec![file], most))
+    }
+
+    /// Writes the manifest if it is not yet the one that the folder has been opened for.
+    pub(super) fn write_manifest(&self) -> Result<(), FolderError> {
+        match self.is_changed {
+            true => write_manifest(&self.path, &self.manifest),
+            false => Ok(()),
+        }
+    }
+
+    /// Writes the tables, the further files, and at last the checksums of all.
+    ///
+    /// # Errors
+    /// Those of the file system.
+    pub(super) fn write_tables(&self, finished: &Records) -> Result<(), FolderError> {
+        let io = |source| FolderError::Io {
+            path: self.path.clone(),
+            source,
+        };
         // Tables that are being written are not those that are known.
         seal(&self.path, &self.manifest, &[])?;
-        for (name, content) in &files {
-            replace(&self.path, name, content)?;
+        let mut sums = Vec::new();
+        let begin = |name: &str| {
+            let draft = Draft::new(&self.path.join(name), Replaces::Ordinary)?;
+            Ok(Summed::new(draft))
+        };
+        let tables = parquet::write(&self.manifest, finished, begin, io)?;
+        for (name, table) in tables {
+            let (draft, sum) = table.finish();
+            draft.keep().map_err(io)?;
+            sums.push((name, sum));
         }
-        seal(&self.path, &self.manifest, &files)
+        for (name, text) in (self.further)(&self.manifest, finished)? {
+            replace(&self.path, &name, text.as_bytes())?;
+            sums.push((name, Sum::of(text.as_bytes())));
+        }
+        seal(&self.path, &self.manifest, &sums)
     }
 }
 
@@ -281,22 +338,36 @@ pub(super) fn write_manifest(path: &Path, manifest: &Manifest) -> Result<(), Fol
 }
 
 /// Writes the checksums of the manifest, of the journal as it is, and of these files.
-fn seal(path: &Path, manifest: &Manifest, files: &[(String, Vec<u8>)]) -> Result<(), FolderError> {
+pub(super) fn seal(
+    path: &Path,
+    manifest: &Manifest,
+    files: &[(String, Sum)],
+) -> Result<(), FolderError> {
     let io = |source| FolderError::Io {
         path: path.to_owned(),
         source,
     };
     let mut seal = Seal::default();
-    seal.add(MANIFEST, manifest.to_json().as_bytes());
+    seal.note(MANIFEST, Sum::of(manifest.to_json().as_bytes()));
     match files::open(&path.join(JOURNAL)) {
-        Ok(journal) => seal.add_file(JOURNAL, journal).map_err(io)?,
+        Ok(journal) => seal.note(JOURNAL, of_file(journal, u64::MAX).map_err(io)?),
         Err(error) if error.kind() == io::ErrorKind::NotFound => {}
         Err(error) => return Err(io(error)),
     }
-    for (name, content) in files {
-        seal.add(name, content);
+    for (name, sum) in files {
+        seal.note(name, *sum);
     }
     replace(path, SEAL, seal.to_json().as_bytes())
+}
+
+/// Refuses a folder whose runs are in pieces.
+fn not_cut(path: &Path) -> Result<(), FolderError> {
+    match disk::look(&path.join(SHARDS_FILE)) {
+        Ok(_) => Err(FolderError::Cut {
+            path: path.to_owned(),
+        }),
+        Err(_) => Ok(()),
+    }
 }
 
 /// What is wrong with the files of a folder, beside its manifest and what is known of its journal.
@@ -317,7 +388,7 @@ fn damage(path: &Path, journal: Vec<String>) -> Vec<String> {
 
 /// Removes a file of ours, if it is there.
 fn remove(path: &Path, name: &str) -> Result<(), FolderError> {
-    match fs::remove_file(path.join(name)) {
+    match disk::remove(&path.join(name)) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => Err(FolderError::Io {
             path: path.join(name),
             source: error,
@@ -327,7 +398,7 @@ fn remove(path: &Path, name: &str) -> Result<(), FolderError> {
 }
 
 /// Reads the manifest of a folder; `None`: there is no folder, or nothing of anybody's in it.
-fn survey(path: &Path) -> Result<Option<Manifest>, FolderError> {
+pub(super) fn survey(path: &Path) -> Result<Option<Manifest>, FolderError> {
     let io = |source| FolderError::Io {
         path: path.to_owned(),
         source,
@@ -336,7 +407,7 @@ fn survey(path: &Path) -> Result<Option<Manifest>, FolderError> {
         path: path.to_owned(),
         reason,
     };
-    let entries = match fs::read_dir(path) {
+    let entries = match disk::list(path) {
         Ok(entries) => entries,
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
         Err(error) if error.kind() == io::ErrorKind::NotADirectory => {
@@ -346,7 +417,7 @@ fn survey(path: &Path) -> Result<Option<Manifest>, FolderError> {
     };
     let mut foreign = false;
     for entry in entries {
-        let name = entry.map_err(io)?.file_name();
+        let name = entry.file_name().unwrap_or_default();
         if name == MANIFEST {
             let bytes = files::read_file(&path.join(MANIFEST), budget::MANIFEST).map_err(io)?;
             if let (Some(seal), _) = Seal::read(path)
@@ -375,7 +446,7 @@ pub(super) fn lock(path: &Path) -> Result<File, FolderError> {
         path: path.to_owned(),
         source,
     };
-    let mut options = File::options();
+    let mut options = OpenOptions::new();
     let options = options.create(true).truncate(false).write(true);
     let file = files::open_own(&path.join(LOCK), options).map_err(io)?;
     match file.try_lock() {
@@ -386,7 +457,7 @@ pub(super) fn lock(path: &Path) -> Result<File, FolderError> {
 }
 
 /// Writes a file of a folder of results, in the place of an earlier one.
-fn replace(path: &Path, name: &str, content: &[u8]) -> Result<(), FolderError> {
+pub(super) fn replace(path: &Path, name: &str, content: &[u8]) -> Result<(), FolderError> {
     let path = path.join(name);
     atomic::replace(&path, content, Replaces::Ordinary)
         .map_err(|source| FolderError::Io { path, source })

@@ -82,6 +82,26 @@ pub enum FolderError {
         /// Which, in words.
         reason: String,
     },
+    /// Its pieces are those of another build.
+    #[error(
+        "`{path}`: {reason}; make its pieces with the `stochc` that has cut it, or cut another folder with this one"
+    )]
+    OtherBuildOfPieces {
+        /// The folder.
+        path: PathBuf,
+        /// Which, in words.
+        reason: String,
+    },
+    /// Its runs are in pieces.
+    #[error(
+        "`{path}` is cut into pieces that are not put together; `stochc status {folder}` says what is there, and \
+         `stochc merge {folder}` makes the results of all of them",
+        folder = shell_file(&.path.to_string_lossy())
+    )]
+    Cut {
+        /// The folder.
+        path: PathBuf,
+    },
     /// The same ensemble, with more runs than asked for.
     #[error(
         "`{path}` is an ensemble of {there} runs of each program, more than the {asked} asked for; \

@@ -4,8 +4,7 @@
 //! cannot slip in. What a kill or a loss of power leaves of the last line is cut off on the next
 //! opening; a damaged line before it is passed over, and its run done again: a run is a pure
 //! function of its number, so that nothing but time is lost.
-use std::collections::BTreeMap;
-use std::fs::File;
+use std::fs::OpenOptions;
 use std::io::{self, BufRead, BufReader, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::Path;
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
@@ -15,11 +14,13 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 use stochc_files as files;
+use stochc_files::File;
 use stochc_files::budget::{self, JOURNAL as JOURNAL_BUDGET};
 use stochc_files::checksum::{self, Line};
-use stochc_ir::record::RunRecord;
+use stochc_ir::record::{Outcome, RunRecord};
 
 use super::plausible::impossible;
+use super::records::{Place, Records};
 use super::{Manifest, Program, clock};
 
 /// What a loss of power may cost: the runs finished during this time. A kill costs none.
@@ -34,28 +35,65 @@ pub struct Finished {
     pub record: RunRecord,
 }
 
+impl Finished {
+    pub(crate) fn at(&self, file: u32, at: u64) -> Place {
+        Place {
+            program: u32::try_from(self.program).expect("a manifest has few programs"),
+            run: self.record.run,
+            file,
+            at,
+        }
+    }
+}
+
 /// Version of the layout of a journal: in 1 lines had no checksums.
 const JOURNAL: u32 = 2;
 
 /// The first line. Another field would be another header, so that no damage makes it an older one.
-#[derive(Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Header {
-    ensemble: String,
+pub(super) struct Header {
+    pub ensemble: String,
     #[serde(default)]
     journal: Option<u32>,
+    /// `None`: it is the journal of a whole ensemble.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub piece: Option<Piece>,
     #[serde(default, skip_serializing)]
     crc: Option<String>,
 }
 
 impl Header {
-    fn of(identity: &str) -> Header {
+    pub fn of(identity: &str) -> Header {
         Header {
             ensemble: identity.to_owned(),
             journal: Some(JOURNAL),
+            piece: None,
             crc: None,
         }
     }
+
+    /// Of the runs of a piece alone.
+    pub fn of_piece(identity: &str, piece: Piece) -> Header {
+        Header {
+            piece: Some(piece),
+            ..Header::of(identity)
+        }
+    }
+}
+
+/// What the runs of a file are a part of.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Piece {
+    /// Its number, from 0.
+    pub number: u64,
+    /// How many there are.
+    pub of: u64,
+    /// Runs of each program in all pieces.
+    pub runs: u64,
+    /// The build that made it.
+    pub build: String,
 }
 
 /// Why a journal cannot be used.
@@ -67,6 +105,11 @@ pub enum JournalError {
          move both to where they came from, or choose another folder; if one is damaged, `stochc verify --repair` may help"
     )]
     Foreign,
+    /// Somebody has written to it while it was read.
+    #[error(
+        "`journal.jsonl` has changed while it was read; do this again when nobody writes to the folder"
+    )]
+    Changed,
     /// It could not be read or written.
     #[error("cannot keep finished runs in `journal.jsonl`: {0}")]
     Io(#[from] io::Error),
@@ -85,8 +128,10 @@ pub(super) struct Journal {
 /// What a journal holds.
 #[derive(Debug, Default)]
 pub(super) struct Stored {
-    /// Its runs, sorted by program and run. Of two lines for one run the first counts.
-    pub finished: Vec<Finished>,
+    /// Its runs.
+    pub finished: Records,
+    /// The shortest of them that did not fail.
+    pub shortest: Option<Finished>,
     /// Where its last line ends; what follows is half of one.
     pub whole: u64,
     /// Whether its lines bear checksums.
@@ -107,38 +152,68 @@ pub(super) fn read(
     identity: &str,
 ) -> Result<Stored, JournalError> {
     let mut stored = Stored::default();
-    let mut runs = BTreeMap::new();
-    let mut damage = Vec::new();
+    let mut places = Vec::new();
+    let (mut shortest, mut damage) = (Shortest::default(), Vec::new());
     let most = most_line(manifest);
-    (stored.whole, stored.is_sealed) =
-        read_lines(path, identity, most, |number, text, is_sealed| {
-            match run(text, is_sealed, manifest) {
-                Ok(finished) => {
-                    let key = (finished.program, finished.record.run);
-                    runs.entry(key).or_insert(finished);
-                }
-                Err(reason) => {
-                    damage.push(format!(
-                        "line {number} of `journal.jsonl` {reason}, and is left out"
-                    ));
-                }
+    (stored.whole, stored.is_sealed) = read_lines(path, &Header::of(identity), most, |line| {
+        match run(line.text, line.is_sealed, manifest) {
+            Ok(finished) => {
+                places.push(finished.at(0, line.at));
+                shortest.offer(finished);
             }
-        })?;
-    stored.finished = runs.into_values().collect();
+            Err(reason) => {
+                let number = line.number;
+                damage.push(format!(
+                    "line {number} of `journal.jsonl` {reason}, and is left out"
+                ));
+            }
+        }
+    })?;
+    let files = match places.is_empty() {
+        true => Vec::new(),
+        false => vec![files::open(path)?],
+    };
+    stored.finished = Records::at(places, files, most);
+    stored.shortest = shortest.0;
     stored.damage = damage;
     Ok(stored)
 }
 
-/// Reads the whole lines of a journal behind its first: the number of each, the line, and whether the journal is of
-/// a layout in which lines bear checksums. Where the last one ends, and whether it is.
+/// The run of fewest ticks that did not fail, the first one of several.
+#[derive(Debug, Default)]
+pub(super) struct Shortest(pub Option<Finished>);
+
+impl Shortest {
+    pub fn offer(&mut self, finished: Finished) {
+        let key = |it: &Finished| (it.record.ticks, it.program, it.record.run);
+        let is_sound = !matches!(finished.record.outcome, Outcome::Failed { .. });
+        if is_sound && (self.0.as_ref()).is_none_or(|it| key(&finished) < key(it)) {
+            self.0 = Some(finished);
+        }
+    }
+}
+
+/// A whole line of a journal.
+pub(super) struct JournalLine<'a> {
+    /// Its number; that of the first one of a run is 2.
+    pub number: u64,
+    /// Where it begins \[bytes\].
+    pub at: u64,
+    /// Without the line break.
+    pub text: &'a [u8],
+    /// Whether the journal is of a layout in which lines bear checksums.
+    pub is_sealed: bool,
+}
+
+/// Reads the whole lines of a journal behind its first. Where the last one ends, and whether they bear checksums.
 ///
 /// # Errors
-/// [`JournalError::Foreign`] where it is not of `identity`.
+/// [`JournalError::Foreign`] where it does not begin with `expected`.
 pub(super) fn read_lines(
     path: &Path,
-    identity: &str,
+    expected: &Header,
     most: u64,
-    mut each: impl FnMut(u64, &[u8], bool),
+    mut each: impl FnMut(JournalLine),
 ) -> Result<(u64, bool), JournalError> {
     let file = match files::open(path) {
         Ok(file) => file,
@@ -159,24 +234,61 @@ pub(super) fn read_lines(
         (None, None) => false,
         _ => return Err(JournalError::Foreign),
     };
-    if header.ensemble != identity {
+    if (&header.ensemble, &header.piece) != (&expected.ensemble, &expected.piece) {
         return Err(JournalError::Foreign);
     }
-    let mut whole = position;
+    let mut at = position;
     for number in 2.. {
         line.clear();
         position += read_line(&mut file, most, &mut line)?;
         let Some(text) = line.strip_suffix(b"\n") else {
             break;
         };
-        whole = position;
-        each(number, text, is_sealed);
+        each(JournalLine {
+            number,
+            at,
+            text,
+            is_sealed,
+        });
+        at = position;
     }
-    Ok((whole, is_sealed))
+    Ok((at, is_sealed))
+}
+
+/// The first line of a file of runs; `None`: it is damaged, or not there as a whole.
+pub(super) fn read_header(path: &Path) -> io::Result<Option<Header>> {
+    /// Bytes of such a line, fewer than which it has.
+    const MOST: u64 = 1 << 12;
+    let mut line = Vec::new();
+    (BufReader::new(files::open(path)?).take(MOST)).read_until(b'\n', &mut line)?;
+    let Some(line) = line.strip_suffix(b"\n") else {
+        return Ok(None);
+    };
+    let header = serde_json::from_slice(line).ok();
+    Ok(header.filter(|_| checksum::check(line) == Line::Sound))
+}
+
+/// Reads a line again that has been sound, and how many bytes it has; `line` is where it is kept meanwhile.
+///
+/// # Errors
+/// [`JournalError::Changed`] where it is no such line.
+pub(super) fn read_at(
+    file: &mut impl BufRead,
+    most: u64,
+    line: &mut Vec<u8>,
+) -> Result<(Finished, u64), JournalError> {
+    line.clear();
+    let bytes = read_line(file, most, line)?;
+    let text = line.strip_suffix(b"\n").ok_or(JournalError::Changed)?;
+    if checksum::check(text) == Line::Damaged {
+        return Err(JournalError::Changed);
+    }
+    let finished = serde_json::from_slice(text).map_err(|_| JournalError::Changed)?;
+    Ok((finished, bytes))
 }
 
 /// The run of a line, or what is wrong with it.
-fn run(line: &[u8], is_sealed: bool, manifest: &Manifest) -> Result<Finished, String> {
+pub(super) fn run(line: &[u8], is_sealed: bool, manifest: &Manifest) -> Result<Finished, String> {
     let damaged = || "is damaged".to_owned();
     match checksum::check(line) {
         Line::Sound => {}
@@ -255,15 +367,15 @@ impl Journal {
     ///
     /// # Errors
     /// Those of the file system.
-    pub fn open(path: &Path, identity: &str, whole: u64) -> Result<Journal, JournalError> {
-        let mut options = File::options();
+    pub fn open(path: &Path, header: &Header, whole: u64) -> Result<Journal, JournalError> {
+        let mut options = OpenOptions::new();
         let options = options.create(true).truncate(false).write(true);
         let mut file = files::open_own(path, options)?;
         file.set_len(whole)?;
         file.seek(SeekFrom::Start(whole))?;
         let mut end = whole;
         if whole == 0 {
-            let line = line(&Header::of(identity));
+            let line = line(header);
             file.write_all(line.as_bytes())?;
             end = line.len() as u64;
         }
@@ -282,11 +394,12 @@ impl Journal {
         })
     }
 
-    /// Writes a finished run; the system has it once this has returned, and the disk soon after.
+    /// Writes a finished run; the system has it once this has returned, and the disk soon after. Where its line begins
+    /// \[bytes\].
     ///
     /// # Errors
     /// Those of the file system; the journal ends with the run before, then.
-    pub fn append(&self, finished: &impl Serialize) -> Result<(), JournalError> {
+    pub fn append(&self, finished: &impl Serialize) -> Result<u64, JournalError> {
         let line = line(finished);
         let mut end = self.end.lock().expect("nobody panics while it is held");
         if let Err(error) = (&*self.file).write_all(line.as_bytes()) {
@@ -295,9 +408,10 @@ impl Journal {
             (&*self.file).seek(SeekFrom::Start(*end))?;
             return Err(error.into());
         }
+        let at = *end;
         *end += line.len() as u64;
         match self.wake.try_send(()) {
-            Ok(()) | Err(TrySendError::Full(())) => Ok(()),
+            Ok(()) | Err(TrySendError::Full(())) => Ok(at),
             // [`Journal::close`] tells why.
             Err(TrySendError::Disconnected(())) => {
                 Err(io::Error::other("writing has stopped").into())
@@ -318,7 +432,7 @@ impl Journal {
 }
 
 /// A line of a journal, with its checksum.
-fn line(of: &impl Serialize) -> String {
+pub(super) fn line(of: &impl Serialize) -> String {
     let json = serde_json::to_string(of).expect("a record is plain data");
     checksum::sealed(&json) + "\n"
 }

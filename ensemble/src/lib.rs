@@ -30,7 +30,7 @@
 //!     stochc_runtime::run(tables, scene, &manifest.settings, manifest.seed, number, &mut told)
 //!         .map_err(|_| Cancelled)
 //! })?;
-//! let comparison = Comparison::of(&manifest, &results.finished);
+//! let comparison = Comparison::of(&manifest, &results.finished.to_vec()?);
 //! assert_eq!(comparison.programs[0].completed, 10);
 //! # Ok(())
 //! # }
@@ -52,8 +52,10 @@ mod parquet;
 mod plausible;
 mod progress;
 pub mod recording;
+mod records;
 mod run;
 mod seal;
+pub mod shards;
 pub mod statistics;
 pub mod sweep;
 pub mod text;
@@ -63,8 +65,8 @@ pub mod trade;
 pub mod verify;
 
 pub use build::{other_build, this_build};
-pub use captures::{Capture, CaptureKey, Repetitions, Waits, captures, waits};
-pub use comparison::{Column, Comparison, Pair, PhaseTime, Time};
+pub use captures::{Capture, CaptureKey, Repetitions, Waits, WaitsTally, captures};
+pub use comparison::{Column, Comparison, ComparisonTally, Pair, PhaseTime, Time};
 pub use executor::Cancelled;
 pub use folder::{Contents, Folder, Further, RECORDINGS, Resume, State};
 pub use folder_error::FolderError;
@@ -74,6 +76,7 @@ pub use named::named;
 pub use pairwise::{Group, PairwiseTest, TimeUnit, Verdict, pairwise_tests};
 pub use parquet::{ColumnShape, TableShape, tables};
 pub use progress::{ProgramProgress, Progress, Snapshot, Totals, Watch};
+pub use records::Records;
 pub use run::{Destination, Results, RunError, check_stored, run};
 pub use time_left::time_left;
-pub use times::{completion_time, completion_times, phase_time};
+pub use times::{completion_time, phase_time};

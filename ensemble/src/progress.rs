@@ -1,13 +1,13 @@
 //! What the runs under way are doing: written once a tick by the threads, read by whoever shows it.
 use std::num::NonZeroUsize;
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, AtomicUsize, Ordering};
 
 use stochc_ir::record::Outcome;
 use stochc_ir::table::PhaseId;
 
-use super::{Finished, Manifest};
+use super::{Finished, JournalError, Manifest, Records};
 
 /// In place of a program: the worker has nothing to do.
 const IDLE: usize = usize::MAX;
@@ -97,12 +97,24 @@ impl Watch<'_> {
 impl Progress {
     /// The state before the first run, for so many threads.
     pub fn new(manifest: &Manifest, threads: NonZeroUsize) -> Progress {
-        let pace = ProgramProgress {
-            left: manifest.runs,
+        Progress::of_jobs(manifest, &(0..manifest.total()), threads)
+    }
+
+    /// The same for a part of the [jobs](super::run::job).
+    pub(crate) fn of_jobs(
+        manifest: &Manifest,
+        jobs: &Range<u64>,
+        threads: NonZeroUsize,
+    ) -> Progress {
+        let programs = manifest.programs.len() as u64;
+        // How many of the jobs before one are runs of a program.
+        let before = |job: u64, program: u64| job / programs + u64::from(job % programs > program);
+        let pace = |program: u64| ProgramProgress {
+            left: before(jobs.end, program) - before(jobs.start, program),
             ..ProgramProgress::default()
         };
         let totals = Totals {
-            programs: vec![pace; manifest.programs.len()],
+            programs: (0..programs).map(pace).collect(),
             ..Totals::default()
         };
         let idle = || Worker {
@@ -111,7 +123,7 @@ impl Progress {
             tick: AtomicU64::new(0),
         };
         Progress {
-            total: manifest.total(),
+            total: jobs.end - jobs.start,
             workers: std::iter::repeat_with(idle).take(threads.get()).collect(),
             totals: Mutex::new(totals),
         }
@@ -123,11 +135,12 @@ impl Progress {
     }
 
     /// Counts runs of an earlier process.
-    pub(crate) fn keep(&self, kept: &[Finished]) {
+    ///
+    /// # Errors
+    /// Where they cannot be read again.
+    pub(crate) fn keep(&self, kept: &Records) -> Result<(), JournalError> {
         let mut totals = self.totals.lock().expect("nobody panics while counting");
-        for done in kept {
-            totals.count(done);
-        }
+        kept.each(|done| totals.count(done))
     }
 
     /// Puts a thread on a run, which stops when either of `stops` is set.

@@ -1,15 +1,16 @@
 //! The whole road of an ensemble: what is left to do, doing it, keeping it.
-use std::collections::BTreeSet;
-use std::ops::ControlFlow;
+use std::convert::Infallible;
+use std::ops::{ControlFlow, Range};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use stochc_ir::record::{Outcome, RunRecord};
+use stochc_ir::record::RunRecord;
 
 use super::executor::{Cancelled, attempt, execute};
 use super::journal::Journal;
 use super::progress::{Progress, Watch};
-use super::{Finished, Folder, FolderError, JournalError, Manifest};
+use super::records::Place;
+use super::{Finished, Folder, FolderError, JournalError, Manifest, Records};
 
 /// Where the runs of an ensemble go.
 #[allow(
@@ -35,10 +36,10 @@ impl Destination<'_> {
 }
 
 /// What there is in the end.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Debug)]
 pub struct Results {
-    /// Finished runs, sorted by program and run; those that were there before included.
-    pub finished: Vec<Finished>,
+    /// Finished runs; those that were there before included.
+    pub finished: Records,
     /// Whether these are all of the manifest's runs; if not, it was stopped.
     pub complete: bool,
 }
@@ -74,14 +75,21 @@ pub fn check_stored(
     folder: &Folder,
     simulate: impl FnOnce(usize, u64) -> Result<RunRecord, Cancelled>,
 ) -> Result<(), RunError> {
-    let sound = |done: &&Finished| !matches!(done.record.outcome, Outcome::Failed { .. });
-    let kept = folder.kept().iter().filter(sound);
-    let Some(known) = kept.min_by_key(|done| done.record.ticks) else {
+    check_again(folder.manifest(), folder.shortest(), simulate)
+}
+
+/// Makes a `known` run again.
+pub(super) fn check_again(
+    manifest: &Manifest,
+    known: Option<&Finished>,
+    simulate: impl FnOnce(usize, u64) -> Result<RunRecord, Cancelled>,
+) -> Result<(), RunError> {
+    let Some(known) = known else {
         return Ok(());
     };
     match simulate(known.program, known.record.run) {
         Ok(record) if record != known.record => Err(RunError::Differs {
-            program: folder.manifest().programs[known.program].name.clone(),
+            program: manifest.programs[known.program].name.clone(),
             run: record.run,
         }),
         _ => Ok(()),
@@ -90,9 +98,9 @@ pub fn check_stored(
 
 /// A run that is to be done.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Job {
-    program: usize,
-    run: u64,
+pub(super) struct Job {
+    pub program: usize,
+    pub run: u64,
 }
 
 /// Does the runs of an ensemble that are not done yet, and writes its tables.
@@ -110,52 +118,122 @@ pub fn run(
     stop: &AtomicBool,
     simulate: impl Fn(usize, u64, &Watch) -> Result<RunRecord, Cancelled> + Sync,
 ) -> Result<Results, RunError> {
-    let (manifest, kept) = match &destination {
-        Destination::Memory(manifest) => (*manifest, &[][..]),
-        Destination::Folder(folder) => (folder.manifest(), folder.kept()),
-    };
-    progress.keep(kept);
-    let mut finished = kept.to_vec();
-    if manifest.total() > kept.len() as u64 {
-        let journal = match &destination {
-            Destination::Memory(_) => None,
-            Destination::Folder(folder) => Some(folder.journal()?),
-        };
-        let done = new_runs(manifest, kept, progress, stop, simulate, |done| {
-            journal
-                .as_ref()
-                .map_or(Ok(()), |journal| journal.append(done))
-        });
-        // The writer knows better what went wrong than those whom it left alone.
-        journal.map_or(Ok(()), Journal::close)?;
-        finished.extend(done?);
-        finished.sort_by_key(|done| (done.program, done.record.run));
+    match destination {
+        Destination::Memory(manifest) => {
+            let all = Mutex::new(Vec::new());
+            let keep = |done| {
+                all.lock()
+                    .expect("nobody panics while it is held")
+                    .push(done);
+                Ok::<(), Infallible>(())
+            };
+            let todo = Todo::all(manifest, 0..manifest.total(), None);
+            let Ok(()) = new_runs(todo, progress, stop, simulate, keep);
+            let all = all.into_inner().expect("every thread has ended well");
+            Ok(Results::of(manifest, all.into()))
+        }
+        Destination::Folder(folder) => {
+            progress.keep(folder.kept())?;
+            let (manifest, kept) = (folder.manifest(), folder.kept());
+            let todo = Todo::all(manifest, 0..manifest.total(), Some(kept));
+            let finished = match todo.left {
+                0 => None,
+                _ => {
+                    let journal = folder.journal()?;
+                    let places = journaled(todo, (journal, 0), progress, stop, simulate)?;
+                    Some(folder.records([kept.places(), &places].concat())?)
+                }
+            };
+            folder.write_tables(finished.as_ref().unwrap_or(kept))?;
+            let (manifest, kept) = folder.close();
+            Ok(Results::of(&manifest, finished.unwrap_or(kept)))
+        }
     }
-    if let Destination::Folder(folder) = &destination {
-        folder.write_tables(&finished)?;
-    }
-    Ok(Results {
-        complete: finished.len() as u64 == manifest.total(),
-        finished,
-    })
 }
 
-/// Makes the runs that are not among `kept`, and has each kept at once; the first error of that stops the others.
-fn new_runs<E: Send>(
-    manifest: &Manifest,
-    kept: &[Finished],
+impl Results {
+    fn of(manifest: &Manifest, finished: Records) -> Results {
+        Results {
+            complete: finished.len() as u64 == manifest.total(),
+            finished,
+        }
+    }
+}
+
+/// Runs that are to be done.
+pub(super) struct Todo<'a> {
+    programs: u64,
+    jobs: Range<u64>,
+    /// Runs of which none is done again.
+    kept: Option<&'a Records>,
+    /// How many there are.
+    pub left: u64,
+}
+
+impl<'a> Todo<'a> {
+    /// Those of these [`job`]s that are not `kept`, of which there are no others.
+    pub fn all(manifest: &Manifest, jobs: Range<u64>, kept: Option<&'a Records>) -> Todo<'a> {
+        let done = kept.map_or(0, |kept| kept.len() as u64);
+        Todo {
+            programs: manifest.programs.len() as u64,
+            left: (jobs.end - jobs.start).saturating_sub(done),
+            jobs,
+            kept,
+        }
+    }
+
+    /// Nobody says that they can all be counted, let alone kept.
+    fn iter(self) -> impl Iterator<Item = Job> + use<'a> {
+        let jobs = self.jobs.map(move |number| job(number, self.programs));
+        jobs.filter(move |job| !(self.kept).is_some_and(|it| it.contains(job.program, job.run)))
+    }
+}
+
+/// A job by its number: the first run of each program, then the second, and so on, so that a table compares the programs
+/// fairly at any time.
+pub(super) fn job(number: u64, programs: u64) -> Job {
+    Job {
+        program: (number % programs) as usize,
+        run: number / programs,
+    }
+}
+
+/// Makes runs, and has each in a journal at once, which is file number `file` of their places.
+pub(super) fn journaled(
+    todo: Todo,
+    (journal, file): (Journal, u32),
     progress: &Progress,
     stop: &AtomicBool,
     simulate: impl Fn(usize, u64, &Watch) -> Result<RunRecord, Cancelled> + Sync,
-    keep: impl Fn(&Finished) -> Result<(), E> + Sync,
-) -> Result<Vec<Finished>, E> {
-    // Nobody says that they can all be counted, let alone kept.
-    let jobs = Mutex::new(jobs(manifest, kept));
+) -> Result<Vec<Place>, JournalError> {
+    let places = Mutex::new(Vec::new());
+    let keep = |done: Finished| {
+        let place = done.at(file, journal.append(&done)?);
+        let mut places = places.lock().expect("nobody panics while it is held");
+        places.push(place);
+        Ok(())
+    };
+    let done: Result<(), JournalError> = new_runs(todo, progress, stop, simulate, keep);
+    // The writer knows better what went wrong than those whom it left alone.
+    journal.close()?;
+    done?;
+    Ok(places.into_inner().expect("every thread has ended well"))
+}
+
+/// Makes runs, and has each kept at once; the first error of that stops the others.
+fn new_runs<E: Send>(
+    todo: Todo,
+    progress: &Progress,
+    stop: &AtomicBool,
+    simulate: impl Fn(usize, u64, &Watch) -> Result<RunRecord, Cancelled> + Sync,
+    keep: impl Fn(Finished) -> Result<(), E> + Sync,
+) -> Result<(), E> {
+    let left = todo.left;
+    let jobs = Mutex::new(todo.iter());
     let next = || jobs.lock().expect("nobody panics while it is held").next();
-    let left = manifest.total().saturating_sub(kept.len() as u64);
     let threads = usize::try_from(left).map_or(progress.threads(), |it| progress.threads().min(it));
     let broken = AtomicBool::new(false);
-    let results = Mutex::new((Vec::new(), None));
+    let first = Mutex::new(None);
     execute(threads, stop, next, |thread, Job { program, run }| {
         if broken.load(Ordering::Relaxed) {
             return ControlFlow::Break(());
@@ -167,26 +245,13 @@ fn new_runs<E: Send>(
         let Some(finished) = finished else {
             return ControlFlow::Break(());
         };
-        let kept = keep(&finished);
-        let mut results = results.lock().expect("nobody panics while it is held");
-        results.0.push(finished);
-        if let Err(error) = kept {
+        if let Err(error) = keep(finished) {
             broken.store(true, Ordering::Relaxed);
-            results.1.get_or_insert(error);
+            let mut first = first.lock().expect("nobody panics while it is held");
+            first.get_or_insert(error);
         }
         ControlFlow::Continue(())
     });
-    let (finished, error) = results.into_inner().expect("every thread has ended well");
-    error.map_or(Ok(finished), Err)
-}
-
-/// The first run of each program, then the second, and so on, so that a table compares the programs fairly at any time.
-fn jobs(manifest: &Manifest, kept: &[Finished]) -> impl Iterator<Item = Job> + Send {
-    let done: BTreeSet<_> = kept
-        .iter()
-        .map(|done| (done.record.run, done.program))
-        .collect();
-    (0..manifest.runs)
-        .flat_map(|run| (0..manifest.programs.len()).map(move |program| Job { program, run }))
-        .filter(move |job| !done.contains(&(job.run, job.program)))
+    let error = first.into_inner().expect("every thread has ended well");
+    error.map_or(Ok(()), Err)
 }

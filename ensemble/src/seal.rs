@@ -1,13 +1,12 @@
 //! `checksums.json`: what the files of a results folder were when they were last written as a whole.
 //!
 //! A line of JSON that bears its own checksum. The journal grows behind what is known of it.
-use std::fs::File;
 use std::io;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use stochc_files::budget::CHECKSUMS;
-use stochc_files::checksum::{self, Line, crc32, mended, of_file};
+use stochc_files::checksum::{self, Line, Sum, mended, of_file};
 use stochc_files::{open, read_file};
 
 /// Its name.
@@ -28,25 +27,12 @@ struct Entry {
 }
 
 impl Seal {
-    /// Notes a file with this content.
-    pub fn add(&mut self, name: &str, content: &[u8]) {
-        self.note(name, (content.len() as u64, crc32(content)));
-    }
-
-    /// Notes a file that is there.
-    ///
-    /// # Errors
-    /// Those of the file system.
-    pub fn add_file(&mut self, name: &str, file: File) -> io::Result<()> {
-        self.note(name, of_file(file, u64::MAX)?);
-        Ok(())
-    }
-
-    fn note(&mut self, name: &str, (bytes, crc): (u64, u32)) {
+    /// Notes a file.
+    pub fn note(&mut self, name: &str, sum: Sum) {
         self.files.push(Entry {
             name: name.to_owned(),
-            bytes,
-            crc32: format!("{crc:08x}"),
+            bytes: sum.bytes,
+            crc32: format!("{:08x}", sum.crc32),
         });
     }
 
@@ -114,8 +100,9 @@ impl Seal {
                 "`{shown}` is cut short: it has {length} bytes and had {}",
                 entry.bytes
             )),
-            Ok((length, (_, crc)))
-                if format!("{crc:08x}") != entry.crc32 || !grows && length > entry.bytes =>
+            Ok((length, sum))
+                if format!("{:08x}", sum.crc32) != entry.crc32
+                    || !grows && length > entry.bytes =>
             {
                 Some(format!(
                     "`{shown}` is not what was written: its checksum differs"

@@ -1,7 +1,7 @@
 //! What a run says of a time: the one place where outcomes become observations.
 use stochc_ir::record::{Outcome, RunRecord};
 
-use crate::statistics::{Observation, Runs};
+use crate::statistics::Observation;
 
 /// The time to completion of a run in ticks, censored where it was stopped; a failed run has none.
 pub fn completion_time(record: &RunRecord) -> Option<Observation> {
@@ -26,22 +26,5 @@ pub fn phase_time(record: &RunRecord, phase: usize) -> Option<Observation> {
             }
             None => None,
         },
-    }
-}
-
-/// The times to completion of a program's records by run, in units of which a tick has so many.
-pub fn completion_times<'a>(
-    records: impl Iterator<Item = &'a RunRecord>,
-    seed: u64,
-    tick: f64,
-) -> Runs {
-    let timed = |record: &RunRecord| {
-        let mut time = completion_time(record)?;
-        time.time *= tick;
-        Some((record.run, time))
-    };
-    Runs {
-        seed,
-        times: records.filter_map(timed).collect(),
     }
 }

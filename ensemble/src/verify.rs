@@ -1,18 +1,18 @@
 //! Which files of a results folder are sound, and saving what can be saved of it.
-use std::fs;
 use std::io::BufReader;
 use std::path::Path;
 
 use stochc_files::atomic::{Replaces, move_aside, replace};
-use stochc_files::{budget, open, read_file};
+use stochc_files::{budget, disk, open, read_file};
 
 use super::folder::{JOURNAL, MANIFEST, lock, write_manifest};
 use super::journal::{JournalError, read as read_journal, salvaged};
 use super::manifest::OLDEST;
 use super::recording::{Outline, VERSION, path as recording_path};
 use super::seal::{SEAL, Seal};
+use super::shards::{self, Cut, SHARDS_FILE};
 use super::text::visible;
-use super::{Finished, Folder, FolderError, Further, Manifest, RECORDINGS, Resume};
+use super::{Folder, FolderError, Further, Manifest, RECORDINGS, Records, Resume};
 
 /// The folder within it to which damaged files are moved.
 pub const DAMAGED: &str = "damaged";
@@ -94,7 +94,7 @@ pub fn verify(path: &Path) -> Result<Vec<FileHealth>, FolderError> {
     let Ok(manifest) = manifest else {
         return Ok(files);
     };
-    let mut finished = Vec::new();
+    let mut finished = Records::default();
     let journal = path.join(JOURNAL);
     if journal.exists() || seal.knows(JOURNAL) {
         let health = match read_journal(&journal, &manifest, &manifest.identity()) {
@@ -114,6 +114,14 @@ pub fn verify(path: &Path) -> Result<Vec<FileHealth>, FolderError> {
         let damage = seal.damage(path, name, false).into_iter().collect();
         tell(name, Health::of(damage, true));
     }
+    let cut = Cut::read(path).ok().flatten();
+    if let Some(cut) = &cut {
+        files.extend(shards::health(path, &manifest, cut));
+    }
+    let mut tell = |name: &str, health| {
+        let name = name.to_owned();
+        files.push(FileHealth { name, health });
+    };
     for table in super::tables() {
         let name = format!("{}.parquet", table.name);
         if !seal.knows(&name) && path.join(&name).exists() {
@@ -158,6 +166,15 @@ pub fn repair(path: &Path, further: Further) -> Result<(), FolderError> {
         aside(MANIFEST)?;
         write_manifest(path, &manifest)?;
     }
+    if is_damaged(SHARDS_FILE) && path.join(SHARDS_FILE).exists() {
+        let bytes = read_file(&path.join(SHARDS_FILE), budget::SHARDS).map_err(io)?;
+        let (seal, _) = Seal::read(path);
+        let mended = seal.and_then(|seal| seal.mended(SHARDS_FILE, &bytes));
+        aside(SHARDS_FILE)?;
+        if let Some(mended) = mended {
+            replace(&path.join(SHARDS_FILE), &mended, Replaces::Nothing).map_err(io)?;
+        }
+    }
     if is_damaged(JOURNAL) && path.join(JOURNAL).exists() {
         let text = salvaged(&path.join(JOURNAL), &manifest, &manifest.identity()).map_err(io)?;
         let text = text.ok_or(FolderError::Journal(JournalError::Foreign))?;
@@ -165,7 +182,7 @@ pub fn repair(path: &Path, further: Further) -> Result<(), FolderError> {
         replace(&path.join(JOURNAL), &text, Replaces::Nothing).map_err(io)?;
     }
     for file in &health {
-        let is_done = [MANIFEST, JOURNAL].contains(&&*file.name);
+        let is_done = [MANIFEST, JOURNAL, SHARDS_FILE].contains(&&*file.name);
         if file.health.is_damaged() && !is_done && path.join(&file.name).exists() {
             aside(&file.name)?;
         }
@@ -173,6 +190,9 @@ pub fn repair(path: &Path, further: Further) -> Result<(), FolderError> {
     // Its checksums are those of what has been.
     if path.join(SEAL).exists() && health.iter().any(|file| file.health.is_damaged()) {
         aside(SEAL)?;
+    }
+    if let Ok(Some(cut)) = Cut::read(path) {
+        return cut.write(path, &manifest);
     }
     drop(lock);
     let folder = Folder::open(path, &manifest, Resume::MixedBuilds)?.with(further);
@@ -212,7 +232,7 @@ fn saved(path: &Path) -> std::io::Result<Result<Manifest, String>> {
 
 /// The runs of the folder that have a recording, by the number of their program and their own.
 fn recordings(manifest: &Manifest, path: &Path) -> Vec<(usize, u64)> {
-    let Ok(entries) = fs::read_dir(path.join(RECORDINGS)) else {
+    let Ok(entries) = disk::list(&path.join(RECORDINGS)) else {
         return Vec::new();
     };
     let of = |name: &str| {
@@ -221,8 +241,10 @@ fn recordings(manifest: &Manifest, path: &Path) -> Vec<(usize, u64)> {
         let is_canonical = name == format!("{program}-{run}.rec");
         (program < manifest.programs.len() && is_canonical).then_some((program, run))
     };
-    let names = entries.filter_map(|entry| Some(entry.ok()?.file_name()));
-    let mut found: Vec<_> = names.filter_map(|name| of(name.to_str()?)).collect();
+    let names = entries
+        .iter()
+        .filter_map(|entry| entry.file_name()?.to_str());
+    let mut found: Vec<_> = names.filter_map(of).collect();
     found.sort_unstable();
     found
 }
@@ -230,7 +252,7 @@ fn recordings(manifest: &Manifest, path: &Path) -> Vec<(usize, u64)> {
 fn recording(
     path: &Path,
     manifest: &Manifest,
-    finished: &[Finished],
+    finished: &Records,
     (program, run): (usize, u64),
 ) -> Health {
     let name = visible(&format!("{RECORDINGS}/{program}-{run}.rec"));
@@ -248,7 +270,11 @@ fn recording(
         Ok(recording) => recording,
         Err(error) => return damaged(&error),
     };
-    match recording.is_of(manifest, finished, program, run) {
+    let known = match finished.get(program, run) {
+        Ok(known) => known,
+        Err(error) => return damaged(&error),
+    };
+    match recording.is_of(manifest, known.as_ref(), program, run) {
         false => damaged(&"it is the recording of another run"),
         true => Health::of(Vec::new(), recording.version() == VERSION),
     }

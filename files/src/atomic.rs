@@ -11,6 +11,7 @@ use std::sync::Mutex;
 use tempfile::NamedTempFile;
 
 use super::budget::PROGRAM;
+use super::disk::{self, Call, look};
 use super::{is_ordinary, open, open_own, read_file};
 
 /// How the files begin that are still being written; a kill may leave one behind.
@@ -30,14 +31,31 @@ pub enum Replaces {
     Ours(fn(&mut File) -> io::Result<bool>),
     /// Any: the name is ours, in a folder that is.
     Ordinary,
+    /// One that is the same, whoever is the last to write it: in a folder into which several machines write, where locks
+    /// mean nothing. What a kill leaves begins with the stem of the name and `.draft-`, and is not removed.
+    Same,
 }
 
 /// A file that is being written, and has not got its name yet; it is gone if it is dropped.
 #[derive(Debug)]
 pub struct Draft {
-    file: BufWriter<NamedTempFile>,
+    file: BufWriter<Unnamed>,
     target: PathBuf,
     replaces: Replaces,
+}
+
+/// A file without its name; that of its own is removed with it.
+#[derive(Debug)]
+struct Unnamed(NamedTempFile);
+
+impl Write for Unnamed {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        disk::write(self.0.path(), bytes, self.0.as_file())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.0.flush()
+    }
 }
 
 impl Draft {
@@ -47,12 +65,15 @@ impl Draft {
     /// Those of the file system, and of a target that would replace what is not ours.
     pub fn new(target: &Path, replaces: Replaces) -> io::Result<Draft> {
         let old = replaced(target, replaces)?;
-        let file = begin(target, 0o666)?;
+        let file = match replaces {
+            Replaces::Same => begin_shared(target)?,
+            _ => begin(target, 0o666)?,
+        };
         if let Some(permissions) = old {
             file.as_file().set_permissions(permissions)?;
         }
         Ok(Draft {
-            file: BufWriter::with_capacity(1 << 16, file),
+            file: BufWriter::with_capacity(1 << 16, Unnamed(file)),
             target: target.to_owned(),
             replaces,
         })
@@ -63,11 +84,16 @@ impl Draft {
     /// # Errors
     /// Those of the file system, and of what has appeared at the target meanwhile, which is untouched then.
     pub fn keep(self) -> io::Result<()> {
-        let file = self.file.into_inner().map_err(|error| error.into_error())?;
-        file.as_file().sync_all()?;
-        match replaced(&self.target, self.replaces)? {
-            None => file.persist_noclobber(&self.target),
-            Some(_) => file.persist(&self.target),
+        let written = self.file.into_inner().map_err(|error| error.into_error());
+        let Unnamed(file) = written?;
+        disk::ask(file.path(), Call::Sync, || file.as_file().sync_all())?;
+        let replaced = replaced(&self.target, self.replaces)?;
+        disk::may(file.path(), Call::Rename(&self.target))?;
+        match (replaced, self.replaces) {
+            (None, Replaces::Nothing | Replaces::Ours(_) | Replaces::Ordinary) => {
+                file.persist_noclobber(&self.target)
+            }
+            (Some(_), _) | (None, Replaces::Same) => file.persist(&self.target),
         }
         .map_err(|error| error.error)?;
         sync_folder(folder_of(&self.target))
@@ -128,7 +154,7 @@ pub fn replace_text(path: &Path, old: &[u8], new: &[u8]) -> io::Result<bool> {
 }
 
 /// Writes over a file that has other names or another owner, with a copy of it beside it meanwhile.
-fn write_over(mut target: File, path: &Path, old: &[u8], new: &[u8]) -> io::Result<()> {
+fn write_over(mut target: super::File, path: &Path, old: &[u8], new: &[u8]) -> io::Result<()> {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let suffix = format!("-{name}");
     let mut builder = tempfile::Builder::new();
@@ -177,7 +203,7 @@ fn take_over(file: &File, of: &fs::Metadata) -> bool {
 
 /// The permissions of the file that a new one would replace; `None`: there is none.
 fn replaced(target: &Path, replaces: Replaces) -> io::Result<Option<Permissions>> {
-    let metadata = match fs::symlink_metadata(target) {
+    let metadata = match look(target) {
         Ok(metadata) => metadata,
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
         Err(error) => return Err(error),
@@ -186,8 +212,8 @@ fn replaced(target: &Path, replaces: Replaces) -> io::Result<Option<Permissions>
     is_ordinary(&metadata)?;
     let ours = match replaces {
         Replaces::Nothing => false,
-        Replaces::Ordinary => true,
-        Replaces::Ours(ours) => ours(&mut open(target)?)?,
+        Replaces::Ordinary | Replaces::Same => true,
+        Replaces::Ours(ours) => ours(open(target)?.as_plain())?,
     };
     match ours {
         true => Ok(Some(metadata.permissions())),
@@ -250,6 +276,31 @@ pub fn ends_with(file: &mut File, mark: &[u8]) -> io::Result<bool> {
     holds(file, mark)
 }
 
+/// A file of [`Replaces::Same`].
+fn begin_shared(path: &Path) -> io::Result<NamedTempFile> {
+    let name = path.file_stem().unwrap_or_default().to_string_lossy();
+    disk::may(path, Call::Create)?;
+    named(&format!("{name}.draft-"), 0o666).tempfile_in(folder_of(path))
+}
+
+/// Makes an empty file of a new name in a folder, which begins with `prefix`.
+///
+/// # Errors
+/// Those of the file system.
+pub fn new_own(folder: &Path, prefix: &str) -> io::Result<PathBuf> {
+    disk::may(&folder.join(prefix), Call::Create)?;
+    let file = named(prefix, 0o666).tempfile_in(folder)?;
+    Ok(file.into_temp_path().keep()?)
+}
+
+fn named(prefix: &str, mode: u32) -> tempfile::Builder<'_, 'static> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(prefix);
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(mode));
+    builder
+}
+
 /// A file in the folder of `path` that nobody takes for the leaving of a kill.
 fn begin(path: &Path, mode: u32) -> io::Result<NamedTempFile> {
     static CLEARED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
@@ -260,11 +311,9 @@ fn begin(path: &Path, mode: u32) -> io::Result<NamedTempFile> {
         let _ = clear_partial(folder);
     }
     drop(cleared);
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(PARTIAL);
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(mode));
+    let builder = named(PARTIAL, mode);
     loop {
+        disk::may(&folder.join(PARTIAL), Call::Create)?;
         let file = builder.tempfile_in(folder)?;
         // Where nothing can be locked, nobody clears anything either.
         let _ = file.as_file().lock();
@@ -280,12 +329,11 @@ fn begin(path: &Path, mode: u32) -> io::Result<NamedTempFile> {
 /// # Errors
 /// Those of the file system.
 pub fn clear_partial(folder: &Path) -> io::Result<()> {
-    for entry in fs::read_dir(folder)? {
-        let entry = entry?;
-        if !entry.file_name().to_string_lossy().starts_with(PARTIAL) {
+    for path in disk::list(folder)? {
+        let name = path.file_name().unwrap_or_default();
+        if !name.to_string_lossy().starts_with(PARTIAL) {
             continue;
         }
-        let path = entry.path();
         let file = match open_own(&path, File::options().read(true)) {
             Ok(file) => file,
             // Its owner has been quicker, or it is none of ours.
@@ -293,7 +341,7 @@ pub fn clear_partial(folder: &Path) -> io::Result<()> {
         };
         // Whoever still writes it holds a lock.
         match file.try_lock() {
-            Ok(()) => fs::remove_file(&path)?,
+            Ok(()) => disk::remove(&path)?,
             Err(TryLockError::WouldBlock | TryLockError::Error(_)) => {}
         }
     }
@@ -313,7 +361,7 @@ pub fn move_aside(file: &Path, folder: &Path) -> io::Result<PathBuf> {
     });
     let mut free = names.filter(|path| fs::symlink_metadata(path).is_err());
     let target = free.next().ok_or(io::ErrorKind::AlreadyExists)?;
-    fs::rename(file, &target)?;
+    disk::ask(file, Call::Rename(&target), || fs::rename(file, &target))?;
     sync_folder(folder)?;
     sync_folder(folder_of(file))?;
     Ok(target)
@@ -331,7 +379,7 @@ fn folder_of(path: &Path) -> &Path {
 /// # Errors
 /// Those of the file system.
 pub fn make_own_folder(path: &Path) -> io::Result<()> {
-    match fs::symlink_metadata(path) {
+    match look(path) {
         Ok(metadata) => no_link(&metadata)?,
         Err(error) if error.kind() == io::ErrorKind::NotFound => {}
         Err(error) => return Err(error),
@@ -346,7 +394,7 @@ pub fn make_own_folder(path: &Path) -> io::Result<()> {
 pub fn make_folder(path: &Path) -> io::Result<()> {
     let is_new = |folder: &&Path| *folder != Path::new("") && !folder.exists();
     let new: Vec<&Path> = path.ancestors().take_while(is_new).collect();
-    fs::create_dir_all(path)?;
+    disk::ask(path, Call::MakeFolder, || fs::create_dir_all(path))?;
     new.into_iter()
         .try_for_each(|it| sync_folder(folder_of(it)))
 }
@@ -358,7 +406,8 @@ pub fn make_folder(path: &Path) -> io::Result<()> {
 pub fn sync_folder(folder: &Path) -> io::Result<()> {
     // Only Unix lets a folder be opened as a file, and needs it.
     if cfg!(unix) {
-        File::open(folder)?.sync_all()?;
+        let sync = || File::open(folder)?.sync_all();
+        disk::ask(folder, Call::SyncFolder, sync)?;
     }
     Ok(())
 }

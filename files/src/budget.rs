@@ -33,6 +33,8 @@ pub const EXECUTABLE: Budget = json(4 * GIB);
 pub const MANIFEST: Budget = json(4 * GIB);
 /// The checksums of a folder.
 pub const CHECKSUMS: Budget = json(16 * MIB);
+/// How an ensemble is cut into pieces.
+pub const SHARDS: Budget = json(MIB);
 /// A `trade.json`.
 pub const TRADE: Budget = json(256 * MIB);
 /// The rates of a scene.

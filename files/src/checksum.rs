@@ -1,6 +1,5 @@
 //! Checksums (CRC-32) of lines, parts and whole files: any flipped bit is found.
-use std::fs::File;
-use std::io::{self, BufRead as _, BufReader, Read};
+use std::io::{self, BufRead as _, BufReader, Read, Write};
 
 use flate2::Crc;
 
@@ -11,22 +10,83 @@ pub fn crc32(bytes: &[u8]) -> u32 {
     crc.sum()
 }
 
-/// How long the beginning of a file is, of at most `length` bytes, and its checksum.
+/// How many bytes there are, and their checksum.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sum {
+    /// How many.
+    pub bytes: u64,
+    /// Their checksum.
+    pub crc32: u32,
+}
+
+impl Sum {
+    /// Of some bytes.
+    pub fn of(bytes: &[u8]) -> Sum {
+        Sum {
+            bytes: bytes.len() as u64,
+            crc32: crc32(bytes),
+        }
+    }
+}
+
+/// Sums up what is written through it.
+#[derive(Debug)]
+pub struct Summed<W> {
+    to: W,
+    bytes: u64,
+    crc: Crc,
+}
+
+impl<W> Summed<W> {
+    /// Before the first byte.
+    pub fn new(to: W) -> Summed<W> {
+        Summed {
+            to,
+            bytes: 0,
+            crc: Crc::new(),
+        }
+    }
+
+    /// Where it was written to, and what.
+    pub fn finish(self) -> (W, Sum) {
+        let sum = Sum {
+            bytes: self.bytes,
+            crc32: self.crc.sum(),
+        };
+        (self.to, sum)
+    }
+}
+
+impl<W: Write> Write for Summed<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let count = self.to.write(bytes)?;
+        self.crc.update(&bytes[..count]);
+        self.bytes += count as u64;
+        Ok(count)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.to.flush()
+    }
+}
+
+/// Sums up the beginning of a file, of at most `length` bytes.
 ///
 /// # Errors
 /// Those of the file system.
-pub fn of_file(file: File, length: u64) -> io::Result<(u64, u32)> {
+pub fn of_file(file: impl Read, length: u64) -> io::Result<Sum> {
     let mut crc = Crc::new();
     let mut from = BufReader::with_capacity(1 << 16, file.take(length));
-    let mut count = 0;
+    let mut bytes = 0;
     loop {
         let part = from.fill_buf()?;
         if part.is_empty() {
-            return Ok((count, crc.sum()));
+            let crc32 = crc.sum();
+            return Ok(Sum { bytes, crc32 });
         }
         crc.update(part);
         let read = part.len();
-        count += read as u64;
+        bytes += read as u64;
         from.consume(read);
     }
 }

@@ -9,12 +9,15 @@ pub struct Table(Writer<Vec<u8>>);
 impl Table {
     /// A table without rows.
     pub fn new(columns: impl IntoIterator<Item = impl AsRef<str>>) -> Table {
-        let writer = WriterBuilder::new()
-            .terminator(Terminator::CRLF)
-            .from_writer(Vec::new());
-        let mut table = Table(writer);
+        let mut table = Table::part();
         table.row(columns);
         table
+    }
+
+    /// Rows that go on with a table.
+    pub fn part() -> Table {
+        let mut builder = WriterBuilder::new();
+        Table(builder.terminator(Terminator::CRLF).from_writer(Vec::new()))
     }
 
     /// Adds a row, which has to have a cell for each column; [`original`] tells what a cell was.

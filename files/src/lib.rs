@@ -4,14 +4,16 @@ pub mod bound;
 pub mod budget;
 pub mod checksum;
 pub mod csv;
+pub mod disk;
 pub mod programs;
 pub mod shell;
 
-use std::fs::{File, Metadata, OpenOptions};
+use std::fs::{Metadata, OpenOptions};
 use std::io::{self, Read};
 use std::path::Path;
 
 use budget::{Budget, PROGRAM};
+pub use disk::File;
 
 /// The bytes of a file, for the compiler.
 ///
@@ -59,7 +61,7 @@ pub fn read_stream(mut stream: impl Read, budget: Budget) -> io::Result<Vec<u8>>
 /// Those of the file system, and of a folder, a pipe, a socket and a device: opening them may wait for
 /// somebody else or do something, and reading them may never end.
 pub fn open(path: &Path) -> io::Result<File> {
-    open_with(path, File::options().read(true))
+    open_with(path, OpenOptions::new().read(true))
 }
 
 /// [`open`], for other purposes than reading; the file need not be there if `options` create it.
@@ -85,19 +87,19 @@ const FOLLOW: Flags = ();
     allow(unused_variables, reason = "only Unix has such flags")
 )]
 fn open_flagged(path: &Path, options: &mut OpenOptions, flags: Flags) -> io::Result<File> {
-    match std::fs::metadata(path) {
-        Ok(metadata) => is_ordinary(&metadata)?,
+    let is_there = match std::fs::metadata(path) {
+        Ok(metadata) => is_ordinary(&metadata).map(|()| true)?,
         // It may be made now; if not, opening it says so.
-        Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+        Err(error) if error.kind() == io::ErrorKind::NotFound => false,
         Err(error) => return Err(error),
-    }
+    };
     // What takes its place meanwhile is not waited for either.
     #[cfg(unix)]
     std::os::unix::fs::OpenOptionsExt::custom_flags(
         options,
         (flags | Flags::NONBLOCK).bits().cast_signed(),
     );
-    let file = options.open(path)?;
+    let file = File::open(path, options, !is_there)?;
     is_ordinary(&file.metadata()?)?;
     Ok(file)
 }
@@ -107,7 +109,7 @@ fn open_flagged(path: &Path, options: &mut OpenOptions, flags: Flags) -> io::Res
 /// # Errors
 /// Those of [`open`], and of a link.
 pub fn open_own(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
-    match std::fs::symlink_metadata(path) {
+    match disk::look(path) {
         Ok(metadata) => atomic::no_link(&metadata)?,
         Err(error) if error.kind() == io::ErrorKind::NotFound => {}
         Err(error) => return Err(error),

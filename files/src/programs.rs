@@ -100,7 +100,7 @@ pub fn is_executable(file: &mut File) -> io::Result<bool> {
 /// The compiled programs of a file; `None`: it does not look like one of those.
 pub fn executables(path: &str) -> Option<Result<Vec<Executable>, String>> {
     let mut file = super::open(Path::new(path)).ok()?;
-    is_executable(&mut file).ok()?.then(|| {
+    is_executable(file.as_plain()).ok()?.then(|| {
         let bytes = super::read_file(Path::new(path), EXECUTABLE);
         let bytes = bytes.map_err(|error| error.to_string())?;
         Executable::read_all(&bytes).map_err(|error| error.to_string())

@@ -169,9 +169,10 @@ pub fn measure(scene: &Scene, effort: &Effort, stop: &AtomicBool) -> Result<Rate
         "nothing was calibrated",
     )?;
     let mut calibration = Calibration::new(scene, gas);
-    for done in &results.finished {
-        calibration.observe(&done.record);
-    }
+    let observed = results
+        .finished
+        .each(|done| calibration.observe(&done.record));
+    observed.map_err(Failure::usage)?;
     calibration
         .rates(&effort.settings, effort.seed)
         .map_err(|error| Failure::error(Exit::UnsuccessfulRun, error.to_string()))

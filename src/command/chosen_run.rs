@@ -1,5 +1,4 @@
 //! One run of a folder of results, found again: to look at it, or to make it once more.
-use std::fs::File;
 use std::io::{BufReader, ErrorKind, Read, Seek as _};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -9,6 +8,7 @@ use clap::Args;
 use stochc_ensemble::recording::{EVERY, Header, Outline, Recorder, RecordingError, path};
 use stochc_ensemble::{Finished, Manifest, Program};
 use stochc_files as files;
+use stochc_files::File;
 use stochc_files::atomic::Draft;
 use stochc_files::budget::RECORDING;
 use stochc_ir::record::RunRecord;
@@ -42,8 +42,8 @@ pub struct ChosenRun {
     pub program: usize,
     /// The number of the run.
     pub run: u64,
-    /// What the folder says of the run; empty: it has not been made yet.
-    known: Vec<Finished>,
+    /// What the folder says of the run; `None`: it has not been made yet.
+    known: Option<Finished>,
 }
 
 /// Finds a run.
@@ -57,13 +57,12 @@ pub fn choose(choice: &Choice) -> Result<ChosenRun, Failure> {
             manifest.no_such_run(choice.run)
         )));
     }
-    let known = (finished.into_iter())
-        .filter(|done| done.program == program && done.record.run == choice.run);
+    let known = finished.get(program, choice.run).map_err(Failure::usage)?;
     Ok(ChosenRun {
         folder: choice.folder.clone(),
         program,
         run: choice.run,
-        known: known.collect(),
+        known,
         manifest,
     })
 }
@@ -132,7 +131,7 @@ impl ChosenRun {
             RunError::Cancelled => Failure::silent(Exit::Interrupted),
             error => Failure::usage(error),
         })?;
-        if self.known.iter().any(|known| known.record != record) {
+        if (self.known.as_ref()).is_some_and(|known| known.record != record) {
             let by = match self.manifest.stochc == env!("CARGO_PKG_VERSION") {
                 true => "the simulation has changed since".to_owned(),
                 false => format!("it was made by version {}", self.manifest.stochc),
@@ -183,7 +182,7 @@ impl ChosenRun {
             })
             .map_err(io)?;
         file.rewind().map_err(io)?;
-        Ok(BufReader::new(file))
+        Ok(BufReader::new(file.into()))
     }
 
     /// A recording that is whole, and of this run.
@@ -196,7 +195,7 @@ impl ChosenRun {
         let mut file = BufReader::new(file);
         let recording = Outline::read(file.by_ref(), self.entry().tables());
         let recording = recording.map_err(|error: RecordingError| refuse(&error.to_string()))?;
-        if !recording.is_of(&self.manifest, &self.known, self.program, self.run) {
+        if !recording.is_of(&self.manifest, self.known.as_ref(), self.program, self.run) {
             return Err(refuse("it is the recording of another run"));
         }
         file.rewind().map_err(|error| refuse(&error.to_string()))?;

@@ -119,6 +119,7 @@ fn estimate(
         stop,
         "nothing was estimated",
     )?;
-    let records: Vec<_> = results.finished.iter().map(|done| &done.record).collect();
+    let finished = results.finished.to_vec().map_err(Failure::usage)?;
+    let records: Vec<_> = finished.iter().map(|done| &done.record).collect();
     Ok(Estimate::of(&manifest.programs[0], &records))
 }

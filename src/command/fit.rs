@@ -272,17 +272,18 @@ fn simulated(
     )?;
     let mut found: Vec<Vec<Simulated>> = vec![Vec::new(); measured.len()];
     let mut stopped = 0;
+    let mut observed = vec![Vec::new(); manifest.programs.len()];
+    let read = results.finished.each(|done| {
+        let time = completion_time(&done.record).filter(|time| time.completed);
+        observed[done.program].extend(time.map(|time| time.time));
+    });
+    read.map_err(Failure::usage)?;
     for (entry, program) in manifest.programs.iter().enumerate() {
         let scale = match unit {
             Unit::Ticks => 1.0,
             Unit::Seconds => program.scene.tick,
         };
-        let done = results.finished.iter().filter(|done| done.program == entry);
-        let times = done.filter_map(|done| completion_time(&done.record));
-        let times: Vec<f64> = times
-            .filter(|time| time.completed)
-            .map(|time| time.time * scale)
-            .collect();
+        let times: Vec<f64> = observed[entry].iter().map(|time| time * scale).collect();
         stopped += options.runs as usize - times.len();
         // A point where many runs are stopped has times of the fast ones.
         if times.len() * 10 >= options.runs as usize * 9 {

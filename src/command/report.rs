@@ -4,10 +4,12 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use stochc_ensemble::Manifest;
-use stochc_files::atomic::{self, Replaces, begins_with};
+use stochc_files::atomic::{self, Draft, Replaces, begins_with};
 use stochc_files::{budget, read_file};
 use stochc_ir::visible;
-use stochc_report::ensemble_report::{Input, MARK, Report, Surroundings, address, report};
+use stochc_report::ensemble_report::{
+    CHAINS, Input, MARK, Report, ReportError, Surroundings, address, report,
+};
 
 use super::results::read as read_folder;
 use super::terminal::{print, warn, warn_drawn};
@@ -52,13 +54,14 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
             replay(&page, path, folders.len() == 1, &names)
         },
     };
-    let report = report(&inputs, &surroundings);
-    if let Err(error) = keep(&page, &beside, &report) {
-        return Err(Failure::usage(format!(
-            "cannot write `{}`: {error}",
-            page.display()
-        )));
-    }
+    let refuse =
+        |error: io::Error| Failure::usage(format!("cannot write `{}`: {error}", page.display()));
+    let mut chains = beside.begin(CHAINS).map_err(refuse)?;
+    let report = report(&inputs, &surroundings, &mut chains).map_err(|error| match error {
+        ReportError::Write(error) => refuse(error),
+        ReportError::Runs(error) => Failure::usage(error),
+    })?;
+    keep(&page, &beside, &report, chains).map_err(refuse)?;
     if !options.quiet {
         print(&format!("{}\n", page.display()))?;
     }
@@ -164,20 +167,28 @@ fn claim(page: &Path) -> Result<Beside, String> {
     Ok(Beside { folder, earlier })
 }
 
+impl Beside {
+    /// Begins one of its files, and makes the folder.
+    fn begin(&self, name: &str) -> io::Result<Draft> {
+        // Only this one: a folder that is not there may be a slip of the pen.
+        if !self.folder.is_dir() {
+            std::fs::create_dir(&self.folder)?;
+        }
+        Draft::new(&self.folder.join(name), Replaces::Ordinary)
+    }
+}
+
 /// Writes the figures, and last the page that refers to them; figures of an earlier report that
 /// this one does not have go.
-fn keep(page: &Path, beside: &Beside, report: &Report) -> io::Result<()> {
+fn keep(page: &Path, beside: &Beside, report: &Report, chains: Draft) -> io::Result<()> {
     let Beside { folder, earlier } = beside;
-    // Only this one: a folder that is not there may be a slip of the pen.
-    if !folder.is_dir() {
-        std::fs::create_dir(folder)?;
-    }
+    chains.keep()?;
     for entry in std::fs::read_dir(folder)? {
         let entry = entry?;
         let name = entry.file_name();
         let extension = Path::new(&name).extension();
         let is_figure = extension.is_some_and(|it| it == "svg" || it == "csv");
-        let stays = report.files.iter().any(|(file, _)| name == file.as_str());
+        let stays = name == CHAINS || report.files.iter().any(|(file, _)| name == file.as_str());
         // What the earlier page does not speak of is somebody else's.
         let address = format!("/{}\"", name.to_string_lossy());
         if is_figure && !stays && atomic::holds(&earlier[..], address.as_bytes())? {

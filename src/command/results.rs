@@ -3,9 +3,9 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use serde_json::json;
-use stochc_ensemble::sweep::Sweep;
+use stochc_ensemble::sweep::SweepTally;
 use stochc_ensemble::text::visible;
-use stochc_ensemble::{Comparison, Finished, Folder, Manifest, captures};
+use stochc_ensemble::{ComparisonTally, Folder, Manifest, Records, WaitsTally, captures};
 use stochc_files::shell::file as shell_file;
 use stochc_report::tables::{
     KNOWN_BIAS, captures_to_text, comparison_to_text, pairs_to_text, sweep_to_text,
@@ -69,7 +69,7 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
 }
 
 /// Reads a results folder, and says what is wrong with it.
-pub(super) fn read(folder: &Path) -> Result<(Manifest, Vec<Finished>), Failure> {
+pub(super) fn read(folder: &Path) -> Result<(Manifest, Records), Failure> {
     let contents = Folder::read(folder).map_err(Failure::usage)?;
     tell_of_damage(folder, &contents.damage);
     Ok((contents.manifest, contents.finished))
@@ -97,37 +97,46 @@ pub(super) fn tell_of_damage(folder: &Path, damage: &[String]) {
 }
 
 /// Prints the comparison of an ensemble's programs; says whether every run was successful.
-pub fn show(manifest: &Manifest, finished: &[Finished], shown: &Shown) -> Result<Exit, Failure> {
-    let comparison = Comparison::of(manifest, finished);
-    let captures = |program| captures(manifest, finished, program);
+pub fn show(manifest: &Manifest, finished: &Records, shown: &Shown) -> Result<Exit, Failure> {
+    let mut comparison = ComparisonTally::new(manifest);
+    let mut sweep = SweepTally::new(manifest).filter(|_| shown.form == Form::Text);
+    let mut waits: Vec<WaitsTally> = match shown.bonds {
+        true => vec![WaitsTally::default(); manifest.programs.len()],
+        false => Vec::new(),
+    };
+    let told = finished.each(|done| {
+        comparison.add(done);
+        sweep.iter_mut().for_each(|sweep| sweep.add(done));
+        if let Some(waits) = waits.get_mut(done.program) {
+            waits.add(&done.record);
+        }
+    });
+    told.map_err(Failure::usage)?;
+    let comparison = comparison.finish();
+    let waits = manifest.programs.iter().zip(waits);
     match shown.form {
         Form::Text => {
             let width = output_width();
-            print(&match Sweep::of(manifest, finished) {
+            print(&match sweep.map(SweepTally::finish) {
                 None => comparison_to_text(&comparison, width),
                 Some(sweep) => sweep_to_text(&sweep, width) + &pairs_to_text(&comparison, width),
             })?;
             if manifest.settings.model == Model::Rate {
                 print(&format!("\n{}", paragraph(KNOWN_BIAS, width)))?;
             }
-            if shown.bonds {
-                for (number, program) in manifest.programs.iter().enumerate() {
-                    print(&format!(
-                        "\n{}, capture by capture\n",
-                        visible(&program.name)
-                    ))?;
-                    let tick = program.scene.tick;
-                    print(&captures_to_text(&captures(number), tick, width))?;
-                }
+            for (program, waits) in waits {
+                let name = visible(&program.name);
+                print(&format!("\n{name}, capture by capture\n"))?;
+                let captures = captures(program, waits);
+                print(&captures_to_text(&captures, program.scene.tick, width))?;
             }
         }
         Form::Json => {
             let value = match shown.bonds {
                 false => json!(comparison),
                 true => {
-                    let programs = manifest.programs.iter().enumerate();
-                    let bonds = programs.map(|(number, program)| {
-                        json!({ "program": program.name, "captures": captures(number) })
+                    let bonds = waits.map(|(program, waits)| {
+                        json!({ "program": program.name, "captures": captures(program, waits) })
                     });
                     let bonds: Vec<_> = bonds.collect();
                     json!({ "comparison": comparison, "captures": bonds })

@@ -26,6 +26,7 @@ mod rates;
 mod refused;
 mod results;
 mod scene;
+mod shards;
 mod simulate;
 #[path = "../skipped/mod.rs"]
 mod skipped;

@@ -76,7 +76,7 @@ fn what_is_sound_is_saved_and_what_is_not_is_moved_aside() {
             let mut flipped = whole.clone();
             flipped[at] ^= 0x04;
             put(&path, &flipped);
-            repair(folder.path(), |_, _| Vec::new()).unwrap();
+            repair(folder.path(), |_, _| Ok(Vec::new())).unwrap();
             assert!(damaged(folder.path()).is_empty(), "byte {at} of {name}");
             let contents = Folder::read(folder.path()).unwrap();
             assert_eq!(contents.manifest, manifest(4));
@@ -98,7 +98,7 @@ fn a_manifest_that_is_lost_is_left_alone() {
     let mut bytes = fs::read(&path).unwrap();
     bytes[100..120].fill(b'#');
     put(&path, &bytes);
-    let error = repair(folder.path(), |_, _| Vec::new()).unwrap_err();
+    let error = repair(folder.path(), |_, _| Ok(Vec::new())).unwrap_err();
     assert!(
         error.to_string().starts_with("cannot read `manifest.json`"),
         "{error}"

@@ -1,7 +1,7 @@
 //! The table that compares programs, and the figures behind it.
 use insta::{assert_json_snapshot, assert_snapshot};
 use stochc::ensemble::statistics::{Test, median};
-use stochc::ensemble::{Comparison, Destination, Finished, Manifest, captures};
+use stochc::ensemble::{Comparison, Destination, Finished, Manifest, WaitsTally, captures};
 use stochc::report::tables::{captures_to_text, comparison_to_text};
 use stochc_ir::record::{Limit, Outcome, RunRecord};
 use stochc_ir::table::PhaseId;
@@ -147,16 +147,20 @@ fn captures_are_summed_up_by_edge() {
     let manifest = manifest(40);
     let never = std::sync::atomic::AtomicBool::new(false);
     let results = run_on(2, Destination::Memory(&manifest), &never, simulate).unwrap();
-    let found = captures(&manifest, &results.finished, 0);
+    let finished = results.finished.to_vec().unwrap();
+    let mut waits = WaitsTally::default();
+    let first = finished.iter().filter(|done| done.program == 0);
+    first.for_each(|done| waits.add(&done.record));
+    let found = captures(&manifest.programs[0], waits);
     assert_snapshot!(captures_to_text(&found, scene().tick, 100));
     let second = &found[1];
     assert_eq!(second.released, [("B".to_owned(), second.wait.completed)]);
     // Some runs were stopped while it was waited for; none of the waits is left out.
-    let runs = (results.finished.iter()).filter(|done| done.program == 0);
+    let runs = (finished.iter()).filter(|done| done.program == 0);
     let runs = runs.filter(|done| !matches!(done.record.outcome, Outcome::Failed { .. }));
     assert!(second.wait.censored > 0);
     assert_eq!(second.wait.completed + second.wait.censored, runs.count());
-    assert!(captures(&manifest, &[], 1).is_empty());
+    assert!(captures(&manifest.programs[1], WaitsTally::default()).is_empty());
     assert_snapshot!(captures_to_text(&[], 1.0, 100), @"n  wait  CV  entries  docking  released before
 ─  ────  ──  ───────  ───────  ───────────────");
 }

@@ -2,15 +2,16 @@
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::path::Path;
+use std::sync::atomic::AtomicBool;
 
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use parquet::record::Field;
 use serde_json::{Value, json};
-use stochc::ensemble::{Finished, Varied, tables};
+use stochc::ensemble::{Destination, Finished, Folder, Varied, tables};
 use stochc_ir::record::{Limit, Origin, Outcome};
 use stochc_ir::table::PhaseId;
 
-use crate::world::{complete, manifest, scene};
+use crate::world::{complete, manifest, run_on, scene, simulate};
 
 fn rows(path: &Path) -> Vec<Value> {
     let reader = SerializedFileReader::new(File::open(path).unwrap()).unwrap();
@@ -105,8 +106,8 @@ fn run_row(done: &Finished, seed: u64) -> Value {
 fn the_table_of_runs_says_what_the_records_say() {
     let folder = tempfile::tempdir().unwrap();
     let results = complete(folder.path(), &manifest(40), 2);
-    let runs = results.finished.iter();
-    let expected: Vec<_> = runs.map(|done| run_row(done, u64::MAX)).collect();
+    let runs = results.finished.to_vec().unwrap();
+    let expected: Vec<_> = runs.iter().map(|done| run_row(done, u64::MAX)).collect();
     for outcome in ["completed", "timed_out", "max_ticks", "failed"] {
         assert!(expected.iter().any(|row| row["outcome"] == outcome));
     }
@@ -118,7 +119,7 @@ fn the_table_of_phases_says_when_each_began_and_ended() {
     let folder = tempfile::tempdir().unwrap();
     let results = complete(folder.path(), &manifest(40), 2);
     let mut expected = Vec::new();
-    for done in &results.finished {
+    for done in &results.finished.to_vec().unwrap() {
         let record = &done.record;
         let mut began = 0;
         for (i, ticks) in record.phase_ticks.iter().enumerate() {
@@ -146,7 +147,7 @@ fn the_table_of_bonds_says_what_the_records_say() {
     let folder = tempfile::tempdir().unwrap();
     let results = complete(folder.path(), &manifest(40), 2);
     let (mut expected, mut under_way) = (Vec::new(), 0);
-    for done in &results.finished {
+    for done in &results.finished.to_vec().unwrap() {
         for bond in &done.record.bonds {
             let released = match bond.origin {
                 Origin::Free => None,
@@ -204,7 +205,7 @@ fn the_tables_of_releases_and_unplanned_bonds_say_what_the_records_say() {
     let folder = tempfile::tempdir().unwrap();
     let results = complete(folder.path(), &manifest(40), 2);
     let (mut releases, mut unplanned) = (Vec::new(), Vec::new());
-    for done in &results.finished {
+    for done in &results.finished.to_vec().unwrap() {
         for release in &done.record.releases {
             let more = json!({
                 "tick": release.tick,
@@ -227,6 +228,51 @@ fn the_tables_of_releases_and_unplanned_bonds_say_what_the_records_say() {
     assert!(releases.len() > 10 && unplanned.len() > 10);
     assert_eq!(table(folder.path(), "releases"), releases);
     assert_eq!(table(folder.path(), "unplanned"), unplanned);
+}
+
+/// Large ones are written, and can be read, group by group.
+#[test]
+fn large_tables_have_groups_of_rows() {
+    const GROUP: usize = 1 << 17;
+    const BONDS: usize = 2500;
+    let (folder, never) = (tempfile::tempdir().unwrap(), AtomicBool::new(false));
+    let manifest = manifest(40);
+    let place = Destination::Folder(Folder::open(folder.path(), &manifest, false).unwrap());
+    let results = run_on(1, place, &never, |program, run, watch| {
+        let mut record = simulate(program, run, watch)?;
+        if let Some(bond) = record.bonds.first().cloned() {
+            record.bonds = vec![bond; BONDS];
+            for (body, bond) in record.bonds.iter_mut().enumerate() {
+                bond.body = body as u32;
+            }
+        }
+        Ok(record)
+    });
+    let finished = results.unwrap().finished.to_vec().unwrap();
+    let rows = |of: &Finished| of.record.bonds.len() + of.record.waiting.len();
+    let rows: usize = finished.iter().map(rows).sum();
+    let file = File::open(folder.path().join("bonds.parquet")).unwrap();
+    let reader = SerializedFileReader::new(file).unwrap();
+    let groups = reader.metadata().row_groups().iter();
+    let groups: Vec<usize> = groups.map(|group| group.num_rows() as usize).collect();
+    assert!(
+        rows > GROUP && groups.len() == rows.div_ceil(GROUP),
+        "{groups:?}"
+    );
+    assert!(
+        groups.iter().all(|&group| group < GROUP + BONDS),
+        "{groups:?}"
+    );
+    let bodies: Vec<i64> = (table(folder.path(), "bonds").iter())
+        .filter_map(|row| row["body"].as_i64())
+        .collect();
+    let expected = finished.iter().flat_map(|done| &done.record.bonds);
+    assert!(
+        bodies
+            .into_iter()
+            .eq(expected.map(|bond| i64::from(bond.body)))
+    );
+    assert_eq!(table(folder.path(), "runs").len(), 80);
 }
 
 #[test]

@@ -100,7 +100,8 @@ fn addresses_stay_what_they_are() {
 fn impossible_records_are_no_reason_to_stop() {
     let mut input = five(0.2);
     let roles = input.manifest.programs[0].roles().len() as u32;
-    for (i, done) in input.finished.iter_mut().enumerate() {
+    let mut finished = input.finished.to_vec().unwrap();
+    for (i, done) in finished.iter_mut().enumerate() {
         let record = &mut done.record;
         match i {
             0 => record.ticks = u64::MAX,
@@ -120,6 +121,7 @@ fn impossible_records_are_no_reason_to_stop() {
             }
         }
     }
+    input.finished = finished.into();
     for sources in [true, false] {
         if !sources {
             // As of a program that was compiled elsewhere.

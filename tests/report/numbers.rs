@@ -1,4 +1,5 @@
 //! What the tables say, against sums done by hand.
+use stochc::ensemble::Records;
 use stochc::ensemble::statistics::{Observation, Runs, compare};
 
 use crate::sample::{Waits, five, manifest, record, rows, told};
@@ -151,7 +152,7 @@ fn programs_with_one_seed_are_compared_run_by_run() {
         let runs = (0..)
             .zip(fs)
             .map(|(run, f)| record(&manifest, run, &waits(f)));
-        (runs.collect::<Vec<_>>(), manifest)
+        (Records::from(runs.collect::<Vec<_>>()), manifest)
     };
     (first.finished, first.manifest) = make(0.2, [100, 200, 300, 400]);
     (second.finished, second.manifest) = make(0.3, [110, 230, 320, 440]);

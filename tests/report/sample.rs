@@ -9,7 +9,7 @@ use stochc::ir::record::{
 };
 use stochc::ir::table::{PhaseId, RoleId};
 use stochc::ir::{Cell, Executable, Face};
-use stochc::report::ensemble_report::{Input, Report, Surroundings, report};
+use stochc::report::ensemble_report::{CHAINS, Input, Report, Surroundings, report};
 use stochc::runtime::{Model, Settings};
 
 /// Two towers side by side, then the second block of one is let go and M takes a block.
@@ -176,7 +176,7 @@ pub fn five(friction: f64) -> Input {
     });
     Input {
         path: format!("results/friction {friction}"),
-        finished: finished.collect(),
+        finished: finished.collect::<Vec<_>>().into(),
         manifest,
     }
 }
@@ -187,7 +187,12 @@ pub fn told(inputs: &[Input]) -> Report {
         folder: "report-figures",
         replay: &|_, _, _| None,
     };
-    report(inputs, &surroundings)
+    let mut chains = Vec::new();
+    let mut report = report(inputs, &surroundings, &mut chains).unwrap();
+    let chains = String::from_utf8(chains).unwrap();
+    report.files.push((CHAINS.to_owned(), chains));
+    report.files.sort();
+    report
 }
 
 /// A file of a report.

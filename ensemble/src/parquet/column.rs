@@ -1,5 +1,6 @@
 //! What a column is, and how it gets into a Parquet file: one definition for both.
 use std::borrow::Cow;
+use std::io::Write;
 
 use ::parquet::basic::{Compression, GzipLevel};
 use ::parquet::data_type::{
@@ -114,8 +115,12 @@ impl<R> Table<'_, R> {
         }
     }
 
-    /// The table of `rows` as the bytes of a file, with `metadata` beside its own.
-    pub fn file(&self, rows: &[R], metadata: &[(&str, String)]) -> Vec<u8> {
+    /// Begins its file, with `metadata` beside its own.
+    pub fn begin<W: Write + Send>(
+        &self,
+        out: W,
+        metadata: &[(&str, String)],
+    ) -> Result<TableFile<W>, ParquetError> {
         let mut schema = format!("message {} {{\n", self.name);
         for column in &self.columns {
             schema.push_str(&column.declaration());
@@ -137,21 +142,34 @@ impl<R> Table<'_, R> {
             .set_compression(Compression::GZIP(GzipLevel::default()))
             .set_key_value_metadata(Some(metadata))
             .build();
-        let mut bytes = Vec::new();
-        let write = || -> Result<(), ParquetError> {
-            let mut file = SerializedFileWriter::new(&mut bytes, schema.into(), properties.into())?;
-            let mut group = file.next_row_group()?;
-            for column in &self.columns {
-                let mut writer = (group.next_column()?).expect("one writer for each declaration");
-                column.write(rows, &mut writer)?;
-                writer.close()?;
-            }
-            group.close()?;
-            file.close()?;
-            Ok(())
-        };
-        write().expect("memory takes every column of its declared type");
-        bytes
+        let writer = SerializedFileWriter::new(out, schema.into(), properties.into())?;
+        Ok(TableFile(writer))
+    }
+}
+
+/// The file of a table that is written group by group.
+pub(super) struct TableFile<W: Write>(SerializedFileWriter<W>);
+
+impl<W: Write + Send> TableFile<W> {
+    /// Adds the next rows of its `table`, as a row group.
+    pub fn add<R>(&mut self, table: &Table<R>, rows: &[R]) -> Result<(), ParquetError> {
+        let mut group = self.0.next_row_group()?;
+        for column in &table.columns {
+            let mut writer = (group.next_column()?).expect("one writer for each declaration");
+            column.write(rows, &mut writer)?;
+            writer.close()?;
+        }
+        group.close()?;
+        Ok(())
+    }
+
+    /// Whether it has no rows yet.
+    pub fn is_empty(&self) -> bool {
+        self.0.flushed_row_groups().is_empty()
+    }
+
+    pub fn finish(self) -> Result<W, ParquetError> {
+        self.0.into_inner()
     }
 }
 

@@ -14,27 +14,94 @@ mod unplanned;
 
 pub use column::{ColumnShape, TableShape};
 
-use super::{Finished, Manifest};
+use std::io::{self, Write};
+
+use ::parquet::errors::ParquetError;
+
+use super::{Finished, FolderError, Manifest, Records};
 use row::rows;
 
-/// The tables of runs that are sorted by program and run: the names of their files, and the bytes.
-pub(super) fn files(manifest: &Manifest, finished: &[Finished]) -> Vec<(String, Vec<u8>)> {
+/// Captures, releases, phases and whatever else is in one row group of each table, with some more at its end: what is in memory
+/// while tables are written.
+const GROUP: usize = 1 << 17;
+
+/// Writes the tables of runs into what `begin` gives for the name of each file; `io` says where something went wrong.
+pub(super) fn write<W: Write + Send>(
+    manifest: &Manifest,
+    finished: &Records,
+    begin: impl Fn(&str) -> io::Result<W>,
+    io: impl Fn(io::Error) -> FolderError,
+) -> Result<Vec<(String, W)>, FolderError> {
     let about = about::about(manifest);
     let axes = manifest.axes();
-    macro_rules! file {
-        ($table:ident, $of:expr) => {{
-            let table = $table::table(axes);
-            let rows = rows(manifest, finished, $of);
-            (format!("{}.parquet", table.name), table.file(&rows, &about))
-        }};
+    let mut files = Vec::new();
+    macro_rules! for_each_table {
+        ($do:ident) => {
+            $do!(0, runs, |_| [()]);
+            $do!(1, phases, phases::reached);
+            $do!(2, bonds, bonds::bonds);
+            $do!(3, releases, |run| &run.record.releases);
+            $do!(4, unplanned, |run| &run.record.unplanned_bonds);
+        };
     }
-    vec![
-        file!(runs, |_| [()]),
-        file!(phases, phases::reached),
-        file!(bonds, bonds::bonds),
-        file!(releases, |run| &run.record.releases),
-        file!(unplanned, |run| &run.record.unplanned_bonds),
-    ]
+    macro_rules! begin_file {
+        ($number:expr, $table:ident, $of:expr) => {
+            let table = $table::table(axes);
+            let name = format!("{}.parquet", table.name);
+            let out = begin(&name).map_err(&io)?;
+            let file = table.begin(out, &about);
+            files.push((name, file.map_err(|error| io(plain(error)))?));
+        };
+    }
+    for_each_table!(begin_file);
+    let mut add = |group: &[Finished], is_last: bool| -> Result<(), ParquetError> {
+        macro_rules! add_rows {
+            ($number:expr, $table:ident, $of:expr) => {
+                let rows = rows(manifest, group, $of);
+                let file = &mut files[$number].1;
+                // A table without rows has a group without rows.
+                if !rows.is_empty() || is_last && file.is_empty() {
+                    file.add(&$table::table(axes), &rows)?;
+                }
+            };
+        }
+        for_each_table!(add_rows);
+        Ok(())
+    };
+    let (mut group, mut size) = (Vec::new(), 0);
+    finished.try_each(|done| {
+        let record = &done.record;
+        let parts = [
+            record.phase_ticks.len(),
+            record.bonds.len(),
+            record.waiting.len(),
+            record.releases.len(),
+            record.unplanned_bonds.len(),
+        ];
+        size += 1 + parts.iter().sum::<usize>();
+        group.push(done.clone());
+        if size >= GROUP {
+            add(&group, false).map_err(|error| io(plain(error)))?;
+            (group, size) = (Vec::new(), 0);
+        }
+        Ok::<_, FolderError>(())
+    })?;
+    add(&group, true).map_err(|error| io(plain(error)))?;
+    let files = files.into_iter();
+    let files = files.map(|(name, file)| Ok((name, file.finish()?)));
+    let files: Result<_, ParquetError> = files.collect();
+    files.map_err(|error| io(plain(error)))
+}
+
+/// What the file system has said.
+fn plain(error: ParquetError) -> io::Error {
+    match error {
+        ParquetError::External(error) => match error.downcast::<io::Error>() {
+            Ok(error) => *error,
+            Err(error) => io::Error::other(error),
+        },
+        error => io::Error::other(error),
+    }
 }
 
 /// What the tables of a results folder are; those of a sweep have further columns.

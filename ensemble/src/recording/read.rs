@@ -65,11 +65,10 @@ impl Outline {
     pub fn is_of(
         &self,
         manifest: &Manifest,
-        finished: &[Finished],
+        known: Option<&Finished>,
         program: usize,
         run: u64,
     ) -> bool {
-        let known = (finished.iter()).find(|it| it.program == program && it.record.run == run);
         self.header.ensemble == manifest.identity()
             && (self.header.program, self.header.run) == (program, run)
             && known.is_none_or(|known| known.record == self.record)

@@ -12,6 +12,14 @@ pub struct Runs {
 }
 
 impl Runs {
+    /// Times in ticks, of which each has so many of the unit.
+    pub fn of(seed: u64, mut times: Vec<(u64, Observation)>, tick: f64) -> Runs {
+        for (_, time) in &mut times {
+            time.time *= tick;
+        }
+        Runs { seed, times }
+    }
+
     /// Their times, by number.
     pub fn observations(&self) -> Vec<Observation> {
         self.times.iter().map(|&(_, time)| time).collect()

@@ -2,9 +2,9 @@
 use serde::Serialize;
 use stochc_ir::record::{Origin, RunRecord};
 
-use crate::statistics::share_interval;
+use crate::statistics::{Sample, share_interval};
 use crate::text::Tick;
-use crate::{Finished, Manifest, Program, Time, Varied, completion_time};
+use crate::{Finished, JournalError, Manifest, Program, Records, Time, Varied, completion_time};
 
 /// The unit of times where all scenes have ticks of one length.
 const TICKS: &str = "ticks";
@@ -92,43 +92,89 @@ impl SweptNumber {
     }
 }
 
-impl Sweep {
-    /// What came of the sweep that a manifest asks for; `None`: it asks for none.
-    pub fn of(manifest: &Manifest, finished: &[Finished]) -> Option<Sweep> {
-        let dial = |varied: &Varied| SweptNumber {
-            of: varied.of.clone(),
-            unit: varied.unit.clone(),
-        };
+/// A sweep while runs are told, sorted by program and run.
+#[derive(Debug)]
+pub struct SweepTally<'a> {
+    manifest: &'a Manifest,
+    axes: Vec<SweptNumber>,
+    /// Whether all scenes have ticks of one length.
+    is_one: bool,
+    programs: Vec<PointTally>,
+}
+
+impl<'a> SweepTally<'a> {
+    /// Before the first run of the sweep that a manifest asks for; `None`: it asks for none.
+    pub fn new(manifest: &'a Manifest) -> Option<SweepTally<'a>> {
         let axes: Vec<SweptNumber> = manifest.axes().iter().map(dial).collect();
         if axes.is_empty() {
             return None;
         }
         let mut ticks = manifest.programs.iter().map(|program| program.scene.tick);
         let is_one = ticks.next().is_some_and(|tick| ticks.all(|it| it == tick));
-        let programs = manifest.programs.iter().enumerate();
+        let unit = |program: &Program| if is_one { 1.0 } else { program.scene.tick };
+        let programs = manifest.programs.iter();
+        Some(SweepTally {
+            manifest,
+            axes,
+            is_one,
+            programs: programs.map(|it| PointTally::new(unit(it))).collect(),
+        })
+    }
+
+    /// Adds a run.
+    pub fn add(&mut self, done: &Finished) {
+        self.programs[done.program].add(&done.record);
+    }
+
+    /// What came of it.
+    pub fn finish(self) -> Sweep {
+        let axes = &self.axes;
+        let programs = self.manifest.programs.iter().zip(self.programs);
         // A manifest that somebody has edited may hold others.
         let same = programs
-            .filter(|(_, program)| program.varied.iter().map(dial).eq(axes.iter().cloned()));
-        let point = |(number, program): (usize, &Program)| {
+            .filter(|(program, _)| program.varied.iter().map(dial).eq(axes.iter().cloned()));
+        let point = |(program, tally): (&Program, PointTally)| {
             let values = program.varied.iter().map(|varied| Value {
                 value: varied.said,
                 si: varied.value,
             });
-            let records = finished.iter().filter(|done| done.program == number);
-            let records: Vec<&RunRecord> = records.map(|done| &done.record).collect();
             let names = (
                 program.name.clone(),
                 program.name.replace(&program.point(), ""),
             );
-            let tick = program.scene.tick;
-            let clock = (tick, if is_one { 1.0 } else { tick });
-            Point::of(names, values.collect(), manifest.runs, &records, clock)
+            tally.finish(
+                names,
+                values.collect(),
+                self.manifest.runs,
+                program.scene.tick,
+            )
         };
-        Some(Sweep {
-            unit: if is_one { TICKS } else { "s" },
+        Sweep {
+            unit: if self.is_one { TICKS } else { "s" },
             points: same.map(point).collect(),
-            axes,
-        })
+            axes: self.axes.clone(),
+        }
+    }
+}
+
+fn dial(varied: &Varied) -> SweptNumber {
+    SweptNumber {
+        of: varied.of.clone(),
+        unit: varied.unit.clone(),
+    }
+}
+
+impl Sweep {
+    /// What came of the sweep that a manifest asks for; `None`: it asks for none.
+    ///
+    /// # Errors
+    /// Where the runs cannot be read again.
+    pub fn of(manifest: &Manifest, finished: &Records) -> Result<Option<Sweep>, JournalError> {
+        let Some(mut tally) = SweepTally::new(manifest) else {
+            return Ok(None);
+        };
+        finished.each(|done| tally.add(done))?;
+        Ok(Some(tally.finish()))
     }
 
     /// The clock of a point, where times are in ticks; `None`: they are in seconds.
@@ -148,35 +194,58 @@ impl Sweep {
     }
 }
 
-impl Point {
-    /// Sums up the runs of a point, whose name is given with its values and without; then the length of
-    /// a tick in seconds, and in the unit of the sweep.
-    pub fn of(
+/// A point while its runs are told, by number.
+#[derive(Clone, Debug, Default)]
+pub struct PointTally {
+    /// Of a tick in the unit of the sweep.
+    unit: f64,
+    finished: usize,
+    times: Sample,
+    captures: u64,
+    released: usize,
+    spent: f64,
+}
+
+impl PointTally {
+    /// Before the first run, in whose scene a tick has so many units of the sweep.
+    pub fn new(unit: f64) -> PointTally {
+        PointTally {
+            unit,
+            ..PointTally::default()
+        }
+    }
+
+    /// Adds a run.
+    pub fn add(&mut self, record: &RunRecord) {
+        self.finished += 1;
+        let Some(mut time) = completion_time(record) else {
+            return;
+        };
+        time.time *= self.unit;
+        self.times.push(time);
+        self.spent += time.time;
+        self.captures += record.bonds.len() as u64;
+        let again = |origin: &Origin| matches!(origin, Origin::Released { .. });
+        self.released += record
+            .bonds
+            .iter()
+            .filter(|bond| again(&bond.origin))
+            .count();
+    }
+
+    /// What became of the point, whose name is given with its values and without; `runs` were asked for, and a tick has so
+    /// many seconds.
+    pub fn finish(
+        self,
         (name, program): (String, String),
         values: Vec<Value>,
         runs: u64,
-        records: &[&RunRecord],
-        (tick, unit): (f64, f64),
+        tick: f64,
     ) -> Point {
-        let mut times = Vec::new();
-        let (mut captures, mut released, mut spent) = (0, 0, 0.0);
-        for record in records {
-            let Some(mut time) = completion_time(record) else {
-                continue;
-            };
-            time.time *= unit;
-            times.push(time);
-            spent += time.time;
-            captures += record.bonds.len() as u64;
-            let again = |origin: &Origin| matches!(origin, Origin::Released { .. });
-            released += record
-                .bonds
-                .iter()
-                .filter(|bond| again(&bond.origin))
-                .count();
-        }
+        let times = self.times.to_vec();
         let completed = times.iter().filter(|time| time.completed).count();
-        let any = (captures > 0).then_some(captures as f64);
+        let any = (self.captures > 0).then_some(self.captures as f64);
+        let finished = self.finished;
         Point {
             name,
             program,
@@ -185,16 +254,18 @@ impl Point {
             runs,
             completed,
             stopped: times.len() - completed,
-            failed: records.len() - times.len(),
-            share: (!records.is_empty()).then(|| completed as f64 / records.len() as f64),
-            share_interval: share_interval(completed, records.len()),
+            failed: finished - times.len(),
+            share: (finished > 0).then(|| completed as f64 / finished as f64),
+            share_interval: share_interval(completed, finished),
             time: Time::of(&times),
-            captures,
-            released: any.map(|captures| released as f64 / captures),
-            time_per_capture: any.map(|captures| spent / captures),
+            captures: self.captures,
+            released: any.map(|captures| self.released as f64 / captures),
+            time_per_capture: any.map(|captures| self.spent / captures),
         }
     }
+}
 
+impl Point {
     /// Finished runs.
     pub fn finished(&self) -> usize {
         self.completed + self.stopped + self.failed

@@ -1,20 +1,19 @@
 //! What a measurement has found, run by run, in a file that outlives a kill.
 use std::collections::BTreeMap;
-use std::fs::File;
 use std::path::Path;
 use std::sync::Mutex;
 use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
-use stochc_files::budget;
 use stochc_files::checksum::{self, Line};
+use stochc_files::{File, budget};
 use stochc_ir::sha256;
 use stochc_runtime::Settings;
 
 use super::plan::Job;
 use super::sample::Measured;
 use crate::folder::lock;
-use crate::journal::{Journal, JournalError, read_lines};
+use crate::journal::{Header, Journal, JournalError, read_lines};
 use crate::{FolderError, Program, this_build};
 
 /// Its name in the folder of a trade.
@@ -51,12 +50,12 @@ impl Memory {
         let path = folder.join(MEMORY);
         let most = programs.iter().map(Program::captures).max().unwrap_or(0);
         let programs: Vec<_> = programs.iter().map(|it| (&it.name, it.hash())).collect();
-        let identity = sha256(&("trade", this_build(), seed, programs));
+        let header = Header::of(&sha256(&("trade", this_build(), seed, programs)));
         let (mut known, mut elapsed) = (BTreeMap::new(), Duration::ZERO);
-        let (whole, _) = read_lines(&path, &identity, budget::record(most), |_, line, _| {
+        let (whole, _) = read_lines(&path, &header, budget::record(most), |line| {
             // A damaged line costs its run, which is measured again.
-            if checksum::check(line) == Line::Sound
-                && let Ok(entry) = serde_json::from_slice::<Entry>(line)
+            if checksum::check(line.text) == Line::Sound
+                && let Ok(entry) = serde_json::from_slice::<Entry>(line.text)
             {
                 let seconds = Duration::try_from_secs_f64(entry.elapsed);
                 elapsed = elapsed.max(seconds.unwrap_or_default());
@@ -69,7 +68,7 @@ impl Memory {
         Ok(Memory {
             known,
             elapsed,
-            journal: Journal::open(&path, &identity, whole)?,
+            journal: Journal::open(&path, &header, whole)?,
             broken: Mutex::new(None),
             _lock: lock,
         })

@@ -1,5 +1,6 @@
 //! Whether two programs take the same time, for every pair of a report.
-use stochc_ensemble::{Group, PairwiseTest, TimeUnit, completion_times, pairwise_tests as compare};
+use stochc_ensemble::statistics::Runs;
+use stochc_ensemble::{Group, PairwiseTest, TimeUnit, pairwise_tests as compare};
 
 use super::subject::Subject;
 
@@ -7,8 +8,8 @@ use super::subject::Subject;
 /// values.
 pub(crate) fn pairwise_tests(subjects: &[Subject], clock: TimeUnit) -> Vec<PairwiseTest> {
     let side = |subject: &Subject| {
-        let records = subject.runs.iter().map(|run| &run.record);
-        completion_times(records, subject.manifest.seed, clock.tick(subject.program))
+        let tick = clock.tick(subject.program);
+        Runs::of(subject.manifest.seed, subject.times.clone(), tick)
     };
     let sides: Vec<Group> = (subjects.iter())
         .map(|subject| Group {

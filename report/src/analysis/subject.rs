@@ -1,11 +1,29 @@
-//! One program of one folder: its runs, and what can be told of each.
-use stochc_ensemble::statistics::Observation;
+//! One program of one folder, and what its runs tell, one after the other.
+use std::io;
+
+use stochc_ensemble::statistics::{Observation, Sample};
+use stochc_ensemble::sweep::{PointTally, Sweep, SweepTally};
 use stochc_ensemble::text::Tick;
-use stochc_ensemble::{Finished, Manifest, Program, TimeUnit, completion_time, phase_time};
+use stochc_ensemble::{
+    JournalError, Manifest, Program, Records, TimeUnit, WaitsTally, completion_time, phase_time,
+};
 use stochc_ir::record::{Outcome, RunRecord};
+use stochc_ir::table::PhaseId;
 
 use super::critical_path::{Link, chain, moments};
 use super::events::Events;
+use super::waits::Decisive;
+
+/// Why there is no report.
+#[derive(Debug, thiserror::Error)]
+pub enum ReportError {
+    /// The runs cannot be read again.
+    #[error(transparent)]
+    Runs(#[from] JournalError),
+    /// What is written run by run cannot be written.
+    #[error("cannot write the report: {0}")]
+    Write(#[from] io::Error),
+}
 
 /// A results folder that has been read.
 #[derive(Clone, Debug)]
@@ -14,11 +32,11 @@ pub struct Input {
     pub path: String,
     /// What it holds runs of.
     pub manifest: Manifest,
-    /// Its finished runs, sorted by program and run.
-    pub finished: Vec<Finished>,
+    /// Its finished runs.
+    pub finished: Records,
 }
 
-/// A program of a folder.
+/// A program of a folder, and what its runs have told, of which each leaves a few bytes.
 #[derive(Clone, Debug)]
 pub(crate) struct Subject<'a> {
     /// What it is called in tables; unique within the report.
@@ -30,7 +48,24 @@ pub(crate) struct Subject<'a> {
     pub manifest: &'a Manifest,
     pub program: &'a Program,
     pub events: Events,
-    pub runs: Vec<Run>,
+    /// Finished runs.
+    pub runs: usize,
+    /// Their ticks together.
+    pub ticks: f64,
+    /// Times to completion by number, in ticks; a failed run has none.
+    pub times: Vec<(u64, Observation)>,
+    /// Runs that failed.
+    pub failed: usize,
+    /// The first of them: number, phase and reason.
+    pub failures: Vec<(u64, PhaseId, String)>,
+    pub dots: Dots,
+    /// What its runs tell as a point of a sweep.
+    pub point: PointTally,
+    pub waits: WaitsTally,
+    pub decisive: Decisive,
+    phase_times: Vec<Sample>,
+    /// The runs that are told one by one, and what they are.
+    told: Vec<(&'static str, Run)>,
 }
 
 /// A finished run.
@@ -40,44 +75,45 @@ pub(crate) struct Run {
     pub chain: Vec<Link>,
 }
 
-/// The programs of all folders, in their order.
-pub(crate) fn subjects(inputs: &[Input]) -> Vec<Subject<'_>> {
-    let mut subjects = Vec::new();
-    for (folder, input) in inputs.iter().enumerate() {
-        for (number, program) in input.manifest.programs.iter().enumerate() {
-            let finished = input.finished.iter();
-            let records = finished.filter(|done| done.program == number);
-            let records: Vec<RunRecord> = records.map(|done| done.record.clone()).collect();
-            let events = Events::of(program);
-            let run = |record: RunRecord| {
-                let moments = moments(&events, &record);
-                let chain = chain(&events, &record, &moments);
-                Run { record, chain }
-            };
-            let runs = records.into_iter().map(run).collect();
-            let same = |other: &Input| {
-                other
-                    .manifest
-                    .programs
-                    .iter()
-                    .any(|p| p.name == program.name)
-            };
-            let shared = inputs.iter().filter(|other| same(other)).count() > 1;
-            subjects.push(Subject {
-                label: match shared {
-                    true => format!("{} ({})", program.name, short_path(inputs, folder)),
-                    false => program.name.clone(),
-                },
-                folder,
-                number,
-                manifest: &input.manifest,
-                program,
-                events,
-                runs,
-            });
+impl Run {
+    pub fn of(events: &Events, record: &RunRecord) -> Run {
+        let moments = moments(events, record);
+        Run {
+            chain: chain(events, record, &moments),
+            record: record.clone(),
         }
     }
-    subjects
+}
+
+/// The programs of all folders, in their order, and the sweeps that the folders were made by; each run is shown to `each`.
+pub(crate) fn subjects<'a>(
+    inputs: &'a [Input],
+    each: &mut dyn FnMut(&Subject, &Run) -> io::Result<()>,
+) -> Result<(Vec<Subject<'a>>, Vec<Sweep>), ReportError> {
+    let programs = inputs.iter().flat_map(|input| &input.manifest.programs);
+    let clock = TimeUnit::of(programs);
+    let (mut subjects, mut sweeps) = (Vec::new(), Vec::new());
+    for (folder, input) in inputs.iter().enumerate() {
+        let first = subjects.len();
+        let programs = input.manifest.programs.iter().enumerate();
+        subjects.extend(programs.map(|(number, _)| Subject::new(inputs, (folder, number), clock)));
+        let mut sweep = SweepTally::new(&input.manifest);
+        input.finished.try_each(|done| {
+            if let Some(sweep) = &mut sweep {
+                sweep.add(done);
+            }
+            let subject: &mut Subject = &mut subjects[first + done.program];
+            let run = Run::of(&subject.events, &done.record);
+            each(subject, &run)?;
+            subject.add(&run);
+            Ok::<_, ReportError>(())
+        })?;
+        for subject in &mut subjects[first..] {
+            subject.choose(&input.finished)?;
+        }
+        sweeps.extend(sweep.map(SweepTally::finish));
+    }
+    Ok((subjects, sweeps))
 }
 
 /// The last part of a folder's path, if no other folder of the report has the same.
@@ -97,7 +133,93 @@ fn short_path(inputs: &[Input], folder: usize) -> &str {
     }
 }
 
-impl Subject<'_> {
+impl<'a> Subject<'a> {
+    /// A program, before its first run.
+    fn new(inputs: &'a [Input], (folder, number): (usize, usize), clock: TimeUnit) -> Subject<'a> {
+        let manifest = &inputs[folder].manifest;
+        let program = &manifest.programs[number];
+        let same = |other: &&Input| {
+            let mut programs = other.manifest.programs.iter();
+            programs.any(|p| p.name == program.name)
+        };
+        let is_shared = inputs.iter().filter(same).count() > 1;
+        let events = Events::of(program);
+        Subject {
+            label: match is_shared {
+                true => format!("{} ({})", program.name, short_path(inputs, folder)),
+                false => program.name.clone(),
+            },
+            folder,
+            number,
+            manifest,
+            program,
+            runs: 0,
+            ticks: 0.0,
+            times: Vec::new(),
+            failed: 0,
+            failures: Vec::new(),
+            dots: Dots::default(),
+            point: PointTally::new(clock.tick(program)),
+            waits: WaitsTally::default(),
+            decisive: Decisive::of(&events),
+            phase_times: vec![Sample::default(); program.phases().len()],
+            told: Vec::new(),
+            events,
+        }
+    }
+
+    /// Adds a run.
+    fn add(&mut self, run: &Run) {
+        /// Failures that are told.
+        const TOLD: usize = 5;
+        let record = &run.record;
+        self.runs += 1;
+        self.ticks += record.ticks as f64;
+        let time = completion_time(record);
+        self.times.extend(time.map(|time| (record.run, time)));
+        for (phase, times) in self.phase_times.iter_mut().enumerate() {
+            if let Some(time) = phase_time(record, phase) {
+                times.push(time);
+            }
+        }
+        self.point.add(record);
+        for bond in &record.bonds {
+            self.dots.add(f64::from(bond.entries), bond.docking as f64);
+        }
+        self.waits.add(record);
+        match &record.outcome {
+            Outcome::Failed { phase, reason } => {
+                self.failed += 1;
+                if self.failures.len() < TOLD {
+                    self.failures.push((record.run, *phase, reason.clone()));
+                }
+            }
+            _ => self.decisive.add(run),
+        }
+    }
+
+    /// Looks up the fastest run, the one in the middle, and the slowest, each once; a stopped run is slower
+    /// than all that completed before.
+    fn choose(&mut self, finished: &Records) -> Result<(), ReportError> {
+        let mut runs = self.times.clone();
+        runs.sort_by(|(_, a), (_, b)| {
+            let times = a.time.total_cmp(&b.time);
+            times.then(b.completed.cmp(&a.completed))
+        });
+        let places = match runs.len() {
+            0 => vec![],
+            1 => vec![("only", 0)],
+            2 => vec![("fastest", 0), ("slowest", 1)],
+            n => vec![("fastest", 0), ("median", (n - 1) / 2), ("slowest", n - 1)],
+        };
+        for (what, place) in places {
+            if let Some(done) = finished.get(self.number, runs[place].0)? {
+                self.told.push((what, Run::of(&self.events, &done.record)));
+            }
+        }
+        Ok(())
+    }
+
     /// The clock of its scene.
     pub fn tick(&self) -> Tick {
         Tick(self.program.scene.tick)
@@ -105,7 +227,7 @@ impl Subject<'_> {
 
     /// Times to completion, in ticks; a failed run has none.
     pub fn times(&self) -> Vec<Observation> {
-        self.runs.iter().filter_map(Run::time).collect()
+        self.times.iter().map(|&(_, time)| time).collect()
     }
 
     /// The same in the unit of a clock.
@@ -119,47 +241,58 @@ impl Subject<'_> {
 
     /// Times of a phase, in ticks from its beginning, of the runs that reached it and did not fail.
     pub fn phase_times(&self, phase: usize) -> Vec<Observation> {
-        let runs = self.runs.iter();
-        runs.filter_map(|run| run.phase_time(phase)).collect()
+        self.phase_times[phase].to_vec()
     }
 
     /// How many runs completed, were stopped, and failed.
     pub fn counts(&self) -> (usize, usize, usize) {
-        let completed = |run: &&Run| run.record.outcome == Outcome::Completed;
-        let stopped = |run: &&Run| matches!(run.record.outcome, Outcome::TimedOut { .. });
-        let completed = self.runs.iter().filter(completed).count();
-        let stopped = self.runs.iter().filter(stopped).count();
-        (completed, stopped, self.runs.len() - completed - stopped)
+        let completed = self.times.iter().filter(|(_, time)| time.completed).count();
+        (completed, self.times.len() - completed, self.failed)
     }
 
-    /// The fastest run, the one in the middle, and the slowest, each once; a stopped run is slower
-    /// than all that completed before.
-    pub fn told(&self) -> Vec<(&'static str, &Run)> {
-        let mut runs: Vec<(Observation, &Run)> = (self.runs.iter())
-            .filter_map(|run| Some((run.time()?, run)))
-            .collect();
-        runs.sort_by(|(a, _), (b, _)| {
-            let times = a.time.total_cmp(&b.time);
-            times.then(b.completed.cmp(&a.completed))
-        });
-        let places = match runs.len() {
-            0 => vec![],
-            1 => vec![("only", 0)],
-            2 => vec![("fastest", 0), ("slowest", 1)],
-            n => vec![("fastest", 0), ("median", (n - 1) / 2), ("slowest", n - 1)],
-        };
-        let told = places.into_iter();
-        told.map(|(what, place)| (what, runs[place].1)).collect()
+    /// The fastest run, the one in the middle, and the slowest, each once.
+    pub fn told(&self) -> &[(&'static str, Run)] {
+        &self.told
     }
 }
 
-impl Run {
-    /// The time to completion in ticks; a failed run has none.
-    pub fn time(&self) -> Option<Observation> {
-        completion_time(&self.record)
-    }
+/// Entries and docking times of captures, one for each; of very many, some that lie evenly among them.
+#[derive(Clone, Debug)]
+pub(crate) struct Dots {
+    pub kept: Vec<(f64, f64)>,
+    /// The largest of all.
+    pub most: (f64, f64),
+    /// Of so many, the first is kept.
+    every: usize,
+    count: usize,
+}
 
-    fn phase_time(&self, phase: usize) -> Option<Observation> {
-        phase_time(&self.record, phase)
+impl Default for Dots {
+    fn default() -> Dots {
+        Dots {
+            kept: Vec::new(),
+            most: (1.0, 0.0),
+            every: 1,
+            count: 0,
+        }
+    }
+}
+
+impl Dots {
+    fn add(&mut self, entries: f64, docking: f64) {
+        const MOST: usize = 1 << 17;
+        self.most = (self.most.0.max(entries), self.most.1.max(docking));
+        if self.count.is_multiple_of(self.every) {
+            if self.kept.len() == MOST {
+                let mut number = 0;
+                self.kept.retain(|_| {
+                    number += 1;
+                    number % 2 == 1
+                });
+                self.every *= 2;
+            }
+            self.kept.push((entries, docking));
+        }
+        self.count += 1;
     }
 }

@@ -6,7 +6,7 @@ use stochc_ensemble::TimeUnit;
 use stochc_ensemble::sweep::{Point, Sweep, SweptNumber, Value};
 use stochc_ir::scene::scalars::scalars;
 
-use super::subject::{Input, Subject};
+use super::subject::Subject;
 
 /// A program's number in the report, and the numbers of its scene by their names.
 type Member = (usize, BTreeMap<&'static str, f64>);
@@ -20,16 +20,9 @@ struct Kind<'a> {
     words: BTreeMap<String, String>,
 }
 
-/// The sweeps that folders were made by, and one for each number in which programs of several
-/// folders differ.
-pub(crate) fn sweeps(inputs: &[Input], subjects: &[Subject], clock: TimeUnit) -> Vec<Sweep> {
-    let asked = inputs.iter();
-    let asked = asked.filter_map(|input| Sweep::of(&input.manifest, &input.finished));
-    asked.chain(found(subjects, clock)).collect()
-}
-
-/// Programs that are the same but for one number of their scenes; their values are in SI units.
-fn found(subjects: &[Subject], clock: TimeUnit) -> Vec<Sweep> {
+/// Programs of several folders that are the same but for one number of their scenes, a sweep for each such number; its
+/// values are in SI units.
+pub(crate) fn found(subjects: &[Subject], clock: TimeUnit) -> Vec<Sweep> {
     let mut groups: BTreeMap<Kind, Vec<Member>> = BTreeMap::new();
     let plain = subjects.iter().enumerate();
     let plain = plain.filter(|(_, subject)| subject.program.varied.is_empty());
@@ -58,13 +51,11 @@ fn found(subjects: &[Subject], clock: TimeUnit) -> Vec<Sweep> {
         let program = &subjects[group[0].0].program.name;
         let point = |(i, numbers): &Member| {
             let (subject, value) = (&subjects[*i], *numbers.get(of)?);
-            let records: Vec<_> = subject.runs.iter().map(|run| &run.record).collect();
-            Some(Point::of(
+            Some(subject.point.clone().finish(
                 (subject.label.clone(), program.clone()),
                 vec![Value { value, si: value }],
                 subject.manifest.runs,
-                &records,
-                (subject.program.scene.tick, clock.tick(subject.program)),
+                subject.program.scene.tick,
             ))
         };
         let mut points: Vec<Point> = group.iter().filter_map(point).collect();

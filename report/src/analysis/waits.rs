@@ -1,11 +1,10 @@
 //! The captures of a program in figures: how long each was waited for, and how much that mattered.
-use stochc_ensemble as ensemble;
 use stochc_ensemble::{Repetitions, Time, Waits};
 use stochc_ir::graph::EventAction;
-use stochc_ir::record::Outcome;
 use stochc_ir::table::{PhaseId, RoleId};
 
-use super::subject::Subject;
+use super::events::Events;
+use super::subject::{Run, Subject};
 
 /// One capture of a program, over all runs that did not fail.
 #[derive(Clone, Debug)]
@@ -39,14 +38,12 @@ impl Wait {
 
     /// Entries of blocks into the reach of the pull for each capture, on average.
     pub fn entries(&self) -> Option<f64> {
-        let entries = self.waits.as_ref()?.entries.as_ref()?;
-        Some(entries.mean)
+        self.waits.as_ref()?.entries
     }
 
     /// Ticks from the captured block's last entry to its docking, on average.
     pub fn docking(&self) -> Option<f64> {
-        let docking = self.waits.as_ref()?.docking.as_ref()?;
-        Some(docking.mean)
+        self.waits.as_ref()?.docking
     }
 
     /// How many captured blocks had never been captured.
@@ -60,25 +57,47 @@ impl Wait {
     }
 }
 
-/// Every capture of a program, in the order of its events.
-pub(crate) fn waits(subject: &Subject) -> Vec<Wait> {
-    let runs = || {
-        let runs = subject.runs.iter();
-        runs.filter(|run| !matches!(run.record.outcome, Outcome::Failed { .. }))
-    };
-    let count = subject.events.events.len();
-    let (mut spent, mut decided) = (vec![0.0; count], vec![0; count]);
-    let mut total = 0.0;
-    for run in runs() {
-        total += run.record.ticks as f64;
+/// What decided the time of runs, while these are told.
+#[derive(Clone, Debug)]
+pub(crate) struct Decisive {
+    /// Ticks that each event took in the chains of all runs.
+    spent: Vec<f64>,
+    /// In how many runs it was a link.
+    decided: Vec<usize>,
+    /// Ticks of all runs.
+    total: f64,
+}
+
+impl Decisive {
+    pub fn of(events: &Events) -> Decisive {
+        let count = events.events.len();
+        Decisive {
+            spent: vec![0.0; count],
+            decided: vec![0; count],
+            total: 0.0,
+        }
+    }
+
+    /// Adds a run that did not fail.
+    pub fn add(&mut self, run: &Run) {
+        self.total += run.record.ticks as f64;
         for link in &run.chain {
             if let Some(event) = link.event() {
-                spent[event] += link.ticks() as f64;
-                decided[event] += 1;
+                self.spent[event] += link.ticks() as f64;
+                self.decided[event] += 1;
             }
         }
     }
-    let mut known = ensemble::waits(runs().map(|run| &run.record));
+}
+
+/// Every capture of a program, in the order of its events; what its runs have told of waits is not kept.
+pub(crate) fn waits(subject: &mut Subject) -> Vec<Wait> {
+    let Decisive {
+        spent,
+        decided,
+        total,
+    } = &subject.decisive;
+    let mut known = std::mem::take(&mut subject.waits).finish();
     let mut done = Repetitions::default();
     let mut found: Vec<Wait> = Vec::new();
     for (number, event) in subject.events.events.iter().enumerate() {
@@ -98,7 +117,7 @@ pub(crate) fn waits(subject: &Subject) -> Vec<Wait> {
             text: event.text(subject.program),
             follows: (event.waits_for.iter()).any(|&(first, _)| Some(first) == before),
             waits: known.remove(&key),
-            share: (total > 0.0).then(|| spent[number] / total),
+            share: (*total > 0.0).then(|| spent[number] / total),
             decided: decided[number],
         });
     }

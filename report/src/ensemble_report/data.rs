@@ -4,7 +4,7 @@ use stochc_ensemble::sweep::Sweep;
 use stochc_ensemble::{PairwiseTest, Time, TimeUnit, Verdict};
 use stochc_files::csv::Table;
 
-use crate::analysis::subject::Subject;
+use crate::analysis::subject::{Run, Subject};
 use crate::analysis::waits::Wait;
 
 fn maybe(value: Option<f64>) -> String {
@@ -14,6 +14,9 @@ fn maybe(value: Option<f64>) -> String {
 /// A file's name and content.
 pub(super) type File = (String, String);
 
+/// The table of what decided each run.
+pub const CHAINS: &str = "chains.csv";
+
 /// The names of the tables that a report has.
 pub(super) fn names(differences: bool, sweeps: bool) -> Vec<&'static str> {
     let always = [
@@ -21,7 +24,7 @@ pub(super) fn names(differences: bool, sweeps: bool) -> Vec<&'static str> {
         "means.csv",
         "waits.csv",
         "origins.csv",
-        "chains.csv",
+        CHAINS,
     ];
     let sometimes = [("differences.csv", differences), ("sweeps.csv", sweeps)];
     let sometimes = sometimes.into_iter().filter(|(_, there)| *there);
@@ -29,7 +32,7 @@ pub(super) fn names(differences: bool, sweeps: bool) -> Vec<&'static str> {
     always.into_iter().chain(sometimes).collect()
 }
 
-/// All tables of a report, in the order of [`names`].
+/// All tables of a report but for [`CHAINS`], in the order of [`names`].
 pub(super) fn files(
     subjects: &[Subject],
     waits: &[Vec<Wait>],
@@ -42,7 +45,6 @@ pub(super) fn files(
         means(subjects),
         captures(subjects, waits),
         origins(subjects, waits),
-        chains(subjects),
     ];
     if !pairwise_tests.is_empty() {
         tables.push(differences(subjects, pairwise_tests, clock));
@@ -50,7 +52,8 @@ pub(super) fn files(
     if !sweeps.is_empty() {
         tables.push(swept(sweeps));
     }
-    let names = names(!pairwise_tests.is_empty(), !sweeps.is_empty());
+    let mut names = names(!pairwise_tests.is_empty(), !sweeps.is_empty());
+    names.retain(|name| *name != CHAINS);
     names.into_iter().map(str::to_owned).zip(tables).collect()
 }
 
@@ -193,22 +196,24 @@ fn origins(subjects: &[Subject], waits: &[Vec<Wait>]) -> String {
     table.finish()
 }
 
-fn chains(subjects: &[Subject]) -> String {
-    let mut table = Table::new(["program", "run", "phase", "event", "from", "to"]);
-    for subject in subjects {
-        for run in &subject.runs {
-            for link in &run.chain {
-                let event = link.event().map(|event| &subject.events.events[event]);
-                table.row([
-                    subject.label.clone(),
-                    run.record.run.to_string(),
-                    subject.program.phase(link.phase).to_owned(),
-                    event.map_or("reports".to_owned(), |event| event.text(subject.program)),
-                    link.from.to_string(),
-                    link.to.to_string(),
-                ]);
-            }
-        }
+/// The first line of [`CHAINS`].
+pub(super) fn chains_header() -> String {
+    Table::new(["program", "run", "phase", "event", "from", "to"]).finish()
+}
+
+/// The lines of a run in it.
+pub(super) fn chains(subject: &Subject, run: &Run) -> String {
+    let mut table = Table::part();
+    for link in &run.chain {
+        let event = link.event().map(|event| &subject.events.events[event]);
+        table.row([
+            subject.label.clone(),
+            run.record.run.to_string(),
+            subject.program.phase(link.phase).to_owned(),
+            event.map_or("reports".to_owned(), |event| event.text(subject.program)),
+            link.from.to_string(),
+            link.to.to_string(),
+        ]);
     }
     table.finish()
 }

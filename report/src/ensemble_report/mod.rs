@@ -7,13 +7,16 @@ mod html;
 mod narrative;
 mod page;
 
+use std::io::Write;
+
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
 use stochc_ensemble::TimeUnit;
 
 use crate::analysis::{pairwise, subject, sweep, waits};
 use crate::svg::Drawing;
 
-pub use crate::analysis::subject::Input;
+pub use crate::analysis::subject::{Input, ReportError};
+pub use data::CHAINS;
 
 /// The first line of every report, by which one is told from other people's files.
 pub const MARK: &str = "<!DOCTYPE html><!-- stochc report -->";
@@ -23,7 +26,7 @@ pub const MARK: &str = "<!DOCTYPE html><!-- stochc report -->";
 pub struct Report {
     /// The page, in HTML: complete in itself, and without any script.
     pub page: String,
-    /// Figures (SVG) and their data (CSV), by the name of the file.
+    /// Figures (SVG) and their data (CSV) but for [`CHAINS`], by the name of the file.
     pub files: Vec<(String, String)>,
 }
 
@@ -48,13 +51,23 @@ pub fn address(path: &str) -> String {
     utf8_percent_encode(path, KEPT).to_string()
 }
 
-/// Draws up the report of one or several results folders.
-pub fn report(inputs: &[Input], surroundings: &Surroundings) -> Report {
-    let subjects = subject::subjects(inputs);
+/// Draws up the report of one or several results folders, and writes [`CHAINS`] meanwhile, which has rows for every run.
+///
+/// # Errors
+/// Where runs cannot be read again, or `chains` cannot be written.
+pub fn report(
+    inputs: &[Input],
+    surroundings: &Surroundings,
+    chains: &mut dyn Write,
+) -> Result<Report, ReportError> {
+    chains.write_all(data::chains_header().as_bytes())?;
+    let (mut subjects, mut sweeps) = subject::subjects(inputs, &mut |subject, run| {
+        chains.write_all(data::chains(subject, run).as_bytes())
+    })?;
     let clock = TimeUnit::of(subjects.iter().map(|subject| subject.program));
-    let waits: Vec<_> = subjects.iter().map(waits::waits).collect();
+    let waits: Vec<_> = subjects.iter_mut().map(waits::waits).collect();
     let pairwise_tests = pairwise::pairwise_tests(&subjects, clock);
-    let sweeps = sweep::sweeps(inputs, &subjects, clock);
+    sweeps.extend(sweep::found(&subjects, clock));
     let mut files = data::files(&subjects, &waits, &pairwise_tests, &sweeps, clock);
     let parts = page::Parts {
         inputs,
@@ -73,5 +86,5 @@ pub fn report(inputs: &[Input], surroundings: &Surroundings) -> Report {
             .map(|it| (format!("{}.svg", it.name), it.file())),
     );
     files.sort();
-    Report { page, files }
+    Ok(Report { page, files })
 }

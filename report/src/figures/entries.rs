@@ -23,16 +23,12 @@ pub(crate) fn entries(program: usize, subject: &Subject, waits: &[Wait]) -> Opti
     let means: Vec<(&Wait, f64, f64)> = (waits.iter())
         .filter_map(|wait| Some((wait, wait.entries()?, wait.docking()?)))
         .collect();
-    let bonds: Vec<(f64, f64)> = (subject.runs.iter())
-        .flat_map(|run| &run.record.bonds)
-        .map(|bond| (f64::from(bond.entries), bond.docking as f64))
-        .collect();
+    let bonds = &subject.dots.kept;
     // A world without physics has neither, and nothing to show.
-    let most_docking = bonds.iter().map(|bond| bond.1).fold(0.0, f64::max);
+    let (most_entries, most_docking) = subject.dots.most;
     if means.is_empty() || most_docking <= 0.0 {
         return None;
     }
-    let most_entries = bonds.iter().map(|bond| bond.0).fold(1.0, f64::max);
     let x = Scale::logarithmic((0.9, 1.15 * most_entries), (LEFT, RIGHT));
     // A few that docked at once would take most of the room; they are drawn at the lower end.
     let docking: Vec<f64> = bonds.iter().map(|bond| bond.1).collect();

@@ -21,6 +21,8 @@ pub(crate) fn survival(name: &str, title: &str, curves: &[Curve], axis: &str) ->
     const RIGHT: f64 = WIDTH - 18.0;
     /// More bands than this hide each other.
     const BANDS: usize = 4;
+    /// Marks that a browser draws without delay.
+    const MARKS: usize = 2000;
     let known: Vec<_> = (curves.iter().enumerate())
         .filter_map(|(i, curve)| Some((i, curve, KaplanMeier::of(&curve.times)?)))
         .collect();
@@ -81,8 +83,14 @@ pub(crate) fn survival(name: &str, title: &str, curves: &[Curve], axis: &str) ->
         let dashes = DASHES[i % DASHES.len()];
         out.curve(class(*i), &points, dashes);
         let stopped = curve.times.iter().filter(|time| !time.completed);
+        let mut stopped: Vec<f64> = stopped.map(|time| time.time).collect();
+        if stopped.len() > MARKS {
+            // Of those that cannot be told apart, one.
+            stopped.sort_by(f64::total_cmp);
+            stopped.dedup_by_key(|time| column(&x, *time));
+        }
         for time in stopped {
-            let at = (x.at(time.time), y.at(estimate.incomplete(time.time)));
+            let at = (x.at(time), y.at(estimate.incomplete(time)));
             out.line("mark", (at.0, at.1 - 5.0), (at.0, at.1 + 5.0), "");
         }
         let at = BOTTOM + 58.0 + 19.0 * row as f64;
@@ -99,17 +107,21 @@ pub(crate) fn survival(name: &str, title: &str, curves: &[Curve], axis: &str) ->
 /// The steps that can be told apart: of those in a third of a unit, the last.
 fn thinned(estimate: &KaplanMeier, x: &Scale) -> Vec<Point> {
     let mut kept: Vec<Point> = Vec::new();
-    let column = |point: &Point| (3.0 * x.at(point.time)) as i64;
     for point in estimate.curve() {
         if kept
             .last()
-            .is_some_and(|last| column(last) == column(&point))
+            .is_some_and(|last| column(x, last.time) == column(x, point.time))
         {
             kept.pop();
         }
         kept.push(point);
     }
     kept
+}
+
+/// In which third of a unit a time is drawn.
+fn column(x: &Scale, time: f64) -> i64 {
+    (3.0 * x.at(time)) as i64
 }
 
 fn legend(curve: &Curve, estimate: &KaplanMeier) -> String {

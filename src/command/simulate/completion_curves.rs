@@ -1,7 +1,7 @@
 //! What `simulate` ends with where somebody watches: a small picture, and where there is more.
-use stochc_ensemble::statistics::KaplanMeier;
+use stochc_ensemble::statistics::{KaplanMeier, Sample};
 use stochc_ensemble::text::{Tick, visible};
-use stochc_ensemble::{Finished, Manifest, completion_time};
+use stochc_ensemble::{JournalError, Manifest, Program, Records, completion_time};
 use stochc_files::shell::file as shell_file;
 use stochc_report::text::{Strip, strips};
 
@@ -14,11 +14,11 @@ use crate::exit::Failure;
 const SHOWN: usize = 4;
 
 /// Draws curves of the runs, and names the command that tells more; on a terminal only.
-pub fn close(options: &Options, manifest: &Manifest, finished: &[Finished]) -> Result<(), Failure> {
+pub fn close(options: &Options, manifest: &Manifest, finished: &Records) -> Result<(), Failure> {
     if options.quiet || options.format != Form::Text || !output_is_watched() {
         return Ok(());
     }
-    let curves = curves(manifest, finished);
+    let curves = curves(manifest, finished).map_err(Failure::usage)?;
     let unit = (manifest.programs.first()).map(|program| Tick(program.scene.tick).unit());
     let mut text = strips(&curves, output_width(), &unit.unwrap_or_default());
     if !text.is_empty() {
@@ -33,25 +33,23 @@ pub fn close(options: &Options, manifest: &Manifest, finished: &[Finished]) -> R
 
 /// The shares of runs that are not complete, of the first few programs; the axis is in ticks, so
 /// that programs of different clocks are not drawn together.
-fn curves(manifest: &Manifest, finished: &[Finished]) -> Vec<Strip> {
+fn curves(manifest: &Manifest, finished: &Records) -> Result<Vec<Strip>, JournalError> {
     let first = manifest.programs.first().map(|program| program.scene.tick);
-    let programs = manifest.programs.iter().enumerate();
-    let same = programs.filter(|(_, program)| Some(program.scene.tick) == first);
-    let strip = |(number, name): (usize, &str)| {
-        let done = finished.iter().filter(|done| done.program == number);
-        let times: Vec<_> = done
-            .filter_map(|done| completion_time(&done.record))
-            .collect();
-        let estimate = KaplanMeier::of(&times)?;
+    let mut times = vec![Sample::default(); manifest.programs.len()];
+    finished.each(|done| {
+        let program = &manifest.programs[done.program];
+        let time = completion_time(&done.record).filter(|_| Some(program.scene.tick) == first);
+        time.into_iter().for_each(|it| times[done.program].push(it));
+    })?;
+    let strip = |(program, times): (&Program, &Sample)| {
+        let estimate = KaplanMeier::of(&times.to_vec())?;
         let steps = estimate.curve().into_iter();
         Some(Strip {
-            name: name.to_owned(),
+            name: program.name.clone(),
             steps: steps.map(|point| (point.time, point.incomplete)).collect(),
             last: estimate.last(),
         })
     };
-    same.map(|(number, program)| (number, program.name.as_str()))
-        .filter_map(strip)
-        .take(SHOWN)
-        .collect()
+    let programs = manifest.programs.iter().zip(&times);
+    Ok(programs.filter_map(strip).take(SHOWN).collect())
 }

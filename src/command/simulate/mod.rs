@@ -10,6 +10,7 @@ mod single;
 mod sweep;
 
 use std::ops::ControlFlow;
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use stochc_ir::table::{Action, Tables};
@@ -26,7 +27,7 @@ use super::interrupt::stop_on_interrupt;
 use super::progress::{Display, of_ensemble};
 use super::results::{Shown, show, tell_of_damage};
 use super::scene_warnings::{SceneWarning, scene_warnings};
-use super::terminal::warn;
+use super::terminal::{print, warn};
 use super::trade::threads;
 use crate::exit::{Exit, Failure};
 use stochc_ensemble::Cancelled;
@@ -41,6 +42,9 @@ use stochc_ensemble::Watch;
 use stochc_ensemble::check_stored;
 use stochc_ensemble::other_build;
 use stochc_ensemble::run as run_all;
+use stochc_ensemble::shards::{Prepared, prepare};
+use stochc_files::shell::file as shell_file;
+use stochc_ir::record::RunRecord;
 
 /// Runs programs many times, or one of their runs alone.
 pub fn run(options: &Options) -> Result<Exit, Failure> {
@@ -68,10 +72,67 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
             .map_err(|error| Failure::wrong_program(format!("{}: {error}", program.name)))?;
     }
     tell_of_doubts(&manifest);
-    match options.run {
-        Some(number) => single::run(options, &manifest, number, stop),
-        None => ensemble(options, &manifest, stop),
+    match (options.run, options.shards.zip(options.out.as_ref())) {
+        (Some(number), _) => single::run(options, &manifest, number, stop),
+        (None, Some((shards, out))) => cut(options, &manifest, shards, out),
+        (None, None) => ensemble(options, &manifest, stop),
     }
+}
+
+/// Prepares the pieces of an ensemble.
+fn cut(options: &Options, manifest: &Manifest, shards: u64, out: &Path) -> Result<Exit, Failure> {
+    let prepared = prepare(out, manifest, shards).map_err(Failure::usage)?;
+    if options.quiet {
+        return Ok(Exit::Success);
+    }
+    let folder = shell_file(&visible(&out.to_string_lossy()));
+    let already = match prepared {
+        Prepared::New => "",
+        Prepared::Already => " already",
+    };
+    let (runs, last) = (manifest.total(), shards - 1);
+    print(&format!(
+        "`{}` is cut into {shards} pieces{already}, of {runs} runs in all\n\
+         To make each, anywhere, in any order: stochc shard {folder} I, for I from 0 to {last}\n\
+         To put them together: stochc merge {folder}\n",
+        visible(&out.to_string_lossy()),
+    ))?;
+    Ok(Exit::Success)
+}
+
+/// Makes runs of an ensemble, as [`run_all`] asks for them.
+pub(super) fn made_by(
+    manifest: &Manifest,
+) -> impl Fn(usize, u64, &Watch) -> Result<RunRecord, Cancelled> + Sync {
+    |program, number, watch| {
+        let mut told = |tick, phase| watch.tick(tick, phase);
+        made(manifest, (program, number), &mut told)
+    }
+}
+
+/// Makes a run of an ensemble again, unless it is stopped.
+pub(super) fn made_again(
+    manifest: &Manifest,
+    stop: &AtomicBool,
+) -> impl FnOnce(usize, u64) -> Result<RunRecord, Cancelled> {
+    |program, number| {
+        let mut watch = |_, _| match stop.load(Ordering::Relaxed) {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        };
+        made(manifest, (program, number), &mut watch)
+    }
+}
+
+fn made(
+    manifest: &Manifest,
+    (program, number): (usize, u64),
+    watch: &mut impl stochc_runtime::Watch,
+) -> Result<RunRecord, Cancelled> {
+    let of = &manifest.programs[program];
+    let (settings, seed) = (&manifest.settings, manifest.seed);
+    // The scene has been tried out, so only a cancelled run leaves no record.
+    run_once(of.tables(), &of.scene, settings, seed, number, watch).map_err(|_| Cancelled)
 }
 
 /// Sets a scene up once, so that one that cannot be is told of before the first run.
@@ -149,34 +210,21 @@ fn ensemble(options: &Options, manifest: &Manifest, stop: &AtomicBool) -> Result
                 State::Resumed => tell_of_build(folder.builds()),
             }
             if folder.state() == State::Resumed {
-                let mut watch = |_, _| match stop.load(Ordering::Relaxed) {
-                    true => ControlFlow::Break(()),
-                    false => ControlFlow::Continue(()),
-                };
-                let again = |program: usize, number| {
-                    let of = &manifest.programs[program];
-                    let (settings, seed) = (&manifest.settings, manifest.seed);
-                    run_once(of.tables(), &of.scene, settings, seed, number, &mut watch)
-                        .map_err(|_| Cancelled)
-                };
-                check_stored(&folder, again).map_err(Failure::usage)?;
+                check_stored(&folder, made_again(manifest, stop)).map_err(Failure::usage)?;
             }
             Destination::Folder(folder.with(sweep::files))
         }
     };
     let progress = Progress::new(manifest, threads(options.threads));
     let recordings = record::Recordings::new(options, manifest);
-    let simulate = |program: usize, number, watch: &Watch| {
-        let program_of = &manifest.programs[program];
-        let (tables, scene) = (program_of.tables(), &program_of.scene);
-        let (settings, seed) = (&manifest.settings, manifest.seed);
-        let mut told = |tick, phase| watch.tick(tick, phase);
-        let record = match recordings.of(program, number) {
-            Some(place) => place.record(program_of, &mut told),
-            None => run_once(tables, scene, settings, seed, number, &mut told),
-        };
-        // The scene has been tried out, so only a cancelled run leaves no record.
-        record.map_err(|_| Cancelled)
+    let unrecorded = made_by(manifest);
+    let simulate = |program: usize, number, watch: &Watch| match recordings.of(program, number) {
+        Some(place) => {
+            let mut told = |tick, phase| watch.tick(tick, phase);
+            let record = place.record(&manifest.programs[program], &mut told);
+            record.map_err(|_| Cancelled)
+        }
+        None => unrecorded(program, number, watch),
     };
     let display = match manifest.total() {
         // There is nothing to wait for.

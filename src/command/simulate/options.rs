@@ -77,6 +77,9 @@ pub struct Options {
     /// Continue it although another build of `stochc` has made its runs, if one of them comes out again as it was
     #[arg(long, requires = "resume")]
     pub mixed_builds: bool,
+    /// Only prepare `--out`, cut into so many pieces: `stochc shard` makes each, anywhere, `stochc merge` puts them together
+    #[arg(long, value_name = "M", requires = "out", conflicts_with_all = ["resume", "record", "run", "bonds"])]
+    pub shards: Option<u64>,
     /// Record the trajectories of these runs for `stochc replay`: 17, 0..4, 0,5,10..12 or all
     #[arg(long, value_name = "RUNS", requires = "out")]
     pub record: Option<Selection>,

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Mutex;
 
 use stochc_ensemble::recording::{self, Header, Recorder, Selection, path};
-use stochc_ensemble::{Finished, Manifest, Program};
+use stochc_ensemble::{Manifest, Program, Records};
 use stochc_files::atomic::{Draft, Replaces, make_own_folder};
 use stochc_ir::record::RunRecord;
 use stochc_runtime::{RunError, Watch, observe};
@@ -55,7 +55,7 @@ impl<'a> Recordings<'a> {
     }
 
     /// Says which of the wanted recordings are not there; why the command fails for that.
-    pub fn comment(&self, finished: &[Finished]) -> Option<Failure> {
+    pub fn comment(&self, finished: &Records) -> Option<Failure> {
         let (folder, runs) = self.wanted?;
         let broken = self.broken.lock().ok().and_then(|mut broken| broken.take());
         if let Some(error) = broken {
@@ -64,9 +64,9 @@ impl<'a> Recordings<'a> {
                 folder.display()
             )));
         }
-        let wanted = (finished.iter()).filter(|done| runs.contains(done.record.run));
+        let wanted = (finished.keys()).filter(|&(_, run)| runs.contains(run));
         let missing = wanted
-            .filter(|done| !path(folder, done.program, done.record.run).exists())
+            .filter(|&(program, run)| !path(folder, program, run).exists())
             .count();
         if missing > 0 {
             warn(&format!(

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use stochc_compiler::LintLevels;
 use stochc_ensemble::sweep::{MOST_POINTS, Sweep, points as combine};
-use stochc_ensemble::{Compiled, Finished, MOST_RUNS, Manifest, Program};
+use stochc_ensemble::{Compiled, JournalError, MOST_RUNS, Manifest, Program, Records};
 use stochc_ir::Executable;
 use stochc_ir::visible;
 use stochc_report::figures::sweep as pictures;
@@ -115,10 +115,10 @@ pub fn share_tables(programs: &mut [Program]) {
 /// `sweep.json`, `sweep.csv` and the figures of a results folder, if its ensemble is a sweep: names and contents.
 pub(in crate::command) fn files(
     manifest: &Manifest,
-    finished: &[Finished],
-) -> Vec<(String, String)> {
-    let Some(sweep) = Sweep::of(manifest, finished) else {
-        return Vec::new();
+    finished: &Records,
+) -> Result<Vec<(String, String)>, JournalError> {
+    let Some(sweep) = Sweep::of(manifest, finished)? else {
+        return Ok(Vec::new());
     };
     let mut files = vec![
         ("sweep.json".to_owned(), sweep.to_json(manifest)),
@@ -126,5 +126,5 @@ pub(in crate::command) fn files(
     ];
     let pictures = pictures(&sweep, "sweep").into_iter();
     files.extend(pictures.map(|drawing| (format!("{}.svg", drawing.name), drawing.file())));
-    files
+    Ok(files)
 }

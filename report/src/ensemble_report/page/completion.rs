@@ -1,7 +1,7 @@
 //! When runs completed: curves, means, differences.
 use stochc_ensemble::text::number;
 use stochc_ensemble::{PairwiseTest, Time, Verdict};
-use stochc_ir::record::Outcome;
+use stochc_ir::table::PhaseId;
 
 use super::common::{figures, show, tick};
 use super::{Parts, ROWS};
@@ -77,32 +77,21 @@ pub(super) fn completion(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawi
 
 /// Runs whose physics broke down.
 pub(super) fn failures(subject: &Subject, out: &mut Html) {
-    /// Failures that are told.
-    const TOLD: usize = 5;
-    let failed: Vec<String> = (subject.runs.iter())
-        .filter_map(|run| match &run.record.outcome {
-            Outcome::Failed { phase, reason } => Some(format!(
-                "run {} in phase {}: {}",
-                run.record.run,
-                code(subject.program.phase(*phase)),
-                name(reason)
-            )),
-            _ => None,
-        })
-        .collect();
-    if failed.is_empty() {
+    if subject.failed == 0 {
         return;
     }
     let label = name(&subject.label);
-    let n = failed.len();
+    let n = subject.failed;
     out.paragraph(&format!(
         "{n} runs of {label} failed, and no figure counts them:"
     ));
-    let mut items = failed;
-    if items.len() > TOLD {
-        let more = format!("{} more", items.len() - TOLD);
-        items.truncate(TOLD);
-        items.push(more);
+    let told = |(run, phase, reason): &(u64, PhaseId, String)| {
+        let phase = code(subject.program.phase(*phase));
+        format!("run {run} in phase {phase}: {}", name(reason))
+    };
+    let mut items: Vec<String> = subject.failures.iter().map(told).collect();
+    if n > items.len() {
+        items.push(format!("{} more", n - items.len()));
     }
     out.list("ul", &items);
 }

@@ -17,7 +17,7 @@ pub(super) fn program(parts: &Parts, index: usize, out: &mut Html, drawings: &mu
     let (subject, waits) = (&parts.subjects[index], &parts.waits[index]);
     let n = index + 1;
     out.heading(2, &format!("program-{n}"), &name(&subject.label));
-    if subject.runs.is_empty() {
+    if subject.runs == 0 {
         out.paragraph("No run of it is finished.");
         return;
     }
@@ -77,7 +77,7 @@ pub(super) fn phases(
         let caption = "Each phase from its own beginning, of the runs that reached it.";
         show(parts, out, drawings, figure, caption, &["survival.csv"]);
     }
-    let total: f64 = subject.runs.iter().map(|run| run.record.ticks as f64).sum();
+    let total = subject.ticks;
     let rows = phases.iter().enumerate().map(|(number, phase)| {
         let observed = times(number);
         let spent: f64 = observed.iter().map(|time| time.time).sum();
@@ -126,7 +126,7 @@ pub(super) fn captures(subject: &Subject, waits: &[Wait], out: &mut Html) {
             waits.len()
         ));
     }
-    let runs = subject.runs.len();
+    let runs = subject.runs;
     let row = |wait: &&Wait| {
         let tick = Some(subject.tick());
         vec![

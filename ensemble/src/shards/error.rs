@@ -1,0 +1,150 @@
+//! Why pieces are not made or put together, and the way out.
+use std::path::{Path, PathBuf};
+
+use stochc_files::shell::file as shell_file;
+
+use super::cut::MOST_SHARDS;
+use crate::{FolderError, JournalError, RunError};
+
+/// Why something was refused; whatever was there is as it was.
+#[derive(Debug, thiserror::Error)]
+pub enum ShardError {
+    /// A number of pieces that cannot be.
+    #[error(
+        "{asked} pieces of {runs} runs; a piece has one run at least, and {MOST_SHARDS} pieces are the most that are possible"
+    )]
+    Uncuttable {
+        /// How many were asked for.
+        asked: u64,
+        /// Runs of all programs together.
+        runs: u64,
+    },
+    /// It holds runs already, in one piece.
+    #[error(
+        "`{path}` holds {done} runs of this ensemble already; go on with `--resume` and without `--shards`, or choose another folder"
+    )]
+    HoldsRuns {
+        /// The folder.
+        path: PathBuf,
+        /// How many.
+        done: usize,
+    },
+    /// It is cut in another way.
+    #[error(
+        "`{path}` is cut into {there} pieces of {runs} runs of each program; ask for the same, or choose another folder"
+    )]
+    OtherCut {
+        /// The folder.
+        path: PathBuf,
+        /// How many pieces it has.
+        there: u64,
+        /// Runs of each program for which it was cut.
+        runs: u64,
+    },
+    /// There are no pieces.
+    #[error(
+        "`{path}` is not cut into pieces: {done} of {total} runs are in one piece, which `stochc results {}` shows{}",
+        shell_file(&.path.to_string_lossy()),
+        if .done < .total { "; `simulate --shards` cuts a new folder" } else { "" }
+    )]
+    NotCut {
+        /// The folder.
+        path: PathBuf,
+        /// Runs that it holds.
+        done: u64,
+        /// Runs that are asked for.
+        total: u64,
+    },
+    /// `shards.json` cannot be used.
+    #[error(
+        "cannot use `shards.json` in `{path}`: {reason}; `stochc verify {}` says what is sound, and with `--repair` \
+         saves that",
+        shell_file(&.path.to_string_lossy())
+    )]
+    Unreadable {
+        /// The folder.
+        path: PathBuf,
+        /// Why, in words.
+        reason: String,
+    },
+    /// There is no such piece.
+    #[error("there is no piece {number}: they are 0 to {last}")]
+    NoSuchPiece {
+        /// The number that was asked for.
+        number: u64,
+        /// The last that there is.
+        last: u64,
+    },
+    /// Files in the place of pieces are of something else.
+    #[error(
+        "`{path}`: {}; move what does not belong there elsewhere, and make these pieces: {}",
+        told(.pieces),
+        commands(.path, .pieces.iter().map(|(number, _)| *number))
+    )]
+    Foreign {
+        /// The folder.
+        path: PathBuf,
+        /// The numbers of the pieces, and what the files are.
+        pieces: Vec<(u64, String)>,
+    },
+    /// Some pieces are not there, or damaged.
+    #[error(
+        "`{path}`: {} of {of} pieces are missing or damaged ({}); make them: {}",
+        .pieces.len(),
+        listed(.pieces),
+        commands(.path, .pieces.iter().copied())
+    )]
+    Missing {
+        /// The folder.
+        path: PathBuf,
+        /// Their numbers.
+        pieces: Vec<u64>,
+        /// How many there are.
+        of: u64,
+    },
+    /// A run could not be made or kept.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// The folder cannot be used.
+    #[error(transparent)]
+    Folder(#[from] FolderError),
+}
+
+impl From<JournalError> for ShardError {
+    fn from(error: JournalError) -> ShardError {
+        ShardError::Folder(error.into())
+    }
+}
+
+/// Pieces that are told; of more, how many there are.
+const TOLD: usize = 10;
+
+fn told(pieces: &[(u64, String)]) -> String {
+    let each = pieces.iter().take(TOLD);
+    let each: Vec<String> = each
+        .map(|(number, what)| format!("piece {number} {what}"))
+        .collect();
+    each.join("; ") + &more(pieces.len())
+}
+
+fn listed(pieces: &[u64]) -> String {
+    let each: Vec<String> = pieces.iter().take(TOLD).map(u64::to_string).collect();
+    each.join(", ") + &more(pieces.len())
+}
+
+fn more(count: usize) -> String {
+    match count.saturating_sub(TOLD) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    }
+}
+
+fn commands(path: &Path, mut pieces: impl ExactSizeIterator<Item = u64>) -> String {
+    let folder = shell_file(&path.to_string_lossy());
+    match (pieces.len(), pieces.next()) {
+        (1, Some(number)) => format!("`stochc shard {folder} {number}`"),
+        _ => format!(
+            "`for i in $(stochc status {folder} --missing); do stochc shard {folder} $i; done`"
+        ),
+    }
+}

@@ -1,0 +1,120 @@
+//! Putting pieces together.
+use std::io::{self, Write as _};
+use std::path::Path;
+
+use stochc_files::atomic::{Draft, Replaces, sync_folder};
+use stochc_files::disk;
+
+use super::ShardError;
+use super::cut::{Cut, SHARDS, SHARDS_FILE, build, piece_file};
+use super::piece::{Found, in_folder, read};
+use crate::folder::{JOURNAL, lock};
+use crate::journal::{self, Header};
+use crate::{Folder, FolderError, Further, Manifest, Resume};
+
+/// Puts the pieces of a folder together, and gives how many runs they have: it is then as if it had never been cut.
+///
+/// Killed at any time, it comes to the same end when it is called again.
+///
+/// # Errors
+/// When a piece is missing, damaged, or of something else; the folder is as it was then.
+pub fn merge(path: &Path, further: Further) -> Result<u64, ShardError> {
+    let (_, cut) = Cut::of(path)?;
+    let lock = lock(path)?;
+    // Again, now that nobody else can change the answer.
+    let (manifest, _) = Cut::of(path)?;
+    let journal = path.join(JOURNAL);
+    let is_joined = {
+        let stored = journal::read(&journal, &manifest, &manifest.identity())?;
+        stored.finished.len() as u64 == manifest.total()
+    };
+    if !is_joined {
+        join(path, &manifest, &cut)?;
+    }
+    drop(lock);
+    let folder = Folder::open_cut(path, &manifest, Resume::MixedBuilds)?.with(further);
+    folder.write_tables(folder.kept())?;
+    clear(path).map_err(|source| in_folder(path, source))?;
+    Ok(manifest.total())
+}
+
+/// Writes the journal.
+fn join(path: &Path, manifest: &Manifest, cut: &Cut) -> Result<(), ShardError> {
+    let io = |source| FolderError::Io {
+        path: path.join(JOURNAL),
+        source,
+    };
+    let mut draft = Draft::new(&path.join(JOURNAL), Replaces::Ordinary).map_err(io)?;
+    let header = Header::of(&manifest.identity());
+    draft
+        .write_all(journal::line(&header).as_bytes())
+        .map_err(io)?;
+    let (mut missing, mut foreign) = (Vec::new(), Vec::new());
+    for number in 0..cut.shards {
+        let file = piece_file(path, number);
+        let (header, jobs) = (
+            cut.header(build(manifest), number),
+            cut.jobs(manifest.total(), number),
+        );
+        // Without all of them there is nothing to write.
+        let is_wanted = missing.is_empty() && foreign.is_empty();
+        let found = read(&file, &header, manifest, &jobs, |line| match is_wanted {
+            true => {
+                draft.write_all(line)?;
+                draft.write_all(b"\n")
+            }
+            false => Ok(()),
+        })?;
+        match found {
+            Found::Whole => {}
+            Found::Nothing | Found::Damaged(_) => missing.push(number),
+            Found::Foreign(what) => foreign.push((number, what)),
+        }
+    }
+    let path = path.to_owned();
+    if !foreign.is_empty() {
+        let pieces = foreign;
+        return Err(ShardError::Foreign { path, pieces });
+    }
+    if !missing.is_empty() {
+        return Err(ShardError::Missing {
+            path,
+            pieces: missing,
+            of: cut.shards,
+        });
+    }
+    Ok(draft.keep().map_err(io)?)
+}
+
+/// Removes the pieces, and at last what says that there are any.
+fn clear(path: &Path) -> io::Result<()> {
+    let pieces = path.join(SHARDS);
+    match disk::list(&pieces) {
+        Ok(entries) => {
+            for entry in entries {
+                let name = entry.file_name().unwrap_or_default();
+                if is_ours(&name.to_string_lossy()) {
+                    disk::remove(&entry)?;
+                }
+            }
+            match disk::remove_folder(&pieces) {
+                // What somebody else has put there stays.
+                Err(error) if error.kind() == io::ErrorKind::DirectoryNotEmpty => {}
+                removed => removed?,
+            }
+        }
+        Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+        Err(error) => return Err(error),
+    }
+    disk::remove(&path.join(SHARDS_FILE))?;
+    sync_folder(path)
+}
+
+/// Whether a file is a piece, or what was left of making one.
+fn is_ours(name: &str) -> bool {
+    let Some((number, what)) = name.split_once('.') else {
+        return false;
+    };
+    let is_number = !number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit());
+    is_number && (what == "jsonl" || what.starts_with("part-") || what.starts_with("draft-"))
+}

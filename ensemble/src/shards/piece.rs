@@ -1,0 +1,339 @@
+//! Making one piece.
+use std::io::{self, Write as _};
+use std::num::NonZeroUsize;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+
+use stochc_files as files;
+use stochc_files::atomic::{Draft, Replaces, make_own_folder, move_aside, new_own, sync_folder};
+use stochc_files::disk;
+use stochc_ir::record::RunRecord;
+
+use super::ShardError;
+use super::cut::{Cut, SHARDS, piece_file, same_build};
+use crate::journal::{self, Header, Journal, JournalError, Shortest};
+use crate::records::{Place, Records};
+use crate::run::{Todo, check_again, job, journaled};
+use crate::verify::DAMAGED;
+use crate::{Cancelled, Finished, FolderError, Manifest, Progress, RunError, Watch, this_build};
+
+/// A piece that this process makes.
+#[derive(Debug)]
+pub struct Piece {
+    path: PathBuf,
+    manifest: Manifest,
+    number: u64,
+    header: Header,
+    jobs: Range<u64>,
+    is_made: bool,
+    /// Runs of it that others have made who did not come to its end.
+    kept: Records,
+    shortest: Option<Finished>,
+}
+
+/// What the file of a piece is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Found {
+    Nothing,
+    Whole,
+    /// Why, in words that go on with the name of the piece.
+    Damaged(String),
+    /// What it is, in such words.
+    Foreign(String),
+}
+
+impl Piece {
+    /// Piece number `number` of the ensemble at `path`, which is looked through for what there is of it.
+    ///
+    /// # Errors
+    /// Every refusal leaves the folder as it was.
+    pub fn open(path: &Path, number: u64) -> Result<Piece, ShardError> {
+        let (manifest, cut) = Cut::of(path)?;
+        same_build(path, &manifest)?;
+        if number >= cut.shards {
+            let last = cut.shards - 1;
+            return Err(ShardError::NoSuchPiece { number, last });
+        }
+        let (header, jobs) = (
+            cut.header(&this_build(), number),
+            cut.jobs(manifest.total(), number),
+        );
+        let file = piece_file(path, number);
+        let found = read(&file, &header, &manifest, &jobs, |_| Ok(()))?;
+        match found {
+            Found::Nothing | Found::Whole => {}
+            Found::Foreign(what) => {
+                return Err(ShardError::Foreign {
+                    path: path.to_owned(),
+                    pieces: vec![(number, what)],
+                });
+            }
+            Found::Damaged(_) => {
+                let moved = move_aside(&file, &path.join(DAMAGED));
+                moved.map_err(|source| in_folder(path, source))?;
+            }
+        }
+        let mut piece = Piece {
+            path: path.to_owned(),
+            is_made: found == Found::Whole,
+            kept: Records::default(),
+            shortest: None,
+            manifest,
+            number,
+            header,
+            jobs,
+        };
+        if !piece.is_made {
+            piece.collect()?;
+        }
+        Ok(piece)
+    }
+
+    /// What the whole ensemble depends on.
+    pub fn manifest(&self) -> &Manifest {
+        &self.manifest
+    }
+
+    /// Whether it is there.
+    pub fn is_made(&self) -> bool {
+        self.is_made
+    }
+
+    /// How many runs it has, and how many of them are done.
+    pub fn runs(&self) -> (u64, u64) {
+        let all = self.jobs.end - self.jobs.start;
+        let done = match self.is_made {
+            true => all,
+            false => self.kept.len() as u64,
+        };
+        (all, done)
+    }
+
+    /// The progress of its runs alone, on so many threads.
+    pub fn progress(&self, threads: NonZeroUsize) -> Progress {
+        Progress::of_jobs(&self.manifest, &self.jobs, threads)
+    }
+
+    /// Makes the shortest run that there is of it again, as [`check_stored`](crate::check_stored) does.
+    ///
+    /// # Errors
+    /// [`RunError::Differs`].
+    pub fn check_stored(
+        &self,
+        simulate: impl FnOnce(usize, u64) -> Result<RunRecord, Cancelled>,
+    ) -> Result<(), RunError> {
+        check_again(&self.manifest, self.shortest.as_ref(), simulate)
+    }
+
+    /// Makes what there is not of it, as [`run`](crate::run) does; whether it is whole, or was stopped.
+    ///
+    /// # Errors
+    /// Those of the file system; runs that are done stay.
+    pub fn make(
+        &self,
+        progress: &Progress,
+        stop: &AtomicBool,
+        simulate: impl Fn(usize, u64, &Watch) -> Result<RunRecord, Cancelled> + Sync,
+    ) -> Result<bool, ShardError> {
+        if self.is_made {
+            return Ok(true);
+        }
+        progress.keep(&self.kept)?;
+        let todo = Todo::all(&self.manifest, self.jobs.clone(), Some(&self.kept));
+        if todo.left == 0 {
+            return self.finish(&self.kept).map(|()| true);
+        }
+        let folder = self.path.join(SHARDS);
+        let io = |source| in_folder(&self.path, source);
+        // Whoever has copied the folder may have left it out, and `merge` may have been stopped.
+        make_own_folder(&folder).map_err(io)?;
+        let part = new_own(&folder, &format!("{}.part-", self.number)).map_err(io)?;
+        sync_folder(&folder).map_err(io)?;
+        let journal = Journal::open(&part, &self.header, 0)?;
+        let file = self.kept.files();
+        let places = journaled(todo, (journal, file), progress, stop, simulate)?;
+        let opened = files::open(&part).map_err(io)?;
+        let most = journal::most_line(&self.manifest);
+        let all = self.kept.and(&places, opened, most).map_err(io)?;
+        if (all.len() as u64) < self.jobs.end - self.jobs.start {
+            return Ok(false);
+        }
+        self.finish(&all)?;
+        // What was killed in between is left to `merge`.
+        disk::remove(&part).map_err(io)?;
+        Ok(true)
+    }
+
+    /// Gives the piece its name; of several who come to this, each writes the same.
+    fn finish(&self, all: &Records) -> Result<(), ShardError> {
+        let io = |source| in_folder(&self.path, source);
+        let file = piece_file(&self.path, self.number);
+        let mut draft = Draft::new(&file, Replaces::Same).map_err(io)?;
+        let header = journal::line(&self.header);
+        draft.write_all(header.as_bytes()).map_err(io)?;
+        let programs = self.manifest.programs.len() as u64;
+        let jobs = self.jobs.clone().map(|number| job(number, programs));
+        let keys = jobs.map(|job| (job.program, job.run));
+        all.try_each_of(keys, |done| {
+            draft.write_all(journal::line(done).as_bytes())?;
+            Ok::<_, JournalError>(())
+        })?;
+        Ok(draft.keep().map_err(io)?)
+    }
+
+    /// Finds the runs of the piece that others have made.
+    fn collect(&mut self) -> Result<(), ShardError> {
+        let (mut places, mut parts) = (Vec::new(), Vec::new());
+        let mut shortest = Shortest::default();
+        let most = journal::most_line(&self.manifest);
+        let programs = self.manifest.programs.len() as u64;
+        for part in parts_of(&self.path, self.number).map_err(|it| in_folder(&self.path, it))? {
+            let number = parts.len() as u32;
+            let read = journal::read_lines(&part, &self.header, most, |line| {
+                let Ok(done) = journal::run(line.text, line.is_sealed, &self.manifest) else {
+                    return;
+                };
+                let place =
+                    u128::from(done.record.run) * u128::from(programs) + done.program as u128;
+                if (u128::from(self.jobs.start)..u128::from(self.jobs.end)).contains(&place) {
+                    places.push(done.at(number, line.at));
+                    shortest.offer(done);
+                }
+            });
+            let read = match read {
+                Ok(_) => files::open(&part),
+                Err(_) => Err(io::ErrorKind::NotFound.into()),
+            };
+            match read {
+                Ok(opened) => parts.push(opened),
+                // It is of something else, or gone: its owner has come to the end of the piece.
+                Err(_) => places.retain(|place: &Place| place.file != number),
+            }
+        }
+        self.shortest = shortest.0;
+        self.kept = Records::at(places, parts, most);
+        Ok(())
+    }
+}
+
+/// Reads the file of a piece and holds it against what it should be; `each` is shown the lines of its runs.
+///
+/// # Errors
+/// Those of `each`.
+pub(super) fn read(
+    file: &Path,
+    header: &Header,
+    manifest: &Manifest,
+    jobs: &Range<u64>,
+    mut each: impl FnMut(&[u8]) -> io::Result<()>,
+) -> Result<Found, ShardError> {
+    match identify(file, header)? {
+        Found::Whole => {}
+        other => return Ok(other),
+    }
+    let programs = manifest.programs.len() as u64;
+    let mut next = jobs.start;
+    let (mut wrong, mut broken) = (None, None);
+    let most = journal::most_line(manifest);
+    let lines = journal::read_lines(file, header, most, |line| {
+        if wrong.is_some() || broken.is_some() {
+            return;
+        }
+        let number = line.number;
+        match journal::run(line.text, true, manifest) {
+            Err(reason) => wrong = Some(format!("is damaged: its line {number} {reason}")),
+            Ok(done) => {
+                let expected = job(next, programs);
+                let is_next = (done.program, done.record.run) == (expected.program, expected.run);
+                match next < jobs.end && is_next {
+                    true => broken = each(line.text).err(),
+                    false => wrong = Some(format!("is damaged: its line {number} is another run")),
+                }
+                next += 1;
+            }
+        }
+    });
+    if let Some(error) = broken {
+        return Err(JournalError::Io(error).into());
+    }
+    Ok(match (lines, wrong) {
+        (Err(JournalError::Io(error)), _) => unreadable(error)?,
+        (Err(error), _) => Found::Damaged(format!("cannot be read: {error}")),
+        (_, Some(wrong)) => Found::Damaged(wrong),
+        _ if next < jobs.end => Found::Damaged(format!(
+            "is damaged: it has {} of {} runs",
+            next - jobs.start,
+            jobs.end - jobs.start
+        )),
+        _ => Found::Whole,
+    })
+}
+
+/// What the first line of a piece says of it.
+///
+/// # Errors
+/// Those of the file system, which may be others the next time.
+pub(super) fn identify(file: &Path, header: &Header) -> Result<Found, JournalError> {
+    let found = match journal::read_header(file) {
+        Ok(Some(found)) => found,
+        Ok(None) => {
+            let what = "is damaged: its first line is not what was written";
+            return Ok(Found::Damaged(what.to_owned()));
+        }
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Found::Nothing),
+        Err(error) => return unreadable(error),
+    };
+    if found.ensemble != header.ensemble {
+        return Ok(Found::Foreign("belongs to another manifest".to_owned()));
+    }
+    Ok(match (&found.piece, &header.piece) {
+        (Some(there), Some(here)) if there == here => Found::Whole,
+        (Some(there), Some(here))
+            if (there.number, there.of, there.runs) == (here.number, here.of, here.runs) =>
+        {
+            Found::Foreign(format!(
+                "was made by another build of `stochc` ({}, and that of the manifest is {})",
+                there.build, here.build
+            ))
+        }
+        (Some(there), _) => Found::Foreign(format!(
+            "is in fact piece {} of {}, for {} runs of each program",
+            there.number, there.of, there.runs
+        )),
+        (None, _) => Found::Foreign("is in fact the journal of a whole ensemble".to_owned()),
+    })
+}
+
+/// What cannot be read, unless it is the system that says so.
+fn unreadable(error: io::Error) -> Result<Found, JournalError> {
+    match error.raw_os_error() {
+        Some(_) => Err(error.into()),
+        None => Ok(Found::Damaged(format!("cannot be read: {error}"))),
+    }
+}
+
+/// The files of runs of a piece that is not whole, sorted by name.
+pub(super) fn parts_of(path: &Path, number: u64) -> io::Result<Vec<PathBuf>> {
+    let prefix = format!("{number}.part-");
+    let mut parts = Vec::new();
+    let entries = match disk::list(&path.join(SHARDS)) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Vec::new(),
+        listed => listed?,
+    };
+    for entry in entries {
+        let name = entry.file_name().unwrap_or_default();
+        if name.to_string_lossy().starts_with(&prefix) {
+            parts.push(entry);
+        }
+    }
+    parts.sort();
+    Ok(parts)
+}
+
+pub(super) fn in_folder(path: &Path, source: io::Error) -> FolderError {
+    FolderError::Io {
+        path: path.join(SHARDS),
+        source,
+    }
+}

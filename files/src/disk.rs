@@ -1,0 +1,280 @@
+//! The one way to the disk of all that keeps results: what it asks of the system is a [`Call`], each of which a test can have
+//! fail, to see what is left then.
+use std::fs::{self, Metadata, OpenOptions};
+use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::ops::Deref;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, RwLock};
+
+/// What is asked of the system.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Call<'a> {
+    /// To open a file that is there.
+    Open,
+    /// To make a file, or open the one that is there.
+    Create,
+    /// To read some bytes.
+    Read,
+    /// To write these bytes where the file stands.
+    Write(&'a [u8]),
+    /// To cut a file to so many bytes.
+    SetLength(u64),
+    /// To have what is in a file survive a loss of power.
+    Sync,
+    /// To have the names in a folder survive that.
+    SyncFolder,
+    /// To make a folder.
+    MakeFolder,
+    /// To give a file this name, whatever has had it before.
+    Rename(&'a Path),
+    /// To remove a file or an empty folder.
+    Remove,
+    /// To list a folder.
+    List,
+    /// To say what is there.
+    Look,
+    /// To lock a file.
+    Lock,
+}
+
+/// What becomes of a call.
+#[derive(Debug)]
+pub enum Verdict {
+    /// The system is asked.
+    Proceed,
+    /// It fails.
+    Fail(io::Error),
+    /// Of a write: so many bytes are written, and then it fails.
+    Torn(usize, io::Error),
+    /// It is said to be done, and is not.
+    Pretend,
+}
+
+/// In the place of the disk.
+pub trait Double: Send + Sync {
+    /// Decides on a call that is about to be made.
+    fn decide(&self, path: &Path, call: Call) -> Verdict;
+}
+
+/// The doubles, each for what lies in a folder.
+static DOUBLES: RwLock<Vec<(PathBuf, Arc<dyn Double>)>> = RwLock::new(Vec::new());
+/// How many there are: none, but in a test.
+static COUNT: AtomicUsize = AtomicUsize::new(0);
+
+/// Puts a double in the place of the disk for all that lies in a folder, until [`restore`].
+pub fn replace_by(folder: &Path, double: Arc<dyn Double>) {
+    let mut doubles = DOUBLES.write().expect("nobody panics while it is held");
+    doubles.push((folder.to_owned(), double));
+    COUNT.store(doubles.len(), Ordering::SeqCst);
+}
+
+/// Ends [`replace_by`].
+pub fn restore(folder: &Path) {
+    let mut doubles = DOUBLES.write().expect("nobody panics while it is held");
+    doubles.retain(|(of, _)| of != folder);
+    COUNT.store(doubles.len(), Ordering::SeqCst);
+}
+
+fn decide(path: &Path, call: Call) -> Verdict {
+    if COUNT.load(Ordering::Relaxed) == 0 {
+        return Verdict::Proceed;
+    }
+    let double = {
+        let doubles = DOUBLES.read().expect("nobody panics while it is held");
+        let of = doubles.iter().find(|(folder, _)| path.starts_with(folder));
+        of.map(|(_, double)| double.clone())
+    };
+    double.map_or(Verdict::Proceed, |double| double.decide(path, call))
+}
+
+/// Makes a call, unless it fails before.
+pub(crate) fn ask<T: Default>(
+    path: &Path,
+    call: Call,
+    make: impl FnOnce() -> io::Result<T>,
+) -> io::Result<T> {
+    match decide(path, call) {
+        Verdict::Proceed => make(),
+        Verdict::Fail(error) | Verdict::Torn(_, error) => Err(error),
+        Verdict::Pretend => Ok(T::default()),
+    }
+}
+
+/// Fails where a call fails that gives something; what is only said to be done is done.
+pub(crate) fn may(path: &Path, call: Call) -> io::Result<()> {
+    ask(path, call, || Ok(()))
+}
+
+/// Writes to something that is the file at `path`.
+pub(crate) fn write(path: &Path, bytes: &[u8], mut to: impl Write) -> io::Result<usize> {
+    match decide(path, Call::Write(bytes)) {
+        Verdict::Proceed => to.write(bytes),
+        Verdict::Fail(error) => Err(error),
+        Verdict::Torn(count, error) => to.write_all(&bytes[..count]).and(Err(error)),
+        Verdict::Pretend => Ok(bytes.len()),
+    }
+}
+
+/// A file that is open.
+#[derive(Debug)]
+pub struct File {
+    file: fs::File,
+    path: PathBuf,
+}
+
+impl File {
+    pub(crate) fn open(path: &Path, options: &OpenOptions, is_new: bool) -> io::Result<File> {
+        may(path, if is_new { Call::Create } else { Call::Open })?;
+        Ok(File {
+            file: options.open(path)?,
+            path: path.to_owned(),
+        })
+    }
+
+    /// As [`fs::File::sync_all`].
+    ///
+    /// # Errors
+    /// Those of the file system.
+    pub fn sync_all(&self) -> io::Result<()> {
+        ask(&self.path, Call::Sync, || self.file.sync_all())
+    }
+
+    /// As [`fs::File::sync_data`].
+    ///
+    /// # Errors
+    /// Those of the file system.
+    pub fn sync_data(&self) -> io::Result<()> {
+        ask(&self.path, Call::Sync, || self.file.sync_data())
+    }
+
+    /// As [`fs::File::set_len`].
+    ///
+    /// # Errors
+    /// Those of the file system.
+    pub fn set_len(&self, length: u64) -> io::Result<()> {
+        let call = Call::SetLength(length);
+        ask(&self.path, call, || self.file.set_len(length))
+    }
+
+    /// As [`fs::File::try_clone`].
+    ///
+    /// # Errors
+    /// Those of the file system.
+    pub fn try_clone(&self) -> io::Result<File> {
+        Ok(File {
+            file: self.file.try_clone()?,
+            path: self.path.clone(),
+        })
+    }
+
+    /// As [`fs::File::try_lock`].
+    ///
+    /// # Errors
+    /// Those of the file system.
+    pub fn try_lock(&self) -> Result<(), fs::TryLockError> {
+        may(&self.path, Call::Lock).map_err(fs::TryLockError::Error)?;
+        self.file.try_lock()
+    }
+
+    /// What the system has, for those to whom no test speaks.
+    pub fn as_plain(&mut self) -> &mut fs::File {
+        &mut self.file
+    }
+}
+
+/// A file that has no name any more.
+impl From<fs::File> for File {
+    fn from(file: fs::File) -> File {
+        let path = PathBuf::new();
+        File { file, path }
+    }
+}
+
+impl Deref for File {
+    type Target = fs::File;
+
+    fn deref(&self) -> &fs::File {
+        &self.file
+    }
+}
+
+impl Read for &File {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        may(&self.path, Call::Read)?;
+        (&self.file).read(bytes)
+    }
+}
+
+impl Write for &File {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        write(&self.path, bytes, &self.file)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        (&self.file).flush()
+    }
+}
+
+impl Seek for &File {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        (&self.file).seek(to)
+    }
+}
+
+impl Read for File {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        (&*self).read(bytes)
+    }
+}
+
+impl Write for File {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        (&*self).write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        (&*self).flush()
+    }
+}
+
+impl Seek for File {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        (&*self).seek(to)
+    }
+}
+
+/// Where the entries of a folder are.
+///
+/// # Errors
+/// Those of the file system.
+pub fn list(folder: &Path) -> io::Result<Vec<PathBuf>> {
+    may(folder, Call::List)?;
+    let entries = fs::read_dir(folder)?;
+    entries.map(|entry| Ok(entry?.path())).collect()
+}
+
+/// What is at a path, which may be a link.
+///
+/// # Errors
+/// Those of the file system.
+pub fn look(path: &Path) -> io::Result<Metadata> {
+    may(path, Call::Look)?;
+    fs::symlink_metadata(path)
+}
+
+/// Removes a file.
+///
+/// # Errors
+/// Those of the file system.
+pub fn remove(path: &Path) -> io::Result<()> {
+    ask(path, Call::Remove, || fs::remove_file(path))
+}
+
+/// Removes a folder that is empty.
+///
+/// # Errors
+/// Those of the file system.
+pub fn remove_folder(path: &Path) -> io::Result<()> {
+    ask(path, Call::Remove, || fs::remove_dir(path))
+}

@@ -1,0 +1,38 @@
+//! `stochc merge`.
+use std::path::PathBuf;
+
+use clap::Args;
+use stochc_ensemble::shards::{ShardError, merge};
+use stochc_ensemble::text::visible;
+use stochc_files::shell::file as shell_file;
+
+use super::simulate::sweep_files;
+use super::terminal::print;
+use crate::exit::{Exit, Failure};
+
+/// What `merge` is given.
+#[derive(Debug, Args)]
+pub struct Options {
+    /// Folder of `simulate --shards`
+    #[arg(value_name = "DIR")]
+    folder: PathBuf,
+    /// Do not say that it is done
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+/// Puts the pieces of an ensemble together.
+pub fn run(options: &Options) -> Result<Exit, Failure> {
+    let runs = merge(&options.folder, sweep_files).map_err(|error| match error {
+        ShardError::Missing { .. } => Failure::error(Exit::UnsuccessfulRun, error),
+        error => Failure::usage(error),
+    })?;
+    if !options.quiet {
+        let folder = visible(&options.folder.to_string_lossy());
+        print(&format!(
+            "`{folder}` is whole: {runs} runs; stochc results {}\n",
+            shell_file(&folder)
+        ))?;
+    }
+    Ok(Exit::Success)
+}

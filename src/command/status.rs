@@ -1,0 +1,94 @@
+//! `stochc status`.
+use std::path::PathBuf;
+
+use clap::Args;
+use serde_json::{Value, json};
+use stochc_ensemble::shards::{PieceState, Status, status};
+use stochc_ensemble::text::visible;
+use stochc_files::shell::file as shell_file;
+
+use super::results::Form;
+use super::terminal::print;
+use crate::exit::{Exit, Failure};
+
+/// What `status` is given.
+#[derive(Debug, Args)]
+pub struct Options {
+    /// Folder of `simulate --shards`
+    #[arg(value_name = "DIR")]
+    folder: PathBuf,
+    /// Print the numbers of the pieces that are not there, one on each line, and nothing else
+    #[arg(long)]
+    missing: bool,
+    /// Output format
+    #[arg(long, value_name = "FORM", default_value = "text")]
+    format: Form,
+}
+
+/// Says which pieces of an ensemble are there.
+pub fn run(options: &Options) -> Result<Exit, Failure> {
+    let status = status(&options.folder).map_err(Failure::usage)?;
+    let folder = options.folder.to_string_lossy();
+    print(&match (options.format, options.missing) {
+        (Form::Json, true) => format!("{}\n", json!(status.missing().collect::<Vec<_>>())),
+        (Form::Json, false) => format!("{:#}\n", document(&status)),
+        (Form::Text, true) => (status.missing()).map(|it| format!("{it}\n")).collect(),
+        (Form::Text, false) => text(&status, &folder),
+    })?;
+    Ok(Exit::Success)
+}
+
+fn document(status: &Status) -> Value {
+    let mut document = json!(status);
+    document["missing"] = json!(status.missing().collect::<Vec<_>>());
+    document
+}
+
+fn text(status: &Status, folder: &str) -> String {
+    /// Pieces that are told of one by one.
+    const TOLD: usize = 20;
+    let missing: Vec<u64> = status.missing().collect();
+    let there = status.pieces.len() - missing.len();
+    let mut text = format!(
+        "{there} of {} pieces are there, of {} runs in all\n",
+        status.shards, status.runs
+    );
+    let plain = |number: &&u64| status.pieces[**number as usize] == PieceState::Missing;
+    let others = missing.iter().filter(|number| !plain(number));
+    for &number in others.clone().take(TOLD) {
+        text += &match &status.pieces[number as usize] {
+            PieceState::Begun { runs } => format!("piece {number} is begun: {runs} runs\n"),
+            PieceState::Damaged { reason } | PieceState::Foreign { reason } => {
+                format!("piece {number} {reason}\n")
+            }
+            PieceState::Whole | PieceState::Missing => String::new(),
+        };
+    }
+    let more = others.count().saturating_sub(TOLD);
+    if more > 0 {
+        text += &format!("{more} more are begun, damaged, or of something else\n");
+    }
+    let nothing: Vec<u64> = missing.iter().filter(plain).copied().collect();
+    if !nothing.is_empty() {
+        text += &format!("nothing is there of: {}\n", ranges(&nothing));
+    }
+    let folder = shell_file(&visible(folder));
+    text += &match missing.is_empty() {
+        true => format!("To put them together: stochc merge {folder}\n"),
+        false => format!(
+            "To make what is missing: for i in $(stochc status {folder} --missing); do stochc shard {folder} $i; done\n"
+        ),
+    };
+    text
+}
+
+/// Numbers in their order, as `0-4, 7`.
+fn ranges(numbers: &[u64]) -> String {
+    let stretches = numbers.chunk_by(|a, b| a + 1 == *b);
+    let each = stretches.map(|stretch| match stretch {
+        [first, .., last] => format!("{first}-{last}"),
+        [one] => one.to_string(),
+        [] => String::new(),
+    });
+    each.collect::<Vec<_>>().join(", ")
+}

@@ -1,0 +1,172 @@
+//! An ensemble in pieces, as a user makes it: `simulate --shards`, `shard`, `status`, `merge`.
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use serde_json::json;
+
+use crate::stochc::{path, stochc_with};
+
+const TOWER: &str = "simulate --model shuffle tests/fixtures/tower.sa --runs 10 --seed 3";
+const SWEEP: &str = "simulate --model shuffle examples/line.sa examples/five_tower.sa --runs 4 --sweep free=50,60 --max-ticks 12";
+
+/// Every file below a folder, but for the lock.
+fn files(folder: &str) -> BTreeMap<String, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    for entry in fs::read_dir(folder).unwrap() {
+        let entry = entry.unwrap();
+        let name = entry.file_name().into_string().unwrap();
+        if entry.path().is_dir() {
+            let below = files(entry.path().to_str().unwrap()).into_iter();
+            found.extend(below.map(|(file, content)| (format!("{name}/{file}"), content)));
+        } else if name != ".lock" {
+            found.insert(name, fs::read(entry.path()).unwrap());
+        }
+    }
+    found
+}
+
+#[test]
+fn pieces_put_together_are_the_folder_of_one_machine() {
+    let folder = tempfile::tempdir().unwrap();
+    for (number, command) in [TOWER, SWEEP].into_iter().enumerate() {
+        let [plain, pieces] =
+            ["plain", "pieces"].map(|it| path(folder.path(), &format!("{it}{number}")));
+        stochc_with(command, &["--quiet", "--threads", "1", "--out", &plain]);
+        // Where pieces are made, there is no text of a program.
+        let said = stochc_with(command, &["--shards", "3", "--out", &pieces]);
+        assert_eq!(said.status, 0, "{}", said.err);
+        assert!(
+            said.out.contains("is cut into 3 pieces, of"),
+            "{}",
+            said.out
+        );
+        let again = stochc_with(command, &["--shards", "3", "--out", &pieces]);
+        assert_eq!(again.status, 0);
+        assert!(again.out.contains("into 3 pieces already"), "{}", again.out);
+        for piece in ["2", "0", "0", "1"] {
+            let said = stochc_with("shard", &[&pieces, piece]);
+            assert_eq!(said.status, 0, "{}", said.err);
+            assert!(
+                said.out.starts_with(&format!("piece {piece} of")),
+                "{}",
+                said.out
+            );
+        }
+        let said = stochc_with("merge", &[&pieces]);
+        assert_eq!(said.status, 0, "{}", said.err);
+        assert!(files(&pieces) == files(&plain), "{command}");
+        for what in ["results", "verify", "report --quiet"] {
+            let [one, other] = [&plain, &pieces].map(|it| stochc_with(what, &[it]));
+            assert_eq!((one.status, &one.out), (other.status, &other.out), "{what}");
+        }
+        let said = stochc_with(command, &["--quiet", "--resume", "--out", &pieces]);
+        assert!(said.err.contains("is finished already"), "{}", said.err);
+    }
+}
+
+#[test]
+fn a_shell_loop_makes_what_is_missing() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = path(folder.path(), "out");
+    stochc_with(TOWER, &["--quiet", "--shards", "5", "--out", &out]);
+    stochc_with("shard --quiet", &[&out, "3"]);
+    let said = stochc_with("status --missing", &[&out]);
+    assert_eq!((said.status, said.out.as_str()), (0, "0\n1\n2\n4\n"));
+    let said = stochc_with("status", &[&out]);
+    assert!(
+        said.out.starts_with(
+            "1 of 5 pieces are there, of 10 runs in all\nnothing is there of: 0-2, 4\n"
+        ),
+        "{}",
+        said.out
+    );
+    let said = stochc_with("status --format json", &[&out]);
+    let status = said.json();
+    assert_eq!(status["missing"], json!([0, 1, 2, 4]));
+    assert_eq!(status["pieces"][3], json!({ "state": "whole" }));
+    let said = stochc_with("status --missing --format json", &[&out]);
+    assert_eq!(said.json(), json!([0, 1, 2, 4]));
+    for piece in ["0", "1", "2", "4"] {
+        assert_eq!(stochc_with("shard --quiet", &[&out, piece]).status, 0);
+    }
+    let said = stochc_with("status --missing", &[&out]);
+    assert_eq!((said.status, said.out.as_str()), (0, ""));
+    assert_eq!(stochc_with("merge --quiet", &[&out]).out, "");
+}
+
+/// What is refused has a reason, a way out, its own status, and changes nothing.
+#[test]
+fn what_cannot_be_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = path(folder.path(), "out");
+    let refused = |line: &str, more: &[&str], status, reason: &str| {
+        let before = Path::new(&out).exists().then(|| files(&out));
+        let said = stochc_with(line, more);
+        assert_eq!(said.status, status, "{line}: {}", said.err);
+        assert!(said.err.contains(reason), "{line}: {}", said.err);
+        let after = Path::new(&out).exists().then(|| files(&out));
+        assert!(before == after, "{line}");
+    };
+    for shards in ["0", "11", "1000000000"] {
+        refused(
+            TOWER,
+            &["--shards", shards, "--out", &out],
+            2,
+            "pieces of 10 runs",
+        );
+    }
+    refused(TOWER, &["--shards", "2"], 2, "--out");
+    refused("shard", &[&out, "0"], 2, "holds no results");
+    stochc_with(TOWER, &["--quiet", "--shards", "4", "--out", &out]);
+    refused(
+        TOWER,
+        &["--shards", "5", "--out", &out],
+        2,
+        "is cut into 4 pieces of 10 runs",
+    );
+    refused(
+        TOWER,
+        &["--seed", "4", "--shards", "4", "--out", &out],
+        2,
+        "cannot be used multiple times",
+    );
+    refused(TOWER, &["--out", &out], 2, "stochc merge");
+    refused(TOWER, &["--resume", "--out", &out], 2, "stochc merge");
+    for line in ["results", "report", "replay --run 0"] {
+        refused(line, &[&out], 2, "stochc status");
+    }
+    refused(
+        "shard",
+        &[&out, "4"],
+        2,
+        "there is no piece 4: they are 0 to 3",
+    );
+    refused("shard", &[&out, "-1"], 2, "-1");
+    stochc_with("shard --quiet", &[&out, "1"]);
+    refused(
+        "merge",
+        &[&out],
+        3,
+        "3 of 4 pieces are missing or damaged (0, 2, 3)",
+    );
+    for piece in ["0", "2", "3"] {
+        stochc_with("shard --quiet", &[&out, piece]);
+    }
+    stochc_with("merge --quiet", &[&out]);
+    for line in ["merge", "status"] {
+        refused(line, &[&out], 2, "is not cut into pieces: 10 of 10 runs");
+    }
+    refused(
+        "shard",
+        &[&out, "0"],
+        2,
+        "is not cut into pieces: 10 of 10 runs",
+    );
+    refused(
+        TOWER,
+        &["--shards", "4", "--out", &out],
+        2,
+        "holds 10 runs of this ensemble already",
+    );
+}
