@@ -12,6 +12,7 @@ pub(crate) mod interrupt;
 pub mod levels;
 pub mod lsp;
 pub mod man;
+pub mod plan;
 mod progress;
 pub mod replay;
 pub mod report;
