@@ -11,7 +11,7 @@ use stochc_ir::Cell;
 use stochc_ir::scene::Scene;
 use stochc_ir::table::Plate;
 use stochc_planner::{
-    Hardware, MeasuredWaits, Naming, Plan, Refusal, Search, Target, declaration, plan, program,
+    Hardware, Naming, Plan, RateLaw, Refusal, Search, Target, declaration, plan, program,
 };
 
 use crate::{check_text, check_texts};
@@ -255,7 +255,8 @@ impl Goal {
         let plate = self.plate.clone().unwrap_or_else(|| self.smallest_plate());
         let target = Target::new(self.cells.clone(), plate, self.seeds.clone(), hardware.free);
         let target = target.map_err(Unplanned::Refused)?;
-        let plan = plan(&target, hardware, &MeasuredWaits, search).map_err(Unplanned::Refused)?;
+        let plan =
+            plan(&target, hardware, &RateLaw::new(None), search).map_err(Unplanned::Refused)?;
         let text = self.program(&target, &plan)?;
         Ok(Planned { plan, text })
     }

@@ -32,4 +32,4 @@ pub use search::Search;
 pub use target::{FARTHEST, MOST_CELLS, Target};
 pub use voxels::{UnreadableVoxels, layers, magica_voxel};
 pub use waiting::Why;
-pub use waits::{MeasuredWaits, Waits, cells};
+pub use waits::{RateLaw, Waits};

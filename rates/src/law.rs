@@ -1,0 +1,129 @@
+//! The law: from the surroundings of an open face to its wait.
+use serde::{Deserialize, Serialize};
+
+use crate::wait::Wait;
+
+/// What a face's wait depends on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Surroundings {
+    /// The part of its sphere of reach that is [not obstructed](crate::unobstructed).
+    pub open: f64,
+    /// Density of the free gas at the cell's height over the mean of the gas.
+    pub density: f64,
+    /// Blocks that are free over those that were at the beginning.
+    pub free: f64,
+    /// Whether a block or the ground is beside the open cell, across a face or an edge, at right angles to the face's normal.
+    pub beside: bool,
+    /// Whether one is beside the block that captures, likewise.
+    pub beside_parent: bool,
+    /// Whether the cell next to it is open to a face in the same direction as well.
+    pub rival: bool,
+    /// Whether the face has been open since the first tick, when the gas was at rest.
+    pub cold: bool,
+}
+
+/// The numbers of the law.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct Parameters(pub [f64; Parameters::COUNT]);
+
+/// A number of the law.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Parameter {
+    /// Its name.
+    pub name: &'static str,
+    /// What it is.
+    pub meaning: &'static str,
+}
+
+impl Parameters {
+    /// How many there are: [`Parameters::RATE`] of the rate, then those of the docking time.
+    pub const COUNT: usize = 10;
+
+    /// How many belong to the rate.
+    pub const RATE: usize = 5;
+
+    /// What they are, in order.
+    pub const ALL: [Parameter; Parameters::COUNT] = [
+        Parameter {
+            name: "rate",
+            meaning: "logarithm of the rate of a face without any obstruction, per tick",
+        },
+        Parameter {
+            name: "reach",
+            meaning: "exponent of the part of the sphere of reach that is open",
+        },
+        Parameter {
+            name: "density",
+            meaning: "exponent of the density of the free gas",
+        },
+        Parameter {
+            name: "beside",
+            meaning: "logarithm of the rate's factor where a block is beside the cell",
+        },
+        Parameter {
+            name: "beside-parent",
+            meaning: "logarithm of the rate's factor where a block is beside the parent",
+        },
+        Parameter {
+            name: "docking",
+            meaning: "logarithm of the mean docking time, in ticks",
+        },
+        Parameter {
+            name: "docking-beside",
+            meaning: "logarithm of its factor where a block is beside the cell",
+        },
+        Parameter {
+            name: "docking-beside-parent",
+            meaning: "logarithm of its factor where a block is beside the parent",
+        },
+        Parameter {
+            name: "docking-rival",
+            meaning: "logarithm of its factor beside a cell that is open as well",
+        },
+        Parameter {
+            name: "docking-cold",
+            meaning: "logarithm of its factor for faces open since the first tick",
+        },
+    ];
+
+    /// The numbers that the logarithms of rate and docking time are linear in, of which the number of free blocks has the factor 1.
+    pub fn features(
+        of: &Surroundings,
+    ) -> (
+        [f64; Parameters::RATE],
+        [f64; Parameters::COUNT - Parameters::RATE],
+    ) {
+        let indicator = |is: bool| f64::from(u8::from(is));
+        let (beside, parent) = (indicator(of.beside), indicator(of.beside_parent));
+        (
+            [
+                1.0,
+                libm::log(of.open + LEAST_OPEN),
+                libm::log(of.density.max(LEAST_DENSITY)),
+                beside,
+                parent,
+            ],
+            [1.0, beside, parent, indicator(of.rival), indicator(of.cold)],
+        )
+    }
+
+    /// The wait of a face in such surroundings.
+    pub fn wait(&self, of: &Surroundings) -> Wait {
+        let (rate, docking) = Parameters::features(of);
+        let sum = |parameters: &[f64], features: &[f64]| -> f64 {
+            parameters.iter().zip(features).map(|(a, b)| a * b).sum()
+        };
+        let (of_rate, of_docking) = self.0.split_at(Parameters::RATE);
+        Wait {
+            rate: of.free.max(0.0) * libm::exp(sum(of_rate, &rate)),
+            docking: libm::exp(sum(of_docking, &docking)),
+        }
+    }
+}
+
+/// What is added to the open part, so that a face in a pit still captures sometimes.
+const LEAST_OPEN: f64 = 0.02;
+
+/// The least density over the mean that the law is asked for.
+const LEAST_DENSITY: f64 = 1e-3;

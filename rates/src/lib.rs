@@ -1,0 +1,18 @@
+//! How long an open face waits for a block, from what is around it.
+//!
+//! A capture is a race of arrivals and a docking. [`Rates`] hold what was measured of a scene; their law says the rate of arrivals and the
+//! docking time of a face from the [`Surroundings`] of its cell, and [`Wait`] is the distribution that follows.
+mod law;
+mod rates;
+mod reach;
+mod surroundings;
+mod wait;
+
+pub use law::{Parameter, Parameters, Surroundings};
+pub use rates::{Coverage, FORGOTTEN, FORMAT, HeadStart, Rates, scene_digest};
+pub use reach::{offsets, unobstructed};
+pub use surroundings::around;
+pub use wait::{STAGES, Wait};
+
+/// A digest of this crate's sources: two builds with one digest compute the same.
+pub const SOURCES: &str = env!("STOCHC_SOURCES");

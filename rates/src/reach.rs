@@ -1,0 +1,193 @@
+//! The part of a magnetized face's surroundings that a block can come through.
+use std::sync::LazyLock;
+
+use stochc_ir::{Cell, Face};
+
+/// Points across the sphere around a face.
+const ACROSS: usize = 16;
+
+/// Those in the sphere.
+const POINTS: usize = 2176;
+
+/// Words of a bit for each point.
+const WORDS: usize = POINTS.div_ceil(64);
+
+/// Radius of the sphere around the centre of the face \[side\].
+const RADIUS: f64 = 1.35;
+
+/// How close to a block's surface a point counts as blocked \[side\].
+const CLEARANCE: f64 = 0.35;
+
+/// How far a cell is from the open one along an axis, at most, if it blocks anything.
+const FARTHEST: i32 = 2;
+
+/// One bit for each point.
+type Points = [u64; WORDS];
+
+/// The cells that may block, for faces of one direction: offsets from the open cell, with the points that each blocks.
+type Blockers = Vec<([i32; 3], Points)>;
+
+/// The part of the sphere around a face that blocks and ground leave open, from 0 to 1.
+///
+/// `cell` is where the captured block will sit, and `way` leads there from the block that captures. `is_full` is asked for
+/// cells above the plate only: everything below is ground.
+pub fn unobstructed(cell: Cell, way: Face, is_full: impl Fn(Cell) -> bool) -> f64 {
+    let mut blocked: Points = [0; WORDS];
+    for ([x, y, z], points) in &BLOCKERS[way as usize] {
+        let height = cell.z.saturating_add(*z);
+        let there = || {
+            Some(Cell::new(
+                cell.x.checked_add(*x)?,
+                cell.y.checked_add(*y)?,
+                height,
+            ))
+        };
+        if height < 1 || there().is_some_and(&is_full) {
+            for (word, more) in blocked.iter_mut().zip(points) {
+                *word |= more;
+            }
+        }
+    }
+    let count: u32 = blocked.iter().map(|word| word.count_ones()).sum();
+    1.0 - f64::from(count) / POINTS as f64
+}
+
+/// The offsets from an open cell of the cells that may have to do with it, for faces of a direction.
+pub fn offsets(way: Face) -> impl Iterator<Item = [i32; 3]> {
+    BLOCKERS[way as usize].iter().map(|(offset, _)| *offset)
+}
+
+static BLOCKERS: LazyLock<[Blockers; 6]> = LazyLock::new(|| Face::ALL.map(blockers));
+
+fn blockers(way: Face) -> Blockers {
+    let points = points(way);
+    let range = || -FARTHEST..=FARTHEST;
+    let offsets = range().flat_map(|x| range().flat_map(move |y| range().map(move |z| [x, y, z])));
+    let mut found: Blockers = offsets
+        .filter_map(|offset| {
+            let mut blocked: Points = [0; WORDS];
+            for (number, point) in points.iter().enumerate() {
+                if distance(*point, offset) < CLEARANCE {
+                    blocked[number / 64] |= 1 << (number % 64);
+                }
+            }
+            (blocked != [0; WORDS]).then_some((offset, blocked))
+        })
+        .collect();
+    // The nearest first: they block most.
+    found.sort_by_key(|(offset, _)| offset.iter().map(|part| part * part).sum::<i32>());
+    found
+}
+
+/// The distance of a point to the cube in a cell, both seen from the middle of the open cell.
+fn distance(point: [f64; 3], cell: [i32; 3]) -> f64 {
+    let outside = |axis: usize| ((point[axis] - f64::from(cell[axis])).abs() - 0.5).max(0.0);
+    let squares: f64 = (0..3).map(|axis| outside(axis) * outside(axis)).sum();
+    libm::sqrt(squares)
+}
+
+/// Points of a cubic grid in the sphere, seen from the middle of the open cell: it looks the same after a quarter turn, so that the
+/// same surroundings count the same whichever way they are turned.
+fn points(way: Face) -> Vec<[f64; 3]> {
+    let (axis, sign) = axis(way);
+    let step = 2.0 * RADIUS / ACROSS as f64;
+    let at = |i: usize| (i as f64 + 0.5) * step - RADIUS;
+    let mut points = Vec::new();
+    for (i, j, k) in
+        (0..ACROSS).flat_map(|i| (0..ACROSS).flat_map(move |j| (0..ACROSS).map(move |k| (i, j, k))))
+    {
+        let [along, u, v] = [at(i), at(j), at(k)];
+        if along * along + u * u + v * v < RADIUS * RADIUS {
+            let mut point = [0.0; 3];
+            point[axis] = sign * (along - 0.5);
+            point[(axis + 1) % 3] = u;
+            point[(axis + 2) % 3] = v;
+            points.push(point);
+        }
+    }
+    points
+}
+
+/// The axis of a direction, and its sign on it.
+fn axis(way: Face) -> (usize, f64) {
+    match way {
+        Face::East => (0, 1.0),
+        Face::West => (0, -1.0),
+        Face::North => (1, 1.0),
+        Face::South => (1, -1.0),
+        Face::Up => (2, 1.0),
+        Face::Down => (2, -1.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HIGH: Cell = Cell::new(0, 0, 50);
+
+    fn with(cell: Cell, way: Face, full: &[Cell]) -> f64 {
+        unobstructed(cell, way, |cell| full.contains(&cell))
+    }
+
+    #[test]
+    fn as_many_points_are_in_the_sphere_as_are_counted() {
+        assert_eq!(points(Face::Up).len(), POINTS);
+    }
+
+    #[test]
+    fn nothing_around_leaves_all_open() {
+        assert_eq!(with(HIGH, Face::Up, &[]), 1.0);
+    }
+
+    #[test]
+    fn the_block_that_captures_takes_its_own_volume_with_the_clearance() {
+        let below = HIGH.across(Face::Down).expect("there is one");
+        let open = with(HIGH, Face::Up, &[below]);
+        // By a fine grid over the sphere.
+        let n = 120;
+        let (mut inside, mut blocked) = (0, 0);
+        for i in 0..n * n * n {
+            let at = |i: usize| ((i % n) as f64 + 0.5) / n as f64 * 2.0 * RADIUS - RADIUS;
+            let point = [at(i), at(i / n), at(i / n / n)];
+            if point.iter().map(|part| part * part).sum::<f64>() < RADIUS * RADIUS {
+                inside += 1;
+                let seen = [point[0], point[1], point[2] - 0.5];
+                blocked += usize::from(distance(seen, [0, 0, -1]) < CLEARANCE);
+            }
+        }
+        let exact = 1.0 - blocked as f64 / inside as f64;
+        assert!((open - exact).abs() < 0.02, "{open} {exact}");
+    }
+
+    #[test]
+    fn surroundings_count_the_same_in_every_direction() {
+        // A wall to one side of the open cell, seen along every face, and from each of its four sides.
+        let mut seen = Vec::new();
+        for way in Face::ALL {
+            let parent = HIGH.across(way.opposite()).expect("there is one");
+            for side in Face::ALL {
+                if side != way && side != way.opposite() {
+                    let wall = HIGH.across(side).expect("there is one");
+                    seen.push(with(HIGH, way, &[parent, wall]));
+                }
+            }
+        }
+        assert_eq!(seen.len(), 24);
+        assert!(seen.iter().all(|open| *open == seen[0]), "{seen:?}");
+    }
+
+    #[test]
+    fn blocks_close_and_never_open() {
+        let parent = HIGH.across(Face::Down).expect("there is one");
+        let mut full = vec![parent];
+        let mut open = with(HIGH, Face::Up, &full);
+        for offset in offsets(Face::Up) {
+            full.push(Cell::new(offset[0], offset[1], 50 + offset[2]));
+            let less = with(HIGH, Face::Up, &full);
+            assert!(less <= open);
+            open = less;
+        }
+        assert!(open < 0.05, "{open}");
+    }
+}

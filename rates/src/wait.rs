@@ -1,0 +1,197 @@
+//! How long an open face waits.
+
+/// Stages of a docking: its time has the Erlang distribution of this shape.
+pub const STAGES: i32 = 2;
+
+/// The wait of an open face in surroundings that stay as they are.
+///
+/// Blocks that will dock come into reach as a Poisson process, and each then needs a docking time of an Erlang distribution with
+/// [`STAGES`] stages; the first that is through is captured. So the hazard of a face that has been open for s ticks is `rate G(s)`, with
+/// G the distribution function of the docking time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wait {
+    /// Blocks that will dock come into reach so often \[1/tick\].
+    pub rate: f64,
+    /// What one of them needs on average \[tick\].
+    pub docking: f64,
+}
+
+impl Wait {
+    /// The hazard after so many ticks \[1/tick\].
+    pub fn hazard(self, ticks: f64) -> f64 {
+        self.rate * docked(ticks / self.docking)
+    }
+
+    /// The hazard summed up from the beginning to a time \[tick\].
+    pub fn cumulative_hazard(self, ticks: f64) -> f64 {
+        self.rate * self.docking * summed(ticks / self.docking)
+    }
+
+    /// The time at which the summed hazard has come to a value \[tick\].
+    pub fn time_of(self, cumulative_hazard: f64) -> f64 {
+        self.docking * when_summed(cumulative_hazard / (self.rate * self.docking))
+    }
+
+    /// The probability of having captured by then.
+    pub fn distribution(self, ticks: f64) -> f64 {
+        -libm::expm1(-self.cumulative_hazard(ticks))
+    }
+
+    /// The mean wait and its variance \[tick, tick^2\], to about 1e-4 of themselves.
+    pub fn moments(self) -> (f64, f64) {
+        // E f(T) with the summed hazard exponential of mean 1, by Gauss and Laguerre's nodes would miss the root at 0; equal parts of
+        // the probability do not, and their middles are good to the second order.
+        let (mut mean, mut square) = (0.0, 0.0);
+        for exponential in middles() {
+            let time = self.time_of(exponential);
+            mean += time;
+            square += time * time;
+        }
+        let parts = PARTS as f64;
+        let mean = mean / parts;
+        (mean, square / parts - mean * mean)
+    }
+
+    /// The mean wait \[tick\].
+    pub fn mean(self) -> f64 {
+        self.moments().0
+    }
+}
+
+/// Equal parts of the probability that moments are summed over.
+const PARTS: usize = 256;
+
+/// The mean of an exponential variable of mean 1 within each of [`PARTS`] equal parts of its probability.
+fn middles() -> impl Iterator<Item = f64> {
+    // The integral of -ln(1 - p) from p = 0.
+    let integral = |p: f64| match p < 1.0 {
+        true => p + (1.0 - p) * libm::log1p(-p),
+        false => 1.0,
+    };
+    let parts = PARTS as f64;
+    (0..PARTS).map(move |part| {
+        let (from, to) = (part as f64 / parts, (part + 1) as f64 / parts);
+        (integral(to) - integral(from)) * parts
+    })
+}
+
+/// The distribution function of a docking time, in units of its mean.
+fn docked(time: f64) -> f64 {
+    let x = f64::from(STAGES) * time;
+    // 1 - e^-x (1 + x), without the loss of digits where x is small.
+    match x < 1e-3 {
+        true => x * x * (0.5 - x / 3.0),
+        false => 1.0 - libm::exp(-x) * (1.0 + x),
+    }
+}
+
+/// The integral of [`docked`].
+fn summed(time: f64) -> f64 {
+    let x = f64::from(STAGES) * time;
+    let integral = match x < 1e-2 {
+        true => x * x * x * (1.0 / 6.0 - x / 12.0 + x * x / 40.0),
+        false => x - 2.0 + libm::exp(-x) * (x + 2.0),
+    };
+    integral / f64::from(STAGES)
+}
+
+/// The inverse of [`summed`]: Newton's steps from the side on which they cannot pass it.
+fn when_summed(value: f64) -> f64 {
+    if value <= 0.0 {
+        return 0.0;
+    }
+    // summed(t) >= t - 1; and where t is small, with two stages, 2 t^3 / 3 (1 - t).
+    let small = libm::cbrt(1.5 * value);
+    let mut time = (value + 1.0).min(small + small * small);
+    for _ in 0..60 {
+        let next = time - (summed(time) - value) / docked(time);
+        if next >= time || time - next <= 1e-13 * time {
+            return next.max(0.0);
+        }
+        time = next;
+    }
+    time
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WAIT: Wait = Wait {
+        rate: 1.0 / 300.0,
+        docking: 200.0,
+    };
+
+    #[test]
+    fn the_inverse_undoes_the_sum() {
+        for value in [1e-12, 1e-6, 1e-3, 0.1, 0.5, 1.0, 3.0, 1e3, 1e9] {
+            let time = when_summed(value);
+            let again = summed(time);
+            assert!(
+                (again - value).abs() <= 1e-9 * value,
+                "{value}: {time} {again}"
+            );
+        }
+    }
+
+    #[test]
+    fn functions_are_smooth_where_they_change_their_form() {
+        for (function, x) in [(docked as fn(f64) -> f64, 0.5e-3), (summed, 0.5e-2)] {
+            let (below, above) = (function(x * (1.0 - 1e-9)), function(x * (1.0 + 1e-9)));
+            assert!((above - below).abs() < 1e-6 * below, "{below} {above}");
+        }
+    }
+
+    #[test]
+    fn the_hazard_is_what_the_sum_grows_by() {
+        for ticks in [1.0, 50.0, 200.0, 2000.0] {
+            let step = 1e-3;
+            let slope = (WAIT.cumulative_hazard(ticks + step)
+                - WAIT.cumulative_hazard(ticks - step))
+                / (2.0 * step);
+            assert!((slope / WAIT.hazard(ticks) - 1.0).abs() < 1e-4, "{ticks}");
+        }
+    }
+
+    #[test]
+    fn moments_are_those_of_the_distribution() {
+        for wait in [
+            WAIT,
+            Wait {
+                rate: 1e-3,
+                docking: 1.0,
+            },
+            Wait {
+                rate: 1.0,
+                docking: 500.0,
+            },
+        ] {
+            let (mean, variance) = wait.moments();
+            // E T = sum of P(T > t), E T^2 = sum of 2 t P(T > t).
+            let longest = wait.time_of(40.0);
+            let steps = 400_000;
+            let step = longest / f64::from(steps);
+            let (mut first, mut second) = (0.0, 0.0);
+            for i in 0..steps {
+                let time = (f64::from(i) + 0.5) * step;
+                let waits = libm::exp(-wait.cumulative_hazard(time)) * step;
+                first += waits;
+                second += 2.0 * time * waits;
+            }
+            assert!((mean / first - 1.0).abs() < 1e-4, "{mean} {first}");
+            let exact = second - first * first;
+            assert!((variance / exact - 1.0).abs() < 1e-2, "{variance} {exact}");
+        }
+    }
+
+    #[test]
+    fn without_docking_times_waits_are_exponential() {
+        let wait = Wait {
+            rate: 0.01,
+            docking: 1e-6,
+        };
+        let (mean, variance) = wait.moments();
+        assert!((mean - 100.0).abs() < 0.01, "{mean}");
+        assert!((variance - 1e4).abs() < 100.0, "{variance}");
+    }
+}
