@@ -171,3 +171,69 @@ fn around<'a>(sites: &'a Sites<'_>, site: u32) -> impl Iterator<Item = u32> + 'a
         .map(|cell| sites.at(cell))
         .filter(|&near| near != NONE)
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use proptest::prelude::*;
+    use stochc_ir::table::Plate;
+    use stochc_ir::{Cell, Face};
+
+    use super::*;
+    use crate::Target;
+
+    /// Whether a cube of so many sides brings a block to a cell from outside, between full cells: every place is tried.
+    fn has_way(full: &BTreeSet<Cell>, cell: Cell, size: i32) -> bool {
+        let inside = |low: Cell| [low.x, low.y, low.z].iter().all(|at| (-4..=9).contains(at));
+        let cube = |low: Cell| {
+            let steps = move || 0..size;
+            steps().flat_map(move |dz| {
+                steps().flat_map(move |dy| steps().map(move |dx| shifted(low, dx, dy, dz)))
+            })
+        };
+        let is_free = |low: Cell| low.z >= 1 && cube(low).all(|cell| !full.contains(&cell));
+        let mut open: Vec<Cell> = cube(shifted(cell, 1 - size, 1 - size, 1 - size)).collect();
+        open.retain(|&low| is_free(low));
+        let mut found: BTreeSet<Cell> = open.iter().copied().collect();
+        while let Some(low) = open.pop() {
+            if !inside(low) {
+                return true;
+            }
+            for next in Face::ALL.into_iter().filter_map(|face| low.across(face)) {
+                if is_free(next) && found.insert(next) {
+                    open.push(next);
+                }
+            }
+        }
+        false
+    }
+
+    proptest! {
+        #[test]
+        fn orders_build_by_ways_that_are_there(cells in proptest::collection::vec((0..5, 0..5, 1..5), 1..70)) {
+            let cells: Vec<Cell> = cells.into_iter().map(|(x, y, z)| Cell::new(x, y, z)).collect();
+            let plate = Plate { width: 4, depth: 4 };
+            let Ok(target) = Target::new(cells, plate, None, 100) else {
+                return Ok(());
+            };
+            let sites = Sites::of(&target);
+            let spaces = || [FreeSpace::of(&sites, 2), FreeSpace::of(&sites, 1)];
+            let keys = vec![0.5; sites.len()];
+            let apart = disassemble(&sites, spaces(), &keys, Cancellation::NEVER);
+            // Whatever hangs together can be built.
+            let apart = apart.unwrap();
+            let mut full: BTreeSet<Cell> = BTreeSet::new();
+            for &site in &apart.order {
+                let cell = sites.cell(site);
+                let is_held = sites.is_on_seed(site)
+                    || Face::ALL.iter().any(|&face| full.contains(&cell.across(face).unwrap()));
+                prop_assert!(is_held);
+                let size = if apart.is_tight[site as usize] { 1 } else { 2 };
+                prop_assert!(has_way(&full, cell, size), "{} by {}", cell, size);
+                full.insert(cell);
+            }
+            prop_assert_eq!(full.len(), sites.len());
+        }
+    }
+}

@@ -191,3 +191,63 @@ const BESIDE: [u32; 27] = {
     }
     beside
 };
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+    use stochc_ir::Cell;
+    use stochc_ir::table::Plate;
+
+    use super::*;
+    use crate::Target;
+
+    /// Whether all that stands but one site hangs together with the plate.
+    fn hangs_together(sites: &Sites<'_>, support: &Support, without: u32) -> bool {
+        let stands = |site: u32| site != without && support.stands(site);
+        let all = || (0..sites.len() as u32).filter(|&site| stands(site));
+        let mut open: Vec<u32> = all().filter(|&site| sites.is_on_seed(site)).collect();
+        let mut found = vec![false; sites.len()];
+        while let Some(site) = open.pop() {
+            if !std::mem::replace(&mut found[site as usize], true) {
+                open.extend(sites.adjacent(site).filter(|&next| stands(next)));
+            }
+        }
+        all().all(|site| found[site as usize])
+    }
+
+    proptest! {
+        #[test]
+        fn what_is_spared_holds_nothing(cells in proptest::collection::vec((0..4, 0..4, 1..4), 1..50), order in any::<u64>()) {
+            let cells: Vec<Cell> = cells.into_iter().map(|(x, y, z)| Cell::new(x, y, z)).collect();
+            let plate = Plate { width: 3, depth: 3 };
+            let Ok(target) = Target::new(cells, plate, None, 100) else {
+                return Ok(());
+            };
+            let sites = Sites::of(&target);
+            let mut support = Support::of(&sites);
+            let mut order = order;
+            loop {
+                let is_cut = support.articulation_points(&sites);
+                let standing = (0..sites.len() as u32).filter(|&site| support.stands(site));
+                let standing: Vec<u32> = standing.collect();
+                let mut free = Vec::new();
+                for &site in &standing {
+                    let is_free = hangs_together(&sites, &support, site);
+                    prop_assert_eq!(!is_cut[site as usize], is_free);
+                    prop_assert!(is_free || !support.can_spare(&sites, site));
+                    let level = support.level(site);
+                    let below = support.standing(&sites, site).any(|next| support.level(next) < level);
+                    prop_assert!(below || (level == 1 && sites.is_on_seed(site)));
+                    free.extend(is_free.then_some(site));
+                }
+                if standing.is_empty() {
+                    break;
+                }
+                // Something can always go.
+                prop_assert!(!free.is_empty());
+                support.remove(&sites, free[order as usize % free.len()]);
+                order = order.rotate_left(7) ^ 0x9e37;
+            }
+        }
+    }
+}

@@ -2,6 +2,8 @@
 mod repetition;
 mod shape;
 mod statement;
+#[cfg(test)]
+mod tests;
 
 use std::fmt::Write as _;
 
