@@ -4,8 +4,8 @@ use stochc_ir::is_invisible;
 
 use crate::command::interrupt::outlive_file_limit;
 use crate::command::{
-    check, compile, completions, explain, export, fit, fmt, lsp, man, plan, replay, report,
-    results, simulate, trade, verify,
+    calibrate, check, compile, completions, estimate, explain, export, fit, fmt, lsp, man, plan,
+    replay, report, results, simulate, trade, verify,
 };
 use crate::exit::{Exit, Failure};
 
@@ -37,6 +37,10 @@ pub enum Command {
     Simulate(Box<simulate::Options>),
     /// Measure what accuracy costs: compare many settings with a converged reference
     Trade(trade::Options),
+    /// Measure how often faces capture in a scene, for `--model rate`
+    Calibrate(calibrate::Options),
+    /// Estimate when programs will be complete, and what decides it, by rates: in milliseconds
+    Estimate(estimate::Options),
     /// Find the numbers of a scene that measured times speak for, with their uncertainty
     Fit(Box<fit::Options>),
     /// Print the table of a results folder again
@@ -82,6 +86,8 @@ pub fn run(cli: Cli) -> Result<Exit, Failure> {
         Command::Compile(options) => compile::run(&options),
         Command::Simulate(options) => simulate::run(&options),
         Command::Trade(options) => trade::run(&options),
+        Command::Calibrate(options) => calibrate::run(&options),
+        Command::Estimate(options) => estimate::run(&options),
         Command::Fit(options) => fit::run(&options),
         Command::Results(options) => results::run(&options),
         Command::Verify(options) => verify::run(&options),

@@ -256,7 +256,7 @@ impl Goal {
         let target = Target::new(self.cells.clone(), plate, self.seeds.clone(), hardware.free);
         let target = target.map_err(Unplanned::Refused)?;
         let plan =
-            plan(&target, hardware, &RateLaw::new(None), search).map_err(Unplanned::Refused)?;
+            plan(&target, hardware, &RateLaw::of(&scene), search).map_err(Unplanned::Refused)?;
         let text = self.program(&target, &plan)?;
         Ok(Planned { plan, text })
     }

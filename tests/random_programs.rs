@@ -9,23 +9,25 @@ use std::ops::ControlFlow;
 use proptest::prelude::*;
 use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
 use random::{Reuse, declare, declare_with};
+use stochc::compiler::scene::built_in;
 use stochc::ir::Cell;
 use stochc::ir::scene::Messages;
 use stochc::ir::table::Tables;
 use stochc::protocol::explore::{Bound, Bounds, Faults, Verdict, explore};
 use stochc::runtime::control::Controller;
 use stochc::runtime::drive;
-use stochc::runtime::world::World as _;
+use stochc::runtime::world::World;
+use stochc::runtime::world::rate::RateWorld;
 use stochc::runtime::world::shuffle::ShuffleWorld;
 
-/// Runs tables in the world without physics; what stands in the end.
+/// Runs tables in a world in which nothing moves; what stands in the end.
 fn execute(
     tables: &Tables,
+    mut world: impl World,
     hop: u32,
     loss: Option<f64>,
     seed: u64,
 ) -> Result<BTreeMap<String, Cell>, String> {
-    let mut world = ShuffleWorld::new(tables, 300, seed, 0);
     let messages = Messages { hop, loss };
     let mut control = Controller::new(tables, Some(&messages), seed, 0);
     control.start(&mut world);
@@ -39,6 +41,8 @@ fn execute(
                 .collect());
         }
         dockings.clear();
+        // Messages may be late.
+        world.skip(world.tick() + 100);
         world
             .step(&mut dockings)
             .map_err(|fault| format!("{fault:?}"))?;
@@ -61,7 +65,12 @@ proptest! {
         let declared = declare(choices, faces);
         let tables = declared.tables();
         for seed in seeds {
-            let built = execute(&tables, hop, loss, seed);
+            let shuffled = ShuffleWorld::new(&tables, 300, seed, 0);
+            let built = execute(&tables, shuffled, hop, loss, seed);
+            prop_assert_eq!(built.as_ref(), Ok(&declared.structure), "{}", declared.text);
+            let scene = built_in("hemisphere").expect("it is built in");
+            let rated = RateWorld::new(&tables, &scene, &[], seed, 0).expect("its rates are known");
+            let built = execute(&tables, rated, hop, loss, seed);
             prop_assert_eq!(built.as_ref(), Ok(&declared.structure), "{}", declared.text);
         }
     }
@@ -115,7 +124,13 @@ fn reuse_holds_in_every_order() {
                 verdict => prop_assert!(false, "{}\n{verdict:#?}", declared.text),
             }
             for hop in [0, 1] {
-                let built = execute(&tables, hop, None, seed);
+                let built = execute(
+                    &tables,
+                    ShuffleWorld::new(&tables, 300, seed, 0),
+                    hop,
+                    None,
+                    seed,
+                );
                 prop_assert_eq!(built.as_ref(), Ok(&declared.structure), "{}", declared.text);
             }
             at_once.set(at_once.get() + u32::from(has_two_holders(&tables)));

@@ -11,6 +11,7 @@ pub(super) const UNKNOWN: &str = "unknown";
 pub fn this_build() -> String {
     let sources = [
         stochc_ir::SOURCES,
+        stochc_rates::SOURCES,
         stochc_grammar::SOURCES,
         stochc_compiler::SOURCES,
         stochc_protocol::SOURCES,

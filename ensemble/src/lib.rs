@@ -36,6 +36,7 @@
 //! # }
 //! ```
 mod build;
+pub mod calibration;
 mod captures;
 mod clock;
 mod comparison;

@@ -35,6 +35,8 @@ pub const MANIFEST: Budget = json(4 * GIB);
 pub const CHECKSUMS: Budget = json(16 * MIB);
 /// A `trade.json`.
 pub const TRADE: Budget = json(256 * MIB);
+/// The rates of a scene.
+pub const RATES: Budget = json(16 * MIB);
 /// A table of times to fit to.
 pub const TIMES: Budget = any(256 * MIB);
 /// Voxels to be planned.

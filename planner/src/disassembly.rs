@@ -181,7 +181,7 @@ mod tests {
     use stochc_ir::{Cell, Face};
 
     use super::*;
-    use crate::Target;
+    use crate::target::held;
 
     /// Whether a cube of so many sides brings a block to a cell from outside, between full cells: every place is tried.
     fn has_way(full: &BTreeSet<Cell>, cell: Cell, size: i32) -> bool {
@@ -214,7 +214,7 @@ mod tests {
         fn orders_build_by_ways_that_are_there(cells in proptest::collection::vec((0..5, 0..5, 1..5), 1..70)) {
             let cells: Vec<Cell> = cells.into_iter().map(|(x, y, z)| Cell::new(x, y, z)).collect();
             let plate = Plate { width: 4, depth: 4 };
-            let Ok(target) = Target::new(cells, plate, None, 100) else {
+            let Some(target) = held(cells, &plate) else {
                 return Ok(());
             };
             let sites = Sites::of(&target);

@@ -199,7 +199,7 @@ mod tests {
     use stochc_ir::table::Plate;
 
     use super::*;
-    use crate::Target;
+    use crate::target::held;
 
     /// Whether all that stands but one site hangs together with the plate.
     fn hangs_together(sites: &Sites<'_>, support: &Support, without: u32) -> bool {
@@ -220,7 +220,7 @@ mod tests {
         fn what_is_spared_holds_nothing(cells in proptest::collection::vec((0..4, 0..4, 1..4), 1..50), order in any::<u64>()) {
             let cells: Vec<Cell> = cells.into_iter().map(|(x, y, z)| Cell::new(x, y, z)).collect();
             let plate = Plate { width: 3, depth: 3 };
-            let Ok(target) = Target::new(cells, plate, None, 100) else {
+            let Some(target) = held(cells, &plate) else {
                 return Ok(());
             };
             let sites = Sites::of(&target);

@@ -169,6 +169,20 @@ impl Target {
     }
 }
 
+/// What of some cells is held by a plate, if anything is.
+#[cfg(test)]
+pub fn held(cells: Vec<Cell>, plate: &Plate) -> Option<Target> {
+    let target = |cells: Vec<Cell>| Target::new(cells, plate.clone(), None, u32::MAX);
+    match target(cells.clone()) {
+        Err(Refusal::Loose(parts)) => {
+            let loose: FxHashSet<Cell> = parts.into_iter().flat_map(|part| part.cells).collect();
+            let held = cells.into_iter().filter(|cell| !loose.contains(cell));
+            target(held.collect()).ok()
+        }
+        other => other.ok(),
+    }
+}
+
 /// Adds to `found` what of `all` hangs together with the cells of `open`.
 fn spread(open: &mut Vec<Cell>, all: &FxHashSet<Cell>, found: &mut FxHashSet<Cell>) {
     while let Some(at) = open.pop() {

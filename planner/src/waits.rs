@@ -2,6 +2,7 @@
 use std::cell::RefCell;
 
 use rustc_hash::FxHashMap;
+use stochc_ir::scene::Scene;
 use stochc_ir::{Cell, Face};
 use stochc_rates::{Parameters, Rates, Wait, around};
 
@@ -18,7 +19,7 @@ pub trait Waits {
 /// The law of rates, with what was measured of a scene if anything was.
 #[derive(Debug)]
 pub struct RateLaw {
-    measured: Option<Rates>,
+    measured: Option<&'static Rates>,
     /// Means that have been asked for before, by layer.
     means: RefCell<FxHashMap<(i32, Face, Window), f64>>,
     /// Mean waits in docking times, by [`step`].
@@ -29,10 +30,6 @@ pub struct RateLaw {
 /// beam took 8,800 and more to close, a pit 10,000.
 const JAM: f64 = 15_000.0;
 
-/// What was found in the built-in scene `hemisphere`.
-const TYPICAL: Parameters =
-    Parameters([-5.6, 0.83, 1.0, 0.48, 0.25, 5.26, -0.32, -0.70, -0.46, 1.11]);
-
 /// Layers above this one are alike.
 const HIGHEST: i32 = 30;
 
@@ -40,8 +37,13 @@ const HIGHEST: i32 = 30;
 const STEPS: f64 = 100.0;
 
 impl RateLaw {
-    /// With what was measured of a scene; where nobody has, what is typical ranks plans, though it may be off by a factor.
-    pub fn new(measured: Option<Rates>) -> RateLaw {
+    /// For a scene; where its rates have not been measured, typical ones rank plans, though they may be off by a factor.
+    pub fn of(scene: &Scene) -> RateLaw {
+        RateLaw::new(Rates::built_in(scene))
+    }
+
+    /// By rates of a scene; `None`: typical ones.
+    pub fn new(measured: Option<&'static Rates>) -> RateLaw {
         RateLaw {
             measured,
             means: RefCell::default(),
@@ -76,9 +78,9 @@ impl RateLaw {
         if window & 1 << across(way) != 0 || sides.filter(|face| is_wall(face)).count() == 4 {
             return JAM;
         }
-        self.mean_of(match &self.measured {
+        self.mean_of(match self.measured {
             Some(rates) => rates.wait(&rates.surroundings(cell, way, is_full, |_| false)),
-            None => TYPICAL.wait(&around(cell, way, is_full, |_| false)),
+            None => Parameters::TYPICAL.wait(&around(cell, way, is_full, |_| false)),
         })
     }
 }
@@ -121,7 +123,8 @@ mod tests {
         // A tower's top, asked for twice, against the law itself.
         let open = mean(Face::Up, &[]);
         let tower = |near: Cell| near == Cell::new(4, 4, 4);
-        let direct = TYPICAL.wait(&around(Cell::new(4, 4, 5), Face::Up, tower, |_| false));
+        let direct =
+            Parameters::TYPICAL.wait(&around(Cell::new(4, 4, 5), Face::Up, tower, |_| false));
         assert!(
             (open / direct.mean() - 1.0).abs() < 0.01,
             "{open} {}",

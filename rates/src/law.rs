@@ -12,7 +12,7 @@ pub struct Surroundings {
     pub density: f64,
     /// Blocks that are free over those that were at the beginning.
     pub free: f64,
-    /// Whether a block or the ground is beside the open cell, across a face or an edge, at right angles to the face's normal.
+    /// Whether a block or the ground is beside the open cell, at right angles to the face's normal.
     pub beside: bool,
     /// Whether one is beside the block that captures, likewise.
     pub beside_parent: bool,
@@ -86,6 +86,13 @@ impl Parameters {
             meaning: "logarithm of its factor for faces open since the first tick",
         },
     ];
+
+    /// What was found in the built-in scene `hemisphere`, to begin with in others.
+    pub const TYPICAL: Parameters =
+        Parameters([-5.6, 0.86, 1.0, 0.50, 0.18, 5.17, -0.26, -0.81, -0.45, 1.40]);
+
+    /// How far scenes are apart from that: a scene of its own has its own rate and docking time, and much the same geometry.
+    pub const SPREAD: [f64; Parameters::COUNT] = [5.0, 0.3, 0.3, 0.3, 0.3, 5.0, 0.3, 0.3, 0.3, 0.5];
 
     /// The numbers that the logarithms of rate and docking time are linear in, of which the number of free blocks has the factor 1.
     pub fn features(

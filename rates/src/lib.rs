@@ -9,7 +9,7 @@ mod surroundings;
 mod wait;
 
 pub use law::{Parameter, Parameters, Surroundings};
-pub use rates::{Coverage, FORGOTTEN, FORMAT, HeadStart, Rates, scene_digest};
+pub use rates::{Coverage, FORGOTTEN, FORMAT, HeadStart, Rates, relative};
 pub use reach::{offsets, unobstructed};
 pub use surroundings::around;
 pub use wait::{STAGES, Wait};

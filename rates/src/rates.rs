@@ -1,7 +1,9 @@
 //! What was measured of a scene.
+use std::sync::LazyLock;
+
 use serde::{Deserialize, Serialize};
 use stochc_ir::scene::Scene;
-use stochc_ir::{Cell, Face, sha256};
+use stochc_ir::{Cell, Face};
 
 use crate::law::{Parameters, Surroundings};
 use crate::surroundings::around;
@@ -13,8 +15,8 @@ use crate::wait::Wait;
 pub struct Rates {
     /// The version of this form.
     pub format: u32,
-    /// Which scene: [`scene_digest`].
-    pub scene: String,
+    /// The scene that they are of.
+    pub scene: Scene,
     /// How it was simulated: the model and its steps.
     pub simulated: String,
     /// The seed of the runs.
@@ -41,6 +43,8 @@ pub struct Rates {
 pub struct HeadStart {
     /// The squared distance from its cell to the open one, in sides.
     pub squared_distance: u32,
+    /// How far it was before the open face, beyond the open cell, in sides; behind it, this is negative.
+    pub before: i32,
     /// The probability that it docks there, if no other does before.
     pub probability: f64,
     /// The mean time in which it does \[tick\].
@@ -61,18 +65,46 @@ pub struct Coverage {
 /// The version of the form of [`Rates`].
 pub const FORMAT: u32 = 1;
 
+/// Rates of built-in scenes, as `stochc calibrate SCENE --out` wrote them.
+const BUILT_IN: [&str; 1] = [include_str!("data/hemisphere.rates")];
+
 /// Ticks after which a released block is one like any other.
 pub const FORGOTTEN: u64 = 150;
 
-/// The name of a scene's numbers: two scenes with one digest behave the same.
-pub fn scene_digest(scene: &Scene) -> String {
-    sha256(scene)
+/// Where a cell is from an open one, to which `way` leads: the squared distance, and how far before the face; `None`: beyond all
+/// numbers.
+pub fn relative(cell: Cell, way: Face, from: Cell) -> Option<(u32, i32)> {
+    let offset = [
+        from.x.checked_sub(cell.x)?,
+        from.y.checked_sub(cell.y)?,
+        from.z.checked_sub(cell.z)?,
+    ];
+    let mut squares = 0_u32;
+    for part in offset {
+        squares = squares.checked_add(part.unsigned_abs().checked_pow(2)?)?;
+    }
+    let before = offset.iter().zip(way.normal()).map(|(a, b)| a * b).sum();
+    Some((squares, before))
 }
 
 impl Rates {
+    /// Those that come with this crate, of a built-in scene; `None`: the scene is another.
+    pub fn built_in(scene: &Scene) -> Option<&'static Rates> {
+        static ALL: LazyLock<Vec<Rates>> = LazyLock::new(|| {
+            let all = BUILT_IN.iter();
+            all.filter_map(|text| Rates::from_text(text).ok()).collect()
+        });
+        ALL.iter().find(|rates| rates.are_of(scene))
+    }
+
     /// Whether they are of this scene.
     pub fn are_of(&self, scene: &Scene) -> bool {
-        self.scene == scene_digest(scene)
+        // What it is called, how many faces a block switches on and what messages do has nothing to do with a wait.
+        let mut alike = scene.clone();
+        alike.name.clone_from(&self.scene.name);
+        alike.block.faces = self.scene.block.faces;
+        alike.messages.clone_from(&self.scene.messages);
+        self.scene == alike
     }
 
     /// Density of the free gas at a layer of cells over the mean; above the measured ones that of the last.
@@ -101,10 +133,12 @@ impl Rates {
         self.parameters.wait(surroundings)
     }
 
-    /// The chance of a released block to dock at a squared distance.
-    pub fn head_start(&self, squared_distance: u32) -> Option<HeadStart> {
-        (self.head_starts.iter())
-            .find(|start| start.squared_distance == squared_distance)
+    /// The chance of a block that was released in the cell `from` to dock at an open cell, to which `way` leads.
+    pub fn head_start(&self, cell: Cell, way: Face, from: Cell) -> Option<HeadStart> {
+        let (squared_distance, before) = relative(cell, way, from)?;
+        let mut known = self.head_starts.iter();
+        known
+            .find(|it| (it.squared_distance, it.before) == (squared_distance, before))
             .copied()
     }
 
@@ -131,7 +165,7 @@ impl Eq for Rates {}
 #[derive(Deserialize)]
 struct Stored {
     format: u32,
-    scene: String,
+    scene: Scene,
     simulated: String,
     seed: u64,
     captures: u64,
@@ -215,3 +249,42 @@ const MOST_LAYERS: usize = 1000;
 
 /// Squared distances of head starts, at most.
 const MOST_HEAD_STARTS: usize = 100;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_shipped_is_read_and_comes_out_again() {
+        for text in BUILT_IN {
+            let rates = Rates::from_text(text).expect("it is sound");
+            assert_eq!(rates.to_text(), text);
+            let renamed = Scene {
+                name: "another".to_owned(),
+                ..rates.scene.clone()
+            };
+            assert_eq!(Rates::built_in(&renamed), Some(&rates));
+            let mut denser = renamed;
+            denser.free.count += 1;
+            assert_eq!(Rates::built_in(&denser), None);
+        }
+    }
+
+    #[test]
+    fn what_makes_no_sense_is_refused() {
+        let sound = Rates::from_text(BUILT_IN[0]).expect("it is sound");
+        let spoilt: [fn(&mut Rates); 6] = [
+            |rates| rates.format += 1,
+            |rates| rates.parameters.0[3] = 1e300,
+            |rates| rates.profile.clear(),
+            |rates| rates.profile[0] = -1.0,
+            |rates| rates.covariance.truncate(7),
+            |rates| rates.head_starts[0].probability = 1.5,
+        ];
+        for spoil in spoilt {
+            let mut rates = sound.clone();
+            spoil(&mut rates);
+            assert!(Rates::from_text(&rates.to_text()).is_err());
+        }
+    }
+}

@@ -27,6 +27,20 @@ impl Wait {
         self.rate * self.docking * summed(ticks / self.docking)
     }
 
+    /// By how much the summed hazard and the logarithm of the hazard grow with the logarithm of the docking time.
+    pub fn docking_slopes(self, ticks: f64) -> (f64, f64) {
+        let time = ticks / self.docking;
+        let x = f64::from(STAGES) * time;
+        let dock = docked(time);
+        let summed = self.rate * self.docking * (summed(time) - time * dock);
+        // d G / d ln x = x^2 e^-x with two stages.
+        let hazard = match x < 1e-3 {
+            true => -2.0,
+            false => -x * x * libm::exp(-x) / dock,
+        };
+        (summed, hazard)
+    }
+
     /// The time at which the summed hazard has come to a value \[tick\].
     pub fn time_of(self, cumulative_hazard: f64) -> f64 {
         self.docking * when_summed(cumulative_hazard / (self.rate * self.docking))
@@ -150,6 +164,30 @@ mod tests {
                 - WAIT.cumulative_hazard(ticks - step))
                 / (2.0 * step);
             assert!((slope / WAIT.hazard(ticks) - 1.0).abs() < 1e-4, "{ticks}");
+        }
+    }
+
+    #[test]
+    fn slopes_are_differences() {
+        for ticks in [0.01, 20.0, 200.0, 5000.0] {
+            let step: f64 = 1e-5;
+            let with = |factor: f64| Wait {
+                docking: WAIT.docking * libm::exp(factor),
+                ..WAIT
+            };
+            let (more, less) = (with(step), with(-step));
+            let summed =
+                (more.cumulative_hazard(ticks) - less.cumulative_hazard(ticks)) / (2.0 * step);
+            let hazard = libm::log(more.hazard(ticks) / less.hazard(ticks)) / (2.0 * step);
+            let slopes = WAIT.docking_slopes(ticks);
+            assert!(
+                (slopes.0 - summed).abs() <= 1e-4 * summed.abs() + 1e-12,
+                "{ticks}: {slopes:?} {summed}"
+            );
+            assert!(
+                (slopes.1 - hazard).abs() < 1e-3,
+                "{ticks}: {slopes:?} {hazard}"
+            );
         }
     }
 

@@ -5,6 +5,7 @@
 //! nothing by themselves.
 mod analysis;
 pub mod ensemble_report;
+pub mod estimate;
 pub mod export;
 pub mod figures;
 pub mod replay;

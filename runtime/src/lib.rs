@@ -11,6 +11,8 @@ mod run;
 mod settings;
 pub mod world;
 
+pub use stochc_rates as rates;
+
 pub use run::{RunError, Watch, drive, observe, run};
 pub use settings::{Model, Precision, Reduction, Settings, Substeps};
 

@@ -10,6 +10,7 @@ use crate::control::Controller;
 use crate::observe::{Event, Lookout, Observer};
 use crate::settings::{Model, Settings};
 use crate::world::rapier::RapierWorld;
+use crate::world::rate::RateWorld;
 use crate::world::rigid::RigidWorld;
 use crate::world::shuffle::ShuffleWorld;
 use crate::world::{Arena, SceneError, World};
@@ -39,8 +40,8 @@ pub enum RunError {
     Scene(SceneError),
     /// The [`Watch`] ended it.
     Cancelled,
-    /// [`Model::Shuffle`] has no places to look at.
-    Nowhere,
+    /// The model has no places to look at.
+    Nowhere(Model),
 }
 
 impl std::fmt::Display for RunError {
@@ -48,8 +49,10 @@ impl std::fmt::Display for RunError {
         match self {
             RunError::Scene(error) => error.fmt(f),
             RunError::Cancelled => f.write_str("the run was cancelled"),
-            RunError::Nowhere => f.write_str(
-                "the model `shuffle` has no places to look at; `--model rigid` has them",
+            RunError::Nowhere(model) => write!(
+                f,
+                "the model `{}` has no places to look at; `--model rigid` has them",
+                model.name()
             ),
         }
     }
@@ -87,6 +90,10 @@ pub fn run(
         }
         Model::Rigid => {
             let mut world = RigidWorld::new(scene, &tables.plate, settings, seed, run)?;
+            drive(tables, messages, &mut world, limit, (seed, run), watch)
+        }
+        Model::Rate => {
+            let mut world = RateWorld::new(tables, scene, &settings.rates, seed, run)?;
             drive(tables, messages, &mut world, limit, (seed, run), watch)
         }
         Model::Shuffle => {
@@ -130,7 +137,7 @@ pub fn observe(
             let world = RigidWorld::new(scene, &tables.plate, settings, seed, run)?;
             look(tables, scene, world, settings, key, watch, observer)
         }
-        Model::Shuffle => Err(RunError::Nowhere),
+        Model::Rate | Model::Shuffle => Err(RunError::Nowhere(settings.model)),
     }
 }
 
@@ -217,6 +224,10 @@ fn follow<'t, W: World>(
         }
         if watch.tick(tick, phase).is_break() {
             return Err(RunError::Cancelled);
+        }
+        // The next step makes one of these ticks.
+        if let Some(last) = controller.next_due(max_ticks).checked_sub(1) {
+            world.skip(last);
         }
         dockings.clear();
         if let Err(fault) = world.step(&mut dockings) {

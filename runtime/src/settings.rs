@@ -1,6 +1,8 @@
 //! How a run is computed: the model and its accuracy, which are never the scene's.
 use serde::{Deserialize, Serialize};
 use stochc_ir::scene::{Bond, Scene};
+use stochc_ir::sha256;
+use stochc_rates::Rates;
 
 /// Everything about a run that is neither in the program nor in the scene.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -28,6 +30,9 @@ pub struct Settings {
     /// What `rigid` leaves out, though the scene has it; `None`: nothing.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reduction: Option<Reduction>,
+    /// Of [`Model::Rate`], what was measured of the scenes, but for those of which [`Rates::built_in`] are meant.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub rates: Vec<Rates>,
     /// Ticks after which a run is given up; `None`, the default: never.
     pub max_ticks: Option<u64>,
 }
@@ -112,6 +117,8 @@ pub enum Model {
     Rigid,
     /// The same by the engine Rapier, in single precision: a second opinion.
     Rapier,
+    /// No motion: waits are drawn by rates that were measured with `rigid`.
+    Rate,
     /// No physics: one random capture a tick. It tests protocols; its times mean nothing.
     Shuffle,
 }
@@ -143,13 +150,19 @@ pub enum Reduction {
 
 impl Model {
     /// All of them, the default first.
-    pub const ALL: [Model; 3] = [Model::Rigid, Model::Rapier, Model::Shuffle];
+    pub const ALL: [Model; 4] = [Model::Rigid, Model::Rapier, Model::Rate, Model::Shuffle];
+
+    /// Whether blocks have places, and move.
+    pub const fn has_places(self) -> bool {
+        matches!(self, Model::Rigid | Model::Rapier)
+    }
 
     /// Its name on the command line and in a manifest.
     pub const fn name(self) -> &'static str {
         match self {
             Model::Rapier => "rapier",
             Model::Rigid => "rigid",
+            Model::Rate => "rate",
             Model::Shuffle => "shuffle",
         }
     }
@@ -212,6 +225,7 @@ impl Settings {
             solver_iterations: None,
             precision: Precision::Single,
             reduction: None,
+            rates: Vec::new(),
             max_ticks: None,
         }
     }
@@ -247,7 +261,7 @@ impl Settings {
     pub fn iterations(&self) -> u32 {
         let usual = match self.model {
             Model::Rapier => 4,
-            Model::Rigid | Model::Shuffle => ROUNDS,
+            Model::Rigid | Model::Rate | Model::Shuffle => ROUNDS,
         };
         self.solver_iterations.unwrap_or(usual).max(1)
     }
@@ -267,6 +281,10 @@ impl Settings {
     pub fn differences(&self, other: &Settings) -> Vec<(&'static str, String, String)> {
         let limit = |of: &Settings| of.max_ticks.map_or("none".to_owned(), |n| n.to_string());
         let reduction = |of: &Settings| of.reduction.map_or("none", Reduction::name).to_owned();
+        let rates = |of: &Settings| match of.rates.as_slice() {
+            [] => "none".to_owned(),
+            rates => sha256(&rates)[..8].to_owned(),
+        };
         let values = |of: &Settings| {
             [
                 ("the model", of.model.name().to_owned()),
@@ -275,6 +293,7 @@ impl Settings {
                 ("`solver-iterations`", of.iterations().to_string()),
                 ("`precision`", of.precision.name().to_owned()),
                 ("`reduce`", reduction(of)),
+                ("the rates", rates(of)),
             ]
         };
         let pairs = values(self).into_iter().zip(values(other));

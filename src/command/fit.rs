@@ -7,24 +7,22 @@ use stochc_compiler::LintLevels;
 use stochc_ensemble::fit::{
     Design, Emulator, Fit, Measured, Observed, Posterior, Prior, Simulated, Unit,
 };
-use stochc_ensemble::{
-    Cancelled, Destination, Manifest, Program, Progress, Watch, completion_time, run as run_all,
-};
+use stochc_ensemble::{Manifest, Program, completion_time};
 use stochc_files::atomic::Replaces;
 use stochc_files::budget::TIMES;
 use stochc_files::read_file;
 use stochc_report::figures::fit as fit_figure;
 use stochc_report::tables::fit_to_text;
-use stochc_runtime::{Settings, Substeps, run as run_once};
+use stochc_runtime::{Settings, Substeps};
 
 use super::imports::ImportOptions;
+use super::in_memory::all_runs;
 use super::interrupt::stop_on_interrupt;
 use super::levels::LevelOptions;
-use super::progress::{Display, of_ensemble};
 use super::results::Form;
 use super::simulate::{at_point, programs, share_tables};
 use super::terminal::{output_width, print, warn};
-use super::trade::{claim, threads};
+use super::trade::claim;
 use crate::exit::{Exit, Failure};
 
 /// What `fit` is given.
@@ -264,29 +262,14 @@ fn simulated(
         ..Settings::default().with_steps(options.substeps)
     };
     let manifest = Manifest::new(settings, seed, options.runs, entries);
-    let progress = Progress::new(&manifest, threads(options.threads));
     let points = design.points.len();
-    let simulate = |entry: usize, number, watch: &Watch| {
-        let program = &manifest.programs[entry];
-        let mut told = |tick, phase| watch.tick(tick, phase);
-        // Points and programs that shared their kicks would share their errors as well.
-        let seed = seed.wrapping_add(entry as u64);
-        let (tables, scene) = (program.tables(), &program.scene);
-        let record = run_once(tables, scene, &manifest.settings, seed, number, &mut told);
-        record.map_err(|_| Cancelled)
-    };
-    let state = |elapsed| of_ensemble(&manifest, &progress, elapsed);
-    let display = Display::on_standard_error(options.quiet);
-    let destination = Destination::Memory(&manifest);
-    let results = display
-        .during(state, || run_all(destination, &progress, stop, simulate))
-        .map_err(Failure::usage)?;
-    if !results.complete {
-        return Err(Failure {
-            exit: Exit::Interrupted,
-            message: "stopped; nothing was fitted\n".to_owned(),
-        });
-    }
+    let results = all_runs(
+        &manifest,
+        options.threads,
+        options.quiet,
+        stop,
+        "nothing was fitted",
+    )?;
     let mut found: Vec<Vec<Simulated>> = vec![Vec::new(); measured.len()];
     let mut stopped = 0;
     for (entry, program) in manifest.programs.iter().enumerate() {

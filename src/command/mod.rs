@@ -1,13 +1,16 @@
 //! One module for each subcommand, and what they share.
+pub mod calibrate;
 pub mod check;
 mod chosen_run;
 pub mod compile;
 pub mod completions;
+pub mod estimate;
 pub mod explain;
 pub mod export;
 pub mod fit;
 pub mod fmt;
 mod imports;
+mod in_memory;
 pub(crate) mod interrupt;
 pub mod levels;
 pub mod lsp;

@@ -7,7 +7,11 @@ use stochc_ensemble::sweep::Sweep;
 use stochc_ensemble::text::visible;
 use stochc_ensemble::{Comparison, Finished, Folder, Manifest, captures};
 use stochc_files::shell::file as shell_file;
-use stochc_report::tables::{captures_to_text, comparison_to_text, pairs_to_text, sweep_to_text};
+use stochc_report::tables::{
+    KNOWN_BIAS, captures_to_text, comparison_to_text, pairs_to_text, sweep_to_text,
+};
+use stochc_report::text::paragraph;
+use stochc_runtime::Model;
 
 use super::terminal::{output_width, print, warn};
 use crate::exit::{Exit, Failure};
@@ -103,6 +107,9 @@ pub fn show(manifest: &Manifest, finished: &[Finished], shown: &Shown) -> Result
                 None => comparison_to_text(&comparison, width),
                 Some(sweep) => sweep_to_text(&sweep, width) + &pairs_to_text(&comparison, width),
             })?;
+            if manifest.settings.model == Model::Rate {
+                print(&format!("\n{}", paragraph(KNOWN_BIAS, width)))?;
+            }
             if shown.bonds {
                 for (number, program) in manifest.programs.iter().enumerate() {
                     print(&format!(

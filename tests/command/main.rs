@@ -23,6 +23,7 @@ mod manifest;
 mod manual;
 mod physical;
 mod plan;
+mod rates;
 mod refused;
 mod results;
 mod scene;

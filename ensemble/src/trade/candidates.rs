@@ -42,6 +42,7 @@ pub fn candidates(finest: u32) -> Vec<Settings> {
     // Rapier's are internal steps that cost as much each: a quarter, and twice the default.
     rungs.extend([1, 8].map(|iterations| with(rapier(1), iterations)));
     rungs.extend(doubled().skip(1).map(rapier));
+    rungs.push(Settings::of(Model::Rate, 1));
     rungs
 }
 
@@ -61,6 +62,9 @@ pub fn refines(settings: &Settings) -> bool {
 
 /// The rung in few letters: `rigid 2`, `rapier 1 iterations 8`, `rigid 1 no-friction`.
 pub fn short(settings: &Settings) -> String {
+    if settings.model == Model::Rate {
+        return settings.model.name().to_owned();
+    }
     let mut text = format!("{} {}", settings.model.name(), settings.steps());
     if let Some(iterations) = settings.solver_iterations {
         text += &format!(" iterations {iterations}");
@@ -76,6 +80,9 @@ pub fn short(settings: &Settings) -> String {
 
 /// The rung as options of `simulate`.
 pub fn flags(settings: &Settings) -> String {
+    if settings.model == Model::Rate {
+        return format!("--model {}", settings.model.name());
+    }
     let mut text = format!(
         "--model {} --substeps {}",
         settings.model.name(),

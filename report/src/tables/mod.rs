@@ -1,12 +1,16 @@
 //! Tables for a terminal.
 mod captures;
 mod comparison;
+mod estimate;
 mod fit;
+mod rates;
 mod sweep;
 mod trade;
 
 pub use captures::captures_to_text;
 pub use comparison::{comparison_to_text, pairs_to_text};
+pub use estimate::estimates_to_text;
 pub use fit::fit_to_text;
+pub use rates::{KNOWN_BIAS, rates_to_text};
 pub use sweep::sweep_to_text;
 pub use trade::trade_to_text;

@@ -104,6 +104,17 @@ impl<'t> Controller<'t> {
         timeout.is_some_and(|timeout| self.recorder.tick - self.phase_began >= timeout)
     }
 
+    /// The first tick at which something is due, whatever the world does: a message, the end of the time of the phase, or
+    /// `max_ticks`.
+    pub(crate) fn next_due(&self, max_ticks: Option<u64>) -> u64 {
+        let timeout = self
+            .phase()
+            .and_then(|phase| self.tables.phases[phase.0 as usize].timeout);
+        let timeout = timeout.map(|timeout| self.phase_began.saturating_add(timeout));
+        let dues = [timeout, max_ticks, self.recorder.network.next_due()];
+        dues.into_iter().flatten().min().unwrap_or(u64::MAX)
+    }
+
     /// Why the run cannot go on, if so.
     pub fn fault(&self) -> Option<&str> {
         self.fault.as_deref()

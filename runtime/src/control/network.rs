@@ -78,6 +78,15 @@ impl Network {
         }
     }
 
+    /// When something is due next.
+    pub fn next_due(&self) -> Option<u64> {
+        let first = |queue: &VecDeque<Transfer>| queue.front().map(|transfer| transfer.due);
+        [first(&self.under_way), first(&self.reminders)]
+            .into_iter()
+            .flatten()
+            .min()
+    }
+
     /// Takes the next message that has arrived by `tick`, with its last hop: from whom, and where it is.
     pub fn due(&mut self, tick: u64, log: &mut Log) -> Option<(Body, Body, Message)> {
         loop {

@@ -31,6 +31,8 @@ pub enum Stream {
     Eddy = 4,
     /// Brownian motion: two blocks of words for one block of the scene in one step of the model.
     Heat = 5,
+    /// The world of rates: its n-th draw is step n.
+    Rate = 6,
 }
 
 /// The draws of one stream of one run.

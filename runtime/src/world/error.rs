@@ -36,6 +36,8 @@ pub enum SceneError {
         /// How many substeps resolve it.
         substeps: u64,
     },
+    /// Nobody has measured the rates of the scene.
+    NoRates,
     /// `stochc` was built without a term that the scene has.
     NotBuilt {
         /// Which: a feature of this crate.
@@ -74,6 +76,9 @@ impl std::fmt::Display for SceneError {
                     f,
                     "{what} is {value:e} in block units, which cannot be simulated"
                 )
+            }
+            SceneError::NoRates => {
+                f.write_str("there are no rates of this scene; `stochc calibrate` measures them")
             }
             SceneError::NotBuilt { term } => write!(
                 f,

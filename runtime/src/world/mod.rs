@@ -9,9 +9,12 @@ mod external_forces;
 mod free_bonds;
 mod groups;
 mod initial_state;
+mod lattice;
 mod motion_limits;
 mod parameters;
+mod ranked;
 pub mod rapier;
+pub mod rate;
 mod real;
 pub mod rigid;
 pub mod rotation;
@@ -78,6 +81,10 @@ pub trait World {
     fn largest_group(&self) -> u32 {
         1
     }
+
+    /// Lets time pass up to tick `last` at most while nothing can dock, where the model knows when that is; the step after it may
+    /// dock something.
+    fn skip(&mut self, _last: u64) {}
 
     /// Advances one tick and adds what docked in it to `dockings`, in a reproducible order.
     ///

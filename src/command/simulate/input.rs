@@ -1,5 +1,7 @@
 //! Files or a manifest to programs that are ready to run.
 
+use std::sync::atomic::AtomicBool;
+
 use stochc_compiler::{Checked, LintLevels};
 use stochc_ensemble::{Manifest, OLDEST, Program, Source, Varied, this_build};
 use stochc_files::budget::MANIFEST;
@@ -7,20 +9,20 @@ use stochc_files::programs::{executables, refusal};
 use stochc_files::read_file;
 use stochc_ir::Executable;
 use stochc_ir::scene::scalars::Change;
-use stochc_runtime::Settings;
+use stochc_runtime::{Model, Settings};
 
 use super::super::check::verdict;
 use super::super::imports::ImportOptions;
 use super::super::terminal::{has_colour, message_width, told, warn_drawn};
-use super::{Options, older_manifest, sweep, tell_of_build};
+use super::{Options, older_manifest, rates, sweep, tell_of_build};
 use crate::diagnostics::drawn;
 use crate::exit::Failure;
 
 /// The manifest of what is asked for.
-pub fn prepare(options: &Options) -> Result<Manifest, Failure> {
+pub fn prepare(options: &Options, stop: &AtomicBool) -> Result<Manifest, Failure> {
     match &options.manifest {
         Some(path) => from_manifest(path, &options.levels.levels),
-        None => from_files(options),
+        None => from_files(options, stop),
     }
 }
 
@@ -52,7 +54,7 @@ fn read(file: &str, levels: &LintLevels, imports: &ImportOptions) -> Result<Vec<
     }
 }
 
-fn from_files(options: &Options) -> Result<Manifest, Failure> {
+fn from_files(options: &Options, stop: &AtomicBool) -> Result<Manifest, Failure> {
     let mut programs = programs(&options.files, &options.levels.levels, &options.imports)?;
     if !options.sweep.is_empty() {
         programs = sweep::points(options, &programs)?;
@@ -65,7 +67,15 @@ fn from_files(options: &Options) -> Result<Manifest, Failure> {
         max_ticks: Some(options.max_ticks),
         ..Settings::default().with_steps(options.substeps)
     };
-    let settings = settings.resolved();
+    let mut settings = settings.resolved();
+    if settings.model == Model::Rate {
+        settings.rates = rates::of_scenes(
+            &options.rates,
+            &programs,
+            (options.threads, options.quiet),
+            stop,
+        )?;
+    }
     let manifest = Manifest::new(settings, options.seed, options.runs, programs);
     manifest.within_limits().map_err(Failure::usage)?;
     Ok(manifest)

@@ -4,6 +4,7 @@ mod completion_curves;
 mod input;
 mod older_manifest;
 mod options;
+mod rates;
 mod record;
 mod single;
 mod sweep;
@@ -13,10 +14,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use stochc_ir::table::{Action, Tables};
 use stochc_ir::visible;
-use stochc_runtime::{Model, RunError, Settings, run as run_once};
+use stochc_runtime::{RunError, Settings, run as run_once};
 
 pub(super) use input::programs;
 pub use options::Options;
+pub(super) use rates::of_scenes as rates_of_scenes;
 pub(super) use record::begin;
 pub(super) use sweep::{at_point, files as sweep_files, share_tables};
 
@@ -42,23 +44,23 @@ use stochc_ensemble::run as run_all;
 
 /// Runs programs many times, or one of their runs alone.
 pub fn run(options: &Options) -> Result<Exit, Failure> {
-    let mut manifest = input::prepare(options)?;
+    let stop = stop_on_interrupt()?;
+    let mut manifest = input::prepare(options, stop)?;
     if let Some(run) = (options.record.as_ref()).and_then(|runs| runs.beyond(manifest.runs)) {
         return Err(Failure::usage(format!(
             "--record: {}",
             manifest.no_such_run(run)
         )));
     }
-    let stop = stop_on_interrupt()?;
     if let Some(accuracy) = options.accuracy {
         accuracy::settle(options, accuracy, &mut manifest, stop)?;
     }
     // Also about a setting that was found.
     accuracy::comment(options, &manifest)?;
-    if options.record.is_some() && manifest.settings.model == Model::Shuffle {
+    if options.record.is_some() && !manifest.settings.model.has_places() {
         return Err(Failure::usage(format!(
             "nothing to record: {}",
-            RunError::Nowhere
+            RunError::Nowhere(manifest.settings.model)
         )));
     }
     for program in &manifest.programs {
@@ -73,7 +75,7 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
 }
 
 /// Sets a scene up once, so that one that cannot be is told of before the first run.
-fn try_out(program: &Program, settings: &Settings) -> Result<(), RunError> {
+pub(super) fn try_out(program: &Program, settings: &Settings) -> Result<(), RunError> {
     let mut stop = |_, _| std::ops::ControlFlow::Break(());
     match run_once(program.tables(), &program.scene, settings, 0, 0, &mut stop) {
         Err(RunError::Scene(error)) => Err(error.into()),
@@ -97,7 +99,7 @@ fn grows_upwards(tables: &Tables) -> bool {
 /// Says what the steps of a model do not resolve in the scenes of programs, and what their blocks do not
 /// reach: each doubt once, with how many other programs share it.
 fn tell_of_doubts(manifest: &Manifest) {
-    if manifest.settings.model == Model::Shuffle {
+    if !manifest.settings.model.has_places() {
         return;
     }
     let mut found: Vec<(&str, SceneWarning, usize)> = Vec::new();

@@ -35,6 +35,9 @@ pub struct Options {
     /// Physical model
     #[arg(long, default_value = "rigid")]
     pub model: ModelName,
+    /// Rates of scenes, by `stochc calibrate --out`, for `--model rate`; scenes that no file is about are measured first
+    #[arg(long, value_name = "FILE.rates", conflicts_with = "manifest")]
+    pub rates: Vec<PathBuf>,
     /// Steps of the model in each tick: more are more accurate and slower; `1/8`: one, and eight for
     /// blocks near magnetized faces
     #[arg(long, value_name = "STEPS", default_value_t = Substeps::DEFAULT)]
@@ -107,6 +110,8 @@ pub enum ModelName {
     Rapier,
     /// Rigid bodies by our own kernel, fast for many blocks that rarely touch
     Rigid,
+    /// No motion: waits drawn by rates that were measured with `rigid`, thousands of times faster
+    Rate,
     /// No physics: one random capture in each tick, to try out event tables
     Shuffle,
 }
@@ -158,6 +163,7 @@ impl From<ModelName> for Model {
         match name {
             ModelName::Rapier => Model::Rapier,
             ModelName::Rigid => Model::Rigid,
+            ModelName::Rate => Model::Rate,
             ModelName::Shuffle => Model::Shuffle,
         }
     }

@@ -5,6 +5,7 @@ use stochc_runtime::Model;
 use super::common::inside;
 use crate::analysis::subject::Input;
 use crate::ensemble_report::html::{code, name};
+use crate::tables::KNOWN_BIAS;
 
 /// What a reader has to know before believing anything, in HTML.
 pub(super) fn warnings(input: &Input) -> Vec<String> {
@@ -29,6 +30,9 @@ pub(super) fn warnings(input: &Input) -> Vec<String> {
             "{path} was made with the model <code>shuffle</code>, which has no physics: its times \
              mean nothing."
         ));
+    }
+    if manifest.settings.model == Model::Rate {
+        found.push(format!("{path}: {}", name(KNOWN_BIAS)));
     }
     if let Some(reduction) = manifest.settings.reduction {
         found.push(format!(

@@ -1,0 +1,129 @@
+#!/usr/bin/env python3
+"""How far runs by rates are off from runs with physics: programs that no calibration has seen, in the default scene and in others.
+
+`run.py STOCHC FOLDER [RUNS]` makes RUNS runs (100) of each program of this folder with the model `rigid`, and of some of them in five other
+scenes (60), and writes the tables of docs/rates.md. Runs that the folder has already are not made again.
+"""
+import itertools
+import json
+import math
+import pathlib
+import subprocess
+import sys
+
+HERE = pathlib.Path(__file__).resolve().parent
+SCENES = {
+    "half": ("half as many blocks", "free 150 uniform"),
+    "double": ("twice as many blocks", "free 600 uniform"),
+    "calm": ("kicks of three quarters", "agitation kicks { speed 0 .. 0.6 m/s }"),
+    "weak": ("a pull of two thirds", "bond attract { pull 12 N within 20cm  align 0.803 N within 10cm  anchor centres 1mm tilt 26 deg }"),
+    "small": ("a radius of 4 m", "enclosure hemisphere { radius 4m  wall 250 N/m }"),
+}
+ELSEWHERE = ["bridge", "chimney", "gallows", "hand_over", "ring_of_posts", "comb"]
+SEED, RATE_SEED, RATE_RUNS, MAX_TICKS = 9001, 77, 2000, 100000
+
+
+def run(*command):
+    done = subprocess.run([str(word) for word in command], capture_output=True, text=True)
+    if done.returncode not in (0, 3):
+        raise SystemExit(f"{command}: {done.stderr}")
+
+
+def records(folder):
+    with open(folder / "journal.jsonl") as file:
+        lines = (json.loads(line) for line in file)
+        return [line["record"] for line in lines if "record" in line]
+
+
+def simulate(stochc, program, folder, *options):
+    resume = ["--resume"] if folder.exists() else []
+    run(stochc, "simulate", program, "--max-ticks", MAX_TICKS, "--quiet", "--out", folder, *options, *resume)
+    return records(folder)
+
+
+class Times:
+    def __init__(self, runs):
+        values = sorted(run["ticks"] for run in runs)
+        n = len(values)
+        self.values, self.n, self.mean = values, n, sum(values) / n
+        self.sd = math.sqrt(sum((value - self.mean) ** 2 for value in values) / (n - 1))
+        self.half = 1.96 * self.sd / math.sqrt(n)
+        self.median, self.p90 = values[n // 2], values[min(n - 1, int(0.9 * n))]
+        self.stopped = sum(run["outcome"]["kind"] != "completed" for run in runs)
+
+
+def ranks(values):
+    return [sum(other < value for other in values) + (values.count(value) - 1) / 2 for value in values]
+
+
+def correlation(a, b):
+    mean_a, mean_b = sum(a) / len(a), sum(b) / len(b)
+    both = sum((x - mean_a) * (y - mean_b) for x, y in zip(a, b))
+    squares = sum((x - mean_a) ** 2 for x in a) * sum((y - mean_b) ** 2 for y in b)
+    return both / math.sqrt(squares) if squares else math.nan
+
+
+def waits(runs):
+    sums = {}
+    for record in runs:
+        for bond in record["bonds"]:
+            key = (bond["phase"], bond["parent"], bond["face"], bond["child"])
+            total, n = sums.get(key, (0, 0))
+            sums[key] = (total + bond["docked"] - bond["magnetized"], n + 1)
+    return {key: total / n for key, (total, n) in sums.items()}
+
+
+def compare(rows):
+    """A table of programs, and what all of them say."""
+    print("| program | `rigid`, ticks | by rates | mean | median | 90 % | waits, rank correlation |\n|---|--:|--:|--:|--:|--:|--:|")
+    errors, pairs = [], []
+    for name, (physics, physics_runs), (rate, rate_runs) in rows:
+        ours, theirs = waits(rate_runs), waits(physics_runs)
+        both = [key for key in theirs if key in ours]
+        rank = correlation(ranks([theirs[key] for key in both]), ranks([ours[key] for key in both])) if len(both) > 2 else math.nan
+        off = [rate.mean / physics.mean - 1, rate.median / physics.median - 1, rate.p90 / physics.p90 - 1]
+        errors.append(off)
+        pairs.append((physics, rate))
+        shown = " | ".join(f"{100 * value:+.1f} %" for value in off)
+        print(f"| {name} | {physics.mean:.0f} ± {physics.half:.0f} | {rate.mean:.0f} | {shown} | {rank:.2f} |", flush=True)
+    for place, what in enumerate(["mean", "median", "90 % quantile"]):
+        size = [abs(error[place]) for error in errors]
+        print(f"- {what}: off by {100 * sum(size) / len(size):.1f} % on average, {100 * max(size):.1f} % at most, "
+              f"{100 * sum(error[place] for error in errors) / len(errors):+.1f} % in the mean")
+    means = [(a.mean, b.mean) for a, b in pairs]
+    print(f"- rank correlation of the means: {correlation(ranks([a for a, _ in means]), ranks([b for _, b in means])):.3f}")
+    apart = right = 0
+    for (a, x), (b, y) in itertools.combinations(pairs, 2):
+        if abs(a.mean - b.mean) > 1.96 * math.hypot(a.sd / math.sqrt(a.n), b.sd / math.sqrt(b.n)):
+            apart += 1
+            right += (a.mean < b.mean) == (x.mean < y.mean)
+    print(f"- pairs of programs that differ significantly: {apart}, of which {right} are in order")
+
+
+def main():
+    stochc, folder = sys.argv[1], pathlib.Path(sys.argv[2])
+    runs = sys.argv[3] if len(sys.argv) > 3 else "100"
+    folder.mkdir(parents=True, exist_ok=True)
+
+    def both(program, name, n, rates):
+        physics = simulate(stochc, program, folder / name, "--runs", n, "--seed", SEED)
+        by_rates = simulate(stochc, program, folder / f"{name}-rate", "--model", "rate", "--runs", RATE_RUNS, "--seed", RATE_SEED, *rates)
+        return (Times(physics), physics), (Times(by_rates), by_rates)
+
+    print("\nthe default scene\n")
+    compare([(program.stem, *both(program, program.stem, runs, [])) for program in sorted(HERE.glob("*.sa"))])
+    for name, (what, clause) in SCENES.items():
+        print(f"\n{what}\n")
+        rates = folder / f"{name}.rates"
+        rows = []
+        for stem in ELSEWHERE:
+            text = (HERE / f"{stem}.sa").read_text().replace(f"assembly {stem} {{", f"assembly {stem} in {name} {{")
+            program = folder / f"{name}-{stem}.sa"
+            program.write_text(f"scene {name} from hemisphere {{ {clause} }}\n{text}")
+            if not rates.exists():
+                run(stochc, "calibrate", program, "--out", rates, "--quiet")
+            rows.append((stem, *both(program, program.stem, "60", ["--rates", rates])))
+        compare(rows)
+
+
+main()

@@ -1,0 +1,54 @@
+//! The free gas, where nobody captures.
+use stochc_ir::scene::Scene;
+use stochc_ir::table::Plate;
+use stochc_runtime::Settings;
+use stochc_runtime::world::rigid::RigidWorld;
+use stochc_runtime::world::{Arena as _, SceneError, World as _};
+
+/// Ticks that the blocks need to forget that they began at rest.
+const WARM_UP: u64 = 500;
+
+/// Ticks that are looked at, and between two looks.
+const TICKS: u64 = 4000;
+const EVERY: u64 = 5;
+
+/// Half of the width of the column over the plate that is looked at, in sides.
+const HALF_WIDTH: f64 = 6.0;
+
+/// Layers of one side that are looked at, at most.
+const LAYERS: usize = 64;
+
+/// The density of free blocks over the plate in each layer of cells, over the mean of the layers that there are.
+///
+/// # Errors
+/// When the scene cannot be set up.
+pub fn profile(scene: &Scene, settings: &Settings, seed: u64) -> Result<Vec<f64>, SceneError> {
+    let plate = Plate { width: 3, depth: 3 };
+    let mut world = RigidWorld::new(scene, &plate, settings, seed, 0)?;
+    let mut layers = vec![0_u64; LAYERS];
+    let mut dockings = Vec::new();
+    while world.tick() < WARM_UP + TICKS {
+        if world.step(&mut dockings).is_err() {
+            break;
+        }
+        if world.tick() > WARM_UP && world.tick().is_multiple_of(EVERY) {
+            for block in 0..world.count() {
+                let at = world.state(block).position;
+                let inside = at.x.abs() < HALF_WIDTH && at.y.abs() < HALF_WIDTH && at.z >= 0.0;
+                if let Some(layer) = layers.get_mut(at.z as usize).filter(|_| inside) {
+                    *layer += 1;
+                }
+            }
+        }
+    }
+    let highest = layers
+        .iter()
+        .rposition(|count| *count > 0)
+        .map_or(1, |last| last + 1);
+    layers.truncate(highest);
+    let mean = layers.iter().sum::<u64>() as f64 / highest as f64;
+    Ok(layers
+        .iter()
+        .map(|count| *count as f64 / mean.max(1.0))
+        .collect())
+}

@@ -1,0 +1,213 @@
+//! The waits of a run, each with what was around it, piece by piece.
+use std::collections::{BTreeMap, BTreeSet};
+
+use stochc_ir::record::RunRecord;
+use stochc_ir::{Cell, Face};
+use stochc_rates::{FORGOTTEN, Surroundings, around};
+
+/// How far a face sees along each axis, in sides.
+const SIGHT: u32 = 2;
+
+/// Squared distance in sides within which a block that is let go has a head start, at most.
+pub(super) const NEAR: u32 = 8;
+
+/// What happened in a run, in the order of time.
+#[derive(Debug)]
+pub(super) struct History {
+    /// Blocks that came and went: when, where, which, and whether it came.
+    pub moves: Vec<Move>,
+    pub waits: Vec<WaitingFace>,
+}
+
+/// A block came into a cell, or left it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Move {
+    pub tick: u64,
+    pub cell: Cell,
+    pub body: u32,
+    pub came: bool,
+}
+
+/// A face that was open.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct WaitingFace {
+    pub cell: Cell,
+    pub way: Face,
+    pub since: u64,
+    pub until: u64,
+    /// The block that it captured; `None`: the run ended before.
+    pub captured: Option<u32>,
+}
+
+impl History {
+    /// What a record says.
+    pub fn of(record: &RunRecord) -> History {
+        let mut moves: Vec<Move> = Vec::new();
+        let mut waits = Vec::new();
+        for bond in &record.bonds {
+            moves.push(Move {
+                tick: bond.docked,
+                cell: bond.cell,
+                body: bond.body,
+                came: true,
+            });
+            waits.push(WaitingFace {
+                cell: bond.cell,
+                way: bond.face,
+                since: bond.magnetized,
+                until: bond.docked,
+                captured: Some(bond.body),
+            });
+        }
+        for wait in &record.waiting {
+            waits.push(WaitingFace {
+                cell: wait.cell,
+                way: wait.face,
+                since: wait.magnetized,
+                until: record.ticks,
+                captured: None,
+            });
+        }
+        for release in &record.releases {
+            let held = record
+                .bonds
+                .iter()
+                .rev()
+                .find(|bond| bond.body == release.body && bond.docked <= release.tick);
+            if let Some(bond) = held {
+                moves.push(Move {
+                    tick: release.tick,
+                    cell: bond.cell,
+                    body: release.body,
+                    came: false,
+                });
+            }
+        }
+        moves.sort_by_key(|it| (it.tick, it.came));
+        waits.sort_by_key(|it| (it.since, it.cell, it.way as u8));
+        History { moves, waits }
+    }
+}
+
+/// A piece of a wait in which nothing around it changed.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Piece {
+    pub surroundings: Surroundings,
+    /// Ticks since the face was switched on, at the beginning and at the end.
+    pub from: f64,
+    pub to: f64,
+    /// Whether it ended with the capture.
+    pub captured: bool,
+}
+
+/// All that was seen.
+#[derive(Debug)]
+pub(super) struct Observations {
+    pub pieces: Vec<Piece>,
+    pub highest: i32,
+    pub least_open: f64,
+    pub least_free: f64,
+}
+
+impl Default for Observations {
+    fn default() -> Observations {
+        Observations {
+            pieces: Vec::new(),
+            highest: 0,
+            least_open: 1.0,
+            least_free: 1.0,
+        }
+    }
+}
+
+impl Observations {
+    pub fn captures(&self) -> u64 {
+        self.pieces.iter().filter(|piece| piece.captured).count() as u64
+    }
+
+    /// Adds the waits of a run, but for those near which a block was let go: it may have come back.
+    pub fn add(&mut self, history: &History, profile: &[f64], count: u32) {
+        let density = |layer: i32| {
+            let layer = usize::try_from(layer - 1).unwrap_or(0);
+            profile
+                .get(layer)
+                .or(profile.last())
+                .copied()
+                .unwrap_or(1.0)
+        };
+        for wait in &history.waits {
+            let disturbed = history.moves.iter().any(|it| {
+                let lately = it.tick + FORGOTTEN > wait.since && it.tick < wait.until;
+                !it.came && lately && squared_distance(it.cell, wait.cell) <= NEAR
+            });
+            if !disturbed {
+                self.follow(history, wait, density(wait.cell.z), count);
+            }
+        }
+    }
+
+    /// Adds a wait, cut where something changes in its sight.
+    fn follow(&mut self, history: &History, wait: &WaitingFace, density: f64, count: u32) {
+        let rivals: BTreeMap<Cell, (u64, u64)> = (history.waits.iter())
+            .filter(|other| other.way == wait.way && squared_distance(other.cell, wait.cell) == 1)
+            .filter(|other| other.since < wait.until && other.until > wait.since)
+            .map(|other| (other.cell, (other.since, other.until)))
+            .collect();
+        let seen = |cell: Cell| {
+            let apart = |a: i32, b: i32| a.abs_diff(b) <= SIGHT;
+            apart(cell.x, wait.cell.x) && apart(cell.y, wait.cell.y) && apart(cell.z, wait.cell.z)
+        };
+        let within = |tick: &u64| *tick > wait.since && *tick < wait.until;
+        let mut cuts: Vec<u64> = (history.moves.iter())
+            .filter(|it| seen(it.cell))
+            .map(|it| it.tick)
+            .chain(rivals.values().flat_map(|(since, until)| [*since, *until]))
+            .filter(within)
+            .chain([wait.since, wait.until])
+            .collect();
+        cuts.sort_unstable();
+        cuts.dedup();
+        let (mut full, mut moved, mut free) = (BTreeSet::new(), 0, count);
+        for pair in cuts.windows(2) {
+            let [from, to] = *pair else { continue };
+            while let Some(it) = history.moves.get(moved).filter(|it| it.tick <= from) {
+                moved += 1;
+                match it.came {
+                    true => full.insert(it.cell),
+                    false => full.remove(&it.cell),
+                };
+                free = match it.came {
+                    true => free.saturating_sub(1),
+                    false => free + 1,
+                };
+            }
+            let is_open = |cell: Cell| {
+                (rivals.get(&cell)).is_some_and(|(since, until)| *since <= from && *until >= to)
+            };
+            let surroundings = Surroundings {
+                density,
+                free: f64::from(free) / f64::from(count.max(1)),
+                cold: wait.since == 0,
+                ..around(wait.cell, wait.way, |cell| full.contains(&cell), is_open)
+            };
+            let captured = wait.captured.is_some() && to == wait.until;
+            if captured {
+                self.highest = self.highest.max(wait.cell.z);
+                self.least_open = self.least_open.min(surroundings.open);
+                self.least_free = self.least_free.min(surroundings.free);
+            }
+            self.pieces.push(Piece {
+                surroundings,
+                from: (from - wait.since) as f64,
+                to: (to - wait.since) as f64,
+                captured,
+            });
+        }
+    }
+}
+
+/// In sides; very far ones are all as far.
+pub(super) fn squared_distance(one: Cell, other: Cell) -> u32 {
+    let along = |a: i32, b: i32| a.abs_diff(b).min(1000).pow(2);
+    along(one.x, other.x) + along(one.y, other.y) + along(one.z, other.z)
+}

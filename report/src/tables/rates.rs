@@ -1,0 +1,140 @@
+//! The rates of a scene as text.
+use stochc_ensemble::text::{number, percent};
+use stochc_ir::{Cell, Face};
+use stochc_runtime::rates::{Parameters, Rates};
+
+use crate::text::{Column, Table};
+
+/// What goes with every time by rates.
+pub const KNOWN_BIAS: &str = "Times are by rates: means of other programs were 4 % off those with physics on average, and 13 % at most. Blocks jam \
+     where `check` warns of a tight approach, and where three faces or more are open side by side; rates do not know that, and are too fast there \
+     (docs/rates.md).";
+
+/// The law's numbers with their standard errors, and what follows for some faces; `width` is that of the terminal, in characters.
+pub fn rates_to_text(rates: &Rates, width: usize) -> String {
+    let mut text = format!(
+        "{} captures by {}, seed {}\n\n",
+        rates.captures, rates.simulated, rates.seed
+    );
+    text += &numbers(rates).text(width, false);
+    text += &format!("\n{}", examples(rates).text(width, false));
+    if !rates.head_starts.is_empty() {
+        text += &format!("\n{}", head_starts(rates).text(width, false));
+    }
+    text
+}
+
+fn numbers(rates: &Rates) -> Table {
+    let rows = 0..Parameters::COUNT;
+    let error = |i: usize| {
+        rates.covariance[i * (Parameters::COUNT + 1)]
+            .max(0.0)
+            .sqrt()
+    };
+    let values = rows
+        .clone()
+        .map(|i| format!("{:.3}", rates.parameters.0[i]));
+    let errors = rows.map(|i| format!("{:.3}", error(i)));
+    let meanings = Parameters::ALL.iter().map(|it| it.meaning.to_owned());
+    Table {
+        label: "number".to_owned(),
+        labels: Parameters::ALL
+            .iter()
+            .map(|it| it.name.to_owned())
+            .collect(),
+        columns: vec![
+            Column::figures("value", values.collect()),
+            Column::figures("standard error", errors.collect()),
+            Column::words("", meanings.collect()),
+        ],
+        ..Table::default()
+    }
+}
+
+/// Surroundings that everybody knows: what is full, and the open cell over or beside it.
+fn examples(rates: &Rates) -> Table {
+    let at = |x, z| Cell::new(x, 0, z);
+    let tower = |x: i32, top: i32| move |cell: Cell| (cell.x, cell.y) == (x, 0) && cell.z <= top;
+    type IsFull = Box<dyn Fn(Cell) -> bool>;
+    let rows: [(&str, Cell, Face, IsFull); 5] = [
+        (
+            "a face of the plate",
+            at(0, 1),
+            Face::Up,
+            Box::new(|_| false),
+        ),
+        (
+            "the top of a tower of 4",
+            at(0, 5),
+            Face::Up,
+            Box::new(tower(0, 4)),
+        ),
+        (
+            "its side at the top",
+            at(1, 4),
+            Face::East,
+            Box::new(tower(0, 4)),
+        ),
+        (
+            "the top of a tower of 2 beside one of 4",
+            at(0, 3),
+            Face::Up,
+            { Box::new(move |cell| tower(0, 2)(cell) || tower(1, 4)(cell)) },
+        ),
+        (
+            "the top of a tower of 2 between two of 4",
+            at(0, 3),
+            Face::Up,
+            { Box::new(move |cell| tower(0, 2)(cell) || tower(1, 4)(cell) || tower(-1, 4)(cell)) },
+        ),
+    ];
+    let waits: Vec<(f64, f64)> = (rows.iter())
+        .map(|(_, cell, way, is_full)| {
+            let seen = rates.surroundings(*cell, *way, is_full, |_| false);
+            let (mean, variance) = rates.wait(&seen).moments();
+            (mean, variance.max(0.0).sqrt())
+        })
+        .collect();
+    Table {
+        label: "an open face".to_owned(),
+        labels: rows.iter().map(|(name, ..)| (*name).to_owned()).collect(),
+        columns: vec![
+            Column::figures(
+                "mean wait, ticks",
+                waits.iter().map(|it| format!("{:.0}", it.0)).collect(),
+            ),
+            Column::figures(
+                "SD",
+                waits.iter().map(|it| format!("{:.0}", it.1)).collect(),
+            ),
+        ],
+        ..Table::default()
+    }
+}
+
+fn head_starts(rates: &Rates) -> Table {
+    let all = &rates.head_starts;
+    let places = all.iter().map(|it| {
+        let distance = number(f64::from(it.squared_distance).sqrt());
+        match it.before {
+            0 => distance,
+            before if before > 0 => format!("{distance}, {before} before it"),
+            before => format!("{distance}, {} behind it", -before),
+        }
+    });
+    Table {
+        label: "released so many sides from an open cell".to_owned(),
+        labels: places.collect(),
+        columns: vec![
+            Column::figures(
+                "docks there",
+                all.iter().map(|it| percent(it.probability)).collect(),
+            ),
+            Column::figures(
+                "in ticks",
+                all.iter().map(|it| format!("{:.0}", it.ticks)).collect(),
+            ),
+        ],
+        ..Table::default()
+    }
+}

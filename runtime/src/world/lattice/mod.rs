@@ -1,0 +1,266 @@
+//! Who is anchored where and which faces are open, for worlds in which blocks have no places but cells.
+mod grid;
+
+use smallvec::{SmallVec, smallvec};
+use stochc_ir::table::Tables;
+use stochc_ir::{Cell, Face};
+use stochc_protocol::{BlockFace, Body, Docking, Orientation};
+
+use super::ranked::RankedSet;
+use grid::Grid;
+
+/// The structure, and the blocks that are free.
+///
+/// A *seat* is a block's number: first those of the plate, then those that were free at the beginning. A face has the number
+/// [`number`]`(seat, face)`. A face is *open* if it is on and there is room before it.
+#[derive(Clone, Debug)]
+pub(super) struct Lattice {
+    /// Blocks that were free at the beginning.
+    pub count: u32,
+    /// The cells of the blocks of the plate, sorted.
+    pub seeds: Vec<Cell>,
+    /// Where each block is, while it is anchored.
+    pub seats: Vec<AnchoredBlock>,
+    grid: Grid<CellContent>,
+    /// The blocks that are free, by number.
+    pub free: RankedSet,
+}
+
+/// What happened to a face.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Change {
+    /// It can capture from now on.
+    Opened(usize),
+    /// It cannot any more.
+    Closed(usize),
+}
+
+/// What happened to the faces, in order.
+pub(super) type Changes = SmallVec<[Change; 4]>;
+
+/// Where an anchored block is. Faces are its own, one bit each.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct AnchoredBlock {
+    pub cell: Cell,
+    pub orientation: Orientation,
+    /// Those that are on and hold nothing; also [`WORKED`].
+    pub on: u8,
+    /// Those that hold a block.
+    pub holding: u8,
+}
+
+/// What is in a cell.
+#[derive(Clone, Copy, Debug)]
+struct CellContent {
+    /// The seat of its block.
+    block: u32,
+    /// From which neighbours a face that is on points to it: the directions of those faces, one bit each.
+    aimed: u8,
+}
+
+/// That a block has had a face on.
+pub(super) const WORKED: u8 = 1 << Face::ALL.len();
+
+/// The seat of no block.
+pub(super) const NOBODY: u32 = u32::MAX;
+
+/// The number of a face among all.
+pub(super) fn number(seat: usize, face: Face) -> usize {
+    Face::ALL.len() * seat + face as usize
+}
+
+/// The seat and the face of a [`number`].
+pub(super) fn site(number: usize) -> (usize, Face) {
+    let faces = Face::ALL.len();
+    (number / faces, Face::ALL[number % faces])
+}
+
+/// The bit of a face.
+pub(super) fn bit(face: Face) -> u8 {
+    1 << face as u8
+}
+
+impl AnchoredBlock {
+    /// Where a block would sit that docks on a face; `None`: on the plate's level or below nobody can.
+    pub fn across(&self, face: Face) -> Option<Cell> {
+        let cell = self.cell.across(self.orientation.to_structure(face))?;
+        (cell.z >= 1).then_some(cell)
+    }
+}
+
+impl Lattice {
+    /// `count` free blocks around the blocks of the plate that have a name in these tables.
+    pub fn new(tables: &Tables, count: u32) -> Lattice {
+        let mut seeds: Vec<Cell> = tables.seeds().map(|(_, cell)| cell).collect();
+        seeds.sort_unstable();
+        let mut grid = Grid::new(CellContent {
+            block: NOBODY,
+            aimed: 0,
+        });
+        for (number, &cell) in (0..).zip(&seeds) {
+            grid.get_mut(cell).block = number;
+        }
+        let seat = |cell| AnchoredBlock {
+            cell,
+            orientation: Orientation::IDENTITY,
+            on: 0,
+            holding: 0,
+        };
+        let mut seats: Vec<AnchoredBlock> = seeds.iter().map(|cell| seat(*cell)).collect();
+        seats.resize(seeds.len() + count as usize, seat(Cell::default()));
+        Lattice {
+            count,
+            free: RankedSet::full(count as usize),
+            seeds,
+            seats,
+            grid,
+        }
+    }
+
+    /// The seat of an anchored block.
+    pub fn seat(&self, body: Body) -> Option<usize> {
+        match body {
+            Body::Seed(cell) => self.block(cell).filter(|seat| *seat < self.seeds.len()),
+            Body::Free(id) => {
+                let is_anchored = id < self.count && !self.free.contains(id as usize);
+                is_anchored.then(|| self.seeds.len() + id as usize)
+            }
+        }
+    }
+
+    /// The block on a seat.
+    pub fn body(&self, seat: usize) -> Body {
+        match self.seeds.get(seat) {
+            Some(&cell) => Body::Seed(cell),
+            None => Body::Free((seat - self.seeds.len()) as u32),
+        }
+    }
+
+    /// The seat of the block in a cell.
+    pub fn block(&self, cell: Cell) -> Option<usize> {
+        let block = self.grid.get(cell).block;
+        (block != NOBODY).then_some(block as usize)
+    }
+
+    /// Where a block that docks on a face would sit; `None`: there is no room.
+    pub fn target(&self, seat: usize, face: Face) -> Option<Cell> {
+        let cell = self.seats[seat].across(face)?;
+        self.block(cell).is_none().then_some(cell)
+    }
+
+    /// The neighbours of a cell that have a face on that points to it, with that face.
+    pub fn aimed(&self, cell: Cell) -> impl Iterator<Item = (usize, Face)> {
+        let aimed = self.grid.get(cell).aimed;
+        let ways = Face::ALL
+            .into_iter()
+            .filter(move |way| aimed & bit(*way) != 0);
+        ways.filter_map(move |way| {
+            let seat = self.block(cell.across(way.opposite())?)?;
+            Some((seat, self.seats[seat].orientation.to_own(way)))
+        })
+    }
+
+    /// Switches a face of an anchored block on, unless it is, or holds a block.
+    pub fn magnetize(&mut self, seat: usize, face: Face) -> Changes {
+        let of = &mut self.seats[seat];
+        let mut changes = Changes::new();
+        if (of.on | of.holding) & bit(face) != 0 {
+            return changes;
+        }
+        of.on |= bit(face) | WORKED;
+        let way = of.orientation.to_structure(face);
+        if let Some(cell) = of.across(face) {
+            let content = self.grid.get_mut(cell);
+            content.aimed |= bit(way);
+            if content.block == NOBODY {
+                changes.push(Change::Opened(number(seat, face)));
+            }
+        }
+        changes
+    }
+
+    /// A docking of the free block of a rank on a face, in one of 24 poses; entered as late as it docks.
+    pub fn docking(&self, seat: usize, face: Face, child: u32, pose: u8, tick: u64) -> Docking {
+        Docking {
+            site: BlockFace {
+                body: self.body(seat),
+                face,
+            },
+            child,
+            child_face: Face::ALL[usize::from(pose / 4)],
+            turn: pose % 4,
+            entries: 1,
+            entered: tick,
+        }
+    }
+
+    /// The docking of a block that is put on a face by hand; `None`: there is no room, or no free block.
+    pub fn planted(&self, seat: usize, face: Face, tick: u64) -> Option<(Cell, Docking)> {
+        let cell = self.target(seat, face)?;
+        let last = self.free.len().checked_sub(1)?;
+        let parent = self.seats[seat].orientation;
+        let (child_face, turn) = Orientation::IDENTITY.as_docked(parent, face)?;
+        let docking = self.docking(seat, face, self.free.select(last) as u32, 0, tick);
+        let docking = Docking {
+            child_face,
+            turn,
+            ..docking
+        };
+        Some((cell, docking))
+    }
+
+    /// Puts a block that docks on a face into its cell, which is empty.
+    pub fn dock(&mut self, seat: usize, face: Face, cell: Cell, docking: &Docking) -> Changes {
+        let (on, parent) = (number(seat, face), self.seats[seat]);
+        let way = parent.orientation.to_structure(face);
+        let (child_face, turn) = (docking.child_face, docking.turn);
+        let child = self.seeds.len() + docking.child as usize;
+        self.seats[seat].on &= !bit(face);
+        self.seats[seat].holding |= bit(face);
+        self.seats[child] = AnchoredBlock {
+            cell,
+            orientation: Orientation::docked(parent.orientation, face, child_face, turn),
+            on: 0,
+            holding: 0,
+        };
+        self.free.remove(docking.child as usize);
+        let content = self.grid.get_mut(cell);
+        content.block = child as u32;
+        content.aimed &= !bit(way);
+        let mut changes: Changes = smallvec![Change::Closed(on)];
+        if content.aimed != 0 {
+            let blocked = self.aimed(cell);
+            changes.extend(blocked.map(|(seat, face)| Change::Closed(number(seat, face))));
+        }
+        changes
+    }
+
+    /// Switches a face off, if it was on and held nothing.
+    pub fn close(&mut self, seat: usize, face: Face) -> Option<Change> {
+        let of = &mut self.seats[seat];
+        if of.on & bit(face) == 0 {
+            return None;
+        }
+        of.on &= !bit(face);
+        let way = of.orientation.to_structure(face);
+        let cell = of.across(face)?;
+        self.grid.get_mut(cell).aimed &= !bit(way);
+        Some(Change::Closed(number(seat, face)))
+    }
+
+    /// Takes the block that a face holds out of its cell: its seat.
+    pub fn let_go(&mut self, seat: usize, face: Face) -> Option<(usize, Changes)> {
+        let of = &mut self.seats[seat];
+        if of.holding & bit(face) == 0 {
+            return None;
+        }
+        of.holding &= !bit(face);
+        let cell = of.across(face)?;
+        let child = self.block(cell)?;
+        self.grid.get_mut(cell).block = NOBODY;
+        self.free.insert(child - self.seeds.len());
+        let opened = self.aimed(cell);
+        let changes = opened.map(|(seat, face)| Change::Opened(number(seat, face)));
+        Some((child, changes.collect()))
+    }
+}

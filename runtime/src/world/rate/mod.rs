@@ -1,0 +1,322 @@
+//! A world of rates: when a face captures follows from what is around it, and nothing moves.
+//!
+//! Each open face has a hazard by the law of [`stochc_rates`]; the faces race each other (the next-reaction method of M. A. Gibson and
+//! J. Bruck 2000, with hazards that change with the age of a face). A tick in which nothing docks is skipped.
+mod agenda;
+mod race;
+
+use stochc_ir::Cell;
+use stochc_ir::scene::{Bond, Scene};
+use stochc_ir::table::Tables;
+use stochc_protocol::{BlockFace, Docking};
+use stochc_rates::{FORGOTTEN, Rates};
+
+use super::lattice::{Change, Changes, Lattice, site};
+use super::{Fault, SceneError, World};
+use crate::counter_rng::{DrawsAhead, Stream, below, unit};
+use agenda::{Agenda, Entry};
+use race::{Face as Racer, Race};
+
+/// A world of cells in which waits are drawn.
+#[derive(Clone, Debug)]
+pub struct RateWorld<'r> {
+    tick: u64,
+    rates: &'r Rates,
+    lattice: Lattice,
+    race: Race,
+    agenda: Agenda,
+    /// Blocks released lately: when, from which cell, and which.
+    released: Vec<(u64, Cell, u32)>,
+    draws: DrawsAhead,
+    /// Draws so far.
+    drawn: u64,
+}
+
+impl<'r> RateWorld<'r> {
+    /// The world of a program in a scene, by rates that were measured there; its chance is that of (`seed`, `run`).
+    ///
+    /// # Errors
+    /// [`SceneError::NoRates`], and [`SceneError::NotInModel`] for what the law does not know.
+    pub fn new(
+        tables: &Tables,
+        scene: &Scene,
+        rates: &'r [Rates],
+        seed: u64,
+        run: u64,
+    ) -> Result<RateWorld<'r>, SceneError> {
+        match (&tables.aggregate, RateWorld::refusal(scene)) {
+            (Some(_), _) => return Err(not_known("aggregate")),
+            (None, Some(error)) => return Err(error),
+            _ => {}
+        }
+        let given = rates.iter().find(|rates| rates.are_of(scene));
+        let rates = given.or_else(|| Rates::built_in(scene));
+        let rates = rates.ok_or(SceneError::NoRates)?;
+        let count = scene.free.count;
+        Ok(RateWorld {
+            tick: 0,
+            lattice: Lattice::new(tables, count),
+            race: Race::new(count),
+            agenda: Agenda::default(),
+            released: Vec::new(),
+            rates,
+            draws: DrawsAhead::new(seed, run, Stream::Rate),
+            drawn: 0,
+        })
+    }
+
+    /// What a scene has that the law does not know.
+    pub fn refusal(scene: &Scene) -> Option<SceneError> {
+        let what = match &scene.bond {
+            Some(Bond::Reject { .. }) => "bond by magnets that always attract",
+            Some(Bond::Suction { .. }) => "bond by suction",
+            None => "scene without bonds",
+            Some(_) if scene.fluid.is_some() || scene.flow.is_some() => "fluid",
+            Some(_) if scene.gravity.is_some() => "gravity",
+            Some(_) => return None,
+        };
+        Some(not_known(what))
+    }
+
+    /// The next draw.
+    fn draw(&mut self) -> [u32; 4] {
+        self.drawn += 1;
+        self.draws.block(self.drawn - 1, 0)
+    }
+
+    /// Takes in what happened to faces, and to the surroundings of a cell.
+    fn note(&mut self, changes: &Changes, around: Option<Cell>) {
+        for change in changes {
+            match *change {
+                Change::Opened(face) => self.open(face),
+                Change::Closed(face) => self.race.close(face),
+            }
+        }
+        let targets = changes.iter().filter_map(|change| {
+            let (Change::Opened(face) | Change::Closed(face)) = *change;
+            let (seat, face) = site(face);
+            self.lattice.seats[seat].across(face)
+        });
+        let cells: Vec<Cell> = targets.chain(around).collect();
+        for cell in cells {
+            self.reconsider(cell);
+        }
+    }
+
+    /// A face begins to wait.
+    fn open(&mut self, face: usize) {
+        let (seat, own) = site(face);
+        let of = self.lattice.seats[seat];
+        let Some(cell) = of.across(own) else { return };
+        let way = of.orientation.to_structure(own);
+        let [threshold, ..] = self.draw();
+        let opening = self.race.open(
+            face,
+            Racer::new(cell, way, self.tick, exponential(threshold)),
+        );
+        self.estimate(face);
+        // Those who were let go near it are still there.
+        let tick = self.tick;
+        self.released.retain(|(when, ..)| tick < when + FORGOTTEN);
+        for (when, from, block) in self.released.clone() {
+            let left = 1.0 - (tick - when) as f64 / FORGOTTEN as f64;
+            self.head_start(face, opening, cell, from, block, left);
+        }
+    }
+
+    /// By chance, a block that was let go near an open face comes first.
+    fn head_start(
+        &mut self,
+        face: usize,
+        opening: u64,
+        cell: Cell,
+        from: Cell,
+        block: u32,
+        left: f64,
+    ) {
+        let way = self.race.face(face).map(|it| it.way);
+        let Some(start) = way.and_then(|way| self.rates.head_start(cell, way, from)) else {
+            return;
+        };
+        let [whether, when, ..] = self.draw();
+        if unit(whether) < start.probability * left {
+            let time = self.tick as f64 + start.ticks * exponential(when);
+            self.agenda.push(
+                time,
+                Entry {
+                    face,
+                    opening,
+                    block: Some(block),
+                },
+            );
+        }
+    }
+
+    /// Faces near a cell see something else from now on.
+    fn reconsider(&mut self, cell: Cell) {
+        for face in self.race.near(cell) {
+            self.estimate(face);
+        }
+    }
+
+    /// Puts the time of a face's capture on the agenda, from what is around it now.
+    fn estimate(&mut self, face: usize) {
+        let (lattice, rates) = (&self.lattice, self.rates);
+        let is_full = |cell: Cell| lattice.block(cell).is_some();
+        let race = &self.race;
+        let Some(racer) = race.face(face) else { return };
+        let is_open = |cell: Cell| race.is_open(cell, racer.way);
+        let mut seen = rates.surroundings(racer.cell, racer.way, is_full, is_open);
+        seen.cold = racer.since == 0;
+        seen.free = race.part();
+        let wait = rates.wait(&seen);
+        if let Some((time, opening)) = self.race.update(face, self.tick, wait) {
+            self.agenda.push(
+                time,
+                Entry {
+                    face,
+                    opening,
+                    block: None,
+                },
+            );
+        }
+    }
+
+    /// Estimates all faces anew where the number of free blocks has changed much.
+    fn follow_free_blocks(&mut self) {
+        if self.race.follow(self.lattice.free.len()) {
+            for face in self.race.faces() {
+                self.estimate(face);
+            }
+        }
+    }
+
+    /// The next entry of the agenda that still holds, and its tick: the first boundary at or after its time.
+    fn next(&mut self) -> Option<(u64, Entry)> {
+        loop {
+            let (time, entry) = self.agenda.first()?;
+            let holds = match entry.block {
+                None => self.race.holds(entry.face, entry.opening, time),
+                Some(block) => {
+                    self.race.is_same_opening(entry.face, entry.opening)
+                        && self.lattice.free.contains(block as usize)
+                }
+            };
+            match holds {
+                true => return Some((time.ceil().min(9e15) as u64, entry)),
+                false => self.agenda.drop_first(),
+            }
+        }
+    }
+
+    /// Docks a block on an open face, unless by chance there is none.
+    fn capture(&mut self, entry: Entry, dockings: &mut Vec<Docking>) {
+        let [who, how, whether, threshold] = self.draw();
+        let free = self.lattice.free.len();
+        let (seat, face) = site(entry.face);
+        let child = match entry.block {
+            Some(block) => block,
+            // The hazard was that of more blocks than there are now.
+            None if free == 0 || unit(whether) >= self.race.share(free) => {
+                self.race.go_on(entry.face, exponential(threshold));
+                self.estimate(entry.face);
+                return;
+            }
+            None => self.lattice.free.select(below(who, free)) as u32,
+        };
+        let pose = below(how, 24) as u8;
+        let docking = Docking {
+            // Nobody has come into any reach.
+            entries: 0,
+            ..self.lattice.docking(seat, face, child, pose, self.tick)
+        };
+        if self.put(seat, face, &docking) {
+            dockings.push(docking);
+        }
+    }
+
+    /// Puts a block into the cell before a face; `false`: there is no room.
+    fn put(&mut self, seat: usize, face: stochc_ir::Face, docking: &Docking) -> bool {
+        let Some(cell) = self.lattice.target(seat, face) else {
+            return false;
+        };
+        let changes = self.lattice.dock(seat, face, cell, docking);
+        self.note(&changes, Some(cell));
+        self.follow_free_blocks();
+        true
+    }
+}
+
+fn not_known(what: &'static str) -> SceneError {
+    SceneError::NotInModel {
+        what,
+        model: "rate",
+        instead: "rigid",
+    }
+}
+
+/// A draw from the exponential distribution of mean 1.
+fn exponential(word: u32) -> f64 {
+    -libm::log(unit(word))
+}
+
+impl World for RateWorld<'_> {
+    fn tick(&self) -> u64 {
+        self.tick
+    }
+
+    fn magnetize(&mut self, site: BlockFace) {
+        if let Some(seat) = self.lattice.seat(site.body) {
+            let changes = self.lattice.magnetize(seat, site.face);
+            self.note(&changes, None);
+        }
+    }
+
+    fn switch_off(&mut self, site: BlockFace) {
+        let Some(seat) = self.lattice.seat(site.body) else {
+            return;
+        };
+        let mut going = vec![(seat, site.face)];
+        while let Some((seat, face)) = going.pop() {
+            let closed = self.lattice.close(seat, face);
+            self.note(&closed.into_iter().collect(), None);
+            let Some((child, changes)) = self.lattice.let_go(seat, face) else {
+                continue;
+            };
+            going.extend(stochc_ir::Face::ALL.map(|face| (child, face)));
+            let from = self.lattice.seats[child].cell;
+            self.note(&changes, Some(from));
+            let block = (child - self.lattice.seeds.len()) as u32;
+            for (face, opening, cell) in self.race.near_with_openings(from) {
+                self.head_start(face, opening, cell, from, block, 1.0);
+            }
+            self.released.push((self.tick, from, block));
+        }
+        self.follow_free_blocks();
+    }
+
+    fn plant(&mut self, site: BlockFace) -> Option<Docking> {
+        self.magnetize(site);
+        let seat = self.lattice.seat(site.body)?;
+        let (_, docking) = self.lattice.planted(seat, site.face, self.tick)?;
+        self.put(seat, site.face, &docking).then_some(docking)
+    }
+
+    fn skip(&mut self, last: u64) {
+        let next = self.next().map_or(u64::MAX, |(tick, _)| tick);
+        // The step that comes after this one docks.
+        self.tick = self.tick.max(next.saturating_sub(1).min(last));
+    }
+
+    fn step(&mut self, dockings: &mut Vec<Docking>) -> Result<(), Fault> {
+        self.tick += 1;
+        while let Some((tick, entry)) = self.next() {
+            if tick > self.tick {
+                break;
+            }
+            self.agenda.drop_first();
+            self.capture(entry, dockings);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,269 @@
+//! The world of rates: its waits are those of the law, and skipping time changes nothing.
+use std::ops::ControlFlow;
+
+use stochc_compiler::{Limits, check};
+use stochc_ir::Face;
+use stochc_ir::record::{Outcome, RunRecord};
+use stochc_ir::scene::Scene;
+use stochc_ir::table::Tables;
+use stochc_protocol::{BlockFace, Docking};
+use stochc_rates::{Coverage, FORMAT, HeadStart, Parameters, Rates};
+use stochc_runtime::world::rate::RateWorld;
+use stochc_runtime::world::{Fault, World};
+use stochc_runtime::{Model, RunError, Settings, drive, run};
+
+/// The tables and the scene of a program.
+fn compiled(text: &str) -> (Tables, Scene) {
+    let mut reader = |_: &str| Ok(text.as_bytes().to_vec());
+    let checked = check("program.sa", &mut reader, Limits::default());
+    let program = checked
+        .programs
+        .into_iter()
+        .next()
+        .expect("it has a program");
+    let executable = program.into_executable().expect("nothing is wrong in it");
+    (executable.tables, executable.scene)
+}
+
+fn rates_of(scene: &Scene) -> Rates {
+    Rates {
+        format: FORMAT,
+        scene: scene.clone(),
+        simulated: "by hand".to_owned(),
+        seed: 0,
+        captures: 0,
+        parameters: Parameters::TYPICAL,
+        covariance: vec![0.0; Parameters::COUNT * Parameters::COUNT],
+        profile: vec![1.0],
+        free: scene.free.count,
+        head_starts: vec![HeadStart {
+            squared_distance: 0,
+            before: 0,
+            probability: 1.0,
+            ticks: 2.0,
+        }],
+        coverage: Coverage {
+            highest: 10,
+            least_open: 0.1,
+            least_free: 0.5,
+        },
+    }
+}
+
+fn records(text: &str, runs: u64) -> (Vec<RunRecord>, Rates) {
+    let (tables, scene) = compiled(text);
+    let rates = rates_of(&scene);
+    let settings = Settings {
+        rates: vec![rates.clone()],
+        ..Settings::of(Model::Rate, 1)
+    };
+    let mut watch = |_, _| ControlFlow::Continue(());
+    let records = (0..runs).map(|number| {
+        let record = run(&tables, &scene, &settings, 7, number, &mut watch).expect("it runs");
+        assert_eq!(record.outcome, Outcome::Completed);
+        record
+    });
+    (records.collect(), rates)
+}
+
+/// The mean of a sample and the standard error of that.
+fn mean(values: &[f64]) -> (f64, f64) {
+    let count = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+    (mean, (squares / (count - 1.0) / count).sqrt())
+}
+
+/// A value of -4 to 4 standard errors is chance once in 16,000 times.
+fn agrees(values: &[f64], expected: f64) {
+    let (mean, error) = mean(values);
+    assert!(
+        (mean - expected).abs() < 4.0 * error,
+        "{mean} ± {error}, not {expected}"
+    );
+}
+
+const SINGLE: &str =
+    "assembly single { seed plate 1 x 1 { M at (0, 0) } phase only { M.up -> A } }";
+
+#[test]
+fn a_single_wait_has_the_distribution_of_the_law() {
+    let (records, rates) = records(SINGLE, 4000);
+    let bond = &records[0].bonds[0];
+    let mut seen = rates.surroundings(bond.cell, Face::Up, |_| false, |_| false);
+    seen.cold = true;
+    let wait = rates.wait(&seen);
+    let mut waits: Vec<f64> = records.iter().map(|record| record.ticks as f64).collect();
+    // A docking is told of at the end of its tick.
+    agrees(&waits, wait.mean() + 0.5);
+    waits.sort_by(f64::total_cmp);
+    let count = waits.len() as f64;
+    let apart = waits.iter().enumerate().map(|(i, ticks)| {
+        let expected = wait.distribution(*ticks);
+        (expected - (i as f64 + 0.5) / count).abs()
+    });
+    // The test of Kolmogorov and Smirnov at a level of 1e-4, and the rounding to ticks.
+    let limit = 2.23 / count.sqrt() + wait.rate;
+    let apart = apart.fold(0.0, f64::max);
+    assert!(apart < limit, "{apart} {limit}");
+    assert!(
+        records.iter().all(|record| record.bonds[0].entries == 0),
+        "nobody entered anything"
+    );
+}
+
+#[test]
+fn a_face_waits_longer_where_fewer_blocks_are_free() {
+    // Three of four blocks are gone when the last one is waited for.
+    let text = "scene few from hemisphere { free 4 uniform }
+        assembly four in few { seed plate 9 x 1 { A at (0, 0) B at (8, 0) }
+        phase most { A.up ->> T[1..3] } phase last { B.up -> U } }";
+    let (records, rates) = records(text, 3000);
+    let (tables, _) = compiled(text);
+    let last = |record: &RunRecord| {
+        let bond = record.bonds.last().expect("there are four");
+        assert_eq!(tables.name(bond.child), "U");
+        (bond.docked - bond.magnetized) as f64
+    };
+    let waits: Vec<f64> = records.iter().map(last).collect();
+    let bond = records[0].bonds.last().expect("there are four");
+    let mut seen = rates.surroundings(bond.cell, Face::Up, |_| false, |_| false);
+    seen.free = 0.25;
+    agrees(&waits, rates.wait(&seen).mean() + 0.5);
+}
+
+#[test]
+fn a_wait_goes_on_where_its_surroundings_change() {
+    // While the tower's top waits, the block beside it comes and changes the hazard: of the hazard that is used up until the
+    // capture, the mean is 1, however it was made up.
+    let text = "assembly pair { seed plate 2 x 1 { A at (0, 0) B at (1, 0) } phase both { A.up -> C B.up -> D } }";
+    let (records, rates) = records(text, 4000);
+    let used = records.iter().flat_map(|record| {
+        let [first, second] = &record.bonds[..] else {
+            panic!("there are two")
+        };
+        let mut alone =
+            rates.surroundings(second.cell, Face::Up, |_| false, |cell| cell == first.cell);
+        alone.cold = true;
+        let mut after =
+            rates.surroundings(second.cell, Face::Up, |cell| cell == first.cell, |_| false);
+        after.cold = true;
+        // Of as many blocks as are free; the hazard is that of the beginning thinned by chance.
+        let before = rates.wait(&alone);
+        after.free = 299.0 / 300.0;
+        let then = rates.wait(&after);
+        let (t, u) = (first.docked as f64, second.docked as f64);
+        [
+            before.cumulative_hazard(t - 0.5),
+            before.cumulative_hazard(t) + then.cumulative_hazard(u - 0.5)
+                - then.cumulative_hazard(t),
+        ]
+    });
+    let used: Vec<f64> = used.collect();
+    // The first of two docks at half of the sum of both hazards.
+    let first: Vec<f64> = used.iter().step_by(2).copied().collect();
+    agrees(&first, 0.5);
+    let second: Vec<f64> = used.iter().skip(1).step_by(2).copied().collect();
+    agrees(&second, 1.5);
+}
+
+#[test]
+fn a_block_that_is_let_go_into_an_open_face_is_caught_at_once() {
+    let text = "assembly swap { seed plate 3 x 1 { A at (0, 0) M at (1, 0) }
+        phase arm { A.up -> B.up -> C.east -> D M.up -> E }
+        phase over { release D E.up -> F } }";
+    let (records, _) = records(text, 300);
+    let waits = records.iter().map(|record| {
+        let bond = record.bonds.last().expect("there are bonds");
+        (bond.docked - bond.magnetized) as f64
+    });
+    // Two ticks on average, and the end of a tick.
+    agrees(&waits.collect::<Vec<_>>(), 2.5);
+}
+
+/// A world in which every tick is made.
+struct Patient<W>(W);
+
+impl<W: World> World for Patient<W> {
+    fn tick(&self) -> u64 {
+        self.0.tick()
+    }
+    fn magnetize(&mut self, site: BlockFace) {
+        self.0.magnetize(site);
+    }
+    fn switch_off(&mut self, site: BlockFace) {
+        self.0.switch_off(site);
+    }
+    fn plant(&mut self, site: BlockFace) -> Option<Docking> {
+        self.0.plant(site)
+    }
+    fn step(&mut self, dockings: &mut Vec<Docking>) -> Result<(), Fault> {
+        self.0.step(dockings)
+    }
+}
+
+#[test]
+fn skipping_time_changes_nothing() {
+    let texts = [
+        SINGLE,
+        "scene slow from hemisphere { messages { hop 20 ticks loss 0.3 } }
+         assembly late in slow { seed plate 3 x 1 { A at (0, 0) M at (2, 0) }
+         phase arm { A.up -> B.up -> C.east -> D M.up -> E }
+         phase away { release D E.up -> F after release D }
+         phase short timeout 300 ticks { F.up ->> G[1..3] } }",
+    ];
+    for text in texts {
+        let (tables, scene) = compiled(text);
+        let rates = [rates_of(&scene)];
+        let messages = scene.messages.as_ref();
+        for number in 0..40 {
+            let key = (3, number);
+            let mut watch = |_, _| ControlFlow::Continue(());
+            for limit in [None, Some(900)] {
+                let world =
+                    || RateWorld::new(&tables, &scene, &rates, key.0, key.1).expect("it is known");
+                let quick = drive(&tables, messages, &mut world(), limit, key, &mut watch);
+                let slow = drive(
+                    &tables,
+                    messages,
+                    &mut Patient(world()),
+                    limit,
+                    key,
+                    &mut watch,
+                );
+                assert_eq!(quick, slow);
+            }
+        }
+    }
+}
+
+#[test]
+fn what_the_law_does_not_know_is_refused() {
+    let other = "scene other from hemisphere { free 77 uniform }
+        assembly single in other { seed plate 1 x 1 { M at (0, 0) } phase only { M.up -> A } }";
+    let (tables, scene) = compiled(other);
+    let settings = Settings::of(Model::Rate, 1);
+    let refused = |tables: &Tables, scene: &Scene, settings: &Settings| {
+        let mut watch = |_, _| ControlFlow::Continue(());
+        let error = run(tables, scene, settings, 1, 0, &mut watch).unwrap_err();
+        assert!(matches!(error, RunError::Scene(_)));
+        error.to_string()
+    };
+    let without = refused(&tables, &scene, &settings);
+    assert!(without.contains("stochc calibrate"), "{without}");
+    for (scene, what) in [
+        ("magnet_tank", "magnets that always attract"),
+        ("suction_tank", "suction"),
+    ] {
+        let text = format!(
+            "assembly other in {scene} {{ seed plate 1 x 1 {{ M at (0, 0) }} phase only {{ M.up -> A }} }}"
+        );
+        let (tables, scene) = compiled(&text);
+        let settings = Settings {
+            rates: vec![rates_of(&scene)],
+            ..settings.clone()
+        };
+        let told = refused(&tables, &scene, &settings);
+        assert!(told.contains(what) && told.contains("rigid"), "{told}");
+    }
+}
