@@ -5,7 +5,7 @@ use stochc_ir::is_invisible;
 use crate::command::interrupt::outlive_file_limit;
 use crate::command::{
     calibrate, check, compile, completions, estimate, explain, export, fit, fmt, lsp, man, merge,
-    replay, report, results, shard, simulate, status, trade, verify,
+    plan, replay, report, results, shard, simulate, status, trade, verify,
 };
 use crate::exit::{Exit, Failure};
 
@@ -29,6 +29,8 @@ pub enum Command {
     Check(check::Options),
     /// Format programs
     Fmt(fmt::Options),
+    /// Plan how to build a shape: write a program that does, fast and without jams
+    Plan(Box<plan::Options>),
     /// Print a stage of the compilation: syntax tree, structure, dependency graph or event tables
     Compile(compile::Options),
     /// Simulate programs many times and compare their times to completion
@@ -86,6 +88,7 @@ pub fn run(cli: Cli) -> Result<Exit, Failure> {
     match cli.command {
         Command::Check(options) => check::run(&options),
         Command::Fmt(options) => fmt::run(&options),
+        Command::Plan(options) => plan::run(&options),
         Command::Compile(options) => compile::run(&options),
         Command::Simulate(options) => simulate::run(&options),
         Command::Shard(options) => shard::run(&options),

@@ -36,6 +36,7 @@ pub mod exit;
 mod facade;
 pub mod fix;
 pub mod model_check;
+pub mod planning;
 mod reader;
 
 pub use facade::{
@@ -46,6 +47,7 @@ pub use stochc_ensemble as ensemble;
 pub use stochc_files as files;
 pub use stochc_ir as ir;
 pub use stochc_lsp as lsp;
+pub use stochc_planner as planner;
 pub use stochc_protocol as protocol;
 pub use stochc_report as report;
 pub use stochc_runtime as runtime;

@@ -42,6 +42,7 @@ pub use load::{Module, Reader, join as join_import};
 pub use program::{
     Checked, Program, Stage, check, check_cancellable, check_changed, check_observed, check_with,
 };
+pub use shape::cells as shape_cells;
 pub use source::{FileId, Site, SourceFile, Sources};
 pub use stochc_grammar::{Cancellation, Cancelled, Span, Symbols};
 

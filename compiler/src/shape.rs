@@ -74,8 +74,8 @@ pub fn check(
     Ok(())
 }
 
-/// The cells of a shape, unsorted.
-fn cells(shape: &Shape, file: FileId, diagnostics: &mut Vec<Diagnostic>) -> Option<Vec<Cell>> {
+/// The cells of a shape, unsorted; `None` if it cannot be read, which is told.
+pub fn cells(shape: &Shape, file: FileId, diagnostics: &mut Vec<Diagnostic>) -> Option<Vec<Cell>> {
     let malformed = |span, text: &str| {
         Diagnostic::new(Code::ShapeMalformed, "the shape cannot be read as cells")
             .label(Site { file, span }, text)

@@ -41,6 +41,8 @@ pub const TRADE: Budget = json(256 * MIB);
 pub const RATES: Budget = json(16 * MIB);
 /// A table of times to fit to.
 pub const TIMES: Budget = any(256 * MIB);
+/// Voxels to be planned.
+pub const VOXELS: Budget = any(256 * MIB);
 /// The page of an earlier report.
 pub const PAGE: Budget = any(GIB);
 /// A journal.

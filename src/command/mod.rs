@@ -16,6 +16,7 @@ pub mod levels;
 pub mod lsp;
 pub mod man;
 pub mod merge;
+pub mod plan;
 mod progress;
 pub mod replay;
 pub mod report;

@@ -238,3 +238,38 @@ fn a_trade_that_was_killed_goes_on() {
     let kept: serde_json::Value = serde_json::from_str(&kept).unwrap();
     assert_eq!(kept["complete"], true);
 }
+
+/// Whenever it comes, there is the best plan until then, or none at all.
+#[test]
+#[cfg(target_os = "linux")]
+fn the_best_plan_is_kept() {
+    let plan = [
+        "plan",
+        "examples/five_tower.sa",
+        "--budget",
+        "24h",
+        "--quiet",
+    ];
+    let mut child = start(&plan);
+    let threads = format!("/proc/{}/task", child.id());
+    let listens = || {
+        let threads = fs::read_dir(&threads).into_iter().flatten().flatten();
+        let names =
+            threads.filter_map(|thread| fs::read_to_string(thread.path().join("comm")).ok());
+        names.into_iter().any(|name| name.trim() == "signals")
+    };
+    until(&mut child, "thread that listens", listens);
+    let said = interrupt(child, "-INT");
+    assert_eq!(said.status, 130, "{}", said.err);
+    match said.out.is_empty() {
+        true => assert!(
+            said.err.contains("stopped before there was a plan"),
+            "{}",
+            said.err
+        ),
+        false => {
+            assert!(said.out.contains("yields five_towers"), "{}", said.out);
+            assert!(said.err.contains("the best of"), "{}", said.err);
+        }
+    }
+}

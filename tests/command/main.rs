@@ -22,6 +22,7 @@ mod levels;
 mod manifest;
 mod manual;
 mod physical;
+mod plan;
 mod rates;
 mod refused;
 mod results;

@@ -1,0 +1,141 @@
+//! Ways in: which blocks have to come later so that a cell can be reached in every order.
+//!
+//! In an order that builds the target, each cell has a way in between what is built before it. What is built later must not
+//! close that way, whatever chance does: the blocks of the target that lie in it wait for the cell. A way may end at the
+//! first place of the way of a block that waits: what lies in the rest of that way waits for this block, and so for the cell.
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use rustc_hash::FxHashMap;
+use stochc_grammar::{Cancellation, Cancelled};
+use stochc_ir::{Cell, Face};
+
+use crate::disassembly::Disassembly;
+use crate::sites::{NONE, Sites};
+
+/// What waits for each site, so that its way in stays open.
+#[derive(Clone, Debug)]
+pub struct Corridors {
+    /// Of each site, those that wait for it, sorted.
+    pub waiting: Vec<Vec<u32>>,
+}
+
+/// The cost of a step of a way, and of a block that waits: near its cell, elsewhere, and for each capture that it would have
+/// come earlier. A block near the cell would not have been open together with it in any case.
+const COSTS: [u32; 4] = [1, 2, 6, 4];
+
+impl Corridors {
+    /// The cheapest way for each site, the last one first.
+    ///
+    /// # Errors
+    /// [`Cancelled`] if nobody waits for it.
+    pub fn of(
+        sites: &Sites<'_>,
+        apart: &Disassembly,
+        cancellation: Cancellation<'_>,
+    ) -> Result<Corridors, Cancelled> {
+        let mut search = Search {
+            sites,
+            apart,
+            first: Default::default(),
+        };
+        let mut waiting = vec![Vec::new(); sites.len()];
+        for &site in apart.order.iter().rev() {
+            cancellation.check()?;
+            waiting[site as usize] = search.cheapest(site);
+        }
+        Ok(Corridors { waiting })
+    }
+}
+
+struct Search<'a> {
+    sites: &'a Sites<'a>,
+    apart: &'a Disassembly,
+    /// Of cubes of two sides and of one: the sites whose ways begin at a place.
+    first: [FxHashMap<Cell, u32>; 2],
+}
+
+impl Search<'_> {
+    /// The sites that wait for one, by the cheapest way.
+    fn cheapest(&mut self, site: u32) -> Vec<u32> {
+        let number = usize::from(self.apart.is_tight[site as usize]);
+        let space = &self.apart.spaces[number];
+        let rank = self.apart.rank[site as usize];
+        let earlier = |other: u32| self.apart.rank[other as usize] < rank;
+        let mut best: FxHashMap<Cell, (u32, Cell)> = FxHashMap::default();
+        let mut open = BinaryHeap::new();
+        for low in space.around(self.sites.cell(site)) {
+            if space.is_free(self.sites, low, &earlier) {
+                let cost = self.toll(site, number, low, None);
+                best.insert(low, (cost, low));
+                open.push(Reverse((cost, low)));
+            }
+        }
+        while let Some(Reverse((cost, low))) = open.pop() {
+            if best[&low].0 < cost {
+                continue;
+            }
+            // A site in this place waits, and with it whatever would close the rest of its way.
+            let leads_on = (self.first[number].get(&low))
+                .is_some_and(|&other| self.apart.rank[other as usize] > rank);
+            if space.is_always_open(low) || leads_on {
+                return self.follow(site, number, low, &best);
+            }
+            for next in Face::ALL.into_iter().filter_map(|face| low.across(face)) {
+                if !space.is_free(self.sites, next, &earlier) {
+                    continue;
+                }
+                let cost = cost + COSTS[0] + self.toll(site, number, next, Some(low));
+                if best.get(&next).is_none_or(|&(known, _)| cost < known) {
+                    best.insert(next, (cost, low));
+                    open.push(Reverse((cost, next)));
+                }
+            }
+        }
+        unreachable!("a site that was taken had a way")
+    }
+
+    /// What it costs to keep a place open that is entered from another.
+    fn toll(&self, site: u32, number: usize, low: Cell, from: Option<Cell>) -> u32 {
+        let space = &self.apart.spaces[number];
+        let level = |site: u32| self.apart.level[site as usize];
+        let is_new = |cell: &Cell| from.is_none_or(|from| space.cells(from).all(|it| it != *cell));
+        let sites = space
+            .cells(low)
+            .filter(is_new)
+            .map(|cell| self.sites.at(cell));
+        let later = sites.filter(|&other| other != NONE && other != site);
+        let toll = later.map(|other| {
+            let is_near = self.sites.near(site).any(|near| near == other);
+            let late = (level(site) + 1).saturating_sub(level(other));
+            (if is_near { COSTS[1] } else { COSTS[2] }) + COSTS[3] * late
+        });
+        toll.sum()
+    }
+
+    /// The sites in a way that ends at `low`, which is kept for those that come before.
+    fn follow(
+        &mut self,
+        site: u32,
+        number: usize,
+        mut low: Cell,
+        best: &FxHashMap<Cell, (u32, Cell)>,
+    ) -> Vec<u32> {
+        let space = &self.apart.spaces[number];
+        let mut waiting = Vec::new();
+        loop {
+            let inside = space.cells(low).map(|cell| self.sites.at(cell));
+            waiting.extend(inside.filter(|&other| other != NONE && other != site));
+            let before = best[&low].1;
+            if before == low {
+                break;
+            }
+            low = before;
+        }
+        // Later sites are looked at first: what is here already comes later than this one, and waits for nobody before it.
+        self.first[number].insert(low, site);
+        waiting.sort_unstable();
+        waiting.dedup();
+        waiting
+    }
+}

@@ -1,0 +1,239 @@
+//! An order in which the target can be built, found by taking it apart.
+//!
+//! A block may go if a free one could come to its place, and all that stays hangs together with the plate. Taking a block away
+//! only opens ways, so what has a way may wait; what is taken last is built first. Blocks with a way in two cells wide go before
+//! others, and blocks far from the plate before near ones.
+use std::collections::BinaryHeap;
+
+use stochc_grammar::Cancellation;
+
+use crate::Refusal;
+use crate::free_space::FreeSpace;
+use crate::grid::shifted;
+use crate::sites::{NONE, Sites};
+use crate::support::Support;
+
+/// An order, and what was learned on the way.
+#[derive(Clone, Debug)]
+pub struct Disassembly {
+    /// The sites in an order that builds the target.
+    pub order: Vec<u32>,
+    /// The place of each site in that order.
+    pub rank: Vec<u32>,
+    /// Whether a site has no way in two cells wide.
+    pub is_tight: Vec<bool>,
+    /// Steps from the plate to each site within the whole target.
+    pub level: Vec<u32>,
+    /// Where cubes of two sides and of one can be.
+    pub spaces: [FreeSpace; 2],
+}
+
+/// Sites that may be taken, the most urgent first.
+type Frontier = BinaryHeap<(u32, u32)>;
+
+/// Takes a target apart; of sites at about the same distance from the plate, those with a high key go first.
+///
+/// # Errors
+/// [`Refusal::Sealed`] if nothing that is left may go, and [`Refusal::Cancelled`].
+pub fn disassemble(
+    sites: &Sites<'_>,
+    spaces: [FreeSpace; 2],
+    keys: &[f32],
+    cancellation: Cancellation<'_>,
+) -> Result<Disassembly, Refusal> {
+    let support = Support::of(sites);
+    let level: Vec<u32> = (0..sites.len() as u32)
+        .map(|site| support.level(site))
+        .collect();
+    let urgency = |site: u32| {
+        let key = level[site as usize] as f32 + 2.0 * keys[site as usize];
+        // The bits of positive numbers are ordered as they are.
+        (key.to_bits(), site)
+    };
+    let mut apart = Apart {
+        sites,
+        support,
+        spaces,
+        taken: Vec::with_capacity(sites.len()),
+        is_tight: vec![false; sites.len()],
+        frontiers: [Frontier::new(), Frontier::new()],
+        doubtful: [Vec::new(), Vec::new()],
+        urgency: &urgency,
+    };
+    apart.frontiers = std::array::from_fn(|_| (0..sites.len() as u32).map(urgency).collect());
+    while apart.taken.len() < sites.len() {
+        cancellation.check()?;
+        let wide = apart.next(0);
+        let found = wide
+            .or_else(|| apart.next_exactly(0))
+            .map(|site| (site, false));
+        let found = found.or_else(|| {
+            let narrow = apart.next(1).or_else(|| apart.next_exactly(1));
+            narrow.map(|site| (site, true))
+        });
+        let Some((site, is_tight)) = found else {
+            let left = (0..sites.len() as u32).filter(|&site| apart.support.stands(site));
+            return Err(Refusal::Sealed(left.map(|site| sites.cell(site)).collect()));
+        };
+        apart.take(site, is_tight);
+    }
+    let Apart {
+        taken: mut order,
+        is_tight,
+        spaces,
+        ..
+    } = apart;
+    order.reverse();
+    let mut rank = vec![0; order.len()];
+    for (i, &site) in order.iter().enumerate() {
+        rank[site as usize] = i as u32;
+    }
+    Ok(Disassembly {
+        order,
+        rank,
+        is_tight,
+        level,
+        spaces,
+    })
+}
+
+struct Apart<'a, U> {
+    sites: &'a Sites<'a>,
+    support: Support,
+    spaces: [FreeSpace; 2],
+    taken: Vec<u32>,
+    is_tight: Vec<bool>,
+    /// Of each space, the sites that may have a way by now.
+    frontiers: [Frontier; 2],
+    /// Of each space, sites with a way that were passed over because they may hold others.
+    doubtful: [Vec<u32>; 2],
+    urgency: &'a U,
+}
+
+impl<U: Fn(u32) -> (u32, u32)> Apart<'_, U> {
+    /// A site that may go by way of a space. Others are looked at again when something near them has changed.
+    fn next(&mut self, space: usize) -> Option<u32> {
+        while let Some((_, site)) = self.frontiers[space].pop() {
+            let stands = |site: u32| self.support.stands(site);
+            if !stands(site) || !self.spaces[space].has_way(self.sites, site, &stands) {
+                continue;
+            }
+            if self.support.can_spare(self.sites, site) {
+                return Some(site);
+            }
+            self.doubtful[space].push(site);
+        }
+        None
+    }
+
+    /// The same of those that were passed over, by looking at all of what stands.
+    fn next_exactly(&mut self, space: usize) -> Option<u32> {
+        let support = &self.support;
+        self.doubtful[space].retain(|&site| support.stands(site));
+        self.doubtful[space].sort_unstable();
+        self.doubtful[space].dedup();
+        if self.doubtful[space].is_empty() {
+            return None;
+        }
+        let is_cut = support.articulation_points(self.sites);
+        let free = self.doubtful[space]
+            .iter()
+            .copied()
+            .filter(|&site| !is_cut[site as usize]);
+        free.max_by_key(|&site| (self.urgency)(site))
+    }
+
+    fn take(&mut self, site: u32, is_tight: bool) {
+        self.support.remove(self.sites, site);
+        self.taken.push(site);
+        self.is_tight[site as usize] = is_tight;
+        let (sites, support) = (self.sites, &self.support);
+        let stands = |site: u32| support.stands(site);
+        for (space, frontier) in self.spaces.iter_mut().zip(&mut self.frontiers) {
+            let mut new = Vec::new();
+            space.open(sites, site, &stands, &mut |low| new.push(low));
+            let concerned = new.iter().flat_map(|&low| space.concerned(sites, low));
+            frontier.extend(concerned.filter(|&site| stands(site)).map(self.urgency));
+            frontier.extend(
+                around(sites, site)
+                    .filter(|&site| stands(site))
+                    .map(self.urgency),
+            );
+        }
+    }
+}
+
+/// The sites no more than two steps away from one in every direction.
+fn around<'a>(sites: &'a Sites<'_>, site: u32) -> impl Iterator<Item = u32> + 'a {
+    let cell = sites.cell(site);
+    let cells = (0..125).map(move |i| shifted(cell, i % 5 - 2, i / 5 % 5 - 2, i / 25 - 2));
+    cells
+        .map(|cell| sites.at(cell))
+        .filter(|&near| near != NONE)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use proptest::prelude::*;
+    use stochc_ir::table::Plate;
+    use stochc_ir::{Cell, Face};
+
+    use super::*;
+    use crate::target::held;
+
+    /// Whether a cube of so many sides brings a block to a cell from outside, between full cells: every place is tried.
+    fn has_way(full: &BTreeSet<Cell>, cell: Cell, size: i32) -> bool {
+        let inside = |low: Cell| [low.x, low.y, low.z].iter().all(|at| (-4..=9).contains(at));
+        let cube = |low: Cell| {
+            let steps = move || 0..size;
+            steps().flat_map(move |dz| {
+                steps().flat_map(move |dy| steps().map(move |dx| shifted(low, dx, dy, dz)))
+            })
+        };
+        let is_free = |low: Cell| low.z >= 1 && cube(low).all(|cell| !full.contains(&cell));
+        let mut open: Vec<Cell> = cube(shifted(cell, 1 - size, 1 - size, 1 - size)).collect();
+        open.retain(|&low| is_free(low));
+        let mut found: BTreeSet<Cell> = open.iter().copied().collect();
+        while let Some(low) = open.pop() {
+            if !inside(low) {
+                return true;
+            }
+            for next in Face::ALL.into_iter().filter_map(|face| low.across(face)) {
+                if is_free(next) && found.insert(next) {
+                    open.push(next);
+                }
+            }
+        }
+        false
+    }
+
+    proptest! {
+        #[test]
+        fn orders_build_by_ways_that_are_there(cells in proptest::collection::vec((0..5, 0..5, 1..5), 1..70)) {
+            let cells: Vec<Cell> = cells.into_iter().map(|(x, y, z)| Cell::new(x, y, z)).collect();
+            let plate = Plate { width: 4, depth: 4 };
+            let Some(target) = held(cells, &plate) else {
+                return Ok(());
+            };
+            let sites = Sites::of(&target);
+            let spaces = || [FreeSpace::of(&sites, 2), FreeSpace::of(&sites, 1)];
+            let keys = vec![0.5; sites.len()];
+            let apart = disassemble(&sites, spaces(), &keys, Cancellation::NEVER);
+            // Whatever hangs together can be built.
+            let apart = apart.unwrap();
+            let mut full: BTreeSet<Cell> = BTreeSet::new();
+            for &site in &apart.order {
+                let cell = sites.cell(site);
+                let is_held = sites.is_on_seed(site)
+                    || Face::ALL.iter().any(|&face| full.contains(&cell.across(face).unwrap()));
+                prop_assert!(is_held);
+                let size = if apart.is_tight[site as usize] { 1 } else { 2 };
+                prop_assert!(has_way(&full, cell, size), "{} by {}", cell, size);
+                full.insert(cell);
+            }
+            prop_assert_eq!(full.len(), sites.len());
+        }
+    }
+}

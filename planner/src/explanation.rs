@@ -1,0 +1,113 @@
+//! A plan in words and as a picture.
+use std::fmt::Write as _;
+
+use stochc_ir::Cell;
+
+use crate::plan::{Capture, Plan};
+use crate::waiting::Why;
+
+/// Captures that decide the time, as told.
+const MOST_TOLD: usize = 6;
+
+/// Cells of a picture along x, at most.
+const WIDEST: i32 = 24;
+
+/// Layers of a picture, at most.
+const MOST_LAYERS: i32 = 12;
+
+/// What a plan does, in which order, what limits it, and what the alternatives would cost.
+pub fn explanation(plan: &Plan) -> String {
+    let mut out = String::new();
+    let captures = &plan.captures;
+    // Writing to a string cannot fail.
+    let _ = writeln!(
+        out,
+        "{} captures, at most {} faces open at the same time\n\
+         estimate: {:.0} ticks on average, nine of ten runs within {:.0}",
+        captures.len(),
+        plan.widest,
+        plan.estimate.mean,
+        plan.estimate.p90,
+    );
+    let waits = |why: Why| {
+        let all = captures.iter().flat_map(|capture| &capture.after);
+        all.filter(|(_, is)| *is == why).count()
+    };
+    let _ = writeln!(
+        out,
+        "waits: {} keep ways in open, {} keep faces near each other from being open together",
+        waits(Why::Way),
+        waits(Why::Near),
+    );
+    let tight: Vec<Cell> = captures
+        .iter()
+        .filter(|it| it.is_tight)
+        .map(|it| it.cell)
+        .collect();
+    let _ = match tight.len() {
+        0 => writeln!(
+            out,
+            "ways in: two cells wide for every cell, in every order"
+        ),
+        _ => writeln!(
+            out,
+            "ways in: two cells wide, but for {} of one: {}",
+            tight.len(),
+            crate::refusal::listed(&tight)
+        ),
+    };
+    out += &picture(captures);
+    let mut critical: Vec<&Capture> = captures.iter().collect();
+    let weight = |capture: &Capture| f64::from(capture.decides) * capture.wait;
+    critical.sort_by(|a, b| weight(b).total_cmp(&weight(a)));
+    out += "what decides when a run ends: in how many runs, and the mean wait\n";
+    for capture in critical.iter().take(MOST_TOLD) {
+        let _ = writeln!(
+            out,
+            "  {:<14} {:>4.0} %  {:>6.0} ticks",
+            capture.cell.to_string(),
+            100.0 * capture.decides,
+            capture.wait
+        );
+    }
+    let _ = writeln!(
+        out,
+        "alternatives: one face at a time {:.0} ticks; the first of {} schedules tried {:.0}",
+        plan.one_by_one, plan.rounds, plan.first.mean,
+    );
+    out
+}
+
+/// The place of each cell in the order, layer by layer; nothing for what is too large.
+fn picture(captures: &[Capture]) -> String {
+    let bounds = |axis: fn(&Cell) -> i32| {
+        let values = || captures.iter().map(|capture| axis(&capture.cell));
+        (values().min().unwrap_or(0), values().max().unwrap_or(0))
+    };
+    let ((west, east), (south, north)) = (bounds(|cell| cell.x), bounds(|cell| cell.y));
+    let (low, high) = bounds(|cell| cell.z);
+    if east - west >= WIDEST || north - south >= WIDEST || high - low >= MOST_LAYERS {
+        return String::new();
+    }
+    let mut order: Vec<(Cell, usize)> = captures
+        .iter()
+        .enumerate()
+        .map(|(i, capture)| (capture.cell, i + 1))
+        .collect();
+    order.sort_unstable();
+    let width = captures.len().to_string().len();
+    let mut out = "order in which faces open, north at the top\n".to_owned();
+    for z in low..=high {
+        let _ = writeln!(out, "  layer {z}");
+        for y in (south..=north).rev() {
+            out.push_str("   ");
+            for x in west..=east {
+                let found = order.binary_search_by_key(&Cell::new(x, y, z), |&(cell, _)| cell);
+                let sign = found.map_or(".".to_owned(), |at| order[at].1.to_string());
+                let _ = write!(out, " {sign:>width$}");
+            }
+            out.push('\n');
+        }
+    }
+    out
+}

@@ -1,0 +1,180 @@
+//! Where a free cube can be, and come to from outside.
+use stochc_ir::{Cell, Face};
+
+use crate::grid::{Grid, shifted};
+use crate::sites::{NONE, Sites};
+
+/// The places of a cube of one or two sides, by its low corner, that it comes to from outside.
+#[derive(Clone, Debug)]
+pub struct FreeSpace {
+    /// Edge of the cube, in cells.
+    size: i32,
+    reach: Grid<Reach>,
+}
+
+/// How a place can be reached.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Reach {
+    /// Not, or not yet.
+    #[default]
+    Closed,
+    /// Once parts of the target are gone.
+    Opened,
+    /// Even when all of the target stands.
+    Always,
+}
+
+impl FreeSpace {
+    /// For a cube of `size` sides, with all of a target standing.
+    pub fn of(sites: &Sites<'_>, size: i32) -> FreeSpace {
+        let cells = sites.target.cells();
+        let mut space = FreeSpace {
+            size,
+            reach: Grid::around(cells, 3),
+        };
+        let mut open = Vec::new();
+        // Sorted by x, y, z: the last cell of each column is its highest.
+        for (i, &cell) in cells.iter().enumerate() {
+            let is_top = cells
+                .get(i + 1)
+                .is_none_or(|next| (next.x, next.y) != (cell.x, cell.y));
+            if is_top {
+                // Outside, above and beside everything near: the sky is seen from the highest of a neighbourhood.
+                open.extend(space.beside_top(sites, cell));
+            }
+        }
+        space.flood(sites, open, &|_| true, Reach::Always, &mut |_| {});
+        space
+    }
+
+    /// Places above the top of a column from which nothing stops a cube on its way up.
+    fn beside_top(&self, sites: &Sites<'_>, top: Cell) -> Vec<Cell> {
+        let size = self.size;
+        let lows = (0..size).flat_map(|dy| (0..size).map(move |dx| shifted(top, -dx, -dy, 1)));
+        let cells = sites.target.cells();
+        let sees_sky = |low: &Cell| {
+            (0..size).all(|dy| {
+                (0..size).all(|dx| {
+                    let (x, y) = (low.x + dx, low.y + dy);
+                    let behind = cells.partition_point(|cell| (cell.x, cell.y) <= (x, y));
+                    let highest = cells[..behind].last();
+                    highest.is_none_or(|at| (at.x, at.y) != (x, y) || at.z < low.z)
+                })
+            })
+        };
+        lows.filter(sees_sky).collect()
+    }
+
+    /// Adds places that hang together with those of `open`, which are free.
+    fn flood(
+        &mut self,
+        sites: &Sites<'_>,
+        mut open: Vec<Cell>,
+        stands: &impl Fn(u32) -> bool,
+        reach: Reach,
+        reached: &mut impl FnMut(Cell),
+    ) {
+        open.retain(|&low| self.enter(low, reach));
+        while let Some(low) = open.pop() {
+            reached(low);
+            for next in Face::ALL.into_iter().filter_map(|face| low.across(face)) {
+                if self.reach.get(next) == Some(Reach::Closed)
+                    && self.is_free(sites, next, stands)
+                    && self.enter(next, reach)
+                {
+                    open.push(next);
+                }
+            }
+        }
+    }
+
+    fn enter(&mut self, low: Cell, reach: Reach) -> bool {
+        let is_new = self.reach.get(low) == Some(Reach::Closed);
+        if is_new {
+            self.reach.set(low, reach);
+        }
+        is_new
+    }
+
+    /// The cells of a cube.
+    pub fn cells(&self, low: Cell) -> impl Iterator<Item = Cell> + use<> {
+        let count = self.size * self.size * self.size;
+        let size = self.size;
+        (0..count).map(move |i| shifted(low, i % size, i / size % size, i / (size * size)))
+    }
+
+    /// The places of a cube that hold a cell, above the ground.
+    pub fn around(&self, cell: Cell) -> impl Iterator<Item = Cell> + use<> {
+        let lows = self.cells(cell).map(move |high| {
+            Cell::new(
+                2 * cell.x - high.x,
+                2 * cell.y - high.y,
+                2 * cell.z - high.z,
+            )
+        });
+        lows.filter(|low| low.z >= 1)
+    }
+
+    /// Whether a cube fits, above the ground, between what stands.
+    pub fn is_free(&self, sites: &Sites<'_>, low: Cell, stands: &impl Fn(u32) -> bool) -> bool {
+        low.z >= 1
+            && self.cells(low).all(|cell| {
+                let site = sites.at(cell);
+                site == NONE || !stands(site)
+            })
+    }
+
+    /// Whether a cube comes to a place whatever of the target stands.
+    pub fn is_always_open(&self, low: Cell) -> bool {
+        self.reach.get(low) == Some(Reach::Always)
+    }
+
+    /// Whether a cube can bring a block to a standing site, if that one goes.
+    pub fn has_way(&self, sites: &Sites<'_>, site: u32, stands: &impl Fn(u32) -> bool) -> bool {
+        let others = |other: u32| other != site && stands(other);
+        self.around(sites.cell(site))
+            .any(|low| self.is_free(sites, low, &others) && self.is_reached(low))
+    }
+
+    fn is_reached(&self, low: Cell) -> bool {
+        let is_open = |low: Cell| {
+            self.reach
+                .get(low)
+                .is_some_and(|reach| reach != Reach::Closed)
+        };
+        let mut beside = Face::ALL.into_iter().filter_map(|face| low.across(face));
+        is_open(low) || beside.any(is_open)
+    }
+
+    /// A site is gone: what opens with it. `reached` is told of new places.
+    pub fn open(
+        &mut self,
+        sites: &Sites<'_>,
+        gone: u32,
+        stands: &impl Fn(u32) -> bool,
+        reached: &mut impl FnMut(Cell),
+    ) {
+        let around = self.around(sites.cell(gone));
+        let open: Vec<Cell> = around
+            .filter(|&low| self.is_free(sites, low, stands) && self.is_reached(low))
+            .collect();
+        self.flood(sites, open, stands, Reach::Opened, reached);
+    }
+
+    /// The sites that a new place can matter to.
+    pub fn concerned(&self, sites: &Sites<'_>, low: Cell) -> impl Iterator<Item = u32> {
+        let size = self.size;
+        let edge = size + 2;
+        let cells = (0..edge * edge * edge).map(move |i| {
+            shifted(
+                low,
+                i % edge - 1,
+                i / edge % edge - 1,
+                i / (edge * edge) - 1,
+            )
+        });
+        cells
+            .map(|cell| sites.at(cell))
+            .filter(|&site| site != NONE)
+    }
+}

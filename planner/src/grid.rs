@@ -1,0 +1,125 @@
+//! Values by cell, around the cells of a structure.
+use rustc_hash::FxHashMap;
+use stochc_ir::Cell;
+
+/// A value for each cell that is no more than a margin away from a structure, in every coordinate.
+#[derive(Clone, Debug)]
+pub struct Grid<T> {
+    low: Cell,
+    /// Cells along x, y and z.
+    size: [i64; 3],
+    values: Values<T>,
+}
+
+#[derive(Clone, Debug)]
+enum Values<T> {
+    /// All of the box around the structure, x first.
+    Dense(Vec<T>),
+    /// Where that box is mostly empty: what lies near a cell.
+    Sparse(FxHashMap<Cell, T>),
+}
+
+/// Cells of the box around a structure that are always kept, and so many more for each of its own.
+const DENSE: (i128, i128) = (1 << 22, 32);
+
+impl<T: Copy + Default> Grid<T> {
+    /// The default for every cell; coordinates are far from the ends of their range.
+    pub fn around(cells: &[Cell], margin: i32) -> Grid<T> {
+        let first = cells.first().copied().unwrap_or_default();
+        let (mut low, mut high) = (first, first);
+        for cell in cells {
+            low = Cell::new(low.x.min(cell.x), low.y.min(cell.y), low.z.min(cell.z));
+            high = Cell::new(high.x.max(cell.x), high.y.max(cell.y), high.z.max(cell.z));
+        }
+        let low = shifted(low, -margin, -margin, -margin);
+        let high = shifted(high, margin, margin, margin);
+        let along = |low: i32, high: i32| i64::from(high) - i64::from(low) + 1;
+        let size = [
+            along(low.x, high.x),
+            along(low.y, high.y),
+            along(low.z, high.z),
+        ];
+        let volume: i128 = size.iter().map(|&edge| i128::from(edge)).product();
+        let is_dense = volume <= DENSE.0 + DENSE.1 * cells.len() as i128;
+        let values = match is_dense {
+            true => Values::Dense(vec![T::default(); volume as usize]),
+            false => Values::Sparse(dilated(cells, margin)),
+        };
+        Grid { low, size, values }
+    }
+
+    fn place(&self, cell: Cell) -> Option<usize> {
+        let [width, depth, height] = self.size;
+        let x = i64::from(cell.x) - i64::from(self.low.x);
+        let y = i64::from(cell.y) - i64::from(self.low.y);
+        let z = i64::from(cell.z) - i64::from(self.low.z);
+        let inside = (0..width).contains(&x) && (0..depth).contains(&y) && (0..height).contains(&z);
+        inside.then(|| ((z * depth + y) * width + x) as usize)
+    }
+
+    /// The value of a cell; `None`: too far away to have one.
+    pub fn get(&self, cell: Cell) -> Option<T> {
+        match &self.values {
+            Values::Dense(values) => Some(values[self.place(cell)?]),
+            Values::Sparse(values) => values.get(&cell).copied(),
+        }
+    }
+
+    /// Another value for a cell that has one.
+    pub fn set(&mut self, cell: Cell, value: T) {
+        let place = self.place(cell);
+        match &mut self.values {
+            Values::Dense(values) => {
+                if let Some(place) = place {
+                    values[place] = value;
+                }
+            }
+            Values::Sparse(values) => {
+                if let Some(old) = values.get_mut(&cell) {
+                    *old = value;
+                }
+            }
+        }
+    }
+}
+
+fn dilated<T: Default>(cells: &[Cell], margin: i32) -> FxHashMap<Cell, T> {
+    let mut values = FxHashMap::default();
+    for &cell in cells {
+        for dz in -margin..=margin {
+            for dy in -margin..=margin {
+                for dx in -margin..=margin {
+                    values.entry(shifted(cell, dx, dy, dz)).or_default();
+                }
+            }
+        }
+    }
+    values
+}
+
+/// A cell some steps away from one that is far from the ends of the range of coordinates.
+pub fn shifted(cell: Cell, dx: i32, dy: i32, dz: i32) -> Cell {
+    Cell::new(cell.x + dx, cell.y + dy, cell.z + dz)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_kept_whether_the_box_is_full_or_not() {
+        let near = [Cell::new(0, 0, 1), Cell::new(3, 1, 2)];
+        let far = [Cell::new(0, 0, 1), Cell::new(900_000, 900_000, 900_000)];
+        for cells in [near, far] {
+            let mut grid = Grid::<u32>::around(&cells, 2);
+            for (i, &cell) in cells.iter().enumerate() {
+                grid.set(cell, i as u32 + 1);
+            }
+            assert_eq!(cells.map(|cell| grid.get(cell)), [Some(1), Some(2)]);
+            assert_eq!(grid.get(Cell::new(-2, -2, -1)), Some(0));
+            let outside = Cell::new(-3, 0, 1);
+            grid.set(outside, 9);
+            assert_eq!(grid.get(outside), None);
+        }
+    }
+}

@@ -1,0 +1,35 @@
+//! From a shape to an order of captures that builds it, and to the program of that order. Pure: no IO, clock or chance but
+//! that of a seed.
+//!
+//! [`Target`] is what is to be built, and says what is wrong with it. [`plan`] takes it apart (`disassembly`), which gives an
+//! order with a way in for every cell; looks for the ways that have to stay open, and lets the blocks that would close
+//! them wait (`corridor`); decides which face opens next (`schedule`); and tries other decisions on sampled times to
+//! completion (`search`). [`program`] writes it down.
+mod corridor;
+mod disassembly;
+mod emit;
+mod explanation;
+mod free_space;
+mod grid;
+mod makespan;
+mod plan;
+mod refusal;
+mod schedule;
+mod search;
+mod sites;
+mod support;
+mod target;
+mod voxels;
+mod waiting;
+mod waits;
+
+pub use emit::{Naming, declaration, program};
+pub use explanation::explanation;
+pub use makespan::{Estimate, Objective};
+pub use plan::{Capture, Hardware, Plan, plan};
+pub use refusal::{Part, Refusal};
+pub use search::Search;
+pub use target::{FARTHEST, MOST_CELLS, Target};
+pub use voxels::{UnreadableVoxels, layers, magica_voxel};
+pub use waiting::Why;
+pub use waits::{RateLaw, Waits};

@@ -1,0 +1,121 @@
+//! How long a schedule takes, by sampling.
+use rand::RngExt as _;
+use rand::SeedableRng as _;
+use rand_chacha::ChaCha8Rng;
+
+use crate::schedule::Schedule;
+use crate::waiting::Waiting;
+
+/// What a plan should make small.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Objective {
+    /// The mean time to completion.
+    #[default]
+    Mean,
+    /// The time in which nine runs of ten are complete.
+    P90,
+}
+
+/// Times to completion \[ticks\], as far as mean waits tell.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Estimate {
+    /// Their mean.
+    pub mean: f64,
+    /// The time in which nine runs of ten are complete.
+    pub p90: f64,
+}
+
+impl Estimate {
+    /// The number that matters.
+    pub fn of(self, objective: Objective) -> f64 {
+        match objective {
+            Objective::Mean => self.mean,
+            Objective::P90 => self.p90,
+        }
+    }
+}
+
+/// Waits of each site in a few runs, of mean 1: the same for every schedule, so that schedules differ by themselves alone.
+#[derive(Clone, Debug)]
+pub struct Samples {
+    runs: usize,
+    /// By site, then by run.
+    waits: Vec<f32>,
+}
+
+impl Samples {
+    /// So many runs of so many sites, of a seed.
+    pub fn new(sites: usize, runs: usize, seed: u64) -> Samples {
+        /// A face draws blocks only when the crowd around it has come close: a part of the wait is no exponential.
+        const DELAY: f32 = 0.27;
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut log = || -(1.0 - rng.random::<f32>()).ln();
+        let wait = |_| DELAY * 0.5 * (log() + log()) + (1.0 - DELAY) * log();
+        let waits = (0..sites * runs).map(wait).collect();
+        Samples { runs, waits }
+    }
+
+    /// The times of each site in each run, in the order in which sites open \[ticks\].
+    fn times(&self, schedule: &Schedule, waiting: &Waiting, times: &mut Vec<f32>) {
+        let runs = self.runs;
+        times.clear();
+        times.resize(schedule.order.len() * runs, 0.0);
+        for (i, (&site, before)) in schedule.order.iter().zip(&waiting.before).enumerate() {
+            let (done, rest) = times.split_at_mut(i * runs);
+            let here = &mut rest[..runs];
+            for &other in before {
+                let other = &done[other as usize * runs..][..runs];
+                for (here, &other) in here.iter_mut().zip(other) {
+                    *here = here.max(other);
+                }
+            }
+            let waits = &self.waits[site as usize * runs..][..runs];
+            let mean = schedule.mean[site as usize];
+            for (here, &wait) in here.iter_mut().zip(waits) {
+                *here += mean * wait;
+            }
+        }
+    }
+
+    /// How long a schedule takes; `times` is working space.
+    pub fn estimate(
+        &self,
+        schedule: &Schedule,
+        waiting: &Waiting,
+        times: &mut Vec<f32>,
+    ) -> Estimate {
+        self.times(schedule, waiting, times);
+        let mut ends = vec![0.0f32; self.runs];
+        for times in times.chunks_exact(self.runs) {
+            for (end, &time) in ends.iter_mut().zip(times) {
+                *end = end.max(time);
+            }
+        }
+        ends.sort_unstable_by(f32::total_cmp);
+        let sum: f64 = ends.iter().map(|&end| f64::from(end)).sum();
+        let place = (self.runs * 9).div_ceil(10).max(1) - 1;
+        Estimate {
+            mean: sum / self.runs as f64,
+            p90: f64::from(ends[place]),
+        }
+    }
+
+    /// How often each site, by number, decided when a run ended: it is on the chain of what was waited for last.
+    pub fn criticality(&self, schedule: &Schedule, waiting: &Waiting) -> Vec<f32> {
+        let mut times = Vec::new();
+        self.times(schedule, waiting, &mut times);
+        let runs = self.runs;
+        let mut counts = vec![0.0; schedule.order.len()];
+        let at = |place: usize, run: usize| times[place * runs + run];
+        for run in 0..runs {
+            let last = (0..schedule.order.len()).max_by(|&a, &b| at(a, run).total_cmp(&at(b, run)));
+            let mut next = last;
+            while let Some(place) = next {
+                counts[schedule.order[place] as usize] += 1.0 / runs as f32;
+                let before = waiting.before[place].iter().map(|&other| other as usize);
+                next = before.max_by(|&a, &b| at(a, run).total_cmp(&at(b, run)));
+            }
+        }
+        counts
+    }
+}

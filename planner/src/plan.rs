@@ -1,0 +1,142 @@
+//! A target and what is known of the hardware to a plan.
+use serde::Serialize;
+use stochc_ir::scene::{BondKind, Scene};
+use stochc_ir::{Cell, Face};
+
+use crate::makespan::{Estimate, Samples};
+use crate::schedule::Job;
+use crate::search::{Search, search};
+use crate::sites::Sites;
+use crate::waiting::{Waiting, Why};
+use crate::waits::Waits;
+use crate::{Refusal, Target};
+
+/// What blocks can do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Hardware {
+    /// Faces that one block can open at the same time.
+    pub faces: u8,
+    /// Whether every face attracts all the time, so that none can be kept closed.
+    pub attracts_always: bool,
+    /// Free blocks.
+    pub free: u32,
+}
+
+impl Hardware {
+    /// That of a scene.
+    pub fn of(scene: &Scene) -> Hardware {
+        let attracts_always = BondKind::of(scene).is_passive();
+        Hardware {
+            faces: if attracts_always {
+                6
+            } else {
+                scene.block.faces
+            },
+            attracts_always,
+            free: scene.free.count,
+        }
+    }
+}
+
+/// An order of captures that builds a target.
+#[derive(Clone, Debug, Serialize)]
+pub struct Plan {
+    /// The captures, in the order in which their faces open if all waits are as long as their means.
+    pub captures: Vec<Capture>,
+    /// How long it takes, as far as mean waits tell \[ticks\].
+    pub estimate: Estimate,
+    /// How long the first plan would have taken \[ticks\].
+    pub first: Estimate,
+    /// How long it would take with one open face at a time in the whole structure, on average \[ticks\].
+    pub one_by_one: f64,
+    /// Faces that are open at the same time, at most, if all waits are as long as their means.
+    pub widest: usize,
+    /// Schedules that were tried.
+    pub rounds: u64,
+}
+
+/// One capture of a plan.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Capture {
+    /// Where the block comes to.
+    pub cell: Cell,
+    /// From its parent: the face that captures it.
+    pub way: Face,
+    /// The mean ticks that the face is open.
+    pub wait: f64,
+    /// The cells that have to be full before the face opens, and why; what follows from others is left out.
+    pub after: Vec<(Cell, Why)>,
+    /// Whether no way in two cells wide was found.
+    pub is_tight: bool,
+    /// The part of runs in which it is on the chain of captures that decides when the run ends.
+    pub decides: f32,
+}
+
+/// Runs on which an estimate rests: fewer for what is large.
+fn runs(sites: usize) -> usize {
+    (400_000 / sites).clamp(16, 1000)
+}
+
+/// Plans how to build a target.
+///
+/// # Errors
+/// If no order builds it, or nobody waits for it.
+pub fn plan(
+    target: &Target,
+    hardware: Hardware,
+    waits: &dyn Waits,
+    how: Search<'_>,
+) -> Result<Plan, Refusal> {
+    let sites = Sites::of(target);
+    let found = search(&sites, hardware, waits, how)?;
+    let schedule = &found.schedule;
+    let job = Job::new(&sites, &found.apart, &found.corridors, hardware, waits);
+    let waiting = Waiting::of(&job, schedule);
+    let afters = waiting.afters(&job, schedule);
+    // Other chances than those by which it was chosen.
+    let samples = Samples::new(sites.len(), runs(sites.len()), how.seed ^ 0x5eed);
+    let estimate = samples.estimate(schedule, &waiting, &mut Vec::new());
+    let decides = samples.criticality(schedule, &waiting);
+    let captures = schedule.order.iter().map(|&site| {
+        let here = site as usize;
+        let after = afters[here].iter();
+        Capture {
+            cell: sites.cell(site),
+            way: schedule.way[here],
+            wait: f64::from(schedule.mean[here]),
+            after: after
+                .map(|after| (sites.cell(after.site), after.why))
+                .collect(),
+            is_tight: found.apart.is_tight[here],
+            decides: decides[here],
+        }
+    });
+    Ok(Plan {
+        captures: captures.collect(),
+        estimate,
+        first: found.first,
+        one_by_one: schedule.mean.iter().map(|&mean| f64::from(mean)).sum(),
+        widest: widest(&waiting, &schedule.order, &schedule.mean),
+        rounds: found.rounds,
+    })
+}
+
+/// Faces that are open at the same time, at most, if all waits are as long as their means.
+fn widest(waiting: &Waiting, order: &[u32], mean: &[f32]) -> usize {
+    let mut ends: Vec<f32> = Vec::with_capacity(order.len());
+    let mut changes = Vec::with_capacity(2 * order.len());
+    for (&site, before) in order.iter().zip(&waiting.before) {
+        let start = before.iter().map(|&other| ends[other as usize]);
+        let start = start.fold(0.0, f32::max);
+        let end = start + mean[site as usize];
+        ends.push(end);
+        changes.extend([(start, 1i64), (end, -1)]);
+    }
+    // What ends makes room before something begins.
+    changes.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let open = changes.iter().scan(0i64, |open, (_, change)| {
+        *open += change;
+        Some(*open)
+    });
+    open.max().unwrap_or(0) as usize
+}

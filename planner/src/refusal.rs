@@ -1,0 +1,145 @@
+//! Why a target cannot be built, and what would help.
+use std::fmt;
+
+use stochc_grammar::Cancelled;
+use stochc_ir::Cell;
+
+/// Why there is no plan.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Refusal {
+    /// There is nothing to build.
+    Empty,
+    /// A cell is too far away to be counted with.
+    TooFar(Cell),
+    /// Cells at or under the level of the plate.
+    BelowPlate(Vec<Cell>),
+    /// Parts that hang together with no block of the plate that may capture.
+    Loose(Vec<Part>),
+    /// The scene has fewer free blocks than the target has cells.
+    TooFewBlocks {
+        /// Cells of the target.
+        needed: usize,
+        /// Free blocks of the scene.
+        free: u32,
+    },
+    /// No order of captures brings a block to these cells.
+    Sealed(Vec<Cell>),
+    /// Nobody waits for it any more.
+    Cancelled,
+}
+
+/// A part of a target that hangs in the air.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Part {
+    /// Its cells, sorted.
+    pub cells: Vec<Cell>,
+    /// The fewest further cells that would hold it; `None`: not looked for, or too many.
+    pub bridge: Option<Vec<Cell>>,
+}
+
+/// Cells that are told of, at most.
+const MOST_TOLD: usize = 8;
+
+/// `(0, 0, 1), (1, 0, 1) and 5 more`
+pub(crate) fn listed(cells: &[Cell]) -> String {
+    listed_words(&cells.iter().map(Cell::to_string).collect::<Vec<_>>())
+}
+
+/// The same of what has been put into words.
+pub(crate) fn listed_words(words: &[String]) -> String {
+    let told = words[..words.len().min(MOST_TOLD)].join(", ");
+    match words.len().saturating_sub(MOST_TOLD) {
+        0 => told,
+        more => format!("{told} and {more} more"),
+    }
+}
+
+fn cells(count: usize) -> String {
+    match count {
+        1 => "1 cell".to_owned(),
+        count => format!("{count} cells"),
+    }
+}
+
+impl From<Cancelled> for Refusal {
+    fn from(_: Cancelled) -> Refusal {
+        Refusal::Cancelled
+    }
+}
+
+impl std::error::Error for Refusal {}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Refusal::Empty => f.write_str("the target has no cells"),
+            Refusal::TooFar(cell) => write!(
+                f,
+                "the cell {cell} is too far away: coordinates go to {}",
+                crate::target::FARTHEST
+            ),
+            Refusal::BelowPlate(below) => write!(
+                f,
+                "{} of the target: {}, at or below the plate, where no block can come",
+                cells(below.len()),
+                listed(below)
+            ),
+            Refusal::Loose(parts) => {
+                let first = parts.first().map_or(&[][..], |part| &part.cells);
+                match parts.len() {
+                    1 => write!(f, "{} of the target: ", cells(first.len()))?,
+                    n => write!(
+                        f,
+                        "{n} parts of the target, the first of {}: ",
+                        cells(first.len())
+                    )?,
+                }
+                write!(
+                    f,
+                    "{}, hang together with no block of the plate that may capture",
+                    listed(first)
+                )
+            }
+            Refusal::TooFewBlocks { needed, free } => write!(
+                f,
+                "the target has {needed} cells, and the scene {free} free blocks"
+            ),
+            Refusal::Sealed(sealed) => write!(
+                f,
+                "no order of captures brings a block to {}: {}",
+                cells(sealed.len()),
+                listed(sealed)
+            ),
+            Refusal::Cancelled => f.write_str("stopped before there was a plan"),
+        }
+    }
+}
+
+impl Refusal {
+    /// What to do about it, if anything is known.
+    pub fn help(&self) -> Option<String> {
+        match self {
+            Refusal::Empty => Some("draw a `#` for each block".to_owned()),
+            Refusal::BelowPlate(_) => {
+                Some("layer 1 rests on the plate: move the target up".to_owned())
+            }
+            Refusal::Loose(parts) => {
+                let bridge = parts.first()?.bridge.as_ref()?;
+                Some(match bridge.len() {
+                    0 => return None,
+                    _ => format!(
+                        "with {} more, {}, the first part would be held; or let a block of the plate \
+                         under it capture (`--seed-plate`)",
+                        cells(bridge.len()),
+                        listed(bridge)
+                    ),
+                })
+            }
+            Refusal::TooFewBlocks { needed, .. } => Some(format!(
+                "name a scene with `free {needed} uniform` or more (`--scene`), or plan a smaller target"
+            )),
+            Refusal::Sealed(_) => Some("leave a neighbour of each out".to_owned()),
+            Refusal::TooFar(_) | Refusal::Cancelled => None,
+        }
+    }
+}

@@ -1,0 +1,257 @@
+//! Which cell opens next: list scheduling on mean waits.
+//!
+//! The most urgent cell that may open does: its blocks to wait for are there, a neighbour of it stands and has a face to spare,
+//! and no face near it is open. Because of the last rule a free block is never between two faces that want it, which is what
+//! jams; and what is full around a cell when it opens is the same in every run.
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use stochc_grammar::{Cancellation, Cancelled};
+use stochc_ir::Face;
+
+use crate::Hardware;
+use crate::corridor::Corridors;
+use crate::disassembly::Disassembly;
+use crate::sites::{NONE, Sites};
+use crate::waits::Waits;
+
+/// What stays the same from one schedule to the next.
+pub struct Job<'a> {
+    /// The cells.
+    pub sites: &'a Sites<'a>,
+    /// What waits for what.
+    pub corridors: &'a Corridors,
+    /// What blocks can do.
+    pub hardware: Hardware,
+    /// How long faces wait.
+    pub waits: &'a dyn Waits,
+    /// Mean ticks from the opening of each site to the end, through all that surely comes after it.
+    tail: Vec<f32>,
+}
+
+/// An order with its parents.
+#[derive(Clone, Debug)]
+pub struct Schedule {
+    /// The sites in the order in which they open.
+    pub order: Vec<u32>,
+    /// The place of each site in that order.
+    pub rank: Vec<u32>,
+    /// For each site the way from its parent, which is the site or the seed on the other side.
+    pub way: Vec<Face>,
+    /// The mean wait of each site \[ticks\].
+    pub mean: Vec<f32>,
+}
+
+impl<'a> Job<'a> {
+    /// Prepares schedules.
+    pub fn new(
+        sites: &'a Sites<'a>,
+        apart: &'a Disassembly,
+        corridors: &'a Corridors,
+        hardware: Hardware,
+        waits: &'a dyn Waits,
+    ) -> Job<'a> {
+        /// Ticks of a wait of which nothing is known yet.
+        const WAIT: f32 = 650.0;
+        let mut tail = vec![WAIT; sites.len()];
+        for &site in apart.order.iter().rev() {
+            let here = tail[site as usize];
+            for &other in &corridors.waiting[site as usize] {
+                tail[site as usize] = tail[site as usize].max(WAIT + tail[other as usize]);
+            }
+            // The neighbour that was built first holds it, as far as is known.
+            let held = sites
+                .adjacent(site)
+                .min_by_key(|&next| apart.rank[next as usize]);
+            let longest = here.max(tail[site as usize]);
+            if let Some(parent) = held
+                && !sites.is_on_seed(site)
+                && apart.rank[parent as usize] < apart.rank[site as usize]
+            {
+                let parent = &mut tail[parent as usize];
+                *parent = parent.max(WAIT + longest);
+            }
+        }
+        Job {
+            sites,
+            corridors,
+            hardware,
+            waits,
+            tail,
+        }
+    }
+
+    /// The site that holds another one: across the face opposite to the way; [`NONE`]: a seed does.
+    pub fn parent(&self, site: u32, way: Face) -> u32 {
+        self.sites.next(site, way.opposite())
+    }
+
+    /// A schedule in which cells with a high key open early.
+    ///
+    /// # Errors
+    /// [`Cancelled`] if nobody waits for it.
+    pub fn schedule(
+        &self,
+        keys: &[f32],
+        cancellation: Cancellation<'_>,
+    ) -> Result<Schedule, Cancelled> {
+        let count = self.sites.len();
+        let mut missing = vec![0u32; count];
+        for waiting in &self.corridors.waiting {
+            for &site in waiting {
+                missing[site as usize] += 1;
+            }
+        }
+        let mut state = State {
+            job: self,
+            keys,
+            missing,
+            state: vec![Site::Absent; count],
+            open_faces: vec![0; count],
+            ready: BinaryHeap::new(),
+            is_ready: vec![false; count],
+            opened: BinaryHeap::new(),
+            schedule: Schedule {
+                order: Vec::with_capacity(count),
+                rank: vec![NONE; count],
+                way: vec![Face::Up; count],
+                mean: vec![0.0; count],
+            },
+        };
+        for site in 0..count as u32 {
+            state.consider(site);
+        }
+        state.open_ready(0.0);
+        while let Some(Reverse((time, site))) = state.opened.pop() {
+            cancellation.check()?;
+            state.anchored(site);
+            state.open_ready(f32::from_bits(time));
+        }
+        assert_eq!(
+            state.schedule.order.len(),
+            count,
+            "an order that builds it all is known"
+        );
+        Ok(state.schedule)
+    }
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Site {
+    Absent,
+    Open,
+    Anchored,
+}
+
+struct State<'a> {
+    job: &'a Job<'a>,
+    keys: &'a [f32],
+    /// Of each site, those it still has to wait for.
+    missing: Vec<u32>,
+    state: Vec<Site>,
+    /// Faces that each site has open.
+    open_faces: Vec<u8>,
+    /// Sites that may open, by urgency.
+    ready: BinaryHeap<(u32, Reverse<u32>)>,
+    is_ready: Vec<bool>,
+    /// Open sites, by the time when their block comes.
+    opened: BinaryHeap<Reverse<(u32, u32)>>,
+    schedule: Schedule,
+}
+
+impl State<'_> {
+    /// Remembers a site that may open, if it is one.
+    fn consider(&mut self, site: u32) {
+        let here = site as usize;
+        let is_next = self.state[here] == Site::Absent && self.missing[here] == 0;
+        if !is_next || self.is_ready[here] {
+            return;
+        }
+        let sites = self.job.sites;
+        let is_held = sites.is_on_seed(site)
+            || sites
+                .adjacent(site)
+                .any(|next| self.state[next as usize] == Site::Anchored);
+        if is_held {
+            self.is_ready[here] = true;
+            let urgency = self.job.tail[here] * (0.5 + self.keys[here]);
+            self.ready.push((urgency.to_bits(), Reverse(site)));
+        }
+    }
+
+    fn open_ready(&mut self, now: f32) {
+        while let Some((_, Reverse(site))) = self.ready.pop() {
+            // What cannot open now is considered again when something near it is anchored.
+            self.is_ready[site as usize] = false;
+            if !self.is_beside_open_face(site)
+                && let Some((way, mean)) = self.best_way(site)
+            {
+                self.open(site, way, mean, now);
+            }
+        }
+    }
+
+    fn is_beside_open_face(&self, site: u32) -> bool {
+        let is_open = |near: u32| self.state[near as usize] == Site::Open;
+        !self.job.hardware.attracts_always && self.job.sites.near(site).any(is_open)
+    }
+
+    /// The way with the shortest wait from a parent that has a face to spare; the straight one of two equal ones.
+    fn best_way(&self, site: u32) -> Option<(Face, f32)> {
+        let job = self.job;
+        let has = |near: u32| self.state[near as usize] == Site::Anchored;
+        let window = job.sites.window(site, has);
+        let cell = job.sites.cell(site);
+        let mut best: Option<(Face, f32, f32)> = None;
+        for way in Face::ALL {
+            let parent = job.parent(site, way);
+            let is_straight = match parent {
+                NONE if way == Face::Up && job.sites.is_on_seed(site) => true,
+                NONE => continue,
+                _ if !has(parent) => continue,
+                _ if self.open_faces[parent as usize] >= job.hardware.faces => continue,
+                _ => self.schedule.way[parent as usize] == way,
+            };
+            let mean = job.waits.mean(cell, way, window) as f32;
+            let price = if is_straight { 0.98 * mean } else { mean };
+            if best.is_none_or(|(_, _, least)| price < least) {
+                best = Some((way, mean, price));
+            }
+        }
+        best.map(|(way, mean, _)| (way, mean))
+    }
+
+    fn open(&mut self, site: u32, way: Face, mean: f32, now: f32) {
+        let here = site as usize;
+        self.state[here] = Site::Open;
+        let parent = self.job.parent(site, way);
+        if parent != NONE {
+            self.open_faces[parent as usize] += 1;
+        }
+        let schedule = &mut self.schedule;
+        schedule.rank[here] = schedule.order.len() as u32;
+        schedule.order.push(site);
+        schedule.way[here] = way;
+        schedule.mean[here] = mean;
+        self.opened.push(Reverse(((now + mean).to_bits(), site)));
+    }
+
+    fn anchored(&mut self, site: u32) {
+        self.state[site as usize] = Site::Anchored;
+        let job = self.job;
+        let parent = job.parent(site, self.schedule.way[site as usize]);
+        if parent != NONE {
+            self.open_faces[parent as usize] -= 1;
+            for next in job.sites.adjacent(parent) {
+                self.consider(next);
+            }
+        }
+        for &waiting in &job.corridors.waiting[site as usize] {
+            self.missing[waiting as usize] -= 1;
+            self.consider(waiting);
+        }
+        for near in job.sites.near(site) {
+            self.consider(near);
+        }
+    }
+}

@@ -1,0 +1,195 @@
+//! What is to be built, and on what.
+use rustc_hash::{FxHashMap, FxHashSet};
+use std::collections::VecDeque;
+
+use stochc_ir::table::Plate;
+use stochc_ir::{Cell, Face};
+
+use crate::refusal::{Part, Refusal};
+
+/// Cells of a target, at most: as many as a program may capture.
+pub const MOST_CELLS: usize = 10_000_000;
+
+/// Coordinates are no further from 0 than this.
+pub const FARTHEST: i32 = 1_000_000_000;
+
+/// A structure that can be built: every cell hangs together with a block of the plate that may capture.
+#[derive(Clone, Debug)]
+pub struct Target {
+    /// Sorted, each once; z is at least 1.
+    cells: Vec<Cell>,
+    plate: Plate,
+    /// The blocks of the plate that may capture, sorted; `None`: all of them.
+    seeds: Option<Vec<(i32, i32)>>,
+}
+
+impl Target {
+    /// A target on a plate, of which all blocks may capture, or those at the places (x, y) of `seeds`; `free` blocks are there to build it.
+    ///
+    /// # Errors
+    /// What is wrong with it, with all cells concerned.
+    pub fn new(
+        mut cells: Vec<Cell>,
+        plate: Plate,
+        seeds: Option<Vec<(i32, i32)>>,
+        free: u32,
+    ) -> Result<Target, Refusal> {
+        cells.sort_unstable();
+        cells.dedup();
+        if cells.is_empty() {
+            return Err(Refusal::Empty);
+        }
+        let is_far = |cell: &&Cell| {
+            let Cell { x, y, z } = **cell;
+            [x, y, z]
+                .iter()
+                .any(|at| !(-FARTHEST..=FARTHEST).contains(at))
+        };
+        if let Some(&cell) = cells.iter().find(is_far) {
+            return Err(Refusal::TooFar(cell));
+        }
+        let below: Vec<Cell> = cells.iter().filter(|cell| cell.z < 1).copied().collect();
+        if !below.is_empty() {
+            return Err(Refusal::BelowPlate(below));
+        }
+        if cells.len() > MOST_CELLS.min(free as usize) {
+            let needed = cells.len();
+            return Err(Refusal::TooFewBlocks { needed, free });
+        }
+        let seeds = seeds.map(|mut seeds| {
+            seeds.sort_unstable();
+            seeds.dedup();
+            seeds
+        });
+        let target = Target {
+            cells,
+            plate,
+            seeds,
+        };
+        match target.loose() {
+            parts if parts.is_empty() => Ok(target),
+            parts => Err(Refusal::Loose(parts)),
+        }
+    }
+
+    /// Its cells, sorted.
+    pub fn cells(&self) -> &[Cell] {
+        &self.cells
+    }
+
+    /// The plate.
+    pub fn plate(&self) -> &Plate {
+        &self.plate
+    }
+
+    /// Whether a block of the plate that may capture lies under a cell.
+    pub fn is_on_seed(&self, cell: Cell) -> bool {
+        cell.z == 1 && self.has_seed(cell.x, cell.y)
+    }
+
+    fn has_seed(&self, x: i32, y: i32) -> bool {
+        match &self.seeds {
+            Some(seeds) => seeds.binary_search(&(x, y)).is_ok(),
+            None => {
+                let on = |at: i32, edge: u32| u32::try_from(at).is_ok_and(|at| at < edge);
+                on(x, self.plate.width) && on(y, self.plate.depth)
+            }
+        }
+    }
+
+    /// The parts that hang together with no seed, and what would help each.
+    fn loose(&self) -> Vec<Part> {
+        let all: FxHashSet<Cell> = self.cells.iter().copied().collect();
+        let mut open: Vec<Cell> = self.cells.iter().copied().collect();
+        open.retain(|&cell| self.is_on_seed(cell));
+        let mut held: FxHashSet<Cell> = open.iter().copied().collect();
+        spread(&mut open, &all, &mut held);
+        let mut parts = Vec::new();
+        let mut seen = held.clone();
+        for &cell in &self.cells {
+            if !seen.insert(cell) {
+                continue;
+            }
+            let mut part = vec![cell];
+            let mut open = vec![cell];
+            while let Some(at) = open.pop() {
+                for next in Face::ALL.into_iter().filter_map(|face| at.across(face)) {
+                    if all.contains(&next) && seen.insert(next) {
+                        part.push(next);
+                        open.push(next);
+                    }
+                }
+            }
+            part.sort_unstable();
+            let bridge = match parts.len() {
+                0 => self.bridge(&part, &held),
+                _ => None,
+            };
+            parts.push(Part {
+                cells: part,
+                bridge,
+            });
+        }
+        parts
+    }
+
+    /// The fewest cells with which a part hangs together with the rest or with a seed; `None`: too many to look for.
+    fn bridge(&self, part: &[Cell], held: &FxHashSet<Cell>) -> Option<Vec<Cell>> {
+        const FARTHEST: usize = 200_000;
+        let mut from: FxHashMap<Cell, Cell> = part.iter().map(|&cell| (cell, cell)).collect();
+        let mut open: VecDeque<Cell> = part.iter().copied().collect();
+        while let Some(at) = open.pop_front() {
+            let touches = |next: Cell| held.contains(&next);
+            let is_there = self.is_on_seed(at)
+                || Face::ALL
+                    .into_iter()
+                    .filter_map(|face| at.across(face))
+                    .any(touches);
+            if is_there {
+                let mut bridge = Vec::new();
+                let mut here = at;
+                while from[&here] != here {
+                    bridge.push(here);
+                    here = from[&here];
+                }
+                bridge.sort_unstable();
+                return Some(bridge);
+            }
+            if from.len() > FARTHEST {
+                return None;
+            }
+            for next in Face::ALL.into_iter().filter_map(|face| at.across(face)) {
+                if next.z >= 1 && !from.contains_key(&next) {
+                    from.insert(next, at);
+                    open.push_back(next);
+                }
+            }
+        }
+        None
+    }
+}
+
+/// What of some cells is held by a plate, if anything is.
+#[cfg(test)]
+pub fn held(cells: Vec<Cell>, plate: &Plate) -> Option<Target> {
+    let target = |cells: Vec<Cell>| Target::new(cells, plate.clone(), None, u32::MAX);
+    match target(cells.clone()) {
+        Err(Refusal::Loose(parts)) => {
+            let loose: FxHashSet<Cell> = parts.into_iter().flat_map(|part| part.cells).collect();
+            let held = cells.into_iter().filter(|cell| !loose.contains(cell));
+            target(held.collect()).ok()
+        }
+        other => other.ok(),
+    }
+}
+
+/// Adds to `found` what of `all` hangs together with the cells of `open`.
+fn spread(open: &mut Vec<Cell>, all: &FxHashSet<Cell>, found: &mut FxHashSet<Cell>) {
+    while let Some(at) = open.pop() {
+        for next in Face::ALL.into_iter().filter_map(|face| at.across(face)) {
+            if all.contains(&next) && found.insert(next) {
+                open.push(next);
+            }
+        }
+    }
+}

@@ -1,0 +1,100 @@
+//! `--seed-plate`.
+use stochc_ir::table::Plate;
+
+/// A plate, and those of its blocks that may capture.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SeedPlate {
+    /// Its size.
+    pub plate: Plate,
+    /// The places (x, y) of the blocks that may capture; `None`: all.
+    pub seeds: Option<Vec<(i32, i32)>>,
+}
+
+impl SeedPlate {
+    /// Reads `3 x 3`, `3x3` or `3 x 3 at (1, 1) (2, 0)`.
+    pub fn parse(text: &str) -> Result<SeedPlate, String> {
+        let wrong = || {
+            "give its size, and seeds if not all may capture: `3 x 3`, `3 x 3 at (1, 1) (2, 0)`"
+                .to_owned()
+        };
+        let (size, seeds) = match text.split_once("at") {
+            Some((size, seeds)) => (size, Some(seeds)),
+            None => (text, None),
+        };
+        let (width, depth) = size.split_once('x').ok_or_else(wrong)?;
+        let edge = |text: &str| {
+            let edge = text.trim().parse().map_err(|_| wrong())?;
+            match (1..=Plate::LONGEST).contains(&edge) {
+                true => Ok(edge),
+                false => Err(format!(
+                    "an edge of the plate has 1 to {} blocks",
+                    Plate::LONGEST
+                )),
+            }
+        };
+        let plate = Plate {
+            width: edge(width)?,
+            depth: edge(depth)?,
+        };
+        let place = |text: &str| {
+            let inside = text
+                .trim()
+                .trim_start_matches(',')
+                .trim()
+                .strip_prefix('(')?;
+            let (x, y) = inside.split_once(',')?;
+            Some((x.trim().parse().ok()?, y.trim().parse().ok()?))
+        };
+        let places = |text: &str| {
+            let text = text.trim().strip_suffix(')').ok_or_else(wrong)?;
+            let places: Option<Vec<(u32, u32)>> = text.split(')').map(place).collect();
+            let places = places.ok_or_else(wrong)?;
+            match places
+                .iter()
+                .find(|&&(x, y)| x >= plate.width || y >= plate.depth)
+            {
+                Some((x, y)) => Err(format!("({x}, {y}) is beside the plate")),
+                None => Ok(places
+                    .into_iter()
+                    .map(|(x, y)| (x as i32, y as i32))
+                    .collect()),
+            }
+        };
+        let seeds = seeds.map(places).transpose()?;
+        Ok(SeedPlate { plate, seeds })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn plates_are_read() {
+        let plate = |width, depth, seeds: Option<&[(i32, i32)]>| {
+            Ok(SeedPlate {
+                plate: Plate { width, depth },
+                seeds: seeds.map(<[_]>::to_vec),
+            })
+        };
+        assert_eq!(SeedPlate::parse("3 x 4"), plate(3, 4, None));
+        assert_eq!(SeedPlate::parse("3x4"), plate(3, 4, None));
+        let seeds = Some(&[(1, 1), (2, 0)][..]);
+        assert_eq!(
+            SeedPlate::parse("3 x 3 at (1, 1) (2, 0)"),
+            plate(3, 3, seeds)
+        );
+        assert_eq!(SeedPlate::parse("3 x 3 at (1,1),(2,0)"), plate(3, 3, seeds));
+        for wrong in [
+            "",
+            "3",
+            "0 x 3",
+            "3 x 3 at",
+            "3 x 3 at 1, 1",
+            "3 x 3 at (3, 0)",
+            "200000 x 1",
+        ] {
+            assert!(SeedPlate::parse(wrong).is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,318 @@
+//! From a shape of a program, or from cells, to a program that builds it and has been checked.
+use std::collections::BTreeSet;
+
+use stochc_compiler::diagnostic::{Code, Diagnostic};
+use stochc_compiler::plan::{Plan as WrittenOut, Seed};
+use stochc_compiler::scene::DEFAULT;
+use stochc_compiler::{Checked, FileId, LintLevels, shape_cells};
+use stochc_grammar::print;
+use stochc_grammar::tree::{Item, ItemKind, Shape, Tree};
+use stochc_ir::Cell;
+use stochc_ir::scene::Scene;
+use stochc_ir::table::Plate;
+use stochc_planner::{
+    Hardware, Naming, Plan, RateLaw, Refusal, Search, Target, declaration, plan, program,
+};
+
+use crate::{check_text, check_texts};
+
+/// What is to be built, on what, and where.
+#[derive(Clone, Debug)]
+pub struct Goal {
+    /// What the shape is called.
+    pub name: String,
+    /// Its cells.
+    pub cells: Vec<Cell>,
+    /// The plate; `None`: the smallest one under all cells of the lowest layer.
+    pub plate: Option<Plate>,
+    /// The blocks of the plate that may capture, as (x, y); `None`: all.
+    pub seeds: Option<Vec<(i32, i32)>>,
+    /// The scene; `None`: the one of an assembly that names none.
+    pub scene: Option<String>,
+    /// Declares the shape.
+    shape: Option<String>,
+    /// Declares scenes.
+    scenes: String,
+}
+
+/// A program that builds a shape.
+#[derive(Debug)]
+pub struct Planned {
+    /// The order of its captures.
+    pub plan: Plan,
+    /// The program.
+    pub text: String,
+}
+
+/// Why there is none.
+#[derive(Debug)]
+pub enum Unplanned {
+    /// The shape cannot be built.
+    Refused(Refusal),
+    /// The names, the scene or the room that it has are wrong, as these findings say.
+    Wrong(Box<Checked>),
+}
+
+/// A shape that a program declares.
+struct Declared<'a> {
+    file: FileId,
+    item: &'a Item,
+    shape: &'a Shape,
+}
+
+/// What programs are called in findings.
+const NAME: &str = "planned.sa";
+
+/// The only warnings that a planned program may have, each with the reason why.
+const ALLOWED: [(Code, &str); 3] = [
+    (
+        Code::TightApproach,
+        "no order was found in which every block has a way in two cells wide",
+    ),
+    (
+        Code::UnplannedBond,
+        "where every face attracts, none can be kept from it",
+    ),
+    (
+        Code::ReachUndecided,
+        "the planner has found a way in for every block",
+    ),
+];
+
+impl Goal {
+    /// Cells under a name, which has to be one of the language.
+    pub fn of_cells(name: &str, cells: Vec<Cell>) -> Goal {
+        let mut sorted = cells.clone();
+        sorted.sort_unstable();
+        sorted.dedup();
+        Goal {
+            name: name.to_owned(),
+            shape: declaration(name, &sorted),
+            cells,
+            plate: None,
+            seeds: None,
+            scene: None,
+            scenes: String::new(),
+        }
+    }
+
+    /// A shape of a program without errors, with the plate, the seeds and the scene of the assembly that claims it, or of the
+    /// only one there is. Without a name, the only shape that there is, or the last one claimed.
+    ///
+    /// # Errors
+    /// If it has no such shape, in words.
+    pub fn of_program(checked: &Checked, name: Option<&str>) -> Result<Goal, String> {
+        let symbols = &checked.symbols;
+        let claims = |plan: &WrittenOut| -> Vec<&str> {
+            let claims = plan.phases.iter().flat_map(|phase| &phase.claims);
+            let names = claims.map(|&(name, _)| symbols.word(name));
+            // The words live as long as the file.
+            names.collect()
+        };
+        let declared = shapes(checked);
+        let known: Vec<&str> = declared
+            .iter()
+            .map(|it| symbols.word(it.shape.name.symbol))
+            .collect();
+        let listed = || {
+            known
+                .iter()
+                .map(|name| format!("`{name}`"))
+                .collect::<Vec<_>>()
+                .join(", ")
+        };
+        let last_claimed = checked
+            .programs
+            .iter()
+            .flat_map(|program| claims(&program.plan))
+            .next_back();
+        let wanted = match (name, &known[..]) {
+            (Some(name), _) => name,
+            (None, []) => return Err("it declares no shape".to_owned()),
+            (None, [only]) => only,
+            (None, _) => last_claimed
+                .ok_or_else(|| format!("it declares {}: name one with `--shape`", listed()))?,
+        };
+        let at = known.iter().position(|&known| known == wanted);
+        let Declared { file, item, shape } =
+            at.map(|at| &declared[at])
+                .ok_or_else(|| match known.len() {
+                    0 => format!("it declares no shape `{wanted}`, nor any other"),
+                    _ => format!("it declares no shape `{wanted}`, but {}", listed()),
+                })?;
+        let mut diagnostics: Vec<Diagnostic> = Vec::new();
+        let cells = shape_cells(shape, *file, &mut diagnostics);
+        let cells = cells.ok_or_else(|| match diagnostics.first() {
+            Some(diagnostic) => diagnostic.message(),
+            None => "the shape cannot be read as cells".to_owned(),
+        })?;
+        let programs = || {
+            checked
+                .programs
+                .iter()
+                .filter(|program| program.plan.aggregate.is_none())
+        };
+        let claiming = programs().find(|program| claims(&program.plan).contains(&wanted));
+        let only = || programs().next().filter(|_| programs().count() == 1);
+        let assembly = claiming.or_else(only);
+        let seats = |plan: &WrittenOut| -> Option<Vec<(i32, i32)>> {
+            let place = |seed: &Seed| (seed.cell.x, seed.cell.y);
+            (!plan.seeds.is_empty()).then(|| plan.seeds.iter().map(place).collect())
+        };
+        let scene = assembly.and_then(|program| program.scene.as_ref());
+        let scene = scene
+            .map(|scene| scene.name.clone())
+            .filter(|name| name != DEFAULT);
+        let text = |item: &Item| {
+            let items = vec![item.clone()];
+            print(&Tree { items }, symbols)
+        };
+        Ok(Goal {
+            name: wanted.to_owned(),
+            cells,
+            plate: assembly.map(|program| program.plan.plate.clone()),
+            seeds: assembly.and_then(|program| seats(&program.plan)),
+            scene,
+            shape: Some(text(item)),
+            scenes: scenes(checked).map(text).collect(),
+        })
+    }
+
+    /// Builds it in a scene of this name, which the text declares.
+    pub fn declare_scene(&mut self, name: &str, text: &str) {
+        self.scene = Some(name.to_owned());
+        text.clone_into(&mut self.scenes);
+    }
+
+    /// The scene it is built in.
+    ///
+    /// # Errors
+    /// If there is none of that name, or it is wrong.
+    pub fn scene(&self) -> Result<Scene, Box<Checked>> {
+        let scene = self
+            .scene
+            .as_ref()
+            .map_or(String::new(), |scene| format!(" in {scene}"));
+        let text = format!(
+            "{}\nassembly probe{scene} {{ seed plate 1 x 1 {{ M at (0, 0) }}\nphase grow {{ M.up -> A }} }}",
+            self.scenes
+        );
+        let mut checked = check_text(NAME, &text);
+        let scene = checked
+            .programs
+            .first_mut()
+            .and_then(|program| program.scene.take());
+        scene.ok_or_else(|| Box::new(checked))
+    }
+
+    /// The scenes that are declared and needed.
+    fn needed_scenes(&self) -> String {
+        let mut reader = stochc_grammar::Symbols::new();
+        let parsed = stochc_grammar::parse(&self.scenes, &mut reader);
+        let mut wanted: BTreeSet<&str> = self.scene.iter().map(String::as_str).collect();
+        let mut items: Vec<Item> = Vec::new();
+        // Whoever is built on another is declared behind it or before it; a round for each is enough.
+        for _ in 0..parsed.tree.items.len() {
+            for item in &parsed.tree.items {
+                if let ItemKind::Scene(scene) = &item.kind
+                    && wanted.contains(reader.word(scene.name.symbol))
+                    && let Some(base) = scene.base
+                {
+                    wanted.insert(reader.word(base.symbol));
+                }
+            }
+        }
+        for item in &parsed.tree.items {
+            if let ItemKind::Scene(scene) = &item.kind
+                && wanted.contains(reader.word(scene.name.symbol))
+            {
+                items.push(item.clone());
+            }
+        }
+        print(&Tree { items }, &reader)
+    }
+
+    /// The smallest plate under all cells of the lowest layer.
+    fn smallest_plate(&self) -> Plate {
+        let feet = || self.cells.iter().filter(|cell| cell.z == 1);
+        let edge = |axis: fn(&Cell) -> i32| {
+            let last = feet().map(axis).max().unwrap_or(0);
+            (last.max(0) as u32).saturating_add(1).min(Plate::LONGEST)
+        };
+        Plate {
+            width: edge(|cell| cell.x),
+            depth: edge(|cell| cell.y),
+        }
+    }
+
+    /// Plans it, writes the program and checks it.
+    ///
+    /// # Errors
+    /// If it cannot be built, or not there.
+    pub fn plan(&self, search: Search<'_>) -> Result<Planned, Unplanned> {
+        let scene = self.scene().map_err(Unplanned::Wrong)?;
+        let hardware = Hardware::of(&scene);
+        let plate = self.plate.clone().unwrap_or_else(|| self.smallest_plate());
+        let target = Target::new(self.cells.clone(), plate, self.seeds.clone(), hardware.free);
+        let target = target.map_err(Unplanned::Refused)?;
+        let plan =
+            plan(&target, hardware, &RateLaw::of(&scene), search).map_err(Unplanned::Refused)?;
+        let text = self.program(&target, &plan)?;
+        Ok(Planned { plan, text })
+    }
+
+    /// The program of a plan, with what has to be allowed in it.
+    fn program(&self, target: &Target, plan: &Plan) -> Result<String, Unplanned> {
+        let assembly = format!("build_{}", self.name);
+        let declarations = self.needed_scenes() + "\n" + self.shape.as_deref().unwrap_or("");
+        let mut allowed: Vec<(&str, String)> = Vec::new();
+        loop {
+            let naming = Naming {
+                assembly: &assembly,
+                scene: self.scene.as_deref(),
+                shape: self.shape.as_ref().map(|_| self.name.as_str()),
+                declarations: &declarations,
+                allowed: &allowed,
+            };
+            let text = program(target, plan, naming);
+            // Names that are none are told of as any others are.
+            let text =
+                text.unwrap_or_else(|_| format!("{declarations}\nassembly {assembly} {{ }}"));
+            let checked = check_texts(&[(NAME, &text)], &LintLevels::default(), "", &[]);
+            let before = allowed.len();
+            for (code, reason) in ALLOWED {
+                let is_found = checked.diagnostics.iter().any(|it| it.code == code);
+                if is_found && allowed.iter().all(|(known, _)| *known != code.name()) {
+                    allowed.push((code.name(), reason.to_owned()));
+                }
+            }
+            if checked.diagnostics.is_empty() {
+                return Ok(text);
+            }
+            if allowed.len() == before {
+                return Err(Unplanned::Wrong(Box::new(checked)));
+            }
+        }
+    }
+}
+
+/// The shapes of all files, those within assemblies as well.
+fn shapes(checked: &Checked) -> Vec<Declared<'_>> {
+    let mut found = Vec::new();
+    for (file, tree) in checked.trees() {
+        let within = tree.items.iter().flat_map(|item| match &item.kind {
+            ItemKind::Assembly(assembly) => assembly.body.iter().chain([].iter()),
+            _ => [].iter().chain(std::slice::from_ref(item)),
+        });
+        found.extend(within.filter_map(|item| match &item.kind {
+            ItemKind::Shape(shape) => Some(Declared { file, item, shape }),
+            _ => None,
+        }));
+    }
+    found
+}
+
+fn scenes(checked: &Checked) -> impl Iterator<Item = &Item> {
+    let items = checked.trees().flat_map(|(_, tree)| &tree.items);
+    items.filter(|item| matches!(item.kind, ItemKind::Scene(_)))
+}

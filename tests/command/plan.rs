@@ -1,0 +1,140 @@
+//! `stochc plan`.
+use std::fs;
+use std::path::Path;
+
+use crate::stochc::{path, stochc, stochc_with};
+
+const FIVE: &str = "plan examples/five_tower.sa --quiet --budget 20";
+
+#[test]
+fn a_program_is_planned_and_passes_every_check() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = path(folder.path(), "five.sa");
+    let said = stochc_with(FIVE, &["--explain", "--out", &out]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    assert!(
+        said.out.contains("order in which faces open"),
+        "{}",
+        said.out
+    );
+    let checked = stochc_with("check --deny warnings", &[&out]);
+    assert_eq!(checked.status, 0, "{}", checked.err);
+    assert_eq!(stochc_with("fmt --check", &[&out]).status, 0);
+    // The same goes to the output, and an explanation beside it.
+    let said = stochc(&format!("{FIVE} --explain"));
+    assert_eq!(said.out, fs::read_to_string(&out).unwrap());
+    assert!(
+        said.err.contains("order in which faces open"),
+        "{}",
+        said.err
+    );
+    // Nothing is overwritten.
+    let said = stochc_with(FIVE, &["--out", &out]);
+    assert_eq!(said.status, 2);
+    assert!(said.err.contains("cannot write"), "{}", said.err);
+}
+
+#[test]
+fn a_plan_is_a_document_as_well() {
+    let document = stochc(&format!("{FIVE} --format json --minimize p90")).json();
+    assert_eq!(document["plan"]["captures"].as_array().unwrap().len(), 10);
+    assert!(
+        document["program"]
+            .as_str()
+            .unwrap()
+            .contains("yields five_towers")
+    );
+}
+
+fn wrong(line: &str, more: &[&str]) -> (i32, String) {
+    let said = stochc_with(line, more);
+    assert_eq!(said.out, "");
+    (said.status, said.err)
+}
+
+#[test]
+fn targets_are_files_of_several_kinds() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str, bytes: &[u8]| {
+        fs::write(folder.path().join(name), bytes).unwrap();
+        path(folder.path(), name)
+    };
+    let text = file("up.txt", b"# #\n");
+    let said = stochc_with("plan --quiet", &[&text]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    // `up` is a word of the language.
+    assert!(said.out.contains("assembly build_shape_up"), "{}", said.out);
+    let mut vox = b"VOX \x96\0\0\0MAIN\0\0\0\0\x14\0\0\0XYZI\x08\0\0\0\0\0\0\0\x01\0\0\0".to_vec();
+    vox.extend([3, 3, 3, 1]);
+    let said = stochc_with("plan --quiet", &[&file("cell.vox", &vox)]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    assert!(
+        said.out.contains("P[0, 0].up -> B[0, 0, 1]"),
+        "{}",
+        said.out
+    );
+    let (status, told) = wrong("plan --quiet", &[&file("half.vox", &vox[..30])]);
+    assert_eq!(status, 1);
+    assert!(told.contains("cut off"), "{told}");
+    let (status, told) = wrong("plan --quiet --shape a", &[&text]);
+    assert_eq!((status, told.contains("one shape")), (2, true), "{told}");
+    let (status, told) = wrong("plan --quiet", &[&path(folder.path(), "none.vox")]);
+    assert_eq!((status, told.contains("cannot read")), (2, true), "{told}");
+}
+
+#[test]
+fn shapes_plates_and_scenes_are_chosen() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "shape one { layer 1 { # } }\nshape two { layer 1..2 { # } }\nscene deep from here { }\n\
+                scene here from hemisphere { free 40 uniform }\n";
+    let target = path(folder.path(), "shapes.sa");
+    fs::write(Path::new(&target), text).unwrap();
+    let (status, told) = wrong("plan --quiet", &[&target]);
+    assert_eq!((status, told.contains("`one`, `two`")), (1, true), "{told}");
+    let (status, told) = wrong("plan --quiet --shape three", &[&target]);
+    assert_eq!(
+        (status, told.contains("no shape `three`")),
+        (1, true),
+        "{told}"
+    );
+    let said = stochc_with("plan --quiet --shape two --scene deep", &[&target]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    assert!(
+        said.out.contains("scene here from hemisphere"),
+        "{}",
+        said.out
+    );
+    assert!(said.out.contains("seed plate 1 x 1"), "{}", said.out);
+    let said = stochc_with(
+        "plan --quiet --shape two --seed-plate",
+        &["3 x 3 at (0, 0)", &target],
+    );
+    assert!(said.out.contains("seed plate 3 x 3"), "{}", said.out);
+    let (status, told) = wrong(
+        "plan --quiet --shape two --seed-plate",
+        &["3 x 3 at (1, 0)", &target],
+    );
+    assert_eq!(
+        (status, told.contains("hang together with no block")),
+        (1, true),
+        "{told}"
+    );
+    let (status, told) = wrong("plan --quiet --shape two --scene nowhere", &[&target]);
+    assert_eq!(
+        (status, told.contains("unknown-scene")),
+        (1, true),
+        "{told}"
+    );
+    for line in [
+        "--budget 0",
+        "--budget soon",
+        "--seed-plate 3",
+        "--minimize most",
+    ] {
+        assert_eq!(
+            stochc_with(&format!("plan {line}"), &[&target]).status,
+            2,
+            "{line}"
+        );
+    }
+}

@@ -1,0 +1,51 @@
+//! From shapes to programs that build them.
+#![allow(
+    clippy::disallowed_methods,
+    reason = "the tests read shapes from the disk"
+)]
+mod order;
+mod random;
+mod refused;
+mod shapes;
+
+use std::path::{Path, PathBuf};
+
+use stochc::planner::{Plan, Search, layers};
+use stochc::planning::{Goal, Planned, Unplanned};
+use stochc_ir::Cell;
+
+/// The shapes of the bench, sorted by name.
+pub fn files() -> Vec<PathBuf> {
+    let files = std::fs::read_dir("benches/planner/shapes").unwrap();
+    let mut files: Vec<PathBuf> = files.map(|file| file.unwrap().path()).collect();
+    files.sort();
+    files
+}
+
+/// What one of them draws.
+pub fn goal(path: &Path) -> Goal {
+    let cells = layers(&std::fs::read_to_string(path).unwrap()).unwrap();
+    Goal::of_cells(path.file_stem().unwrap().to_str().unwrap(), cells)
+}
+
+/// The shape of a name.
+pub fn named(name: &str) -> Goal {
+    goal(&Path::new("benches/planner/shapes").join(format!("{name}.txt")))
+}
+
+/// A plan after so many tries.
+pub fn tried(goal: &Goal, rounds: u64) -> Result<Planned, Unplanned> {
+    let seed = 7;
+    goal.plan(Search {
+        rounds,
+        seed,
+        ..Search::default()
+    })
+}
+
+/// The cells of a plan, sorted.
+pub fn cells(plan: &Plan) -> Vec<Cell> {
+    let mut cells: Vec<Cell> = plan.captures.iter().map(|capture| capture.cell).collect();
+    cells.sort_unstable();
+    cells
+}
