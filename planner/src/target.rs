@@ -100,7 +100,7 @@ impl Target {
     /// The parts that hang together with no seed, and what would help each.
     fn loose(&self) -> Vec<Part> {
         let all: FxHashSet<Cell> = self.cells.iter().copied().collect();
-        let mut open: Vec<Cell> = self.cells.iter().copied().collect();
+        let mut open: Vec<Cell> = self.cells.to_vec();
         open.retain(|&cell| self.is_on_seed(cell));
         let mut held: FxHashSet<Cell> = open.iter().copied().collect();
         spread(&mut open, &all, &mut held);

@@ -107,6 +107,9 @@ fn rows_of(mut cells: Vec<Cell>) -> Vec<(Cell, Cell)> {
     )
 }
 
+/// Whether a seed captures first, the rows, and what they wait for, seen from the base of a statement.
+pub type Signature<'a> = (bool, &'a [(Face, i32)], Vec<[i32; 6]>);
+
 impl Statement {
     /// The place of its first capture in the plan.
     pub fn first(&self) -> usize {
@@ -125,7 +128,7 @@ impl Statement {
     }
 
     /// What it says, seen from its base: equal ones differ in nothing but their place.
-    pub fn signature(&self) -> (bool, &[(Face, i32)], Vec<[i32; 6]>) {
+    pub fn signature(&self) -> Signature<'_> {
         let Cell { x, y, z } = self.base;
         let after = self.after.iter().map(|(first, last)| {
             [
