@@ -9,8 +9,8 @@ mod surroundings;
 mod wait;
 
 pub use law::{Parameter, Parameters, Surroundings};
-pub use rates::{Coverage, FORGOTTEN, FORMAT, HeadStart, Rates, relative};
-pub use reach::{offsets, unobstructed};
+pub use rates::{Coverage, FORGOTTEN, FORMAT, HeadStart, Rates, density_in, relative};
+pub use reach::{SIGHT, offsets, sees, unobstructed};
 pub use surroundings::around;
 pub use wait::{STAGES, Wait};
 

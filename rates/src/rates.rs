@@ -71,6 +71,16 @@ const BUILT_IN: [&str; 1] = [include_str!("data/hemisphere.rates")];
 /// Ticks after which a released block is one like any other.
 pub const FORGOTTEN: u64 = 150;
 
+/// What a [`profile`](Rates::profile) says of a layer of cells; above the last one, what that says.
+pub fn density_in(profile: &[f64], layer: i32) -> f64 {
+    let layer = usize::try_from(layer - 1).unwrap_or(0);
+    profile
+        .get(layer)
+        .or(profile.last())
+        .copied()
+        .unwrap_or(1.0)
+}
+
 /// Where a cell is from an open one, to which `way` leads: the squared distance, and how far before the face; `None`: beyond all
 /// numbers.
 pub fn relative(cell: Cell, way: Face, from: Cell) -> Option<(u32, i32)> {
@@ -109,9 +119,7 @@ impl Rates {
 
     /// Density of the free gas at a layer of cells over the mean; above the measured ones that of the last.
     pub fn density(&self, layer: i32) -> f64 {
-        let layer = usize::try_from(layer - 1).unwrap_or(0);
-        let there = self.profile.get(layer).or(self.profile.last());
-        there.copied().unwrap_or(1.0)
+        density_in(&self.profile, layer)
     }
 
     /// What is around an open face; see [`around`].

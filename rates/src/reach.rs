@@ -19,7 +19,7 @@ const RADIUS: f64 = 1.35;
 const CLEARANCE: f64 = 0.35;
 
 /// How far a cell is from the open one along an axis, at most, if it blocks anything.
-const FARTHEST: i32 = 2;
+pub const SIGHT: i32 = 2;
 
 /// One bit for each point.
 type Points = [u64; WORDS];
@@ -52,6 +52,12 @@ pub fn unobstructed(cell: Cell, way: Face, is_full: impl Fn(Cell) -> bool) -> f6
     1.0 - f64::from(count) / POINTS as f64
 }
 
+/// Whether a face that is open towards one cell may have to do with what is in another.
+pub fn sees(open: Cell, other: Cell) -> bool {
+    let near = |a: i32, b: i32| a.abs_diff(b) <= SIGHT.unsigned_abs();
+    near(open.x, other.x) && near(open.y, other.y) && near(open.z, other.z)
+}
+
 /// The offsets from an open cell of the cells that may have to do with it, for faces of a direction.
 pub fn offsets(way: Face) -> impl Iterator<Item = [i32; 3]> {
     BLOCKERS[way as usize].iter().map(|(offset, _)| *offset)
@@ -61,7 +67,7 @@ static BLOCKERS: LazyLock<[Blockers; 6]> = LazyLock::new(|| Face::ALL.map(blocke
 
 fn blockers(way: Face) -> Blockers {
     let points = points(way);
-    let range = || -FARTHEST..=FARTHEST;
+    let range = || -SIGHT..=SIGHT;
     let offsets = range().flat_map(|x| range().flat_map(move |y| range().map(move |z| [x, y, z])));
     let mut found: Blockers = offsets
         .filter_map(|offset| {

@@ -3,10 +3,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use stochc_ir::record::RunRecord;
 use stochc_ir::{Cell, Face};
-use stochc_rates::{FORGOTTEN, Surroundings, around};
-
-/// How far a face sees along each axis, in sides.
-const SIGHT: u32 = 2;
+use stochc_rates::{FORGOTTEN, Surroundings, around, density_in, relative, sees};
 
 /// Squared distance in sides within which a block that is let go has a head start, at most.
 pub(super) const NEAR: u32 = 8;
@@ -89,6 +86,13 @@ impl History {
     }
 }
 
+impl WaitingFace {
+    /// Of a cell from the open one, in sides; `None`: beyond all numbers.
+    fn squared_distance(&self, cell: Cell) -> Option<u32> {
+        relative(self.cell, self.way, cell).map(|(squared, _)| squared)
+    }
+}
+
 /// A piece of a wait in which nothing around it changed.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Piece {
@@ -127,21 +131,17 @@ impl Observations {
 
     /// Adds the waits of a run, but for those near which a block was let go: it may have come back.
     pub fn add(&mut self, history: &History, profile: &[f64], count: u32) {
-        let density = |layer: i32| {
-            let layer = usize::try_from(layer - 1).unwrap_or(0);
-            profile
-                .get(layer)
-                .or(profile.last())
-                .copied()
-                .unwrap_or(1.0)
-        };
         for wait in &history.waits {
             let disturbed = history.moves.iter().any(|it| {
                 let lately = it.tick + FORGOTTEN > wait.since && it.tick < wait.until;
-                !it.came && lately && squared_distance(it.cell, wait.cell) <= NEAR
+                !it.came
+                    && lately
+                    && wait
+                        .squared_distance(it.cell)
+                        .is_some_and(|squared| squared <= NEAR)
             });
             if !disturbed {
-                self.follow(history, wait, density(wait.cell.z), count);
+                self.follow(history, wait, density_in(profile, wait.cell.z), count);
             }
         }
     }
@@ -149,17 +149,13 @@ impl Observations {
     /// Adds a wait, cut where something changes in its sight.
     fn follow(&mut self, history: &History, wait: &WaitingFace, density: f64, count: u32) {
         let rivals: BTreeMap<Cell, (u64, u64)> = (history.waits.iter())
-            .filter(|other| other.way == wait.way && squared_distance(other.cell, wait.cell) == 1)
+            .filter(|other| other.way == wait.way && wait.squared_distance(other.cell) == Some(1))
             .filter(|other| other.since < wait.until && other.until > wait.since)
             .map(|other| (other.cell, (other.since, other.until)))
             .collect();
-        let seen = |cell: Cell| {
-            let apart = |a: i32, b: i32| a.abs_diff(b) <= SIGHT;
-            apart(cell.x, wait.cell.x) && apart(cell.y, wait.cell.y) && apart(cell.z, wait.cell.z)
-        };
         let within = |tick: &u64| *tick > wait.since && *tick < wait.until;
         let mut cuts: Vec<u64> = (history.moves.iter())
-            .filter(|it| seen(it.cell))
+            .filter(|it| sees(wait.cell, it.cell))
             .map(|it| it.tick)
             .chain(rivals.values().flat_map(|(since, until)| [*since, *until]))
             .filter(within)
@@ -204,10 +200,4 @@ impl Observations {
             });
         }
     }
-}
-
-/// In sides; very far ones are all as far.
-pub(super) fn squared_distance(one: Cell, other: Cell) -> u32 {
-    let along = |a: i32, b: i32| a.abs_diff(b).min(1000).pow(2);
-    along(one.x, other.x) + along(one.y, other.y) + along(one.z, other.z)
 }

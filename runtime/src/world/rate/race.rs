@@ -2,10 +2,7 @@
 use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 use stochc_ir::Cell;
-use stochc_rates::Wait;
-
-/// How far a face sees along each axis, in sides.
-const SIGHT: i32 = 2;
+use stochc_rates::{SIGHT, Wait, sees};
 
 /// Sides of the cubes of cells by which open faces are found.
 const CUBE: i32 = 4;
@@ -120,14 +117,7 @@ impl Race {
                 }
             }
         }
-        near.retain(|number| {
-            self.faces.get(number).is_some_and(|face| {
-                let apart = |a: i32, b: i32| a.abs_diff(b) <= SIGHT as u32;
-                apart(face.cell.x, cell.x)
-                    && apart(face.cell.y, cell.y)
-                    && apart(face.cell.z, cell.z)
-            })
-        });
+        near.retain(|number| (self.faces.get(number)).is_some_and(|face| sees(face.cell, cell)));
         near.sort_unstable();
         near
     }
