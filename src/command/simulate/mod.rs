@@ -19,7 +19,9 @@ use stochc_runtime::{RunError, Settings, run as run_once};
 
 pub(super) use input::programs;
 pub use options::Options;
-pub(super) use rates::of_scenes as rates_of_scenes;
+pub(super) use rates::{
+    at_hand as rates_at_hand, of_files as rates_of_files, of_scenes as rates_of_scenes,
+};
 pub(super) use record::begin;
 pub(super) use sweep::{at_point, files as sweep_files, share_tables};
 

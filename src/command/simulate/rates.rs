@@ -5,6 +5,7 @@ use std::sync::atomic::AtomicBool;
 use stochc_ensemble::Program;
 use stochc_files::budget::RATES;
 use stochc_files::read_file;
+use stochc_ir::scene::Scene;
 use stochc_runtime::rates::Rates;
 
 use super::super::calibrate::{Effort, measure};
@@ -19,19 +20,15 @@ pub fn of_scenes(
     (threads, quiet): (Option<u16>, bool),
     stop: &AtomicBool,
 ) -> Result<Vec<Rates>, Failure> {
-    let mut known = Vec::new();
-    for path in files {
-        known.push(read(path)?);
-    }
+    let known = of_files(files)?;
     let mut found: Vec<Rates> = Vec::new();
     for program in programs {
         let scene = &program.scene;
         if found.iter().any(|rates| rates.are_of(scene)) {
             continue;
         }
-        let given = known.iter().find(|rates| rates.are_of(scene)).cloned();
-        let rates = match given.or_else(|| Rates::built_in(scene).cloned()) {
-            Some(rates) => rates,
+        let rates = match at_hand(&known, scene) {
+            Some(rates) => rates.clone(),
             None => {
                 warn(&format!(
                     "measuring the rates of the scene of {}, of which there are none; `stochc calibrate --out` keeps them\n",
@@ -43,6 +40,17 @@ pub fn of_scenes(
         found.push(rates);
     }
     Ok(found)
+}
+
+/// Those that files hold.
+pub fn of_files(files: &[PathBuf]) -> Result<Vec<Rates>, Failure> {
+    files.iter().map(|path| read(path)).collect()
+}
+
+/// The rates of a scene that are known, or come with the program.
+pub fn at_hand<'a>(known: &'a [Rates], scene: &Scene) -> Option<&'a Rates> {
+    let given = known.iter().find(|rates| rates.are_of(scene));
+    given.or_else(|| Rates::built_in(scene))
 }
 
 fn read(path: &Path) -> Result<Rates, Failure> {
