@@ -1,20 +1,20 @@
 //! `stochc results`, and the table that `simulate` ends with.
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use serde_json::json;
 use stochc_ensemble::sweep::SweepTally;
 use stochc_ensemble::text::visible;
-use stochc_ensemble::{ComparisonTally, Folder, Manifest, Records, WaitsTally, captures};
-use stochc_files::shell::file as shell_file;
+use stochc_ensemble::{ComparisonTally, Manifest, Records, WaitsTally, captures};
 use stochc_report::tables::{
     KNOWN_BIAS, captures_to_text, comparison_to_text, pairs_to_text, sweep_to_text,
 };
 use stochc_report::text::paragraph;
 use stochc_runtime::Model;
 
-use super::terminal::{output_width, print, warn};
+use super::terminal::{Terminal, output_width, print, warn};
 use crate::exit::{Exit, Failure};
+use crate::operations::results::read;
 
 /// What `results` is given.
 #[derive(Debug, Args)]
@@ -50,7 +50,7 @@ pub struct Shown {
 
 /// Shows what a folder holds, finished or not.
 pub fn run(options: &Options) -> Result<Exit, Failure> {
-    let (manifest, finished) = read(&options.folder)?;
+    let (manifest, finished) = read(&options.folder, &Terminal::new(false))?;
     let missing = manifest.total().saturating_sub(finished.len() as u64);
     if missing > 0 {
         warn(&format!(
@@ -66,34 +66,6 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
             bonds: options.bonds,
         },
     )
-}
-
-/// Reads a results folder, and says what is wrong with it.
-pub(super) fn read(folder: &Path) -> Result<(Manifest, Records), Failure> {
-    let contents = Folder::read(folder).map_err(Failure::usage)?;
-    tell_of_damage(folder, &contents.damage);
-    Ok((contents.manifest, contents.finished))
-}
-
-/// Says what is wrong with the files of a results folder.
-pub(super) fn tell_of_damage(folder: &Path, damage: &[String]) {
-    /// More than these say the same.
-    const TOLD: usize = 5;
-    if damage.is_empty() {
-        return;
-    }
-    let mut text = String::new();
-    for told in damage.iter().take(TOLD) {
-        text += &format!("warning: {told}\n");
-    }
-    let rest = damage.len().saturating_sub(TOLD);
-    if rest > 0 {
-        text += &format!("warning: so are {rest} more\n");
-    }
-    let folder = shell_file(&visible(&folder.to_string_lossy()));
-    text +=
-        &format!("`stochc verify {folder}` says what is sound; with `--repair`, it saves that\n");
-    warn(&text);
 }
 
 /// Prints the comparison of an ensemble's programs; says whether every run was successful.

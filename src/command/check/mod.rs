@@ -18,6 +18,7 @@ use super::levels::LevelOptions;
 use super::terminal::{has_colour, message_width, print, told, warn, warn_drawn};
 use crate::diagnostics::{Format, Log, Tally, count, json_document, show, values};
 use crate::exit::{Exit, Failure};
+use crate::operations::programs::verdict;
 use crate::reader::DiskReader;
 
 /// What `check` is given.
@@ -157,17 +158,6 @@ fn check(file: &str, text: Option<Vec<u8>>, options: &Options) -> Checked {
     let mut reader = DiskReader::new(file, text.as_deref(), &options.imports.folders);
     let levels = &options.levels.levels;
     check_with(file, &mut reader, Limits::default(), levels)
-}
-
-/// What the findings of a file mean for the exit status.
-pub fn verdict(checked: &Checked) -> Exit {
-    if !checked.has_errors() {
-        Exit::Success
-    } else if checked.sources.files().is_empty() {
-        Exit::Usage
-    } else {
-        Exit::WrongProgram
-    }
 }
 
 fn summary(file: &str, checked: &Checked, cost: Option<usize>) -> String {
