@@ -85,6 +85,11 @@ impl ChosenRun {
         &self.manifest.programs[self.program]
     }
 
+    /// The run, if it has been made.
+    pub fn known(&self) -> Option<&RunRecord> {
+        self.known.as_ref().map(|known| &known.record)
+    }
+
     /// The name of a file about the run.
     pub fn file_name(&self, before: &str, extension: &str) -> String {
         // A program's name may be any text, in a manifest that somebody has edited; an assembly's is

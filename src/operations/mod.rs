@@ -2,6 +2,7 @@
 //!
 //! The command line reads options and prints; other programs give the same values and get the same folders, byte for byte.
 pub mod chosen_run;
+pub mod codes;
 pub mod ensemble;
 pub mod estimate;
 pub mod export;
