@@ -20,6 +20,7 @@ use stochc::runtime::Settings;
 use super::call::call;
 use super::host::WIDTH;
 use super::program::Program;
+use super::settings::folders;
 
 /// How programs are estimated.
 #[derive(FromPyObject)]
@@ -85,12 +86,13 @@ pub fn plan(
         let seed_plate = asked.seed_plate.as_deref().map(SeedPlate::parse);
         let seed_plate = seed_plate.transpose().map_err(said("seed_plate"))?;
         let budget = asked.budget.as_deref().map(Budget::parse);
+        let imports = folders(asked.imports)?;
         let wish = Wish {
             target: &asked.target,
             shape: asked.shape.as_deref(),
             seed_plate: seed_plate.as_ref(),
             scene: asked.scene.as_deref(),
-            imports: &asked.imports,
+            imports: &imports,
             budget: budget.transpose().map_err(said("budget"))?,
             objective: match asked.is_p90 {
                 true => Objective::P90,

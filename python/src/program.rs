@@ -17,7 +17,7 @@ use stochc::runtime::Settings;
 
 use super::call::call;
 use super::host::WIDTH;
-use super::settings::{Said, levels};
+use super::settings::{Said, folders, levels};
 
 /// A program that is ready to run.
 #[pyclass(frozen, module = "stochc._native")]
@@ -43,7 +43,7 @@ pub fn check(
     imports: Vec<PathBuf>,
 ) -> PyResult<Found> {
     call(py, None, move |_| {
-        let levels = levels(&said)?;
+        let (levels, imports) = (levels(&said)?, folders(imports)?);
         let checked = match name {
             Some(name) => stochc::check_texts(&[(&name, &source)], &levels, "", &[]),
             None => stochc::check_within(&source, &levels, &imports),
@@ -77,7 +77,7 @@ pub fn load(
     imports: Vec<PathBuf>,
 ) -> PyResult<Vec<Program>> {
     call(py, None, move |host| {
-        let levels = levels(&said)?;
+        let (levels, imports) = (levels(&said)?, folders(imports)?);
         let found = match name {
             Some(name) => {
                 let checked = stochc::check_texts(&[(&name, &source)], &levels, "", &[]);

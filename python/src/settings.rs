@@ -5,6 +5,7 @@ use pyo3::prelude::*;
 use stochc::compiler::{Level, LintLevels};
 use stochc::ensemble::Program;
 use stochc::exit::Failure;
+use stochc::files::bound::folder;
 use stochc::host::Host;
 use stochc::operations::codes::warning;
 use stochc::operations::rates;
@@ -76,6 +77,19 @@ impl Computed {
         }
         Ok(settings)
     }
+}
+
+/// Folders from which programs may import, in which no link is left.
+///
+/// # Errors
+/// If one is none.
+pub fn folders(imports: Vec<PathBuf>) -> Result<Vec<PathBuf>, Failure> {
+    let resolved = imports.iter().map(|path| {
+        let found = folder(path);
+        let shown = path.display();
+        found.map_err(|error| Failure::usage(format!("allow_import: `{shown}`: {error}")))
+    });
+    resolved.collect()
 }
 
 /// A value that is said in words.

@@ -13,26 +13,30 @@ Path: TypeAlias = "str | os.PathLike[str]"
 """A file or a folder."""
 
 MOST_RUNS = 10_000_000
-MOST_TICKS = 2**63 - 1
+MOST_TICKS = 2**64 - 1
 MOST_SEED = 2**64 - 1
 
 
 def whole(name: str, value: object, least: int, most: int) -> int:
     """A whole number within bounds."""
     if isinstance(value, bool):
-        raise TypeError(f"{name}: give a whole number, not {value!r}")
+        raise TypeError(f"{name}: give a whole number, not {told(value)}")
     try:
         number = operator.index(value)  # type: ignore[arg-type]  # pyright: ignore[reportArgumentType]
     except TypeError:
-        raise TypeError(f"{name}: give a whole number, not {value!r}") from None
+        raise TypeError(f"{name}: give a whole number, not {told(value)}") from None
     if not least <= number <= most:
-        raise UsageError(f"{name}: give a whole number from {least} to {most}, not {shown(number)}")
+        raise UsageError(f"{name}: give a whole number from {least} to {most}, not {told(number)}")
     return number
 
 
-def shown(number: int) -> str:
-    """A number that may have more digits than Python writes."""
-    return str(number) if abs(number) < 10**30 else "one with more than 30 digits"
+def told(value: object) -> str:
+    """A value as a message tells of it, whatever it is."""
+    try:
+        text = repr(value)
+    except Exception:
+        return f"this {type(value).__name__}, which cannot be shown"
+    return text if len(text) <= 80 else f"{text[:80]}..."
 
 
 def maybe(name: str, value: object, least: int, most: int) -> int | None:
@@ -48,30 +52,30 @@ def threads(value: object) -> int | None:
 def yes(name: str, value: object) -> bool:
     """Yes or no."""
     if not isinstance(value, bool):
-        raise TypeError(f"{name}: give True or False, not {value!r}")
+        raise TypeError(f"{name}: give True or False, not {told(value)}")
     return value
 
 
 def word(name: str, value: object) -> str:
     """A text."""
     if not isinstance(value, str):
-        raise TypeError(f"{name}: give a text, not {value!r}")
+        raise TypeError(f"{name}: give a text, not {told(value)}")
     try:
         value.encode()
     except UnicodeEncodeError:
-        raise UsageError(f"{name}: {value!r} is no Unicode") from None
+        raise UsageError(f"{name}: {told(value)} is no Unicode") from None
     return value
 
 
 def path(name: str, value: object) -> str:
     """A path as a text."""
     if not isinstance(value, (str, os.PathLike)):
-        raise TypeError(f"{name}: give a path, not {value!r}")
+        raise TypeError(f"{name}: give a path, not {told(value)}")
     text = word(name, os.fspath(value))  # pyright: ignore[reportUnknownArgumentType, reportUnknownVariableType]
     if not text:
         raise UsageError(f"{name}: an empty path leads nowhere")
     if "\0" in text:
-        raise UsageError(f"{name}: no path holds a NUL, as {text!r} does")
+        raise UsageError(f"{name}: no path holds a NUL, as {told(text)} does")
     return text
 
 
@@ -96,7 +100,7 @@ def words(name: str, values: str | Iterable[str]) -> list[str]:
 
 def _listed(name: str, values: object) -> list[object]:
     if isinstance(values, (bytes, bytearray)) or not isinstance(values, Iterable):
-        raise TypeError(f"{name}: give one or a list of them, not {values!r}")
+        raise TypeError(f"{name}: give one or a list of them, not {told(values)}")
     return list(values)  # pyright: ignore[reportUnknownVariableType, reportUnknownArgumentType]
 
 
@@ -132,8 +136,11 @@ def selection(value: None | int | str | Iterable[int]) -> str | None:
 def axes(values: Mapping[str, str | float | Sequence[float]]) -> list[str]:
     """What a sweep varies, as the command line says it: `free=50..600/6`."""
     if not isinstance(values, Mapping):  # pyright: ignore[reportUnnecessaryIsInstance]
-        raise TypeError(f"sweep: give a dictionary of names and values, not {values!r}")
-    return [f"{word('sweep', name)}={_values(name, said)}" for name, said in values.items()]
+        raise TypeError(f"sweep: give a dictionary of names and values, not {told(values)}")
+    for name in values:
+        if "=" in word("sweep", name):
+            raise UsageError(f"sweep: no number is called {told(name)}")
+    return [f"{name}={_values(name, said)}" for name, said in values.items()]
 
 
 def _values(name: str, said: object) -> str:
@@ -143,11 +150,11 @@ def _values(name: str, said: object) -> str:
     texts: list[str] = []
     for value in listed:
         if isinstance(value, bool):
-            raise TypeError(f"sweep: {name}: give numbers, not {value!r}")
+            raise TypeError(f"sweep: {name}: give numbers, not {told(value)}")
         try:
             number = float(value)  # type: ignore[arg-type]  # pyright: ignore[reportArgumentType]
         except (TypeError, ValueError, OverflowError):
-            raise TypeError(f"sweep: {name}: give numbers, not {value!r}") from None
+            raise TypeError(f"sweep: {name}: give numbers, not {told(value)}") from None
         texts.append(str(int(number)) if number.is_integer() and abs(number) < 1e15 else repr(number))
     if not texts:
         raise UsageError(f"sweep: {name}: give one value at least")

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Literal, TypeAlias
 
 from . import _arguments, _html, _native
-from ._arguments import MOST_RUNS, MOST_SEED, MOST_TICKS, Path, whole
+from ._arguments import MOST_RUNS, MOST_SEED, MOST_TICKS, Path, told, whole
 from ._errors import UsageError
 from ._program import Program, Source, compile_all
 from ._progress import Progress, shown
@@ -32,7 +32,7 @@ def _listed(
     elif isinstance(programs, Iterable):  # pyright: ignore[reportUnnecessaryIsInstance]
         each = list(programs)
     else:
-        raise TypeError(f"programs: give programs, texts or paths, not {programs!r}")
+        raise TypeError(f"programs: give programs, texts or paths, not {told(programs)}")
     found: list[_native.Program] = []
     for it in each:
         if isinstance(it, Program):
@@ -134,7 +134,7 @@ class Run:
             every: ticks between the places; 1 for a table and 8 for an animation, if not said.
         """
         if format not in ("parquet", "gltf"):
-            raise UsageError(f"format: give 'parquet' or 'gltf', not {format!r}")
+            raise UsageError(f"format: give 'parquet' or 'gltf', not {told(format)}")
         is_table = format == "parquet"
         ticks = whole("every", (1 if is_table else 8) if every is None else every, 1, 1_000_000)
         native = self.ensemble._native  # pyright: ignore[reportPrivateUsage]
@@ -492,7 +492,7 @@ def report(folders: Path | Ensemble | Iterable[Path | Ensemble], out: Path | Non
     elif isinstance(folders, Iterable):  # pyright: ignore[reportUnnecessaryIsInstance]
         each = list(folders)
     else:
-        raise TypeError(f"folders: give folders of results, not {folders!r}")
+        raise TypeError(f"folders: give folders of results, not {told(folders)}")
     places: list[str] = []
     for it in each:
         place = it.folder if isinstance(it, Ensemble) else it

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from . import _arguments, _html, _native
-from ._arguments import MOST_RUNS, MOST_SEED, MOST_TICKS, Path, whole
+from ._arguments import MOST_RUNS, MOST_SEED, MOST_TICKS, Path, told, whole
 from ._ensemble import Programs, _listed  # pyright: ignore[reportPrivateUsage]
 from ._errors import UsageError
 from ._program import Program, Source, compile
@@ -143,10 +143,10 @@ def plan(
         progress: as in `simulate`.
     """
     if minimize not in ("mean", "p90"):
-        raise UsageError(f"minimize: give 'mean' or 'p90', not {minimize!r}")
+        raise UsageError(f"minimize: give 'mean' or 'p90', not {told(minimize)}")
     maybe = _maybe_word
     if budget is not None and not isinstance(budget, str):
-        budget = str(whole("budget", budget, 1, MOST_TICKS))
+        budget = str(whole("budget", budget, 1, 10**9))
     asked: _native.Planned = {
         "target": _arguments.path("target", target),
         "shape": maybe("shape", shape),
@@ -196,9 +196,9 @@ def trade(
         progress: as in `simulate`.
     """
     if isinstance(budget, bool) or not isinstance(budget, (int, float)):  # pyright: ignore[reportUnnecessaryIsInstance]
-        raise TypeError(f"budget: give seconds, not {budget!r}")
+        raise TypeError(f"budget: give seconds, not {told(budget)}")
     if not 0 < budget <= 1e9:
-        raise UsageError(f"budget: give seconds, more than 0 and at most 1e9, not {budget!r}")
+        raise UsageError(f"budget: give seconds, more than 0 and at most 1e9, not {told(budget)}")
     if resume and out is None:
         raise UsageError("resume: name a folder with `out`")
     asked: _native.Traded = {

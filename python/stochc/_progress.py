@@ -7,6 +7,8 @@ from collections.abc import Callable, Generator
 from contextlib import contextmanager
 from typing import Any, TypeAlias
 
+from ._arguments import told
+
 Show: TypeAlias = "Callable[[float, str], object]"
 """Is told the share that is done, 0 to 1, and a line on it, in the thread that has called."""
 
@@ -19,7 +21,7 @@ def shown(progress: Progress) -> Generator[Show | None, None, None]:
     """What is told of progress while work is done; `None`: nothing is."""
     if progress is not None and not isinstance(progress, bool):
         if not callable(progress):
-            raise TypeError(f"progress: give True, False or a function, not {progress!r}")
+            raise TypeError(f"progress: give True, False or a function, not {told(progress)}")
         yield progress
         return
     if progress is None:
