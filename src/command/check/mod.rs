@@ -18,10 +18,11 @@ use self::cost::{costs, summed_up};
 use self::scene::scenes;
 use super::imports::ImportOptions;
 use super::levels::LevelOptions;
-use super::simulate::rates_of_files as of_files;
 use super::terminal::{has_colour, message_width, print, told, warn, warn_drawn};
 use crate::diagnostics::{Format, Log, Tally, count, json_document, show, values};
 use crate::exit::{Exit, Failure};
+use crate::operations::rates::of_files;
+use crate::operations::programs::verdict;
 use crate::reader::DiskReader;
 
 /// What `check` is given.
@@ -165,17 +166,6 @@ fn check(file: &str, text: Option<Vec<u8>>, options: &Options) -> Checked {
     let mut reader = DiskReader::new(file, text.as_deref(), &options.imports.folders);
     let levels = &options.levels.levels;
     check_with(file, &mut reader, Limits::default(), levels)
-}
-
-/// What the findings of a file mean for the exit status.
-pub fn verdict(checked: &Checked) -> Exit {
-    if !checked.has_errors() {
-        Exit::Success
-    } else if checked.sources.files().is_empty() {
-        Exit::Usage
-    } else {
-        Exit::WrongProgram
-    }
 }
 
 fn summary(file: &str, checked: &Checked, cost: Option<usize>, rates: &[Rates]) -> String {

@@ -9,7 +9,7 @@ use stochc_ir::scene::{ContactLaw, Scene};
 use stochc_ir::visible;
 use stochc_runtime::{Settings, StepError, step_errors};
 
-use super::super::scene_warnings::{SceneWarning, scene_warnings, short};
+use crate::operations::scene_warnings::{SceneWarning, scene_warnings, short};
 
 /// A scene that assemblies of a file run in, and all that is said of it.
 pub struct InForce<'a> {
