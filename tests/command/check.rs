@@ -7,19 +7,14 @@ tests/fixtures/tower.sa: assembly tower in hemisphere: 2 phases, 3 captures, 0 r
   phase foot  longest serial chain 1: M.up -> A
   phase top   longest serial chain 2: A.up -> B, B.up -> C
   the program's longest serial chain is 2 (phase top); one phase after the other, 3
+  by rates it takes 1834 ticks on average, 964 to 2882 in eight of ten runs; `--cost` says what decides it
 ";
 
 #[test]
 fn a_right_program_is_summed_up() {
     let said = stochc("check tests/fixtures/tower.sa");
     assert_eq!((said.status, said.err.as_str()), (0, ""));
-    let (chains, time) = said.out.split_at(TOWER.len().min(said.out.len()));
-    assert_eq!(chains, TOWER);
-    assert!(time.starts_with("  by rates it takes "), "{time}");
-    assert!(
-        time.ends_with(" in eight of ten runs; `--cost` says what decides it\n"),
-        "{time}"
-    );
+    assert_eq!(said.out, TOWER);
 }
 
 #[test]

@@ -21,8 +21,8 @@ use super::levels::LevelOptions;
 use super::terminal::{has_colour, message_width, print, told, warn, warn_drawn};
 use crate::diagnostics::{Format, Log, Tally, count, json_document, show, values};
 use crate::exit::{Exit, Failure};
-use crate::operations::rates::of_files;
 use crate::operations::programs::verdict;
+use crate::operations::rates::of_files;
 use crate::reader::DiskReader;
 
 /// What `check` is given.
