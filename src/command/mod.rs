@@ -25,6 +25,7 @@ mod scene_warnings;
 pub mod shard;
 pub mod simulate;
 pub mod status;
+pub mod submit;
 mod terminal;
 pub mod trade;
 pub mod verify;
