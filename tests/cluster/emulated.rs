@@ -7,15 +7,17 @@ use std::process::{Child, Command, Output, Stdio};
 use std::sync::{Mutex, MutexGuard, OnceLock};
 use std::time::{Duration, Instant};
 
+use tempfile::TempDir;
+
 use crate::skipped::skipped;
 
 /// Longer than any wait can take on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(180);
 
 /// Programs that physics takes a second or more for, so that there is time to kill something.
-pub const SLOW: &str = "simulate examples/line.sa --max-ticks 15000 --seed 3";
+pub const SLOW: &str = "simulate examples/line.sa --max-ticks 8000 --seed 3 --runs 8";
 /// The same, without physics, in no time.
-pub const FAST: &str = "simulate tests/fixtures/tower.sa --model shuffle --seed 3";
+pub const FAST: &str = "simulate tests/fixtures/tower.sa --model shuffle --seed 3 --runs 12";
 
 /// A Slurm of two nodes, `n1` and `n2`, with one processor each, and arrays of five tasks at most.
 pub struct Cluster {
@@ -94,6 +96,8 @@ impl Cluster {
             program => program,
         }));
         command.args(words).env("SLURM_CONF", &self.configuration);
+        // Jobs get the environment of whoever submits them.
+        command.env_remove("RUST_BACKTRACE");
         command.stdin(Stdio::null());
         command.stdout(Stdio::piped()).stderr(Stdio::piped());
         command
@@ -133,24 +137,52 @@ impl Cluster {
     }
 }
 
-/// Makes the folder of one machine, and the same cut into pieces, both in `folder`.
-pub fn ensemble(folder: &Path, line: &str, runs: u64, shards: u64) -> [PathBuf; 2] {
-    // Names of others.
-    let folders = ["plain", "it's 100 %A \\ \"of\"\n$HOME"].map(|name| folder.join(name));
-    let runs = runs.to_string();
-    for (folder, more) in folders
-        .iter()
-        .zip([["--threads", "1"], ["--shards", &shards.to_string()]])
-    {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_stochc"));
-        command
-            .args(line.split_whitespace())
-            .args(["--runs", &runs, "--quiet"]);
-        command.args(more).arg("--out").arg(folder);
-        let said = command.output().unwrap();
-        assert_ne!(said.status.code(), Some(2), "{said:?}");
+/// An ensemble in pieces, in a folder of its own.
+pub struct Ensemble {
+    /// Its folder.
+    pub path: PathBuf,
+    /// What is in the folder of one machine.
+    expected: BTreeMap<PathBuf, Vec<u8>>,
+    _folder: TempDir,
+}
+
+impl Ensemble {
+    /// Of the runs that a line says, in so many pieces.
+    pub fn cut(line: &str, shards: u64) -> Ensemble {
+        static MADE: Mutex<BTreeMap<String, BTreeMap<PathBuf, Vec<u8>>>> =
+            Mutex::new(BTreeMap::new());
+        let folder = tempfile::tempdir().unwrap();
+        let make = |name: &str, more: [&str; 2]| {
+            let path = folder.path().join(name);
+            let mut command = Command::new(env!("CARGO_BIN_EXE_stochc"));
+            command
+                .args(line.split_whitespace())
+                .args(more)
+                .arg("--quiet");
+            let said = command.arg("--out").arg(&path).output().unwrap();
+            assert_ne!(said.status.code(), Some(2), "{said:?}");
+            path
+        };
+        let mut made = MADE.lock().unwrap();
+        let expected = made.entry(line.to_owned());
+        let expected = expected.or_insert_with(|| files(&make("plain", ["--threads", "1"])));
+        Ensemble {
+            // Names of others.
+            path: make(
+                "it's 100 %A \\ \"of\"\n$HOME",
+                ["--shards", &shards.to_string()],
+            ),
+            expected: expected.clone(),
+            _folder: folder,
+        }
     }
-    folders
+
+    /// Waits for the end of `submit`, after which it has to be the folder of one machine.
+    pub fn is_made_by(&self, child: Child) {
+        let (status, said) = end(child);
+        assert_eq!(status, 0, "{said}");
+        assert!(files(&self.path) == self.expected, "{said}");
+    }
 }
 
 /// Every file below a folder, but for the lock.
@@ -177,13 +209,6 @@ pub fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
 pub fn end(child: Child) -> (i32, String) {
     let Output { status, stderr, .. } = child.wait_with_output().unwrap();
     (status.code().unwrap(), String::from_utf8(stderr).unwrap())
-}
-
-/// Waits for the end of `submit`, which has to be the folder of one machine.
-pub fn comes_to(child: Child, [plain, pieces]: &[PathBuf; 2]) {
-    let (status, said) = end(child);
-    assert_eq!(status, 0, "{said}");
-    assert!(files(plain) == files(pieces), "{said}");
 }
 
 /// Processes whose arguments and environment are such, by their ids.

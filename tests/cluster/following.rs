@@ -4,34 +4,32 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 
 use crate::emulated::{
-    Cluster, FAST, SLOW, cluster, comes_to, end, ensemble, making, members, signal, until,
+    Cluster, Ensemble, FAST, SLOW, cluster, end, making, members, signal, until,
 };
 
 #[test]
 fn all_is_well_also_if_two_submit() {
     let Some(cluster) = cluster() else { return };
-    let folder = tempfile::tempdir().unwrap();
     // The site takes five tasks.
-    let folders = ensemble(folder.path(), FAST, 12, 12);
-    let name = cluster.name(&folders[1]);
-    let both = [(); 2].map(|()| cluster.submit(&folders[1], ""));
+    let ensemble = Ensemble::cut(FAST, 12);
+    let name = cluster.name(&ensemble.path);
+    let both = [(); 2].map(|()| cluster.submit(&ensemble.path, ""));
     for child in both {
-        comes_to(child, &folders);
+        ensemble.is_made_by(child);
     }
     let jobs = cluster.ask(&format!(
         "squeue --noheader --array --states=all --name={name} --format=%F|%K"
     ));
     assert_eq!(jobs.lines().count(), 4, "{jobs}");
-    let (status, said) = end(cluster.submit(&folders[1], ""));
+    let (status, said) = end(cluster.submit(&ensemble.path, ""));
     assert_eq!((status, said.as_str()), (0, ""));
 }
 
 #[test]
 fn whoever_follows_may_go_and_come_back() {
     let Some(cluster) = cluster() else { return };
-    let folder = tempfile::tempdir().unwrap();
-    let folders = ensemble(folder.path(), SLOW, 6, 2);
-    let [_, pieces] = &folders;
+    let ensemble = Ensemble::cut(SLOW, 2);
+    let pieces = &ensemble.path;
     // Ctrl-C leaves the jobs alone.
     let first = cluster.submit(pieces, "");
     making(pieces, "0");
@@ -66,7 +64,39 @@ fn whoever_follows_may_go_and_come_back() {
         let line = format!("squeue --noheader --name={name},{name}-merge");
         cluster.ask(&line).is_empty()
     });
-    comes_to(cluster.submit(pieces, ""), &folders);
+    ensemble.is_made_by(cluster.submit(pieces, ""));
+}
+
+/// The document shows commands for a cluster, which other tests of documents leave out.
+#[test]
+fn the_document_can_be_followed() {
+    let Some(cluster) = cluster() else { return };
+    let page = fs::read_to_string("docs/cluster.md").unwrap();
+    let section = page.split("## With Slurm\n").nth(1).unwrap();
+    let block = section.split("```sh\n").nth(1).unwrap();
+    let block = block.split("```").next().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let link = |from: &Path, to: &str| {
+        std::os::unix::fs::symlink(from.canonicalize().unwrap(), folder.path().join(to)).unwrap();
+    };
+    link(Path::new("examples"), "examples");
+    link(Path::new(env!("CARGO_BIN_EXE_stochc")), "stochc");
+    let mut shell = cluster.command("bash -ec");
+    let path = std::env::var("PATH").unwrap();
+    shell.env("PATH", format!("{}:{path}", folder.path().display()));
+    let said = shell
+        .arg(block)
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    let out = String::from_utf8(said.stdout).unwrap();
+    assert!(
+        said.status.success(),
+        "{out}{}",
+        String::from_utf8_lossy(&said.stderr)
+    );
+    assert!(out.contains("`results/slurm` is whole: 1000 runs"), "{out}");
+    assert!(out.contains("Mean time to completion"), "{out}");
 }
 
 #[test]
@@ -77,8 +107,6 @@ fn a_cluster_that_is_killed_leaves_nothing() {
         return;
     };
     let folder = cluster.folder().to_owned();
-    let job = cluster.command("sbatch --parsable --output=/dev/null --wrap sleep\t1000");
-    drop(job);
     let mut job = cluster.command("sbatch --output=/dev/null");
     job.arg("--wrap=sleep 1000").stdout(Stdio::null());
     assert!(job.status().unwrap().success());

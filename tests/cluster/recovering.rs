@@ -1,31 +1,27 @@
 //! What goes wrong, and is made good.
 use std::process::Command;
 
-use crate::emulated::{
-    SLOW, cluster, comes_to, daemon, end, ensemble, making, members, signal, until,
-};
+use crate::emulated::{Ensemble, SLOW, cluster, daemon, end, making, members, signal, until};
 
 #[test]
 fn a_task_that_is_killed_is_made_again() {
     let Some(cluster) = cluster() else { return };
-    let folder = tempfile::tempdir().unwrap();
-    let folders = ensemble(folder.path(), SLOW, 4, 2);
-    let child = cluster.submit(&folders[1], "");
-    signal("-9", &[making(&folders[1], "1")]);
-    until("another array", || cluster.arrays(&folders[1]) == 2);
-    comes_to(child, &folders);
+    let ensemble = Ensemble::cut(SLOW, 2);
+    let child = cluster.submit(&ensemble.path, "");
+    signal("-9", &[making(&ensemble.path, "1")]);
+    until("another array", || cluster.arrays(&ensemble.path) == 2);
+    ensemble.is_made_by(child);
 }
 
 #[test]
 fn a_node_that_is_lost_is_done_without() {
     let Some(cluster) = cluster() else { return };
-    let folder = tempfile::tempdir().unwrap();
-    let folders = ensemble(folder.path(), SLOW, 4, 2);
-    let child = cluster.submit(&folders[1], "");
-    making(&folders[1], "0");
-    making(&folders[1], "1");
+    let ensemble = Ensemble::cut(SLOW, 2);
+    let child = cluster.submit(&ensemble.path, "");
+    making(&ensemble.path, "0");
+    making(&ensemble.path, "1");
     signal("-9", &members(&cluster, Some("n2")));
-    comes_to(child, &folders);
+    ensemble.is_made_by(child);
     let mut node = cluster.command("slurmd -N n2");
     assert!(node.status().unwrap().success());
 }
@@ -34,15 +30,14 @@ fn a_node_that_is_lost_is_done_without() {
 #[test]
 fn a_controller_that_restarts_is_waited_for() {
     let Some(cluster) = cluster() else { return };
-    let folder = tempfile::tempdir().unwrap();
-    let folders = ensemble(folder.path(), SLOW, 4, 2);
-    let mut child = cluster.submit(&folders[1], "");
-    making(&folders[1], "1");
+    let ensemble = Ensemble::cut(SLOW, 2);
+    let mut child = cluster.submit(&ensemble.path, "");
+    making(&ensemble.path, "1");
     child.kill().unwrap();
     child.wait().unwrap();
     signal("-9", &[daemon(&cluster, "slurmctld")]);
-    let impatient = cluster.submit(&folders[1], "--controller-timeout 1s");
-    let child = cluster.submit(&folders[1], "");
+    let impatient = cluster.submit(&ensemble.path, "--controller-timeout 1s");
+    let child = cluster.submit(&ensemble.path, "");
     let (status, said) = end(impatient);
     assert_eq!(status, 2, "{said}");
     assert!(said.contains("Slurm has not answered for"), "{said}");
@@ -55,21 +50,20 @@ fn a_controller_that_restarts_is_waited_for() {
     until("controller", || {
         !cluster.ask("squeue --noheader").is_empty()
     });
-    assert_eq!(cluster.arrays(&folders[1]), 1);
-    comes_to(child, &folders);
+    assert_eq!(cluster.arrays(&ensemble.path), 1);
+    ensemble.is_made_by(child);
 }
 
 /// The process that makes a piece may write no further byte, as on a disk that is full: `prlimit` needs no disk of its own.
 #[test]
 fn a_piece_for_which_the_disk_was_full_is_made_again() {
     let Some(cluster) = cluster() else { return };
-    let folder = tempfile::tempdir().unwrap();
-    let folders = ensemble(folder.path(), SLOW, 4, 2);
-    let child = cluster.submit(&folders[1], "");
-    let id = making(&folders[1], "0");
+    let ensemble = Ensemble::cut(SLOW, 2);
+    let child = cluster.submit(&ensemble.path, "");
+    let id = making(&ensemble.path, "0");
     let mut limit = Command::new("prlimit");
     limit.args(["--fsize=1", "--pid", &id]);
     assert!(limit.status().unwrap().success());
-    until("another array", || cluster.arrays(&folders[1]) == 2);
-    comes_to(child, &folders);
+    until("another array", || cluster.arrays(&ensemble.path) == 2);
+    ensemble.is_made_by(child);
 }

@@ -7,7 +7,7 @@ use stochc_files as files;
 /// The last lines of a job's log, a few; empty: there is none.
 pub fn last_lines(path: &Path) -> Vec<String> {
     /// Lines that are told.
-    const LINES: usize = 8;
+    const LINES: usize = 12;
     /// Bytes in which they are looked for.
     const BYTES: u64 = 4096;
     let tail = || {

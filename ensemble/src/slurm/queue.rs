@@ -67,8 +67,10 @@ impl Queue {
         let (wait, run): (Vec<&Job>, Vec<&Job>) = active.partition(|job| job.is_pending());
         let count = |jobs: &[&Job]| jobs.iter().map(|job| job.count()).sum::<u64>();
         let mut told = Vec::new();
-        if !run.is_empty() {
-            told.push(format!("{} tasks run", count(&run)));
+        match count(&run) {
+            0 => {}
+            1 => told.push("1 task runs".to_owned()),
+            run => told.push(format!("{run} tasks run")),
         }
         if let Some(first) = wait.first() {
             told.push(format!("{} wait ({})", count(&wait), first.reason));
@@ -165,7 +167,7 @@ slurm_load_jobs error: Invalid job id specified
     fn only_jobs_of_the_folder_count() {
         let queue = Queue::read(PRINTED, "stochc-a");
         assert_eq!((queue.pieces.len(), queue.merges.len()), (3, 1));
-        assert_eq!(queue.told(), "1 tasks run, 4 wait (Resources)");
+        assert_eq!(queue.told(), "1 task runs, 4 wait (Resources)");
         let [waiting, running, ended] = &queue.pieces[..] else {
             panic!()
         };

@@ -81,6 +81,7 @@ impl Workflow {
 
     /// Notes what was submitted.
     pub fn submitted(&mut self, array: Option<u64>, merge: Option<u64>) {
+        self.tries += u64::from(self.is_complete && merge.is_some());
         self.arrays.extend(array);
         self.merges.extend(merge);
     }
@@ -122,11 +123,7 @@ impl Workflow {
                     () if !merging.is_empty() => Step::Wait,
                     () if self.cancelled => Step::Stop(Stop::Cancelled(missing)),
                     () if self.tries >= self.attempts => Step::Stop(Stop::Unmerged),
-                    () => {
-                        self.tries += 1;
-                        let after = Vec::new();
-                        Step::Merge { after }
-                    }
+                    () => Step::Merge { after: Vec::new() },
                 }
             }
             Found::AllBut(missing) if self.cancelled => Step::Stop(Stop::Cancelled(missing)),
@@ -233,6 +230,7 @@ mod tests {
             workflow.next(&failed, sound),
             Ok(Step::Merge { .. })
         ));
+        workflow.submitted(None, Some(6));
         let step = workflow.next(&failed, sound);
         assert_eq!(step, Ok(Step::Stop(Stop::Unmerged)));
     }

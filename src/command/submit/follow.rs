@@ -103,7 +103,12 @@ impl Follower<'_> {
                     answered = now();
                     self.show("");
                 }
-                Ok(next) => return Ok(Some(next)),
+                Ok(next) => {
+                    if let Next::Done = next {
+                        self.shown(self.jobs.ensemble.pieces, "");
+                    }
+                    return Ok(Some(next));
+                }
                 Err(Trouble::Failure(failure)) => return Err(failure),
                 Err(Trouble::Silent(said)) => {
                     let silent = answered.elapsed();
@@ -176,7 +181,7 @@ impl Follower<'_> {
             let array = slurm::submit(&arguments).map_err(|it| self.unanswered(it))?;
             self.workflow.submitted(Some(array), None);
             submission.array = Some(array);
-            ensemble.submitted(submission).map_err(Failure::usage)?;
+            self.keep(submission)?;
             after = vec![array];
         }
         let after: Vec<String> = after.iter().map(u64::to_string).collect();
@@ -184,16 +189,23 @@ impl Follower<'_> {
         let merge = slurm::submit(&arguments).map_err(|it| self.unanswered(it))?;
         self.workflow.submitted(None, Some(merge));
         submission.merge = Some(merge);
-        ensemble.submitted(submission).map_err(Failure::usage)?;
-        Ok(())
+        Ok(self.keep(submission)?)
+    }
+
+    /// Keeps what was submitted.
+    fn keep(&self, submission: Submission) -> Result<(), Failure> {
+        let kept = self.jobs.ensemble.submitted(submission);
+        kept.map_err(|error| self.refused(&error.to_string()))
     }
 
     /// Shows how far it is, and what else there is to say.
     fn show(&self, more: &str) {
+        let there = listed(&self.jobs.ensemble.path).unwrap_or_default();
+        self.shown(there.min(self.jobs.ensemble.pieces), more);
+    }
+
+    fn shown(&self, there: u64, more: &str) {
         let all = self.jobs.ensemble.pieces;
-        let there = listed(&self.jobs.ensemble.path)
-            .unwrap_or_default()
-            .min(all);
         let mut told = vec![self.queue.told(), more.to_owned()];
         if self.workflow.attempts() > 1 {
             let (attempt, of) = (self.workflow.attempts(), self.jobs.options.attempts);

@@ -21,8 +21,13 @@ pub enum Unanswered {
 pub fn queue(ensemble: &Ensemble) -> Result<Queue, Unanswered> {
     let names = format!("--name={},{}", ensemble.name, ensemble.merge_name());
     let format = format!("--format={FORMAT}");
-    let printed = ask("squeue", &["--noheader", "--states=all", &names, &format])?;
-    Ok(ensemble.queue(&printed))
+    let printed = ask("squeue", &["--noheader", "--states=all", &names, &format]);
+    match printed {
+        Ok(printed) => Ok(ensemble.queue(&printed)),
+        // Nothing is wrong with the question; the configuration may be.
+        Err(Unanswered::Refused(said)) if !said.contains("fatal:") => Err(Unanswered::Silent(said)),
+        Err(other) => Err(other),
+    }
 }
 
 /// How many jobs the site allows.
