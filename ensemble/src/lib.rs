@@ -56,6 +56,7 @@ mod records;
 mod run;
 mod seal;
 pub mod shards;
+pub mod slurm;
 pub mod statistics;
 pub mod sweep;
 pub mod text;

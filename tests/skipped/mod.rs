@@ -5,10 +5,11 @@ use std::io::Write as _;
 const RECORD: &str = "STOCHC_SKIPPED";
 
 /// Tells that the test that runs now is skipped, wholly or in part, because `command` of the package `package` cannot be
-/// run. Panics if `STOCHC_REQUIRE_PACKAGE` is set: where the package is installed, nothing is to be skipped.
+/// run. Panics if `STOCHC_REQUIRE_` and the package's name, up to a dash, is set: where it is installed, nothing is to be skipped.
 #[track_caller]
 pub fn skipped(package: &str, command: &str) {
-    let required = format!("STOCHC_REQUIRE_{}", package.to_uppercase());
+    let name = package.split('-').next().unwrap_or(package);
+    let required = format!("STOCHC_REQUIRE_{}", name.to_uppercase());
     assert!(
         std::env::var_os(&required).is_none(),
         "`{command}` cannot be run, and {required} is set"
