@@ -3,9 +3,11 @@ use std::io;
 use std::path::PathBuf;
 
 use clap::Args;
+use stochc_compiler::LintLevels;
+use stochc_ensemble::Program;
 use stochc_ensemble::text::visible;
 use stochc_files::atomic::{Draft, Replaces, begins_with};
-use stochc_report::replay::{MARK, about, write};
+use stochc_report::replay::{MARK, Statement, about, write};
 
 use super::chosen_run::{Choice, ChosenRun, choose};
 use super::terminal::print;
@@ -44,7 +46,38 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
 fn page(mut out: Draft, chosen: &ChosenRun, recording: impl io::Read) -> io::Result<()> {
     let program = chosen.entry();
     let title = format!("{}, run {}", visible(&program.name), chosen.run);
-    let about = about(&chosen.manifest, program);
+    let about = about(&chosen.manifest, program, &statements(program));
     write(&title, &about, recording, &mut out)?;
     out.keep()
+}
+
+/// Events beyond which their places are not looked for.
+const MOST_STATEMENTS: usize = 50_000;
+
+/// Where each event of the graph is written; nothing, if the texts of the program are not here, or another compiler's.
+fn statements(program: &Program) -> Vec<Statement> {
+    let texts: Vec<(&str, &str)> = (program.sources.iter())
+        .map(|source| (source.path.as_str(), source.text.as_str()))
+        .collect();
+    if texts.is_empty() || program.compiled.graph.events.len() > MOST_STATEMENTS {
+        return Vec::new();
+    }
+    let checked = crate::check_texts(&texts, &LintLevels::default(), "", &[]);
+    let mut same =
+        (checked.programs.iter()).filter(|it| it.tables.as_ref() == Some(program.tables()));
+    let Some(plan) = same.next().map(|program| &program.plan) else {
+        return Vec::new();
+    };
+    let files: Vec<Option<usize>> = (checked.sources.files().iter())
+        .map(|file| texts.iter().position(|(name, _)| *name == file.name))
+        .collect();
+    let places = (0..).zip(&plan.events).filter_map(|(event, written)| {
+        let span = written.site.span;
+        Some(Statement {
+            file: files[written.site.file.0 as usize]?,
+            bytes: span.start as usize..span.end as usize,
+            event,
+        })
+    });
+    places.collect()
 }
