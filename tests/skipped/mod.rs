@@ -21,7 +21,11 @@ pub fn skipped(package: &str, command: &str) {
         Some(name) if name != "main" => name.to_owned(),
         _ => format!("{}:{}", place.file(), place.line()),
     };
-    let note = format!("skipped {test}: `{command}` cannot be run (apt-get install {package})\n");
+    let cure = match package {
+        "axe" => "npm install axe-core, and its axe.min.js as STOCHC_AXE".to_owned(),
+        _ => format!("apt-get install {package}"),
+    };
+    let note = format!("skipped {test}: `{command}` cannot be run ({cure})\n");
     // Past the test's own capture, so that it is seen.
     let _ = std::io::stderr().write_all(note.as_bytes());
     if let Some(record) = std::env::var_os(RECORD) {
