@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import sys
 import warnings
 from types import FrameType
@@ -70,9 +71,26 @@ _KINDS: dict[str, type[StochcError]] = {
 }
 
 
+_FLAGS = ("resume", "mixed-builds")
+_OPTIONS = ("max-ticks", "out", "record", "runs", "substeps", "sweep", "threads")
+
+
+def _in_python(text: str) -> str:
+    """A message of the command, with options as Python writes them."""
+
+    def written(found: re.Match[str]) -> str:
+        name = found[1]
+        if name in _FLAGS:
+            return f"`{name.replace('-', '_')}=True`"
+        return f"`{name.replace('-', '_')}`" if name in _OPTIONS else found[0]
+
+    text = re.sub(r"`--([a-z-]+)`", written, text)
+    return re.sub(r"^--([a-z]+): ", r"\1: ", text)
+
+
 def made(kind: str, text: str, findings: str) -> StochcError:
     """The exception for a failure of the native part."""
-    text = text.removeprefix("error: ").rstrip()
+    text = _in_python(text.removeprefix("error: ").rstrip())
     if kind == "program":
         from ._findings import finding
 

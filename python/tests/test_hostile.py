@@ -99,6 +99,17 @@ def test_messages_say_the_way_out(tmp_path: Path) -> None:
         stochc.simulate(stochc.EXAMPLE, runs=math.nan)  # type: ignore[arg-type]
 
 
+def test_messages_speak_of_options_as_python_does(tmp_path: Path) -> None:
+    out = tmp_path / "results"
+    stochc.simulate(stochc.EXAMPLE, runs=3, model="shuffle", out=out)
+    with pytest.raises(stochc.UsageError) as raised:
+        stochc.simulate(stochc.EXAMPLE, runs=5, model="shuffle", out=out)
+    assert "`resume=True`" in str(raised.value)
+    assert stochc.simulate(stochc.EXAMPLE, runs=5, model="shuffle", out=out, resume=True).complete
+    with pytest.raises(stochc.UsageError, match="^sweep: "):
+        stochc.sweep(stochc.EXAMPLE, {"no_such": 1})
+
+
 def test_a_text_with_a_nul_has_findings() -> None:
     assert not stochc.check("assembly \0 { }\n").ok
 
