@@ -2,13 +2,12 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use stochc_ensemble::shards::{ShardError, merge};
 use stochc_ensemble::text::visible;
 use stochc_files::shell::file as shell_file;
 
-use super::simulate::sweep_files;
 use super::terminal::print;
 use crate::exit::{Exit, Failure};
+use crate::operations::shard::merge;
 
 /// What `merge` is given.
 #[derive(Debug, Args)]
@@ -23,10 +22,7 @@ pub struct Options {
 
 /// Puts the pieces of an ensemble together.
 pub fn run(options: &Options) -> Result<Exit, Failure> {
-    let runs = merge(&options.folder, sweep_files).map_err(|error| match error {
-        ShardError::Missing { .. } => Failure::error(Exit::UnsuccessfulRun, error),
-        error => Failure::usage(error),
-    })?;
+    let runs = merge(&options.folder)?;
     if !options.quiet {
         print(&is_whole(&options.folder, runs))?;
     }

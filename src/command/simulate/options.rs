@@ -10,8 +10,8 @@ use stochc_runtime::{Model, Precision, Reduction, Substeps};
 use super::super::imports::ImportOptions;
 use super::super::levels::LevelOptions;
 use super::super::results::Form;
-use super::super::trade::time;
 use super::accuracy::accuracy;
+use crate::operations::time;
 
 /// What `simulate` is given.
 #[derive(Debug, Args)]

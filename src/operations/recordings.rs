@@ -9,9 +9,8 @@ use stochc_files::atomic::{Draft, Replaces, make_own_folder};
 use stochc_ir::record::RunRecord;
 use stochc_runtime::{RunError, Watch, observe};
 
-use super::super::terminal::warn;
-use super::Options;
 use crate::exit::Failure;
+use crate::host::Host;
 
 /// Which runs of an ensemble are recorded, and what went wrong with that.
 pub(super) struct Recordings<'a> {
@@ -33,10 +32,14 @@ pub(super) struct RecordingOfRun<'a> {
 }
 
 impl<'a> Recordings<'a> {
-    pub fn new(options: &'a Options, manifest: &'a Manifest) -> Recordings<'a> {
+    pub fn new(
+        wanted: Option<(&'a Path, &'a Selection)>,
+        every: u32,
+        manifest: &'a Manifest,
+    ) -> Recordings<'a> {
         Recordings {
-            wanted: options.out.as_deref().zip(options.record.as_ref()),
-            every: options.record_every,
+            wanted,
+            every,
             manifest,
             identity: manifest.identity(),
             broken: Mutex::new(None),
@@ -55,7 +58,7 @@ impl<'a> Recordings<'a> {
     }
 
     /// Says which of the wanted recordings are not there; why the command fails for that.
-    pub fn comment(&self, finished: &Records) -> Option<Failure> {
+    pub fn comment(&self, finished: &Records, host: &dyn Host) -> Option<Failure> {
         let (folder, runs) = self.wanted?;
         let broken = self.broken.lock().ok().and_then(|mut broken| broken.take());
         if let Some(error) = broken {
@@ -69,7 +72,7 @@ impl<'a> Recordings<'a> {
             .filter(|&(program, run)| !path(folder, program, run).exists())
             .count();
         if missing > 0 {
-            warn(&format!(
+            host.warn(&format!(
                 "note: {missing} of the runs to record had been made before; `stochc replay` makes \
                  such a run again\n"
             ));
@@ -131,7 +134,7 @@ impl RecordingOfRun<'_> {
 }
 
 /// Begins the recording that will be at `path` in a folder of results, and makes the folder for it.
-pub(in crate::command) fn begin(
+pub(super) fn begin(
     path: &Path,
     header: &Header,
     program: &Program,

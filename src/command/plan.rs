@@ -1,29 +1,19 @@
 //! `stochc plan`.
-mod budget;
-mod seed_plate;
-mod target;
-
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::Instant;
+use std::sync::atomic::Ordering;
 
 use clap::{Args, ValueEnum};
 use serde_json::json;
 use stochc_files::atomic::{Replaces, replace};
-use stochc_grammar::Cancellation;
-use stochc_planner::{Objective, Refusal, Search, explanation};
+use stochc_planner::{Objective, explanation};
 
-use super::check::verdict;
 use super::imports::ImportOptions;
 use super::interrupt::stop_on_interrupt;
-use super::progress::{Display, State};
 use super::results::Form;
-use super::terminal::{has_colour, message_width, print, warn, warn_drawn};
-use crate::diagnostics::drawn;
+use super::terminal::{Terminal, print, warn};
 use crate::exit::{Exit, Failure};
-use crate::planning::{Goal, Planned, Unplanned};
-use budget::Budget;
-use seed_plate::SeedPlate;
+use crate::operations::plan::{Budget, SeedPlate, Wish, goal, plan};
+use crate::planning::Planned;
 
 /// What `plan` is given.
 #[derive(Debug, Args)]
@@ -78,16 +68,23 @@ enum Minimize {
 
 /// Plans, and writes the program.
 pub fn run(options: &Options) -> Result<Exit, Failure> {
-    let mut goal = target::read(options)?;
-    if let Some(plate) = &options.seed_plate {
-        goal.plate = Some(plate.plate.clone());
-        goal.seeds = plate.seeds.clone();
-    }
-    if options.scene.is_some() {
-        goal.scene.clone_from(&options.scene);
-    }
+    let host = Terminal::new(options.quiet);
+    let wish = Wish {
+        target: &options.target,
+        shape: options.shape.as_deref(),
+        seed_plate: options.seed_plate.as_ref(),
+        scene: options.scene.as_deref(),
+        imports: &options.imports.folders,
+        budget: options.budget,
+        objective: match options.minimize {
+            Minimize::Mean => Objective::Mean,
+            Minimize::P90 => Objective::P90,
+        },
+        seed: options.random_seed,
+    };
+    let goal = goal(&wish, &host)?;
     let stop = stop_on_interrupt()?;
-    let planned = planned(&goal, options)?;
+    let planned = plan(&goal, &wish, &host)?;
     let stopped = stop.load(Ordering::Relaxed);
     write(&planned, options)?;
     match stopped {
@@ -99,78 +96,6 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
                 planned.plan.rounds
             ),
         }),
-    }
-}
-
-#[expect(
-    clippy::disallowed_methods,
-    reason = "a budget of time ends the search for better plans; any that was found is as good"
-)]
-fn now() -> Instant {
-    Instant::now()
-}
-
-fn planned(goal: &Goal, options: &Options) -> Result<Planned, Failure> {
-    let stop = stop_on_interrupt()?;
-    let start = now();
-    let budget = options
-        .budget
-        .unwrap_or_else(|| Budget::of_cells(goal.cells.len()));
-    let (tried, best) = (AtomicU64::new(0), AtomicU64::new(0));
-    let is_over = || {
-        let is_late = matches!(budget, Budget::Time(time) if start.elapsed() >= time);
-        is_late || stop.load(Ordering::Relaxed)
-    };
-    let is_stopped = || stop.load(Ordering::Relaxed);
-    let count = |rounds: u64, ticks: f64| {
-        tried.store(rounds, Ordering::Relaxed);
-        best.store(ticks as u64, Ordering::Relaxed);
-    };
-    let search = Search {
-        objective: match options.minimize {
-            Minimize::Mean => Objective::Mean,
-            Minimize::P90 => Objective::P90,
-        },
-        rounds: budget.tries(),
-        seed: options.random_seed,
-        enough: Cancellation::new(&is_over),
-        cancellation: Cancellation::new(&is_stopped),
-        tried: &count,
-    };
-    let state = |elapsed| {
-        let tried = tried.load(Ordering::Relaxed);
-        State {
-            share: budget.share(tried, elapsed),
-            done: format!("{tried} plans tried"),
-            more: match best.load(Ordering::Relaxed) {
-                0 => String::new(),
-                best => format!("; the best takes about {best} ticks"),
-            },
-        }
-    };
-    let display = Display::on_standard_error(options.quiet);
-    let planned = display.during(state, || goal.plan(search));
-    planned.map_err(|unplanned| told(&unplanned, options))
-}
-
-/// Why there is no plan.
-fn told(unplanned: &Unplanned, options: &Options) -> Failure {
-    match unplanned {
-        Unplanned::Refused(Refusal::Cancelled) => Failure {
-            exit: Exit::Interrupted,
-            message: "stopped before there was a plan\n".to_owned(),
-        },
-        Unplanned::Refused(refusal) => {
-            let mut reason = format!("`{}`: {refusal}", options.target);
-            if let Some(help) = refusal.help() {
-                reason += &format!("\nhelp: {help}");
-            }
-            Failure::wrong_program(reason)
-        }
-        Unplanned::Wrong(checked) => {
-            warn_drawn(&drawn(checked, has_colour(), message_width()));
-            Failure::silent(verdict(checked))
-        }
     }
 }
 

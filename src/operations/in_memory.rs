@@ -1,12 +1,11 @@
 //! Ensembles that are made for what they say, and kept nowhere.
-use std::sync::atomic::AtomicBool;
-
 use stochc_ensemble::{Cancelled, Destination, Manifest, Progress, Results, Watch, run as run_all};
 use stochc_runtime::run as run_once;
 
-use super::progress::{Display, of_ensemble};
-use super::trade::threads as default_threads;
+use super::runs::threads as default_threads;
 use crate::exit::{Exit, Failure};
+use crate::host::{Host, during};
+use crate::progress::of_ensemble;
 
 /// Makes all runs of a manifest, each program with a seed of its own: those that shared their kicks would share their errors as well.
 ///
@@ -15,9 +14,8 @@ use crate::exit::{Exit, Failure};
 pub fn all_runs(
     manifest: &Manifest,
     threads: Option<u16>,
-    quiet: bool,
-    stop: &AtomicBool,
     stopped: &str,
+    host: &dyn Host,
 ) -> Result<Results, Failure> {
     let progress = Progress::new(manifest, default_threads(threads));
     let simulate = |entry: usize, number, watch: &Watch| {
@@ -29,11 +27,11 @@ pub fn all_runs(
         record.map_err(|_| Cancelled)
     };
     let state = |elapsed| of_ensemble(manifest, &progress, elapsed);
-    let display = Display::on_standard_error(quiet);
     let destination = Destination::Memory(manifest);
-    let results = display
-        .during(state, || run_all(destination, &progress, stop, simulate))
-        .map_err(Failure::usage)?;
+    let results = during(host, state, || {
+        run_all(destination, &progress, host.stop(), simulate)
+    })
+    .map_err(Failure::usage)?;
     match results.complete {
         true => Ok(results),
         false => Err(Failure {

@@ -3,22 +3,29 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use stochc_compiler::LintLevels;
-use stochc_ensemble::sweep::{MOST_POINTS, Sweep, points as combine};
+use stochc_ensemble::sweep::{Axis, MOST_POINTS, Sweep, points as combine};
 use stochc_ensemble::{Compiled, JournalError, MOST_RUNS, Manifest, Program, Records};
 use stochc_ir::Executable;
 use stochc_ir::visible;
 use stochc_report::figures::sweep as pictures;
 
-use super::super::check::verdict;
-use super::super::terminal::{has_colour, message_width};
-use super::{Options, input};
-use crate::diagnostics::drawn;
+use super::programs::{recompile, verdict};
 use crate::exit::Failure;
+use crate::host::Host;
 
 /// Each program at each point, compiled with the values of the point.
 ///
 /// What a program is refused for at a point is told with the point; then nothing is run.
-pub(super) fn points(options: &Options, programs: &[Program]) -> Result<Vec<Program>, Failure> {
+///
+/// # Errors
+/// In these cases, and where there are more points or runs than are possible.
+pub fn points(
+    axes: &[Axis],
+    runs: u64,
+    programs: &[Program],
+    levels: &LintLevels,
+    host: &dyn Host,
+) -> Result<Vec<Program>, Failure> {
     let mut at_points = Vec::new();
     for program in programs {
         if program.sources.is_empty() {
@@ -27,7 +34,7 @@ pub(super) fn points(options: &Options, programs: &[Program]) -> Result<Vec<Prog
                 program.name
             )));
         }
-        let points = combine(&options.sweep, &program.scene)
+        let points = combine(axes, &program.scene)
             .map_err(|reason| Failure::usage(format!("--sweep: {reason}")))?;
         for varied in points {
             let mut entry = program.clone();
@@ -44,15 +51,14 @@ pub(super) fn points(options: &Options, programs: &[Program]) -> Result<Vec<Prog
             programs.len()
         )));
     }
-    if options.runs.saturating_mul(count as u64) > MOST_RUNS {
+    if runs.saturating_mul(count as u64) > MOST_RUNS {
         return Err(Failure::usage(format!(
-            "--sweep: {} runs at each of {count} points are more than {MOST_RUNS}; lower `--runs`",
-            options.runs
+            "--sweep: {runs} runs at each of {count} points are more than {MOST_RUNS}; lower `--runs`"
         )));
     }
     let mut wrong = Vec::new();
     for entry in &mut at_points {
-        if let Err(failure) = at_point(entry, &options.levels.levels) {
+        if let Err(failure) = at_point(entry, levels, host) {
             wrong.push((entry.name.clone(), failure));
         }
     }
@@ -72,11 +78,14 @@ pub(super) fn points(options: &Options, programs: &[Program]) -> Result<Vec<Prog
 /// Compiles a program at its point.
 ///
 /// Warnings have been told when the program was read as it is.
-pub fn at_point(entry: &mut Program, levels: &LintLevels) -> Result<(), Failure> {
-    let checked = input::recompile(&entry.sources, &entry.varied, entry.assembly(), levels);
+///
+/// # Errors
+/// If it cannot be run there.
+pub fn at_point(entry: &mut Program, levels: &LintLevels, host: &dyn Host) -> Result<(), Failure> {
+    let checked = recompile(&entry.sources, &entry.varied, entry.assembly(), levels);
     if checked.has_errors() {
         let name = visible(&entry.name);
-        let drawn = drawn(&checked, has_colour(), message_width());
+        let drawn = host.draw(&checked);
         return Err(Failure {
             exit: verdict(&checked),
             message: format!("error: `{name}` cannot be run:\n{drawn}"),
@@ -113,7 +122,10 @@ pub fn share_tables(programs: &mut [Program]) {
 }
 
 /// `sweep.json`, `sweep.csv` and the figures of a results folder, if its ensemble is a sweep: names and contents.
-pub(in crate::command) fn files(
+///
+/// # Errors
+/// Where the runs cannot be read again.
+pub fn files(
     manifest: &Manifest,
     finished: &Records,
 ) -> Result<Vec<(String, String)>, JournalError> {

@@ -8,33 +8,32 @@ use stochc_grammar::Symbols;
 use stochc_ir::Cell;
 use stochc_planner::{UnreadableVoxels, layers, magica_voxel};
 
-use super::super::check::verdict;
-use super::super::terminal::{has_colour, message_width, warn_drawn};
-use super::Options;
-use crate::diagnostics::drawn;
+use super::super::programs::verdict;
+use super::Wish;
 use crate::exit::{Exit, Failure};
+use crate::host::Host;
 use crate::planning::Goal;
 
-/// The target of the command line.
-pub fn read(options: &Options) -> Result<Goal, Failure> {
-    let target = &options.target;
+/// The target of a wish.
+pub fn read(wish: &Wish<'_>, host: &dyn Host) -> Result<Goal, Failure> {
+    let target = wish.target;
     let kind = Path::new(target).extension().and_then(|kind| kind.to_str());
     match kind {
-        Some("vox") => voxels(options, magica_voxel),
-        Some("txt") => voxels(options, |bytes| {
+        Some("vox") => voxels(wish, magica_voxel),
+        Some("txt") => voxels(wish, |bytes| {
             let text = std::str::from_utf8(bytes);
             text.map_or_else(|_| layers("?"), layers)
         }),
-        _ => program(options),
+        _ => program(wish, host),
     }
 }
 
 fn voxels(
-    options: &Options,
+    wish: &Wish<'_>,
     cells: impl Fn(&[u8]) -> Result<Vec<Cell>, UnreadableVoxels>,
 ) -> Result<Goal, Failure> {
-    let target = &options.target;
-    if options.shape.is_some() {
+    let target = wish.target;
+    if wish.shape.is_some() {
         return Err(Failure::usage(
             "`--shape` is for programs: a file of voxels is one shape",
         ));
@@ -46,17 +45,17 @@ fn voxels(
     Ok(Goal::of_cells(&name(target), cells))
 }
 
-fn program(options: &Options) -> Result<Goal, Failure> {
-    let target = &options.target;
+fn program(wish: &Wish<'_>, host: &dyn Host) -> Result<Goal, Failure> {
+    let target = wish.target;
     if let Some(reason) = refusal(target) {
         return Err(Failure::usage(reason));
     }
-    let checked = crate::check_within(target, &Default::default(), &options.imports.folders);
+    let checked = crate::check_within(target, &Default::default(), wish.imports);
     if checked.has_errors() {
-        warn_drawn(&drawn(&checked, has_colour(), message_width()));
+        host.tell_findings(&checked);
         return Err(Failure::silent(verdict(&checked)));
     }
-    Goal::of_program(&checked, options.shape.as_deref())
+    Goal::of_program(&checked, wish.shape)
         .map_err(|reason| Failure::error(Exit::WrongProgram, format!("`{target}`: {reason}")))
 }
 

@@ -1,7 +1,7 @@
 //! `--budget`.
 use std::time::Duration;
 
-use super::super::trade::time;
+use super::super::time;
 
 /// How long better plans are looked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
