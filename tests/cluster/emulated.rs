@@ -14,8 +14,8 @@ use crate::skipped::skipped;
 /// Longer than any wait can take on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(180);
 
-/// Programs that physics takes a second or more for, so that there is time to kill something.
-pub const SLOW: &str = "simulate examples/line.sa --max-ticks 8000 --seed 3 --runs 8";
+/// A program with physics, so that there is time to hold it in between.
+pub const SLOW: &str = "simulate examples/line.sa --max-ticks 2500 --seed 3 --runs 8";
 /// The same, without physics, in no time.
 pub const FAST: &str = "simulate tests/fixtures/tower.sa --model shuffle --seed 3 --runs 12";
 
@@ -114,16 +114,15 @@ impl Cluster {
         command.arg(folder).spawn().unwrap()
     }
 
-    /// The job arrays of a folder that were submitted, and have not been forgotten.
-    pub fn arrays(&self, folder: &Path) -> usize {
+    /// How many job arrays of this name were submitted, and have not been forgotten.
+    pub fn arrays(&self, name: &str) -> usize {
         let jobs = self.ask("squeue --noheader --states=all --format=%F|%j");
-        let name = self.name(folder);
         let arrays = jobs.lines().filter_map(|line| line.split_once('|'));
         let arrays = arrays.filter(|(_, of)| *of == name).map(|(job, _)| job);
         arrays.collect::<std::collections::BTreeSet<_>>().len()
     }
 
-    /// The name of the jobs of a folder.
+    /// The name of the job arrays of a folder, before it is whole.
     pub fn name(&self, folder: &Path) -> String {
         let shown = self
             .command("stochc submit --dry-run")
@@ -227,34 +226,54 @@ fn processes(is_meant: impl Fn(&[&[u8]], &[&[u8]]) -> bool) -> Vec<String> {
     found
 }
 
-/// The process that makes a piece, once it is there and has finished a run.
-pub fn making(folder: &Path, piece: &str) -> String {
-    let path = folder.as_os_str().as_encoded_bytes();
-    let find = || {
-        processes(
-            |arguments, _| matches!(arguments, [_, b"shard", of, number, ..] if *of == path && *number == piece.as_bytes()),
-        )
-    };
-    let has_run = || {
-        let entries = fs::read_dir(folder.join("shards")).unwrap().flatten();
-        let parts = entries.filter(|entry| {
-            let name = entry.file_name().into_string().unwrap();
-            name.starts_with(&format!("{piece}.part-"))
-        });
+/// A process that makes a piece and has finished some of its runs; it is held.
+pub struct Held(pub String);
+
+impl Held {
+    /// The one that makes this piece.
+    pub fn making(folder: &Path, piece: &str) -> Held {
+        let path = folder.as_os_str().as_encoded_bytes();
+        let find = || {
+            processes(
+                |arguments, _| matches!(arguments, [_, b"shard", of, number, ..] if *of == path && *number == piece.as_bytes()),
+            )
+        };
         let lines = |path| {
             fs::read_to_string(path)
                 .unwrap_or_default()
                 .matches('\n')
                 .count()
         };
-        parts
-            .map(|entry| lines(entry.path()))
-            .any(|lines| lines > 1)
-    };
-    until("process that makes a piece", || {
-        !find().is_empty() && has_run()
-    });
-    find().pop().expect("it makes a piece of several runs")
+        let has_run = || {
+            let entries = fs::read_dir(folder.join("shards")).unwrap().flatten();
+            let part = format!("{piece}.part-");
+            let is_part = |path: &PathBuf| {
+                path.file_name()
+                    .unwrap()
+                    .to_str()
+                    .unwrap()
+                    .starts_with(&part)
+            };
+            entries
+                .map(|entry| entry.path())
+                .filter(is_part)
+                .map(lines)
+                .any(|lines| lines > 1)
+        };
+        until("process that makes a piece", || {
+            !find().is_empty() && has_run()
+        });
+        let id = find().pop().expect("it makes a piece of several runs");
+        signal("-STOP", std::slice::from_ref(&id));
+        let whole = folder.join("shards").join(format!("{piece}.jsonl"));
+        assert!(!whole.exists(), "a piece was made too fast to be held");
+        Held(id)
+    }
+
+    /// Lets it go on.
+    pub fn goes_on(self) {
+        signal("-CONT", &[self.0]);
+    }
 }
 
 /// Sends a signal to processes, of which some may have ended.

@@ -33,7 +33,7 @@ fn what_slurm_refuses_is_told() {
         "{said}"
     );
     assert!(said.contains("--dry-run"), "{said}");
-    assert_eq!(cluster.arrays(&ensemble.path), 0);
+    assert_eq!(cluster.arrays(&cluster.name(&ensemble.path)), 0);
 }
 
 fn files_of(folder: &std::path::Path) -> Vec<String> {

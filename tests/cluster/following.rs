@@ -3,9 +3,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use crate::emulated::{
-    Cluster, Ensemble, FAST, SLOW, cluster, end, making, members, signal, until,
-};
+use crate::emulated::{Cluster, Ensemble, FAST, Held, SLOW, cluster, end, members, signal, until};
 
 #[test]
 fn all_is_well_also_if_two_submit() {
@@ -30,9 +28,10 @@ fn whoever_follows_may_go_and_come_back() {
     let Some(cluster) = cluster() else { return };
     let ensemble = Ensemble::cut(SLOW, 2);
     let pieces = &ensemble.path;
+    let name = cluster.name(pieces);
     // Ctrl-C leaves the jobs alone.
     let first = cluster.submit(pieces, "");
-    making(pieces, "0");
+    let piece = Held::making(pieces, "0");
     signal("-INT", &[first.id().to_string()]);
     let (status, said) = end(first);
     assert_eq!(status, 130, "{said}");
@@ -46,20 +45,20 @@ fn whoever_follows_may_go_and_come_back() {
     // Somebody else cancels.
     let third = cluster.submit(pieces, "");
     std::thread::sleep(std::time::Duration::from_millis(300));
-    assert_eq!(cluster.arrays(pieces), 1);
-    cluster.ask(&format!("scancel --name={}", cluster.name(pieces)));
+    assert_eq!(cluster.arrays(&name), 1);
+    cluster.ask(&format!("scancel --name={name}"));
+    piece.goes_on();
     let (status, said) = end(third);
     assert_eq!(status, 3, "{said}");
     assert!(said.contains("somebody has cancelled jobs: "), "{said}");
     // Ctrl-C takes the jobs with it, if asked.
     let fourth = cluster.submit(pieces, "--cancel-on-interrupt");
-    until("another array", || cluster.arrays(pieces) == 2);
-    making(pieces, "1");
+    until("another array", || cluster.arrays(&name) == 2);
+    Held::making(pieces, "1");
     signal("-TERM", &[fourth.id().to_string()]);
     let (status, said) = end(fourth);
     assert_eq!(status, 130, "{said}");
     assert!(said.contains("are cancelled"), "{said}");
-    let name = cluster.name(pieces);
     until("end of all jobs", || {
         let line = format!("squeue --noheader --name={name},{name}-merge");
         cluster.ask(&line).is_empty()

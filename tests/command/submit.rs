@@ -57,17 +57,8 @@ fn a_dry_run_shows_scripts_and_commands() {
     assert!(!Path::new(&out).join("slurm").exists());
     // More pieces than Slurm takes tasks, where a site says nothing.
     let many = path(folder.path(), "many");
-    stochc_with(
-        TOWER,
-        &[
-            "--sweep",
-            "free=50..450/401",
-            "--shards",
-            "4000",
-            "--out",
-            &many,
-        ],
-    );
+    let line = "simulate --model shuffle tests/fixtures/tower.sa --runs 4000 --shards 4000 --quiet";
+    stochc_with(line, &["--out", &many]);
     let shown = submit(&[&many, "--dry-run"]).out;
     assert!(shown.contains("per_task=4\n"), "{shown}");
     assert!(shown.contains("--array=0-999 "), "{shown}");
