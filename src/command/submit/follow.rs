@@ -15,9 +15,10 @@ use stochc_ir::visible_lines;
 use super::Jobs;
 use super::slurm::{self, Unanswered};
 use crate::command::merge::is_whole;
-use crate::command::progress::{Display, State};
-use crate::command::terminal::{print, warn};
+use crate::command::terminal::{Terminal, print, warn};
 use crate::exit::{Exit, Failure};
+use crate::host::during;
+use crate::progress::State;
 
 /// Who follows.
 struct Follower<'a> {
@@ -67,14 +68,14 @@ pub fn follow(jobs: &Jobs, stop: &'static AtomicBool) -> Result<Exit, Failure> {
         state: &state,
     };
     follower.show("");
-    let display = Display::on_standard_error(jobs.options.quiet);
+    let terminal = Terminal::new(jobs.options.quiet);
     let shown = |_| {
         state
             .lock()
             .expect("nobody panics while it is held")
             .clone()
     };
-    let end = display.during(shown, || follower.until_the_end())?;
+    let end = during(&terminal, shown, || follower.until_the_end())?;
     match end {
         None => follower.interrupted(),
         Some(Next::Stop(reason)) => Err(follower.failed(&reason)),

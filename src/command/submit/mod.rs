@@ -13,8 +13,8 @@ use stochc_ensemble::slurm::{
 use super::interrupt::stop_on_interrupt;
 use super::merge::is_whole;
 use super::terminal::print;
-use super::trade::time;
 use crate::exit::{Exit, Failure};
+use crate::operations::time;
 use follow::follow;
 
 /// What `submit` is given.
