@@ -155,6 +155,11 @@ fn what_cannot_be_submitted_is_refused() {
     refused(&[&out, "--attempts", "0"], "--attempts");
     refused(&[&out, "--per-task", "0"], "--per-task");
     refused(&[&out, "--controller-timeout", "1"], "number and its unit");
+    // What was submitted cannot be read.
+    let slurm = Path::new(&out).join("slurm");
+    fs::create_dir(&slurm).unwrap();
+    fs::write(slurm.join("jobs.json"), "{\"submissions\":[").unwrap();
+    refused(&[&out], "it is damaged; remove it");
     // Another build.
     let manifest = Path::new(&out).join("manifest.json");
     let text = fs::read_to_string(&manifest).unwrap();

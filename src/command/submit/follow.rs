@@ -57,6 +57,8 @@ impl From<Failure> for Trouble {
 
 /// Submits what is missing, and follows it; what there is to say at the end is said.
 pub fn follow(jobs: &Jobs, stop: &'static AtomicBool) -> Result<Exit, Failure> {
+    // Before anything is submitted that could not be kept there.
+    jobs.ensemble.submissions().map_err(Failure::usage)?;
     let state = Mutex::new(State::default());
     let mut follower = Follower {
         jobs,
