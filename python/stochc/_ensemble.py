@@ -323,7 +323,7 @@ def simulate(
     model: Model = "rigid",
     sweep: Axes | None = None,
     rates: Path | Iterable[Path] = (),
-    substeps: int | str = "1/8",
+    substeps: int | str = "2/8",
     solver_iterations: int | None = None,
     precision: Literal["single", "double"] = "single",
     reduce: Literal["no-rotation", "spheres", "no-friction", "no-block-contact"] | None = None,
@@ -352,7 +352,7 @@ def simulate(
             rates; `shuffle`: no physics, to try out event tables.
         sweep: numbers of the scene and their values; every combination is simulated.
         rates: files of rates, for `rate`; scenes that none is about are measured first.
-        substeps: steps of the model in each tick; `"1/8"`: one, and eight near magnetized faces.
+        substeps: steps of the model in each tick; `"2/8"`: two, and eight for blocks near magnetized faces.
         solver_iterations: of the contact solver in each step.
         precision: of the physics; `double` needs `rigid`.
         reduce: a part of the physics to leave out, with `rigid`.
