@@ -11,7 +11,7 @@ from . import _arguments, _html, _native
 from ._errors import ProgramError, UsageError
 from ._findings import Finding, finding
 
-Source: TypeAlias = "str | os.PathLike[str]"
+Source: TypeAlias = str | os.PathLike[str]
 """The text of a program, or the path of its file: a text is what has a `{` or more than one line."""
 
 _TEXT = "text.sa"
