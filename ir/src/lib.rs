@@ -11,6 +11,7 @@ mod invisible;
 mod json;
 pub mod record;
 pub mod scene;
+pub mod state;
 pub mod suggest;
 pub mod table;
 

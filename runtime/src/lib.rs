@@ -13,7 +13,7 @@ pub mod world;
 
 pub use stochc_rates as rates;
 
-pub use run::{RunError, Watch, drive, observe, run};
+pub use run::{RunError, Save, Watch, drive, observe, run};
 pub use settings::{Model, Precision, Reduction, Settings, Substeps};
 
 /// A digest of this crate's sources: two builds with one digest compute the same.
