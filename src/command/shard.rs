@@ -2,12 +2,13 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use stochc_ensemble::Interval;
 use stochc_ensemble::shards::Piece;
 use stochc_ensemble::text::visible;
 
 use super::interrupt::stop_on_interrupt;
 use super::progress::{Display, of_ensemble};
-use super::simulate::{made_again, made_by};
+use super::simulate::{made_again, made_by, tell_of_checkpoints};
 use super::terminal::{print, warn};
 use super::trade::threads;
 use crate::exit::{Exit, Failure};
@@ -24,6 +25,10 @@ pub struct Options {
     /// Number of runs at the same time [default: number of cores]
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
+    /// Keep the states of runs under way so often, for the same command to go on from: a time (90s, 5m, 2h), ticks of each
+    /// run (20000ticks) or `never`
+    #[arg(long, value_name = "EVERY", default_value_t = Interval::DEFAULT)]
+    checkpoints: Interval,
     /// Do not show progress, nor that the piece is made
     #[arg(long, short)]
     quiet: bool,
@@ -32,7 +37,10 @@ pub struct Options {
 /// Makes a piece of an ensemble, or what is missing of it.
 pub fn run(options: &Options) -> Result<Exit, Failure> {
     let stop = stop_on_interrupt()?;
-    let piece = Piece::open(&options.folder, options.piece).map_err(Failure::usage)?;
+    let piece = Piece::open(&options.folder, options.piece)
+        .and_then(|piece| piece.with_checkpoints(options.checkpoints))
+        .map_err(Failure::usage)?;
+    tell_of_checkpoints(piece.checkpoints());
     let shown = visible(&options.folder.to_string_lossy());
     let (runs, done) = piece.runs();
     if !piece.is_made() {
@@ -48,6 +56,7 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
         };
         let simulate = made_by(manifest);
         let made = display.during(state, || piece.make(&progress, stop, simulate));
+        tell_of_checkpoints(piece.checkpoints());
         if !made.map_err(Failure::usage)? {
             warn("stopped; finished runs are kept, and the same command continues\n");
             return Ok(Exit::Interrupted);

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::{ArgGroup, Args};
+use stochc_ensemble::text::duration;
 use stochc_ensemble::trade::{Extent, FINEST, MEMORY, Memory, Progress, Setup, Trade, measure};
 use stochc_ensemble::{FolderError, JournalError, MOST_RUNS, Manifest, Program};
 use stochc_files::atomic::{self, Replaces};
@@ -28,7 +29,7 @@ pub struct Options {
     #[arg(value_name = "FILE", required = true)]
     files: Vec<String>,
     /// Time limit of the whole measurement, such as 90s, 10m or 2h [default: 10m]
-    #[arg(long, value_name = "TIME", value_parser = time)]
+    #[arg(long, value_name = "TIME", value_parser = duration)]
     budget: Option<Duration>,
     /// Make N runs of each program at each setting instead, however long they take
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(2..=MOST_RUNS))]
@@ -135,24 +136,6 @@ pub(super) fn threads(asked: Option<u16>) -> NonZeroUsize {
     let cores = || std::thread::available_parallelism().ok();
     let threads = asked.map_or_else(cores, |asked| NonZeroUsize::new(asked.into()));
     threads.unwrap_or(NonZeroUsize::MIN)
-}
-
-/// A time with its unit.
-pub(super) fn time(text: &str) -> Result<Duration, String> {
-    let wrong = || "give a number and its unit: 90s, 10m, 2h".to_owned();
-    let digits = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
-    let unit = match &text[digits.len()..] {
-        "s" => 1.0,
-        "m" | "min" => 60.0,
-        "h" => 3600.0,
-        _ => return Err(wrong()),
-    };
-    let number: f64 = digits.trim_end().parse().map_err(|_| wrong())?;
-    let time = Duration::try_from_secs_f64(number * unit).map_err(|_| wrong())?;
-    if time.is_zero() {
-        return Err("no time is too little".to_owned());
-    }
-    Ok(time)
 }
 
 fn cannot_go_on(out: &Path, error: &FolderError) -> Failure {

@@ -7,6 +7,7 @@ mod aggregate;
 #[cfg(target_os = "linux")]
 mod budget;
 mod check;
+mod checkpoints;
 mod compile;
 mod explain;
 mod fit;

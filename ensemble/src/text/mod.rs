@@ -4,7 +4,7 @@ mod number;
 mod percent;
 mod visible;
 
-pub use duration::{Tick, seconds, words};
+pub use duration::{Tick, duration, seconds, words};
 pub use number::{number, ratio};
 pub use percent::{percent, relative, relative_size};
 pub use visible::{escaped, visible};

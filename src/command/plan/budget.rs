@@ -1,7 +1,7 @@
 //! `--budget`.
 use std::time::Duration;
 
-use super::super::trade::time;
+use stochc_ensemble::text::duration;
 
 /// How long better plans are looked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,7 +22,7 @@ impl Budget {
             };
         }
         let wrong = |_| "give a time (10s, 2m) or a number of tries (500)".to_owned();
-        time(text).map(Budget::Time).map_err(wrong)
+        duration(text).map(Budget::Time).map_err(wrong)
     }
 
     /// What takes about a second for so many cells.

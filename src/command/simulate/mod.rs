@@ -31,6 +31,7 @@ use super::terminal::{print, warn};
 use super::trade::threads;
 use crate::exit::{Exit, Failure};
 use stochc_ensemble::Cancelled;
+use stochc_ensemble::Checkpoints;
 use stochc_ensemble::Destination;
 use stochc_ensemble::Folder;
 use stochc_ensemble::Manifest;
@@ -104,10 +105,7 @@ fn cut(options: &Options, manifest: &Manifest, shards: u64, out: &Path) -> Resul
 pub(super) fn made_by(
     manifest: &Manifest,
 ) -> impl Fn(usize, u64, &Watch) -> Result<RunRecord, Cancelled> + Sync {
-    |program, number, watch| {
-        let mut told = |tick, phase| watch.tick(tick, phase);
-        made(manifest, (program, number), &mut told)
-    }
+    |program, number, mut watch| made(manifest, (program, number), &mut watch)
 }
 
 /// Makes a run of an ensemble again, unless it is stopped.
@@ -189,7 +187,15 @@ fn tell_of_doubts(manifest: &Manifest) {
     }
 }
 
+/// Says what has become of checkpoints.
+pub(super) fn tell_of_checkpoints(checkpoints: Option<&Checkpoints>) {
+    for note in checkpoints.map(Checkpoints::notes).unwrap_or_default() {
+        warn(&format!("note: {note}\n"));
+    }
+}
+
 fn ensemble(options: &Options, manifest: &Manifest, stop: &AtomicBool) -> Result<Exit, Failure> {
+    let mut checkpoints = None;
     let destination = match &options.out {
         None => Destination::Memory(manifest),
         Some(out) => {
@@ -212,16 +218,20 @@ fn ensemble(options: &Options, manifest: &Manifest, stop: &AtomicBool) -> Result
             if folder.state() == State::Resumed {
                 check_stored(&folder, made_again(manifest, stop)).map_err(Failure::usage)?;
             }
+            let folder = folder.with_checkpoints(options.checkpoints);
+            let folder = folder.map_err(Failure::usage)?;
+            checkpoints = folder.checkpoints().cloned();
+            tell_of_checkpoints(checkpoints.as_deref());
             Destination::Folder(folder.with(sweep::files))
         }
     };
     let progress = Progress::new(manifest, threads(options.threads));
     let recordings = record::Recordings::new(options, manifest);
     let unrecorded = made_by(manifest);
-    let simulate = |program: usize, number, watch: &Watch| match recordings.of(program, number) {
+    let simulate = |program: usize, number, mut watch: &Watch| match recordings.of(program, number)
+    {
         Some(place) => {
-            let mut told = |tick, phase| watch.tick(tick, phase);
-            let record = place.record(&manifest.programs[program], &mut told);
+            let record = place.record(&manifest.programs[program], &mut watch);
             record.map_err(|_| Cancelled)
         }
         None => unrecorded(program, number, watch),
@@ -235,6 +245,7 @@ fn ensemble(options: &Options, manifest: &Manifest, stop: &AtomicBool) -> Result
     let results = display
         .during(state, || run_all(destination, &progress, stop, simulate))
         .map_err(Failure::usage)?;
+    tell_of_checkpoints(checkpoints.as_deref());
     let unrecorded = recordings.comment(&results.finished);
     let shown = Shown {
         form: options.format,

@@ -2,15 +2,15 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};
-use stochc_ensemble::MOST_RUNS;
 use stochc_ensemble::recording::{EVERY, Selection};
 use stochc_ensemble::sweep::Axis;
+use stochc_ensemble::text::duration;
+use stochc_ensemble::{Interval, MOST_RUNS};
 use stochc_runtime::{Model, Precision, Reduction, Substeps};
 
 use super::super::imports::ImportOptions;
 use super::super::levels::LevelOptions;
 use super::super::results::Form;
-use super::super::trade::time;
 use super::accuracy::accuracy;
 
 /// What `simulate` is given.
@@ -60,7 +60,7 @@ pub struct Options {
     #[arg(long, value_name = "DIR", conflicts_with = "manifest")]
     pub trade: Option<PathBuf>,
     /// Time limit of the measurement that `--accuracy` makes if there is no `--trade`
-    #[arg(long, value_name = "TIME", value_parser = time, default_value = "2m", requires = "accuracy", conflicts_with = "trade")]
+    #[arg(long, value_name = "TIME", value_parser = duration, default_value = "2m", requires = "accuracy", conflicts_with = "trade")]
     pub budget: Duration,
     /// Stop a run after this many ticks; its time is then censored
     #[arg(long, default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(1..))]
@@ -77,6 +77,10 @@ pub struct Options {
     /// Continue it although another build of `stochc` has made its runs, if one of them comes out again as it was
     #[arg(long, requires = "resume")]
     pub mixed_builds: bool,
+    /// Keep the states of runs under way in `--out` so often, for `--resume`: a time (90s, 5m, 2h), ticks of each run
+    /// (20000ticks) or `never`
+    #[arg(long, value_name = "EVERY", default_value_t = Interval::DEFAULT)]
+    pub checkpoints: Interval,
     /// Only prepare `--out`, cut into so many pieces: `stochc shard` makes each, anywhere, `stochc merge` puts them together
     #[arg(long, value_name = "M", requires = "out", conflicts_with_all = ["resume", "record", "run", "bonds"])]
     pub shards: Option<u64>,
