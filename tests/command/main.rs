@@ -27,6 +27,8 @@ mod plan;
 mod rates;
 mod refused;
 mod results;
+#[cfg(target_os = "linux")]
+mod scarce;
 mod scene;
 mod shards;
 mod simulate;
