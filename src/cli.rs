@@ -5,7 +5,7 @@ use stochc_ir::is_invisible;
 use crate::command::interrupt::{exit_without_memory, outlive_file_limit};
 use crate::command::{
     calibrate, check, compile, completions, estimate, explain, export, fit, fmt, lsp, man, merge,
-    plan, replay, report, results, shard, simulate, status, trade, verify,
+    plan, replay, report, results, shard, simulate, status, submit, trade, verify,
 };
 use crate::exit::{Exit, Failure};
 
@@ -41,6 +41,8 @@ pub enum Command {
     Status(status::Options),
     /// Put the pieces of an ensemble together: the same results as without pieces
     Merge(merge::Options),
+    /// Have a cluster make the pieces that are missing, and put them together: with Slurm
+    Submit(submit::Options),
     /// Measure what accuracy costs: compare many settings with a converged reference
     Trade(trade::Options),
     /// Measure how often faces capture in a scene, for `--model rate`
@@ -95,6 +97,7 @@ pub fn run(cli: Cli) -> Result<Exit, Failure> {
         Command::Shard(options) => shard::run(&options),
         Command::Status(options) => status::run(&options),
         Command::Merge(options) => merge::run(&options),
+        Command::Submit(options) => submit::run(&options),
         Command::Trade(options) => trade::run(&options),
         Command::Calibrate(options) => calibrate::run(&options),
         Command::Estimate(options) => estimate::run(&options),

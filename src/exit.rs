@@ -54,12 +54,12 @@ pub struct Failure {
 
 impl Failure {
     /// The command line is wrong, or a file cannot be used.
-    pub(crate) fn usage(reason: impl Display) -> Failure {
+    pub fn usage(reason: impl Display) -> Failure {
         Failure::error(Exit::Usage, reason)
     }
 
     /// A program cannot be run.
-    pub(crate) fn wrong_program(reason: impl Display) -> Failure {
+    pub fn wrong_program(reason: impl Display) -> Failure {
         Failure::error(Exit::WrongProgram, reason)
     }
 

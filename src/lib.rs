@@ -31,12 +31,14 @@ pub mod cli;
 #[cfg(feature = "command")]
 pub mod command;
 pub mod diagnostics;
-#[cfg(feature = "command")]
 pub mod exit;
 mod facade;
 pub mod fix;
+pub mod host;
 pub mod model_check;
+pub mod operations;
 pub mod planning;
+pub mod progress;
 mod reader;
 
 pub use facade::{

@@ -57,6 +57,7 @@ mod records;
 mod run;
 mod seal;
 pub mod shards;
+pub mod slurm;
 pub mod statistics;
 pub mod sweep;
 pub mod text;
@@ -76,7 +77,9 @@ pub use journal::{Finished, JournalError};
 pub use manifest::{Compiled, FORMAT, MOST_RUNS, Manifest, OLDEST, Program, Source, Varied};
 pub use named::named;
 pub use pairwise::{Group, PairwiseTest, TimeUnit, Verdict, pairwise_tests};
-pub use parquet::{ColumnShape, TableShape, tables};
+pub use parquet::{
+    ColumnShape, ColumnValues, TableShape, each_row_group, table_metadata, tables, tables_of,
+};
 pub use progress::{ProgramProgress, Progress, Snapshot, Totals, Watch};
 pub use records::Records;
 pub use run::{Destination, Results, RunError, check_stored, run};

@@ -35,6 +35,8 @@ pub const MANIFEST: Budget = json(4 * GIB);
 pub const CHECKSUMS: Budget = json(16 * MIB);
 /// How an ensemble is cut into pieces.
 pub const SHARDS: Budget = json(MIB);
+/// The jobs that make an ensemble on a cluster.
+pub const JOBS: Budget = json(MIB);
 /// A `trade.json`.
 pub const TRADE: Budget = json(256 * MIB);
 /// The rates of a scene.

@@ -9,6 +9,7 @@ mod face;
 pub mod graph;
 mod invisible;
 mod json;
+pub mod palette;
 pub mod record;
 pub mod scene;
 pub mod state;

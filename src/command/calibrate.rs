@@ -1,28 +1,20 @@
 //! `stochc calibrate`.
 use std::path::PathBuf;
-use std::sync::atomic::AtomicBool;
 
 use clap::Args;
-use stochc_compiler::LintLevels;
 use stochc_compiler::scene::built_in;
-use stochc_ensemble::calibration::{Calibration, PROGRAMS, profile};
-use stochc_ensemble::{Manifest, Program};
 use stochc_files::atomic::{Replaces, replace};
 use stochc_ir::scene::Scene;
 use stochc_report::tables::rates_to_text;
-use stochc_runtime::rates::Rates;
-use stochc_runtime::world::rate::RateWorld;
 use stochc_runtime::{Settings, Substeps};
 
 use super::imports::ImportOptions;
-use super::in_memory::all_runs;
 use super::interrupt::stop_on_interrupt;
 use super::levels::LevelOptions;
-use super::simulate::programs;
-use super::terminal::{output_width, print};
-use crate::exit::Exit;
-use crate::exit::Failure;
-use crate::facade::{check_texts, compile};
+use super::terminal::{Terminal, output_width, print};
+use crate::exit::{Exit, Failure};
+use crate::operations::programs::programs;
+use crate::operations::rates::{Effort, MAX_TICKS, RUNS, SEED, measure};
 
 /// What `calibrate` is given.
 #[derive(Debug, Args)]
@@ -58,17 +50,11 @@ pub struct Options {
     imports: ImportOptions,
 }
 
-/// What is simulated if nothing is said: some 15 s of processor time in the default scene.
-const RUNS: u64 = 8;
-const MAX_TICKS: u64 = 60_000;
-
-/// Not that of `simulate`: the kicks of a calibration are never those of what it is held against.
-const SEED: u64 = 0x5ca1_e000;
-
 /// Measures the rates of a scene.
 pub fn run(options: &Options) -> Result<Exit, Failure> {
-    let scene = scene(options)?;
-    let stop = stop_on_interrupt()?;
+    let host = Terminal::new(options.quiet);
+    let scene = scene(options, &host)?;
+    stop_on_interrupt()?;
     let effort = Effort {
         settings: Settings {
             max_ticks: Some(options.max_ticks),
@@ -77,9 +63,8 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
         runs: options.runs,
         seed: options.seed,
         threads: options.threads,
-        quiet: options.quiet,
     };
-    let rates = measure(&scene, &effort, stop)?;
+    let rates = measure(&scene, &effort, &host)?;
     print(&rates_to_text(&rates, output_width()))?;
     if let Some(out) = &options.out {
         let text = rates.to_text();
@@ -91,12 +76,17 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
 }
 
 /// The scene that is named, or that a program runs in.
-fn scene(options: &Options) -> Result<Scene, Failure> {
+fn scene(options: &Options, host: &Terminal) -> Result<Scene, Failure> {
     if let Some(scene) = built_in(&options.target) {
         return Ok(scene);
     }
     let files = std::slice::from_ref(&options.target);
-    let programs = programs(files, &options.levels.levels, &options.imports)?;
+    let programs = programs(
+        files,
+        &options.levels.levels,
+        &options.imports.folders,
+        host,
+    )?;
     let mut scenes = programs.into_iter().map(|program| program.scene);
     let first = scenes.next();
     let first =
@@ -108,72 +98,4 @@ fn scene(options: &Options) -> Result<Scene, Failure> {
         ))),
         false => Ok(first),
     }
-}
-
-/// How much is simulated.
-#[derive(Clone, Debug)]
-pub struct Effort {
-    /// How.
-    pub settings: Settings,
-    /// Runs of each program.
-    pub runs: u64,
-    /// Seed of the random numbers.
-    pub seed: u64,
-    /// Runs at the same time.
-    pub threads: Option<u16>,
-    /// Whether to show no progress.
-    pub quiet: bool,
-}
-
-impl Effort {
-    /// As much as is usual.
-    pub fn usual(threads: Option<u16>, quiet: bool) -> Effort {
-        Effort {
-            settings: Settings {
-                max_ticks: Some(MAX_TICKS),
-                ..Settings::default()
-            },
-            runs: RUNS,
-            seed: SEED,
-            threads,
-            quiet,
-        }
-    }
-}
-
-/// Measures the rates of a scene by runs with physics.
-pub fn measure(scene: &Scene, effort: &Effort, stop: &AtomicBool) -> Result<Rates, Failure> {
-    if let Some(error) = RateWorld::refusal(scene) {
-        return Err(Failure::wrong_program(error.to_string()));
-    }
-    let mut observed: Vec<Program> = Vec::new();
-    for (name, text) in PROGRAMS {
-        let checked = check_texts(&[(name, text)], &LintLevels::default(), "", &[]);
-        let executables = compile(checked).map_err(|wrong| Failure::usage(wrong.to_string()))?;
-        for mut executable in executables {
-            // Blocks that are not there cannot be waited for.
-            if executable.tables.captures() as u64 <= u64::from(scene.free.count) {
-                executable.scene = scene.clone();
-                observed.push(Program::new(name, Vec::new(), executable));
-            }
-        }
-    }
-    let gas = profile(scene, &effort.settings, effort.seed)
-        .map_err(|error| Failure::wrong_program(error.to_string()))?;
-    let manifest = Manifest::new(effort.settings.clone(), effort.seed, effort.runs, observed);
-    let results = all_runs(
-        &manifest,
-        effort.threads,
-        effort.quiet,
-        stop,
-        "nothing was calibrated",
-    )?;
-    let mut calibration = Calibration::new(scene, gas);
-    let observed = results
-        .finished
-        .each(|done| calibration.observe(&done.record));
-    observed.map_err(Failure::usage)?;
-    calibration
-        .rates(&effort.settings, effort.seed)
-        .map_err(|error| Failure::error(Exit::UnsuccessfulRun, error.to_string()))
 }

@@ -1,23 +1,12 @@
-//! One run of a folder of results, found again: to look at it, or to make it once more.
-use std::io::{BufReader, ErrorKind, Read, Seek as _};
-use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
+//! One run of a folder of results.
+use std::path::PathBuf;
 
 use clap::Args;
-use stochc_ensemble::recording::{EVERY, Header, Outline, Recorder, RecordingError, path};
-use stochc_ensemble::{Finished, Manifest, Program};
-use stochc_files as files;
-use stochc_files::File;
-use stochc_files::atomic::Draft;
-use stochc_files::budget::RECORDING;
-use stochc_ir::record::RunRecord;
-use stochc_runtime::observe::Observer;
-use stochc_runtime::{RunError, observe};
 
-use super::results::read;
-use super::simulate::{begin, tell_of_build};
-use crate::exit::{Exit, Failure};
+use super::terminal::Terminal;
+use crate::exit::Failure;
+use crate::operations::chosen_run::{self, ChosenRun};
+use crate::operations::results::read;
 
 /// Which run.
 #[derive(Debug, Args)]
@@ -33,181 +22,9 @@ pub struct Choice {
     pub program: Option<String>,
 }
 
-/// A run of a folder, and all that is needed to make it again.
-pub struct ChosenRun {
-    folder: PathBuf,
-    /// Of the whole ensemble.
-    pub manifest: Manifest,
-    /// Index of the program in the manifest.
-    pub program: usize,
-    /// The number of the run.
-    pub run: u64,
-    /// What the folder says of the run; `None`: it has not been made yet.
-    known: Option<Finished>,
-}
-
 /// Finds a run.
-pub fn choose(choice: &Choice) -> Result<ChosenRun, Failure> {
-    let (manifest, finished) = read(&choice.folder)?;
-    let program = index(&manifest, choice.program.as_deref()).map_err(Failure::usage)?;
-    if choice.run >= manifest.runs {
-        return Err(Failure::usage(format!(
-            "`{}`: {}",
-            choice.folder.display(),
-            manifest.no_such_run(choice.run)
-        )));
-    }
-    let known = finished.get(program, choice.run).map_err(Failure::usage)?;
-    Ok(ChosenRun {
-        folder: choice.folder.clone(),
-        program,
-        run: choice.run,
-        known,
-        manifest,
-    })
-}
-
-fn index(manifest: &Manifest, name: Option<&str>) -> Result<usize, String> {
-    let names = || {
-        let names: Vec<_> = (manifest.programs.iter())
-            .map(|program| format!("`{}`", program.name))
-            .collect();
-        names.join(", ")
-    };
-    match name {
-        Some(name) => (manifest.programs.iter())
-            .position(|program| program.name == name)
-            .ok_or_else(|| format!("the folder has no program `{name}`, but {}", names())),
-        None if manifest.programs.len() == 1 => Ok(0),
-        None => Err(format!(
-            "the folder holds several programs; choose one with `--program`: {}",
-            names()
-        )),
-    }
-}
-
-impl ChosenRun {
-    /// The program.
-    pub fn entry(&self) -> &Program {
-        &self.manifest.programs[self.program]
-    }
-
-    /// The name of a file about the run.
-    pub fn file_name(&self, before: &str, extension: &str) -> String {
-        // A program's name may be any text, in a manifest that somebody has edited; an assembly's is
-        // a word.
-        let assembly = self.entry().assembly();
-        let twins = (self.manifest.programs.iter()).filter(|twin| twin.assembly() == assembly);
-        let which = match twins.count() {
-            1 => String::new(),
-            _ => format!("-{}", self.program),
-        };
-        format!("{before}{assembly}{which}-{}.{extension}", self.run)
-    }
-
-    /// Makes the run again, for an observer; the record has to be that of the folder.
-    pub fn again(
-        &self,
-        observer: &mut impl Observer,
-        stop: &AtomicBool,
-    ) -> Result<RunRecord, Failure> {
-        tell_of_build(&self.manifest.builds);
-        let mut watch = |_, _| match stop.load(Ordering::Relaxed) {
-            true => ControlFlow::Break(()),
-            false => ControlFlow::Continue(()),
-        };
-        let (tables, scene) = (self.entry().tables(), &self.entry().scene);
-        let (seed, run) = (self.manifest.seed, self.run);
-        let record = observe(
-            tables,
-            scene,
-            &self.manifest.settings,
-            seed,
-            run,
-            &mut watch,
-            observer,
-        );
-        let record = record.map_err(|error| match error {
-            RunError::Cancelled => Failure::silent(Exit::Interrupted),
-            error => Failure::usage(error),
-        })?;
-        if (self.known.as_ref()).is_some_and(|known| known.record != record) {
-            let by = match self.manifest.stochc == env!("CARGO_PKG_VERSION") {
-                true => "the simulation has changed since".to_owned(),
-                false => format!("it was made by version {}", self.manifest.stochc),
-            };
-            return Err(Failure::usage(format!(
-                "the result of run {run} differs from the one in the folder: {by}; use the `stochc` that made it, \
-                 or simulate anew into another folder"
-            )));
-        }
-        Ok(record)
-    }
-
-    /// The recording of the run, from its beginning; if there is none, the run is made again.
-    ///
-    /// A new one is kept in the folder, where that can be written to.
-    pub fn recording(&self, stop: &AtomicBool) -> Result<BufReader<File>, Failure> {
-        let path = path(&self.folder, self.program, self.run);
-        match files::open(&path) {
-            Ok(file) => return self.checked(file, &path),
-            Err(error)
-                if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {}
-            Err(error) => return Err(useless(&path, &error.to_string())),
-        }
-        let header = Header {
-            stochc: self.manifest.stochc.clone(),
-            ensemble: self.manifest.identity(),
-            program: self.program,
-            run: self.run,
-            every: EVERY,
-            bodies: self.entry().scene.free.count,
-        };
-        let io =
-            |error: std::io::Error| Failure::usage(format!("cannot keep the recording: {error}"));
-        if let Ok(mut recorder) = begin(&path, &header, self.entry()) {
-            let record = self.again(&mut recorder, stop)?;
-            recorder.finish(&record).and_then(Draft::keep).map_err(io)?;
-            return files::open(&path).map(BufReader::new).map_err(io);
-        }
-        let file = tempfile::tempfile().map_err(io)?;
-        let buffered = std::io::BufWriter::new(file);
-        let mut recorder = Recorder::new(buffered, &header, self.entry().tables()).map_err(io)?;
-        let record = self.again(&mut recorder, stop)?;
-        let mut file = recorder
-            .finish(&record)
-            .and_then(|file| {
-                file.into_inner()
-                    .map_err(std::io::IntoInnerError::into_error)
-            })
-            .map_err(io)?;
-        file.rewind().map_err(io)?;
-        Ok(BufReader::new(file.into()))
-    }
-
-    /// A recording that is whole, and of this run.
-    fn checked(&self, file: File, path: &Path) -> Result<BufReader<File>, Failure> {
-        let refuse = |reason: &str| useless(path, reason);
-        let length = file
-            .metadata()
-            .map_err(|error| refuse(&error.to_string()))?;
-        (RECORDING.admits(length.len())).map_err(|error| refuse(&error.to_string()))?;
-        let mut file = BufReader::new(file);
-        let recording = Outline::read(file.by_ref(), self.entry().tables());
-        let recording = recording.map_err(|error: RecordingError| refuse(&error.to_string()))?;
-        if !recording.is_of(&self.manifest, self.known.as_ref(), self.program, self.run) {
-            return Err(refuse("it is the recording of another run"));
-        }
-        file.rewind().map_err(|error| refuse(&error.to_string()))?;
-        Ok(file)
-    }
-}
-
-/// Refuses what stands in the place of a recording.
-fn useless(path: &Path, reason: &str) -> Failure {
-    let shown = path.display();
-    Failure::usage(format!(
-        "cannot use `{shown}`: {reason}; remove it, or have `stochc verify --repair` move it aside, and the run is \
-         made and recorded again"
-    ))
+pub fn choose(choice: &Choice, host: &Terminal) -> Result<ChosenRun, Failure> {
+    let (manifest, finished) = read(&choice.folder, host)?;
+    let (folder, program) = (Some(choice.folder.as_path()), choice.program.as_deref());
+    chosen_run::choose((manifest, &finished), folder, program, choice.run)
 }

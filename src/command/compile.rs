@@ -13,12 +13,12 @@ use stochc_ir::emit::{graph_dot, graph_json, graph_text, table_json, table_text}
 use stochc_ir::graph::EventGraph;
 use stochc_ir::{Executable, Json};
 
-use super::check::verdict;
 use super::imports::ImportOptions;
 use super::levels::LevelOptions;
 use super::terminal::{has_colour, message_width, print_with, warn_drawn};
 use crate::diagnostics::drawn;
 use crate::exit::{Exit, Failure};
+use crate::operations::programs::verdict;
 
 /// What `compile` is given.
 #[derive(Debug, Args)]

@@ -2,19 +2,17 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use stochc_ensemble::{MOST_RUNS, Manifest, Program};
-use stochc_report::estimate::Estimate;
+use stochc_ensemble::MOST_RUNS;
 use stochc_report::tables::estimates_to_text;
-use stochc_runtime::{Model, Settings};
 
 use super::imports::ImportOptions;
-use super::in_memory::all_runs;
 use super::interrupt::stop_on_interrupt;
 use super::levels::LevelOptions;
 use super::results::Form;
-use super::simulate::{programs, rates_of_scenes};
-use super::terminal::{output_width, print};
+use super::terminal::{Terminal, output_width, print};
 use crate::exit::{Exit, Failure};
+use crate::operations::estimate::{Estimating, estimates};
+use crate::operations::programs::programs;
 
 /// What `estimate` is given.
 #[derive(Debug, Args)]
@@ -53,34 +51,20 @@ pub struct Options {
     imports: ImportOptions,
 }
 
-/// Captures that are drawn of a program in all of its runs, about.
-const DRAWN: u64 = 1_000_000;
-
-/// Runs of a program, at most and at least.
-const MOST: u64 = 2000;
-const LEAST: u64 = 20;
-
 /// Says when programs will be complete, by rates.
 pub fn run(options: &Options) -> Result<Exit, Failure> {
-    let programs = programs(&options.files, &options.levels.levels, &options.imports)?;
-    let stop = stop_on_interrupt()?;
-    let rates = rates_of_scenes(
-        &options.rates,
-        &programs,
-        (options.threads, options.quiet),
-        stop,
-    )?;
-    let settings = Settings {
-        rates,
-        max_ticks: Some(options.max_ticks),
-        ..Settings::of(Model::Rate, 1)
+    let host = Terminal::new(options.quiet);
+    let (levels, imports) = (&options.levels.levels, &options.imports.folders);
+    let programs = programs(&options.files, levels, imports, &host)?;
+    stop_on_interrupt()?;
+    let how = Estimating {
+        rates: &options.rates,
+        runs: options.runs,
+        max_ticks: options.max_ticks,
+        seed: options.seed,
+        threads: options.threads,
     };
-    let mut estimates = Vec::new();
-    for program in programs {
-        let runs = (options.runs).unwrap_or((DRAWN / program.captures().max(1)).clamp(LEAST, MOST));
-        let settings = settings.clone();
-        estimates.push(estimate(options, settings, runs, program, stop)?);
-    }
+    let estimates = estimates(programs, &how, &host)?;
     match options.format {
         Form::Text => print(&estimates_to_text(
             &estimates,
@@ -98,28 +82,4 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
             false => Exit::UnsuccessfulRun,
         },
     )
-}
-
-fn estimate(
-    options: &Options,
-    settings: Settings,
-    runs: u64,
-    program: Program,
-    stop: &std::sync::atomic::AtomicBool,
-) -> Result<Estimate, Failure> {
-    let manifest = Manifest::new(settings, options.seed, runs, vec![program]);
-    manifest.within_limits().map_err(Failure::usage)?;
-    super::simulate::try_out(&manifest.programs[0], &manifest.settings).map_err(|error| {
-        Failure::wrong_program(format!("{}: {error}", manifest.programs[0].name))
-    })?;
-    let results = all_runs(
-        &manifest,
-        options.threads,
-        options.quiet,
-        stop,
-        "nothing was estimated",
-    )?;
-    let finished = results.finished.to_vec().map_err(Failure::usage)?;
-    let records: Vec<_> = finished.iter().map(|done| &done.record).collect();
-    Ok(Estimate::of(&manifest.programs[0], &records))
 }

@@ -5,6 +5,7 @@ use stochc_compiler::diagnostic::{Code, Severity};
 
 use super::terminal::print;
 use crate::exit::{Exit, Failure};
+use crate::operations::codes::explain;
 
 /// What `explain` is given.
 #[derive(Debug, Args)]
@@ -30,20 +31,8 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
         print(&lines.collect::<String>())?;
         return Ok(Exit::Success);
     };
-    match Code::from_name(name) {
-        Some(code) => {
-            print(code.page())?;
-            Ok(Exit::Success)
-        }
-        None => {
-            let meant = Code::nearest(name).map_or_else(
-                || "`stochc explain` lists them all".to_owned(),
-                |meant| format!("did you mean `{meant}`?"),
-            );
-            let reason = format!("no finding has the code `{name}`; {meant}");
-            Err(Failure::usage(reason))
-        }
-    }
+    print(explain(name).map_err(Failure::usage)?)?;
+    Ok(Exit::Success)
 }
 
 /// Takes any word, and lets a shell complete the codes.

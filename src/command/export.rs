@@ -1,15 +1,13 @@
 //! `stochc export`.
-use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
+use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use stochc_files::atomic::{Draft, Replaces, ends_with, holds};
-use stochc_report::export::{GLTF_MARK, Gltf, TRAJECTORIES_MARK, Trajectories};
 
-use super::chosen_run::{Choice, ChosenRun, choose};
-use super::terminal::print;
+use super::chosen_run::{Choice, choose};
+use super::terminal::{Terminal, print};
 use crate::command::interrupt::stop_on_interrupt;
 use crate::exit::{Exit, Failure};
+use crate::operations::export::{gltf, parquet};
 
 /// What `export` is given.
 #[derive(Debug, Args)]
@@ -38,8 +36,9 @@ enum Form {
 
 /// Makes a run again and writes its trajectories.
 pub fn run(options: &Options) -> Result<Exit, Failure> {
-    let stop = stop_on_interrupt()?;
-    let chosen = choose(&options.choice)?;
+    stop_on_interrupt()?;
+    let host = Terminal::new(false);
+    let chosen = choose(&options.choice, &host)?;
     let path = options.out.clone().unwrap_or_else(|| {
         let extension = match options.format {
             Form::Parquet => "parquet",
@@ -48,47 +47,9 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
         options.choice.folder.join(chosen.file_name("", extension))
     });
     match options.format {
-        Form::Parquet => parquet(&chosen, options.every.unwrap_or(1), &path, stop)?,
-        Form::Gltf => gltf(&chosen, options.every.unwrap_or(8), &path, stop)?,
+        Form::Parquet => parquet(&chosen, options.every.unwrap_or(1), &path, &host)?,
+        Form::Gltf => gltf(&chosen, options.every.unwrap_or(8), &path, &host)?,
     }
     print(&format!("{}\n", path.display()))?;
     Ok(Exit::Success)
-}
-
-fn parquet(chosen: &ChosenRun, every: u32, path: &Path, stop: &AtomicBool) -> Result<(), Failure> {
-    let (tables, scene) = (chosen.entry().tables(), &chosen.entry().scene);
-    let about = [
-        ("ensemble", chosen.manifest.identity()),
-        ("program", chosen.entry().name.clone()),
-        ("run", chosen.run.to_string()),
-        ("side_m", scene.block.side.to_string()),
-        ("tick_s", scene.tick.to_string()),
-    ];
-    let file = Draft::new(
-        path,
-        Replaces::Ours(|file| ends_with(file, TRAJECTORIES_MARK)),
-    )
-    .map_err(|error| cannot(path, &error))?;
-    let mut table =
-        Trajectories::new(file, every, tables, &about).map_err(|error| cannot(path, &error))?;
-    chosen.again(&mut table, stop)?;
-    let file = table.finish().map_err(|error| cannot(path, &error))?;
-    file.keep().map_err(|error| cannot(path, &error))
-}
-
-fn gltf(chosen: &ChosenRun, every: u32, path: &Path, stop: &AtomicBool) -> Result<(), Failure> {
-    let (tables, scene) = (chosen.entry().tables(), &chosen.entry().scene);
-    // Before the run, which may take long.
-    let file = Draft::new(path, Replaces::Ours(|file| holds(file, GLTF_MARK)));
-    let mut file = file.map_err(|error| cannot(path, &error))?;
-    let mut gltf = Gltf::new(every, scene.free.count, tables);
-    chosen.again(&mut gltf, stop)?;
-    let title = format!("{}, run {}", tables.assembly, chosen.run);
-    gltf.write(tables, scene, &title, &mut file)
-        .map_err(|error| cannot(path, &error))?;
-    file.keep().map_err(|error| cannot(path, &error))
-}
-
-fn cannot(path: &Path, error: &impl std::fmt::Display) -> Failure {
-    Failure::usage(format!("cannot write `{}`: {error}", path.display()))
 }

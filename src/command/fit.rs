@@ -1,9 +1,7 @@
 //! `stochc fit`.
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
 
 use clap::Args;
-use stochc_compiler::LintLevels;
 use stochc_ensemble::fit::{
     Design, Emulator, Fit, Measured, Observed, Posterior, Prior, Simulated, Unit,
 };
@@ -16,14 +14,15 @@ use stochc_report::tables::fit_to_text;
 use stochc_runtime::{Settings, Substeps};
 
 use super::imports::ImportOptions;
-use super::in_memory::all_runs;
 use super::interrupt::stop_on_interrupt;
 use super::levels::LevelOptions;
 use super::results::Form;
-use super::simulate::{at_point, programs, share_tables};
-use super::terminal::{output_width, print, warn};
-use super::trade::claim;
+use super::terminal::{Terminal, output_width, print, warn};
 use crate::exit::{Exit, Failure};
+use crate::operations::in_memory::all_runs;
+use crate::operations::programs::programs;
+use crate::operations::sweep::{at_point, share_tables};
+use crate::operations::trade::claim;
 
 /// What `fit` is given.
 #[derive(Debug, Args)]
@@ -81,7 +80,9 @@ pub struct Options {
 /// Finds numbers of scenes that measured times speak for.
 pub fn run(options: &Options) -> Result<Exit, Failure> {
     let (unit, observed) = data(&options.data)?;
-    let programs = programs(&options.files, &options.levels.levels, &options.imports)?;
+    let host = Terminal::new(options.quiet);
+    let (levels, imports) = (&options.levels.levels, &options.imports.folders);
+    let programs = programs(&options.files, levels, imports, &host)?;
     let measured = matched(programs, observed, &options.hold_out)?;
     distinct(&options.vary)?;
     for (program, _) in &measured {
@@ -97,8 +98,8 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
     if let Some(out) = &options.out {
         claim(out, false).map_err(Failure::usage)?;
     }
-    let stop = stop_on_interrupt()?;
-    let fit = rounds(options, &measured, unit, stop)?;
+    stop_on_interrupt()?;
+    let fit = rounds(options, &measured, unit, &host)?;
     match options.format {
         Form::Text => print(&fit_to_text(&fit, &options.vary, output_width()))?,
         Form::Json => print(&json(&fit))?,
@@ -181,7 +182,7 @@ fn rounds(
     options: &Options,
     measured: &[Known],
     unit: Unit,
-    stop: &AtomicBool,
+    host: &Terminal,
 ) -> Result<Fit, Failure> {
     let priors = &options.vary;
     let numbers = priors.len();
@@ -200,7 +201,7 @@ fn rounds(
     for round in 0..u64::from(options.rounds) {
         let seed = options.seed.wrapping_add(1_000_000 * round);
         let design = Design::latin_hypercube(&ends, points, seed);
-        let (new, lost) = simulated(options, measured, unit, (&design, seed), stop)?;
+        let (new, lost) = simulated(options, measured, unit, (&design, seed), host)?;
         stopped += lost;
         for (all, new) in all.iter_mut().zip(new) {
             all.extend(new);
@@ -254,22 +255,16 @@ fn simulated(
     measured: &[Known],
     unit: Unit,
     (design, seed): (&Design, u64),
-    stop: &AtomicBool,
+    host: &Terminal,
 ) -> Result<(Vec<Vec<Simulated>>, usize), Failure> {
-    let entries = at_points(options, measured, design, &options.levels.levels)?;
+    let entries = at_points(options, measured, design, host)?;
     let settings = Settings {
         max_ticks: Some(options.max_ticks),
         ..Settings::default().with_steps(options.substeps)
     };
     let manifest = Manifest::new(settings, seed, options.runs, entries);
     let points = design.points.len();
-    let results = all_runs(
-        &manifest,
-        options.threads,
-        options.quiet,
-        stop,
-        "nothing was fitted",
-    )?;
+    let results = all_runs(&manifest, options.threads, "nothing was fitted", host)?;
     let mut found: Vec<Vec<Simulated>> = vec![Vec::new(); measured.len()];
     let mut stopped = 0;
     let mut observed = vec![Vec::new(); manifest.programs.len()];
@@ -299,7 +294,7 @@ fn at_points(
     options: &Options,
     measured: &[Known],
     design: &Design,
-    levels: &LintLevels,
+    host: &Terminal,
 ) -> Result<Vec<Program>, Failure> {
     let mut entries = Vec::new();
     for (program, _) in measured {
@@ -311,7 +306,7 @@ fn at_points(
                 .collect();
             entry.varied = varied.map_err(Failure::usage)?;
             entry.name += &entry.point();
-            at_point(&mut entry, levels)?;
+            at_point(&mut entry, &options.levels.levels, host)?;
             entries.push(entry);
         }
     }

@@ -5,7 +5,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::exit::{Exit, Failure};
 
-static STOP: AtomicBool = AtomicBool::new(false);
+/// What the first interrupt sets.
+pub(super) static STOP: AtomicBool = AtomicBool::new(false);
 
 /// Whether we listen already.
 static LISTENS: Mutex<bool> = Mutex::new(false);

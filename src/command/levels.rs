@@ -7,6 +7,8 @@ use clap::{Arg, ArgAction, ArgMatches, Args, Command, Error, FromArgMatches};
 use stochc_compiler::diagnostic::{Code, Severity};
 use stochc_compiler::{Level, LintLevels};
 
+use crate::operations::codes::{ALL_WARNINGS, warning};
+
 /// What the command line says of warnings; the last word on a code counts.
 #[derive(Clone, Debug, Default)]
 pub struct LevelOptions {
@@ -28,9 +30,6 @@ const OPTIONS: [(&str, Level, &str); 3] = [
         "Report this warning as an error; `allow` and `deny` in the file take precedence",
     ),
 ];
-
-/// The word for every warning.
-const ALL: &str = "warnings";
 
 impl Args for LevelOptions {
     fn augment_args(command: Command) -> Command {
@@ -90,23 +89,9 @@ impl TypedValueParser for Warnings {
         argument: Option<&Arg>,
         value: &OsStr,
     ) -> Result<Warning, Error> {
-        let value = value.to_string_lossy();
-        if value == ALL {
-            return Ok(Warning(None));
-        }
-        let known = Code::from_name(&value);
-        if let Some(code) = known.filter(|code| code.severity() == Severity::Warning) {
-            return Ok(Warning(Some(code)));
-        }
-        let reason = match known {
-            Some(code) => format!("`{code}` is always an error; only warnings have a level"),
-            None => {
-                let meant = Code::nearest(&value).map_or_else(
-                    || "`stochc explain` lists all codes".to_owned(),
-                    |meant| format!("did you mean `{meant}`?"),
-                );
-                format!("no finding has the code `{value}`; {meant}")
-            }
+        let reason = match warning(&value.to_string_lossy()) {
+            Ok(code) => return Ok(Warning(code)),
+            Err(reason) => reason,
         };
         let option =
             argument.map_or_else(String::new, |argument| format!("--{}: ", argument.get_id()));
@@ -117,7 +102,7 @@ impl TypedValueParser for Warnings {
     fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
         let codes = Code::ALL.iter();
         let warnings = codes.filter(|code| code.severity() == Severity::Warning);
-        let names = std::iter::once(ALL).chain(warnings.map(|code| code.name()));
+        let names = std::iter::once(ALL_WARNINGS).chain(warnings.map(|code| code.name()));
         Some(Box::new(names.map(PossibleValue::new)))
     }
 }

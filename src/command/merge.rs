@@ -1,14 +1,13 @@
 //! `stochc merge`.
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
-use stochc_ensemble::shards::{ShardError, merge};
 use stochc_ensemble::text::visible;
 use stochc_files::shell::file as shell_file;
 
-use super::simulate::sweep_files;
 use super::terminal::print;
 use crate::exit::{Exit, Failure};
+use crate::operations::shard::merge;
 
 /// What `merge` is given.
 #[derive(Debug, Args)]
@@ -23,16 +22,16 @@ pub struct Options {
 
 /// Puts the pieces of an ensemble together.
 pub fn run(options: &Options) -> Result<Exit, Failure> {
-    let runs = merge(&options.folder, sweep_files).map_err(|error| match error {
-        ShardError::Missing { .. } => Failure::error(Exit::UnsuccessfulRun, error),
-        error => Failure::usage(error),
-    })?;
+    let runs = merge(&options.folder)?;
     if !options.quiet {
-        let folder = visible(&options.folder.to_string_lossy());
-        print(&format!(
-            "`{folder}` is whole: {runs} runs; stochc results {}\n",
-            shell_file(&folder)
-        ))?;
+        print(&is_whole(&options.folder, runs))?;
     }
     Ok(Exit::Success)
+}
+
+/// What there is to say of a folder of so many runs whose pieces are put together.
+pub(super) fn is_whole(folder: &Path, runs: u64) -> String {
+    let folder = visible(&folder.to_string_lossy());
+    let argument = shell_file(&folder);
+    format!("`{folder}` is whole: {runs} runs; stochc results {argument}\n")
 }

@@ -1,19 +1,11 @@
 //! `stochc report`.
-use std::io;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
-use stochc_ensemble::Manifest;
-use stochc_files::atomic::{self, Draft, Replaces, begins_with};
-use stochc_files::{budget, read_file};
-use stochc_ir::visible;
-use stochc_report::ensemble_report::{
-    CHAINS, Input, MARK, Report, ReportError, Surroundings, address, report,
-};
 
-use super::results::read as read_folder;
-use super::terminal::{print, warn, warn_drawn};
+use super::terminal::{Terminal, print};
 use crate::exit::{Exit, Failure};
+use crate::operations::report::write;
 
 /// What `report` is given.
 #[derive(Debug, Args)]
@@ -29,214 +21,15 @@ pub struct Options {
     quiet: bool,
 }
 
-/// The name of the page, where nobody gives another.
-const PAGE: &str = "report.html";
-
 /// Writes a page on what folders hold, and its figures beside it.
 pub fn run(options: &Options) -> Result<Exit, Failure> {
-    let folders = read(&options.folders)?;
-    let page = options.out.clone().unwrap_or_else(|| match &folders[..] {
-        [(folder, _)] => folder.join(PAGE),
-        _ => PathBuf::from(PAGE),
-    });
-    let beside = claim(&page).map_err(Failure::usage)?;
-    let inputs: Vec<Input> = folders.iter().map(|(_, input)| input.clone()).collect();
-    let name = beside
-        .folder
-        .file_name()
-        .unwrap_or_default()
-        .to_string_lossy();
-    let surroundings = Surroundings {
-        folder: &name,
-        replay: &|folder, program, run| {
-            let (path, input) = &folders[folder];
-            let names = replay_names(&input.manifest, program, run);
-            replay(&page, path, folders.len() == 1, &names)
-        },
-    };
-    let refuse =
-        |error: io::Error| Failure::usage(format!("cannot write `{}`: {error}", page.display()));
-    let mut chains = beside.begin(CHAINS).map_err(refuse)?;
-    let report = report(&inputs, &surroundings, &mut chains).map_err(|error| match error {
-        ReportError::Write(error) => refuse(error),
-        ReportError::Runs(error) => Failure::usage(error),
-    })?;
-    keep(&page, &beside, &report, chains).map_err(refuse)?;
+    let page = write(
+        &options.folders,
+        options.out.as_deref(),
+        &Terminal::new(options.quiet),
+    )?;
     if !options.quiet {
         print(&format!("{}\n", page.display()))?;
     }
     Ok(Exit::Success)
-}
-
-/// The folders, each once, with all that they hold; tells everything that is wrong with them.
-fn read(paths: &[PathBuf]) -> Result<Vec<(PathBuf, Input)>, Failure> {
-    let mut seen = Vec::new();
-    let mut folders = Vec::new();
-    let mut wrong = false;
-    for path in paths {
-        let real = std::fs::canonicalize(path).unwrap_or_else(|_| path.clone());
-        if seen.contains(&real) {
-            warn(&format!(
-                "note: `{}` is given twice\n",
-                visible(&path.to_string_lossy())
-            ));
-            continue;
-        }
-        seen.push(real);
-        match read_folder(path) {
-            Ok((manifest, finished)) => {
-                let (done, total) = (finished.len() as u64, manifest.total());
-                if done < total {
-                    let shown = path.display();
-                    warn(&format!(
-                        "note: `{shown}` is not finished: {done} of {total} runs\n"
-                    ));
-                }
-                let path_text = path.to_string_lossy().into_owned();
-                let input = Input {
-                    path: path_text,
-                    manifest,
-                    finished,
-                };
-                folders.push((path.clone(), input));
-            }
-            Err(failure) => {
-                warn_drawn(&failure.message);
-                wrong = true;
-            }
-        }
-    }
-    let versions: Vec<&str> = (folders.iter())
-        .map(|(_, input)| input.manifest.stochc.as_str())
-        .collect();
-    if versions.windows(2).any(|pair| pair[0] != pair[1]) {
-        warn(&format!(
-            "note: the folders were made by different versions of stochc: {}\n",
-            stochc_ensemble::text::visible(&versions.join(", "))
-        ));
-    }
-    if wrong {
-        Err(Failure::silent(Exit::Usage))
-    } else {
-        Ok(folders)
-    }
-}
-
-/// The figures beside the page, and what belongs there already.
-struct Beside {
-    folder: PathBuf,
-    /// The page of an earlier report; empty: there is none.
-    earlier: Vec<u8>,
-}
-
-/// The folder beside the page, if neither would take the place of something else.
-fn claim(page: &Path) -> Result<Beside, String> {
-    let shown = page.display();
-    let (Some(stem), false) = (page.file_stem(), page.is_dir()) else {
-        return Err(format!("`{shown}` is a folder; give the name of a file"));
-    };
-    let mut name = stem.to_os_string();
-    name.push("-figures");
-    let folder = page.with_file_name(name);
-    let earlier = match read_file(page, budget::PAGE) {
-        Ok(earlier) if earlier.starts_with(MARK.as_bytes()) => earlier,
-        Ok(_) => {
-            return Err(format!(
-                "`{shown}` is not a report of stochc; choose another name with `--out`"
-            ));
-        }
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Vec::new(),
-        Err(error) => return Err(format!("cannot use `{shown}`: {error}")),
-    };
-    let shown = folder.display();
-    if folder.is_symlink() {
-        return Err(format!(
-            "`{shown}` is a link; remove it, or choose another name with `--out`"
-        ));
-    }
-    match std::fs::read_dir(&folder).map(Iterator::count) {
-        Ok(1..) if earlier.is_empty() => {
-            return Err(format!(
-                "`{shown}` holds other files; choose another name with `--out`"
-            ));
-        }
-        Ok(_) => {}
-        Err(error) if error.kind() == io::ErrorKind::NotFound => {}
-        Err(error) => return Err(format!("cannot use `{shown}`: {error}")),
-    }
-    Ok(Beside { folder, earlier })
-}
-
-impl Beside {
-    /// Begins one of its files, and makes the folder.
-    fn begin(&self, name: &str) -> io::Result<Draft> {
-        // Only this one: a folder that is not there may be a slip of the pen.
-        if !self.folder.is_dir() {
-            std::fs::create_dir(&self.folder)?;
-        }
-        Draft::new(&self.folder.join(name), Replaces::Ordinary)
-    }
-}
-
-/// Writes the figures, and last the page that refers to them; figures of an earlier report that
-/// this one does not have go.
-fn keep(page: &Path, beside: &Beside, report: &Report, chains: Draft) -> io::Result<()> {
-    let Beside { folder, earlier } = beside;
-    chains.keep()?;
-    for entry in std::fs::read_dir(folder)? {
-        let entry = entry?;
-        let name = entry.file_name();
-        let extension = Path::new(&name).extension();
-        let is_figure = extension.is_some_and(|it| it == "svg" || it == "csv");
-        let stays = name == CHAINS || report.files.iter().any(|(file, _)| name == file.as_str());
-        // What the earlier page does not speak of is somebody else's.
-        let address = format!("/{}\"", name.to_string_lossy());
-        if is_figure && !stays && atomic::holds(&earlier[..], address.as_bytes())? {
-            std::fs::remove_file(entry.path())?;
-        }
-    }
-    for (name, content) in &report.files {
-        atomic::replace(&folder.join(name), content.as_bytes(), Replaces::Ordinary)?;
-    }
-    let ours = Replaces::Ours(|file| begins_with(file, MARK.as_bytes()));
-    atomic::replace(page, report.page.as_bytes(), ours)
-}
-
-/// The address of a run's replay as seen from the page: beside the page of a single folder, or in
-/// the folder.
-fn replay(page: &Path, folder: &Path, single: bool, names: &[String]) -> Option<String> {
-    let here = match page.parent()? {
-        empty if empty == Path::new("") => Path::new("."),
-        here => here,
-    };
-    let beside = names.iter().find(|name| here.join(name).is_file());
-    if let (true, Some(name)) = (single, beside) {
-        return Some(address(name));
-    }
-    let name = names.iter().find(|name| folder.join(name).is_file())?;
-    // An address on this machine's disk alone would break when the report is passed on.
-    let (here, folder) = (here.canonicalize().ok()?, folder.canonicalize().ok()?);
-    let below = folder.strip_prefix(here).ok()?.join(name);
-    Some(address(&below.to_string_lossy().replace('\\', "/")))
-}
-
-/// What the replay of a run may be called: by the program's assembly and its number, or by its number
-/// alone where the folder has one program.
-fn replay_names(manifest: &Manifest, program: usize, run: u64) -> Vec<String> {
-    let assembly = manifest.programs[program].assembly();
-    let twins = manifest.programs.iter();
-    let twins = twins.filter(|twin| twin.assembly() == assembly).count();
-    let which = match twins {
-        1 => String::new(),
-        _ => format!("-{program}"),
-    };
-    let mut names = Vec::new();
-    // A manifest may have been edited, and lead anywhere.
-    if assembly.chars().all(|c| c.is_alphanumeric() || c == '_') {
-        names.push(format!("replay-{assembly}{which}-{run}.html"));
-    }
-    if manifest.programs.len() == 1 {
-        names.push(format!("replay-{run}.html"));
-    }
-    names
 }

@@ -1,20 +1,12 @@
 //! `stochc results`, and the table that `simulate` ends with.
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use serde_json::json;
-use stochc_ensemble::sweep::SweepTally;
-use stochc_ensemble::text::visible;
-use stochc_ensemble::{ComparisonTally, Folder, Manifest, Records, WaitsTally, captures};
-use stochc_files::shell::file as shell_file;
-use stochc_report::tables::{
-    KNOWN_BIAS, captures_to_text, comparison_to_text, pairs_to_text, sweep_to_text,
-};
-use stochc_report::text::paragraph;
-use stochc_runtime::Model;
+use stochc_ensemble::{Manifest, Records};
 
-use super::terminal::{output_width, print, warn};
+use super::terminal::{Terminal, output_width, print, warn};
 use crate::exit::{Exit, Failure};
+use crate::operations::results::{read, told};
 
 /// What `results` is given.
 #[derive(Debug, Args)]
@@ -50,7 +42,7 @@ pub struct Shown {
 
 /// Shows what a folder holds, finished or not.
 pub fn run(options: &Options) -> Result<Exit, Failure> {
-    let (manifest, finished) = read(&options.folder)?;
+    let (manifest, finished) = read(&options.folder, &Terminal::new(false))?;
     let missing = manifest.total().saturating_sub(finished.len() as u64);
     if missing > 0 {
         warn(&format!(
@@ -68,89 +60,16 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
     )
 }
 
-/// Reads a results folder, and says what is wrong with it.
-pub(super) fn read(folder: &Path) -> Result<(Manifest, Records), Failure> {
-    let contents = Folder::read(folder).map_err(Failure::usage)?;
-    tell_of_damage(folder, &contents.damage);
-    Ok((contents.manifest, contents.finished))
-}
-
-/// Says what is wrong with the files of a results folder.
-pub(super) fn tell_of_damage(folder: &Path, damage: &[String]) {
-    /// More than these say the same.
-    const TOLD: usize = 5;
-    if damage.is_empty() {
-        return;
-    }
-    let mut text = String::new();
-    for told in damage.iter().take(TOLD) {
-        text += &format!("warning: {told}\n");
-    }
-    let rest = damage.len().saturating_sub(TOLD);
-    if rest > 0 {
-        text += &format!("warning: so are {rest} more\n");
-    }
-    let folder = shell_file(&visible(&folder.to_string_lossy()));
-    text +=
-        &format!("`stochc verify {folder}` says what is sound; with `--repair`, it saves that\n");
-    warn(&text);
-}
-
 /// Prints the comparison of an ensemble's programs; says whether every run was successful.
 pub fn show(manifest: &Manifest, finished: &Records, shown: &Shown) -> Result<Exit, Failure> {
-    let mut comparison = ComparisonTally::new(manifest);
-    let mut sweep = SweepTally::new(manifest).filter(|_| shown.form == Form::Text);
-    let mut waits: Vec<WaitsTally> = match shown.bonds {
-        true => vec![WaitsTally::default(); manifest.programs.len()],
-        false => Vec::new(),
+    let told = told(manifest, finished, shown.bonds)?;
+    let exit = match told.are_all_successful() {
+        true => Exit::Success,
+        false => Exit::UnsuccessfulRun,
     };
-    let told = finished.each(|done| {
-        comparison.add(done);
-        sweep.iter_mut().for_each(|sweep| sweep.add(done));
-        if let Some(waits) = waits.get_mut(done.program) {
-            waits.add(&done.record);
-        }
-    });
-    told.map_err(Failure::usage)?;
-    let comparison = comparison.finish();
-    let waits = manifest.programs.iter().zip(waits);
-    match shown.form {
-        Form::Text => {
-            let width = output_width();
-            print(&match sweep.map(SweepTally::finish) {
-                None => comparison_to_text(&comparison, width),
-                Some(sweep) => sweep_to_text(&sweep, width) + &pairs_to_text(&comparison, width),
-            })?;
-            if manifest.settings.model == Model::Rate {
-                print(&format!("\n{}", paragraph(KNOWN_BIAS, width)))?;
-            }
-            for (program, waits) in waits {
-                let name = visible(&program.name);
-                print(&format!("\n{name}, capture by capture\n"))?;
-                let captures = captures(program, waits);
-                print(&captures_to_text(&captures, program.scene.tick, width))?;
-            }
-        }
-        Form::Json => {
-            let value = match shown.bonds {
-                false => json!(comparison),
-                true => {
-                    let bonds = waits.map(|(program, waits)| {
-                        json!({ "program": program.name, "captures": captures(program, waits) })
-                    });
-                    let bonds: Vec<_> = bonds.collect();
-                    json!({ "comparison": comparison, "captures": bonds })
-                }
-            };
-            print(&format!("{value:#}\n"))?;
-        }
-    }
-    let unsuccessful = comparison
-        .programs
-        .iter()
-        .any(|column| column.timed_out + column.stopped + column.failed > 0);
-    Ok(match unsuccessful {
-        true => Exit::UnsuccessfulRun,
-        false => Exit::Success,
-    })
+    print(&match shown.form {
+        Form::Text => told.text(output_width()),
+        Form::Json => told.json(),
+    })?;
+    Ok(exit)
 }

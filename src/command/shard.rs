@@ -3,15 +3,12 @@ use std::path::PathBuf;
 
 use clap::Args;
 use stochc_ensemble::Interval;
-use stochc_ensemble::shards::Piece;
 use stochc_ensemble::text::visible;
 
 use super::interrupt::stop_on_interrupt;
-use super::progress::{Display, of_ensemble};
-use super::simulate::{made_again, made_by, tell_of_checkpoints};
-use super::terminal::{print, warn};
-use super::trade::threads;
+use super::terminal::{Terminal, print, warn};
 use crate::exit::{Exit, Failure};
+use crate::operations::shard::shard;
 
 /// What `shard` is given.
 #[derive(Debug, Args)]
@@ -36,32 +33,15 @@ pub struct Options {
 
 /// Makes a piece of an ensemble, or what is missing of it.
 pub fn run(options: &Options) -> Result<Exit, Failure> {
-    let stop = stop_on_interrupt()?;
-    let piece = Piece::open(&options.folder, options.piece)
-        .and_then(|piece| piece.with_checkpoints(options.checkpoints))
-        .map_err(Failure::usage)?;
-    tell_of_checkpoints(piece.checkpoints());
+    stop_on_interrupt()?;
+    let host = Terminal::new(options.quiet);
+    let how = (options.threads, options.checkpoints);
+    let made = shard(&options.folder, options.piece, how, &host)?;
+    let Some(runs) = made else {
+        warn("stopped; finished runs are kept, and the same command continues\n");
+        return Ok(Exit::Interrupted);
+    };
     let shown = visible(&options.folder.to_string_lossy());
-    let (runs, done) = piece.runs();
-    if !piece.is_made() {
-        let manifest = piece.manifest();
-        let again = piece.check_stored(made_again(manifest, stop));
-        again.map_err(Failure::usage)?;
-        let progress = piece.progress(threads(options.threads));
-        let state = |elapsed| of_ensemble(manifest, &progress, elapsed);
-        let display = match done == runs {
-            // There is nothing to wait for.
-            true => Display::Quiet,
-            false => Display::on_standard_error(options.quiet),
-        };
-        let simulate = made_by(manifest);
-        let made = display.during(state, || piece.make(&progress, stop, simulate));
-        tell_of_checkpoints(piece.checkpoints());
-        if !made.map_err(Failure::usage)? {
-            warn("stopped; finished runs are kept, and the same command continues\n");
-            return Ok(Exit::Interrupted);
-        }
-    }
     if !options.quiet {
         let number = options.piece;
         print(&format!(

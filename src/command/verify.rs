@@ -6,9 +6,9 @@ use stochc_ensemble::Folder;
 use stochc_ensemble::text::visible;
 use stochc_ensemble::verify::{DAMAGED, FileHealth, Health, repair, verify};
 
-use super::simulate::sweep_files;
 use super::terminal::{print, warn};
 use crate::exit::{Exit, Failure};
+use crate::operations::sweep::files as sweep_files;
 
 /// What `verify` is given.
 #[derive(Debug, Args)]

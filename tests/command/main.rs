@@ -36,6 +36,8 @@ mod simulate;
 mod skipped;
 mod stochc;
 mod streams;
+#[cfg(unix)]
+mod submit;
 mod sweep;
 mod tanks;
 mod trade;

@@ -52,6 +52,27 @@ pub(super) enum Values<'a, R> {
     Texts(Get<'a, R, Vec<&'a str>>),
 }
 
+/// What a column holds in some rows, in their order; `None` is null.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ColumnValues<'a> {
+    /// `bool`.
+    Bool(Vec<Option<bool>>),
+    /// `int32`.
+    Int32(Vec<Option<i32>>),
+    /// `int64`.
+    Int64(Vec<Option<i64>>),
+    /// `uint64`.
+    UInt64(Vec<Option<u64>>),
+    /// `float64`.
+    Float64(Vec<Option<f64>>),
+    /// `text`.
+    Text(Vec<Option<&'a str>>),
+    /// `list of int64`; a list may be empty and is never null.
+    Int64Lists(Vec<Vec<i64>>),
+    /// `list of text`; as those.
+    TextLists(Vec<Vec<&'a str>>),
+}
+
 /// A constructor of [`Values`] from a function that gives a value, or `None` for null.
 macro_rules! of {
     ($($name:ident: $value:ty => $variant:ident;)*) => {
@@ -243,41 +264,60 @@ impl<'a, R> Column<'a, R> {
         }
     }
 
-    fn write(&self, rows: &[R], writer: &mut SerializedColumnWriter) -> Result<(), ParquetError> {
-        let to = (rows, self.null.is_some(), writer);
+    /// Its values in these rows, in their order.
+    pub fn values(&self, rows: &[R]) -> ColumnValues<'a> {
+        fn each<R, T>(rows: &[R], get: impl Fn(&R) -> Option<T>) -> Vec<Option<T>> {
+            rows.iter().map(get).collect()
+        }
         match &self.values {
-            Values::Bool(get) => put::<_, BoolType>(to, get),
-            Values::Small(get) => put::<_, Int32Type>(to, get),
-            Values::Integer(get) => put::<_, Int64Type>(to, get),
+            Values::Bool(get) => ColumnValues::Bool(each(rows, get)),
+            Values::Small(get) => ColumnValues::Int32(each(rows, get)),
+            Values::Integer(get) => ColumnValues::Int64(each(rows, get)),
+            Values::Unsigned(get) => ColumnValues::UInt64(each(rows, get)),
+            Values::Real(get) => ColumnValues::Float64(each(rows, get)),
+            Values::Text(get) => ColumnValues::Text(each(rows, get)),
+            Values::Integers(get) => {
+                let signed = |&value: &u64| i64::try_from(value).unwrap_or(i64::MAX);
+                let list = |row| get(row).unwrap_or_default().iter().map(signed).collect();
+                ColumnValues::Int64Lists(rows.iter().map(list).collect())
+            }
+            Values::Texts(get) => {
+                let list = |row| get(row).unwrap_or_default();
+                ColumnValues::TextLists(rows.iter().map(list).collect())
+            }
+        }
+    }
+
+    fn write(&self, rows: &[R], writer: &mut SerializedColumnWriter) -> Result<(), ParquetError> {
+        let to = (self.null.is_some(), writer);
+        match self.values(rows) {
+            ColumnValues::Bool(values) => put::<BoolType, _>(to, values, |it| it),
+            ColumnValues::Int32(values) => put::<Int32Type, _>(to, values, |it| it),
+            ColumnValues::Int64(values) => put::<Int64Type, _>(to, values, |it| it),
             // The format keeps the bits, and the declaration says that there is no sign.
-            Values::Unsigned(get) => put::<_, Int64Type>(to, |row| get(row).map(u64::cast_signed)),
-            Values::Real(get) => put::<_, DoubleType>(to, get),
-            Values::Text(get) => put::<_, ByteArrayType>(to, |row| get(row).map(ByteArray::from)),
-            Values::Integers(get) => put_lists::<_, Int64Type>(to, |row| {
-                let list = get(row).unwrap_or_default().iter();
-                list.map(|&value| i64::try_from(value).unwrap_or(i64::MAX))
-                    .collect()
-            }),
-            Values::Texts(get) => put_lists::<_, ByteArrayType>(to, |row| {
-                let list = get(row).unwrap_or_default().into_iter();
-                list.map(ByteArray::from).collect()
-            }),
+            ColumnValues::UInt64(values) => put::<Int64Type, _>(to, values, u64::cast_signed),
+            ColumnValues::Float64(values) => put::<DoubleType, _>(to, values, |it| it),
+            ColumnValues::Text(values) => put::<ByteArrayType, _>(to, values, ByteArray::from),
+            ColumnValues::Int64Lists(lists) => put_lists::<Int64Type, _>(to, lists, |it| it),
+            ColumnValues::TextLists(lists) => {
+                put_lists::<ByteArrayType, _>(to, lists, ByteArray::from)
+            }
         }
     }
 }
 
-/// Where values go: the rows, whether any may be null, and the writer of the column.
-type To<'r, 'w, 'x, R> = (&'r [R], bool, &'w mut SerializedColumnWriter<'x>);
+/// Where values go: whether any may be null, and the writer of the column.
+type To<'w, 'x> = (bool, &'w mut SerializedColumnWriter<'x>);
 
-fn put<R, T: DataType>(
-    (rows, nullable, writer): To<R>,
-    get: impl Fn(&R) -> Option<T::T>,
+fn put<T: DataType, V>(
+    (nullable, writer): To,
+    values: Vec<Option<V>>,
+    as_written: impl Fn(V) -> T::T,
 ) -> Result<(), ParquetError> {
-    let values: Vec<Option<T::T>> = rows.iter().map(get).collect();
     // The definition level of each row: 1 is there, 0 is null.
-    let level = |value: &Option<T::T>| i16::from(value.is_some());
+    let level = |value: &Option<V>| i16::from(value.is_some());
     let levels: Option<Vec<i16>> = nullable.then(|| values.iter().map(level).collect());
-    let present: Vec<T::T> = values.into_iter().flatten().collect();
+    let present: Vec<T::T> = values.into_iter().flatten().map(as_written).collect();
     let typed = writer.typed::<T>();
     typed.write_batch(&present, levels.as_deref(), None)?;
     Ok(())
@@ -285,18 +325,19 @@ fn put<R, T: DataType>(
 
 /// Lists as values with a definition level (0: of an empty list, 1: of a value) and a repetition
 /// level (0: begins a row, 1: goes on with it).
-fn put_lists<R, T: DataType>(
-    (rows, _, writer): To<R>,
-    get: impl Fn(&R) -> Vec<T::T>,
+fn put_lists<T: DataType, V>(
+    (_, writer): To,
+    lists: Vec<Vec<V>>,
+    as_written: impl Fn(V) -> T::T,
 ) -> Result<(), ParquetError> {
     let (mut values, mut definition, mut repetition) = (Vec::new(), Vec::new(), Vec::new());
-    for list in rows.iter().map(get) {
+    for list in lists {
         if list.is_empty() {
             definition.push(0);
             repetition.push(0);
         }
         for (i, value) in list.into_iter().enumerate() {
-            values.push(value);
+            values.push(as_written(value));
             definition.push(1);
             repetition.push(i16::from(i > 0));
         }

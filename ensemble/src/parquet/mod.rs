@@ -12,18 +12,29 @@ mod row;
 mod runs;
 mod unplanned;
 
-pub use column::{ColumnShape, TableShape};
+pub use column::{ColumnShape, ColumnValues, TableShape};
 
 use std::io::{self, Write};
 
 use ::parquet::errors::ParquetError;
 
-use super::{Finished, FolderError, Manifest, Records};
+use super::{Finished, FolderError, JournalError, Manifest, Records, Varied};
 use row::rows;
 
 /// Captures, releases, phases and whatever else is in one row group of each table, with some more at its end: what is in memory
 /// while tables are written.
 const GROUP: usize = 1 << 17;
+
+/// The tables: the number of each, its columns, and what its rows are in a run.
+macro_rules! for_each_table {
+    ($do:ident) => {
+        $do!(0, runs, |_| [()]);
+        $do!(1, phases, phases::reached);
+        $do!(2, bonds, bonds::bonds);
+        $do!(3, releases, |run| &run.record.releases);
+        $do!(4, unplanned, |run| &run.record.unplanned_bonds);
+    };
+}
 
 /// Writes the tables of runs into what `begin` gives for the name of each file; `io` says where something went wrong.
 pub(super) fn write<W: Write + Send>(
@@ -35,15 +46,6 @@ pub(super) fn write<W: Write + Send>(
     let about = about::about(manifest);
     let axes = manifest.axes();
     let mut files = Vec::new();
-    macro_rules! for_each_table {
-        ($do:ident) => {
-            $do!(0, runs, |_| [()]);
-            $do!(1, phases, phases::reached);
-            $do!(2, bonds, bonds::bonds);
-            $do!(3, releases, |run| &run.record.releases);
-            $do!(4, unplanned, |run| &run.record.unplanned_bonds);
-        };
-    }
     macro_rules! begin_file {
         ($number:expr, $table:ident, $of:expr) => {
             let table = $table::table(axes);
@@ -68,6 +70,20 @@ pub(super) fn write<W: Write + Send>(
         for_each_table!(add_rows);
         Ok(())
     };
+    each_group(finished, |group, is_last| {
+        add(group, is_last).map_err(|error| io(plain(error)))
+    })?;
+    let files = files.into_iter();
+    let files = files.map(|(name, file)| Ok((name, file.finish()?)));
+    let files: Result<_, ParquetError> = files.collect();
+    files.map_err(|error| io(plain(error)))
+}
+
+/// Shows runs group by group, and which group is the last one; there is one at least.
+fn each_group<E: From<JournalError>>(
+    finished: &Records,
+    mut show: impl FnMut(&[Finished], bool) -> Result<(), E>,
+) -> Result<(), E> {
     let (mut group, mut size) = (Vec::new(), 0);
     finished.try_each(|done| {
         let record = &done.record;
@@ -81,16 +97,43 @@ pub(super) fn write<W: Write + Send>(
         size += 1 + parts.iter().sum::<usize>();
         group.push(done.clone());
         if size >= GROUP {
-            add(&group, false).map_err(|error| io(plain(error)))?;
+            show(&group, false)?;
             (group, size) = (Vec::new(), 0);
         }
-        Ok::<_, FolderError>(())
+        Ok::<(), E>(())
     })?;
-    add(&group, true).map_err(|error| io(plain(error)))?;
-    let files = files.into_iter();
-    let files = files.map(|(name, file)| Ok((name, file.finish()?)));
-    let files: Result<_, ParquetError> = files.collect();
-    files.map_err(|error| io(plain(error)))
+    show(&group, true)
+}
+
+/// Shows what the columns of a table hold, group by group of its rows, as they are written into its file; one group
+/// at least. `table` is its number among [`tables`].
+///
+/// # Errors
+/// Those of `show`, and where the runs cannot be read again.
+pub fn each_row_group<E: From<JournalError>>(
+    (manifest, finished): (&Manifest, &Records),
+    table: usize,
+    mut show: impl FnMut(Vec<ColumnValues<'_>>) -> Result<(), E>,
+) -> Result<(), E> {
+    let axes = manifest.axes();
+    each_group(finished, |group, _| {
+        macro_rules! show_rows {
+            ($number:expr, $table:ident, $of:expr) => {
+                if table == $number {
+                    let (rows, table) = (rows(manifest, group, $of), $table::table(axes));
+                    let columns = table.columns.iter();
+                    show(columns.map(|column| column.values(&rows)).collect())?;
+                }
+            };
+        }
+        for_each_table!(show_rows);
+        Ok(())
+    })
+}
+
+/// What the files of these tables say of their ensemble, as pairs of keys and values.
+pub fn table_metadata(manifest: &Manifest) -> Vec<(&'static str, String)> {
+    about::about(manifest)
 }
 
 /// What the file system has said.
@@ -106,11 +149,21 @@ fn plain(error: ParquetError) -> io::Error {
 
 /// What the tables of a results folder are; those of a sweep have further columns.
 pub fn tables() -> Vec<TableShape> {
-    vec![
-        runs::table(&[]).shape(),
-        phases::table(&[]).shape(),
-        bonds::table(&[]).shape(),
-        releases::table(&[]).shape(),
-        unplanned::table(&[]).shape(),
-    ]
+    shapes(&[])
+}
+
+/// What the tables of an ensemble are.
+pub fn tables_of(manifest: &Manifest) -> Vec<TableShape> {
+    shapes(manifest.axes())
+}
+
+fn shapes(axes: &[Varied]) -> Vec<TableShape> {
+    let mut shapes = Vec::new();
+    macro_rules! shape {
+        ($number:expr, $table:ident, $of:expr) => {
+            shapes.push($table::table(axes).shape());
+        };
+    }
+    for_each_table!(shape);
+    shapes
 }

@@ -1,4 +1,5 @@
 //! Pictures (SVG) of ensembles, sweeps and trades.
+mod completion;
 mod entries;
 mod fit;
 mod means;
@@ -14,6 +15,7 @@ pub(crate) use origins::origins;
 pub(crate) use survival::{Curve, survival};
 pub(crate) use waits::{SHOWN, waits};
 
+pub use completion::completion;
 pub use fit::fit;
 pub use sweep::pictures as sweep;
 pub use trade::trade;

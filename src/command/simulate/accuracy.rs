@@ -1,6 +1,6 @@
 //! Settings that a measurement finds, instead of the user.
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 
 use stochc_ensemble::Manifest;
 use stochc_ensemble::text::percent;
@@ -10,9 +10,11 @@ use stochc_files::read_file;
 use stochc_runtime::Settings;
 
 use super::super::terminal::warn;
-use super::super::trade::{self as command, threads};
 use super::Options;
 use crate::exit::{Exit, Failure};
+use crate::host::Host;
+use crate::operations::runs::threads;
+use crate::operations::trade;
 
 /// Puts the cheapest setting that is accurate enough into a manifest.
 ///
@@ -21,11 +23,11 @@ pub(super) fn settle(
     options: &Options,
     accuracy: f64,
     manifest: &mut Manifest,
-    stop: &AtomicBool,
+    host: &dyn Host,
 ) -> Result<(), Failure> {
     let trade = match &options.trade {
         Some(path) => read(path)?,
-        None => measured(options, manifest, stop)?,
+        None => measured(options, manifest, host)?,
     };
     let programs = known(&trade, manifest).map_err(Failure::usage)?;
     match choose(&trade, &programs, accuracy) {
@@ -68,7 +70,7 @@ pub(super) fn comment(options: &Options, manifest: &Manifest) -> Result<(), Fail
     Ok(())
 }
 
-fn measured(options: &Options, manifest: &Manifest, stop: &AtomicBool) -> Result<Trade, Failure> {
+fn measured(options: &Options, manifest: &Manifest, host: &dyn Host) -> Result<Trade, Failure> {
     warn(&format!(
         "--accuracy needs a measurement: {} s of it now; `stochc trade --out DIR` makes a better \
          one, for `--trade DIR`\n",
@@ -81,10 +83,10 @@ fn measured(options: &Options, manifest: &Manifest, stop: &AtomicBool) -> Result
         finest: FINEST,
         max_ticks: None,
         memory: None,
-        stop,
+        stop: host.stop(),
     };
-    let trade = command::of(&manifest.programs, &setup, options.quiet)?;
-    if stop.load(Ordering::Relaxed) {
+    let trade = trade::measured(&manifest.programs, &setup, host)?;
+    if host.stop().load(Ordering::Relaxed) {
         return Err(Failure::silent(Exit::Interrupted));
     }
     Ok(trade)

@@ -8,8 +8,9 @@ use stochc_ensemble::{Manifest, Source, Varied};
 use stochc_ir::scene::Scene;
 use stochc_runtime::Settings;
 
-use super::input;
 use crate::exit::Failure;
+use crate::host::Host;
+use crate::operations::programs::{accept, recompile};
 
 #[derive(Deserialize)]
 struct OldManifest {
@@ -41,6 +42,7 @@ pub(super) fn read(
     text: &str,
     path: &Path,
     levels: &LintLevels,
+    host: &dyn Host,
 ) -> Result<Manifest, Failure> {
     let shown = path.display();
     let refuse = |reason: String| Failure::usage(format!("`{shown}`: {reason}"));
@@ -49,9 +51,9 @@ pub(super) fn read(
     let settings = old.settings().map_err(refuse)?;
     let mut programs = Vec::new();
     for entry in old.programs {
-        let checked = input::recompile(&entry.sources, &entry.varied, &entry.assembly, levels);
+        let checked = recompile(&entry.sources, &entry.varied, &entry.assembly, levels);
         let root = entry.sources.first().map_or("", |source| &source.path);
-        let found = input::accept(root, checked)?;
+        let found = accept(root, checked, host)?;
         let same = found.into_iter().find(|program| {
             program.assembly() == entry.assembly
                 && program.scene == entry.scene

@@ -4,7 +4,6 @@ use std::time::Duration;
 use clap::{Args, ValueEnum};
 use stochc_ensemble::recording::{EVERY, Selection};
 use stochc_ensemble::sweep::Axis;
-use stochc_ensemble::text::duration;
 use stochc_ensemble::{Interval, MOST_RUNS};
 use stochc_runtime::{Model, Precision, Reduction, Substeps};
 
@@ -12,6 +11,7 @@ use super::super::imports::ImportOptions;
 use super::super::levels::LevelOptions;
 use super::super::results::Form;
 use super::accuracy::accuracy;
+use crate::operations::time;
 
 /// What `simulate` is given.
 #[derive(Debug, Args)]
@@ -60,7 +60,7 @@ pub struct Options {
     #[arg(long, value_name = "DIR", conflicts_with = "manifest")]
     pub trade: Option<PathBuf>,
     /// Time limit of the measurement that `--accuracy` makes if there is no `--trade`
-    #[arg(long, value_name = "TIME", value_parser = duration, default_value = "2m", requires = "accuracy", conflicts_with = "trade")]
+    #[arg(long, value_name = "TIME", value_parser = time, default_value = "2m", requires = "accuracy", conflicts_with = "trade")]
     pub budget: Duration,
     /// Stop a run after this many ticks; its time is then censored
     #[arg(long, default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(1..))]

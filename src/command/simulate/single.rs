@@ -1,7 +1,6 @@
 //! One run alone, told event by event.
 use std::fmt::Write as _;
-use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 use stochc_ensemble::text::{Tick, seconds, visible};
 use stochc_ensemble::{Manifest, Program, named};
@@ -13,6 +12,7 @@ use super::super::results::Form;
 use super::super::terminal::print;
 use super::Options;
 use crate::exit::{Exit, Failure};
+use crate::operations::runs::until;
 
 /// Does one run of each program.
 pub fn run(
@@ -21,10 +21,7 @@ pub fn run(
     number: u64,
     stop: &AtomicBool,
 ) -> Result<Exit, Failure> {
-    let mut watch = |_, _| match stop.load(Ordering::Relaxed) {
-        true => ControlFlow::Break(()),
-        false => ControlFlow::Continue(()),
-    };
+    let mut watch = until(stop);
     let mut exit = Exit::Success;
     let mut records = Vec::new();
     for program in &manifest.programs {

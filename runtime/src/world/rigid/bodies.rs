@@ -143,6 +143,12 @@ impl<R: Lane> Bodies<R> {
         (0..self.count()).filter(beyond).count()
     }
 
+    /// How many blocks are higher than this \[side\].
+    pub fn count_above(&self, height: R) -> usize {
+        let blocks = &self.position[2][..self.anchored.len()];
+        blocks.iter().filter(|&&z| z > height).count()
+    }
+
     /// # Errors
     /// If the motion of a block makes no sense.
     pub fn check(&self, id: u32, limits: &MotionLimits) -> Result<(), Fault> {

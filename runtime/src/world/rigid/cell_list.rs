@@ -73,21 +73,21 @@ impl Tag {
 }
 
 impl<R: Lane> CellList<R> {
-    /// For blocks that mostly stay within `span` of the origin, and above `floor`, and of which
+    /// For blocks that mostly stay within `span` of the origin, and between two heights, and of which
     /// those closer than `near` are looked for \[side\].
-    pub fn new(count: usize, span: f64, floor: f64, near: f64) -> CellList<R> {
+    pub fn new(count: usize, span: f64, [floor, top]: [f64; 2], near: f64) -> CellList<R> {
         let mut edge = near * MARGIN;
         let span = span.max(edge);
         let most = (count as f64 * CELLS_PER_BLOCK).clamp(FEW, MANY);
         let along = |length: f64, edge: f64| length / edge + 2.0;
-        let rows = |edge: f64| along(2.0 * span, edge) * along(span - floor, edge);
+        let rows = |edge: f64| along(2.0 * span, edge) * along(top - floor, edge);
         while rows(edge) > most {
             edge *= 1.1;
         }
         let slabs = (most / rows(edge)).min(2.0 * span / edge).max(1.0).floor();
         let length = 2.0 * span / slabs;
         let [wide, high] =
-            [2.0 * span, span - floor].map(|length| along(length, edge).floor() as usize);
+            [2.0 * span, top - floor].map(|length| along(length, edge).floor() as usize);
         let stride = [wide + 1, (wide + 1) * (high + 2)];
         let last = [slabs, wide as f64, high as f64].map(|cells| R::of(cells - 1.0));
         CellList {
@@ -304,7 +304,8 @@ mod tests {
                 let place = blocks[i as usize].position;
                 bodies.anchor(i, place, Orientation::IDENTITY);
             }
-            let mut grid = CellList::new(blocks.len(), span, floor, near);
+            let top = [span, floor + 0.6][case / 24 % 2];
+            let mut grid = CellList::new(blocks.len(), span, [floor, top], near);
             let mut found = Vec::new();
             grid.sort(&bodies);
             grid.close_pairs(&mut found);
@@ -314,7 +315,10 @@ mod tests {
                 .filter(|&(i, j)| (place(i) - place(j)).norm_squared() < near * near)
                 .filter(|&(i, j)| !anchored(i) || !anchored(j))
                 .collect();
-            assert_eq!(found, expected, "span {span}, near {near}, floor {floor}");
+            assert_eq!(
+                found, expected,
+                "span {span}, near {near}, {floor} to {top}"
+            );
         }
     }
 }

@@ -1,0 +1,83 @@
+//! Work in a thread of its own: without the interpreter's lock, stopped by Ctrl-C, and no panic comes through.
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::Ordering;
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+use stochc::exit::Failure;
+use stochc::host::Host as _;
+
+use super::exceptions::{defect, exception, warn};
+use super::host::Caller;
+
+/// How often a caller hears of signals, and of how far it is.
+const PERIOD: Duration = Duration::from_millis(50);
+
+/// Does some work, tells `progress` the share that is done and a line on it, and gives what comes of it.
+///
+/// # Errors
+/// What the work fails with, as an exception of `stochc`; the exception of a signal or of `progress`, after which the work is
+/// stopped at its next tick.
+pub fn call<T: Send + 'static>(
+    py: Python<'_>,
+    progress: Option<&Bound<'_, PyAny>>,
+    work: impl FnOnce(&Caller) -> Result<T, Failure> + Send + 'static,
+) -> PyResult<T> {
+    let caller = Arc::new(Caller::default());
+    let (sender, receiver) = channel::<()>();
+    let theirs = caller.clone();
+    // As much as a main thread has.
+    let thread = (std::thread::Builder::new().name("stochc".into())).stack_size(8 << 20);
+    let thread = thread.spawn(move || {
+        // Dropped at the end, also by a panic.
+        let _sender = sender;
+        catch_unwind(AssertUnwindSafe(|| work(&theirs)))
+    });
+    let thread = thread
+        .map_err(|error| PyRuntimeError::new_err(format!("cannot start a thread: {error}")))?;
+    let receiver = Mutex::new(receiver);
+    let mut interrupt = None;
+    let mut shown = None;
+    let mut show = |state: stochc::progress::State| -> PyResult<()> {
+        let (Some(progress), false) = (progress, shown.as_ref() == Some(&state)) else {
+            return Ok(());
+        };
+        if state != stochc::progress::State::default() {
+            progress.call1((state.share, state.done.clone() + &state.more))?;
+        }
+        shown = Some(state);
+        Ok(())
+    };
+    let is_over = || {
+        let receiver = receiver.lock().expect("nobody else has it");
+        receiver.recv_timeout(PERIOD) != Err(RecvTimeoutError::Timeout)
+    };
+    while !py.detach(is_over) {
+        if interrupt.is_none()
+            && let Err(raised) = py.check_signals().and_then(|()| show(caller.state()))
+        {
+            caller.stop().store(true, Ordering::Relaxed);
+            interrupt = Some(raised);
+        }
+    }
+    let done = py.detach(|| thread.join());
+    if let Some(raised) = interrupt {
+        return Err(raised);
+    }
+    let heard = caller.heard();
+    match done {
+        Err(panic) | Ok(Err(panic)) => Err(defect(py, &*panic)),
+        Ok(Ok(Err(failure))) => {
+            warn(py, &heard)?;
+            Err(exception(py, &failure, &heard))
+        }
+        Ok(Ok(Ok(value))) => {
+            show(caller.state())?;
+            warn(py, &heard)?;
+            Ok(value)
+        }
+    }
+}

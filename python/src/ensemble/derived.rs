@@ -1,0 +1,192 @@
+//! Tables that sum runs up.
+use stochc::ensemble::statistics::{KaplanMeier, Sample};
+use stochc::ensemble::{
+    Column as Figures, ColumnShape, ColumnValues, Comparison, Manifest, Records, TableShape, Time,
+    completion_time,
+};
+use stochc::exit::Failure;
+
+use super::super::table::Table;
+
+/// A column and its values: name, unit, meaning.
+struct Column<'a>(&'a str, &'a str, &'a str, ColumnValues<'a>);
+
+/// A table of columns in which everything may be null.
+fn table(name: &str, row: &str, columns: Vec<Column<'_>>) -> Result<Table, String> {
+    let (mut shapes, mut values) = (Vec::new(), Vec::new());
+    for Column(name, unit, meaning, column) in columns {
+        shapes.push(ColumnShape {
+            name: name.to_owned(),
+            kind: match column {
+                ColumnValues::Float64(_) => "float64",
+                ColumnValues::Int64(_) => "int64",
+                _ => "text",
+            },
+            unit: unit.to_owned(),
+            meaning: meaning.to_owned(),
+            null: Some("it is not known".to_owned()),
+        });
+        values.push(column);
+    }
+    let shape = TableShape {
+        name: name.to_owned(),
+        row: row.to_owned(),
+        columns: shapes,
+    };
+    let mut table = Table::new(shape, &[]);
+    table.add(values)?;
+    Ok(table)
+}
+
+/// The figures of each program, and the numbers of the scene that a sweep has chosen for it.
+pub(super) fn summary(manifest: &Manifest, comparison: &Comparison) -> Result<Table, String> {
+    let programs = &comparison.programs;
+    let count = |of: fn(&Figures) -> u64| {
+        let values = programs.iter().map(|it| i64::try_from(of(it)).ok());
+        ColumnValues::Int64(values.collect())
+    };
+    let time = |of: fn(&Time) -> Option<f64>| {
+        let values = programs.iter().map(|it| it.time.as_ref().and_then(of));
+        ColumnValues::Float64(values.collect())
+    };
+    let axes: Vec<String> = (manifest.axes().iter())
+        .map(|axis| format!("scene_{}", axis.of.replace('.', "_")))
+        .collect();
+    let mut columns = vec![Column(
+        "program",
+        "",
+        "name of the program in the ensemble; of a sweep with its values",
+        ColumnValues::Text(programs.iter().map(|it| Some(it.name.as_str())).collect()),
+    )];
+    for (axis, name) in manifest.axes().iter().zip(&axes) {
+        let varied = manifest.programs.iter().map(|program| {
+            let mut varied = program.varied.iter();
+            varied
+                .find(|varied| varied.of == axis.of)
+                .map(|varied| varied.said)
+        });
+        let values = ColumnValues::Float64(varied.collect());
+        columns.push(Column(
+            name,
+            &axis.unit,
+            "a number of the scene, which the sweep varies",
+            values,
+        ));
+    }
+    columns.extend([
+        Column("runs", "", "runs asked for", count(|it| it.runs)),
+        Column("finished", "", "runs finished", count(|it| it.finished)),
+        Column("completed", "", "runs that completed the structure", count(|it| it.completed)),
+        Column(
+            "timed_out",
+            "",
+            "runs that the timeout of a phase stopped: their times are censored",
+            count(|it| it.timed_out),
+        ),
+        Column(
+            "stopped",
+            "",
+            "runs that the limit of ticks stopped: their times are censored as well",
+            count(|it| it.stopped),
+        ),
+        Column("failed", "", "runs whose physics broke down", count(|it| it.failed)),
+        Column("captures", "", "captures that the program makes", count(|it| it.captures)),
+        Column(
+            "blocks_used",
+            "",
+            "mean number of different blocks that a completed run captured",
+            ColumnValues::Float64(programs.iter().map(|it| it.blocks_used).collect()),
+        ),
+        Column(
+            "tick",
+            "s",
+            "length of a tick",
+            ColumnValues::Float64(programs.iter().map(|it| Some(it.tick)).collect()),
+        ),
+        Column(
+            "mean",
+            "ticks",
+            "mean time to completion; where times are censored, of min(time, horizon): a lower bound",
+            time(|it| Some(it.mean)),
+        ),
+        Column("half_width", "ticks", "half of the 95 % interval of the mean", time(|it| it.half_width)),
+        Column("horizon", "ticks", "up to here the mean counts, where times are censored", time(|it| it.horizon)),
+        Column("median", "ticks", "median time to completion", time(|it| it.median)),
+        Column("sd", "ticks", "standard deviation", time(|it| it.sd)),
+        Column("min", "ticks", "the shortest time that was completed", time(|it| it.min)),
+        Column("max", "ticks", "the longest time", time(|it| it.max)),
+    ]);
+    table("summary", "a program of the ensemble", columns)
+}
+
+/// Shares of runs that are not complete, at each time at which one completed.
+pub(super) fn survival(manifest: &Manifest, finished: &Records) -> Result<Table, Failure> {
+    let mut times = vec![Sample::default(); manifest.programs.len()];
+    let read = finished.each(|done| {
+        let time = completion_time(&done.record).into_iter();
+        time.for_each(|it| times[done.program].push(it));
+    });
+    read.map_err(Failure::usage)?;
+    let mut steps = Vec::new();
+    for (program, times) in manifest.programs.iter().zip(&times) {
+        let curve = KaplanMeier::of(&times.to_vec());
+        let curve = curve.map(|it| it.curve()).unwrap_or_default();
+        steps.extend(
+            curve
+                .into_iter()
+                .map(|point| (program.name.as_str(), point)),
+        );
+    }
+    let count = |value: usize| i64::try_from(value).ok();
+    let points = || steps.iter().map(|(_, point)| point);
+    let columns = vec![
+        Column(
+            "program",
+            "",
+            "name of the program in the ensemble",
+            ColumnValues::Text(steps.iter().map(|(name, _)| Some(*name)).collect()),
+        ),
+        Column(
+            "time",
+            "ticks",
+            "when one or more runs completed",
+            ColumnValues::Float64(points().map(|it| Some(it.time)).collect()),
+        ),
+        Column(
+            "at_risk",
+            "",
+            "runs under observation just before",
+            ColumnValues::Int64(points().map(|it| count(it.at_risk)).collect()),
+        ),
+        Column(
+            "completed",
+            "",
+            "runs that completed then",
+            ColumnValues::Int64(points().map(|it| count(it.completed)).collect()),
+        ),
+        Column(
+            "incomplete",
+            "",
+            "the share of runs that is incomplete after it, 0 to 1, by Kaplan and Meier",
+            ColumnValues::Float64(points().map(|it| Some(it.incomplete)).collect()),
+        ),
+        Column(
+            "low",
+            "",
+            "lower end of its 95 % interval",
+            ColumnValues::Float64(points().map(|it| it.interval.map(|it| it.0)).collect()),
+        ),
+        Column(
+            "high",
+            "",
+            "upper end",
+            ColumnValues::Float64(points().map(|it| it.interval.map(|it| it.1)).collect()),
+        ),
+    ];
+    table(
+        "survival",
+        "a time at which runs of a program completed",
+        columns,
+    )
+    .map_err(Failure::usage)
+}

@@ -1,0 +1,49 @@
+//! Failures as exceptions of `stochc`.
+use pyo3::prelude::*;
+use stochc::exit::{Exit, Failure};
+
+use super::host::Heard;
+
+/// The module that declares them.
+const MODULE: &str = "stochc._errors";
+
+/// The exception for a failure, of which the caller may have heard the reasons before.
+pub fn exception(py: Python<'_>, failure: &Failure, heard: &Heard) -> PyErr {
+    let message = heard.failures.clone() + &failure.message;
+    let findings = serde_json::Value::from(heard.findings.clone()).to_string();
+    let kind = match failure.exit {
+        Exit::Success | Exit::Usage => "usage",
+        Exit::WrongProgram => "program",
+        Exit::UnsuccessfulRun => "run",
+        Exit::NotAccurate => "accuracy",
+        Exit::Interrupted => "interrupted",
+    };
+    raised(py, kind, &message, &findings)
+}
+
+/// The exception for a defect of `stochc` itself.
+pub fn defect(py: Python<'_>, panic: &(dyn std::any::Any + Send)) -> PyErr {
+    let text = (panic.downcast_ref::<&str>().copied())
+        .or_else(|| panic.downcast_ref::<String>().map(String::as_str));
+    raised(py, "defect", text.unwrap_or("nobody knows why"), "[]")
+}
+
+fn raised(py: Python<'_>, kind: &str, message: &str, findings: &str) -> PyErr {
+    let made = py
+        .import(MODULE)
+        .and_then(|module| module.call_method1("made", (kind, message, findings)));
+    made.map_or_else(|error| error, PyErr::from_value)
+}
+
+/// Warns of what has been heard.
+///
+/// # Errors
+/// The warning, where the caller takes warnings for errors.
+pub fn warn(py: Python<'_>, heard: &Heard) -> PyResult<()> {
+    let all = heard.doubts.iter().map(|text| ("findings", text));
+    let all = all.chain(heard.warnings.iter().map(|text| ("note", text)));
+    for (kind, text) in all {
+        py.import(MODULE)?.call_method1("warn", (kind, text))?;
+    }
+    Ok(())
+}

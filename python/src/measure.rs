@@ -1,0 +1,155 @@
+//! Estimates, plans and trades.
+use std::path::PathBuf;
+use std::time::Duration;
+
+use pyo3::prelude::*;
+use serde_json::json;
+use stochc::ensemble::Manifest;
+use stochc::ensemble::trade::{Extent, Setup};
+use stochc::exit::Failure;
+use stochc::host::Host as _;
+use stochc::operations::estimate::{Estimating, estimates};
+use stochc::operations::plan::{Budget, SeedPlate, Wish, goal, plan as plan_goal};
+use stochc::operations::runs::threads;
+use stochc::operations::trade::{keep, measured, memory};
+use stochc::planner::{Objective, explanation};
+use stochc::report::figures::trade as trade_figure;
+use stochc::report::tables::{estimates_to_text, trade_to_text};
+use stochc::runtime::Settings;
+
+use super::call::call;
+use super::host::WIDTH;
+use super::program::Program;
+use super::settings::folders;
+
+/// How programs are estimated.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct Estimated {
+    programs: Vec<Py<Program>>,
+    rates: Vec<PathBuf>,
+    runs: Option<u64>,
+    max_ticks: u64,
+    seed: u64,
+    threads: Option<u16>,
+}
+
+/// Estimates as JSON and as text.
+#[pyfunction]
+pub fn estimate(
+    py: Python<'_>,
+    asked: Estimated,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<(String, String)> {
+    /// Captures that are shown.
+    const SHOWN: usize = 5;
+    call(py, progress.as_ref(), move |host| {
+        let programs = asked.programs.iter().map(|it| (*it.get().0).clone());
+        let how = Estimating {
+            rates: &asked.rates,
+            runs: asked.runs,
+            max_ticks: asked.max_ticks,
+            seed: asked.seed,
+            threads: asked.threads,
+        };
+        let found = estimates(programs.collect(), &how, host)?;
+        Ok((
+            json!(found).to_string(),
+            estimates_to_text(&found, SHOWN, WIDTH),
+        ))
+    })
+}
+
+/// What is to be planned.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct Planned {
+    target: String,
+    shape: Option<String>,
+    seed_plate: Option<String>,
+    scene: Option<String>,
+    imports: Vec<PathBuf>,
+    budget: Option<String>,
+    is_p90: bool,
+    seed: u64,
+}
+
+/// A program, its plan as JSON, and that in words.
+#[pyfunction]
+pub fn plan(
+    py: Python<'_>,
+    asked: Planned,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<(String, String, String)> {
+    call(py, progress.as_ref(), move |host| {
+        let said = |what: &'static str| move |reason| Failure::usage(format!("{what}: {reason}"));
+        let seed_plate = asked.seed_plate.as_deref().map(SeedPlate::parse);
+        let seed_plate = seed_plate.transpose().map_err(said("seed_plate"))?;
+        let budget = asked.budget.as_deref().map(Budget::parse);
+        let imports = folders(asked.imports)?;
+        let wish = Wish {
+            target: &asked.target,
+            shape: asked.shape.as_deref(),
+            seed_plate: seed_plate.as_ref(),
+            scene: asked.scene.as_deref(),
+            imports: &imports,
+            budget: budget.transpose().map_err(said("budget"))?,
+            objective: match asked.is_p90 {
+                true => Objective::P90,
+                false => Objective::Mean,
+            },
+            seed: asked.seed,
+        };
+        let found = plan_goal(&goal(&wish, host)?, &wish, host)?;
+        let explained = explanation(&found.plan);
+        Ok((found.text, json!(found.plan).to_string(), explained))
+    })
+}
+
+/// What is to be traded.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct Traded {
+    programs: Vec<Py<Program>>,
+    runs: Option<u64>,
+    budget: f64,
+    seed: u64,
+    max_ticks: Option<u64>,
+    finest: u32,
+    threads: Option<u16>,
+    out: Option<PathBuf>,
+    resume: bool,
+}
+
+/// A trade as JSON, as text and as a picture.
+#[pyfunction]
+pub fn trade(
+    py: Python<'_>,
+    asked: Traded,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<(String, String, String)> {
+    call(py, progress.as_ref(), move |host| {
+        let programs = asked.programs.iter().map(|it| (*it.get().0).clone());
+        // Programs of the same name are told apart as in an ensemble.
+        let manifest = Manifest::new(Settings::default(), asked.seed, 1, programs.collect());
+        manifest.within_limits().map_err(Failure::usage)?;
+        let (programs, out) = (manifest.programs, asked.out.as_deref());
+        let memory = memory(out, asked.resume, &programs, asked.seed)?;
+        let budget = Duration::try_from_secs_f64(asked.budget).map_err(Failure::usage)?;
+        let setup = Setup {
+            extent: asked.runs.map_or(Extent::Budget(budget), Extent::Runs),
+            seed: asked.seed,
+            threads: threads(asked.threads).get(),
+            finest: asked.finest,
+            max_ticks: asked.max_ticks,
+            memory: memory.as_ref(),
+            stop: host.stop(),
+        };
+        let trade = measured(&programs, &setup, host)?;
+        if let (Some(out), Some(memory)) = (out, memory) {
+            keep(out, memory, &trade)?;
+        }
+        let (text, picture) = (trade_to_text(&trade, WIDTH, false), trade_figure(&trade));
+        Ok((trade.to_json(), text, picture.file()))
+    })
+}

@@ -1,0 +1,248 @@
+//! Programs: their findings, and what they compile to.
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+use stochc::compiler::emit::{structure_svg, structure_text};
+use stochc::compiler::{Checked, LintLevels, Program as CompiledProgram};
+use stochc::diagnostics::{drawn, values};
+use stochc::ensemble::{Manifest, Program as Entry, Source};
+use stochc::exit::Failure;
+use stochc::ir::Executable;
+use stochc::ir::emit::{graph_text, table_text};
+use stochc::operations::codes;
+use stochc::operations::programs::{accept, programs, recompile};
+use stochc::runtime::Settings;
+
+use super::call::call;
+use super::host::WIDTH;
+use super::settings::{Said, folders, levels};
+
+/// A program that is ready to run.
+#[pyclass(frozen, module = "stochc._native")]
+#[derive(Clone)]
+pub struct Program(pub Arc<Entry>);
+
+impl From<Entry> for Program {
+    fn from(entry: Entry) -> Program {
+        Program(Arc::new(entry))
+    }
+}
+
+/// Findings as JSON and drawn, whether there are errors, and the programs if there are none.
+type Found = (String, String, bool, Vec<Program>);
+
+/// Looks for errors in a file, or in a text of a name.
+#[pyfunction]
+pub fn check(
+    py: Python<'_>,
+    source: String,
+    name: Option<String>,
+    said: Vec<Said>,
+    imports: Vec<PathBuf>,
+) -> PyResult<Found> {
+    call(py, None, move |_| {
+        let (levels, imports) = (levels(&said)?, folders(imports)?);
+        let checked = match name {
+            Some(name) => stochc::check_texts(&[(&name, &source)], &levels, "", &[]),
+            None => stochc::check_within(&source, &levels, &imports),
+        };
+        let findings: Vec<_> = values(&checked).collect();
+        let (drawn, is_wrong) = (drawn(&checked, false, WIDTH), checked.has_errors());
+        let programs = match is_wrong {
+            true => Vec::new(),
+            false => entries(checked),
+        };
+        let findings = serde_json::Value::from(findings).to_string();
+        Ok((findings, drawn, is_wrong, programs))
+    })
+}
+
+/// The programs of a file without errors.
+fn entries(checked: Checked) -> Vec<Program> {
+    // Hears what has been told already.
+    let silent = super::host::Caller::default();
+    let found = accept("", checked, &silent).unwrap_or_default();
+    found.into_iter().map(Program::from).collect()
+}
+
+/// The programs of a file, or of a text of a name.
+#[pyfunction]
+pub fn load(
+    py: Python<'_>,
+    source: String,
+    name: Option<String>,
+    said: Vec<Said>,
+    imports: Vec<PathBuf>,
+) -> PyResult<Vec<Program>> {
+    call(py, None, move |host| {
+        let (levels, imports) = (levels(&said)?, folders(imports)?);
+        let found = match name {
+            Some(name) => {
+                let checked = stochc::check_texts(&[(&name, &source)], &levels, "", &[]);
+                accept(&name, checked, host)
+            }
+            None => programs(&[source], &levels, &imports, host),
+        }?;
+        Ok(found.into_iter().map(Program::from).collect())
+    })
+}
+
+/// The page on a kind of finding.
+#[pyfunction]
+pub fn explain(py: Python<'_>, code: String) -> PyResult<&'static str> {
+    call(py, None, move |_| {
+        codes::explain(&code).map_err(Failure::usage)
+    })
+}
+
+#[pymethods]
+impl Program {
+    /// What tables call it.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.0.name
+    }
+
+    /// The name of its assembly or aggregate.
+    #[getter]
+    fn assembly(&self) -> &str {
+        self.0.assembly()
+    }
+
+    /// The name of its scene.
+    #[getter]
+    fn scene(&self) -> &str {
+        &self.0.scene.name
+    }
+
+    /// The length of a tick [s].
+    #[getter]
+    fn tick(&self) -> f64 {
+        self.0.scene.tick
+    }
+
+    /// Captures that it makes, or blocks of an aggregate.
+    #[getter]
+    fn captures(&self) -> u64 {
+        self.0.captures()
+    }
+
+    /// The names of its phases.
+    #[getter]
+    fn phases(&self) -> Vec<String> {
+        let phases = self.0.phases().iter();
+        phases.map(|phase| phase.name.clone()).collect()
+    }
+
+    /// SHA-256 of its text, all that it imports, and its scene.
+    #[getter]
+    fn digest(&self) -> String {
+        self.0.hash()
+    }
+
+    /// Its files: path and text of each.
+    #[getter]
+    fn sources(&self) -> Vec<(String, String)> {
+        let sources = self.0.sources.iter();
+        sources
+            .map(|Source { path, text }| (path.clone(), text.clone()))
+            .collect()
+    }
+
+    /// The scene as a manifest has it, in JSON.
+    fn scene_json(&self) -> String {
+        serde_json::json!(self.0.scene).to_string()
+    }
+
+    /// The picture of its structure, if its text is known and it has one.
+    fn structure_svg(&self, py: Python<'_>) -> PyResult<Option<String>> {
+        self.of_text(py, |program, checked| {
+            structure_svg(&program.plan, &program.layout, &checked.symbols)
+        })
+    }
+
+    /// Its structure in words, if its text is known.
+    fn structure_text(&self, py: Python<'_>) -> PyResult<Option<String>> {
+        self.of_text(py, |program, _| {
+            Some(structure_text(&program.plan, &program.layout).to_string())
+        })
+    }
+
+    /// Its dependency graph, in words.
+    fn graph_text(&self, py: Python<'_>) -> PyResult<String> {
+        let entry = self.0.clone();
+        call(py, None, move |_| {
+            Ok(graph_text(&entry.compiled.graph, entry.tables()).to_string())
+        })
+    }
+
+    /// Its event tables, in words.
+    fn table_text(&self, py: Python<'_>) -> PyResult<String> {
+        let entry = self.0.clone();
+        call(
+            py,
+            None,
+            move |_| Ok(table_text(entry.tables()).to_string()),
+        )
+    }
+
+    /// It as a file of compiled programs, which `stochc simulate` runs.
+    fn executable<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let entry = self.0.clone();
+        let bytes = call(py, None, move |_| {
+            let executable = Executable {
+                tables: entry.tables().clone(),
+                scene: entry.scene.clone(),
+                graph: entry.compiled.graph.clone(),
+            };
+            let mut bytes = Vec::new();
+            Executable::write_all(&[executable], &mut bytes).map_err(Failure::usage)?;
+            Ok(bytes)
+        })?;
+        Ok(PyBytes::new(py, &bytes))
+    }
+
+    /// All of it as a text, for [`from_json`](Program::from_json).
+    fn to_json(&self, py: Python<'_>) -> PyResult<String> {
+        let entry = self.0.clone();
+        call(py, None, move |_| {
+            Ok(Manifest::new(Settings::default(), 0, 1, vec![(*entry).clone()]).to_json())
+        })
+    }
+
+    /// The program that such a text is of.
+    #[staticmethod]
+    fn from_json(py: Python<'_>, json: String) -> PyResult<Program> {
+        call(py, None, move |_| {
+            let manifest = Manifest::from_json(&json);
+            let mut programs = manifest.map_err(Failure::usage)?.programs;
+            let program = programs.pop();
+            program
+                .map(Program::from)
+                .ok_or_else(|| Failure::usage("it holds no program"))
+        })
+    }
+}
+
+impl Program {
+    /// What can be said of it with its text; `None`: it was compiled elsewhere.
+    fn of_text(
+        &self,
+        py: Python<'_>,
+        say: impl FnOnce(&CompiledProgram, &Checked) -> Option<String> + Send + 'static,
+    ) -> PyResult<Option<String>> {
+        let entry = self.0.clone();
+        call(py, None, move |_| {
+            if entry.sources.is_empty() {
+                return Ok(None);
+            }
+            let (sources, varied) = (&entry.sources, &entry.varied);
+            let checked = recompile(sources, varied, entry.assembly(), &LintLevels::default());
+            let mut programs = checked.programs.iter();
+            let program = programs.find(|program| program.plan.name == entry.assembly());
+            Ok(program.and_then(|program| say(program, &checked)))
+        })
+    }
+}

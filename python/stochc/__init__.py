@@ -1,0 +1,96 @@
+"""Compiler, verifier and simulator for stochastic modular robots.
+
+The functions do what the commands of `stochc` of the same names do: the same checks, the same runs to the bit, the same
+files byte for byte. `docs/python.md` tells how to begin.
+
+>>> import stochc
+>>> ensemble = stochc.simulate(stochc.EXAMPLE, runs=3, model="shuffle")
+>>> ensemble.complete
+True
+"""
+
+from ._ensemble import (
+    Axes,
+    Ensemble,
+    Programs,
+    Replay,
+    Run,
+    merge,
+    open,
+    prepare,
+    replay,
+    report,
+    shard,
+    simulate,
+    status,
+    sweep,
+)
+from ._errors import (
+    FindingWarning,
+    InternalError,
+    Interrupted,
+    ProgramError,
+    RunError,
+    StochcError,
+    StochcWarning,
+    UsageError,
+)
+from ._findings import Finding, Fix, Position, Span
+from ._measure import Estimates, Plan, Trade, estimate, plan, trade
+from ._program import Checked, Program, Source, check, compile, compile_all, explain
+from ._progress import Progress
+from ._table import Column, Table
+
+EXAMPLE = """\
+assembly pair {
+    seed plate 3 x 3 { M at (1, 1) }
+    phase grow { M.up -> A }
+}
+"""
+"""A small program, to try things out."""
+
+__all__ = [
+    "EXAMPLE",
+    "Axes",
+    "Checked",
+    "Column",
+    "Ensemble",
+    "Estimates",
+    "Finding",
+    "FindingWarning",
+    "Fix",
+    "InternalError",
+    "Interrupted",
+    "Plan",
+    "Position",
+    "Program",
+    "ProgramError",
+    "Programs",
+    "Progress",
+    "Replay",
+    "Run",
+    "RunError",
+    "Source",
+    "Span",
+    "StochcError",
+    "StochcWarning",
+    "Table",
+    "Trade",
+    "UsageError",
+    "check",
+    "compile",
+    "compile_all",
+    "estimate",
+    "explain",
+    "merge",
+    "open",
+    "plan",
+    "prepare",
+    "replay",
+    "report",
+    "shard",
+    "simulate",
+    "status",
+    "sweep",
+    "trade",
+]

@@ -1,0 +1,504 @@
+"""Ensembles: many runs of programs, kept in a folder or in memory, and what they tell."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, Literal, TypeAlias
+
+from . import _arguments, _html, _native
+from ._arguments import MOST_RUNS, MOST_SEED, MOST_TICKS, Path, told, whole
+from ._errors import UsageError
+from ._program import Program, Source, compile_all
+from ._progress import Progress, shown
+from ._table import Table
+
+Programs: TypeAlias = "Source | Program | Iterable[Source | Program]"
+"""Programs, or texts or files of them, one or several."""
+
+Axes: TypeAlias = "Mapping[str, str | float | Sequence[float]]"
+"""Numbers of the scene and their values: `{"free": [50, 100], "bond.pull": "2..12 N/5 log"}`."""
+
+Model: TypeAlias = Literal["rigid", "rapier", "rate", "shuffle"]
+
+
+def _listed(
+    programs: Programs, levels: tuple[Any, Any, Any], allow_import: Source | Iterable[Source]
+) -> list[_native.Program]:
+    each: list[Source | Program]
+    if isinstance(programs, (str, os.PathLike, Program)):
+        each = [programs]
+    elif isinstance(programs, Iterable):  # pyright: ignore[reportUnnecessaryIsInstance]
+        each = list(programs)
+    else:
+        raise TypeError(f"programs: give programs, texts or paths, not {told(programs)}")
+    found: list[_native.Program] = []
+    for it in each:
+        if isinstance(it, Program):
+            found.append(it._native)  # pyright: ignore[reportPrivateUsage]
+        else:
+            allow, warn, deny = levels
+            read = compile_all(it, allow=allow, warn=warn, deny=deny, allow_import=allow_import)
+            found.extend(program._native for program in read)  # pyright: ignore[reportPrivateUsage]
+    return found
+
+
+def _asked(
+    programs: Programs,
+    *,
+    runs: int,
+    seed: int,
+    model: str,
+    sweep: Axes | None,
+    rates: Path | Iterable[Path],
+    substeps: int | str,
+    solver_iterations: int | None,
+    precision: str,
+    reduce: str | None,
+    max_ticks: int,
+    threads: int | None,
+    allow: str | Iterable[str],
+    warn: str | Iterable[str],
+    deny: str | Iterable[str],
+    allow_import: Source | Iterable[Source],
+) -> _native.Asked:
+    levels = (allow, warn, deny)
+    return {
+        "runs": whole("runs", runs, 1, MOST_RUNS),
+        "seed": whole("seed", seed, 0, MOST_SEED),
+        "sweep": [] if sweep is None else _arguments.axes(sweep),
+        "levels": _arguments.levels(*levels),
+        "computed": {
+            "model": _arguments.word("model", model),
+            "substeps": _arguments.substeps(substeps),
+            "solver_iterations": _arguments.maybe("solver_iterations", solver_iterations, 1, 1000),
+            "precision": _arguments.word("precision", precision),
+            "reduce": None if reduce is None else _arguments.word("reduce", reduce),
+            "max_ticks": whole("max_ticks", max_ticks, 1, MOST_TICKS),
+            "rates": _arguments.paths("rates", rates),
+        },
+        "threads": _arguments.threads(threads),
+        "programs": _listed(programs, levels, allow_import),
+    }
+
+
+class Run:
+    """One run of an ensemble."""
+
+    __slots__ = ("ensemble", "number", "program")
+
+    ensemble: Ensemble
+    program: str | None
+    """The name of its program; `None`: the only one."""
+    number: int
+    """From 0."""
+
+    def __init__(self, ensemble: Ensemble, number: int, program: str | None) -> None:
+        self.ensemble, self.number, self.program = ensemble, number, program
+
+    @property
+    def record(self) -> dict[str, Any]:
+        """All that is known of it, as `stochc simulate --run N --format json` tells it; times are ticks.
+
+        A run that is not there is made.
+        """
+        native = self.ensemble._native  # pyright: ignore[reportPrivateUsage]
+        record: dict[str, Any] = json.loads(native.record(self.program, self.number))
+        return record
+
+    @property
+    def ticks(self) -> int:
+        """Its length [ticks]."""
+        ticks: int = self.record["ticks"]
+        return ticks
+
+    def replay(self) -> Replay:
+        """The page that shows it tick by tick; a recording is read from the folder, or the run is made again."""
+        native = self.ensemble._native  # pyright: ignore[reportPrivateUsage]
+        return Replay(native.replay(self.program, self.number), str(self))
+
+    def save_replay(self, path: Path) -> None:
+        """Writes the page that shows it."""
+        native = self.ensemble._native  # pyright: ignore[reportPrivateUsage]
+        native.write_replay(self.program, self.number, _arguments.path("path", path))
+
+    def export(
+        self, path: Path, format: Literal["parquet", "gltf"] = "parquet", every: int | None = None
+    ) -> None:
+        """Makes it again and writes the place of every block.
+
+        Args:
+            path: the file to write.
+            format: a table (`parquet`), or an animation for 3D programs (`gltf`, a `.glb` file).
+            every: ticks between the places; 1 for a table and 8 for an animation, if not said.
+        """
+        if format not in ("parquet", "gltf"):
+            raise UsageError(f"format: give 'parquet' or 'gltf', not {told(format)}")
+        is_table = format == "parquet"
+        ticks = whole("every", (1 if is_table else 8) if every is None else every, 1, 1_000_000)
+        native = self.ensemble._native  # pyright: ignore[reportPrivateUsage]
+        chosen = (self.program, self.number)
+        native.export(chosen, is_table, ticks, _arguments.path("path", path))
+
+    def __str__(self) -> str:
+        of = f"{self.program}, " if self.program else ""
+        return f"{of}run {self.number}"
+
+    def __repr__(self) -> str:
+        return f"<stochc.Run {self}>"
+
+    def _repr_html_(self) -> str:
+        return self.replay().frame()
+
+
+class Replay:
+    """A page that shows a run, and asks nothing of any network."""
+
+    __slots__ = ("html", "title")
+
+    html: str
+    """The page."""
+    title: str
+
+    def __init__(self, html: str, title: str) -> None:
+        self.html, self.title = html, title
+
+    def __repr__(self) -> str:
+        return f"<stochc.Replay of {self.title}: {len(self.html)} characters>"
+
+    def frame(self, height: int = 640) -> str:
+        """It as an element for another page, so many pixels high."""
+        pixels = whole("height", height, 1, 100_000)
+        return _html.page(self.html, f"replay of {self.title}", pixels)
+
+    def _repr_html_(self) -> str:
+        return self.frame()
+
+
+class Ensemble:
+    """Runs of one or more programs, and what they tell; it prints as `stochc results` does.
+
+    >>> import stochc
+    >>> ensemble = stochc.simulate(stochc.EXAMPLE, runs=5, model="shuffle")
+    >>> ensemble
+    <stochc.Ensemble of pair: 5 of 5 runs>
+    >>> [row["mean"] for row in ensemble.summary]
+    [1.0]
+    """
+
+    __slots__ = ("_native",)
+
+    def __init__(self, native: _native.Ensemble) -> None:
+        self._native = native
+
+    @property
+    def folder(self) -> str | None:
+        """The folder that it is kept in; `None`: in memory alone."""
+        folder = self._native.folder
+        return None if folder is None else str(folder)
+
+    @property
+    def programs(self) -> tuple[Program, ...]:
+        """Its programs, in their order."""
+        return tuple(Program(it) for it in self._native.programs)
+
+    @property
+    def seed(self) -> int:
+        """The seed of every draw."""
+        return self._native.seed
+
+    @property
+    def model(self) -> str:
+        """The physical model."""
+        return self._native.model
+
+    @property
+    def identity(self) -> str:
+        """SHA-256 of all that decides what a run does."""
+        return self._native.identity
+
+    @property
+    def complete(self) -> bool:
+        """Whether every run that was asked for is there."""
+        finished, total = self._native.counts()
+        return finished == total
+
+    def __len__(self) -> int:
+        """How many runs are there, of all programs."""
+        return self._native.counts()[0]
+
+    @property
+    def runs(self) -> Table:
+        """A row for each run: outcome and times [ticks]; `runs.parquet` of a folder."""
+        return Table(self._native.table("runs"))
+
+    @property
+    def phases(self) -> Table:
+        """A row for each phase that a run has reached, with its times [ticks]."""
+        return Table(self._native.table("phases"))
+
+    @property
+    def bonds(self) -> Table:
+        """A row for each capture, or face that waited for one when its run ended; times [ticks], cells [sides]."""
+        return Table(self._native.table("bonds"))
+
+    @property
+    def releases(self) -> Table:
+        """A row for each block that was released [ticks]."""
+        return Table(self._native.table("releases"))
+
+    @property
+    def unplanned(self) -> Table:
+        """A row for each block that docked where nobody expected it [ticks]."""
+        return Table(self._native.table("unplanned"))
+
+    @property
+    def summary(self) -> Table:
+        """A row for each program, or point of a sweep: how its runs ended, and their times to completion [ticks]."""
+        return Table(self._native.summary())
+
+    @property
+    def survival(self) -> Table:
+        """The share of runs that are incomplete at each time [ticks] at which one completed, by Kaplan and Meier."""
+        return Table(self._native.survival())
+
+    def results(self, *, captures: bool = False) -> Any:
+        """All figures and comparisons, as `stochc results --format json` has them; of every capture, if asked for."""
+        return json.loads(self._native.results(_arguments.yes("captures", captures), None))
+
+    def text(self, *, captures: bool = False, width: int = 100) -> str:
+        """What `stochc results` prints, in so many columns."""
+        columns = whole("width", width, 40, 10_000)
+        return self._native.results(_arguments.yes("captures", captures), columns)
+
+    def pictures(self) -> dict[str, str]:
+        """Its figures (SVG) by their titles: the completion curves, or those of a sweep."""
+        return {title: svg for _, title, svg in self._native.pictures()}
+
+    def run(self, number: int, program: str | None = None) -> Run:
+        """A run by its number, from 0; of which program, if there are several."""
+        names = [it.name for it in self._native.programs]
+        number = whole("number", number, 0, self._native.runs_asked - 1)
+        if program is None and len(names) > 1:
+            listed = ", ".join(f"`{name}`" for name in names[:10])
+            raise UsageError(f"program: name one of {listed}{', ...' if len(names) > 10 else ''}")
+        if program is not None and _arguments.word("program", program) not in names:
+            raise UsageError(f"program: there is no `{program}`, but {', '.join(names[:10])}")
+        return Run(self, number, program)
+
+    def __reduce__(self) -> tuple[Any, tuple[str]]:
+        folder = self.folder
+        if folder is None:
+            raise TypeError("an ensemble in memory is not pickled: make it with `out=`, or pass its tables on")
+        return (open, (folder,))
+
+    def __repr__(self) -> str:
+        names = [it.name for it in self._native.programs]
+        which = ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
+        finished, total = self._native.counts()
+        return f"<stochc.Ensemble of {which}: {finished} of {total} runs>"
+
+    def __str__(self) -> str:
+        return self.text().rstrip()
+
+    def _repr_html_(self) -> str:
+        summary = self.summary
+        left_out = {"runs", "captures", "blocks_used", "tick", "horizon"}
+        columns = [it for it in summary.columns if it.name not in left_out]
+        most = 60
+        rows = [[row[it.name] for it in columns] for row in summary.rows(0, most)]
+        names = [it.name + (f" [{it.unit}]" if it.unit else "") for it in columns]
+        more = len(summary) - len(rows)
+        rest = f"<p>and {more} more</p>" if more > 0 else ""
+        figures = [_html.picture(svg, title) for _, title, svg in self._native.pictures()]
+        return _html.table(names, rows, [it.meaning for it in columns]) + rest + "".join(figures)
+
+
+def simulate(
+    programs: Programs,
+    *,
+    runs: int = 50,
+    seed: int = 1,
+    model: Model = "rigid",
+    sweep: Axes | None = None,
+    rates: Path | Iterable[Path] = (),
+    substeps: int | str = "1/8",
+    solver_iterations: int | None = None,
+    precision: Literal["single", "double"] = "single",
+    reduce: Literal["no-rotation", "spheres", "no-friction", "no-block-contact"] | None = None,
+    max_ticks: int = 1_000_000,
+    threads: int | None = None,
+    out: Path | None = None,
+    resume: bool = False,
+    mixed_builds: bool = False,
+    record: int | str | Iterable[int] | None = None,
+    record_every: int = 4,
+    allow: str | Iterable[str] = (),
+    warn: str | Iterable[str] = (),
+    deny: str | Iterable[str] = (),
+    allow_import: Source | Iterable[Source] = (),
+    progress: Progress = None,
+) -> Ensemble:
+    """Simulates programs many times: the same runs, to the bit, as `stochc simulate` with the same options.
+
+    The interpreter's lock is released; Ctrl-C stops within a tick, and what is finished stays in `out`.
+
+    Args:
+        programs: programs, texts or files; several are compared.
+        runs: of each program.
+        seed: of the random numbers.
+        model: `rigid`: rigid bodies; `rapier`: the same by a general engine; `rate`: no motion, waits drawn by measured
+            rates; `shuffle`: no physics, to try out event tables.
+        sweep: numbers of the scene and their values; every combination is simulated.
+        rates: files of rates, for `rate`; scenes that none is about are measured first.
+        substeps: steps of the model in each tick; `"1/8"`: one, and eight near magnetized faces.
+        solver_iterations: of the contact solver in each step.
+        precision: of the physics; `double` needs `rigid`.
+        reduce: a part of the physics to leave out, with `rigid`.
+        max_ticks: stop a run after so many ticks; its time is then censored.
+        threads: runs at the same time; as many as there are cores, if not said.
+        out: a new or empty folder for the results; if not said, they stay in memory.
+        resume: continue what `out` holds of the same ensemble.
+        mixed_builds: continue it although another build of stochc has made its runs.
+        record: runs whose trajectories are recorded in `out`: `17`, `"0..4"`, `[0, 5]` or `"all"`.
+        record_every: ticks between the places of a recording.
+        allow, warn, deny, allow_import: as in `check`.
+        progress: whether and how to show progress; if not said, in a terminal and in Jupyter.
+
+    Raises:
+        ProgramError: a program is wrong, or cannot be simulated.
+        UsageError: an argument is wrong, or a folder cannot be used.
+
+    >>> import stochc
+    >>> print(stochc.simulate(stochc.EXAMPLE, runs=2, model="shuffle", progress=False).complete)
+    True
+    """
+    asked = _asked(
+        programs,
+        runs=runs,
+        seed=seed,
+        model=model,
+        sweep=sweep,
+        rates=rates,
+        substeps=substeps,
+        solver_iterations=solver_iterations,
+        precision=precision,
+        reduce=reduce,
+        max_ticks=max_ticks,
+        threads=threads,
+        allow=allow,
+        warn=warn,
+        deny=deny,
+        allow_import=allow_import,
+    )
+    kept: _native.Kept = {
+        "out": _arguments.maybe_path("out", out),
+        "resume": _arguments.yes("resume", resume),
+        "mixed_builds": _arguments.yes("mixed_builds", mixed_builds),
+        "record": _arguments.selection(record),
+        "record_every": whole("record_every", record_every, 1, 1_000_000),
+    }
+    for name, said in (("resume", resume or mixed_builds), ("record", kept["record"])):
+        if said and out is None:
+            raise UsageError(f"{name}: name a folder with `out`")
+    with shown(progress) as show:
+        return Ensemble(_native.simulate(asked, kept, show))
+
+
+def sweep(programs: Programs, over: Axes, **options: Any) -> Ensemble:
+    """Simulates programs at every combination of some numbers of their scene; the options are those of `simulate`.
+
+    >>> import stochc
+    >>> ensemble = stochc.sweep(stochc.EXAMPLE, {"free": [50, 100]}, runs=2, model="shuffle")
+    >>> [(row["scene_free"], row["completed"]) for row in ensemble.summary]
+    [(50.0, 2), (100.0, 2)]
+    """
+    return simulate(programs, sweep=over, **options)
+
+
+def open(folder: Path) -> Ensemble:
+    """Reads a folder of results, finished or not, and changes nothing in it."""
+    return Ensemble(_native.open(_arguments.path("folder", folder)))
+
+
+def replay(run: Run | Ensemble | Path, number: int = 0, program: str | None = None) -> Replay:
+    """The page that shows a run: of an ensemble or a folder, by its number and its program."""
+    if isinstance(run, Run):
+        return run.replay()
+    ensemble = run if isinstance(run, Ensemble) else open(run)
+    return ensemble.run(number, program).replay()
+
+
+def prepare(programs: Programs, out: Path, shards: int, **options: Any) -> int:
+    """Only prepares `out`, cut into so many pieces, which `shard` makes and `merge` puts together.
+
+    The options are those of `simulate` that say what is simulated. Returns the number of runs in all.
+    """
+    from inspect import signature
+
+    known = signature(_asked).parameters
+    for name in options:
+        if name not in known or name == "programs":
+            raise TypeError(f"prepare() has no option {name!r}")
+    defaults = signature(simulate).parameters
+    given = {name: options.get(name, defaults[name].default) for name in known if name != "programs"}
+    pieces = whole("shards", shards, 1, 100_000)
+    return _native.prepare(_asked(programs, **given), _arguments.path("out", out), pieces)
+
+
+def shard(
+    folder: Path, number: int, *, threads: int | None = None, progress: Progress = None
+) -> int:
+    """Makes a piece of an ensemble that `prepare` has cut, or what is missing of it, and returns how many runs it has.
+
+    Any process may make any piece, in any order, and again: a piece appears whole or not at all.
+
+    Args:
+        folder: that of `prepare`, or of `stochc simulate --shards`.
+        number: of the piece, from 0.
+        threads: runs at the same time; as many as there are cores, if not said.
+        progress: as in `simulate`.
+    """
+    place, piece = _arguments.path("folder", folder), whole("number", number, 0, MOST_RUNS)
+    at_once = _arguments.threads(threads)
+    with shown(progress) as show:
+        return _native.shard(place, piece, at_once, show)
+
+
+def status(folder: Path) -> dict[str, Any]:
+    """Which pieces are there, as `stochc status --format json` says it: `missing` has the numbers of the others."""
+    status: dict[str, Any] = json.loads(_native.status(_arguments.path("folder", folder)))
+    return status
+
+
+def merge(folder: Path) -> Ensemble:
+    """Puts the pieces of an ensemble together: the same files, byte for byte, as without pieces.
+
+    Raises:
+        RunError: pieces are missing; the text names them.
+    """
+    return Ensemble(_native.merge(_arguments.path("folder", folder)))
+
+
+def report(folders: Path | Ensemble | Iterable[Path | Ensemble], out: Path | None = None) -> str:
+    """Writes the HTML report on one or more folders of results, and returns its path.
+
+    It is `report.html` in a single folder, and in the current one for several, if `out` does not say another.
+    """
+    each: list[Path | Ensemble]
+    if isinstance(folders, (str, os.PathLike, Ensemble)):
+        each = [folders]
+    elif isinstance(folders, Iterable):  # pyright: ignore[reportUnnecessaryIsInstance]
+        each = list(folders)
+    else:
+        raise TypeError(f"folders: give folders of results, not {told(folders)}")
+    places: list[str] = []
+    for it in each:
+        place = it.folder if isinstance(it, Ensemble) else it
+        if place is None:
+            raise UsageError("a report is on a folder: make the ensemble with `out=`")
+        places.append(_arguments.path("folders", place))
+    if not places:
+        raise UsageError("folders: give one at least")
+    return str(_native.report(places, _arguments.maybe_path("out", out)))

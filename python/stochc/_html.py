@@ -1,0 +1,39 @@
+"""What notebooks show; it takes the colours of the notebook, light or dark."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Iterable, Sequence
+from html import escape
+
+
+def picture(svg: str, title: str) -> str:
+    """A picture whose styles stay its own."""
+    data = base64.b64encode(svg.encode()).decode()
+    return f'<img alt="{escape(title)}" style="max-width:100%" src="data:image/svg+xml;base64,{data}"/>'
+
+
+def table(header: Sequence[str], rows: Iterable[Sequence[object]], titles: Sequence[str] = ()) -> str:
+    """A table; numbers stand on the right."""
+    hints = list(titles) + [""] * (len(header) - len(titles))
+    head = "".join(
+        f'<th scope="col" title="{escape(hint)}">{escape(name)}</th>'
+        for name, hint in zip(header, hints, strict=True)
+    )
+    body = "".join(f"<tr>{''.join(_cell(it) for it in row)}</tr>" for row in rows)
+    return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+
+
+def _cell(value: object) -> str:
+    is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    text = "–" if value is None else f"{value:.6g}" if isinstance(value, float) else str(value)
+    align = "right" if is_number else "left"
+    return f'<td style="text-align:{align}">{escape(text)}</td>'
+
+
+def page(html: str, title: str, height: int = 640) -> str:
+    """A whole page within another, which asks nothing of any network."""
+    return (
+        f'<iframe title="{escape(title)}" srcdoc="{escape(html)}" sandbox="allow-scripts" '
+        f'style="width:100%;height:{height}px;border:0"></iframe>'
+    )

@@ -1,0 +1,217 @@
+"""Estimates, plans and trades."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from . import _arguments, _html, _native
+from ._arguments import MOST_RUNS, MOST_SEED, MOST_TICKS, Path, told, whole
+from ._ensemble import Programs, _listed  # pyright: ignore[reportPrivateUsage]
+from ._errors import UsageError
+from ._program import Program, Source, compile
+from ._progress import Progress, shown
+
+
+@dataclass(frozen=True)
+class Estimates:
+    """When programs will be complete, and what decides it."""
+
+    programs: tuple[dict[str, Any], ...]
+    """One for each, as `stochc estimate --format json` has it; times are ticks, shares 0 to 1."""
+    text: str
+    """As `stochc estimate` prints it."""
+
+    def __str__(self) -> str:
+        return self.text.rstrip()
+
+    def _repr_html_(self) -> str:
+        rows: list[list[object]] = []
+        for it in self.programs:
+            total: dict[str, float] = it["total"] or {}
+            times = [total.get(name) for name in ("mean", "half_width", "p10", "median", "p90")]
+            rows.append([it["program"], *times])
+        return _html.table(["program", "mean [ticks]", "±", "p10", "median", "p90"], rows)
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A program that builds a shape."""
+
+    text: str
+    """The program."""
+    plan: dict[str, Any]
+    """Its order, as `stochc plan --format json` has it."""
+    explanation: str
+    """The same in words."""
+
+    def compile(self) -> Program:
+        """The program, ready to run."""
+        return compile(self.text)
+
+    def __str__(self) -> str:
+        return self.text.rstrip()
+
+    def _repr_html_(self) -> str:
+        return self.compile()._repr_html_()  # pyright: ignore[reportPrivateUsage]
+
+
+@dataclass(frozen=True)
+class Trade:
+    """What accuracy costs."""
+
+    data: dict[str, Any]
+    """All of it, as `trade.json` has it."""
+    text: str
+    """As `stochc trade` prints it."""
+    svg: str
+    """The picture."""
+
+    def __str__(self) -> str:
+        return self.text.rstrip()
+
+    def _repr_html_(self) -> str:
+        return _html.picture(self.svg, "error and time of each setting")
+
+
+def estimate(
+    programs: Programs,
+    *,
+    rates: Path | Iterable[Path] = (),
+    runs: int | None = None,
+    max_ticks: int = 1_000_000,
+    seed: int = 1,
+    threads: int | None = None,
+    allow_import: Source | Iterable[Source] = (),
+    progress: Progress = None,
+) -> Estimates:
+    """Estimates when programs will be complete, and what decides it, by rates: in milliseconds.
+
+    Args:
+        programs: programs, texts or files.
+        rates: files of rates; scenes that none is about are measured first.
+        runs: by rates, of each program; 2000 if not said, fewer for large programs.
+        max_ticks: stop a run after so many ticks.
+        seed: of the random numbers.
+        threads: runs at the same time.
+        allow_import: as in `check`.
+        progress: as in `simulate`.
+
+    >>> import stochc
+    >>> found = stochc.estimate(stochc.EXAMPLE, runs=20)
+    >>> found.programs[0]["program"], found.programs[0]["completed"]
+    ('pair', 20)
+    """
+    asked: _native.Estimated = {
+        "rates": _arguments.paths("rates", rates),
+        "runs": _arguments.maybe("runs", runs, 2, MOST_RUNS),
+        "max_ticks": whole("max_ticks", max_ticks, 1, MOST_TICKS),
+        "seed": whole("seed", seed, 0, MOST_SEED),
+        "threads": _arguments.threads(threads),
+        "programs": _listed(programs, ((), (), ()), allow_import),
+    }
+    with shown(progress) as show:
+        found, text = _native.estimate(asked, show)
+    return Estimates(tuple(json.loads(found)), text)
+
+
+def plan(
+    target: Path,
+    *,
+    shape: str | None = None,
+    seed_plate: str | None = None,
+    scene: str | None = None,
+    budget: int | str | None = None,
+    minimize: Literal["mean", "p90"] = "mean",
+    seed: int = 1,
+    allow_import: Source | Iterable[Source] = (),
+    progress: Progress = None,
+) -> Plan:
+    """Plans how to build a shape: a program that does, fast and without jams.
+
+    Args:
+        target: a program with a shape (`.sa`), a model of MagicaVoxel (`.vox`), or layers drawn as text (`.txt`).
+        shape: which shape of the program.
+        seed_plate: the plate to build on, such as `"3 x 3 at (1, 1)"`.
+        scene: the name of the scene to build in.
+        budget: how long to look for a better plan: a time (`"10s"`), or a number of tries.
+        minimize: the mean time to completion, or that in which nine runs of ten are complete.
+        seed: of the random numbers.
+        allow_import: as in `check`.
+        progress: as in `simulate`.
+    """
+    if minimize not in ("mean", "p90"):
+        raise UsageError(f"minimize: give 'mean' or 'p90', not {told(minimize)}")
+    maybe = _maybe_word
+    if budget is not None and not isinstance(budget, str):
+        budget = str(whole("budget", budget, 1, 10**9))
+    asked: _native.Planned = {
+        "target": _arguments.path("target", target),
+        "shape": maybe("shape", shape),
+        "seed_plate": maybe("seed_plate", seed_plate),
+        "scene": maybe("scene", scene),
+        "imports": _arguments.paths("allow_import", allow_import),
+        "budget": maybe("budget", budget),
+        "is_p90": minimize == "p90",
+        "seed": whole("seed", seed, 0, MOST_SEED),
+    }
+    with shown(progress) as show:
+        text, found, explained = _native.plan(asked, show)
+    return Plan(text, json.loads(found), explained)
+
+
+def _maybe_word(name: str, value: object) -> str | None:
+    return None if value is None else _arguments.word(name, value)
+
+
+def trade(
+    programs: Programs,
+    *,
+    runs: int | None = None,
+    budget: float = 600.0,
+    seed: int = 1,
+    max_ticks: int | None = None,
+    finest: int = 64,
+    threads: int | None = None,
+    out: Path | None = None,
+    resume: bool = False,
+    allow_import: Source | Iterable[Source] = (),
+    progress: Progress = None,
+) -> Trade:
+    """Measures what accuracy costs: compares many settings with a converged reference.
+
+    Args:
+        programs: programs, texts or files.
+        runs: of each program at each setting, however long they take.
+        budget: time for all of it [s], if `runs` is not said.
+        seed: of the random numbers, the same at every setting.
+        max_ticks: stop a run after so many ticks; 20 times the mean of the first runs, if not said.
+        finest: refine the reference up to so many substeps.
+        threads: runs at the same time.
+        out: a new or empty folder for `trade.json` and `trade.svg`.
+        resume: continue the trade in `out`.
+        allow_import: as in `check`.
+        progress: as in `simulate`.
+    """
+    if isinstance(budget, bool) or not isinstance(budget, (int, float)):  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise TypeError(f"budget: give seconds, not {told(budget)}")
+    if not 0 < budget <= 1e9:
+        raise UsageError(f"budget: give seconds, more than 0 and at most 1e9, not {told(budget)}")
+    if resume and out is None:
+        raise UsageError("resume: name a folder with `out`")
+    asked: _native.Traded = {
+        "runs": _arguments.maybe("runs", runs, 2, MOST_RUNS),
+        "budget": float(budget),
+        "seed": whole("seed", seed, 0, MOST_SEED),
+        "max_ticks": _arguments.maybe("max_ticks", max_ticks, 1, MOST_TICKS),
+        "finest": whole("finest", finest, 1, 1000),
+        "threads": _arguments.threads(threads),
+        "out": _arguments.maybe_path("out", out),
+        "resume": _arguments.yes("resume", resume),
+        "programs": _listed(programs, ((), (), ()), allow_import),
+    }
+    with shown(progress) as show:
+        data, text, svg = _native.trade(asked, show)
+    return Trade(json.loads(data), text, svg)

@@ -1,0 +1,94 @@
+"""How far work is: a bar in a terminal and in Jupyter."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Generator
+from contextlib import contextmanager
+from typing import Any, TypeAlias
+
+from ._arguments import told
+
+Show: TypeAlias = "Callable[[float, str], object]"
+"""Is told the share that is done, 0 to 1, and a line on it, in the thread that has called."""
+
+Progress: TypeAlias = "bool | None | Show"
+"""Whether and how to show progress; `None`: in a terminal and in Jupyter."""
+
+
+@contextmanager
+def shown(progress: Progress) -> Generator[Show | None, None, None]:
+    """What is told of progress while work is done; `None`: nothing is."""
+    if progress is not None and not isinstance(progress, bool):
+        if not callable(progress):
+            raise TypeError(f"progress: give True, False or a function, not {told(progress)}")
+        yield progress
+        return
+    if progress is None:
+        progress = _in_jupyter() or sys.stderr.isatty()
+    if not progress:
+        yield None
+        return
+    bar = _tqdm() or _Line()
+    try:
+        yield bar.show
+    finally:
+        bar.close()
+
+
+def _in_jupyter() -> bool:
+    shell: Any = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
+    return type(shell).__name__ == "ZMQInteractiveShell"
+
+
+class _Line:
+    """One line that is written again and again."""
+
+    def __init__(self) -> None:
+        self._length = 0
+
+    def show(self, share: float, text: str) -> None:
+        """Writes it anew."""
+        line = f"{share:4.0%} {text}"[:100]
+        sys.stderr.write("\r" + line.ljust(self._length))
+        sys.stderr.flush()
+        self._length = len(line)
+
+    def close(self) -> None:
+        """Ends it."""
+        if self._length:
+            sys.stderr.write("\n")
+
+
+class _Bar:
+    """A bar of tqdm."""
+
+    def __init__(self, bar: Any) -> None:
+        self._bar = bar
+
+    def show(self, share: float, text: str) -> None:
+        """Draws it anew."""
+        self._bar.n = round(1000 * share)
+        self._bar.set_description_str(text, refresh=False)
+        self._bar.refresh()
+
+    def close(self) -> None:
+        """Leaves it as it is."""
+        self._bar.close()
+
+
+def _tqdm() -> _Bar | None:
+    """A bar of tqdm, if that is installed."""
+    import warnings
+
+    try:
+        with warnings.catch_warnings():
+            # It asks for widgets where there are none.
+            warnings.simplefilter("ignore")
+            from tqdm.auto import tqdm  # type: ignore[import-untyped, unused-ignore]  # pyright: ignore
+    except ImportError:
+        return None
+    try:
+        return _Bar(tqdm(total=1000, bar_format="{bar:24} {desc}"))  # pyright: ignore
+    except ImportError:
+        return None

@@ -1,0 +1,17 @@
+"""What docs/python.md shows works, block by block."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+from conftest import ROOT
+
+
+def test_blocks_of_the_document_run() -> None:
+    text = (ROOT / "docs" / "python.md").read_text()
+    blocks = re.findall(r"^```python\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+    assert len(blocks) > 3
+    known: dict[str, Any] = {}
+    for number, block in enumerate(blocks):
+        exec(compile(block, f"block {number + 1}", "exec"), known)

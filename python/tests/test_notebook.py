@@ -1,0 +1,84 @@
+"""What notebooks show."""
+
+from __future__ import annotations
+
+import base64
+import re
+from pathlib import Path
+from xml.etree import ElementTree
+
+import stochc
+
+
+def pictures(html: str) -> list[str]:
+    found = re.findall(r'src="data:image/svg\+xml;base64,([^"]*)"', html)
+    return [base64.b64decode(it).decode() for it in found]
+
+
+def test_a_program_shows_its_structure(tower: str) -> None:
+    program = stochc.compile(tower)
+    svg = program._repr_svg_()  # pyright: ignore[reportPrivateUsage]
+    assert svg is not None
+    ElementTree.fromstring(svg)
+    html = program._repr_html_()  # pyright: ignore[reportPrivateUsage]
+    assert pictures(html) == [svg]
+    assert "prefers-color-scheme" in svg
+    # One that was compiled elsewhere has no picture, and shows the rest.
+    with_out_text = Path("/nowhere")
+    assert with_out_text
+    assert "captures" in html
+
+
+def test_a_compiled_file_has_no_picture(tower: str, tmp_path: Path) -> None:
+    compiled = tmp_path / "tower.sax"
+    compiled.write_bytes(stochc.compile(tower).executable())
+    program = stochc.compile(compiled)
+    assert program.svg() is None
+    assert program.sources == {}
+    assert "<img" not in program._repr_html_()  # pyright: ignore[reportPrivateUsage]
+    both = [stochc.simulate(it, runs=2, model="shuffle").results() for it in (program, tower)]
+    assert both[0] == both[1]
+
+
+def test_a_result_shows_its_table_and_its_curve(tower: str) -> None:
+    ensemble = stochc.simulate([tower, "examples/line.sa"], runs=5, model="shuffle")
+    html = ensemble._repr_html_()  # pyright: ignore[reportPrivateUsage]
+    assert html.count("<tr>") == 3
+    (curve,) = pictures(html)
+    ElementTree.fromstring(curve)
+    assert "prefers-color-scheme" in curve
+    assert "not complete yet" in curve
+
+
+def test_a_sweep_shows_its_figures() -> None:
+    ensemble = stochc.sweep(stochc.EXAMPLE, {"free": [40, 50, 60]}, runs=3, model="shuffle")
+    found = pictures(ensemble._repr_html_())  # pyright: ignore[reportPrivateUsage]
+    assert found
+    for picture in found:
+        ElementTree.fromstring(picture)
+
+
+def test_names_of_others_are_only_text(tmp_path: Path) -> None:
+    hostile = tmp_path / "a<script>alert(1)</script>.sa"
+    hostile.write_text(stochc.EXAMPLE) if "/" not in hostile.name else None
+    text = stochc.EXAMPLE.replace("pair", "pair_1")
+    html = stochc.simulate(text, runs=2, model="shuffle")._repr_html_()  # pyright: ignore[reportPrivateUsage]
+    assert "<script" not in html
+
+
+def test_a_run_shows_its_replay(tower: str) -> None:
+    ensemble = stochc.simulate(tower, runs=1, max_ticks=100)
+    html = ensemble.run(0)._repr_html_()  # pyright: ignore[reportPrivateUsage]
+    assert html.startswith("<iframe ")
+    assert 'sandbox="allow-scripts"' in html
+    assert "default-src &#x27;none&#x27;" in html
+    page = ensemble.run(0).replay().html
+    assert not re.search(r"(src|href)=[\"']?https?:", page)
+
+
+def test_a_table_shows_its_first_rows(tower: str) -> None:
+    bonds = stochc.simulate(tower, runs=3, model="shuffle").bonds
+    html = bonds._repr_html_()  # pyright: ignore[reportPrivateUsage]
+    assert html.count("<tr>") == 11
+    assert f"and {len(bonds) - 10} more rows" in html
+    assert "[ticks]" in html

@@ -1,0 +1,147 @@
+"""What Python makes is what the command makes, byte for byte."""
+
+from __future__ import annotations
+
+import filecmp
+import json
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import stochc
+
+Command = Callable[..., subprocess.CompletedProcess[str]]
+
+
+def files(folder: Path) -> dict[str, Path]:
+    return {
+        str(path.relative_to(folder)): path
+        for path in sorted(folder.rglob("*"))
+        if path.is_file() and path.name != ".lock"
+    }
+
+
+def assert_same(one: Path, other: Path, unordered: tuple[str, ...] = ()) -> None:
+    ours, theirs = files(one), files(other)
+    assert ours.keys() == theirs.keys()
+    for name, path in ours.items():
+        if name in unordered:
+            continue
+        assert filecmp.cmp(path, theirs[name], shallow=False), name
+
+
+@pytest.mark.parametrize(
+    ("flags", "options"),
+    [
+        (["--model", "shuffle"], {"model": "shuffle"}),
+        (["--model", "rigid", "--max-ticks", "3000"], {"max_ticks": 3000}),
+        (
+            ["--model", "rapier", "--substeps", "2", "--max-ticks", "300"],
+            {"model": "rapier", "substeps": 2, "max_ticks": 300},
+        ),
+        (["--model", "rate"], {"model": "rate"}),
+        (
+            ["--precision", "double", "--reduce", "spheres", "--max-ticks", "500"],
+            {"precision": "double", "reduce": "spheres", "max_ticks": 500},
+        ),
+        (
+            ["--model", "shuffle", "--sweep", "free=40..60/3", "--sweep", "tick=10,20 ms"],
+            {"model": "shuffle", "sweep": {"free": "40..60/3", "tick": "10,20 ms"}},
+        ),
+    ],
+)
+def test_folders_are_the_same(
+    flags: list[str], options: dict[str, Any], tower: str, command: Command, tmp_path: Path
+) -> None:
+    out = tmp_path / "command"
+    common = ["--runs", "3", "--seed", "7", "--threads", "1", "--quiet", "--out", out]
+    programs = [tower, "examples/line.sa"]
+    done = subprocess.CompletedProcess[str]
+    stopped = "--max-ticks" in flags
+    done = command("simulate", *programs, *common, *flags, status=3 if stopped else 0)
+    ours = stochc.simulate(programs, runs=3, seed=7, threads=1, out=tmp_path / "python", **options)
+    assert_same(tmp_path / "python", out)
+    assert ours.text() + "\n" == done.stdout or str(ours) == done.stdout.rstrip()
+    results = command("results", out, "--format", "json", status=3 if stopped else 0)
+    assert ours.results() == json.loads(results.stdout)
+    # In memory it is the same.
+    in_memory = stochc.simulate(programs, runs=3, seed=7, **options)
+    assert in_memory.results() == ours.results()
+
+
+def test_recordings_replays_and_exports_are_the_same(tower: str, command: Command, tmp_path: Path) -> None:
+    out = tmp_path / "command"
+    command(
+        "simulate", tower, "--runs", "2", "--max-ticks", "400", "--record", "1", "--threads", "1", "--quiet", "--out", out, status=3
+    )
+    ours = stochc.simulate(
+        tower, runs=2, max_ticks=400, record=1, threads=1, out=tmp_path / "python"
+    )
+    assert_same(tmp_path / "python", out)
+    page, table = tmp_path / "replay.html", tmp_path / "run.parquet"
+    ours.run(1).save_replay(page)
+    ours.run(1).export(table)
+    command("replay", out, "--run", "1", "--out", tmp_path / "its.html")
+    command("export", out, "--run", "1", "--format", "parquet", "--out", tmp_path / "its.parquet")
+    assert page.read_bytes() == (tmp_path / "its.html").read_bytes()
+    assert table.read_bytes() == (tmp_path / "its.parquet").read_bytes()
+    assert ours.run(1).replay().html.encode() == page.read_bytes()
+    alone = command(
+        "simulate", tower, "--run", "1", "--max-ticks", "400", "--format", "json", "--quiet", status=3
+    )
+    assert [ours.run(1).record] == json.loads(alone.stdout)
+
+
+def test_reports_are_the_same(tower: str, command: Command, tmp_path: Path) -> None:
+    ours = stochc.simulate(tower, runs=4, model="shuffle", out=tmp_path / "results")
+    page = stochc.report(ours)
+    first = {name: path.read_bytes() for name, path in files(tmp_path / "results").items()}
+    command("report", tmp_path / "results", "--quiet")
+    assert Path(page).read_bytes().startswith(b"<!DOCTYPE html>") or page.endswith("report.html")
+    assert first == {name: path.read_bytes() for name, path in files(tmp_path / "results").items()}
+
+
+def test_pieces_are_the_same(tower: str, command: Command, tmp_path: Path) -> None:
+    whole = stochc.simulate(tower, runs=7, model="shuffle", threads=1, out=tmp_path / "whole")
+    assert stochc.prepare(tower, tmp_path / "cut", 3, runs=7, model="shuffle") == 7
+    command("simulate", tower, "--runs", "7", "--model", "shuffle", "--shards", "3", "--out", tmp_path / "its")
+    assert_same(tmp_path / "cut", tmp_path / "its")
+    assert stochc.status(tmp_path / "cut")["missing"] == [0, 1, 2]
+    with pytest.raises(stochc.RunError, match="piece"):
+        stochc.merge(tmp_path / "cut")
+    for piece in (2, 0, 1, 0):
+        assert stochc.shard(tmp_path / "cut", piece) in (2, 3)
+    merged = stochc.merge(tmp_path / "cut")
+    assert merged.results() == whole.results()
+    for table in ("runs", "bonds", "phases", "releases", "unplanned"):
+        name = f"{table}.parquet"
+        assert (tmp_path / "cut" / name).read_bytes() == (tmp_path / "whole" / name).read_bytes()
+
+
+def test_findings_are_the_same(command: Command, tmp_path: Path) -> None:
+    wrong = tmp_path / "wrong.sa"
+    wrong.write_text("assembly a { seed plate 3 x 3 { M at (1, 1) } phase p { M.up -> A, A.upp -> B } }\n")
+    checked = stochc.check(wrong)
+    told = json.loads(command("check", wrong, "--format", "json", status=1).stdout)
+    assert [(it.code, it.title, it.help) for it in checked.findings] == [
+        (it["code"], it["title"], it["help"]) for it in told
+    ]
+    drawn = command("check", wrong, status=1).stderr
+    assert str(checked) == drawn.rstrip()
+    with pytest.raises(stochc.ProgramError) as raised:
+        stochc.simulate(wrong)
+    assert str(raised.value).strip("\n") == drawn.rstrip()
+    assert raised.value.findings == checked.findings
+
+
+def test_estimates_and_plans_are_the_same(tower: str, command: Command) -> None:
+    told = command("estimate", tower, "--runs", "50", "--format", "json", "--quiet")
+    assert list(stochc.estimate(tower, runs=50).programs) == json.loads(told.stdout)
+    target = "examples/open_platform.sa"
+    told = command("plan", target, "--budget", "5", "--format", "json", "--quiet")
+    planned = stochc.plan(target, budget=5)
+    assert {"program": planned.text, "plan": planned.plan} == json.loads(told.stdout)
+    assert planned.compile().captures > 0

@@ -1,0 +1,38 @@
+//! The shares of runs of an ensemble that are not complete, over time.
+use stochc_ensemble::statistics::Observation;
+use stochc_ensemble::{JournalError, Manifest, Records, TimeUnit, completion_time};
+
+use super::{Curve, survival};
+use crate::svg::{Drawing, class};
+
+/// Curves of its programs, in the unit that they share; `None`: nothing has completed or been stopped, or the ensemble is
+/// a sweep, of which [`super::sweep`] has pictures.
+///
+/// # Errors
+/// Where the runs cannot be read again.
+pub fn completion(
+    manifest: &Manifest,
+    finished: &Records,
+) -> Result<Option<Drawing>, JournalError> {
+    if !manifest.axes().is_empty() {
+        return Ok(None);
+    }
+    let clock = TimeUnit::of(manifest.programs.iter());
+    let mut curves: Vec<Curve> = (manifest.programs.iter())
+        .map(|program| Curve {
+            name: program.name.clone(),
+            times: Vec::new(),
+        })
+        .collect();
+    finished.each(|done| {
+        let tick = clock.tick(&manifest.programs[done.program]);
+        let time = completion_time(&done.record).map(|it| Observation {
+            time: it.time * tick,
+            ..it
+        });
+        curves[done.program].times.extend(time);
+    })?;
+    let axis = format!("time [{}]", clock.unit());
+    let title = "Runs that are not complete yet, over time";
+    Ok(survival("survival", title, &curves, &axis, class))
+}

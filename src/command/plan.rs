@@ -1,0 +1,126 @@
+//! `stochc plan`.
+use std::path::PathBuf;
+use std::sync::atomic::Ordering;
+
+use clap::{Args, ValueEnum};
+use serde_json::json;
+use stochc_files::atomic::{Replaces, replace};
+use stochc_planner::{Objective, explanation};
+
+use super::imports::ImportOptions;
+use super::interrupt::stop_on_interrupt;
+use super::results::Form;
+use super::terminal::{Terminal, print, warn};
+use crate::exit::{Exit, Failure};
+use crate::operations::plan::{Budget, SeedPlate, Wish, goal, plan};
+use crate::planning::Planned;
+
+/// What `plan` is given.
+#[derive(Debug, Args)]
+pub struct Options {
+    /// What to build: a program with a shape (`.sa`), a model of MagicaVoxel (`.vox`), or layers drawn as text (`.txt`)
+    #[arg(value_name = "TARGET")]
+    target: String,
+    /// Shape of the program to build [default: the only one, or the last one claimed]
+    #[arg(long, value_name = "NAME")]
+    shape: Option<String>,
+    /// Plate to build on, and those of its blocks that may capture: `3 x 3`, `3 x 3 at (1, 1) (2, 0)`
+    /// [default: that of the assembly which claims the shape, or the smallest plate under the shape]
+    #[arg(long, value_name = "PLATE", value_parser = SeedPlate::parse)]
+    seed_plate: Option<SeedPlate>,
+    /// Scene to build in [default: that of the assembly which claims the shape]
+    #[arg(long, value_name = "NAME")]
+    scene: Option<String>,
+    /// Write the program to this file instead of the output
+    #[arg(long, value_name = "FILE.sa")]
+    out: Option<PathBuf>,
+    /// How long to look for a better plan: a time, such as 10s or 2m, or a number of tries, of which the same number
+    /// always gives the same plan [default: tries for about a second]
+    #[arg(long, value_name = "TIME|TRIES", value_parser = Budget::parse)]
+    budget: Option<Budget>,
+    /// Seed of the random numbers
+    #[arg(long, default_value_t = 1)]
+    random_seed: u64,
+    /// What to make small: the mean time to completion, or that in which nine runs of ten are complete
+    #[arg(long, value_name = "WHAT", default_value = "mean")]
+    minimize: Minimize,
+    /// Tell the order in words and as a picture, what limits it, and what alternatives would cost
+    #[arg(long)]
+    explain: bool,
+    /// Output format; `json` has the program and its plan in one document
+    #[arg(long, value_name = "FORM", default_value = "text")]
+    format: Form,
+    /// Do not show progress
+    #[arg(long, short)]
+    quiet: bool,
+    #[command(flatten)]
+    imports: ImportOptions,
+}
+
+/// What a plan should make small.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Minimize {
+    /// The mean time to completion
+    Mean,
+    /// The time in which nine of ten runs are complete
+    P90,
+}
+
+/// Plans, and writes the program.
+pub fn run(options: &Options) -> Result<Exit, Failure> {
+    let host = Terminal::new(options.quiet);
+    let wish = Wish {
+        target: &options.target,
+        shape: options.shape.as_deref(),
+        seed_plate: options.seed_plate.as_ref(),
+        scene: options.scene.as_deref(),
+        imports: &options.imports.folders,
+        budget: options.budget,
+        objective: match options.minimize {
+            Minimize::Mean => Objective::Mean,
+            Minimize::P90 => Objective::P90,
+        },
+        seed: options.random_seed,
+    };
+    let goal = goal(&wish, &host)?;
+    let stop = stop_on_interrupt()?;
+    let planned = plan(&goal, &wish, &host)?;
+    let stopped = stop.load(Ordering::Relaxed);
+    write(&planned, options)?;
+    match stopped {
+        false => Ok(Exit::Success),
+        true => Err(Failure {
+            exit: Exit::Interrupted,
+            message: format!(
+                "stopped; this is the best of {} plans\n",
+                planned.plan.rounds
+            ),
+        }),
+    }
+}
+
+fn write(planned: &Planned, options: &Options) -> Result<(), Failure> {
+    let Planned { plan, text } = planned;
+    if let Some(path) = &options.out {
+        replace(path, text.as_bytes(), Replaces::Nothing).map_err(|error| {
+            Failure::usage(format!("cannot write `{}`: {error}", path.display()))
+        })?;
+    }
+    match (options.format, &options.out) {
+        (Form::Json, _) => {
+            let document = json!({ "program": text, "plan": plan });
+            print(&format!("{document:#}\n"))?;
+        }
+        (Form::Text, None) => print(text)?,
+        (Form::Text, Some(_)) => {}
+    }
+    if options.explain {
+        let told = explanation(plan);
+        match (options.format, &options.out) {
+            (Form::Text, Some(_)) => print(&told)?,
+            // Where the program goes, nothing else does.
+            _ => warn(&told),
+        }
+    }
+    Ok(())
+}

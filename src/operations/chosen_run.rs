@@ -1,0 +1,219 @@
+//! One run of a folder of results, found again: to look at it, or to make it once more.
+use std::io::{BufReader, ErrorKind, Read, Seek as _};
+use std::path::{Path, PathBuf};
+
+use stochc_ensemble::recording::{EVERY, Header, Outline, Recorder, RecordingError, path};
+use stochc_ensemble::{Finished, Manifest, Program, Records};
+use stochc_files as files;
+use stochc_files::File;
+use stochc_files::atomic::Draft;
+use stochc_files::budget::RECORDING;
+use stochc_ir::record::RunRecord;
+use stochc_runtime::observe::Observer;
+use stochc_runtime::{RunError, observe};
+
+use super::recordings::begin;
+use super::runs::{tell_of_build, until};
+use crate::exit::{Exit, Failure};
+use crate::host::Host;
+
+/// A run of a folder, and all that is needed to make it again.
+#[derive(Debug)]
+pub struct ChosenRun {
+    /// `None`: its ensemble is kept nowhere.
+    folder: Option<PathBuf>,
+    /// Of the whole ensemble.
+    pub manifest: Manifest,
+    /// Index of the program in the manifest.
+    pub program: usize,
+    /// The number of the run.
+    pub run: u64,
+    /// What the folder says of the run; `None`: it has not been made yet.
+    known: Option<Finished>,
+}
+
+/// Finds a run of an ensemble, which a folder may hold; its program has to be named if there are several.
+///
+/// # Errors
+/// If there is none.
+pub fn choose(
+    (manifest, finished): (Manifest, &Records),
+    folder: Option<&Path>,
+    program: Option<&str>,
+    run: u64,
+) -> Result<ChosenRun, Failure> {
+    let program = index(&manifest, program).map_err(Failure::usage)?;
+    if run >= manifest.runs {
+        let place = folder.map_or(String::new(), |it| format!("`{}`: ", it.display()));
+        return Err(Failure::usage(format!(
+            "{place}{}",
+            manifest.no_such_run(run)
+        )));
+    }
+    let known = finished.get(program, run).map_err(Failure::usage)?;
+    Ok(ChosenRun {
+        folder: folder.map(Path::to_owned),
+        program,
+        run,
+        known,
+        manifest,
+    })
+}
+
+fn index(manifest: &Manifest, name: Option<&str>) -> Result<usize, String> {
+    let names = || {
+        let names: Vec<_> = (manifest.programs.iter())
+            .map(|program| format!("`{}`", program.name))
+            .collect();
+        names.join(", ")
+    };
+    match name {
+        Some(name) => (manifest.programs.iter())
+            .position(|program| program.name == name)
+            .ok_or_else(|| format!("the folder has no program `{name}`, but {}", names())),
+        None if manifest.programs.len() == 1 => Ok(0),
+        None => Err(format!(
+            "the folder holds several programs; choose one with `--program`: {}",
+            names()
+        )),
+    }
+}
+
+impl ChosenRun {
+    /// The program.
+    pub fn entry(&self) -> &Program {
+        &self.manifest.programs[self.program]
+    }
+
+    /// The run, if it has been made.
+    pub fn known(&self) -> Option<&RunRecord> {
+        self.known.as_ref().map(|known| &known.record)
+    }
+
+    /// The name of a file about the run.
+    pub fn file_name(&self, before: &str, extension: &str) -> String {
+        // A program's name may be any text, in a manifest that somebody has edited; an assembly's is
+        // a word.
+        let assembly = self.entry().assembly();
+        let twins = (self.manifest.programs.iter()).filter(|twin| twin.assembly() == assembly);
+        let which = match twins.count() {
+            1 => String::new(),
+            _ => format!("-{}", self.program),
+        };
+        format!("{before}{assembly}{which}-{}.{extension}", self.run)
+    }
+
+    /// Makes the run again, for an observer; the record has to be that of the folder.
+    ///
+    /// # Errors
+    /// If it is not, or the run is stopped.
+    pub fn again(
+        &self,
+        observer: &mut impl Observer,
+        host: &dyn Host,
+    ) -> Result<RunRecord, Failure> {
+        tell_of_build(&self.manifest.builds, host);
+        let mut watch = until(host.stop());
+        let (tables, scene) = (self.entry().tables(), &self.entry().scene);
+        let (seed, run) = (self.manifest.seed, self.run);
+        let record = observe(
+            tables,
+            scene,
+            &self.manifest.settings,
+            seed,
+            run,
+            &mut watch,
+            observer,
+        );
+        let record = record.map_err(|error| match error {
+            RunError::Cancelled => Failure::silent(Exit::Interrupted),
+            error => Failure::usage(error),
+        })?;
+        if (self.known.as_ref()).is_some_and(|known| known.record != record) {
+            let by = match self.manifest.stochc == env!("CARGO_PKG_VERSION") {
+                true => "the simulation has changed since".to_owned(),
+                false => format!("it was made by version {}", self.manifest.stochc),
+            };
+            return Err(Failure::usage(format!(
+                "the result of run {run} differs from the one in the folder: {by}; use the `stochc` that made it, \
+                 or simulate anew into another folder"
+            )));
+        }
+        Ok(record)
+    }
+
+    /// The recording of the run, from its beginning; if there is none, the run is made again.
+    ///
+    /// A new one is kept in the folder, where that can be written to.
+    ///
+    /// # Errors
+    /// Those of [`ChosenRun::again`], and if what stands in the place of the recording is none of this run.
+    pub fn recording(&self, host: &dyn Host) -> Result<BufReader<File>, Failure> {
+        let folder = self.folder.as_deref();
+        let place = folder.map(|folder| path(folder, self.program, self.run));
+        if let Some(path) = &place {
+            match files::open(path) {
+                Ok(file) => return self.checked(file, path),
+                Err(error)
+                    if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {}
+                Err(error) => return Err(useless(path, &error.to_string())),
+            }
+        }
+        let header = Header {
+            stochc: self.manifest.stochc.clone(),
+            ensemble: self.manifest.identity(),
+            program: self.program,
+            run: self.run,
+            every: EVERY,
+            bodies: self.entry().scene.free.count,
+        };
+        let io =
+            |error: std::io::Error| Failure::usage(format!("cannot keep the recording: {error}"));
+        if let Some(path) = &place
+            && let Ok(mut recorder) = begin(path, &header, self.entry())
+        {
+            let record = self.again(&mut recorder, host)?;
+            recorder.finish(&record).and_then(Draft::keep).map_err(io)?;
+            return files::open(path).map(BufReader::new).map_err(io);
+        }
+        let file = tempfile::tempfile().map_err(io)?;
+        let buffered = std::io::BufWriter::new(file);
+        let mut recorder = Recorder::new(buffered, &header, self.entry().tables()).map_err(io)?;
+        let record = self.again(&mut recorder, host)?;
+        let mut file = recorder
+            .finish(&record)
+            .and_then(|file| {
+                file.into_inner()
+                    .map_err(std::io::IntoInnerError::into_error)
+            })
+            .map_err(io)?;
+        file.rewind().map_err(io)?;
+        Ok(BufReader::new(file.into()))
+    }
+
+    /// A recording that is whole, and of this run.
+    fn checked(&self, file: File, path: &Path) -> Result<BufReader<File>, Failure> {
+        let refuse = |reason: &str| useless(path, reason);
+        let length = file
+            .metadata()
+            .map_err(|error| refuse(&error.to_string()))?;
+        (RECORDING.admits(length.len())).map_err(|error| refuse(&error.to_string()))?;
+        let mut file = BufReader::new(file);
+        let recording = Outline::read(file.by_ref(), self.entry().tables());
+        let recording = recording.map_err(|error: RecordingError| refuse(&error.to_string()))?;
+        if !recording.is_of(&self.manifest, self.known.as_ref(), self.program, self.run) {
+            return Err(refuse("it is the recording of another run"));
+        }
+        file.rewind().map_err(|error| refuse(&error.to_string()))?;
+        Ok(file)
+    }
+}
+
+/// Refuses what stands in the place of a recording.
+fn useless(path: &Path, reason: &str) -> Failure {
+    let shown = path.display();
+    Failure::usage(format!(
+        "cannot use `{shown}`: {reason}; remove it, or have `stochc verify --repair` move it aside, and the run is \
+         made and recorded again"
+    ))
+}

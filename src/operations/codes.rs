@@ -1,0 +1,41 @@
+//! Findings by the names of their kinds.
+use stochc_compiler::diagnostic::{Code, Severity};
+
+/// The word for every warning.
+pub const ALL_WARNINGS: &str = "warnings";
+
+/// A kind of warning by its name; `None`: all of them.
+///
+/// # Errors
+/// In words, if there is none of that name.
+pub fn warning(name: &str) -> Result<Option<Code>, String> {
+    if name == ALL_WARNINGS {
+        return Ok(None);
+    }
+    let known = Code::from_name(name);
+    if let Some(code) = known.filter(|code| code.severity() == Severity::Warning) {
+        return Ok(Some(code));
+    }
+    Err(match known {
+        Some(code) => format!("`{code}` is always an error; only warnings have a level"),
+        None => unknown(name, "`stochc explain` lists all codes"),
+    })
+}
+
+/// The page that explains a kind of finding.
+///
+/// # Errors
+/// In words, if there is none of that name.
+pub fn explain(name: &str) -> Result<&'static str, String> {
+    let code = Code::from_name(name);
+    let page = code.map(|code| code.page());
+    page.ok_or_else(|| unknown(name, "`stochc explain` lists them all"))
+}
+
+fn unknown(name: &str, otherwise: &str) -> String {
+    let meant = Code::nearest(name).map_or_else(
+        || otherwise.to_owned(),
+        |meant| format!("did you mean `{meant}`?"),
+    );
+    format!("no finding has the code `{name}`; {meant}")
+}

@@ -1,0 +1,165 @@
+//! Making the runs of an ensemble.
+use std::path::Path;
+
+use stochc_ensemble::recording::Selection;
+use stochc_ensemble::{
+    Cancelled, Destination, Folder, Interval, Manifest, Progress, Results, Resume, State, Watch,
+    check_stored, run as run_all,
+};
+use stochc_ir::table::{Action, Tables};
+use stochc_ir::visible;
+use stochc_runtime::RunError;
+
+use super::recordings::Recordings;
+use super::results::tell_of_damage;
+use super::runs::{made_again, made_by, tell_of_build, tell_of_checkpoints, threads};
+use super::scene_warnings::{SceneWarning, scene_warnings};
+use super::sweep;
+use crate::exit::Failure;
+use crate::host::{Host, during};
+use crate::progress::of_ensemble;
+
+/// How the runs of a manifest are made, and where they are kept.
+#[derive(Clone, Copy, Debug)]
+pub struct Making<'a> {
+    /// The folder for them; `None`: they are kept nowhere.
+    pub out: Option<&'a Path>,
+    /// Whether to go on with what the folder holds.
+    pub resume: Resume,
+    /// Runs to record; none without a folder.
+    pub record: Option<&'a Selection>,
+    /// Ticks between the places of a recording.
+    pub record_every: u32,
+    /// How often the states of runs under way are kept in the folder.
+    pub checkpoints: Interval,
+    /// Runs at the same time; `None`: as many as there are cores.
+    pub threads: Option<u16>,
+    /// Whether it has been told already that other builds have made runs of the manifest.
+    pub is_told_of_build: bool,
+}
+
+/// The runs, and why some of them are not recorded that should be.
+#[derive(Debug)]
+pub struct Made {
+    /// All that there are.
+    pub results: Results,
+    /// `None`: every recording is there.
+    pub unrecorded: Option<Failure>,
+}
+
+/// Refuses recordings of runs that there are not, or that have nothing to see.
+///
+/// # Errors
+/// In these cases.
+pub fn can_record(manifest: &Manifest, record: Option<&Selection>) -> Result<(), Failure> {
+    let Some(runs) = record else { return Ok(()) };
+    if let Some(run) = runs.beyond(manifest.runs) {
+        return Err(Failure::usage(format!(
+            "--record: {}",
+            manifest.no_such_run(run)
+        )));
+    }
+    match manifest.settings.model.has_places() {
+        true => Ok(()),
+        false => Err(Failure::usage(format!(
+            "nothing to record: {}",
+            RunError::Nowhere(manifest.settings.model)
+        ))),
+    }
+}
+
+/// Whether a program captures blocks above others, where none that lies on the floor comes.
+fn grows_upwards(tables: &Tables) -> bool {
+    let mut rules = tables.duties().flat_map(|duty| duty.rules());
+    rules.any(|rule| matches!(rule.then, Action::Magnetize { cell, .. } if cell.z > 1))
+}
+
+/// Says what the steps of a model do not resolve in the scenes of programs, and what their blocks do not
+/// reach: each doubt once, with how many other programs share it.
+pub fn tell_of_doubts(manifest: &Manifest, host: &dyn Host) {
+    if !manifest.settings.model.has_places() {
+        return;
+    }
+    let mut found: Vec<(&str, SceneWarning, usize)> = Vec::new();
+    for program in &manifest.programs {
+        let steps = manifest.settings.steps_in(&program.scene);
+        let all = scene_warnings(&program.scene, steps).into_iter();
+        for doubt in all.filter(|doubt| !doubt.is_of_height || grows_upwards(program.tables())) {
+            match found
+                .iter_mut()
+                .find(|(_, it, _)| it.symbol == doubt.symbol)
+            {
+                Some((_, _, more)) => *more += 1,
+                None => found.push((&program.name, doubt, 0)),
+            }
+        }
+    }
+    for (name, SceneWarning { figure, effect, .. }, more) in found {
+        let others = match more {
+            0 => String::new(),
+            1 => " and another program".to_owned(),
+            more => format!(" and {more} other programs"),
+        };
+        host.warn(&format!(
+            "warning: {name}{others}: {figure}: {effect}; `stochc check --scene` shows more\n"
+        ));
+    }
+}
+
+/// Makes the runs of a manifest that are not there yet.
+///
+/// # Errors
+/// If its folder cannot be used; runs that are finished stay.
+pub fn make(manifest: &Manifest, how: &Making<'_>, host: &dyn Host) -> Result<Made, Failure> {
+    let stop = host.stop();
+    let mut checkpoints = None;
+    let destination = match how.out {
+        None => Destination::Memory(manifest),
+        Some(out) => {
+            let folder = Folder::open(out, manifest, how.resume).map_err(Failure::usage)?;
+            tell_of_damage(out, folder.damage(), host);
+            match folder.state() {
+                State::New => {}
+                State::Finished => host.warn(&format!(
+                    "`{}` is finished already\n",
+                    visible(&out.to_string_lossy())
+                )),
+                State::Resumed if how.is_told_of_build => {}
+                State::Resumed => tell_of_build(folder.builds(), host),
+            }
+            if folder.state() == State::Resumed {
+                check_stored(&folder, made_again(manifest, stop)).map_err(Failure::usage)?;
+            }
+            let folder = folder.with_checkpoints(how.checkpoints);
+            let folder = folder.map_err(Failure::usage)?;
+            checkpoints = folder.checkpoints().cloned();
+            tell_of_checkpoints(checkpoints.as_deref(), host);
+            Destination::Folder(folder.with(sweep::files))
+        }
+    };
+    let progress = Progress::new(manifest, threads(how.threads));
+    let recordings = Recordings::new(how.out.zip(how.record), how.record_every, manifest);
+    let unrecorded = made_by(manifest);
+    let simulate = |program: usize, number, mut watch: &Watch| match recordings.of(program, number)
+    {
+        Some(place) => {
+            let record = place.record(&manifest.programs[program], &mut watch);
+            record.map_err(|_| Cancelled)
+        }
+        None => unrecorded(program, number, watch),
+    };
+    let is_all_there = destination.kept() == manifest.total();
+    let state = |elapsed| of_ensemble(manifest, &progress, elapsed);
+    let work = || run_all(destination, &progress, stop, simulate);
+    let results = match is_all_there {
+        // There is nothing to wait for.
+        true => work(),
+        false => during(host, state, work),
+    };
+    let results = results.map_err(Failure::usage)?;
+    tell_of_checkpoints(checkpoints.as_deref(), host);
+    Ok(Made {
+        unrecorded: recordings.comment(&results.finished, host),
+        results,
+    })
+}

@@ -1,0 +1,60 @@
+//! The trajectories of a run, for other programs.
+use std::path::Path;
+
+use stochc_files::atomic::{Draft, Replaces, ends_with, holds};
+use stochc_report::export::{GLTF_MARK, Gltf, TRAJECTORIES_MARK, Trajectories};
+
+use super::chosen_run::ChosenRun;
+use crate::exit::Failure;
+use crate::host::Host;
+
+/// Makes a run again and writes where its blocks are every so many ticks, as a table.
+///
+/// # Errors
+/// If it does not come out as it was, or the file cannot be written.
+pub fn parquet(
+    chosen: &ChosenRun,
+    every: u32,
+    path: &Path,
+    host: &dyn Host,
+) -> Result<(), Failure> {
+    let (tables, scene) = (chosen.entry().tables(), &chosen.entry().scene);
+    let about = [
+        ("ensemble", chosen.manifest.identity()),
+        ("program", chosen.entry().name.clone()),
+        ("run", chosen.run.to_string()),
+        ("side_m", scene.block.side.to_string()),
+        ("tick_s", scene.tick.to_string()),
+    ];
+    let file = Draft::new(
+        path,
+        Replaces::Ours(|file| ends_with(file, TRAJECTORIES_MARK)),
+    )
+    .map_err(|error| cannot(path, &error))?;
+    let mut table =
+        Trajectories::new(file, every, tables, &about).map_err(|error| cannot(path, &error))?;
+    chosen.again(&mut table, host)?;
+    let file = table.finish().map_err(|error| cannot(path, &error))?;
+    file.keep().map_err(|error| cannot(path, &error))
+}
+
+/// The same as an animation.
+///
+/// # Errors
+/// The same.
+pub fn gltf(chosen: &ChosenRun, every: u32, path: &Path, host: &dyn Host) -> Result<(), Failure> {
+    let (tables, scene) = (chosen.entry().tables(), &chosen.entry().scene);
+    // Before the run, which may take long.
+    let file = Draft::new(path, Replaces::Ours(|file| holds(file, GLTF_MARK)));
+    let mut file = file.map_err(|error| cannot(path, &error))?;
+    let mut gltf = Gltf::new(every, scene.free.count, tables);
+    chosen.again(&mut gltf, host)?;
+    let title = format!("{}, run {}", tables.assembly, chosen.run);
+    gltf.write(tables, scene, &title, &mut file)
+        .map_err(|error| cannot(path, &error))?;
+    file.keep().map_err(|error| cannot(path, &error))
+}
+
+fn cannot(path: &Path, error: &impl std::fmt::Display) -> Failure {
+    Failure::usage(format!("cannot write `{}`: {error}", path.display()))
+}

@@ -1,0 +1,42 @@
+//! Ensembles that are made for what they say, and kept nowhere.
+use stochc_ensemble::{Cancelled, Destination, Manifest, Progress, Results, Watch, run as run_all};
+use stochc_runtime::run as run_once;
+
+use super::runs::threads as default_threads;
+use crate::exit::{Exit, Failure};
+use crate::host::{Host, during};
+use crate::progress::of_ensemble;
+
+/// Makes all runs of a manifest, each program with a seed of its own: those that shared their kicks would share their errors as well.
+///
+/// # Errors
+/// If it is stopped before the end: `stopped` says what was not done.
+pub fn all_runs(
+    manifest: &Manifest,
+    threads: Option<u16>,
+    stopped: &str,
+    host: &dyn Host,
+) -> Result<Results, Failure> {
+    let progress = Progress::new(manifest, default_threads(threads));
+    let simulate = |entry: usize, number, watch: &Watch| {
+        let program = &manifest.programs[entry];
+        let mut told = |tick, phase| watch.tick(tick, phase);
+        let seed = manifest.seed.wrapping_add(entry as u64);
+        let (tables, scene) = (program.tables(), &program.scene);
+        let record = run_once(tables, scene, &manifest.settings, seed, number, &mut told);
+        record.map_err(|_| Cancelled)
+    };
+    let state = |elapsed| of_ensemble(manifest, &progress, elapsed);
+    let destination = Destination::Memory(manifest);
+    let results = during(host, state, || {
+        run_all(destination, &progress, host.stop(), simulate)
+    })
+    .map_err(Failure::usage)?;
+    match results.complete {
+        true => Ok(results),
+        false => Err(Failure {
+            exit: Exit::Interrupted,
+            message: format!("stopped; {stopped}\n"),
+        }),
+    }
+}

@@ -1,0 +1,23 @@
+//! What commands do, for any [`Host`](crate::host::Host): programs of files, ensembles, pieces, pages.
+//!
+//! The command line reads options and prints; other programs give the same values and get the same folders, byte for byte.
+pub mod chosen_run;
+pub mod codes;
+pub mod ensemble;
+pub mod estimate;
+pub mod export;
+pub mod in_memory;
+pub mod plan;
+pub mod programs;
+pub mod rates;
+mod recordings;
+pub mod replay;
+pub mod report;
+pub mod results;
+pub mod runs;
+pub mod scene_warnings;
+pub mod shard;
+pub mod sweep;
+pub mod trade;
+
+pub use stochc_ensemble::text::duration as time;

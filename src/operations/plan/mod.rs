@@ -1,0 +1,129 @@
+//! From a shape to a program that builds it.
+mod budget;
+mod seed_plate;
+mod target;
+
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
+
+use stochc_grammar::Cancellation;
+use stochc_planner::{Objective, Refusal, Search};
+
+use super::programs::verdict;
+use crate::exit::{Exit, Failure};
+use crate::host::{Host, during};
+use crate::planning::{Goal, Planned, Unplanned};
+use crate::progress::State;
+
+pub use budget::Budget;
+pub use seed_plate::SeedPlate;
+
+/// What is to be built, and how long a better plan is looked for.
+#[derive(Clone, Copy, Debug)]
+pub struct Wish<'a> {
+    /// A program with a shape, or a file of voxels.
+    pub target: &'a str,
+    /// The shape of the program; `None`: the only one, or the last one claimed.
+    pub shape: Option<&'a str>,
+    /// The plate to build on; `None`: that of the target.
+    pub seed_plate: Option<&'a SeedPlate>,
+    /// The scene to build in; `None`: that of the target.
+    pub scene: Option<&'a str>,
+    /// Folders from which the program may import as well.
+    pub imports: &'a [PathBuf],
+    /// How long to look; `None`: for about a second.
+    pub budget: Option<Budget>,
+    /// What to make small.
+    pub objective: Objective,
+    /// Seed of the random numbers.
+    pub seed: u64,
+}
+
+/// What is to be built.
+///
+/// # Errors
+/// If the target cannot be read, or is none.
+pub fn goal(wish: &Wish<'_>, host: &dyn Host) -> Result<Goal, Failure> {
+    let mut goal = target::read(wish, host)?;
+    if let Some(plate) = wish.seed_plate {
+        goal.plate = Some(plate.plate.clone());
+        goal.seeds = plate.seeds.clone();
+    }
+    if let Some(scene) = wish.scene {
+        goal.scene = Some(scene.to_owned());
+    }
+    Ok(goal)
+}
+
+#[expect(
+    clippy::disallowed_methods,
+    reason = "a budget of time ends the search for better plans; any that was found is as good"
+)]
+fn now() -> Instant {
+    Instant::now()
+}
+
+/// Plans it.
+///
+/// # Errors
+/// If it cannot be built, or there is no plan yet when it is stopped.
+pub fn plan(goal: &Goal, wish: &Wish<'_>, host: &dyn Host) -> Result<Planned, Failure> {
+    let stop = host.stop();
+    let start = now();
+    let budget = wish
+        .budget
+        .unwrap_or_else(|| Budget::of_cells(goal.cells.len()));
+    let (tried, best) = (AtomicU64::new(0), AtomicU64::new(0));
+    let is_over = || {
+        let is_late = matches!(budget, Budget::Time(time) if start.elapsed() >= time);
+        is_late || stop.load(Ordering::Relaxed)
+    };
+    let is_stopped = || stop.load(Ordering::Relaxed);
+    let count = |rounds: u64, ticks: f64| {
+        tried.store(rounds, Ordering::Relaxed);
+        best.store(ticks as u64, Ordering::Relaxed);
+    };
+    let search = Search {
+        objective: wish.objective,
+        rounds: budget.tries(),
+        seed: wish.seed,
+        enough: Cancellation::new(&is_over),
+        cancellation: Cancellation::new(&is_stopped),
+        tried: &count,
+    };
+    let state = |elapsed| {
+        let tried = tried.load(Ordering::Relaxed);
+        State {
+            share: budget.share(tried, elapsed),
+            done: format!("{tried} plans tried"),
+            more: match best.load(Ordering::Relaxed) {
+                0 => String::new(),
+                best => format!("; the best takes about {best} ticks"),
+            },
+        }
+    };
+    let planned = during(host, state, || goal.plan(search));
+    planned.map_err(|unplanned| told(&unplanned, wish, host))
+}
+
+/// Why there is no plan.
+fn told(unplanned: &Unplanned, wish: &Wish<'_>, host: &dyn Host) -> Failure {
+    match unplanned {
+        Unplanned::Refused(Refusal::Cancelled) => Failure {
+            exit: Exit::Interrupted,
+            message: "stopped before there was a plan\n".to_owned(),
+        },
+        Unplanned::Refused(refusal) => {
+            let mut reason = format!("`{}`: {refusal}", wish.target);
+            if let Some(help) = refusal.help() {
+                reason += &format!("\nhelp: {help}");
+            }
+            Failure::wrong_program(reason)
+        }
+        Unplanned::Wrong(checked) => {
+            host.tell_findings(checked);
+            Failure::silent(verdict(checked))
+        }
+    }
+}

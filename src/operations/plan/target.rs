@@ -1,0 +1,82 @@
+//! Reads what is to be built.
+use std::path::Path;
+
+use stochc_files::budget::VOXELS;
+use stochc_files::programs::refusal;
+use stochc_files::read_file;
+use stochc_grammar::Symbols;
+use stochc_ir::Cell;
+use stochc_planner::{UnreadableVoxels, layers, magica_voxel};
+
+use super::super::programs::verdict;
+use super::Wish;
+use crate::exit::{Exit, Failure};
+use crate::host::Host;
+use crate::planning::Goal;
+
+/// The target of a wish.
+pub fn read(wish: &Wish<'_>, host: &dyn Host) -> Result<Goal, Failure> {
+    let target = wish.target;
+    let kind = Path::new(target).extension().and_then(|kind| kind.to_str());
+    match kind {
+        Some("vox") => voxels(wish, magica_voxel),
+        Some("txt") => voxels(wish, |bytes| {
+            let text = std::str::from_utf8(bytes);
+            text.map_or_else(|_| layers("?"), layers)
+        }),
+        _ => program(wish, host),
+    }
+}
+
+fn voxels(
+    wish: &Wish<'_>,
+    cells: impl Fn(&[u8]) -> Result<Vec<Cell>, UnreadableVoxels>,
+) -> Result<Goal, Failure> {
+    let target = wish.target;
+    if wish.shape.is_some() {
+        return Err(Failure::usage(
+            "`--shape` is for programs: a file of voxels is one shape",
+        ));
+    }
+    let bytes = read_file(Path::new(target), VOXELS)
+        .map_err(|error| Failure::usage(format!("cannot read `{target}`: {error}")))?;
+    let cells = cells(&bytes)
+        .map_err(|error| Failure::wrong_program(format!("`{target}` is no target: {error}")))?;
+    Ok(Goal::of_cells(&name(target), cells))
+}
+
+fn program(wish: &Wish<'_>, host: &dyn Host) -> Result<Goal, Failure> {
+    let target = wish.target;
+    if let Some(reason) = refusal(target) {
+        return Err(Failure::usage(reason));
+    }
+    let checked = crate::check_within(target, &Default::default(), wish.imports);
+    if checked.has_errors() {
+        host.tell_findings(&checked);
+        return Err(Failure::silent(verdict(&checked)));
+    }
+    Goal::of_program(&checked, wish.shape)
+        .map_err(|reason| Failure::error(Exit::WrongProgram, format!("`{target}`: {reason}")))
+}
+
+/// A name for the shape of a file: what of the file's name may stand in one.
+fn name(target: &str) -> String {
+    let stem = Path::new(target)
+        .file_stem()
+        .and_then(|stem| stem.to_str())
+        .unwrap_or_default();
+    let signs = stem.chars().map(|sign| {
+        if sign.is_ascii_alphanumeric() {
+            sign
+        } else {
+            '_'
+        }
+    });
+    let name: String = signs.collect();
+    let begins_well = name.starts_with(|first: char| first.is_ascii_alphabetic());
+    // New symbols hold the words of the language.
+    match begins_well && Symbols::new().get(&name).is_none() {
+        true => name,
+        false => format!("shape_{name}"),
+    }
+}

@@ -1,0 +1,117 @@
+//! Files to programs that are ready to run.
+use std::path::PathBuf;
+
+use stochc_compiler::{Checked, LintLevels};
+use stochc_ensemble::{Program, Source, Varied};
+use stochc_files::programs::{executables, refusal};
+use stochc_ir::Executable;
+use stochc_ir::scene::scalars::Change;
+
+use crate::exit::{Exit, Failure};
+use crate::host::Host;
+
+/// The programs of files, if nothing is wrong in any of them.
+///
+/// # Errors
+/// If one cannot be read or run; all are looked at before.
+pub fn programs(
+    files: &[String],
+    levels: &LintLevels,
+    imports: &[PathBuf],
+    host: &dyn Host,
+) -> Result<Vec<Program>, Failure> {
+    let mut programs = Vec::new();
+    let mut wrong = None;
+    for file in files {
+        match read(file, levels, imports, host) {
+            Ok(found) => programs.extend(found),
+            Err(failure) => {
+                host.tell_failure(&failure.message);
+                wrong = Some(Failure::silent(failure.exit));
+            }
+        }
+    }
+    wrong.map_or(Ok(programs), Err)
+}
+
+fn read(
+    file: &str,
+    levels: &LintLevels,
+    imports: &[PathBuf],
+    host: &dyn Host,
+) -> Result<Vec<Program>, Failure> {
+    if let Some(reason) = refusal(file) {
+        return Err(Failure::usage(reason));
+    }
+    match executables(file) {
+        Some(Ok(found)) => Ok(compiled(found)),
+        Some(Err(reason)) => Err(Failure::usage(format!("`{file}`: {reason}"))),
+        None => accept(file, crate::check_within(file, levels, imports), host),
+    }
+}
+
+/// Programs that were compiled elsewhere.
+fn compiled(executables: Vec<Executable>) -> Vec<Program> {
+    let programs = executables.into_iter().map(|executable| {
+        let name = executable.tables.assembly.clone();
+        Program::new(&name, Vec::new(), executable)
+    });
+    programs.collect()
+}
+
+/// The programs of a file in which nothing is wrong; its findings are told.
+///
+/// # Errors
+/// If it has errors, or nothing to run.
+pub fn accept(file: &str, checked: Checked, host: &dyn Host) -> Result<Vec<Program>, Failure> {
+    host.tell_findings(&checked);
+    if checked.has_errors() {
+        return Err(Failure::silent(verdict(&checked)));
+    }
+    if checked.programs.is_empty() {
+        return Err(Failure::usage(format!(
+            "`{file}` declares no assembly or aggregate to run"
+        )));
+    }
+    let sources: Vec<Source> = (checked.sources.files().iter())
+        .map(|file| Source {
+            path: file.name.clone(),
+            text: file.text.to_string(),
+        })
+        .collect();
+    let complete = checked.programs.into_iter().filter_map(|program| {
+        let executable = program.into_executable()?;
+        let name = executable.tables.assembly.clone();
+        Some(Program::new(&name, sources.clone(), executable))
+    });
+    Ok(complete.collect())
+}
+
+/// Compiles texts that were kept, for the assembly of a name, with the numbers that are varied.
+pub fn recompile(
+    sources: &[Source],
+    varied: &[Varied],
+    assembly: &str,
+    levels: &LintLevels,
+) -> Checked {
+    let texts = sources.iter();
+    let texts: Vec<_> = texts
+        .map(|it| (it.path.as_str(), it.text.as_str()))
+        .collect();
+    let changes = varied.iter().map(|varied| Change {
+        of: varied.of.clone(),
+        value: varied.value,
+    });
+    crate::check_texts(&texts, levels, assembly, &changes.collect::<Vec<_>>())
+}
+
+/// What the findings of a file mean for the exit status.
+pub fn verdict(checked: &Checked) -> Exit {
+    if !checked.has_errors() {
+        Exit::Success
+    } else if checked.sources.files().is_empty() {
+        Exit::Usage
+    } else {
+        Exit::WrongProgram
+    }
+}

@@ -1,0 +1,142 @@
+//! Rates for `--model rate`: those of files, or measured now.
+use std::path::{Path, PathBuf};
+
+use stochc_compiler::LintLevels;
+use stochc_ensemble::calibration::{Calibration, PROGRAMS, profile};
+use stochc_ensemble::{Manifest, Program};
+use stochc_files::budget::RATES;
+use stochc_files::read_file;
+use stochc_ir::scene::Scene;
+use stochc_runtime::Settings;
+use stochc_runtime::rates::Rates;
+use stochc_runtime::world::rate::RateWorld;
+
+use super::in_memory::all_runs;
+use crate::exit::{Exit, Failure};
+use crate::facade::{check_texts, compile};
+use crate::host::Host;
+
+/// What is simulated if nothing is said: some 15 s of processor time in the default scene.
+pub const RUNS: u64 = 8;
+/// Ticks of a run, at most.
+pub const MAX_TICKS: u64 = 60_000;
+
+/// Not that of `simulate`: the kicks of a calibration are never those of what it is held against.
+pub const SEED: u64 = 0x5ca1_e000;
+
+/// The rates of the scenes of programs, each once.
+/// What has to be measured first takes so many threads.
+///
+/// # Errors
+/// If a file cannot be read, or what has to be measured cannot be.
+pub fn of_scenes(
+    files: &[PathBuf],
+    programs: &[Program],
+    threads: Option<u16>,
+    host: &dyn Host,
+) -> Result<Vec<Rates>, Failure> {
+    let known = of_files(files)?;
+    let mut found: Vec<Rates> = Vec::new();
+    for program in programs {
+        let scene = &program.scene;
+        if found.iter().any(|rates| rates.are_of(scene)) {
+            continue;
+        }
+        let rates = match at_hand(&known, scene) {
+            Some(rates) => rates.clone(),
+            None => {
+                host.warn(&format!(
+                    "measuring the rates of the scene of {}, of which there are none; `stochc calibrate --out` keeps them\n",
+                    program.name
+                ));
+                measure(scene, &Effort::usual(threads), host)?
+            }
+        };
+        found.push(rates);
+    }
+    Ok(found)
+}
+
+/// Those that files hold.
+///
+/// # Errors
+/// If one cannot be read.
+pub fn of_files(files: &[PathBuf]) -> Result<Vec<Rates>, Failure> {
+    files.iter().map(|path| read(path)).collect()
+}
+
+/// The rates of a scene that are known, or come with the program.
+pub fn at_hand<'a>(known: &'a [Rates], scene: &Scene) -> Option<&'a Rates> {
+    let given = known.iter().find(|rates| rates.are_of(scene));
+    given.or_else(|| Rates::built_in(scene))
+}
+
+fn read(path: &Path) -> Result<Rates, Failure> {
+    let shown = path.display();
+    let bytes = read_file(path, RATES)
+        .map_err(|error| Failure::usage(format!("cannot read `{shown}`: {error}")))?;
+    let text = String::from_utf8_lossy(&bytes);
+    Rates::from_text(&text).map_err(|reason| Failure::usage(format!("`{shown}`: {reason}")))
+}
+
+/// How much is simulated.
+#[derive(Clone, Debug)]
+pub struct Effort {
+    /// How.
+    pub settings: Settings,
+    /// Runs of each program.
+    pub runs: u64,
+    /// Seed of the random numbers.
+    pub seed: u64,
+    /// Runs at the same time.
+    pub threads: Option<u16>,
+}
+
+impl Effort {
+    /// As much as is usual.
+    pub fn usual(threads: Option<u16>) -> Effort {
+        Effort {
+            settings: Settings {
+                max_ticks: Some(MAX_TICKS),
+                ..Settings::default()
+            },
+            runs: RUNS,
+            seed: SEED,
+            threads,
+        }
+    }
+}
+
+/// Measures the rates of a scene by runs with physics.
+///
+/// # Errors
+/// If it has none, or the runs are stopped.
+pub fn measure(scene: &Scene, effort: &Effort, host: &dyn Host) -> Result<Rates, Failure> {
+    if let Some(error) = RateWorld::refusal(scene) {
+        return Err(Failure::wrong_program(error.to_string()));
+    }
+    let mut observed: Vec<Program> = Vec::new();
+    for (name, text) in PROGRAMS {
+        let checked = check_texts(&[(name, text)], &LintLevels::default(), "", &[]);
+        let executables = compile(checked).map_err(|wrong| Failure::usage(wrong.to_string()))?;
+        for mut executable in executables {
+            // Blocks that are not there cannot be waited for.
+            if executable.tables.captures() as u64 <= u64::from(scene.free.count) {
+                executable.scene = scene.clone();
+                observed.push(Program::new(name, Vec::new(), executable));
+            }
+        }
+    }
+    let gas = profile(scene, &effort.settings, effort.seed)
+        .map_err(|error| Failure::wrong_program(error.to_string()))?;
+    let manifest = Manifest::new(effort.settings.clone(), effort.seed, effort.runs, observed);
+    let results = all_runs(&manifest, effort.threads, "nothing was calibrated", host)?;
+    let mut calibration = Calibration::new(scene, gas);
+    let observed = results
+        .finished
+        .each(|done| calibration.observe(&done.record));
+    observed.map_err(Failure::usage)?;
+    calibration
+        .rates(&effort.settings, effort.seed)
+        .map_err(|error| Failure::error(Exit::UnsuccessfulRun, error.to_string()))
+}

@@ -1,0 +1,136 @@
+//! Reading the folder of an ensemble, and what its runs tell.
+use std::path::Path;
+
+use serde_json::json;
+use stochc_ensemble::sweep::{Sweep, SweepTally};
+use stochc_ensemble::text::visible;
+use stochc_ensemble::{
+    Comparison, ComparisonTally, Folder, Manifest, Records, WaitsTally, captures,
+};
+use stochc_files::shell::file as shell_file;
+use stochc_report::tables::{
+    KNOWN_BIAS, captures_to_text, comparison_to_text, pairs_to_text, sweep_to_text,
+};
+use stochc_report::text::paragraph;
+use stochc_runtime::Model;
+
+use crate::exit::Failure;
+use crate::host::Host;
+
+/// Reads a results folder, and says what is wrong with it.
+///
+/// # Errors
+/// If it holds no results.
+pub fn read(folder: &Path, host: &dyn Host) -> Result<(Manifest, Records), Failure> {
+    let contents = Folder::read(folder).map_err(Failure::usage)?;
+    tell_of_damage(folder, &contents.damage, host);
+    Ok((contents.manifest, contents.finished))
+}
+
+/// Says what is wrong with the files of a results folder.
+pub fn tell_of_damage(folder: &Path, damage: &[String], host: &dyn Host) {
+    /// More than these say the same.
+    const TOLD: usize = 5;
+    if damage.is_empty() {
+        return;
+    }
+    let mut text = String::new();
+    for told in damage.iter().take(TOLD) {
+        text += &format!("warning: {told}\n");
+    }
+    let rest = damage.len().saturating_sub(TOLD);
+    if rest > 0 {
+        text += &format!("warning: so are {rest} more\n");
+    }
+    let folder = shell_file(&visible(&folder.to_string_lossy()));
+    text +=
+        &format!("`stochc verify {folder}` says what is sound; with `--repair`, it saves that\n");
+    host.warn(&text);
+}
+
+/// What the runs of an ensemble tell.
+#[derive(Debug)]
+pub struct Told<'a> {
+    manifest: &'a Manifest,
+    /// Its programs in figures, and against each other.
+    pub comparison: Comparison,
+    /// `None`: it is no sweep.
+    pub sweep: Option<Sweep>,
+    /// Of each program; none are there if nobody asked for captures.
+    waits: Vec<WaitsTally>,
+}
+
+/// Goes through the runs of an ensemble once; for their captures as well, if they are asked for.
+///
+/// # Errors
+/// Where the runs cannot be read again.
+pub fn told<'a>(
+    manifest: &'a Manifest,
+    finished: &Records,
+    bonds: bool,
+) -> Result<Told<'a>, Failure> {
+    let mut comparison = ComparisonTally::new(manifest);
+    let mut sweep = SweepTally::new(manifest);
+    let mut waits: Vec<WaitsTally> = match bonds {
+        true => vec![WaitsTally::default(); manifest.programs.len()],
+        false => Vec::new(),
+    };
+    let told = finished.each(|done| {
+        comparison.add(done);
+        sweep.iter_mut().for_each(|sweep| sweep.add(done));
+        if let Some(waits) = waits.get_mut(done.program) {
+            waits.add(&done.record);
+        }
+    });
+    told.map_err(Failure::usage)?;
+    Ok(Told {
+        manifest,
+        comparison: comparison.finish(),
+        sweep: sweep.map(SweepTally::finish),
+        waits,
+    })
+}
+
+impl Told<'_> {
+    /// As tables of so many columns.
+    pub fn text(self, width: usize) -> String {
+        let comparison = &self.comparison;
+        let mut text = match &self.sweep {
+            None => comparison_to_text(comparison, width),
+            Some(sweep) => sweep_to_text(sweep, width) + &pairs_to_text(comparison, width),
+        };
+        if self.manifest.settings.model == Model::Rate {
+            text += &format!("\n{}", paragraph(KNOWN_BIAS, width));
+        }
+        for (program, waits) in self.manifest.programs.iter().zip(self.waits) {
+            let name = visible(&program.name);
+            text += &format!("\n{name}, capture by capture\n");
+            let captures = captures(program, waits);
+            text += &captures_to_text(&captures, program.scene.tick, width);
+        }
+        text
+    }
+
+    /// As a document, which ends its last line.
+    pub fn json(self) -> String {
+        let comparison = json!(self.comparison);
+        let value = match self.waits.is_empty() {
+            true => comparison,
+            false => {
+                let bonds = self.manifest.programs.iter().zip(self.waits);
+                let bonds = bonds.map(|(program, waits)| {
+                    json!({ "program": program.name, "captures": captures(program, waits) })
+                });
+                let bonds: Vec<_> = bonds.collect();
+                json!({ "comparison": comparison, "captures": bonds })
+            }
+        };
+        format!("{value:#}\n")
+    }
+
+    /// Whether every run that is finished has completed.
+    pub fn are_all_successful(&self) -> bool {
+        let mut programs = self.comparison.programs.iter();
+        programs.all(|column| column.timed_out + column.stopped + column.failed == 0)
+    }
+}

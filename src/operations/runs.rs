@@ -1,0 +1,86 @@
+//! Runs of a manifest, made as whoever makes many of them asks for them.
+use std::num::NonZeroUsize;
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use stochc_ensemble::{Cancelled, Checkpoints, Manifest, Program, Watch, other_build};
+use stochc_ir::record::RunRecord;
+use stochc_runtime::{RunError, Settings, run as run_once};
+
+use crate::exit::Failure;
+use crate::host::Host;
+
+/// Makes runs of an ensemble, as [`stochc_ensemble::run`] asks for them.
+pub fn made_by(
+    manifest: &Manifest,
+) -> impl Fn(usize, u64, &Watch) -> Result<RunRecord, Cancelled> + Sync {
+    |program, number, mut watch| made(manifest, (program, number), &mut watch)
+}
+
+/// Makes a run of an ensemble again, unless it is stopped.
+pub fn made_again(
+    manifest: &Manifest,
+    stop: &AtomicBool,
+) -> impl FnOnce(usize, u64) -> Result<RunRecord, Cancelled> {
+    |program, number| made(manifest, (program, number), &mut until(stop))
+}
+
+/// Has a run go on until it is stopped.
+pub fn until(stop: &AtomicBool) -> impl stochc_runtime::Watch {
+    |_, _| match stop.load(Ordering::Relaxed) {
+        true => ControlFlow::Break(()),
+        false => ControlFlow::Continue(()),
+    }
+}
+
+fn made(
+    manifest: &Manifest,
+    (program, number): (usize, u64),
+    watch: &mut impl stochc_runtime::Watch,
+) -> Result<RunRecord, Cancelled> {
+    let of = &manifest.programs[program];
+    let (settings, seed) = (&manifest.settings, manifest.seed);
+    // The scene has been tried out, so only a cancelled run leaves no record.
+    run_once(of.tables(), &of.scene, settings, seed, number, watch).map_err(|_| Cancelled)
+}
+
+/// Sets the scenes of programs up once, so that one that cannot be is told of before the first run.
+///
+/// # Errors
+/// If one cannot be.
+pub fn try_out_all(manifest: &Manifest) -> Result<(), Failure> {
+    let mut programs = manifest.programs.iter();
+    programs.try_for_each(|program| {
+        try_out(program, &manifest.settings)
+            .map_err(|error| Failure::wrong_program(format!("{}: {error}", program.name)))
+    })
+}
+
+fn try_out(program: &Program, settings: &Settings) -> Result<(), RunError> {
+    let mut stop = |_, _| ControlFlow::Break(());
+    match run_once(program.tables(), &program.scene, settings, 0, 0, &mut stop) {
+        Err(RunError::Scene(error)) => Err(error.into()),
+        _ => Ok(()),
+    }
+}
+
+/// Says that runs are added to those of another build, or made again, if they are.
+pub fn tell_of_build(builds: &[String], host: &dyn Host) {
+    if let Some(told) = other_build(builds) {
+        host.warn(&format!("warning: {told}\n"));
+    }
+}
+
+/// Says what has become of checkpoints.
+pub fn tell_of_checkpoints(checkpoints: Option<&Checkpoints>, host: &dyn Host) {
+    for note in checkpoints.map(Checkpoints::notes).unwrap_or_default() {
+        host.warn(&format!("note: {note}\n"));
+    }
+}
+
+/// How many runs to do at the same time; unasked, as many as there are cores.
+pub fn threads(asked: Option<u16>) -> NonZeroUsize {
+    let cores = || std::thread::available_parallelism().ok();
+    let threads = asked.map_or_else(cores, |asked| NonZeroUsize::new(asked.into()));
+    threads.unwrap_or(NonZeroUsize::MIN)
+}

@@ -1,0 +1,56 @@
+//! Making a piece of an ensemble, and putting the pieces together.
+use std::path::Path;
+
+use stochc_ensemble::Interval;
+use stochc_ensemble::shards::{Piece, ShardError, merge as merge_all};
+
+use super::runs::{made_again, made_by, tell_of_checkpoints, threads};
+use super::sweep;
+use crate::exit::{Exit, Failure};
+use crate::host::{Host, during};
+use crate::progress::of_ensemble;
+
+/// Makes what there is not of a piece; how many runs it has, or `None` if it was stopped.
+///
+/// # Errors
+/// If there is no such piece, or its folder cannot be used; runs that are finished stay.
+pub fn shard(
+    folder: &Path,
+    number: u64,
+    (at_once, checkpoints): (Option<u16>, Interval),
+    host: &dyn Host,
+) -> Result<Option<u64>, Failure> {
+    let stop = host.stop();
+    let piece = Piece::open(folder, number)
+        .and_then(|piece| piece.with_checkpoints(checkpoints))
+        .map_err(Failure::usage)?;
+    tell_of_checkpoints(piece.checkpoints(), host);
+    let (runs, done) = piece.runs();
+    if piece.is_made() {
+        return Ok(Some(runs));
+    }
+    let manifest = piece.manifest();
+    let again = piece.check_stored(made_again(manifest, stop));
+    again.map_err(Failure::usage)?;
+    let progress = piece.progress(threads(at_once));
+    let state = |elapsed| of_ensemble(manifest, &progress, elapsed);
+    let work = || piece.make(&progress, stop, made_by(manifest));
+    let made = match done == runs {
+        // There is nothing to wait for.
+        true => work(),
+        false => during(host, state, work),
+    };
+    tell_of_checkpoints(piece.checkpoints(), host);
+    Ok(made.map_err(Failure::usage)?.then_some(runs))
+}
+
+/// Puts the pieces of an ensemble together; how many runs it has.
+///
+/// # Errors
+/// If some are missing, or are of something else.
+pub fn merge(folder: &Path) -> Result<u64, Failure> {
+    merge_all(folder, sweep::files).map_err(|error| match error {
+        ShardError::Missing { .. } => Failure::error(Exit::UnsuccessfulRun, error),
+        error => Failure::usage(error),
+    })
+}

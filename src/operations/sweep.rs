@@ -1,0 +1,142 @@
+//! Programs at many points of a sweep, and the files that tell of it.
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use stochc_compiler::LintLevels;
+use stochc_ensemble::sweep::{Axis, MOST_POINTS, Sweep, points as combine};
+use stochc_ensemble::{Compiled, JournalError, MOST_RUNS, Manifest, Program, Records};
+use stochc_ir::Executable;
+use stochc_ir::visible;
+use stochc_report::figures::sweep as pictures;
+
+use super::programs::{recompile, verdict};
+use crate::exit::Failure;
+use crate::host::Host;
+
+/// Each program at each point, compiled with the values of the point.
+///
+/// What a program is refused for at a point is told with the point; then nothing is run.
+///
+/// # Errors
+/// In these cases, and where there are more points or runs than are possible.
+pub fn points(
+    axes: &[Axis],
+    runs: u64,
+    programs: &[Program],
+    levels: &LintLevels,
+    host: &dyn Host,
+) -> Result<Vec<Program>, Failure> {
+    let mut at_points = Vec::new();
+    for program in programs {
+        if program.sources.is_empty() {
+            return Err(Failure::usage(format!(
+                "--sweep: `{}` is compiled already; name the file of its text instead",
+                program.name
+            )));
+        }
+        let points = combine(axes, &program.scene)
+            .map_err(|reason| Failure::usage(format!("--sweep: {reason}")))?;
+        for varied in points {
+            let mut entry = program.clone();
+            entry.varied = varied;
+            entry.name += &entry.point();
+            at_points.push(entry);
+        }
+    }
+    let count = at_points.len();
+    if count > MOST_POINTS {
+        return Err(Failure::usage(format!(
+            "--sweep: these are {count} points of {} programs, and {MOST_POINTS} is the most; ask for fewer \
+             values",
+            programs.len()
+        )));
+    }
+    if runs.saturating_mul(count as u64) > MOST_RUNS {
+        return Err(Failure::usage(format!(
+            "--sweep: {runs} runs at each of {count} points are more than {MOST_RUNS}; lower `--runs`"
+        )));
+    }
+    let mut wrong = Vec::new();
+    for entry in &mut at_points {
+        if let Err(failure) = at_point(entry, levels, host) {
+            wrong.push((entry.name.clone(), failure));
+        }
+    }
+    share_tables(&mut at_points);
+    let mut wrong = wrong.into_iter();
+    let Some((_, mut failure)) = wrong.next() else {
+        return Ok(at_points);
+    };
+    // Most are wrong for one reason.
+    let more: Vec<String> = wrong.map(|(name, _)| visible(&name)).collect();
+    if !more.is_empty() {
+        failure.message += &format!("error: nor can these be run: {}\n", more.join(", "));
+    }
+    Err(failure)
+}
+
+/// Compiles a program at its point.
+///
+/// Warnings have been told when the program was read as it is.
+///
+/// # Errors
+/// If it cannot be run there.
+pub fn at_point(entry: &mut Program, levels: &LintLevels, host: &dyn Host) -> Result<(), Failure> {
+    let checked = recompile(&entry.sources, &entry.varied, entry.assembly(), levels);
+    if checked.has_errors() {
+        let name = visible(&entry.name);
+        let drawn = host.draw(&checked);
+        return Err(Failure {
+            exit: verdict(&checked),
+            message: format!("error: `{name}` cannot be run:\n{drawn}"),
+        });
+    }
+    let programs = checked.programs.into_iter();
+    let mut compiled = programs.filter_map(stochc_compiler::Program::into_executable);
+    let found = compiled.find(|executable| executable.tables.assembly == entry.assembly());
+    let Some(Executable {
+        tables,
+        scene,
+        graph,
+    }) = found
+    else {
+        return Err(Failure::usage(format!("`{}` does not compile", entry.name)));
+    };
+    entry.scene = scene;
+    entry.compiled = Arc::new(Compiled::new(tables, graph));
+    Ok(())
+}
+
+/// Keeps what is the same at many points once.
+pub fn share_tables(programs: &mut [Program]) {
+    let mut known: HashMap<String, Arc<Compiled>> = HashMap::new();
+    for program in programs {
+        let digest = program.compiled.digest().to_owned();
+        let first = known
+            .entry(digest)
+            .or_insert_with(|| program.compiled.clone());
+        if first.graph == program.compiled.graph {
+            program.compiled = first.clone();
+        }
+    }
+}
+
+/// `sweep.json`, `sweep.csv` and the figures of a results folder, if its ensemble is a sweep: names and contents.
+///
+/// # Errors
+/// Where the runs cannot be read again.
+pub fn files(
+    manifest: &Manifest,
+    finished: &Records,
+) -> Result<Vec<(String, String)>, JournalError> {
+    let Some(sweep) = Sweep::of(manifest, finished)? else {
+        return Ok(Vec::new());
+    };
+    let mut files = vec![
+        ("sweep.json".to_owned(), sweep.to_json(manifest)),
+        ("sweep.csv".to_owned(), sweep.to_csv()),
+    ];
+    let pictures = pictures(&sweep, "sweep").into_iter();
+    files.extend(pictures.map(|drawing| (format!("{}.svg", drawing.name), drawing.file())));
+    Ok(files)
+}

@@ -1,0 +1,101 @@
+//! Measuring what accuracy costs, and keeping that.
+use std::path::Path;
+
+use stochc_ensemble::trade::{MEMORY, Memory, Progress, Setup, Trade, measure};
+use stochc_ensemble::{FolderError, JournalError, Program};
+use stochc_files::atomic::{self, Replaces};
+use stochc_report::figures::trade as trade_figure;
+
+use crate::exit::Failure;
+use crate::host::{Host, during};
+use crate::progress::of_trade;
+
+/// Measures programs, and shows how far it is.
+///
+/// # Errors
+/// If the scene of one cannot be set up.
+pub fn measured(programs: &[Program], setup: &Setup, host: &dyn Host) -> Result<Trade, Failure> {
+    let progress = Progress::default();
+    let state = |elapsed| of_trade(setup.extent, &progress, elapsed);
+    let trade = during(host, state, || measure(programs, setup, &progress));
+    trade.map_err(|(program, error)| {
+        Failure::wrong_program(format!("{}: {error}", programs[program].name))
+    })
+}
+
+/// What the folder of a trade knows already; `None`: it is kept nowhere.
+///
+/// # Errors
+/// If the folder holds something else.
+pub fn memory(
+    out: Option<&Path>,
+    resume: bool,
+    programs: &[Program],
+    seed: u64,
+) -> Result<Option<Memory>, Failure> {
+    let Some(out) = out else { return Ok(None) };
+    claim(out, resume).map_err(Failure::usage)?;
+    let memory = Memory::open(out, programs, seed);
+    memory.map(Some).map_err(|error| cannot_go_on(out, &error))
+}
+
+/// Keeps a trade in its folder.
+///
+/// # Errors
+/// Those of the file system.
+pub fn keep(out: &Path, memory: Memory, trade: &Trade) -> Result<(), Failure> {
+    let cannot = |error: &dyn std::fmt::Display| {
+        Failure::usage(format!("cannot write to `{}`: {error}", out.display()))
+    };
+    memory.close().map_err(|error| cannot(&error))?;
+    write(out, trade).map_err(|error| cannot(&error))
+}
+
+fn cannot_go_on(out: &Path, error: &FolderError) -> Failure {
+    let shown = out.display();
+    Failure::usage(match error {
+        FolderError::Journal(JournalError::Foreign) => format!(
+            "`{shown}` holds the trade of other programs, of another seed or of another build of `stochc`; choose \
+             another folder"
+        ),
+        error => error.to_string(),
+    })
+}
+
+/// Makes a folder, or takes an empty one; to `resume`, one that holds a trade.
+///
+/// # Errors
+/// In words.
+pub fn claim(out: &Path, resume: bool) -> Result<(), String> {
+    let shown = out.display();
+    let io = |error: std::io::Error| format!("cannot use `{shown}`: {error}");
+    if out.exists() && !out.is_dir() {
+        return Err(format!(
+            "`{shown}` is a file; choose another name for the folder"
+        ));
+    }
+    atomic::make_folder(out).map_err(io)?;
+    let is_ours = out.join(MEMORY).is_file();
+    let mut entries = std::fs::read_dir(out).map_err(io)?;
+    match entries.next() {
+        None => Ok(()),
+        Some(_) if is_ours && resume => Ok(()),
+        Some(_) if is_ours => Err(format!(
+            "`{shown}` is not empty; choose an empty or a new folder, or go on with the trade in it by `--resume`"
+        )),
+        Some(_) => Err(format!(
+            "`{shown}` is not empty; choose an empty or a new folder"
+        )),
+    }
+}
+
+fn write(out: &Path, trade: &Trade) -> std::io::Result<()> {
+    let files = [
+        ("trade.json", trade.to_json()),
+        ("trade.svg", trade_figure(trade).file()),
+    ];
+    let mut files = files.iter();
+    files.try_for_each(|(name, text)| {
+        atomic::replace(&out.join(name), text.as_bytes(), Replaces::Ordinary)
+    })
+}

@@ -1,0 +1,92 @@
+//! How far work is, in words and as a share.
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use stochc_ensemble::text::words;
+use stochc_ensemble::trade::{self, Extent};
+use stochc_ensemble::{Manifest, Progress, Snapshot, time_left};
+
+/// How far some work is.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct State {
+    /// The part that is done, 0 to 1.
+    pub share: f64,
+    /// What is done, as the last line says it too: `3 of 50 runs, 1 failed`.
+    pub done: String,
+    /// What else there is to say meanwhile; a narrow terminal cuts off the end.
+    pub more: String,
+}
+
+/// How far an ensemble is.
+pub fn of_ensemble(manifest: &Manifest, progress: &Progress, elapsed: Duration) -> State {
+    let snapshot = progress.snapshot();
+    let (done, total) = (snapshot.done, snapshot.total);
+    State {
+        share: done as f64 / total.max(1) as f64,
+        done: format!("{done} of {total} runs{}", troubles(&snapshot)),
+        more: rest(manifest, &snapshot, elapsed),
+    }
+}
+
+/// How far a trade is.
+pub fn of_trade(extent: Extent, progress: &trade::Progress, elapsed: Duration) -> State {
+    let runs = progress.runs();
+    let share = match (extent, progress.total()) {
+        (Extent::Budget(budget), _) => elapsed.as_secs_f64() / budget.as_secs_f64(),
+        (_, Some(total)) => runs as f64 / total as f64,
+        _ => 0.0,
+    };
+    let share = share.min(1.0);
+    State {
+        share,
+        done: format!("{runs} runs"),
+        more: format!("; {:.0} %", (100.0 * share).floor()),
+    }
+}
+
+/// How long an ensemble will take, and what is under way.
+fn rest(manifest: &Manifest, snapshot: &Snapshot, elapsed: Duration) -> String {
+    /// More than this is no longer read.
+    const TOLD: usize = 3;
+    let mut text = String::new();
+    if let Some(left) = time_left(snapshot, elapsed) {
+        text += &format!("; about {} left", words(left));
+    }
+    let mut under_way = BTreeMap::<_, u64>::new();
+    for &(program, phase) in &snapshot.under_way {
+        *under_way.entry((program, phase)).or_default() += 1;
+    }
+    let mut places: Vec<_> = under_way
+        .iter()
+        .map(|(&(program, phase), runs)| {
+            let program = &manifest.programs[program];
+            let phase = program.phase(phase);
+            match manifest.programs.len() {
+                1 => format!("{runs} in {phase}"),
+                _ => format!("{runs} in {} {phase}", program.name),
+            }
+        })
+        .collect();
+    if places.len() > TOLD {
+        places.truncate(TOLD);
+        places.push("...".to_owned());
+    }
+    if !places.is_empty() {
+        text += &format!("; {}", places.join(", "));
+    }
+    text
+}
+
+/// What went wrong in an ensemble.
+fn troubles(snapshot: &Snapshot) -> String {
+    let mut text = String::new();
+    for (runs, what) in [
+        (snapshot.totals.stopped, "stopped"),
+        (snapshot.totals.failed, "failed"),
+    ] {
+        if runs > 0 {
+            text += &format!(", {runs} {what}");
+        }
+    }
+    text
+}
