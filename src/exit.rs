@@ -34,7 +34,7 @@ impl Exit {
     }
 
     /// The one that a shell should rather hear of.
-    pub(crate) fn or_worse(self, other: Exit) -> Exit {
+    pub fn or_worse(self, other: Exit) -> Exit {
         if other.status() > self.status() {
             other
         } else {

@@ -38,6 +38,7 @@
 mod build;
 pub mod calibration;
 mod captures;
+mod checkpoint;
 mod clock;
 mod comparison;
 mod executor;
@@ -67,6 +68,7 @@ pub mod verify;
 
 pub use build::{other_build, this_build};
 pub use captures::{Capture, CaptureKey, Repetitions, Waits, WaitsTally, captures};
+pub use checkpoint::{CHECKPOINTS, Checkpoints, Interval};
 pub use comparison::{Column, Comparison, ComparisonTally, Pair, PhaseTime, Time};
 pub use executor::Cancelled;
 pub use folder::{Contents, Folder, Further, RECORDINGS, Resume, State};

@@ -52,6 +52,9 @@ pub const JOURNAL: Budget = json(256 * GIB);
 /// A recording, packed.
 pub const RECORDING: Budget = any(64 * GIB);
 
+/// The state of a run under way, with its recording so far.
+pub const CHECKPOINT: Budget = any(128 * GIB);
+
 /// Bytes of the header of a recording, at most.
 pub const RECORDING_HEADER: u64 = MIB;
 /// Bytes of one part of a recording, packed or unpacked, at most.

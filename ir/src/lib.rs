@@ -12,6 +12,7 @@ mod json;
 pub mod palette;
 pub mod record;
 pub mod scene;
+pub mod state;
 pub mod suggest;
 pub mod table;
 

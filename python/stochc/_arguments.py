@@ -9,7 +9,7 @@ from typing import TypeAlias
 
 from ._errors import UsageError
 
-Path: TypeAlias = "str | os.PathLike[str]"
+Path: TypeAlias = str | os.PathLike[str]
 """A file or a folder."""
 
 MOST_RUNS = 10_000_000

@@ -12,12 +12,13 @@ from ._arguments import MOST_RUNS, MOST_SEED, MOST_TICKS, Path, told, whole
 from ._errors import UsageError
 from ._program import Program, Source, compile_all
 from ._progress import Progress, shown
+from ._requests import Asked, Kept
 from ._table import Table
 
-Programs: TypeAlias = "Source | Program | Iterable[Source | Program]"
+Programs: TypeAlias = Source | Program | Iterable[Source | Program]
 """Programs, or texts or files of them, one or several."""
 
-Axes: TypeAlias = "Mapping[str, str | float | Sequence[float]]"
+Axes: TypeAlias = Mapping[str, str | float | Sequence[float]]
 """Numbers of the scene and their values: `{"free": [50, 100], "bond.pull": "2..12 N/5 log"}`."""
 
 Model: TypeAlias = Literal["rigid", "rapier", "rate", "shuffle"]
@@ -62,7 +63,7 @@ def _asked(
     warn: str | Iterable[str],
     deny: str | Iterable[str],
     allow_import: Source | Iterable[Source],
-) -> _native.Asked:
+) -> Asked:
     levels = (allow, warn, deny)
     return {
         "runs": whole("runs", runs, 1, MOST_RUNS),
@@ -323,7 +324,7 @@ def simulate(
     model: Model = "rigid",
     sweep: Axes | None = None,
     rates: Path | Iterable[Path] = (),
-    substeps: int | str = "1/8",
+    substeps: int | str = "2/8",
     solver_iterations: int | None = None,
     precision: Literal["single", "double"] = "single",
     reduce: Literal["no-rotation", "spheres", "no-friction", "no-block-contact"] | None = None,
@@ -352,7 +353,7 @@ def simulate(
             rates; `shuffle`: no physics, to try out event tables.
         sweep: numbers of the scene and their values; every combination is simulated.
         rates: files of rates, for `rate`; scenes that none is about are measured first.
-        substeps: steps of the model in each tick; `"1/8"`: one, and eight near magnetized faces.
+        substeps: steps of the model in each tick; `"2/8"`: two, and eight for blocks near magnetized faces.
         solver_iterations: of the contact solver in each step.
         precision: of the physics; `double` needs `rigid`.
         reduce: a part of the physics to leave out, with `rigid`.
@@ -392,7 +393,7 @@ def simulate(
         deny=deny,
         allow_import=allow_import,
     )
-    kept: _native.Kept = {
+    kept: Kept = {
         "out": _arguments.maybe_path("out", out),
         "resume": _arguments.yes("resume", resume),
         "mixed_builds": _arguments.yes("mixed_builds", mixed_builds),

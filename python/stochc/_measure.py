@@ -13,6 +13,7 @@ from ._ensemble import Programs, _listed  # pyright: ignore[reportPrivateUsage]
 from ._errors import UsageError
 from ._program import Program, Source, compile
 from ._progress import Progress, shown
+from ._requests import Estimated, Planned, Traded
 
 
 @dataclass(frozen=True)
@@ -104,7 +105,7 @@ def estimate(
     >>> found.programs[0]["program"], found.programs[0]["completed"]
     ('pair', 20)
     """
-    asked: _native.Estimated = {
+    asked: Estimated = {
         "rates": _arguments.paths("rates", rates),
         "runs": _arguments.maybe("runs", runs, 2, MOST_RUNS),
         "max_ticks": whole("max_ticks", max_ticks, 1, MOST_TICKS),
@@ -147,7 +148,7 @@ def plan(
     maybe = _maybe_word
     if budget is not None and not isinstance(budget, str):
         budget = str(whole("budget", budget, 1, 10**9))
-    asked: _native.Planned = {
+    asked: Planned = {
         "target": _arguments.path("target", target),
         "shape": maybe("shape", shape),
         "seed_plate": maybe("seed_plate", seed_plate),
@@ -201,7 +202,7 @@ def trade(
         raise UsageError(f"budget: give seconds, more than 0 and at most 1e9, not {told(budget)}")
     if resume and out is None:
         raise UsageError("resume: name a folder with `out`")
-    asked: _native.Traded = {
+    asked: Traded = {
         "runs": _arguments.maybe("runs", runs, 2, MOST_RUNS),
         "budget": float(budget),
         "seed": whole("seed", seed, 0, MOST_SEED),

@@ -2,65 +2,14 @@
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, TypedDict
+from typing import Any, final
+
+from ._requests import Asked, Estimated, Kept, Planned, Traded
 
 _Said = list[tuple[str, str]]
 _Show = Callable[[float, str], object] | None
 
-class Computed(TypedDict):
-    model: str
-    substeps: str
-    solver_iterations: int | None
-    precision: str
-    reduce: str | None
-    max_ticks: int
-    rates: list[str]
-
-class Asked(TypedDict):
-    programs: list[Program]
-    runs: int
-    seed: int
-    sweep: list[str]
-    levels: _Said
-    computed: Computed
-    threads: int | None
-
-class Kept(TypedDict):
-    out: str | None
-    resume: bool
-    mixed_builds: bool
-    record: str | None
-    record_every: int
-
-class Estimated(TypedDict):
-    programs: list[Program]
-    rates: list[str]
-    runs: int | None
-    max_ticks: int
-    seed: int
-    threads: int | None
-
-class Planned(TypedDict):
-    target: str
-    shape: str | None
-    seed_plate: str | None
-    scene: str | None
-    imports: list[str]
-    budget: str | None
-    is_p90: bool
-    seed: int
-
-class Traded(TypedDict):
-    programs: list[Program]
-    runs: int | None
-    budget: float
-    seed: int
-    max_ticks: int | None
-    finest: int
-    threads: int | None
-    out: str | None
-    resume: bool
-
+@final
 class Program:
     @property
     def name(self) -> str: ...
@@ -88,6 +37,7 @@ class Program:
     @staticmethod
     def from_json(json: str) -> Program: ...
 
+@final
 class Table:
     def shape_json(self) -> str: ...
     def __len__(self) -> int: ...
@@ -95,6 +45,7 @@ class Table:
     def __arrow_c_schema__(self) -> Any: ...
     def __arrow_c_stream__(self, requested_schema: Any = None) -> Any: ...
 
+@final
 class Ensemble:
     @property
     def folder(self) -> Path | None: ...

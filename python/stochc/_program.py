@@ -11,7 +11,7 @@ from . import _arguments, _html, _native
 from ._errors import ProgramError, UsageError
 from ._findings import Finding, finding
 
-Source: TypeAlias = "str | os.PathLike[str]"
+Source: TypeAlias = str | os.PathLike[str]
 """The text of a program, or the path of its file: a text is what has a `{` or more than one line."""
 
 _TEXT = "text.sa"
@@ -35,7 +35,7 @@ class Checked:
     >>> checked.ok
     False
     >>> print(checked.findings[0])
-    text.sa:1:1: error[missing-seed]: `pair` has no seed
+    text.sa:1:10: error[missing-plate]: the assembly has no seed plate
     """
 
     __slots__ = ("_drawn", "findings", "ok", "programs")
@@ -166,7 +166,7 @@ class Program:
         return f"<stochc.Program {self.name}: {self.captures} captures, scene {self._native.scene}>"
 
     def _repr_html_(self) -> str:
-        svg = self.svg()
+        svg = self._repr_svg_()
         phases = ", ".join(self.phases)
         about = _html.table(
             ["program", "captures", "phases", "scene"],
@@ -175,7 +175,9 @@ class Program:
         return about + (_html.picture(svg, f"structure of {self.name}") if svg else "")
 
     def _repr_svg_(self) -> str | None:
-        return self.svg()
+        svg = self.svg()
+        # Its letters are dark: they stand on paper, in a dark notebook too.
+        return svg and svg.replace("<svg ", '<svg style="background:#fff" ', 1)
 
 
 def _restored(text: str) -> Program:
@@ -243,7 +245,7 @@ def compile(
 
     >>> import stochc
     >>> stochc.compile(stochc.EXAMPLE)
-    <stochc.Program pair: 1 captures, scene default>
+    <stochc.Program pair: 1 captures, scene hemisphere>
     """
     found = compile_all(source, allow=allow, warn=warn, deny=deny, allow_import=allow_import)
     wanted = found
@@ -263,6 +265,6 @@ def explain(code: str) -> str:
 
     >>> import stochc
     >>> stochc.explain("cycle").splitlines()[0]
-    '# cycle: events wait for each other in a cycle'
+    '# cycle: events that wait for each other in a cycle'
     """
     return _native.explain(_arguments.word("code", code))

@@ -9,10 +9,10 @@ from typing import Any, TypeAlias
 
 from ._arguments import told
 
-Show: TypeAlias = "Callable[[float, str], object]"
+Show: TypeAlias = Callable[[float, str], object]
 """Is told the share that is done, 0 to 1, and a line on it, in the thread that has called."""
 
-Progress: TypeAlias = "bool | None | Show"
+Progress: TypeAlias = bool | None | Show
 """Whether and how to show progress; `None`: in a terminal and in Jupyter."""
 
 

@@ -5,9 +5,11 @@ from __future__ import annotations
 import re
 from typing import Any
 
+import pytest
 from conftest import ROOT
 
 
+@pytest.mark.filterwarnings("ignore::stochc.StochcWarning")
 def test_blocks_of_the_document_run() -> None:
     text = (ROOT / "docs" / "python.md").read_text()
     blocks = re.findall(r"^```python\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)

@@ -175,9 +175,9 @@ def test_the_lock_of_the_interpreter_is_released() -> None:
             counted += 1
             time.sleep(0.001)
 
-    thread = threading.Thread(target=count)
+    thread = threading.Thread(target=count, daemon=True)
     thread.start()
-    stochc.simulate("examples/five_tower.sa", runs=4, threads=1, max_ticks=4000)
+    stochc.simulate("examples/line.sa", runs=4, threads=1, max_ticks=4000)
     ended.set()
     thread.join()
     assert counted > 10
@@ -204,7 +204,7 @@ def test_pickles(tower: str, tmp_path: Path) -> None:
         stochc.compile("assembly a { }")
     error = pickle.loads(pickle.dumps(raised.value))
     assert (str(error), error.findings) == (str(raised.value), findings)
-    with pytest.raises(stochc.UsageError, match="damaged|expected|EOF"):
+    with pytest.raises(stochc.UsageError, match="it is not the manifest"):
         type(program._native).from_json("{}")  # pyright: ignore[reportPrivateUsage]
 
 
@@ -264,7 +264,7 @@ def test_progress_is_told_in_the_calling_thread_and_may_stop_the_work() -> None:
         assert threading.get_ident() == thread
         told.append((share, text))
 
-    stochc.simulate("examples/five_tower.sa", runs=3, max_ticks=2000, progress=show)
+    stochc.simulate("examples/line.sa", runs=3, max_ticks=2000, progress=show)
     assert told[-1][0] == 1.0
     assert "3 of 3 runs" in told[-1][1]
     assert all(0 <= share <= 1 for share, _ in told)
@@ -276,7 +276,7 @@ def test_progress_is_told_in_the_calling_thread_and_may_stop_the_work() -> None:
         raise Enough
 
     with pytest.raises(Enough):
-        stochc.simulate("examples/five_tower.sa", runs=100000, progress=stop)
+        stochc.simulate("examples/line.sa", runs=100000, progress=stop)
 
 
 def test_progress_without_and_with_a_bar(capsys: pytest.CaptureFixture[str]) -> None:

@@ -14,7 +14,7 @@ pub mod world;
 
 pub use stochc_rates as rates;
 
-pub use run::{RunError, Watch, drive, observe, run};
+pub use run::{RunError, Save, Watch, drive, observe, run};
 pub use settings::{Model, Precision, Reduction, Settings, Substeps};
 pub use step_error::{StepError, step_errors};
 

@@ -7,6 +7,7 @@ mod aggregate;
 #[cfg(target_os = "linux")]
 mod budget;
 mod check;
+mod checkpoints;
 mod compile;
 mod explain;
 mod fit;
@@ -26,6 +27,8 @@ mod plan;
 mod rates;
 mod refused;
 mod results;
+#[cfg(target_os = "linux")]
+mod scarce;
 mod scene;
 mod shards;
 mod simulate;

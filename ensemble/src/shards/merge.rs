@@ -8,6 +8,7 @@ use stochc_files::disk;
 use super::ShardError;
 use super::cut::{Cut, SHARDS, SHARDS_FILE, build, piece_file};
 use super::piece::{Found, in_folder, read};
+use crate::checkpoint;
 use crate::folder::{JOURNAL, lock};
 use crate::journal::{self, Header};
 use crate::{Folder, FolderError, Further, Manifest, Resume, slurm};
@@ -29,6 +30,7 @@ pub fn merge(path: &Path, further: Further) -> Result<u64, ShardError> {
     drop(lock);
     let folder = Folder::open_cut(path, &manifest, Resume::MixedBuilds)?.with(further);
     folder.write_tables(folder.kept())?;
+    checkpoint::clear(path, |_, _| false).map_err(|source| in_folder(path, source))?;
     clear(path).map_err(|source| in_folder(path, source))?;
     Ok(manifest.total())
 }

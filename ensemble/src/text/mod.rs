@@ -5,7 +5,7 @@ mod percent;
 mod ranges;
 mod visible;
 
-pub use duration::{Tick, seconds, words};
+pub use duration::{Tick, duration, seconds, words};
 pub use number::{number, ratio};
 pub use percent::{percent, relative, relative_size};
 pub use ranges::ranges;

@@ -50,6 +50,13 @@ pub(crate) struct Bodies<R: Lane> {
     pub dt: R,
 }
 
+stochc_ir::state! {
+    (<R: Lane>) Bodies<R>;
+    values: position, rounded, velocity, mobility, step, last, rotation, turned, axes, shown, spin, anchored, now;
+    parts: ;
+    same: dt
+}
+
 impl<R: Lane> Bodies<R> {
     /// `step`: how long a step is; `dt`: how long the shortest one is that a block may take.
     pub fn new(blocks: &[BodyState], step: R, dt: R) -> Bodies<R> {

@@ -5,6 +5,7 @@
 //! three more where a block is close to the end of its cell in x. Stretches are short, and asked
 //! four blocks at once, whether or not anybody is there: a guess that fails would cost more.
 use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
 
 use super::bodies::Bodies;
 use super::simd::{ABREAST, LANES, Lane, Wide};
@@ -29,7 +30,8 @@ const MANY: f64 = 4_000_000.0;
 /// An empty cell is between two rows, and an empty row below and above each slab of cells: a
 /// neighbour is a fixed number away. Blocks outside of the grid count as inside of its outermost
 /// cells, which loses no neighbours.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(bound = "")]
 pub(super) struct CellList<R: Lane> {
     /// The middle of the first cell.
     low: [R; 3],
@@ -53,7 +55,7 @@ pub(super) struct CellList<R: Lane> {
 }
 
 /// A block's number, and whether it is anchored.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Tag(u32);
 
 impl Tag {

@@ -1,5 +1,6 @@
 //! Which blocks are near each other, looked up once for several substeps (Verlet 1967).
 use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
 
 use super::bodies::Bodies;
 use super::cell_list::{CellList, TOUCH};
@@ -20,7 +21,8 @@ const REVIEW: u32 = 64;
 const OUTSIDE: usize = 8;
 
 /// The blocks near each other and near places.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(bound = "")]
 pub(super) struct NeighbourList<R: Lane> {
     /// The blocks mostly stay within this of the origin, and above the floor if there is one \[side\].
     span: f64,

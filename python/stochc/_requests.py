@@ -1,0 +1,80 @@
+"""What the native part is asked for, when the arguments have been looked at."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, TypedDict
+
+if TYPE_CHECKING:
+    from . import _native
+
+
+class Computed(TypedDict):
+    """How runs are computed, in words."""
+
+    model: str
+    substeps: str
+    solver_iterations: int | None
+    precision: str
+    reduce: str | None
+    max_ticks: int
+    rates: list[str]
+
+
+class Asked(TypedDict):
+    """What an ensemble depends on."""
+
+    programs: list[_native.Program]
+    runs: int
+    seed: int
+    sweep: list[str]
+    levels: list[tuple[str, str]]
+    computed: Computed
+    threads: int | None
+
+
+class Kept(TypedDict):
+    """What of it is kept, and where."""
+
+    out: str | None
+    resume: bool
+    mixed_builds: bool
+    record: str | None
+    record_every: int
+
+
+class Estimated(TypedDict):
+    """How programs are estimated."""
+
+    programs: list[_native.Program]
+    rates: list[str]
+    runs: int | None
+    max_ticks: int
+    seed: int
+    threads: int | None
+
+
+class Planned(TypedDict):
+    """What is to be planned."""
+
+    target: str
+    shape: str | None
+    seed_plate: str | None
+    scene: str | None
+    imports: list[str]
+    budget: str | None
+    is_p90: bool
+    seed: int
+
+
+class Traded(TypedDict):
+    """What is to be traded."""
+
+    programs: list[_native.Program]
+    runs: int | None
+    budget: float
+    seed: int
+    max_ticks: int | None
+    finest: int
+    threads: int | None
+    out: str | None
+    resume: bool
