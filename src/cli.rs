@@ -2,10 +2,10 @@
 use clap::{CommandFactory as _, Parser, Subcommand};
 use stochc_ir::is_invisible;
 
-use crate::command::interrupt::outlive_file_limit;
+use crate::command::interrupt::{exit_without_memory, outlive_file_limit};
 use crate::command::{
     calibrate, check, compile, completions, estimate, explain, export, fit, fmt, lsp, man, merge,
-    plan, replay, report, results, shard, simulate, status, trade, verify,
+    plan, replay, report, results, shard, simulate, status, submit, trade, verify,
 };
 use crate::exit::{Exit, Failure};
 
@@ -19,8 +19,8 @@ pub struct Cli {
 }
 
 const EXIT_STATUS: &str = "\
-Exit status: 0 success, 1 the program has errors, 2 the command line is wrong or a file cannot be \
-read or written, 3 a run did not complete or pieces are missing, 4 no setting is known to be accurate enough, 130 interrupted.";
+Exit status: 0 success, 1 the program has errors, 2 the command line is wrong, a file cannot be \
+read or written or there is no memory left, 3 a run did not complete or pieces are missing, 4 no setting is known to be accurate enough, 130 interrupted.";
 
 /// The subcommands.
 #[derive(Debug, Subcommand)]
@@ -41,6 +41,8 @@ pub enum Command {
     Status(status::Options),
     /// Put the pieces of an ensemble together: the same results as without pieces
     Merge(merge::Options),
+    /// Have a cluster make the pieces that are missing, and put them together: with Slurm
+    Submit(submit::Options),
     /// Measure what accuracy costs: compare many settings with a converged reference
     Trade(trade::Options),
     /// Measure how often faces capture in a scene, for `--model rate`
@@ -85,6 +87,7 @@ pub fn wrong(error: clap::Error) -> Result<Exit, Failure> {
 /// Does what the command line says; what is left to say is in the failure.
 pub fn run(cli: Cli) -> Result<Exit, Failure> {
     outlive_file_limit();
+    exit_without_memory();
     match cli.command {
         Command::Check(options) => check::run(&options),
         Command::Fmt(options) => fmt::run(&options),
@@ -94,6 +97,7 @@ pub fn run(cli: Cli) -> Result<Exit, Failure> {
         Command::Shard(options) => shard::run(&options),
         Command::Status(options) => status::run(&options),
         Command::Merge(options) => merge::run(&options),
+        Command::Submit(options) => submit::run(&options),
         Command::Trade(options) => trade::run(&options),
         Command::Calibrate(options) => calibrate::run(&options),
         Command::Estimate(options) => estimate::run(&options),

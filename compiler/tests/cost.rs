@@ -1,57 +1,92 @@
-//! What the compiler says of a program's effort from its geometry.
+//! What the compiler says of how long a program takes.
 use stochc_compiler::cost::{Cost, estimate};
 use stochc_compiler::{Program, check};
+use stochc_rates::Rates;
 
 fn program(text: &str) -> (Program, Cost, Vec<String>) {
     let mut reader = |_: &str| Ok(text.as_bytes().to_vec());
     let mut checked = check("test.sa", &mut reader, Default::default());
     assert!(!checked.has_errors(), "{:#?}", checked.diagnostics);
     let program = checked.programs.remove(0);
-    let cost = estimate(&program).unwrap();
+    let rates = program.scene.as_ref().and_then(Rates::built_in);
+    let cost = estimate(&program, rates).unwrap();
     let order = (cost.captures.iter())
         .map(|capture| program.plan.describe(capture.event, &checked.symbols))
         .collect();
     (program, cost, order)
 }
 
+fn mean(text: &str) -> f64 {
+    program(text)
+        .1
+        .total
+        .expect("the default scene has rates")
+        .mean
+}
+
 #[test]
-fn the_most_enclosed_cell_comes_first() {
+fn what_decides_most_of_the_time_comes_first() {
     let (_, cost, order) = program(include_str!("../../examples/five_tower.sa"));
     assert_eq!(order[..2], ["M.up -> N", "N.up -> O"]);
-    assert!(cost.captures.is_sorted_by(|a, b| a.exposure <= b.exposure));
+    assert!(cost.captures.is_sorted_by(|a, b| a.share >= b.share));
+    let sum: f64 = cost.captures.iter().map(|capture| capture.share).sum();
+    assert!((sum - 1.0).abs() < 1e-9, "{sum}");
     let orders = cost.phases.iter().map(|phase| (phase.depth, phase.width));
     assert!(orders.eq([(2, 4), (2, 1)]));
+    let (all, phases) = (
+        cost.total.unwrap(),
+        cost.phases.iter().map(|it| it.times.unwrap().mean),
+    );
+    assert!((phases.sum::<f64>() - all.mean).abs() < 1e-6);
+    assert!(all.p10 < all.median && all.median < all.p90);
 }
 
 #[test]
-fn equal_cells_keep_the_order_of_the_source() {
-    let text = "assembly a { seed plate 21 x 21 { A at (0, 0) B at (20, 0) C at (0, 20) D at (20, 20) } \
-                phase p { C.up -> G B.up -> F after G D.up -> H A.up -> E } }";
-    let (_, cost, order) = program(text);
-    assert_eq!(order, ["C.up -> G", "B.up -> F", "D.up -> H", "A.up -> E"]);
-    assert_eq!((cost.phases[0].depth, cost.phases[0].width), (2, 3));
+fn a_chain_takes_the_sum_of_its_waits() {
+    let (_, cost, _) = program(include_str!("../../examples/line.sa"));
+    let sum: f64 = cost
+        .captures
+        .iter()
+        .map(|capture| capture.wait.mean())
+        .sum();
+    let mean = cost.total.unwrap().mean;
+    // 4000 cases, whose spread is a fifth of the mean.
+    assert!(
+        (mean / sum - 1.0).abs() < 4.0 * 0.2 / 4000_f64.sqrt(),
+        "{mean} {sum}"
+    );
 }
 
 #[test]
-fn released_blocks_are_not_in_the_way() {
+fn of_captures_side_by_side_the_last_counts() {
+    let alone = mean("assembly a { seed plate 21 x 1 { A at (0, 0) } phase p { A.up -> E } }");
+    let four = mean(
+        "assembly a { seed plate 21 x 21 { A at (0, 0) B at (20, 0) C at (0, 20) D at (20, 20) } \
+         phase p { A.up -> E B.up -> F C.up -> G D.up -> H } }",
+    );
+    // The last of four exponential waits takes 1 + 1/2 + 1/3 + 1/4 of one; docking times make it less.
+    assert!(four > 1.5 * alone && four < 2.09 * alone, "{four} {alone}");
+}
+
+#[test]
+fn a_block_released_above_the_open_face_docks_there_at_once() {
     let body = |end: &str| {
-        format!(
-            "assembly a {{ seed plate 3 x 1 {{ A at (0, 0) M at (1, 0) B at (2, 0) }}
-             phase p {{ A.up -> E B.up -> F }} {end} }}"
-        )
+        mean(&format!(
+            "assembly a {{ seed plate 3 x 1 {{ A at (0, 0) B at (1, 0) }}
+             phase p {{ A.up ->> T[1..2] T[2].east -> E }} {end} }}"
+        ))
     };
-    let exposure = |end: &str| {
-        let (program, cost, _) = program(&body(end));
-        let last = program.plan.events.len() as u32 - 1;
-        cost.captures
-            .iter()
-            .find(|capture| capture.event.0 == last)
-            .unwrap()
-            .exposure
-    };
-    let between = exposure("phase q { M.up -> N }");
-    let alone = exposure("phase q { release E, F } phase r { M.up -> N }");
-    let told = exposure("phase q { release E release F M.up -> N after release E, release F }");
-    assert!(between < alone - 0.1, "{between} {alone}");
-    assert_eq!(alone, told);
+    let before = body("");
+    let dropped = body("phase q { release E B.up -> F after release E }") - before;
+    let awaited = body("phase q { B.up -> F }") - before;
+    assert!(dropped < 0.9 * awaited, "{dropped} {awaited}");
+}
+
+#[test]
+fn without_rates_nothing_is_said_of_times() {
+    let text = include_str!("../../examples/line.sa")
+        .replace("assembly line", "assembly line in hemisphere_soft");
+    let (_, cost, order) = program(&text);
+    assert!(cost.total.is_none() && order.is_empty());
+    assert_eq!((cost.phases[0].depth, cost.phases[0].width), (13, 1));
 }

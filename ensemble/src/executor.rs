@@ -40,6 +40,14 @@ pub(crate) fn execute<J>(
     });
 }
 
+/// How the reason begins for which a run has failed that panicked.
+const PANICKED: &str = "panicked: ";
+
+/// Whether a run failed by a panic.
+pub(crate) fn is_panic(record: &RunRecord) -> bool {
+    matches!(&record.outcome, Outcome::Failed { reason, .. } if reason.starts_with(PANICKED))
+}
+
 /// Makes a run; `None`: it was stopped. A panic in it makes it [`Outcome::Failed`], where `last` says that it was.
 pub(crate) fn attempt(
     run: u64,
@@ -68,7 +76,7 @@ pub(crate) fn attempt(
                 run,
                 outcome: Outcome::Failed {
                     phase,
-                    reason: format!("panicked: {text}"),
+                    reason: format!("{PANICKED}{text}"),
                 },
                 ticks,
                 phase_ticks: Vec::new(),

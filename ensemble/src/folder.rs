@@ -6,6 +6,7 @@
 //! | `journal.jsonl` | every finished run, in the order of finishing |
 //! | `runs.parquet`, `phases.parquet`, `bonds.parquet`, `releases.parquet`, `unplanned.parquet` | the same as tables, in the order of program and run; see `docs/results.md` |
 //! | `recordings/` | runs to watch; see [`crate::recording`] |
+//! | `checkpoints/` | the states of runs under way; see [`super::checkpoint`] |
 //! | `checksums.json` | of the others, when they were last written as a whole; see [`super::seal`] |
 //! | `.lock` | held by the process that writes |
 //!
@@ -13,6 +14,7 @@
 use std::fs::{OpenOptions, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use stochc_files as files;
 use stochc_files::File;
@@ -22,6 +24,7 @@ use stochc_files::checksum::{Sum, Summed, of_file};
 use stochc_files::disk;
 
 use super::build::{UNKNOWN, other_build};
+use super::checkpoint::{self, CHECKPOINTS, Checkpoints, Interval};
 use super::folder_error::FolderError;
 use super::journal::{self, Finished, Header, Journal, JournalError};
 use super::manifest::{Manifest, OLDEST};
@@ -51,6 +54,7 @@ pub struct Folder {
     whole: u64,
     damage: Vec<String>,
     further: Further,
+    checkpoints: Option<Arc<Checkpoints>>,
     /// Unlocked by the system when it is closed, also by a kill.
     _lock: File,
 }
@@ -143,6 +147,7 @@ impl Folder {
                 whole: 0,
                 damage: Vec::new(),
                 further: |_, _| Ok(Vec::new()),
+                checkpoints: None,
                 _lock: lock,
             });
         };
@@ -203,6 +208,7 @@ impl Folder {
             whole: journal.whole,
             damage,
             further: |_, _| Ok(Vec::new()),
+            checkpoints: None,
             _lock: lock,
         })
     }
@@ -231,6 +237,49 @@ impl Folder {
     pub fn with(mut self, further: Further) -> Folder {
         self.further = further;
         self
+    }
+
+    /// Has the states of runs under way kept, and has those go on of which there is one.
+    ///
+    /// # Errors
+    /// Those of the file system.
+    pub fn with_checkpoints(mut self, every: Interval) -> Result<Folder, FolderError> {
+        let wants = |program, run| self.wants(&self.kept, program, run);
+        let opened = checkpoint::clear(&self.path, wants)
+            .and_then(|()| Checkpoints::open(&self.path, &self.manifest, every, wants));
+        let opened = opened.map_err(|source| self.in_checkpoints(source))?;
+        self.checkpoints = Some(Arc::new(opened));
+        Ok(self)
+    }
+
+    /// Removes the states of runs that are `finished`.
+    ///
+    /// # Errors
+    /// Those of the file system.
+    pub(super) fn clear_checkpoints(&self, finished: &Records) -> Result<(), FolderError> {
+        if self.checkpoints.is_none() {
+            return Ok(());
+        }
+        let wants = |program, run| self.wants(finished, program, run);
+        checkpoint::clear(&self.path, wants).map_err(|source| self.in_checkpoints(source))
+    }
+
+    /// Whether a run is to be made that is not `finished`.
+    fn wants(&self, finished: &Records, program: usize, run: u64) -> bool {
+        let is_of_it = program < self.manifest.programs.len() && run < self.manifest.runs;
+        is_of_it && !finished.contains(program, run)
+    }
+
+    fn in_checkpoints(&self, source: io::Error) -> FolderError {
+        FolderError::Io {
+            path: self.path.join(CHECKPOINTS),
+            source,
+        }
+    }
+
+    /// The states of its runs, if they are kept.
+    pub fn checkpoints(&self) -> Option<&Arc<Checkpoints>> {
+        self.checkpoints.as_ref()
     }
 
     /// What was wrong with its files when it was opened, each in a sentence.

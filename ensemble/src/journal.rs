@@ -419,6 +419,14 @@ impl Journal {
         }
     }
 
+    /// Has all that was appended survive a loss of power.
+    ///
+    /// # Errors
+    /// Those of the disk.
+    pub fn sync(&self) -> io::Result<()> {
+        self.file.sync_data()
+    }
+
     /// Waits until all that was appended would survive a loss of power.
     ///
     /// # Errors

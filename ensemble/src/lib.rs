@@ -38,6 +38,7 @@
 mod build;
 pub mod calibration;
 mod captures;
+mod checkpoint;
 mod clock;
 mod comparison;
 mod executor;
@@ -56,6 +57,7 @@ mod records;
 mod run;
 mod seal;
 pub mod shards;
+pub mod slurm;
 pub mod statistics;
 pub mod sweep;
 pub mod text;
@@ -66,6 +68,7 @@ pub mod verify;
 
 pub use build::{other_build, this_build};
 pub use captures::{Capture, CaptureKey, Repetitions, Waits, WaitsTally, captures};
+pub use checkpoint::{CHECKPOINTS, Checkpoints, Interval};
 pub use comparison::{Column, Comparison, ComparisonTally, Pair, PhaseTime, Time};
 pub use executor::Cancelled;
 pub use folder::{Contents, Folder, Further, RECORDINGS, Resume, State};

@@ -1,13 +1,18 @@
 //! What the runs under way are doing: written once a tick by the threads, read by whoever shows it.
+use std::io::Read;
 use std::num::NonZeroUsize;
 use std::ops::{ControlFlow, Range};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, AtomicUsize, Ordering};
 
-use stochc_ir::record::Outcome;
+use stochc_ir::record::{Outcome, RunRecord};
 use stochc_ir::table::PhaseId;
+use stochc_runtime::Save;
 
-use super::{Finished, JournalError, Manifest, Records};
+use super::checkpoint::RunCheckpoints;
+use super::executor::is_panic;
+use super::run::Job;
+use super::{Checkpoints, Finished, JournalError, Manifest, Records};
 
 /// In place of a program: the worker has nothing to do.
 const IDLE: usize = usize::MAX;
@@ -68,10 +73,12 @@ pub struct Snapshot {
 }
 
 /// A run's line to the outside, which it calls once a tick.
-#[derive(Clone, Copy)]
 pub struct Watch<'a> {
     worker: &'a Worker,
+    /// Set by somebody else, and where runs cannot be kept any more.
     stops: [&'a AtomicBool; 2],
+    /// `None`: its state is not kept.
+    checkpoints: Option<RunCheckpoints<'a>>,
 }
 
 impl Watch<'_> {
@@ -80,6 +87,9 @@ impl Watch<'_> {
         // Each of these stands for itself, so that no order among them is needed.
         self.worker.tick.store(tick, Ordering::Relaxed);
         self.worker.phase.store(phase.0, Ordering::Relaxed);
+        if let Some(checkpoints) = &self.checkpoints {
+            checkpoints.tick(tick, self.stops[0].load(Ordering::Relaxed));
+        }
         if self.stops.iter().any(|stop| stop.load(Ordering::Relaxed)) {
             ControlFlow::Break(())
         } else {
@@ -87,10 +97,42 @@ impl Watch<'_> {
         }
     }
 
+    /// Whether the run has to be made again from its beginning, because nothing came of what was kept of it.
+    pub(crate) fn begins_anew(&self, made: Option<&RunRecord>) -> bool {
+        let is_wrong = match made {
+            Some(record) => is_panic(record),
+            None => !self.stops.iter().any(|stop| stop.load(Ordering::Relaxed)),
+        };
+        let checkpoints = self.checkpoints.as_ref().filter(|_| is_wrong);
+        checkpoints.is_some_and(RunCheckpoints::begins_anew)
+    }
+
     /// The tick and phase told last.
     pub(crate) fn last(&self) -> (u64, PhaseId) {
         let phase = PhaseId(self.worker.phase.load(Ordering::Relaxed));
         (self.worker.tick.load(Ordering::Relaxed), phase)
+    }
+}
+
+impl stochc_runtime::Watch for &Watch<'_> {
+    fn tick(&mut self, tick: u64, phase: PhaseId) -> ControlFlow<()> {
+        Watch::tick(self, tick, phase)
+    }
+
+    fn kept(&mut self) -> Option<Box<dyn Read>> {
+        self.checkpoints.as_ref()?.begin()
+    }
+
+    fn wants_state(&mut self) -> bool {
+        self.checkpoints
+            .as_ref()
+            .is_some_and(RunCheckpoints::is_due)
+    }
+
+    fn keep(&mut self, save: &mut Save<'_>) {
+        if let Some(checkpoints) = &self.checkpoints {
+            checkpoints.keep(save);
+        }
     }
 }
 
@@ -147,8 +189,9 @@ impl Progress {
     pub(crate) fn begin<'a>(
         &'a self,
         worker: usize,
-        program: usize,
+        Job { program, run }: Job,
         stops: [&'a AtomicBool; 2],
+        checkpoints: Option<&'a Checkpoints>,
     ) -> Watch<'a> {
         let slot = &self.workers[worker];
         slot.tick.store(0, Ordering::Relaxed);
@@ -157,6 +200,7 @@ impl Progress {
         Watch {
             worker: slot,
             stops,
+            checkpoints: checkpoints.map(|all| all.of_run(program, run)),
         }
     }
 

@@ -1,8 +1,8 @@
 //! The whole road of an ensemble: what is left to do, doing it, keeping it.
 use std::convert::Infallible;
 use std::ops::{ControlFlow, Range};
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
 
 use stochc_ir::record::RunRecord;
 
@@ -10,7 +10,7 @@ use super::executor::{Cancelled, attempt, execute};
 use super::journal::Journal;
 use super::progress::{Progress, Watch};
 use super::records::Place;
-use super::{Finished, Folder, FolderError, JournalError, Manifest, Records};
+use super::{Checkpoints, Finished, Folder, FolderError, JournalError, Manifest, Records};
 
 /// Where the runs of an ensemble go.
 #[allow(
@@ -128,7 +128,7 @@ pub fn run(
                 Ok::<(), Infallible>(())
             };
             let todo = Todo::all(manifest, 0..manifest.total(), None);
-            let Ok(()) = new_runs(todo, progress, stop, simulate, keep);
+            let Ok(()) = new_runs(todo, (progress, None), stop, simulate, keep);
             let all = all.into_inner().expect("every thread has ended well");
             Ok(Results::of(manifest, all.into()))
         }
@@ -140,11 +140,14 @@ pub fn run(
                 0 => None,
                 _ => {
                     let journal = folder.journal()?;
-                    let places = journaled(todo, (journal, 0), progress, stop, simulate)?;
+                    let on = (progress, folder.checkpoints().map(Arc::as_ref));
+                    let places = journaled(todo, (journal, 0), on, stop, simulate)?;
                     Some(folder.records([kept.places(), &places].concat())?)
                 }
             };
-            folder.write_tables(finished.as_ref().unwrap_or(kept))?;
+            let known = finished.as_ref().unwrap_or(kept);
+            folder.clear_checkpoints(known)?;
+            folder.write_tables(known)?;
             let (manifest, kept) = folder.close();
             Ok(Results::of(&manifest, finished.unwrap_or(kept)))
         }
@@ -202,18 +205,22 @@ pub(super) fn job(number: u64, programs: u64) -> Job {
 pub(super) fn journaled(
     todo: Todo,
     (journal, file): (Journal, u32),
-    progress: &Progress,
+    (progress, checkpoints): (&Progress, Option<&Checkpoints>),
     stop: &AtomicBool,
     simulate: impl Fn(usize, u64, &Watch) -> Result<RunRecord, Cancelled> + Sync,
 ) -> Result<Vec<Place>, JournalError> {
     let places = Mutex::new(Vec::new());
     let keep = |done: Finished| {
         let place = done.at(file, journal.append(&done)?);
+        if let Some(checkpoints) = checkpoints {
+            checkpoints.remove(done.program, done.record.run, || journal.sync())?;
+        }
         let mut places = places.lock().expect("nobody panics while it is held");
         places.push(place);
         Ok(())
     };
-    let done: Result<(), JournalError> = new_runs(todo, progress, stop, simulate, keep);
+    let on = (progress, checkpoints);
+    let done: Result<(), JournalError> = new_runs(todo, on, stop, simulate, keep);
     // The writer knows better what went wrong than those whom it left alone.
     journal.close()?;
     done?;
@@ -223,7 +230,7 @@ pub(super) fn journaled(
 /// Makes runs, and has each kept at once; the first error of that stops the others.
 fn new_runs<E: Send>(
     todo: Todo,
-    progress: &Progress,
+    (progress, checkpoints): (&Progress, Option<&Checkpoints>),
     stop: &AtomicBool,
     simulate: impl Fn(usize, u64, &Watch) -> Result<RunRecord, Cancelled> + Sync,
     keep: impl Fn(Finished) -> Result<(), E> + Sync,
@@ -234,12 +241,17 @@ fn new_runs<E: Send>(
     let threads = usize::try_from(left).map_or(progress.threads(), |it| progress.threads().min(it));
     let broken = AtomicBool::new(false);
     let first = Mutex::new(None);
-    execute(threads, stop, next, |thread, Job { program, run }| {
+    execute(threads, stop, next, |thread, job| {
         if broken.load(Ordering::Relaxed) {
             return ControlFlow::Break(());
         }
-        let watch = progress.begin(thread, program, [stop, &broken]);
-        let record = attempt(run, || simulate(program, run, &watch), || watch.last());
+        let Job { program, run } = job;
+        let watch = progress.begin(thread, job, [stop, &broken], checkpoints);
+        let make = || attempt(run, || simulate(program, run, &watch), || watch.last());
+        let mut record = make();
+        if watch.begins_anew(record.as_ref()) {
+            record = make();
+        }
         let finished = record.map(|record| Finished { program, record });
         progress.end(thread, finished.as_ref());
         let Some(finished) = finished else {

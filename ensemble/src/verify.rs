@@ -5,6 +5,7 @@ use std::path::Path;
 use stochc_files::atomic::{Replaces, move_aside, replace};
 use stochc_files::{budget, disk, open, read_file};
 
+use super::checkpoint;
 use super::folder::{JOURNAL, MANIFEST, lock, write_manifest};
 use super::journal::{JournalError, read as read_journal, salvaged};
 use super::manifest::OLDEST;
@@ -128,6 +129,11 @@ pub fn verify(path: &Path) -> Result<Vec<FileHealth>, FolderError> {
             tell(&name, Health::Unprotected);
         }
     }
+    files.extend(checkpoint::health(path).map_err(io)?);
+    let mut tell = |name: &str, health| {
+        let name = name.to_owned();
+        files.push(FileHealth { name, health });
+    };
     for (program, run) in recordings(&manifest, path) {
         let health = recording(path, &manifest, &finished, (program, run));
         tell(&format!("{RECORDINGS}/{program}-{run}.rec"), health);

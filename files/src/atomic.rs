@@ -79,6 +79,30 @@ impl Draft {
         })
     }
 
+    /// What has been written, all of which has to be flushed.
+    ///
+    /// # Errors
+    /// Those of the file system.
+    pub fn written(&self) -> io::Result<super::File> {
+        if !self.file.buffer().is_empty() {
+            return Err(io::Error::other("some of it is not flushed"));
+        }
+        open_own(self.file.get_ref().0.path(), File::options().read(true))
+    }
+
+    /// Begins the file anew.
+    ///
+    /// # Errors
+    /// Those of the file system.
+    pub fn rewind(&mut self) -> io::Result<()> {
+        self.file.flush()?;
+        let Unnamed(file) = self.file.get_mut();
+        disk::ask(file.path(), Call::SetLength(0), || {
+            file.as_file().set_len(0)
+        })?;
+        file.rewind()
+    }
+
     /// Gives it its name; it survives a loss of power once this has returned.
     ///
     /// # Errors

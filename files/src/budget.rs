@@ -35,6 +35,8 @@ pub const MANIFEST: Budget = json(4 * GIB);
 pub const CHECKSUMS: Budget = json(16 * MIB);
 /// How an ensemble is cut into pieces.
 pub const SHARDS: Budget = json(MIB);
+/// The jobs that make an ensemble on a cluster.
+pub const JOBS: Budget = json(MIB);
 /// A `trade.json`.
 pub const TRADE: Budget = json(256 * MIB);
 /// The rates of a scene.
@@ -49,6 +51,9 @@ pub const PAGE: Budget = any(GIB);
 pub const JOURNAL: Budget = json(256 * GIB);
 /// A recording, packed.
 pub const RECORDING: Budget = any(64 * GIB);
+
+/// The state of a run under way, with its recording so far.
+pub const CHECKPOINT: Budget = any(128 * GIB);
 
 /// Bytes of the header of a recording, at most.
 pub const RECORDING_HEADER: u64 = MIB;

@@ -34,7 +34,8 @@ fuzz_target!(|bytes: &[u8]| {
     }
     for program in &checked.programs {
         if program.plan.events.len() <= 40 {
-            let _ = estimate(program);
+            let rates = program.scene.as_ref().and_then(stochc_rates::Rates::built_in);
+            let _ = estimate(program, rates);
         }
         if !checked.has_errors() {
             assert!(program.tables.is_some());

@@ -9,8 +9,10 @@ mod face;
 pub mod graph;
 mod invisible;
 mod json;
+pub mod palette;
 pub mod record;
 pub mod scene;
+pub mod state;
 pub mod suggest;
 pub mod table;
 

@@ -1,5 +1,5 @@
 //! What one run leaves behind.
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::table::{PhaseId, RoleId};
 use crate::{Cell, Face};
@@ -167,8 +167,7 @@ pub struct UnplannedRecord {
 }
 
 /// Where a captured block came from.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case", tag = "kind")]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Origin {
     /// It had never been captured.
     Free,
@@ -179,4 +178,37 @@ pub enum Origin {
         /// The tick of its release.
         tick: u64,
     },
+}
+
+/// With a name for its kind, which only formats for humans can look at before they read the rest.
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "Origin", rename_all = "snake_case", tag = "kind")]
+enum NamedOrigin {
+    Free,
+    Released { role: RoleId, tick: u64 },
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "Origin")]
+enum NumberedOrigin {
+    Free,
+    Released { role: RoleId, tick: u64 },
+}
+
+impl Serialize for Origin {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        match to.is_human_readable() {
+            true => NamedOrigin::serialize(self, to),
+            false => NumberedOrigin::serialize(self, to),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Origin {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Origin, D::Error> {
+        match from.is_human_readable() {
+            true => NamedOrigin::deserialize(from),
+            false => NumberedOrigin::deserialize(from),
+        }
+    }
 }

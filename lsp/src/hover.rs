@@ -1,6 +1,7 @@
 //! What is known of a name, in Markdown.
 use std::fmt::Write as _;
 
+use stochc_compiler::cost::{Cost, estimate};
 use stochc_compiler::names::{Kind, Occurrence};
 use stochc_compiler::order::Order;
 use stochc_compiler::plan::{EventId, EventKind, PlanPhase};
@@ -9,6 +10,7 @@ use stochc_compiler::{Cancellation, Cancelled, FileId, Limits, Program, Site};
 use stochc_grammar::tree::{Item, Tree};
 use stochc_ir::emit::duties_text;
 use stochc_ir::table::RoleId;
+use stochc_rates::Rates;
 
 use super::analysis::Analysis;
 use super::scene;
@@ -16,6 +18,9 @@ use super::scene;
 /// Blocks that are described in full, and those that are listed at most.
 const MOST_DESCRIBED: usize = 3;
 const MOST_LISTED: usize = 12;
+
+/// Events of a program whose times are estimated, at most: nobody waits for more.
+const MOST_ESTIMATED: usize = 10_000;
 
 /// What is known of the name at a byte, and where that stands.
 ///
@@ -51,10 +56,11 @@ pub fn hover(
 fn blocks(analysis: &Analysis, located: &Located) -> String {
     let program = &analysis.checked.programs[located.program];
     let ancestry = Ancestry::of(program);
+    let cost = times(program);
     let roles = &located.roles;
     let mut text = String::new();
     for &role in roles.iter().take(MOST_DESCRIBED) {
-        text.push_str(&block(analysis, program, &ancestry, role));
+        text.push_str(&block(analysis, program, (&ancestry, cost.as_ref()), role));
         if let Some(tables) = &program.tables {
             let duties = duties_text(tables, role);
             if !duties.is_empty() {
@@ -64,7 +70,7 @@ fn blocks(analysis: &Analysis, located: &Located) -> String {
     }
     let listed = roles.iter().skip(MOST_DESCRIBED).take(MOST_LISTED);
     for &role in listed {
-        text.push_str(&block(analysis, program, &ancestry, role));
+        text.push_str(&block(analysis, program, (&ancestry, cost.as_ref()), role));
     }
     let rest = roles.len().saturating_sub(MOST_DESCRIBED + MOST_LISTED);
     if rest > 0 {
@@ -82,7 +88,12 @@ fn unindented(duties: &str) -> String {
 }
 
 /// One block, and how it came where it is.
-fn block(analysis: &Analysis, program: &Program, ancestry: &Ancestry<'_>, role: RoleId) -> String {
+fn block(
+    analysis: &Analysis,
+    program: &Program,
+    (ancestry, cost): (&Ancestry<'_>, Option<&Cost>),
+    role: RoleId,
+) -> String {
     let (plan, symbols) = (&program.plan, &analysis.checked.symbols);
     let name = |role| plan.roles.name(role, symbols);
     let mut text = format!("**`{}`**, block of `{}`\n", name(role), plan.name);
@@ -110,7 +121,12 @@ fn block(analysis: &Analysis, program: &Program, ancestry: &Ancestry<'_>, role: 
                 format!("captured in phase `{phase}` by `{parent}.{face}`")
             }
         };
-        let _ = writeln!(text, "- {how}{cell}{depth}");
+        let mut costs = cost.iter().flat_map(|cost| &cost.captures);
+        let wait = costs.find(|it| it.event == capture);
+        let wait = wait.map_or_else(String::new, |it| {
+            format!(", waits {:.0} ticks on average, by rates", it.wait.mean())
+        });
+        let _ = writeln!(text, "- {how}{cell}{depth}{wait}");
     }
     let releases =
         plan.events.iter().enumerate().filter(|(_, event)| {
@@ -122,6 +138,13 @@ fn block(analysis: &Analysis, program: &Program, ancestry: &Ancestry<'_>, role: 
     }
     text.push('\n');
     text
+}
+
+/// How long it takes, in a scene whose rates are known.
+fn times(program: &Program) -> Option<Cost> {
+    let rates = Rates::built_in(program.scene.as_ref()?)?;
+    let is_small = program.plan.events.len() <= MOST_ESTIMATED;
+    is_small.then(|| estimate(program, Some(rates))).flatten()
 }
 
 fn phase_name(program: &Program, event: EventId) -> &str {
@@ -185,13 +208,20 @@ fn phases(analysis: &Analysis, site: Site) -> String {
         let named = phases.filter(|(_, phase)| {
             phase.site.file == site.file && phase.site.span.start == site.span.start
         });
-        for (number, phase) in named.take(MOST_LISTED) {
-            let _ = writeln!(
-                text,
-                "- `{}`: {}",
-                phase.name,
-                measure(program, number, phase)
-            );
+        let named: Vec<_> = named.take(MOST_LISTED).collect();
+        let cost = (!named.is_empty()).then(|| times(program)).flatten();
+        for (number, phase) in named {
+            let measured = measure(program, number, phase);
+            let _ = write!(text, "- `{}`: {measured}", phase.name);
+            let times = cost.as_ref().and_then(|cost| cost.phases[number].times);
+            if let Some(times) = times.filter(|_| !phase.planted) {
+                let _ = write!(
+                    text,
+                    "; by rates {:.0} ticks on average, {:.0} to {:.0} in eight of ten runs",
+                    times.mean, times.p10, times.p90
+                );
+            }
+            text.push('\n');
         }
     }
     text

@@ -32,11 +32,18 @@ use wire::Incoming;
 const MOST_WAITING: usize = 256;
 
 /// Serves a client over a pair of streams until it says goodbye; whether it did so properly.
-pub fn serve(input: impl std::io::Read + Send + 'static, output: impl Write) -> bool {
+///
+/// # Errors
+/// Where the system has no thread more.
+pub fn serve(
+    input: impl std::io::Read + Send + 'static,
+    output: impl Write,
+) -> std::io::Result<bool> {
     let (sender, receiver) = mpsc::sync_channel(MOST_WAITING);
     let events = sender.clone();
     // It ends with the stream, or with the process.
-    std::thread::spawn(move || {
+    let reader = std::thread::Builder::new();
+    reader.spawn(move || {
         let mut messages = wire::Messages::of(BufReader::new(input));
         loop {
             let incoming = messages.read();
@@ -45,6 +52,6 @@ pub fn serve(input: impl std::io::Read + Send + 'static, output: impl Write) -> 
                 break;
             }
         }
-    });
-    server::Server::new(output, events).run(receiver)
+    })?;
+    Ok(server::Server::new(output, events).run(receiver))
 }

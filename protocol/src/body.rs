@@ -1,8 +1,9 @@
 //! Blocks and their faces, as hardware knows them: without roles, and without a part in the structure's frame.
+use serde::{Deserialize, Serialize};
 use stochc_ir::{Cell, Face};
 
 /// A block.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Body {
     /// A block of the plate, which sits at z = 0 in [`Orientation::IDENTITY`] and never moves.
     ///
@@ -13,7 +14,7 @@ pub enum Body {
 }
 
 /// One face of one block, named in the block's own frame.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct BlockFace {
     /// Whose.
     pub body: Body,

@@ -6,19 +6,20 @@
 //! acknowledgement, is lost. Who sends again, and when, is the affair of whoever drives.
 use std::collections::{BTreeMap, BTreeSet};
 
+use serde::{Deserialize, Serialize};
 use stochc_ir::Cell;
 
 use crate::body::Body;
 use crate::machine::{Message, Recalled};
 
 /// All contacts, each direction for itself: (from, to).
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Channels {
     channels: BTreeMap<(Body, Body), Channel>,
 }
 
 /// One direction of a contact: what both ends keep.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 struct Channel {
     /// The sender's next number.
     next: u32,

@@ -1,10 +1,11 @@
 //! The 24 ways in which a cube can sit on the lattice.
 use std::sync::LazyLock;
 
+use serde::{Deserialize, Serialize};
 use stochc_ir::Face;
 
 /// A rotation of the cube onto itself: takes a block's own faces to the structure's.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Orientation {
     /// Where the block's own east points.
     east: Face,

@@ -7,7 +7,7 @@ use stochc::ensemble::recording::Selection;
 use stochc::ensemble::shards::{prepare as cut, status as status_of};
 use stochc::ensemble::sweep::Axis;
 use stochc::ensemble::{
-    JournalError, Manifest, Program as Entry, Records, Resume, each_row_group, named,
+    Interval, JournalError, Manifest, Program as Entry, Records, Resume, each_row_group, named,
     table_metadata, tables_of,
 };
 use stochc::exit::{Exit, Failure};
@@ -114,6 +114,7 @@ pub fn simulate(
             },
             record: record.as_ref(),
             record_every: kept.record_every,
+            checkpoints: Interval::DEFAULT,
             threads,
             is_told_of_build: false,
         };
@@ -155,7 +156,8 @@ pub fn shard(
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<u64> {
     call(py, progress.as_ref(), move |host| {
-        let made = pieces::shard(&folder, number, threads, host)?;
+        let how = (threads, Interval::DEFAULT);
+        let made = pieces::shard(&folder, number, how, host)?;
         made.ok_or_else(interrupted)
     })
 }

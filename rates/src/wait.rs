@@ -1,4 +1,5 @@
 //! How long an open face waits.
+use serde::{Deserialize, Serialize};
 
 /// Stages of a docking: its time has the Erlang distribution of this shape.
 pub const STAGES: i32 = 2;
@@ -8,7 +9,7 @@ pub const STAGES: i32 = 2;
 /// Blocks that will dock come into reach as a Poisson process, and each then needs a docking time of an Erlang distribution with
 /// [`STAGES`] stages; the first that is through is captured. So the hazard of a face that has been open for s ticks is `rate G(s)`, with
 /// G the distribution function of the docking time.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Wait {
     /// Blocks that will dock come into reach so often \[1/tick\].
     pub rate: f64,

@@ -1,69 +1,86 @@
 //! Free blocks that bond to each other: a run without a plate, and so without anybody to control it.
-use std::ops::ControlFlow;
-
 use stochc_ir::record::{Limit, Outcome, RunRecord};
 use stochc_ir::table::{PhaseId, Tables};
 
-use crate::observe::Event;
+use crate::observe::{Event, Look};
+use crate::run::{RunError, Watch, resume, tell};
 use crate::world::World;
 
-/// Steps a world until its largest group has the size that the tables say; `look` is called at every
+/// How far the groups of a run have grown.
+struct Growth {
+    /// Ticks that each phase took.
+    phase_ticks: Vec<u64>,
+    /// When the running one began.
+    began: u64,
+    /// The size of the largest group so far.
+    largest: u32,
+    /// Phases that have begun since they were last told of.
+    events: Vec<Event>,
+}
+
+stochc_ir::state! {
+    () Growth;
+    values: phase_ticks, began, largest;
+    parts: ;
+    // They are told of before a state is kept.
+    same: events
+}
+
+/// Steps a world until its largest group has the size that the tables say; `look` is shown every
 /// tick, with the phases that begin there.
 ///
 /// Phase i takes from the end of the one before to the first tick with a group of i + 2 blocks, 0 ticks if
 /// several sizes are reached at once. A group that breaks again has been reached all the same.
 ///
-/// `None`: `watch`, which is asked before every tick, has cancelled it.
+/// # Errors
+/// [`RunError::State`], and [`RunError::Cancelled`] by `watch`.
 pub(crate) fn gather<W: World>(
     tables: &Tables,
     world: &mut W,
     max_ticks: Option<u64>,
     run: u64,
-    mut watch: impl FnMut(u64, PhaseId) -> ControlFlow<()>,
-    mut look: impl FnMut(&W, &[Event]),
-) -> Option<RunRecord> {
+    watch: &mut (impl Watch + ?Sized),
+    mut look: impl Look<W>,
+) -> Result<RunRecord, RunError> {
     let mut dockings = Vec::new();
-    let mut phase_ticks: Vec<u64> = Vec::new();
-    let mut began = world.tick();
-    let mut largest = 1;
-    let mut events = vec![Event::Phase(PhaseId(0))];
+    let mut growth = Growth {
+        phase_ticks: Vec::new(),
+        began: world.tick(),
+        largest: 1,
+        events: vec![Event::Phase(PhaseId(0))],
+    };
+    let mut is_told = resume(watch, &mut [&mut growth, world, &mut look])?;
     let outcome = loop {
         let tick = world.tick();
-        largest = largest.max(world.largest_group());
-        while phase_ticks.len() < tables.phases.len() && largest as usize >= phase_ticks.len() + 2 {
-            phase_ticks.push(tick - began);
-            began = tick;
-            if phase_ticks.len() < tables.phases.len() {
-                events.push(Event::Phase(PhaseId(phase_ticks.len() as u32)));
-            }
+        growth.take_in(world.largest_group(), tick, tables.phases.len());
+        // Of a tick at which the state was kept it has been told before.
+        let events = std::mem::take(&mut growth.events);
+        if !std::mem::take(&mut is_told) {
+            look.look(world, events);
         }
-        look(world, &events);
-        events.clear();
-        let phase = PhaseId(phase_ticks.len() as u32);
-        let Some(running) = tables.phases.get(phase_ticks.len()) else {
+        let phase = PhaseId(growth.phase_ticks.len() as u32);
+        let Some(running) = tables.phases.get(growth.phase_ticks.len()) else {
             break Outcome::Completed;
         };
         let is_late = running
             .timeout
-            .is_some_and(|timeout| tick - began >= timeout);
+            .is_some_and(|timeout| tick - growth.began >= timeout);
         if let Some(by) = Limit::reached(is_late, tick, max_ticks) {
             break Outcome::TimedOut { phase, by };
         }
-        if watch(tick, phase).is_break() {
-            return None;
-        }
+        tell(watch, (tick, phase), &[&growth, world, &look])?;
         dockings.clear();
         if let Err(fault) = world.step(&mut dockings) {
             let reason = fault.to_string();
             break Outcome::Failed { phase, reason };
         }
     };
-    Some(RunRecord {
+    Ok(RunRecord {
         run,
         outcome,
         ticks: world.tick(),
-        phase_ticks,
-        blocks_used: largest,
+        phase_ticks: growth.phase_ticks,
+        blocks_used: growth.largest,
         hops: 0,
         unplanned: 0,
         bonds: Vec::new(),
@@ -71,4 +88,20 @@ pub(crate) fn gather<W: World>(
         releases: Vec::new(),
         unplanned_bonds: Vec::new(),
     })
+}
+
+impl Growth {
+    /// Takes in the size of the largest group at a tick, of a run with so many phases.
+    fn take_in(&mut self, largest: u32, tick: u64, phases: usize) {
+        self.largest = self.largest.max(largest);
+        while self.phase_ticks.len() < phases && self.largest as usize >= self.phase_ticks.len() + 2
+        {
+            self.phase_ticks.push(tick - self.began);
+            self.began = tick;
+            if self.phase_ticks.len() < phases {
+                let next = PhaseId(self.phase_ticks.len() as u32);
+                self.events.push(Event::Phase(next));
+            }
+        }
+    }
 }

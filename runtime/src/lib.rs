@@ -9,12 +9,14 @@ pub mod counter_rng;
 pub mod observe;
 mod run;
 mod settings;
+mod step_error;
 pub mod world;
 
 pub use stochc_rates as rates;
 
-pub use run::{RunError, Watch, drive, observe, run};
+pub use run::{RunError, Save, Watch, drive, observe, run};
 pub use settings::{Model, Precision, Reduction, Settings, Substeps};
+pub use step_error::{StepError, step_errors};
 
 /// A digest of this crate's sources: two builds with one digest compute the same.
 pub const SOURCES: &str = env!("STOCHC_SOURCES");

@@ -1,4 +1,5 @@
 //! Looking on while a run goes: where every block is, and what the structure does.
+use stochc_ir::state::{Reader, State, StateError, Writer};
 use stochc_ir::table::{News, PhaseId, RoleId};
 use stochc_ir::{Cell, Face};
 use stochc_protocol::{Body, Orientation, Payload};
@@ -13,7 +14,28 @@ pub trait Observer {
     /// `arena` is at that [tick](crate::world::World::tick); `events` are what happened since the
     /// last call, in their order: all of them at that tick.
     fn look(&mut self, arena: &impl Arena, events: &[Event]);
+
+    /// Writes down how far it is, for [`Observer::restore`]: see [`State::save`].
+    ///
+    /// # Errors
+    /// Those of [`State::save`].
+    fn save(&self, to: &mut Writer<'_>) -> Result<(), StateError> {
+        State::save(&Unknown, to)
+    }
+
+    /// Goes on from there.
+    ///
+    /// # Errors
+    /// Those of [`State::restore`].
+    fn restore(&mut self, from: &mut Reader<'_>) -> Result<(), StateError> {
+        State::restore(&mut Unknown, from)
+    }
 }
+
+/// Somebody who does not say how far it is.
+struct Unknown;
+
+impl State for Unknown {}
 
 /// What happens in a structure. Faces are in the structure's frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -147,6 +169,17 @@ impl Log {
     }
 }
 
+/// Is shown a run, tick by tick.
+pub(crate) trait Look<W>: State {
+    /// `log` is what the structure has done since the last time.
+    fn look(&mut self, world: &W, log: Vec<Event>);
+}
+
+/// Nobody looks on.
+impl<W> Look<W> for () {
+    fn look(&mut self, _world: &W, _log: Vec<Event>) {}
+}
+
 /// Shows an [`Observer`] a run, and keeps in mind who is in the reach of which face.
 pub(crate) struct Lookout<'o, O> {
     observer: &'o mut O,
@@ -159,9 +192,22 @@ impl<'o, O: Observer> Lookout<'o, O> {
         let inside = Vec::new();
         Lookout { observer, inside }
     }
+}
 
-    /// `log` is what the structure has done since the last time.
-    pub fn look(&mut self, arena: &impl Arena, log: Vec<Event>) {
+impl<O: Observer> State for Lookout<'_, O> {
+    fn save(&self, to: &mut Writer<'_>) -> Result<(), StateError> {
+        to.put(&self.inside)?;
+        self.observer.save(to)
+    }
+
+    fn restore(&mut self, from: &mut Reader<'_>) -> Result<(), StateError> {
+        self.inside = from.take()?;
+        self.observer.restore(from)
+    }
+}
+
+impl<A: Arena, O: Observer> Look<A> for Lookout<'_, O> {
+    fn look(&mut self, arena: &A, log: Vec<Event>) {
         let mut inside: Vec<_> = (arena.in_reach().into_iter())
             .filter_map(|(site, body, entered)| {
                 let sits = match site.body {

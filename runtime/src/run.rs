@@ -1,13 +1,15 @@
 //! One run, from the first tick to its record.
+use std::io::Read;
 use std::ops::ControlFlow;
 
 use stochc_ir::record::{Limit, Outcome, RunRecord};
 use stochc_ir::scene::{Messages, Scene};
+use stochc_ir::state::{Reader, State, StateError, Writer};
 use stochc_ir::table::{PhaseId, Tables};
 
 use crate::aggregate::gather;
 use crate::control::Controller;
-use crate::observe::{Event, Lookout, Observer};
+use crate::observe::{Look, Lookout, Observer};
 use crate::settings::{Model, Settings};
 use crate::world::rapier::RapierWorld;
 use crate::world::rate::RateWorld;
@@ -18,13 +20,29 @@ use crate::world::{Arena, SceneError, World};
 /// Chance of an unplanned bond per tick in a world without physics, where faces always attract.
 const STRAYS: f64 = 0.25;
 
-/// Looks on while a run goes, and may end it.
+/// Writes the state of a run.
+pub type Save<'a> = dyn FnMut(&mut Writer<'_>) -> Result<(), StateError> + 'a;
+
+/// Looks on while a run goes, and may end it, or keep its state for another one to go on from.
 ///
-/// Any `FnMut(u64, PhaseId) -> ControlFlow<()>` is one.
+/// Any `FnMut(u64, PhaseId) -> ControlFlow<()>` is one that keeps nothing.
 pub trait Watch {
     /// Called before every tick with the number of ticks passed and the phase that is running;
     /// `Break` cancels the run.
     fn tick(&mut self, tick: u64, phase: PhaseId) -> ControlFlow<()>;
+
+    /// Asked once, before the first tick, for what [`Watch::keep`] has kept of the same run.
+    fn kept(&mut self) -> Option<Box<dyn Read>> {
+        None
+    }
+
+    /// Asked after each [`Watch::tick`] whether the state at this tick is to be kept.
+    fn wants_state(&mut self) -> bool {
+        false
+    }
+
+    /// Keeps what `save` writes.
+    fn keep(&mut self, _save: &mut Save<'_>) {}
 }
 
 impl<F: FnMut(u64, PhaseId) -> ControlFlow<()>> Watch for F {
@@ -42,6 +60,8 @@ pub enum RunError {
     Cancelled,
     /// The model has no places to look at.
     Nowhere(Model),
+    /// What [`Watch::kept`] has given is no state of this run.
+    State(StateError),
 }
 
 impl std::fmt::Display for RunError {
@@ -54,6 +74,7 @@ impl std::fmt::Display for RunError {
                 "the model `{}` has no places to look at; `--model rigid` has them",
                 model.name()
             ),
+            RunError::State(error) => write!(f, "the state to go on from cannot be used: {error}"),
         }
     }
 }
@@ -66,12 +87,18 @@ impl From<SceneError> for RunError {
     }
 }
 
+impl From<StateError> for RunError {
+    fn from(error: StateError) -> RunError {
+        RunError::State(error)
+    }
+}
+
 /// Makes run number `run` of the ensemble with this `seed`.
 ///
 /// The record is a pure function of all arguments but `watch`.
 ///
 /// # Errors
-/// [`RunError::Scene`] before the first tick, [`RunError::Cancelled`] when `watch` says so. A
+/// [`RunError::Scene`] and [`RunError::State`] before the first tick, [`RunError::Cancelled`] when `watch` says so. A
 /// physics that breaks down on the way is no error but an [`Outcome::Failed`].
 pub fn run(
     tables: &Tables,
@@ -150,25 +177,14 @@ fn look(
     watch: &mut (impl Watch + ?Sized),
     observer: &mut impl Observer,
 ) -> Result<RunRecord, RunError> {
-    let mut lookout = Lookout::new(observer);
+    let lookout = Lookout::new(observer);
     let limit = settings.max_ticks;
     if tables.aggregate.is_some() {
-        let look = |world: &_, events: &[Event]| lookout.look(world, events.to_vec());
-        let watch = |tick, phase| watch.tick(tick, phase);
-        return gather(tables, &mut world, limit, run, watch, look).ok_or(RunError::Cancelled);
+        return gather(tables, &mut world, limit, run, watch, lookout);
     }
     let mut controller = Controller::new(tables, scene.messages.as_ref(), seed, run);
     controller.keep_log();
-    follow(
-        controller,
-        &mut world,
-        limit,
-        run,
-        watch,
-        |world, controller| {
-            lookout.look(world, controller.take_log());
-        },
-    )
+    follow(controller, &mut world, limit, run, watch, lookout)
 }
 
 /// Runs tables in a world of one's own, which has to be at its beginning.
@@ -190,26 +206,60 @@ pub fn drive(
     watch: &mut (impl Watch + ?Sized),
 ) -> Result<RunRecord, RunError> {
     if tables.aggregate.is_some() {
-        let watch = |tick, phase| watch.tick(tick, phase);
-        let record = gather(tables, world, max_ticks, run, watch, |_, _| {});
-        return record.ok_or(RunError::Cancelled);
+        return gather(tables, world, max_ticks, run, watch, ());
     }
     let controller = Controller::new(tables, messages, seed, run);
-    follow(controller, world, max_ticks, run, watch, |_, _| {})
+    follow(controller, world, max_ticks, run, watch, ())
 }
 
-/// Drives a world by a controller to the end of the run; `look` is called at every tick.
-fn follow<'t, W: World>(
-    mut controller: Controller<'t>,
+/// Goes on from what was kept of a run, if there is anything; whether there is.
+pub(crate) fn resume(
+    watch: &mut (impl Watch + ?Sized),
+    parts: &mut [&mut dyn State],
+) -> Result<bool, StateError> {
+    let Some(mut kept) = watch.kept() else {
+        return Ok(false);
+    };
+    let mut reader = Reader::new(&mut *kept);
+    parts
+        .iter_mut()
+        .try_for_each(|part| part.restore(&mut reader))?;
+    Ok(true)
+}
+
+/// Tells that a tick begins, and has the state kept if that is wanted.
+///
+/// # Errors
+/// [`RunError::Cancelled`].
+pub(crate) fn tell(
+    watch: &mut (impl Watch + ?Sized),
+    (tick, phase): (u64, PhaseId),
+    parts: &[&dyn State],
+) -> Result<(), RunError> {
+    let flow = watch.tick(tick, phase);
+    if watch.wants_state() {
+        watch.keep(&mut |to| parts.iter().try_for_each(|part| part.save(to)));
+    }
+    match flow {
+        ControlFlow::Continue(()) => Ok(()),
+        ControlFlow::Break(()) => Err(RunError::Cancelled),
+    }
+}
+
+/// Drives a world by a controller to the end of the run; `look` is shown every tick.
+fn follow<W: World>(
+    mut controller: Controller<'_>,
     world: &mut W,
     max_ticks: Option<u64>,
     run: u64,
     watch: &mut (impl Watch + ?Sized),
-    mut look: impl FnMut(&W, &mut Controller<'t>),
+    mut look: impl Look<W>,
 ) -> Result<RunRecord, RunError> {
     let mut dockings = Vec::new();
-    controller.start(world);
-    look(world, &mut controller);
+    if !resume(watch, &mut [&mut controller, world, &mut look])? {
+        controller.start(world);
+        look.look(world, controller.take_log());
+    }
     let outcome = loop {
         let Some(phase) = controller.phase() else {
             break Outcome::Completed;
@@ -222,9 +272,7 @@ fn follow<'t, W: World>(
         if let Some(by) = Limit::reached(controller.timed_out(), tick, max_ticks) {
             break Outcome::TimedOut { phase, by };
         }
-        if watch.tick(tick, phase).is_break() {
-            return Err(RunError::Cancelled);
-        }
+        tell(watch, (tick, phase), &[&controller, world, &look])?;
         // The next step makes one of these ticks.
         if let Some(last) = controller.next_due(max_ticks).checked_sub(1) {
             world.skip(last);
@@ -235,7 +283,7 @@ fn follow<'t, W: World>(
             break Outcome::Failed { phase, reason };
         }
         controller.advance(&dockings, world);
-        look(world, &mut controller);
+        look.look(world, controller.take_log());
     };
     Ok(controller.into_record(run, outcome, world))
 }

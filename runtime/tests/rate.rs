@@ -5,6 +5,7 @@ use stochc_compiler::{Limits, check};
 use stochc_ir::Face;
 use stochc_ir::record::{Outcome, RunRecord};
 use stochc_ir::scene::Scene;
+use stochc_ir::state::State;
 use stochc_ir::table::Tables;
 use stochc_protocol::{BlockFace, Docking};
 use stochc_rates::{Coverage, FORMAT, HeadStart, Parameters, Rates};
@@ -183,6 +184,8 @@ fn a_block_that_is_let_go_into_an_open_face_is_caught_at_once() {
 
 /// A world in which every tick is made.
 struct Patient<W>(W);
+
+impl<W> State for Patient<W> {}
 
 impl<W: World> World for Patient<W> {
     fn tick(&self) -> u64 {

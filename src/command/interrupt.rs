@@ -66,6 +66,18 @@ fn is_ignored(signal: i32) -> bool {
     mask.is_some_and(|mask| mask & (1 << (signal - 1)) != 0)
 }
 
+/// Gives the end of memory a status of ours: Rust tells of it on standard error, and aborts.
+pub fn exit_without_memory() {
+    #[cfg(unix)]
+    {
+        use signal_hook::consts::SIGABRT;
+        let status = Exit::Usage.status().into();
+        let always = std::sync::Arc::new(AtomicBool::new(true));
+        // Where it cannot be had, the process ends by the signal, as it always has.
+        let _ = signal_hook::flag::register_conditional_shutdown(SIGABRT, status, always);
+    }
+}
+
 /// Makes a limit on the size of files an error of those who write, instead of the end of the process.
 pub fn outlive_file_limit() {
     #[cfg(unix)]

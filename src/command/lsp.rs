@@ -13,11 +13,12 @@ pub struct Options {
 
 /// Serves an editor until it says goodbye.
 pub fn run(_: &Options) -> Result<Exit, Failure> {
+    let served = stochc_lsp::serve(std::io::stdin(), std::io::stdout().lock());
+    let served =
+        served.map_err(|error| Failure::usage(format!("cannot listen to the editor: {error}")))?;
     // The protocol: 0 after `shutdown`, else 1.
-    Ok(
-        match stochc_lsp::serve(std::io::stdin(), std::io::stdout().lock()) {
-            true => Exit::Success,
-            false => Exit::WrongProgram,
-        },
-    )
+    Ok(match served {
+        true => Exit::Success,
+        false => Exit::WrongProgram,
+    })
 }

@@ -1,5 +1,5 @@
 //! `stochc merge`.
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use stochc_ensemble::text::visible;
@@ -24,11 +24,14 @@ pub struct Options {
 pub fn run(options: &Options) -> Result<Exit, Failure> {
     let runs = merge(&options.folder)?;
     if !options.quiet {
-        let folder = visible(&options.folder.to_string_lossy());
-        print(&format!(
-            "`{folder}` is whole: {runs} runs; stochc results {}\n",
-            shell_file(&folder)
-        ))?;
+        print(&is_whole(&options.folder, runs))?;
     }
     Ok(Exit::Success)
+}
+
+/// What there is to say of a folder of so many runs whose pieces are put together.
+pub(super) fn is_whole(folder: &Path, runs: u64) -> String {
+    let folder = visible(&folder.to_string_lossy());
+    let argument = shell_file(&folder);
+    format!("`{folder}` is whole: {runs} runs; stochc results {argument}\n")
 }

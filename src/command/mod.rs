@@ -23,6 +23,7 @@ pub mod results;
 pub mod shard;
 pub mod simulate;
 pub mod status;
+pub mod submit;
 mod terminal;
 pub mod trade;
 pub mod verify;

@@ -2,6 +2,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use stochc_ensemble::Interval;
 use stochc_ensemble::text::visible;
 
 use super::interrupt::stop_on_interrupt;
@@ -21,6 +22,10 @@ pub struct Options {
     /// Number of runs at the same time [default: number of cores]
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
+    /// Keep the states of runs under way so often, for the same command to go on from: a time (90s, 5m, 2h), ticks of each
+    /// run (20000ticks) or `never`
+    #[arg(long, value_name = "EVERY", default_value_t = Interval::DEFAULT)]
+    checkpoints: Interval,
     /// Do not show progress, nor that the piece is made
     #[arg(long, short)]
     quiet: bool,
@@ -30,7 +35,8 @@ pub struct Options {
 pub fn run(options: &Options) -> Result<Exit, Failure> {
     stop_on_interrupt()?;
     let host = Terminal::new(options.quiet);
-    let made = shard(&options.folder, options.piece, options.threads, &host)?;
+    let how = (options.threads, options.checkpoints);
+    let made = shard(&options.folder, options.piece, how, &host)?;
     let Some(runs) = made else {
         warn("stopped; finished runs are kept, and the same command continues\n");
         return Ok(Exit::Interrupted);

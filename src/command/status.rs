@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::{Value, json};
 use stochc_ensemble::shards::{PieceState, Status, status};
-use stochc_ensemble::text::visible;
+use stochc_ensemble::text::{ranges, visible};
 use stochc_files::shell::file as shell_file;
 
 use super::results::Form;
@@ -70,7 +70,7 @@ fn text(status: &Status, folder: &str) -> String {
     }
     let nothing: Vec<u64> = missing.iter().filter(plain).copied().collect();
     if !nothing.is_empty() {
-        text += &format!("nothing is there of: {}\n", ranges(&nothing));
+        text += &format!("nothing is there of: {}\n", ranges(&nothing, ", "));
     }
     let folder = shell_file(&visible(folder));
     text += &match missing.is_empty() {
@@ -80,15 +80,4 @@ fn text(status: &Status, folder: &str) -> String {
         ),
     };
     text
-}
-
-/// Numbers in their order, as `0-4, 7`.
-fn ranges(numbers: &[u64]) -> String {
-    let stretches = numbers.chunk_by(|a, b| a + 1 == *b);
-    let each = stretches.map(|stretch| match stretch {
-        [first, .., last] => format!("{first}-{last}"),
-        [one] => one.to_string(),
-        [] => String::new(),
-    });
-    each.collect::<Vec<_>>().join(", ")
 }

@@ -3,7 +3,7 @@ use std::path::Path;
 
 use stochc_ensemble::recording::Selection;
 use stochc_ensemble::{
-    Cancelled, Destination, Folder, Manifest, Progress, Results, Resume, State, Watch,
+    Cancelled, Destination, Folder, Interval, Manifest, Progress, Results, Resume, State, Watch,
     check_stored, run as run_all,
 };
 use stochc_ir::table::{Action, Tables};
@@ -12,7 +12,7 @@ use stochc_runtime::RunError;
 
 use super::recordings::Recordings;
 use super::results::tell_of_damage;
-use super::runs::{made_again, made_by, tell_of_build, threads};
+use super::runs::{made_again, made_by, tell_of_build, tell_of_checkpoints, threads};
 use super::scene_warnings::{SceneWarning, scene_warnings};
 use super::sweep;
 use crate::exit::Failure;
@@ -30,6 +30,8 @@ pub struct Making<'a> {
     pub record: Option<&'a Selection>,
     /// Ticks between the places of a recording.
     pub record_every: u32,
+    /// How often the states of runs under way are kept in the folder.
+    pub checkpoints: Interval,
     /// Runs at the same time; `None`: as many as there are cores.
     pub threads: Option<u16>,
     /// Whether it has been told already that other builds have made runs of the manifest.
@@ -110,6 +112,7 @@ pub fn tell_of_doubts(manifest: &Manifest, host: &dyn Host) {
 /// If its folder cannot be used; runs that are finished stay.
 pub fn make(manifest: &Manifest, how: &Making<'_>, host: &dyn Host) -> Result<Made, Failure> {
     let stop = host.stop();
+    let mut checkpoints = None;
     let destination = match how.out {
         None => Destination::Memory(manifest),
         Some(out) => {
@@ -127,16 +130,20 @@ pub fn make(manifest: &Manifest, how: &Making<'_>, host: &dyn Host) -> Result<Ma
             if folder.state() == State::Resumed {
                 check_stored(&folder, made_again(manifest, stop)).map_err(Failure::usage)?;
             }
+            let folder = folder.with_checkpoints(how.checkpoints);
+            let folder = folder.map_err(Failure::usage)?;
+            checkpoints = folder.checkpoints().cloned();
+            tell_of_checkpoints(checkpoints.as_deref(), host);
             Destination::Folder(folder.with(sweep::files))
         }
     };
     let progress = Progress::new(manifest, threads(how.threads));
     let recordings = Recordings::new(how.out.zip(how.record), how.record_every, manifest);
     let unrecorded = made_by(manifest);
-    let simulate = |program: usize, number, watch: &Watch| match recordings.of(program, number) {
+    let simulate = |program: usize, number, mut watch: &Watch| match recordings.of(program, number)
+    {
         Some(place) => {
-            let mut told = |tick, phase| watch.tick(tick, phase);
-            let record = place.record(&manifest.programs[program], &mut told);
+            let record = place.record(&manifest.programs[program], &mut watch);
             record.map_err(|_| Cancelled)
         }
         None => unrecorded(program, number, watch),
@@ -150,6 +157,7 @@ pub fn make(manifest: &Manifest, how: &Making<'_>, host: &dyn Host) -> Result<Ma
         false => during(host, state, work),
     };
     let results = results.map_err(Failure::usage)?;
+    tell_of_checkpoints(checkpoints.as_deref(), host);
     Ok(Made {
         unrecorded: recordings.comment(&results.finished, host),
         results,

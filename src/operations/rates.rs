@@ -35,19 +35,15 @@ pub fn of_scenes(
     threads: Option<u16>,
     host: &dyn Host,
 ) -> Result<Vec<Rates>, Failure> {
-    let mut known = Vec::new();
-    for path in files {
-        known.push(read(path)?);
-    }
+    let known = of_files(files)?;
     let mut found: Vec<Rates> = Vec::new();
     for program in programs {
         let scene = &program.scene;
         if found.iter().any(|rates| rates.are_of(scene)) {
             continue;
         }
-        let given = known.iter().find(|rates| rates.are_of(scene)).cloned();
-        let rates = match given.or_else(|| Rates::built_in(scene).cloned()) {
-            Some(rates) => rates,
+        let rates = match at_hand(&known, scene) {
+            Some(rates) => rates.clone(),
             None => {
                 host.warn(&format!(
                     "measuring the rates of the scene of {}, of which there are none; `stochc calibrate --out` keeps them\n",
@@ -59,6 +55,20 @@ pub fn of_scenes(
         found.push(rates);
     }
     Ok(found)
+}
+
+/// Those that files hold.
+///
+/// # Errors
+/// If one cannot be read.
+pub fn of_files(files: &[PathBuf]) -> Result<Vec<Rates>, Failure> {
+    files.iter().map(|path| read(path)).collect()
+}
+
+/// The rates of a scene that are known, or come with the program.
+pub fn at_hand<'a>(known: &'a [Rates], scene: &Scene) -> Option<&'a Rates> {
+    let given = known.iter().find(|rates| rates.are_of(scene));
+    given.or_else(|| Rates::built_in(scene))
 }
 
 fn read(path: &Path) -> Result<Rates, Failure> {

@@ -2,12 +2,15 @@
 use std::io::{self, Read, Write};
 use std::path::Path;
 
+use stochc_compiler::LintLevels;
+use stochc_ensemble::Program;
 use stochc_ensemble::text::visible;
 use stochc_files::atomic::{Draft, Replaces, begins_with};
-use stochc_report::replay::{MARK, about, write as write_page};
+use stochc_report::replay::{MARK, Statement, about, write as write_page};
 
 use super::chosen_run::ChosenRun;
 use crate::exit::Failure;
+use crate::facade::check_texts;
 use crate::host::Host;
 
 /// Writes the page of a run as a whole or not at all.
@@ -38,6 +41,37 @@ pub fn page(chosen: &ChosenRun, host: &dyn Host) -> Result<String, Failure> {
 fn to(out: &mut impl Write, chosen: &ChosenRun, recording: impl Read) -> io::Result<()> {
     let program = chosen.entry();
     let title = format!("{}, run {}", visible(&program.name), chosen.run);
-    let about = about(&chosen.manifest, program);
+    let about = about(&chosen.manifest, program, &statements(program));
     write_page(&title, &about, recording, out)
+}
+
+/// Events beyond which their places are not looked for.
+const MOST_STATEMENTS: usize = 50_000;
+
+/// Where each event of the graph is written; nothing, if the texts of the program are not here, or another compiler's.
+fn statements(program: &Program) -> Vec<Statement> {
+    let texts: Vec<(&str, &str)> = (program.sources.iter())
+        .map(|source| (source.path.as_str(), source.text.as_str()))
+        .collect();
+    if texts.is_empty() || program.compiled.graph.events.len() > MOST_STATEMENTS {
+        return Vec::new();
+    }
+    let checked = check_texts(&texts, &LintLevels::default(), "", &[]);
+    let mut same =
+        (checked.programs.iter()).filter(|it| it.tables.as_ref() == Some(program.tables()));
+    let Some(plan) = same.next().map(|program| &program.plan) else {
+        return Vec::new();
+    };
+    let files: Vec<Option<usize>> = (checked.sources.files().iter())
+        .map(|file| texts.iter().position(|(name, _)| *name == file.name))
+        .collect();
+    let places = (0..).zip(&plan.events).filter_map(|(event, written)| {
+        let span = written.site.span;
+        Some(Statement {
+            file: files[written.site.file.0 as usize]?,
+            bytes: span.start as usize..span.end as usize,
+            event,
+        })
+    });
+    places.collect()
 }

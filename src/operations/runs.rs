@@ -3,7 +3,7 @@ use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use stochc_ensemble::{Cancelled, Manifest, Program, Watch, other_build};
+use stochc_ensemble::{Cancelled, Checkpoints, Manifest, Program, Watch, other_build};
 use stochc_ir::record::RunRecord;
 use stochc_runtime::{RunError, Settings, run as run_once};
 
@@ -14,10 +14,7 @@ use crate::host::Host;
 pub fn made_by(
     manifest: &Manifest,
 ) -> impl Fn(usize, u64, &Watch) -> Result<RunRecord, Cancelled> + Sync {
-    |program, number, watch| {
-        let mut told = |tick, phase| watch.tick(tick, phase);
-        made(manifest, (program, number), &mut told)
-    }
+    |program, number, mut watch| made(manifest, (program, number), &mut watch)
 }
 
 /// Makes a run of an ensemble again, unless it is stopped.
@@ -71,6 +68,13 @@ fn try_out(program: &Program, settings: &Settings) -> Result<(), RunError> {
 pub fn tell_of_build(builds: &[String], host: &dyn Host) {
     if let Some(told) = other_build(builds) {
         host.warn(&format!("warning: {told}\n"));
+    }
+}
+
+/// Says what has become of checkpoints.
+pub fn tell_of_checkpoints(checkpoints: Option<&Checkpoints>, host: &dyn Host) {
+    for note in checkpoints.map(Checkpoints::notes).unwrap_or_default() {
+        host.warn(&format!("note: {note}\n"));
     }
 }
 

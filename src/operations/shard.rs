@@ -1,9 +1,10 @@
 //! Making a piece of an ensemble, and putting the pieces together.
 use std::path::Path;
 
+use stochc_ensemble::Interval;
 use stochc_ensemble::shards::{Piece, ShardError, merge as merge_all};
 
-use super::runs::{made_again, made_by, threads};
+use super::runs::{made_again, made_by, tell_of_checkpoints, threads};
 use super::sweep;
 use crate::exit::{Exit, Failure};
 use crate::host::{Host, during};
@@ -16,11 +17,14 @@ use crate::progress::of_ensemble;
 pub fn shard(
     folder: &Path,
     number: u64,
-    at_once: Option<u16>,
+    (at_once, checkpoints): (Option<u16>, Interval),
     host: &dyn Host,
 ) -> Result<Option<u64>, Failure> {
     let stop = host.stop();
-    let piece = Piece::open(folder, number).map_err(Failure::usage)?;
+    let piece = Piece::open(folder, number)
+        .and_then(|piece| piece.with_checkpoints(checkpoints))
+        .map_err(Failure::usage)?;
+    tell_of_checkpoints(piece.checkpoints(), host);
     let (runs, done) = piece.runs();
     if piece.is_made() {
         return Ok(Some(runs));
@@ -36,6 +40,7 @@ pub fn shard(
         true => work(),
         false => during(host, state, work),
     };
+    tell_of_checkpoints(piece.checkpoints(), host);
     Ok(made.map_err(Failure::usage)?.then_some(runs))
 }
 

@@ -7,6 +7,7 @@ mod aggregate;
 #[cfg(target_os = "linux")]
 mod budget;
 mod check;
+mod checkpoints;
 mod compile;
 mod explain;
 mod fit;
@@ -26,6 +27,8 @@ mod plan;
 mod rates;
 mod refused;
 mod results;
+#[cfg(target_os = "linux")]
+mod scarce;
 mod scene;
 mod shards;
 mod simulate;
@@ -33,6 +36,8 @@ mod simulate;
 mod skipped;
 mod stochc;
 mod streams;
+#[cfg(unix)]
+mod submit;
 mod sweep;
 mod tanks;
 mod trade;

@@ -14,8 +14,17 @@ use std::process::{Command, Output, Stdio};
 
 use page::{Block, blocks, commands};
 
-/// What a document may hold besides commands (`sh`).
-const NOT_COMMANDS: [&str; 6] = ["lua", "sa", "sa,fragment", "text", "toml", "sql"];
+/// What a document may hold besides commands (`sh`); blocks of `python` are run by `python/test`.
+const NOT_COMMANDS: [&str; 8] = [
+    "lua",
+    "py",
+    "python",
+    "sa",
+    "sa,fragment",
+    "sql",
+    "text",
+    "toml",
+];
 
 /// The README and all of `docs/`, by name.
 fn documents() -> BTreeMap<String, String> {

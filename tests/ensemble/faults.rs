@@ -19,7 +19,7 @@ use stochc::ensemble::verify::repair;
 use stochc::ensemble::{Destination, Folder, FolderError, Manifest, Records};
 use stochc_files::disk::{Call, Double, Verdict, replace_by, restore};
 
-use crate::world::{bytes, manifest, run_on, simulate};
+use crate::world::{EVERY, bytes, manifest, run_on, simulate};
 
 /// What goes wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -299,7 +299,9 @@ fn patiently(work: Work, root: &Path, manifest: &Manifest) -> Result<(), String>
 }
 
 fn in_one_piece(root: &Path, manifest: &Manifest) -> Result<(), String> {
-    let folder = Folder::open(root, manifest, true).map_err(|error| error.to_string())?;
+    let folder = Folder::open(root, manifest, true)
+        .and_then(|folder| folder.with_checkpoints(EVERY))
+        .map_err(|error| error.to_string())?;
     let never = AtomicBool::new(false);
     let done = run_on(1, Destination::Folder(folder), &never, simulate);
     let complete = done.map_err(|error| error.to_string())?.complete;
@@ -321,7 +323,8 @@ fn in_pieces(root: &Path, manifest: &Manifest) -> Result<(), String> {
     prepare(root, manifest, 2).map_err(told)?;
     let never = AtomicBool::new(false);
     for number in 0..2 {
-        let piece = Piece::open(root, number).map_err(told)?;
+        let piece = Piece::open(root, number).and_then(|piece| piece.with_checkpoints(EVERY));
+        let piece = piece.map_err(told)?;
         let progress = piece.progress(NonZeroUsize::MIN);
         let made = piece.make(&progress, &never, simulate).map_err(told)?;
         assert!(made);

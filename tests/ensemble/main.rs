@@ -1,4 +1,5 @@
 //! Ensembles from outside: what is kept, what is refused, and what the tables say.
+mod checkpoints;
 mod damaged;
 mod faults;
 mod figures;

@@ -234,6 +234,7 @@ fn an_interrupted_merge_goes_on() {
             fs::remove_file(path.join(name)).unwrap();
         }
         assert!(matches!(Folder::read(path), Err(FolderError::Cut { .. })));
+        assert!(missing(path).is_empty(), "{left} pieces left");
         put_together(path).unwrap();
         assert!(files(path) == whole, "{left} pieces left");
     }

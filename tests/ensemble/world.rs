@@ -4,17 +4,18 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use stochc::ensemble::{
-    Cancelled, Destination, Folder, Manifest, Program, Progress, Results, RunError, Source, Watch,
-    run,
+    Cancelled, Destination, Folder, Interval, Manifest, Program, Progress, Results, RunError,
+    Source, Watch, run,
 };
 use stochc_ir::graph::{Event, EventAction, EventGraph, EventId};
 use stochc_ir::record::{
     BondRecord, Limit, Origin, Outcome, ReleaseRecord, RunRecord, UnplannedRecord, WaitRecord,
 };
 use stochc_ir::scene::{Arrangement, Block, Enclosure, Free, Scene};
+use stochc_ir::state::Reader;
 use stochc_ir::table::{Action, Phase, PhaseId, Plate, Role, RoleId, Tables, Trigger};
 use stochc_ir::{Cell, Executable, Face};
-use stochc_runtime::Settings;
+use stochc_runtime::{Settings, Watch as _};
 
 /// A scene whose numbers do not survive a careless reader of JSON.
 pub fn scene() -> Scene {
@@ -132,8 +133,11 @@ fn draw(program: usize, run: u64, what: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-/// A run that waits for one block, and most times for a second one.
-pub fn simulate(program: usize, run: u64, watch: &Watch) -> Result<RunRecord, Cancelled> {
+/// How often runs keep their states in these tests, whose longest has a thousand ticks.
+pub const EVERY: Interval = Interval::Ticks(300);
+
+/// A run that waits for one block, and most times for a second one. Its state is its tick.
+pub fn simulate(program: usize, run: u64, mut watch: &Watch) -> Result<RunRecord, Cancelled> {
     let waits = [draw(program, run, 0) % 500, draw(program, run, 1) % 500];
     let bond = |phase: usize, magnetized, origin| BondRecord {
         phase: PhaseId(phase as u32),
@@ -149,9 +153,21 @@ pub fn simulate(program: usize, run: u64, watch: &Watch) -> Result<RunRecord, Ca
         origin,
     };
     let total = waits[0] + waits[1];
-    for tick in 0..total {
+    let begins = match watch.kept() {
+        Some(mut state) => {
+            let tick: u64 = Reader::new(&mut *state).take().map_err(|_| Cancelled)?;
+            assert!(tick < total, "there is no such tick");
+            tick
+        }
+        None => 0,
+    };
+    for tick in begins..total {
         let phase = PhaseId(u32::from(tick >= waits[0]));
-        if watch.tick(tick, phase).is_break() {
+        let flow = watch.tick(tick, phase);
+        if watch.wants_state() {
+            watch.keep(&mut |to| to.put(&tick));
+        }
+        if flow.is_break() {
             return Err(Cancelled);
         }
     }
@@ -248,6 +264,7 @@ pub fn run_on(
 /// Does or goes on with the ensemble of `manifest` in `path`.
 pub fn complete(path: &Path, manifest: &Manifest, threads: usize) -> Results {
     let folder = Folder::open(path, manifest, true).unwrap();
+    let folder = folder.with_checkpoints(EVERY).unwrap();
     let never = AtomicBool::new(false);
     run_on(threads, Destination::Folder(folder), &never, simulate).unwrap()
 }

@@ -28,7 +28,7 @@ fn hostile_names_are_shown_as_text() {
         role.name = format!("{HOSTILE}{}", role.name);
     }
     tables.phases[0].name = HOSTILE.to_owned();
-    let about = stochc::report::replay::about(&manifest, &manifest.programs[0]);
+    let about = stochc::report::replay::about(&manifest, &manifest.programs[0], &[]);
     let recording = File::open(results.recording_path(0)).unwrap();
     let file = File::create(&page).unwrap();
     stochc::report::replay::write(HOSTILE, &about, recording, file).unwrap();

@@ -3,10 +3,12 @@
     clippy::disallowed_methods,
     reason = "the tests write what the command is to read"
 )]
+mod accessible;
 mod browser;
 mod exported;
 mod folder;
 mod hostile;
+mod looking;
 mod observed;
 mod page;
 mod recorded;

@@ -112,7 +112,7 @@ fn a_block_is_drawn_where_it_is_and_found_by_a_click() {
         browser.key(key);
     }
     let last = recording.record().bonds.last().unwrap();
-    let colours = browser.value("PHASES.map(rgb)");
+    let colours = browser.value("PALETTE.phases.map(({ colour }) => rgb(colour))");
     let colour = numbers(&colours[last.phase.0 as usize]);
     let place = format!("replay.face({}, 'up')", last.body);
     let pixel = |browser: &mut Browser, tick: u64| {

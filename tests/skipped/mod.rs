@@ -5,10 +5,11 @@ use std::io::Write as _;
 const RECORD: &str = "STOCHC_SKIPPED";
 
 /// Tells that the test that runs now is skipped, wholly or in part, because `command` of the package `package` cannot be
-/// run. Panics if `STOCHC_REQUIRE_PACKAGE` is set: where the package is installed, nothing is to be skipped.
+/// run. Panics if `STOCHC_REQUIRE_` and the package's name, up to a dash, is set: where it is installed, nothing is to be skipped.
 #[track_caller]
 pub fn skipped(package: &str, command: &str) {
-    let required = format!("STOCHC_REQUIRE_{}", package.to_uppercase());
+    let name = package.split('-').next().unwrap_or(package);
+    let required = format!("STOCHC_REQUIRE_{}", name.to_uppercase());
     assert!(
         std::env::var_os(&required).is_none(),
         "`{command}` cannot be run, and {required} is set"
@@ -20,7 +21,11 @@ pub fn skipped(package: &str, command: &str) {
         Some(name) if name != "main" => name.to_owned(),
         _ => format!("{}:{}", place.file(), place.line()),
     };
-    let note = format!("skipped {test}: `{command}` cannot be run (apt-get install {package})\n");
+    let cure = match package {
+        "axe" => "npm install axe-core, and its axe.min.js as STOCHC_AXE".to_owned(),
+        _ => format!("apt-get install {package}"),
+    };
+    let note = format!("skipped {test}: `{command}` cannot be run ({cure})\n");
     // Past the test's own capture, so that it is seen.
     let _ = std::io::stderr().write_all(note.as_bytes());
     if let Some(record) = std::env::var_os(RECORD) {

@@ -1,10 +1,15 @@
-//! What can be said of a program's effort from its graph and geometry alone.
+//! What can be said of a program's effort without running it.
 //!
-//! Nothing here knows of speeds, fields or densities, and nothing is a time: how long a face waits depends on the crowd of
-//! blocks at its height, on the ways in and on docking. The share of open directions has been held against simulated
-//! waits (docs/proofs.md), and does not rank them.
-mod exposure;
+//! How deep and how wide its phases are follows from its graph alone. Times need the rates of a scene: each capture waits by
+//! their law in the structure as it stands when its turn comes, and the waits are summed up along the graph. That is less than a
+//! run by rates knows: cells beside an open face fill while it waits, and messages take their time.
+mod sampling;
 mod schedule;
+mod waits;
+
+pub use sampling::Times;
+
+use stochc_rates::{Rates, Wait};
 
 use crate::Program;
 use crate::plan::EventId;
@@ -14,58 +19,63 @@ use crate::plan::EventId;
 pub struct Cost {
     /// The phases, in order.
     pub phases: Vec<PhaseCost>,
-    /// The captures, the one with the most enclosed cell first; those of equal ones in source order.
+    /// How long all of it takes; `None`: there are no rates.
+    pub total: Option<Times>,
+    /// The captures, the one first that decides most of the time; those of equal shares in source order. None if there are no rates.
     pub captures: Vec<CaptureCost>,
 }
 
-/// How a phase is ordered.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// How a phase is ordered, and how long it takes.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PhaseCost {
     /// Captures of its longest serial chain.
     pub depth: u32,
     /// The most captures that are waited for side by side, if all take equally long.
     pub width: u32,
+    /// How long it takes; `None`: there are no rates.
+    pub times: Option<Times>,
 }
 
-/// The surroundings of a capture.
+/// What a capture costs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CaptureCost {
     /// Which.
     pub event: EventId,
-    /// The part of all directions from the centre of its cell that are open, from 0 to 1.
-    pub exposure: f64,
+    /// How long its face waits, where no block was let go near it.
+    pub wait: Wait,
+    /// The part of all time in which nothing but it is waited for.
+    pub share: f64,
 }
 
 /// Looks at a program; `None` if it has no order.
-pub fn estimate(program: &Program) -> Option<Cost> {
+pub fn estimate(program: &Program, rates: Option<&Rates>) -> Option<Cost> {
     let order = program.order.as_ref()?;
+    let plan = &program.plan;
     let levels = schedule::levels(program, order);
-    let exposures = exposure::exposures(program, &levels);
-    let phases = (program.plan.phases.iter())
-        .map(|phase| {
-            let mut counts: Vec<u32> = Vec::new();
-            for id in program.plan.events_of(phase) {
-                if let (Some(_), level) = (exposures[id.0 as usize], levels[id.0 as usize]) {
-                    counts.resize(counts.len().max(level as usize + 1), 0);
-                    counts[level as usize] += 1;
-                }
-            }
-            PhaseCost {
-                depth: counts.len().saturating_sub(1) as u32,
-                width: counts.iter().copied().max().unwrap_or(0),
-            }
+    let mut cost = Cost {
+        phases: (plan.phases.iter())
+            .map(|phase| schedule::shape(program, phase, &levels))
+            .collect(),
+        total: None,
+        captures: Vec::new(),
+    };
+    let Some(rates) = rates else {
+        return Some(cost);
+    };
+    let waits = waits::waits(program, &levels, rates);
+    let sampled = sampling::sample(program, order, &waits);
+    cost.total = Some(sampled.total);
+    for (phase, times) in cost.phases.iter_mut().zip(sampled.phases) {
+        phase.times = Some(times);
+    }
+    let captures = waits.iter().zip(sampled.shares).enumerate();
+    cost.captures = captures
+        .filter_map(|(i, (wait, share))| {
+            let event = EventId(i as u32);
+            let wait = wait.as_ref()?.wait;
+            Some(CaptureCost { event, wait, share })
         })
         .collect();
-    let mut captures: Vec<CaptureCost> = (exposures.iter().enumerate())
-        .filter_map(|(i, exposure)| {
-            Some(CaptureCost {
-                event: EventId(i as u32),
-                exposure: (*exposure)?,
-            })
-        })
-        .collect();
-    // What rounding alone tells apart keeps the order of the source.
-    let rounded = |exposure: f64| (exposure * 1e9).round() as u64;
-    captures.sort_by_key(|capture| rounded(capture.exposure));
-    Some(Cost { phases, captures })
+    (cost.captures).sort_by(|a, b| b.share.total_cmp(&a.share));
+    Some(cost)
 }

@@ -5,6 +5,7 @@ use std::rc::Rc;
 use serde_json::json;
 use stochc_grammar::Symbols;
 use stochc_ir::emit::Text;
+use stochc_ir::palette::{self, LIGHT, Rgb};
 use stochc_ir::table::RoleId;
 use stochc_ir::{Cell, Json};
 
@@ -147,8 +148,8 @@ const EDGE: f64 = 26.0;
 /// Blocks that a picture can show before it is of no use.
 const MOST_BLOCKS: usize = 20_000;
 
-/// A picture of each phase's end side by side, seen from the south-east; blocks that the phase has
-/// captured are lighter. `None`: too many blocks for a picture.
+/// A picture of each phase's end side by side, seen from the south-east; blocks have the colour of the phase that captured
+/// them, and dark edges at the end of that phase. `None`: too many blocks for a picture.
 pub fn structure_svg(plan: &Plan, layout: &Layout, symbols: &Symbols) -> Option<String> {
     let plate = plan.plate.width as usize * plan.plate.depth as usize;
     let most = structures(plan, layout)
@@ -178,9 +179,10 @@ pub fn structure_svg(plan: &Plan, layout: &Layout, symbols: &Symbols) -> Option<
     let mut out = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {:.0} {height:.0}\" \
          width=\"{:.0}\" font-family=\"Helvetica, Arial, sans-serif\" text-anchor=\"middle\">\n\
-         <rect width=\"100%\" height=\"100%\" fill=\"#fcfcfa\"/>\n",
+         <rect width=\"100%\" height=\"100%\" fill=\"{}\"/>\n",
         width * phases.len() as f64,
         width * phases.len() as f64,
+        LIGHT.paper,
     );
     for (number, (phase, blocks)) in plan.phases.iter().zip(&phases).enumerate() {
         let x = width * number as f64 - left + EDGE / 2.0;
@@ -195,12 +197,14 @@ pub fn structure_svg(plan: &Plan, layout: &Layout, symbols: &Symbols) -> Option<
         cells.sort_by_key(|cell| (cell.x - cell.y + cell.z, cell.z));
         for cell in cells {
             let block = find(blocks, cell);
-            let colours = match block {
-                None => ["#d8d6cf", "#bfbcb3", "#aaa79e"],
-                Some(block) if block.since as usize == number => ["#ffd9a0", "#f2b45c", "#d9913a"],
-                Some(_) => ["#a9c9e8", "#7ba6d0", "#5b88b5"],
+            let colour = block.map_or(LIGHT.plate, |block| palette::phase(block.since as usize));
+            let rim = match block {
+                Some(block) if block.since as usize == number => {
+                    "stroke=\"#000\" stroke-width=\"1.6\""
+                }
+                _ => "stroke=\"#fff\" stroke-width=\"0.8\"",
             };
-            cube(&mut out, cell, colours);
+            cube(&mut out, cell, colour, rim);
             if let Some(block) = block {
                 let (x, y) = project(
                     f64::from(cell.x) + 0.5,
@@ -212,8 +216,9 @@ pub fn structure_svg(plan: &Plan, layout: &Layout, symbols: &Symbols) -> Option<
                 let size = if name.chars().count() > 3 { 8 } else { 11 };
                 let _ = writeln!(
                     out,
-                    "<text x=\"{x:.1}\" y=\"{:.1}\" font-size=\"{size}\" fill=\"#333\">{name}</text>",
-                    y + 4.0
+                    "<text x=\"{x:.1}\" y=\"{:.1}\" font-size=\"{size}\" fill=\"{}\">{name}</text>",
+                    y + 4.0,
+                    colour.ink()
                 );
             }
         }
@@ -249,12 +254,12 @@ fn outline(cell: Cell) -> [(f64, f64); 6] {
 }
 
 /// The three sides that are seen: top, south and east.
-fn cube(out: &mut String, cell: Cell, [top, south, east]: [&str; 3]) {
+fn cube(out: &mut String, cell: Cell, colour: Rgb, rim: &str) {
     let (x, y) = (f64::from(cell.x), f64::from(cell.y));
     let at = |(dx, dy, up): (f64, f64, f64)| project(x + dx, y + dy, cell.z, up);
     let sides = [
         (
-            top,
+            1.0,
             [
                 (0.0, 0.0, 1.0),
                 (0.0, 1.0, 1.0),
@@ -263,7 +268,7 @@ fn cube(out: &mut String, cell: Cell, [top, south, east]: [&str; 3]) {
             ],
         ),
         (
-            south,
+            0.85,
             [
                 (0.0, 0.0, 1.0),
                 (1.0, 0.0, 1.0),
@@ -272,7 +277,7 @@ fn cube(out: &mut String, cell: Cell, [top, south, east]: [&str; 3]) {
             ],
         ),
         (
-            east,
+            0.7,
             [
                 (1.0, 0.0, 1.0),
                 (1.0, 1.0, 1.0),
@@ -281,14 +286,15 @@ fn cube(out: &mut String, cell: Cell, [top, south, east]: [&str; 3]) {
             ],
         ),
     ];
-    for (colour, points) in sides {
+    for (light, points) in sides {
         let points: Vec<String> = (points.into_iter().map(at))
             .map(|(x, y)| format!("{x:.1},{y:.1}"))
             .collect();
         let _ = writeln!(
             out,
-            "<polygon points=\"{}\" fill=\"{colour}\" stroke=\"#fff\" stroke-width=\"0.8\"/>",
-            points.join(" ")
+            "<polygon points=\"{}\" fill=\"{}\" {rim}/>",
+            points.join(" "),
+            colour.shaded(light)
         );
     }
 }

@@ -1,8 +1,10 @@
 //! Recording, while a run goes.
-use std::io::{self, Write};
+use std::io::{self, BufWriter, Read, Write};
 
+use stochc_files::atomic::Draft;
 use stochc_files::budget::RECORDING_PART;
 use stochc_ir::record::RunRecord;
+use stochc_ir::state::{Reader, StateError, Writer};
 use stochc_ir::table::Tables;
 use stochc_runtime::observe::{Event, Observer};
 use stochc_runtime::world::Arena;
@@ -21,8 +23,41 @@ const MOST_TICKS: usize = 512;
 /// Events of a part, so that it keeps to its budget: none has 128 bytes.
 const MOST_EVENTS: usize = 1 << 20;
 
+/// Where a recording goes.
+pub trait Output: Write {
+    /// How many bytes it has, and those.
+    ///
+    /// # Errors
+    /// Those of the file system, and where it cannot be read again.
+    fn written(&self) -> io::Result<(u64, Box<dyn Read>)> {
+        Err(io::ErrorKind::Unsupported.into())
+    }
+
+    /// Makes it empty.
+    ///
+    /// # Errors
+    /// As of [`Output::written`].
+    fn rewind(&mut self) -> io::Result<()> {
+        Err(io::ErrorKind::Unsupported.into())
+    }
+}
+
+impl Output for Draft {
+    fn written(&self) -> io::Result<(u64, Box<dyn Read>)> {
+        let file = Draft::written(self)?;
+        Ok((file.metadata()?.len(), Box::new(file)))
+    }
+
+    fn rewind(&mut self) -> io::Result<()> {
+        Draft::rewind(self)
+    }
+}
+
+/// A file without a name, of a run that is made without a stop.
+impl Output for BufWriter<std::fs::File> {}
+
 /// Records the run that it observes.
-pub struct Recorder<W: Write> {
+pub struct Recorder<W: Output> {
     out: W,
     every: u64,
     bodies: usize,
@@ -34,13 +69,14 @@ pub struct Recorder<W: Write> {
     broken: Option<io::Error>,
 }
 
-impl<W: Write> Recorder<W> {
+impl<W: Output> Recorder<W> {
     /// Begins a recording; [`Recorder::finish`] ends it.
     ///
     /// # Errors
     /// Those of `out`.
     pub fn new(mut out: W, header: &Header, tables: &Tables) -> io::Result<Recorder<W>> {
         write_header(&mut out, header)?;
+        out.flush()?;
         Ok(Recorder {
             out,
             every: header.every.max(1).into(),
@@ -90,11 +126,12 @@ impl<W: Write> Recorder<W> {
             write_section(&mut self.out, POSES, &chunk.to_bytes()?)?;
             self.places.clear();
         }
-        Ok(())
+        // For it to be read again.
+        self.out.flush()
     }
 }
 
-impl<W: Write> Observer for Recorder<W> {
+impl<W: Output> Observer for Recorder<W> {
     fn look(&mut self, arena: &impl Arena, events: &[Event]) {
         if self.broken.is_some() {
             return;
@@ -130,5 +167,38 @@ impl<W: Write> Observer for Recorder<W> {
         {
             self.broken = Some(error);
         }
+    }
+
+    fn save(&self, to: &mut Writer<'_>) -> Result<(), StateError> {
+        // Where it is broken, nothing more is written.
+        to.put(&(self.every, self.broken.is_some()))?;
+        if self.broken.is_some() {
+            return Ok(());
+        }
+        to.put(&self.ticks)?;
+        to.put(&self.places)?;
+        to.put(&serde_json::to_string(&self.rows).map_err(io::Error::from)?)?;
+        let (length, written) = self.out.written()?;
+        to.copy(length, written)
+    }
+
+    fn restore(&mut self, from: &mut Reader<'_>) -> Result<(), StateError> {
+        let (every, is_broken): (u64, bool) = from.take()?;
+        if self.every != every {
+            return Err(io::Error::other("its recording is of other ticks").into());
+        }
+        if is_broken {
+            self.broken = Some(io::Error::other(
+                "it could not be kept before the run was stopped",
+            ));
+            return Ok(());
+        }
+        self.ticks = from.take()?;
+        self.places = from.take()?;
+        let rows: String = from.take()?;
+        self.rows = serde_json::from_str(&rows).map_err(io::Error::from)?;
+        self.out.rewind()?;
+        from.copy(&mut self.out)?;
+        Ok(self.out.flush()?)
     }
 }

@@ -93,7 +93,7 @@ pub fn prepare(path: &Path, manifest: &Manifest, shards: u64) -> Result<Prepared
 }
 
 /// Refuses runs of this build in the ensemble of another.
-pub(super) fn same_build(path: &Path, stored: &Manifest) -> Result<(), FolderError> {
+pub(crate) fn same_build(path: &Path, stored: &Manifest) -> Result<(), FolderError> {
     match stored.builds == [this_build()] {
         true => Ok(()),
         false => Err(FolderError::OtherBuildOfPieces {
@@ -109,7 +109,7 @@ impl Cut {
     ///
     /// # Errors
     /// When there is no ensemble, or it is not cut.
-    pub(super) fn of(path: &Path) -> Result<(Manifest, Cut), ShardError> {
+    pub(crate) fn of(path: &Path) -> Result<(Manifest, Cut), ShardError> {
         let manifest = survey(path)?.ok_or_else(|| FolderError::Absent(path.to_owned()))?;
         let Some(cut) = Cut::read(path)? else {
             let identity = manifest.identity();

@@ -8,9 +8,10 @@ use stochc_files::disk;
 use super::ShardError;
 use super::cut::{Cut, SHARDS, SHARDS_FILE, build, piece_file};
 use super::piece::{Found, in_folder, read};
+use crate::checkpoint;
 use crate::folder::{JOURNAL, lock};
 use crate::journal::{self, Header};
-use crate::{Folder, FolderError, Further, Manifest, Resume};
+use crate::{Folder, FolderError, Further, Manifest, Resume, slurm};
 
 /// Puts the pieces of a folder together, and gives how many runs they have: it is then as if it had never been cut.
 ///
@@ -23,19 +24,21 @@ pub fn merge(path: &Path, further: Further) -> Result<u64, ShardError> {
     let lock = lock(path)?;
     // Again, now that nobody else can change the answer.
     let (manifest, _) = Cut::of(path)?;
-    let journal = path.join(JOURNAL);
-    let is_joined = {
-        let stored = journal::read(&journal, &manifest, &manifest.identity())?;
-        stored.finished.len() as u64 == manifest.total()
-    };
-    if !is_joined {
+    if !is_joined(path, &manifest)? {
         join(path, &manifest, &cut)?;
     }
     drop(lock);
     let folder = Folder::open_cut(path, &manifest, Resume::MixedBuilds)?.with(further);
     folder.write_tables(folder.kept())?;
+    checkpoint::clear(path, |_, _| false).map_err(|source| in_folder(path, source))?;
     clear(path).map_err(|source| in_folder(path, source))?;
     Ok(manifest.total())
+}
+
+/// Whether the journal has all runs, so that the pieces are no longer wanted.
+pub(super) fn is_joined(path: &Path, manifest: &Manifest) -> Result<bool, ShardError> {
+    let stored = journal::read(&path.join(JOURNAL), manifest, &manifest.identity())?;
+    Ok(stored.finished.len() as u64 == manifest.total())
 }
 
 /// Writes the journal.
@@ -88,26 +91,28 @@ fn join(path: &Path, manifest: &Manifest, cut: &Cut) -> Result<(), ShardError> {
 
 /// Removes the pieces, and at last what says that there are any.
 fn clear(path: &Path) -> io::Result<()> {
-    let pieces = path.join(SHARDS);
-    match disk::list(&pieces) {
-        Ok(entries) => {
-            for entry in entries {
-                let name = entry.file_name().unwrap_or_default();
-                if is_ours(&name.to_string_lossy()) {
-                    disk::remove(&entry)?;
-                }
-            }
-            match disk::remove_folder(&pieces) {
-                // What somebody else has put there stays.
-                Err(error) if error.kind() == io::ErrorKind::DirectoryNotEmpty => {}
-                removed => removed?,
-            }
-        }
-        Err(error) if error.kind() == io::ErrorKind::NotFound => {}
-        Err(error) => return Err(error),
-    }
+    remove_own(&path.join(SHARDS), is_ours)?;
+    slurm::clear(path)?;
     disk::remove(&path.join(SHARDS_FILE))?;
     sync_folder(path)
+}
+
+/// Removes the files of a folder whose names are ours, and the folder; what somebody else has put there stays.
+pub(crate) fn remove_own(folder: &Path, is_ours: fn(&str) -> bool) -> io::Result<()> {
+    let entries = match disk::list(folder) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
+        listed => listed?,
+    };
+    for entry in entries {
+        let name = entry.file_name().unwrap_or_default();
+        if is_ours(&name.to_string_lossy()) {
+            disk::remove(&entry)?;
+        }
+    }
+    match disk::remove_folder(folder) {
+        Err(error) if error.kind() == io::ErrorKind::DirectoryNotEmpty => Ok(()),
+        removed => removed,
+    }
 }
 
 /// Whether a file is a piece, or what was left of making one.

@@ -20,7 +20,8 @@ pub use cut::{Cut, MOST_SHARDS, Prepared, prepare};
 pub use error::ShardError;
 pub use merge::merge;
 pub use piece::Piece;
-pub use status::{PieceState, Status, status};
+pub use status::{PieceState, Status, listed, status, thorough_status};
 
-pub(super) use cut::SHARDS_FILE;
+pub(super) use cut::{SHARDS_FILE, same_build};
+pub(super) use merge::remove_own;
 pub(super) use status::health;

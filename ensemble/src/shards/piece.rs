@@ -16,7 +16,10 @@ use crate::journal::{self, Header, Journal, JournalError, Shortest};
 use crate::records::{Place, Records};
 use crate::run::{Todo, check_again, job, journaled};
 use crate::verify::DAMAGED;
-use crate::{Cancelled, Finished, FolderError, Manifest, Progress, RunError, Watch, this_build};
+use crate::{
+    CHECKPOINTS, Cancelled, Checkpoints, Finished, FolderError, Interval, Manifest, Progress,
+    RunError, Watch, this_build,
+};
 
 /// A piece that this process makes.
 #[derive(Debug)]
@@ -30,6 +33,7 @@ pub struct Piece {
     /// Runs of it that others have made who did not come to its end.
     kept: Records,
     shortest: Option<Finished>,
+    checkpoints: Option<Checkpoints>,
 }
 
 /// What the file of a piece is.
@@ -79,6 +83,7 @@ impl Piece {
             is_made: found == Found::Whole,
             kept: Records::default(),
             shortest: None,
+            checkpoints: None,
             manifest,
             number,
             header,
@@ -88,6 +93,32 @@ impl Piece {
             piece.collect()?;
         }
         Ok(piece)
+    }
+
+    /// Has the states of runs under way kept, and has those go on of which there is one.
+    ///
+    /// # Errors
+    /// Those of the file system.
+    pub fn with_checkpoints(mut self, every: Interval) -> Result<Piece, ShardError> {
+        let programs = self.manifest.programs.len() as u64;
+        let wants = |program: usize, run: u64| {
+            let number = u128::from(run) * u128::from(programs) + program as u128;
+            let is_of_it =
+                (u128::from(self.jobs.start)..u128::from(self.jobs.end)).contains(&number);
+            is_of_it && !self.is_made && !self.kept.contains(program, run)
+        };
+        let opened = Checkpoints::open(&self.path, &self.manifest, every, wants);
+        let io = |source| FolderError::Io {
+            path: self.path.join(CHECKPOINTS),
+            source,
+        };
+        self.checkpoints = Some(opened.map_err(io)?);
+        Ok(self)
+    }
+
+    /// The states of its runs, if they are kept.
+    pub fn checkpoints(&self) -> Option<&Checkpoints> {
+        self.checkpoints.as_ref()
     }
 
     /// What the whole ensemble depends on.
@@ -152,7 +183,8 @@ impl Piece {
         sync_folder(&folder).map_err(io)?;
         let journal = Journal::open(&part, &self.header, 0)?;
         let file = self.kept.files();
-        let places = journaled(todo, (journal, file), progress, stop, simulate)?;
+        let on = (progress, self.checkpoints());
+        let places = journaled(todo, (journal, file), on, stop, simulate)?;
         let opened = files::open(&part).map_err(io)?;
         let most = journal::most_line(&self.manifest);
         let all = self.kept.and(&places, opened, most).map_err(io)?;

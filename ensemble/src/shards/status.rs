@@ -1,7 +1,8 @@
 //! What there is of the pieces.
 use std::collections::BTreeMap;
 use std::io::{self, BufRead as _, BufReader};
-use std::path::Path;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use stochc_files as files;
@@ -9,9 +10,12 @@ use stochc_files::disk;
 
 use super::ShardError;
 use super::cut::{Cut, SHARDS, build, piece_file};
+use super::merge::is_joined;
 use super::piece::{Found, identify, in_folder, read};
+use crate::Manifest;
+use crate::folder::JOURNAL;
+use crate::journal::Header;
 use crate::verify::{FileHealth, Health};
-use crate::{JournalError, Manifest};
 
 /// All pieces of an ensemble.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -58,34 +62,70 @@ impl Status {
     }
 }
 
-/// Looks what there is of the pieces of an ensemble.
+/// Looks what there is of the pieces of an ensemble, at the first line of each.
 ///
 /// # Errors
 /// When it is not cut into any, or cannot be read.
 pub fn status(path: &Path) -> Result<Status, ShardError> {
+    status_by(path, |file, header, _, _| Ok(identify(file, header)?))
+}
+
+/// The same, by all lines of each, as [`merge`](super::merge()) does.
+///
+/// # Errors
+/// Those of [`status`].
+pub fn thorough_status(path: &Path) -> Result<Status, ShardError> {
+    status_by(path, |file, header, manifest, jobs| {
+        read(file, header, manifest, jobs, |_| Ok(()))
+    })
+}
+
+fn status_by(
+    path: &Path,
+    look: impl Fn(&Path, &Header, &Manifest, &Range<u64>) -> Result<Found, ShardError>,
+) -> Result<Status, ShardError> {
     let (manifest, cut) = Cut::of(path)?;
     let begun = begun(path).map_err(|source| in_folder(path, source))?;
-    let header = |number| cut.header(build(&manifest), number);
+    // `merge` may have been stopped when it had begun to remove them.
+    let is_joined = path.join(JOURNAL).exists() && is_joined(path, &manifest)?;
     let state = |number: u64| {
-        Ok(
-            match identify(&piece_file(path, number), &header(number))? {
-                Found::Whole => PieceState::Whole,
-                Found::Damaged(reason) => PieceState::Damaged { reason },
-                Found::Foreign(reason) => PieceState::Foreign { reason },
-                Found::Nothing => match begun.get(&number) {
-                    Some(&runs) => PieceState::Begun { runs },
-                    None => PieceState::Missing,
-                },
+        if is_joined {
+            return Ok(PieceState::Whole);
+        }
+        let (header, jobs) = (
+            cut.header(build(&manifest), number),
+            cut.jobs(manifest.total(), number),
+        );
+        let found = look(&piece_file(path, number), &header, &manifest, &jobs)?;
+        Ok(match found {
+            Found::Whole => PieceState::Whole,
+            Found::Damaged(reason) => PieceState::Damaged { reason },
+            Found::Foreign(reason) => PieceState::Foreign { reason },
+            Found::Nothing => match begun.get(&number) {
+                Some(&runs) => PieceState::Begun { runs },
+                None => PieceState::Missing,
             },
-        )
+        })
     };
     let pieces = (0..cut.shards).map(state);
-    let pieces = pieces.collect::<Result<_, JournalError>>()?;
+    let pieces = pieces.collect::<Result<_, ShardError>>()?;
     Ok(Status {
         shards: cut.shards,
         runs: manifest.total(),
         pieces,
     })
+}
+
+/// How many pieces have a file, by its name alone.
+///
+/// # Errors
+/// Those of the file system.
+pub fn listed(path: &Path) -> io::Result<u64> {
+    let is_piece = |entry: &PathBuf| entry.extension().is_some_and(|it| it == "jsonl");
+    match disk::list(&path.join(SHARDS)) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(0),
+        entries => Ok(entries?.iter().filter(|entry| is_piece(entry)).count() as u64),
+    }
 }
 
 /// Runs in the files of pieces that are not whole, by their numbers.

@@ -1,6 +1,27 @@
 //! Lengths of time for people: in seconds, and in seconds beside ticks.
 use std::time::Duration;
 
+/// A time that somebody has typed, with its unit.
+///
+/// # Errors
+/// What to type instead.
+pub fn duration(text: &str) -> Result<Duration, String> {
+    let wrong = || "give a number and its unit: 90s, 10m, 2h".to_owned();
+    let digits = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
+    let unit = match &text[digits.len()..] {
+        "s" => 1.0,
+        "m" | "min" => 60.0,
+        "h" => 3600.0,
+        _ => return Err(wrong()),
+    };
+    let number: f64 = digits.trim_end().parse().map_err(|_| wrong())?;
+    let time = Duration::try_from_secs_f64(number * unit).map_err(|_| wrong())?;
+    if time.is_zero() {
+        return Err("no time is too little".to_owned());
+    }
+    Ok(time)
+}
+
 /// A unit that suits a time of this many seconds, with what it is in seconds.
 fn unit(seconds: f64) -> (f64, &'static str) {
     match seconds.abs() {

@@ -2,9 +2,11 @@
 mod duration;
 mod number;
 mod percent;
+mod ranges;
 mod visible;
 
-pub use duration::{Tick, seconds, words};
+pub use duration::{Tick, duration, seconds, words};
 pub use number::{number, ratio};
 pub use percent::{percent, relative, relative_size};
+pub use ranges::ranges;
 pub use visible::{escaped, visible};

@@ -1,4 +1,5 @@
 //! What one anchored block keeps in mind.
+use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 use stochc_ir::table::{Action, Condition, RoleId, Tables, Trigger};
 use stochc_ir::{Cell, Face};
@@ -11,7 +12,7 @@ use crate::orientation::Orientation;
 /// An anchored block: its name, how it sits, its neighbours in the tree, and its progress.
 ///
 /// Its lists are sorted: what a block knows does not depend on the order in which it came to know.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Block<M = ()> {
     pub(super) body: Body,
     pub(super) role: RoleId,
@@ -48,7 +49,7 @@ pub struct Block<M = ()> {
 const IDLE: u32 = u32::MAX;
 
 /// A face that is on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Open<M = ()> {
     /// In the block's own frame.
     pub own: Face,

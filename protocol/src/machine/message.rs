@@ -1,10 +1,11 @@
 //! What blocks say to each other.
+use serde::{Deserialize, Serialize};
 use stochc_ir::table::{News, RoleId, Trigger};
 
 use crate::body::Body;
 
 /// A message, wherever it is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Message {
     /// For whom.
     pub target: Target,
@@ -13,7 +14,7 @@ pub struct Message {
 }
 
 /// For whom a message is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Target {
     /// Any block of the plate.
     Plate,
@@ -24,7 +25,7 @@ pub enum Target {
 }
 
 /// What a message says.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Payload {
     /// A branch of the phase is done.
     Report(Reporter),
@@ -35,7 +36,7 @@ pub enum Payload {
 }
 
 /// Who reports, and by which rule of its duty: a block may have several reports to make.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Reporter {
     /// Whose report it is.
     pub role: RoleId,

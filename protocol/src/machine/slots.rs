@@ -1,10 +1,12 @@
 //! Anchored blocks side by side in memory, found by their bodies.
+use serde::{Deserialize, Serialize};
+
 use super::block::Block;
 use super::index::Index;
 use crate::body::Body;
 
 /// Where an anchored block is kept, as long as it is anchored.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub(crate) struct BlockSlot(pub u32);
 
 impl BlockSlot {
@@ -13,7 +15,7 @@ impl BlockSlot {
 }
 
 /// The anchored blocks: first those of the plate in the order of their cells, which stay.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Slots<M> {
     blocks: Vec<Option<Block<M>>>,
     vacant: Vec<BlockSlot>,

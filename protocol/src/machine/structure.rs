@@ -4,6 +4,8 @@ use std::collections::BTreeSet;
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 use stochc_ir::Face;
 use stochc_ir::table::{Action, Condition, PhaseId, RoleId, Tables, Trigger};
 
@@ -34,6 +36,13 @@ pub struct Structure<'t, M = ()> {
     changed: Vec<BlockSlot>,
     /// The faces to which blocks are still to be attached by hand.
     to_plant: BTreeSet<BlockFace>,
+}
+
+stochc_ir::state! {
+    (<M: DeserializeOwned + Serialize>) Structure<'_, M>;
+    values: phase, reports, slots, holders, changed, to_plant;
+    parts: ;
+    same: tables, index
 }
 
 impl<'t, M: Copy> Structure<'t, M> {

@@ -3,6 +3,7 @@ use std::collections::BTreeMap;
 use std::io::{self, Write};
 
 use serde_json::{Value, json};
+use stochc_ir::palette::{DARK, PHASES, Rgb};
 use stochc_ir::scene::Scene;
 use stochc_ir::table::{PhaseId, Tables};
 use stochc_ir::{Cell, Face};
@@ -12,21 +13,10 @@ use stochc_runtime::world::Arena;
 /// More than this does not fit into a file, whose lengths have 32 bits.
 const LARGEST: u64 = 0xFFFF_0000;
 
-/// Of the phases, in turn, then of free blocks, named seeds and the rest of the plate: red, green and blue.
-const COLOURS: [[f64; 3]; 11] = [
-    [0.80, 0.24, 0.01],
-    [0.04, 0.27, 0.69],
-    [0.03, 0.39, 0.16],
-    [0.56, 0.10, 0.38],
-    [0.69, 0.46, 0.01],
-    [0.74, 0.09, 0.04],
-    [0.04, 0.46, 0.43],
-    [0.27, 0.17, 0.67],
-    [0.24, 0.29, 0.38],
-    [0.40, 0.46, 0.53],
-    [0.07, 0.09, 0.12],
-];
-const PHASES: usize = 8;
+/// Of the phases, in turn, then of free blocks, named seeds and the rest of the plate.
+fn colours() -> impl Iterator<Item = Rgb> {
+    PHASES.into_iter().chain([DARK.free, DARK.seed, DARK.plate])
+}
 
 // Numbers of the format: <https://registry.khronos.org/glTF/specs/2.0/glTF-2.0.html>.
 const FLOAT: u32 = 5126;
@@ -121,8 +111,11 @@ impl Gltf {
             self.translations.iter().zip(&self.rotations).enumerate()
         {
             let (name, material) = match self.roles.get(&(body as u32)) {
-                Some((role, phase)) => (format!("block {body}, {role}"), phase.0 as usize % PHASES),
-                None => (format!("block {body}"), PHASES),
+                Some((role, phase)) => (
+                    format!("block {body}, {role}"),
+                    phase.0 as usize % PHASES.len(),
+                ),
+                None => (format!("block {body}"), PHASES.len()),
             };
             let node = nodes.len();
             nodes.push(json!({
@@ -172,10 +165,10 @@ impl Gltf {
             "scene": 0,
             "scenes": [{ "name": scene.name, "nodes": [root] }],
             "nodes": nodes,
-            "meshes": (0..COLOURS.len()).map(mesh).collect::<Vec<_>>(),
-            "materials": COLOURS.map(|[r, g, b]| json!({
-                "pbrMetallicRoughness": { "baseColorFactor": [r, g, b, 1.0], "metallicFactor": 0.0, "roughnessFactor": 0.8 },
-            })),
+            "meshes": (0..colours().count()).map(mesh).collect::<Vec<_>>(),
+            "materials": colours().map(|colour| json!({
+                "pbrMetallicRoughness": { "baseColorFactor": factor(colour), "metallicFactor": 0.0, "roughnessFactor": 0.8 },
+            })).collect::<Vec<_>>(),
         });
         if !channels.is_empty() {
             gltf["animations"] =
@@ -231,8 +224,8 @@ fn plate(tables: &Tables) -> Vec<(String, Cell, usize)> {
         for x in across(tables.plate.width) {
             let cell = Cell::new(x, y, 0);
             blocks.push(match named.get(&cell) {
-                Some(name) => ((*name).to_owned(), cell, PHASES + 1),
-                None => (format!("plate ({x}, {y})"), cell, PHASES + 2),
+                Some(name) => ((*name).to_owned(), cell, PHASES.len() + 1),
+                None => (format!("plate ({x}, {y})"), cell, PHASES.len() + 2),
             });
         }
     }
@@ -284,6 +277,12 @@ fn cubes(file: &mut Draft) -> usize {
         json!({ "componentType": UNSIGNED_SHORT, "count": 36, "type": "SCALAR" }),
     );
     0
+}
+
+/// Three parts of light, and opaque.
+fn factor(colour: Rgb) -> Vec<f64> {
+    let light = colour.linear().map(|part| (100.0 * part).round() / 100.0);
+    light.into_iter().chain([1.0]).collect()
 }
 
 /// The cube in a colour.

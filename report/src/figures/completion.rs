@@ -3,7 +3,7 @@ use stochc_ensemble::statistics::Observation;
 use stochc_ensemble::{JournalError, Manifest, Records, TimeUnit, completion_time};
 
 use super::{Curve, survival};
-use crate::svg::Drawing;
+use crate::svg::{Drawing, class};
 
 /// Curves of its programs, in the unit that they share; `None`: nothing has completed or been stopped, or the ensemble is
 /// a sweep, of which [`super::sweep`] has pictures.
@@ -34,5 +34,5 @@ pub fn completion(
     })?;
     let axis = format!("time [{}]", clock.unit());
     let title = "Runs that are not complete yet, over time";
-    Ok(survival("survival", title, &curves, &axis))
+    Ok(survival("survival", title, &curves, &axis, class))
 }

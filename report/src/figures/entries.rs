@@ -5,7 +5,7 @@ use stochc_ensemble::text::number;
 use super::{WIDTH, short};
 use crate::analysis::subject::Subject;
 use crate::analysis::waits::Wait;
-use crate::svg::{Drawing, Scale, class};
+use crate::svg::{Drawing, Scale, phase};
 
 /// A disc for each capture at its means, above a dot for every time it happened.
 pub(crate) fn entries(program: usize, subject: &Subject, waits: &[Wait]) -> Option<Drawing> {
@@ -79,19 +79,19 @@ pub(crate) fn entries(program: usize, subject: &Subject, waits: &[Wait]) -> Opti
             number(*entries),
             number(*docking)
         );
-        let class = class(wait.phase.0 as usize);
+        let class = phase(wait.phase.0 as usize);
         out.disc(class, (x.at(*entries), y.at(*docking)), 5.0, &told);
     }
-    for (i, &phase) in phases.iter().enumerate() {
+    for (i, &number) in phases.iter().enumerate() {
         let name = subject
             .program
-            .phase(stochc_ir::table::PhaseId(phase as u32));
+            .phase(stochc_ir::table::PhaseId(number as u32));
         let (column, row) = (i % KEYS, i / KEYS);
         let at = (
             LEFT + 7.0 + 230.0 * column as f64,
             BOTTOM + 56.0 + ROW * row as f64,
         );
-        out.disc(class(phase), (at.0, at.1 - 4.0), 5.0, "");
+        out.disc(phase(number), (at.0, at.1 - 4.0), 5.0, "");
         out.text(
             "ink",
             (at.0 + 11.0, at.1),

@@ -3,7 +3,7 @@ use stochc_ensemble::statistics::{KaplanMeier, Observation, Point};
 use stochc_ensemble::text::number;
 
 use super::{WIDTH, short};
-use crate::svg::{DASHES, Drawing, Scale, class};
+use crate::svg::{DASHES, Drawing, Scale};
 
 /// What one curve is of.
 #[derive(Clone, Debug)]
@@ -13,12 +13,20 @@ pub(crate) struct Curve {
     pub times: Vec<Observation>,
 }
 
-/// The estimates of Kaplan and Meier with their intervals; marks where runs were stopped.
-pub(crate) fn survival(name: &str, title: &str, curves: &[Curve], axis: &str) -> Option<Drawing> {
+/// The estimates of Kaplan and Meier with their intervals; marks where runs were stopped, and below how many still go on at the
+/// ticks of the axis. `class` gives each curve its colour.
+pub(crate) fn survival(
+    name: &str,
+    title: &str,
+    curves: &[Curve],
+    axis: &str,
+    class: fn(usize) -> &'static str,
+) -> Option<Drawing> {
     const TOP: f64 = 34.0;
     const BOTTOM: f64 = 300.0;
     const LEFT: f64 = 58.0;
     const RIGHT: f64 = WIDTH - 18.0;
+    const ROW: f64 = 19.0;
     /// More bands than this hide each other.
     const BANDS: usize = 4;
     /// Marks that a browser draws without delay.
@@ -33,8 +41,7 @@ pub(crate) fn survival(name: &str, title: &str, curves: &[Curve], axis: &str) ->
     }
     let x = Scale::linear((0.0, last), (LEFT, RIGHT));
     let y = Scale::linear((0.0, 1.0), (BOTTOM, TOP));
-    let rows = known.len() as f64;
-    let height = BOTTOM + 50.0 + 19.0 * rows + 8.0;
+    let height = BOTTOM + 50.0 + 2.0 * ROW * known.len() as f64 + 8.0;
     let mut out = Drawing::new(name, title, &told(&known), (WIDTH, height));
     out.across(&x, (LEFT, RIGHT), BOTTOM, TOP, axis);
     let percent = |share: f64| format!("{:.0} %", 100.0 * share);
@@ -93,13 +100,18 @@ pub(crate) fn survival(name: &str, title: &str, curves: &[Curve], axis: &str) ->
             let at = (x.at(time), y.at(estimate.incomplete(time)));
             out.line("mark", (at.0, at.1 - 5.0), (at.0, at.1 + 5.0), "");
         }
-        let at = BOTTOM + 58.0 + 19.0 * row as f64;
+        let at = BOTTOM + 58.0 + 2.0 * ROW * row as f64;
         out.curve(
             class(*i),
             &[(LEFT, at - 4.0), (LEFT + 34.0, at - 4.0)],
             dashes,
         );
         out.text("ink", (LEFT + 42.0, at), &legend(curve, estimate));
+        out.text("dim", (8.0, at + 17.0), "at risk");
+        for tick in x.ticks(6) {
+            let going = curve.times.iter().filter(|time| time.time >= tick).count();
+            out.text_around("dim", (x.at(tick), at + 17.0), &going.to_string());
+        }
     }
     Some(out)
 }

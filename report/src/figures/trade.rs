@@ -19,14 +19,6 @@ const MARK: f64 = 5.5;
 /// Height of a line of the list of settings.
 const ROW: f64 = 19.0;
 
-/// Colours of the marks, beside those of every picture.
-const COLOURS: &str = "\
-.rigid{fill:#1f6fb5;stroke:#1f6fb5}.rapier{fill:#b85a00;stroke:#b85a00}.reduced{fill:#1d7f58;stroke:#1d7f58}\
-.reversed,.words{fill:#b5303a;stroke:#b5303a}.words{stroke:none}.reference{fill:#222;stroke:#222}\
-@media screen and (prefers-color-scheme:dark){\
-.rigid{fill:#6db3f2;stroke:#6db3f2}.rapier{fill:#f0a050;stroke:#f0a050}.reduced{fill:#5fcf9a;stroke:#5fcf9a}\
-.reversed,.words{fill:#ff7a83;stroke:#ff7a83}.words{stroke:none}.reference{fill:#e8e8e4;stroke:#e8e8e4}}";
-
 /// A rung that has a place in the picture.
 struct Point<'a> {
     /// As in the tables, from 1.
@@ -81,8 +73,7 @@ pub fn trade(trade: &Trade) -> Drawing {
             format!("reference: {}, {known}", rung.options)
         }
     };
-    let drawing = Drawing::new("trade", &title, &below, (WIDTH, height));
-    let mut out = drawing.with_style(COLOURS);
+    let mut out = Drawing::new("trade", &title, &below, (WIDTH, height));
     out.text("ink", (LEFT, 26.0), &heading(&names));
     out.text("dim", (LEFT, 44.0), &below);
     frame(&mut out, &axes);
@@ -223,10 +214,10 @@ fn look(point: &Point) -> (&'static str, Symbol) {
     };
     let class = match symbol {
         Symbol::Diamond => "reference",
-        _ if point.rung.reversed => "reversed",
-        Symbol::Triangle => "reduced",
-        Symbol::Square => "rapier",
-        _ => "rigid",
+        _ if point.rung.reversed => "hot",
+        Symbol::Triangle => "s2",
+        Symbol::Square => "s1",
+        _ => "s0",
     };
     (class, symbol)
 }
@@ -300,7 +291,11 @@ fn list(out: &mut Drawing, points: &[Point]) {
             (false, true) => format!("{} REVERSED", point.rung.name),
             (false, false) => point.rung.name.clone(),
         };
-        let colour = if point.rung.reversed { "words" } else { "ink" };
+        let colour = if point.rung.reversed {
+            "hot word"
+        } else {
+            "ink"
+        };
         out.text(colour, (X + 24.0, y), &name);
         if let Some(worst) = point.rung.worst.filter(|_| !point.reference) {
             out.text_before("dim", (WIDTH - 14.0, y), &relative_size(&worst));
@@ -308,11 +303,11 @@ fn list(out: &mut Drawing, points: &[Point]) {
     }
     y += 1.6 * ROW;
     for (class, symbol, meaning) in [
-        ("rigid", Symbol::Disc, "rigid; open: double precision"),
-        ("rapier", Symbol::Square, "Rapier"),
-        ("reduced", Symbol::Triangle, "reduced model"),
+        ("s0", Symbol::Disc, "rigid; open: double precision"),
+        ("s1", Symbol::Square, "Rapier"),
+        ("s2", Symbol::Triangle, "reduced model"),
         (
-            "reversed",
+            "hot",
             Symbol::Triangle,
             "red: it reverses an order of programs",
         ),

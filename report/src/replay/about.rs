@@ -5,10 +5,12 @@ use stochc_ensemble::{Manifest, Program};
 use stochc_ir::emit::{graph_json, table_json};
 use stochc_runtime::Substeps;
 
-/// `{ program, file, seed, model, stochc, scene, radius, lift, tables, graph }`: the scene as the
+use super::program_text::{Statement, program_text};
+
+/// `{ program, file, seed, model, stochc, scene, radius, lift, tables, graph, text }`: the scene as the
 /// manifest has it, the radius of its shell \[side\] or null and the height of the shell's centre, and tables and
-/// graph as `compile --format json` shows them.
-pub fn about(manifest: &Manifest, program: &Program) -> Value {
+/// graph as `compile --format json` shows them, and the text, cut at the `statements`.
+pub fn about(manifest: &Manifest, program: &Program, statements: &[Statement]) -> Value {
     let tables = program.tables();
     let scene = json!(program.scene);
     let side = program.scene.block.side;
@@ -31,6 +33,7 @@ pub fn about(manifest: &Manifest, program: &Program) -> Value {
         "lift": lift,
         "tables": table_json(tables),
         "graph": graph_json(&program.compiled.graph, tables),
+        "text": program_text(&program.sources, statements),
     });
     spell_out(&mut about);
     about

@@ -3,6 +3,8 @@
 //! `page/` holds its parts. The recording goes into it as it is, and is unpacked piece by piece
 //! while the page plays.
 mod about;
+mod colours;
+mod program_text;
 mod text;
 
 use std::io::{self, Read, Write};
@@ -13,6 +15,7 @@ use sha2::{Digest as _, Sha256};
 use stochc_ensemble::text::escaped;
 
 pub use about::about;
+pub use program_text::Statement;
 
 /// What every such page begins with, but for a few lines.
 pub const MARK: &str = "<meta name=\"generator\" content=\"stochc replay\">";
@@ -31,10 +34,14 @@ const SCRIPT: &[&str] = &[
     include_str!("page/shapes.js"),
     include_str!("page/shaders.js"),
     include_str!("page/painter.js"),
+    include_str!("page/axes.js"),
     include_str!("page/labels.js"),
     include_str!("page/cloud.js"),
+    include_str!("page/target.js"),
     include_str!("page/scene.js"),
+    include_str!("page/overview.js"),
     include_str!("page/graph.js"),
+    include_str!("page/program.js"),
     include_str!("page/panel.js"),
     include_str!("page/timeline.js"),
     include_str!("page/player.js"),
@@ -51,7 +58,7 @@ pub fn write(
     mut recording: impl Read,
     mut out: impl Write,
 ) -> io::Result<()> {
-    let script = format!("\"use strict\";\n{}", SCRIPT.concat());
+    let script = format!("\"use strict\";\n{}{}", colours::script(), SCRIPT.concat());
     // Nothing from elsewhere, and no script but this one, whatever slips into the page.
     let hash = BASE64.encode(Sha256::digest(script.as_bytes()));
     let policy = format!(
@@ -67,7 +74,7 @@ pub fn write(
         match name {
             "POLICY" => out.write_all(policy.as_bytes())?,
             "TITLE" => out.write_all(title.as_bytes())?,
-            "STYLE" => out.write_all(STYLE.as_bytes())?,
+            "STYLE" => write!(out, "{}{STYLE}", colours::style())?,
             "SCRIPT" => out.write_all(script.as_bytes())?,
             "ABOUT" => out.write_all(about.as_bytes())?,
             _ => encode(&mut recording, &mut out)?,

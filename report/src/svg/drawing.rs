@@ -16,8 +16,6 @@ pub struct Drawing {
     /// What there is to see in it.
     pub description: String,
     size: (f64, f64),
-    /// Classes of its own, beside those of every picture.
-    style: &'static str,
     body: String,
 }
 
@@ -32,21 +30,15 @@ impl Drawing {
             title: title.to_owned(),
             description: description.to_owned(),
             size,
-            style: "",
             body: String::new(),
         }
-    }
-
-    /// The same with classes of its own.
-    pub(crate) fn with_style(self, style: &'static str) -> Drawing {
-        Drawing { style, ..self }
     }
 
     /// As a file of its own.
     pub fn file(&self) -> String {
         let rest = format!(
-            "<style>{STYLE}{}</style>\n<rect class=\"paper\" width=\"100%\" height=\"100%\"/>\n{}",
-            self.style, self.body
+            "<style>{}</style>\n<rect class=\"paper\" width=\"100%\" height=\"100%\"/>\n{}",
+            *STYLE, self.body
         );
         self.element("xmlns=\"http://www.w3.org/2000/svg\" ", "", &rest)
     }

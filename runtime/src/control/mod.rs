@@ -36,6 +36,13 @@ pub struct Controller<'t> {
     fault: Option<String>,
 }
 
+stochc_ir::state! {
+    () Controller<'_>;
+    values: phase_began, phase_ticks, fault;
+    parts: structure, recorder;
+    same: tables
+}
+
 impl<'t> Controller<'t> {
     /// A structure of seeds only, before the first phase.
     ///

@@ -7,6 +7,7 @@
 //! the transfer, not a message of its own.
 use std::collections::VecDeque;
 
+use serde::{Deserialize, Serialize};
 use stochc_ir::scene::Messages;
 use stochc_protocol::{Body, Channels, Message, Recalled};
 
@@ -30,7 +31,7 @@ pub(super) struct Network {
 }
 
 /// A message between two blocks.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Transfer {
     /// When it arrives, or is due to be sent again.
     due: u64,
@@ -50,6 +51,20 @@ struct Loss {
     probability: f64,
     draws: Draws,
     channels: Channels,
+}
+
+stochc_ir::state! {
+    () Network;
+    values: under_way, reminders, sent, hops;
+    parts: loss;
+    same: hop
+}
+
+stochc_ir::state! {
+    () Loss;
+    values: channels;
+    parts: ;
+    same: probability, draws
 }
 
 impl Network {

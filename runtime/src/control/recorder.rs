@@ -27,6 +27,14 @@ pub(super) struct RunRecorder {
     pub log: Log,
 }
 
+stochc_ir::state! {
+    () RunRecorder;
+    values: tick, phase, released, bonds, releases, unplanned;
+    parts: network;
+    // It is taken out in every tick.
+    same: log
+}
+
 impl RunRecorder {
     pub fn new(network: Network) -> RunRecorder {
         RunRecorder {

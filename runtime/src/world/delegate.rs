@@ -32,6 +32,16 @@ macro_rules! delegate {
             delegate!(@change $by set_state(id: u32, state: &BodyState) -> ());
         }
 
+        impl State for $world {
+            fn save(&self, to: &mut Writer<'_>) -> Result<(), StateError> {
+                $by!(&self.0, stepper => stepper.save(to))
+            }
+
+            fn restore(&mut self, from: &mut Reader<'_>) -> Result<(), StateError> {
+                $by!(&mut self.0, stepper => stepper.restore(from))
+            }
+        }
+
         impl World for $world {
             delegate!(@read $by
                 tick() -> u64,

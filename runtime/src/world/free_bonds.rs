@@ -17,6 +17,13 @@ pub(crate) struct FreeBonds {
     pub groups: Groups,
 }
 
+stochc_ir::state! {
+    () FreeBonds;
+    values: groups;
+    parts: ;
+    same: magnet, passive
+}
+
 impl FreeBonds {
     /// `None` where faces do not attract by themselves.
     pub fn new(magnet: &Magnet) -> Option<FreeBonds> {

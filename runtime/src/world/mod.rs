@@ -29,6 +29,7 @@ pub use stochc_protocol::{BlockFace, Body, Docking};
 use nalgebra::Vector3;
 use stochc_ir::Cell;
 use stochc_ir::scene::Scene;
+use stochc_ir::state::State;
 use stochc_ir::table::Plate;
 
 use stochc_protocol::Orientation;
@@ -53,7 +54,7 @@ impl std::fmt::Display for Fault {
 /// A place where free blocks move and magnetized faces capture them.
 ///
 /// A world counts ticks from 0. What is asked of it between two steps holds from the next one on.
-pub trait World {
+pub trait World: State {
     /// Ticks that have passed.
     fn tick(&self) -> u64;
 

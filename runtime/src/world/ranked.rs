@@ -1,4 +1,5 @@
 //! Sets of numbers that know their k-th member.
+use serde::{Deserialize, Serialize};
 use wide::i32x4;
 
 /// Children of a node.
@@ -16,12 +17,25 @@ const NUMBERS: Node = [
 ];
 
 /// A set of some of the numbers 0 to n: one bit each, below a tree of counts.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(from = "Vec<u64>", into = "Vec<u64>")]
 pub(super) struct RankedSet {
     words: Vec<u64>,
     /// From the words up.
     levels: Vec<Vec<Node>>,
     len: u32,
+}
+
+impl From<Vec<u64>> for RankedSet {
+    fn from(words: Vec<u64>) -> RankedSet {
+        RankedSet::of(words)
+    }
+}
+
+impl From<RankedSet> for Vec<u64> {
+    fn from(set: RankedSet) -> Vec<u64> {
+        set.words
+    }
 }
 
 impl RankedSet {

@@ -1,8 +1,10 @@
 //! Single or double precision.
 use nalgebra::{RealField, Vector3};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 
 /// A floating point number that a world can compute with.
-pub(crate) trait Real: RealField + Copy + Default {
+pub(crate) trait Real: RealField + Copy + Default + Serialize + DeserializeOwned {
     /// The nearest number to `value`.
     fn of(value: f64) -> Self;
     /// Exact in double precision, within 2^-24 of it in single precision.

@@ -5,6 +5,7 @@
 //! positions move with the velocities just changed, this is the symplectic Euler method.
 use nalgebra::Vector3;
 use stochc_ir::scene::Scene;
+use stochc_ir::state::State;
 use stochc_ir::table::Plate;
 use stochc_ir::{Cell, Face};
 use stochc_protocol::Orientation;
@@ -30,9 +31,9 @@ pub(crate) enum Moving {
 }
 
 /// Moves blocks and lets them collide: all in which two worlds of rigid blocks differ.
-pub(crate) trait Integrator: Sized {
+pub(crate) trait Integrator: Sized + State {
     type Real: Real;
-    type Blocks: Blocks<Real = Self::Real>;
+    type Blocks: Blocks<Real = Self::Real> + State;
 
     /// How many long steps and short steps a tick has.
     fn rates(_parameters: &Parameters, settings: &Settings) -> [u32; 2] {
@@ -149,6 +150,13 @@ pub(crate) struct Stepper<I: Integrator> {
     cells: CellCentres,
     /// Whether blocks turn at all.
     turns: bool,
+}
+
+stochc_ir::state! {
+    (<I: Integrator>) Stepper<I>;
+    values: tick, doubtful, stale, blind;
+    parts: blocks, integrator, faces, external_forces, free_bonds;
+    same: substeps, ratio, dt, kicks, response, free, nearby, cells, turns
 }
 
 impl<I: Integrator> Stepper<I> {

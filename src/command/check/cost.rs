@@ -1,58 +1,64 @@
 //! What `check --cost` says of a program.
-use stochc_compiler::cost::{Cost, PhaseCost, estimate};
+use stochc_compiler::cost::{Cost, PhaseCost, Times, estimate};
 use stochc_compiler::{Program, Symbols};
 use stochc_ensemble::text::percent;
-use stochc_report::text::{Column, Table};
+use stochc_report::tables::KNOWN_BIAS;
+use stochc_report::text::{Column, Table, paragraph};
+use stochc_runtime::rates::Rates;
 
-/// A table of the phases, and one of the captures whose cells are most enclosed; empty if nothing was asked for.
-pub fn costs(program: &Program, symbols: &Symbols, most: Option<usize>) -> String {
+use super::super::terminal::output_width;
+use crate::operations::rates::at_hand;
+
+/// A table of the phases, and one of the captures that decide how long they take; empty if nothing was asked for.
+pub fn costs(program: &Program, symbols: &Symbols, most: Option<usize>, rates: &[Rates]) -> String {
     let Some(most) = most.filter(|_| !program.plan.events.is_empty()) else {
         return String::new();
     };
-    estimate(program).map_or(String::new(), |cost| table(program, symbols, &cost, most))
+    let rates = (program.scene.as_ref()).and_then(|scene| at_hand(rates, scene));
+    estimate(program, rates).map_or(String::new(), |cost| table(program, symbols, &cost, most))
+}
+
+/// Events of a program whose times are told unasked, at most: more take longer than the check.
+const MOST_SUMMED: usize = 2_000;
+
+/// A line on how long a program takes; empty where nobody knows.
+pub fn summed_up(program: &Program, rates: &[Rates]) -> String {
+    let rates = (program.scene.as_ref()).and_then(|scene| at_hand(rates, scene));
+    let (true, Some(rates)) = (program.plan.events.len() <= MOST_SUMMED, rates) else {
+        return String::new();
+    };
+    let total = estimate(program, Some(rates)).and_then(|cost| cost.total);
+    total.filter(|total| total.mean > 0.0).map_or(String::new(), |total| {
+        format!(
+            "  by rates it takes {:.0} ticks on average, {:.0} to {:.0} in eight of ten runs; `--cost` says what decides it\n",
+            total.mean, total.p10, total.p90
+        )
+    })
 }
 
 fn table(program: &Program, symbols: &Symbols, cost: &Cost, most: usize) -> String {
-    let plan = &program.plan;
-    let phases = plan.phases.iter().zip(&cost.phases);
-    let phases: Vec<_> = phases.filter(|(phase, _)| !phase.planted).collect();
-    let figures = |header, of: &dyn Fn(&PhaseCost) -> u32| {
-        let cells = phases.iter().map(|(_, cost)| of(cost).to_string());
-        Column::figures(header, cells.collect())
-    };
-    let by_phase = Table {
-        label: "phase".to_owned(),
-        labels: phases.iter().map(|(phase, _)| phase.name.clone()).collect(),
-        columns: vec![
-            figures("depth", &|cost| cost.depth),
-            figures("width", &|cost| cost.width),
-        ],
-        ..Table::default()
-    };
-    let shown = &cost.captures[..cost.captures.len().min(most)];
-    let by_capture = Table {
-        label: "capture".to_owned(),
-        labels: (shown.iter())
-            .map(|capture| plan.describe(capture.event, symbols))
-            .collect(),
-        columns: vec![Column::figures(
-            "open",
-            shown.iter().map(|it| percent(it.exposure)).collect(),
-        )],
-        ..Table::default()
-    };
-    let rest = match cost.captures.len() {
-        all if all > shown.len() => format!(
-            "and {} more; `--cost {all}` shows them\n",
-            all - shown.len()
-        ),
-        _ => String::new(),
-    };
-    let text = format!(
-        "{}\n{}{rest}\n{MEANING}",
-        by_phase.text(usize::MAX, false),
-        by_capture.text(usize::MAX, false),
+    let mut text = by_phase(program, cost).text(usize::MAX, false);
+    if !cost.captures.is_empty() {
+        text += "\n";
+        text += &by_capture(program, symbols, cost, most).text(usize::MAX, false);
+        let all = cost.captures.len();
+        if all > most {
+            text += &format!("and {} more; `--cost {all}` shows them\n", all - most);
+        }
+    }
+    text += "\n";
+    let width = output_width().saturating_sub(2);
+    text += &paragraph(DEPTH_AND_WIDTH, width);
+    text += &paragraph(
+        match cost.total {
+            Some(_) => TIMES,
+            None => NO_RATES,
+        },
+        width,
     );
+    if cost.total.is_some() {
+        text += &paragraph(KNOWN_BIAS, width);
+    }
     let indented = text.lines().map(|line| match line {
         "" => "\n".to_owned(),
         _ => format!("  {line}\n"),
@@ -60,8 +66,76 @@ fn table(program: &Program, symbols: &Symbols, cost: &Cost, most: usize) -> Stri
     "\n".to_owned() + &indented.collect::<String>()
 }
 
-const MEANING: &str = "\
-depth: captures one after the other; width: captures side by side, at most; open: directions from
-the cell that meet no block and no ground, the most enclosed cell first. This is geometry and no time:
-open cells are not captured sooner in general. `stochc simulate` measures waits.
-";
+/// A column of times.
+type Figure = (&'static str, fn(&Times) -> f64);
+
+fn by_phase(program: &Program, cost: &Cost) -> Table {
+    let phases = program.plan.phases.iter().zip(&cost.phases);
+    let phases: Vec<_> = phases.filter(|(phase, _)| !phase.planted).collect();
+    let figures = |header, of: &dyn Fn(&PhaseCost) -> u32| {
+        let cells = phases.iter().map(|(_, cost)| of(cost).to_string());
+        Column::figures(header, cells.collect())
+    };
+    let mut labels: Vec<String> = phases.iter().map(|(phase, _)| phase.name.clone()).collect();
+    let mut columns = vec![
+        figures("depth", &|cost| cost.depth),
+        figures("width", &|cost| cost.width),
+    ];
+    if let Some(total) = cost.total {
+        let is_many = phases.len() > 1;
+        if is_many {
+            labels.push("all".to_owned());
+            columns
+                .iter_mut()
+                .for_each(|column| column.cells.push(String::new()));
+        }
+        let of: [Figure; 4] = [
+            ("mean ticks", |times| times.mean),
+            ("10 %", |times| times.p10),
+            ("median", |times| times.median),
+            ("90 %", |times| times.p90),
+        ];
+        columns.extend(of.map(|(header, of)| {
+            let times = phases.iter().filter_map(|(_, cost)| cost.times);
+            let times = times.chain(is_many.then_some(total));
+            Column::figures(
+                header,
+                times.map(|times| format!("{:.0}", of(&times))).collect(),
+            )
+        }));
+    }
+    Table {
+        label: "phase".to_owned(),
+        labels,
+        columns,
+        ..Table::default()
+    }
+}
+
+fn by_capture(program: &Program, symbols: &Symbols, cost: &Cost, most: usize) -> Table {
+    let shown = &cost.captures[..cost.captures.len().min(most)];
+    let label = |event| program.plan.describe(event, symbols);
+    let shares = shown.iter().map(|it| percent(it.share)).collect();
+    let waits = shown
+        .iter()
+        .map(|it| format!("{:.0}", it.wait.mean()))
+        .collect();
+    Table {
+        label: "capture".to_owned(),
+        labels: shown.iter().map(|it| label(it.event)).collect(),
+        columns: vec![
+            Column::figures("of the time", shares),
+            Column::figures("mean wait", waits),
+        ],
+        ..Table::default()
+    }
+}
+
+const DEPTH_AND_WIDTH: &str =
+    "depth: captures one after the other; width: captures side by side, at most.";
+
+const TIMES: &str = "of the time: the part of it in which nothing but this capture is waited for; \
+    mean wait: ticks from when its face opens.";
+
+const NO_RATES: &str = "No times: the rates of this scene are not known. `stochc calibrate FILE --out X.rates` measures \
+    them for `--rates X.rates`.";

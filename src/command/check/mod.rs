@@ -4,14 +4,17 @@ mod exhaustive;
 mod fix;
 mod scene;
 
+use std::path::PathBuf;
+
 use clap::Args;
 use stochc_compiler::order::Order;
 use stochc_compiler::{Checked, Limits, Program, check_with};
 use stochc_files::programs::{STDIN, programs};
 use stochc_ir::emit::chain_text;
 use stochc_ir::visible;
+use stochc_runtime::rates::Rates;
 
-use self::cost::costs;
+use self::cost::{costs, summed_up};
 use self::scene::scenes;
 use super::imports::ImportOptions;
 use super::levels::LevelOptions;
@@ -19,6 +22,7 @@ use super::terminal::{has_colour, message_width, print, told, warn, warn_drawn};
 use crate::diagnostics::{Format, Log, Tally, count, json_document, show, values};
 use crate::exit::{Exit, Failure};
 use crate::operations::programs::verdict;
+use crate::operations::rates::of_files;
 use crate::reader::DiskReader;
 
 /// What `check` is given.
@@ -30,10 +34,13 @@ pub struct Options {
     /// Output format of the findings; all but `graphical` write to standard output
     #[arg(long, value_name = "FORM", default_value = "graphical")]
     format: Format,
-    /// Print how deep and wide each phase is, and how open the cells are: the N most enclosed [default: 10]. This is
-    /// geometry, and predicts no time
+    /// Print how deep and wide each phase is and, by the rates of the scene, how long it takes, and what decides that: the N
+    /// captures that are waited for longest [default: 10]
     #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "10", value_parser = at_least_one)]
     cost: Option<usize>,
+    /// Rates of scenes for `--cost`, by `stochc calibrate --out`; those of the default scene come with the program
+    #[arg(long, value_name = "FILE.rates", requires = "cost")]
+    rates: Vec<PathBuf>,
     /// Print the physics of the scenes of programs without errors: terms, values, absent terms, and
     /// whether the default number of steps in a tick resolves them. Its warnings do not change the
     /// exit status. With `--format json` the document is `{ diagnostics, scenes }`
@@ -77,6 +84,7 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
              leave one of the two out, or add `--dry-run`",
         ));
     }
+    let rates = of_files(&options.rates)?;
     let mut exit = Exit::Success;
     let mut document = Vec::new();
     let mut physics = Vec::new();
@@ -117,7 +125,7 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
                 warn_drawn(&shown());
                 tally.add(&checked);
                 if !checked.has_errors() {
-                    say(&summary(file, &checked, options.cost))?;
+                    say(&summary(file, &checked, options.cost, &rates))?;
                 }
             }
         }
@@ -160,7 +168,7 @@ fn check(file: &str, text: Option<Vec<u8>>, options: &Options) -> Checked {
     check_with(file, &mut reader, Limits::default(), levels)
 }
 
-fn summary(file: &str, checked: &Checked, cost: Option<usize>) -> String {
+fn summary(file: &str, checked: &Checked, cost: Option<usize>, rates: &[Rates]) -> String {
     let file = visible(file);
     if checked.programs.is_empty() {
         let verdict = judgement(checked);
@@ -169,7 +177,10 @@ fn summary(file: &str, checked: &Checked, cost: Option<usize>) -> String {
     let mut out = String::new();
     for program in &checked.programs {
         out.push_str(&format!("{file}: {}", describe(program, checked)));
-        out.push_str(&costs(program, &checked.symbols, cost));
+        if cost.is_none() {
+            out.push_str(&summed_up(program, rates));
+        }
+        out.push_str(&costs(program, &checked.symbols, cost, rates));
     }
     out
 }

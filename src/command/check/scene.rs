@@ -7,7 +7,7 @@ use stochc_ir::scene::describe::{Absent, Term, Value, absent, terms};
 use stochc_ir::scene::groups::{BlockUnits, Bound, Group, Speed, SpeedFrom, groups, speed};
 use stochc_ir::scene::{ContactLaw, Scene};
 use stochc_ir::visible;
-use stochc_runtime::Settings;
+use stochc_runtime::{Settings, StepError, step_errors};
 
 use crate::operations::scene_warnings::{SceneWarning, scene_warnings, short};
 
@@ -23,6 +23,7 @@ pub struct InForce<'a> {
     groups: Vec<Group>,
     /// With the steps that are taken unasked.
     scene_warnings: Vec<SceneWarning>,
+    step_errors: Vec<StepError>,
 }
 
 /// The scenes of a file's assemblies, each once, in the order of the assemblies.
@@ -33,6 +34,7 @@ pub fn scenes<'a>(file: &'a str, checked: &'a Checked) -> Vec<InForce<'a>> {
             continue;
         };
         let name = program.plan.name.as_str();
+        let steps = Settings::default().steps_in(scene);
         match out.iter_mut().find(|it| it.scene == scene) {
             Some(known) => known.assemblies.push(name),
             None => out.push(InForce {
@@ -43,7 +45,8 @@ pub fn scenes<'a>(file: &'a str, checked: &'a Checked) -> Vec<InForce<'a>> {
                 absent: absent(scene),
                 speed: speed(scene),
                 groups: groups(scene),
-                scene_warnings: scene_warnings(scene, Settings::default().steps_in(scene)),
+                scene_warnings: scene_warnings(scene, steps),
+                step_errors: step_errors(scene, steps),
             }),
         }
     }
@@ -51,7 +54,8 @@ pub fn scenes<'a>(file: &'a str, checked: &'a Checked) -> Vec<InForce<'a>> {
 }
 
 impl InForce<'_> {
-    /// The listing as one JSON object: `{ file, scene, assemblies, terms, absent, speed, groups, warnings }`.
+    /// The listing as one JSON object: `{ file, scene, assemblies, terms, absent, speed, groups, warnings,
+    /// step_errors }`.
     pub fn json(&self) -> Json {
         let units = BlockUnits::of(self.scene);
         let warning = |doubt: &SceneWarning| format!("{}: {}", doubt.figure, doubt.effect);
@@ -64,6 +68,15 @@ impl InForce<'_> {
                 "exceeded": group.is_exceeded(1),
                 "substeps": group.substeps(),
                 "least": least(group),
+            })
+        };
+        let step_error = |error: &StepError| {
+            json!({
+                "figure": error.figure,
+                "unit": error.unit,
+                "substeps": error.steps,
+                "taken": error.taken,
+                "resolved": error.resolved,
             })
         };
         json!({
@@ -79,6 +92,7 @@ impl InForce<'_> {
             },
             "groups": self.groups.iter().map(group).collect::<Vec<_>>(),
             "warnings": self.scene_warnings.iter().map(warning).collect::<Vec<_>>(),
+            "step_errors": self.step_errors.iter().map(step_error).collect::<Vec<_>>(),
         })
     }
 
@@ -104,6 +118,7 @@ impl InForce<'_> {
             self.expected()
         );
         self.list_groups(&mut out);
+        self.list_step_errors(&mut out);
         out.push('\n');
         for SceneWarning { figure, effect, .. } in &self.scene_warnings {
             let _ = writeln!(out, "  warning: {figure}\n           {effect}");
@@ -176,6 +191,26 @@ impl InForce<'_> {
                 short(group.value),
             );
             let _ = writeln!(out, "{}", line.trim_end());
+        }
+    }
+
+    fn list_step_errors(&self, out: &mut String) {
+        if self.step_errors.is_empty() {
+            return;
+        }
+        let width = width(self.step_errors.iter().map(|error| error.figure));
+        out.push_str("\n  error of the steps, in experiments with the constants of this scene\n");
+        for error in &self.step_errors {
+            let of = |value| in_unit(value, error.unit);
+            let _ = writeln!(
+                out,
+                "    {:width$}  {} with {} steps a tick, {} if resolved: {:+.1} %",
+                error.figure,
+                of(error.taken),
+                error.steps,
+                of(error.resolved),
+                error.relative() * 100.0,
+            );
         }
     }
 

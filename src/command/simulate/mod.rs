@@ -75,6 +75,7 @@ fn ensemble(options: &Options, manifest: &Manifest, host: &Terminal) -> Result<E
         },
         record: options.record.as_ref(),
         record_every: options.record_every,
+        checkpoints: options.checkpoints,
         threads: options.threads,
         // Of a manifest that is given it has been told.
         is_told_of_build: options.manifest.is_some(),

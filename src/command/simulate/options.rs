@@ -2,9 +2,9 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};
-use stochc_ensemble::MOST_RUNS;
 use stochc_ensemble::recording::{EVERY, Selection};
 use stochc_ensemble::sweep::Axis;
+use stochc_ensemble::{Interval, MOST_RUNS};
 use stochc_runtime::{Model, Precision, Reduction, Substeps};
 
 use super::super::imports::ImportOptions;
@@ -77,6 +77,10 @@ pub struct Options {
     /// Continue it although another build of `stochc` has made its runs, if one of them comes out again as it was
     #[arg(long, requires = "resume")]
     pub mixed_builds: bool,
+    /// Keep the states of runs under way in `--out` so often, for `--resume`: a time (90s, 5m, 2h), ticks of each run
+    /// (20000ticks) or `never`
+    #[arg(long, value_name = "EVERY", default_value_t = Interval::DEFAULT)]
+    pub checkpoints: Interval,
     /// Only prepare `--out`, cut into so many pieces: `stochc shard` makes each, anywhere, `stochc merge` puts them together
     #[arg(long, value_name = "M", requires = "out", conflicts_with_all = ["resume", "record", "run", "bonds"])]
     pub shards: Option<u64>,

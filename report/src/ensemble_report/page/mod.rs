@@ -83,9 +83,10 @@ fn head(parts: &Parts, out: &mut Html) {
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
          <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; \
          style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'\"/>\n\
-         <title>Report: {}</title>\n<style>\n{}{STYLE}\n</style>\n</head>\n<body>\n<main>\n",
+         <title>Report: {}</title>\n<style>\n{}{}\n</style>\n</head>\n<body>\n<main>\n",
         escaped(&title),
         include_str!("style.css"),
+        *STYLE
     ));
     out.heading(1, "top", &format!("Report: {}", name(&title)));
 }

@@ -11,7 +11,7 @@ use crate::ensemble_report::html::{Cell, Html, code, command, name};
 use crate::ensemble_report::narrative::{heading, lead, story};
 use crate::figures as picture;
 use crate::figures::Curve;
-use crate::svg::Drawing;
+use crate::svg::{Drawing, phase};
 
 pub(super) fn program(parts: &Parts, index: usize, out: &mut Html, drawings: &mut Vec<Drawing>) {
     let (subject, waits) = (&parts.subjects[index], &parts.waits[index]);
@@ -73,7 +73,7 @@ pub(super) fn phases(
     if phases.len() > 1 {
         let title = format!("{}: phases that are not complete yet", subject.label);
         let axis = format!("time since the phase began [{}]", subject.tick().unit());
-        let figure = picture::survival(&format!("phases-{n}"), &title, &curves, &axis);
+        let figure = picture::survival(&format!("phases-{n}"), &title, &curves, &axis, phase);
         let caption = "Each phase from its own beginning, of the runs that reached it.";
         show(parts, out, drawings, figure, caption, &["survival.csv"]);
     }

@@ -33,6 +33,13 @@ class Camera {
     return add(this.at, [flat * Math.cos(this.azimuth), flat * Math.sin(this.azimuth), Math.sin(this.height) * this.distance]);
   }
 
+  /** To the right, up, and to the eye. */
+  get basis() {
+    const back = unit(minus(this.eye, this.at));
+    const right = unit(cross([0, 0, 1], back));
+    return [right, cross(back, right), back];
+  }
+
   turn(dx, dy) {
     this.azimuth -= dx * 0.008;
     this.height = Math.min(1.55, Math.max(-0.1, this.height + dy * 0.008));
@@ -40,9 +47,7 @@ class Camera {
 
   shift(dx, dy, pixels) {
     const scale = (this.distance * 2 * Math.tan(ANGLE / 2)) / pixels;
-    const back = unit(minus(this.eye, this.at));
-    const right = unit(cross([0, 0, 1], back));
-    const up = cross(back, right);
+    const [right, up] = this.basis;
     this.at = add(this.at, add(times(right, -dx * scale), times(up, dy * scale)));
   }
 
@@ -65,9 +70,7 @@ class Camera {
 
   /** The ray through a point of the picture, from -1 to 1 to the right and up. */
   ray(x, y) {
-    const back = unit(minus(this.eye, this.at));
-    const right = unit(cross([0, 0, 1], back));
-    const up = cross(back, right);
+    const [right, up, back] = this.basis;
     const half = Math.tan(this.angle / 2);
     const sideways = add(times(right, x * half * this.aspect), times(up, y * half));
     return { origin: this.eye, direction: unit(minus(sideways, back)) };

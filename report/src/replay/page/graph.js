@@ -23,7 +23,7 @@ class Graph {
       const dot = document.createElement('i');
       dot.style.background = phaseColour(number);
       count.className = 'count';
-      title.append(dot, phase.name, count);
+      title.append(dot, `${number + 1} ${phase.name}`, count);
       section.append(title);
       // Only the graph of a phase that is open is drawn.
       section.addEventListener('toggle', () => {
@@ -100,7 +100,7 @@ class Graph {
         if (press.key === 'Enter') go();
       });
       picture.append(node);
-      this.boxes.set(event.id, { node, box, phase: number });
+      this.boxes.set(event.id, { node, box, name, at: at(event.id) });
     }
     return picture;
   }
@@ -115,6 +115,7 @@ class Graph {
     }
     this.phases.forEach(({ events }, number) => {
       let done = 0;
+      let latest = null;
       const isOpen = this.sections[number].section.open;
       for (const { id } of events) {
         const state = this.state(id, tick);
@@ -123,12 +124,27 @@ class Graph {
         if (!drawn || (drawn.state === state && !anew)) continue;
         drawn.state = state;
         drawn.node.setAttribute('class', state);
-        drawn.box.style.fill = state === 'done' || state === 'new' ? phaseColour(number) : '';
+        const { colour, ink } = ofPhase(number);
+        const happened = state === 'done' || state === 'new';
+        drawn.box.style.fill = happened ? colour : '';
+        drawn.name.style.fill = happened ? ink : '';
+        if (state === 'under-way' || state === 'new') latest = drawn;
       }
+      if (latest) this.reveal(latest, number);
       const text = `${done} of ${events.length}`;
       const { count } = this.sections[number];
       if (count.textContent !== text) count.textContent = text;
     });
+  }
+
+  /** Scrolls to an event of a phase, unless the reader is there. */
+  reveal({ at, node }, number) {
+    const { element } = this;
+    if (element.matches(':hover') || element.contains(document.activeElement)) return;
+    const { section } = this.sections[number];
+    if (at.x < section.scrollLeft || at.x + STEP.x > section.scrollLeft + section.clientWidth) section.scrollLeft = at.x - section.clientWidth / 2;
+    const top = section.offsetTop + section.firstElementChild.offsetHeight + at.y;
+    if (top < element.scrollTop || top + 2 * STEP.y > element.scrollTop + element.clientHeight) element.scrollTop = top - element.clientHeight / 2;
   }
 
   /** `waiting`, `under-way`, `new` (it happened just now) or `done`. */

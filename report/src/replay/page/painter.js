@@ -4,11 +4,23 @@
 const CUBE = 12;
 
 class Painter {
-  constructor(canvas) {
+  /** `restored` is told when all has to be drawn once more. */
+  constructor(canvas, restored) {
     const gl = canvas.getContext('webgl2', { antialias: !drawsSlowly(), alpha: false });
     if (!gl) throw new Unreadable('This browser offers no WebGL2, which the replay needs. Switch it on, or use another browser.');
     this.gl = gl;
     this.canvas = canvas;
+    this.lost = false;
+    // A browser takes the graphics away when the machine sleeps, or too many pages want them, and gives them back empty.
+    canvas.addEventListener('webglcontextlost', event => {
+      event.preventDefault();
+      this.lost = true;
+    });
+    canvas.addEventListener('webglcontextrestored', () => {
+      this.lost = false;
+      this.prepare();
+      restored();
+    });
     // To ask for it at every picture would have the page laid out every time.
     this.width = canvas.clientWidth;
     this.height = canvas.clientHeight;
@@ -16,6 +28,12 @@ class Painter {
       this.width = canvas.clientWidth;
       this.height = canvas.clientHeight;
     }).observe(canvas);
+    this.prepare();
+  }
+
+  /** Gives the graphics processor what stays the same. */
+  prepare() {
+    const { gl } = this;
     this.cubes = program(gl, CUBE_CORNERS, CUBE_PAINT);
     this.plain = program(gl, PLAIN_CORNERS, PLAIN_PAINT);
     this.corners = buffer(gl, cube());
@@ -37,12 +55,12 @@ class Painter {
       this.canvas.width = width;
       this.canvas.height = height;
     }
-    this.gl.viewport(0, 0, width, height);
   }
 
   begin(view, background) {
     this.view = view;
     const { gl } = this;
+    gl.viewport(0, 0, this.canvas.width, this.canvas.height);
     // Without this, the depths of the last picture would stay.
     gl.depthMask(true);
     gl.clearColor(...rgb(background), 1);
@@ -71,13 +89,13 @@ class Painter {
     for (let place = 2; place < 6; place++) gl.disableVertexAttribArray(place);
   }
 
-  /** Draws a sketch; with a name, it is kept, and later ones of that name are not looked at. */
-  drawSketch(sketch, { lines, opaque, name }) {
+  /** Draws a sketch; with a name, it is kept as long as what it is `of` stays the same. */
+  drawSketch(sketch, { lines, opaque, name, of }) {
     const { gl } = this;
     let kept = name && this.fixed.get(name);
-    if (!kept) {
+    if (!kept || kept.of !== of) {
       const numbers = new Float32Array(sketch().numbers);
-      kept = { buffer: name ? gl.createBuffer() : this.sketch, count: numbers.length / 7 };
+      kept = { of, buffer: kept?.buffer ?? (name ? gl.createBuffer() : this.sketch), count: numbers.length / 7 };
       gl.bindBuffer(gl.ARRAY_BUFFER, kept.buffer);
       gl.bufferData(gl.ARRAY_BUFFER, numbers, gl.DYNAMIC_DRAW);
       if (name) this.fixed.set(name, kept);
@@ -89,12 +107,6 @@ class Painter {
     attribute(gl, kept.buffer, 0, 3, 28, 0, 0);
     attribute(gl, kept.buffer, 1, 4, 28, 12, 0);
     gl.drawArrays(lines ? gl.LINES : gl.TRIANGLES, 0, kept.count);
-  }
-
-  /** Forgets the sketches that were kept. */
-  forget() {
-    for (const { buffer } of this.fixed.values()) this.gl.deleteBuffer(buffer);
-    this.fixed.clear();
   }
 
   blend(on) {

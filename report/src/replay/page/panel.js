@@ -18,12 +18,25 @@ class Panel {
     this.key = key;
     if (body === null) {
       const hint = part('p', 'hint', 'Click a block to see its name, its history and its event table.');
-      this.element.replaceChildren(hint, part('h3', '', 'What has happened'), this.latest(tick));
+      this.replace(hint, part('h2', 'small', 'What has happened'), this.latest(tick));
       return;
     }
     const title = part('h2', '', history.nameAt(body, tick));
     const follows = part('p', 'state', this.words(body, tick));
-    this.element.replaceChildren(title, follows, ...this.story(body, tick), ...this.table(role, tick));
+    this.replace(title, follows, ...this.story(body, tick), ...this.table(role, tick));
+  }
+
+  /** Puts other parts into its place; a line that had the focus keeps it, or leaves it to the latest. */
+  replace(...parts) {
+    const { element } = this;
+    const focused = element.contains(document.activeElement) ? document.activeElement.closest('li') : null;
+    const top = element.querySelector('.story')?.scrollTop;
+    element.replaceChildren(...parts);
+    if (!focused) return;
+    const lines = [...element.querySelectorAll('li')];
+    const line = lines.find(({ textContent }) => textContent === focused.textContent) ?? lines[0];
+    line?.querySelector('button').focus({ preventScroll: true });
+    if (line) line.parentNode.scrollTop = top;
   }
 
   /** The latest events of the structure. */

@@ -19,6 +19,9 @@ class Scene {
     /** How free blocks are shown: 0 faint, 1 solid, 2 not at all. */
     this.clouds = 0;
     this.named = true;
+    /** Whether the cells that are still empty are shown. */
+    this.aimed = true;
+    this.target = target(about);
     this.selected = null;
     this.tick = 0;
   }
@@ -55,27 +58,31 @@ class Scene {
     for (const cell of this.plain) solid.push({ body: null, centre: this.centre(cell), turn: [0, 0, 0, 1], colour: look.plate });
     for (const { body } of this.seeds) solid.push({ body, ...this.place(body), colour: look.seed, named: true });
     let free = 0;
-    const pulled = new Set(history.pullsAt(tick).map(({ body }) => body));
+    const pulled = (this.pulled = new Set(history.pullsAt(tick).map(({ body }) => body)));
     for (let body = 0; body < this.recording.bodies; body++) {
       const hold = history.holdAt(body, tick);
-      if (hold) solid.push({ body, ...this.place(body), colour: phaseColour(hold.phase), named: true });
-      else if (body === this.selected) solid.push({ body, ...this.place(body), colour: look.free, named: true });
-      else if (this.clouds < 2 || pulled.has(body)) this.list[free++] = body;
+      if (hold) solid.push({ body, ...this.place(body), cell: hold.cell, colour: phaseColour(hold.phase), named: true });
+      else if (this.clouds < 2 || pulled.has(body) || body === this.selected) this.list[free++] = body;
     }
     const eye = camera.eye;
     this.free = this.cloud.sort(this.list, free, this.places, eye);
     const style = { mark: look.mark, pulled: look.lit, edge: look.edge, eye };
     if (this.radius && camera.eye[2] > 0) {
-      painter.drawSketch(() => ground(Math.sqrt(this.radius ** 2 - this.lift ** 2), [...rgb(look.ground), 1]), { opaque: true, name: `ground ${themeName()}` });
+      painter.drawSketch(() => ground(Math.sqrt(this.radius ** 2 - this.lift ** 2), [...rgb(look.ground), 1]), { opaque: true, name: 'ground', of: themeName() });
     }
     painter.drawCubes(this.numbers, this.fillSolid(), { opaque: true, ...style });
     this.drawFaces(look);
     if (this.radius) {
       const lines = () => wires(this.radius, this.lift, [...rgb(look.rings), 1], [...rgb(look.shell), 0.45]);
-      painter.drawSketch(lines, { lines: true, name: `wires ${themeName()}` });
+      painter.drawSketch(lines, { lines: true, name: 'wires', of: themeName() });
     }
+    this.drawTarget(look);
     painter.drawCubes(this.numbers, this.fillFree(pulled, look), { opaque: this.clouds === 1, ...style });
-    this.labels.draw(this, view, solid, look);
+    const seen = bodies => Array.from(bodies, body => ({ body, ...this.place(body) }));
+    const chosen = seen(this.free.filter(body => body === this.selected)).map(block => ({ ...block, named: true }));
+    const opaque = this.clouds === 1 ? [...solid, ...seen(this.free)] : solid;
+    const glass = this.clouds === 1 ? [] : seen(this.free.filter(body => pulled.has(body)));
+    this.labels.draw(this, view, [...solid, ...chosen], opaque, glass, look);
   }
 
   /** The numbers of the structure's blocks for the painter; how many there are. */
@@ -100,8 +107,9 @@ class Scene {
       for (let j = 0; j < 7; j++) numbers[at + j] = places[from + j];
       for (let j = 0; j < 3; j++) numbers[at + 7 + j] = colour[j];
       const isPulled = pulled.has(free[i]);
-      numbers[at + 10] = this.clouds === 1 ? 1 : isPulled ? 0.6 : look.ghost;
-      numbers[at + 11] = isPulled ? 2 : 0;
+      const isChosen = free[i] === this.selected;
+      numbers[at + 10] = this.clouds === 1 ? 1 : isPulled || isChosen ? 0.6 : look.ghost;
+      numbers[at + 11] = isChosen ? 1 : isPulled ? 2 : 0;
     }
     return free.length;
   }
@@ -137,8 +145,26 @@ class Scene {
     this.painter.drawSketch(() => threads, { lines: true, opaque: true });
   }
 
-  /** The block that is seen at a point of the canvas, in pixels of the page; `null`: none. */
+  /** The edges of the cells that the structure will have in the end, and does not yet. */
+  drawTarget(look) {
+    if (!this.aimed) return;
+    const taken = new Set(this.solid.map(({ cell }) => cell?.join()));
+    const left = this.target.filter(cell => !taken.has(cell.join()));
+    const edges = () => {
+      const sketch = new Sketch();
+      for (const cell of left) sketch.box(this.centre(cell), 0.46, [...rgb(look.ink), 0.28]);
+      return sketch;
+    };
+    this.painter.drawSketch(edges, { lines: true, name: 'target', of: `${themeName()} ${left.join(' ')}` });
+  }
+
+  /**
+   * The block that is meant at a point of the canvas, in pixels of the page; `null`: none. Names come first, and what lets light
+   * through last.
+   */
   pick(x, y) {
+    const named = this.labels.at(x, y);
+    if (named !== undefined) return named;
     const { width, height } = this.painter;
     const { origin, direction } = this.camera.ray((2 * x) / width - 1, 1 - (2 * y) / height);
     let [best, found] = [Infinity, null];
@@ -147,7 +173,7 @@ class Scene {
       if (distance < best) [best, found] = [distance, body];
     };
     for (const block of this.solid) look(block.body, block);
-    for (const body of this.free) look(body, this.place(body));
+    if (best === Infinity || this.clouds === 1) for (const body of this.free) look(body, this.place(body));
     return found;
   }
 

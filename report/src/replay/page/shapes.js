@@ -39,6 +39,21 @@ class Sketch {
     this.point(b, colour);
   }
 
+  /** The edges of a cube, half as wide as `half`. */
+  box(centre, half, colour) {
+    for (const [u, v, w] of [[0, 1, 2], [1, 2, 0], [2, 0, 1]]) {
+      for (const [a, b] of [[-1, -1], [1, -1], [1, 1], [-1, 1]]) {
+        const from = [...centre];
+        from[u] += a * half;
+        from[v] += b * half;
+        const to = [...from];
+        from[w] -= half;
+        to[w] += half;
+        this.line(from, to, colour);
+      }
+    }
+  }
+
   /** A ring about the vertical; half of one, if `arc` is half a turn. */
   ring(radius, z, colour, parts = 96) {
     const at = i => [radius * Math.cos((2 * Math.PI * i) / parts), radius * Math.sin((2 * Math.PI * i) / parts), z];

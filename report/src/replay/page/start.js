@@ -8,14 +8,16 @@ async function start() {
   const about = JSON.parse(element('about').textContent);
   const recording = await Recording.open(element('recording').textContent.trim());
   const history = new History(about, recording);
-  const painter = new Painter(element('arena'));
+  const painter = new Painter(element('arena'), () => wake());
   const camera = new Camera(about, history);
   const scene = new Scene(about, recording, history, painter, new Labels(element('labels')), camera);
-  const timeline = new Timeline(element('timeline'), history);
+  const timeline = new Timeline(element('timeline'), history, tick => player.jump(tick));
+  const overview = new Overview(element('overview'));
   const state = { following: false, drawn: null, told: -Infinity, scale: 1, slow: 0 };
   const player = new Player(history, about.scene.tick, () => wake());
   const graph = new Graph(element('graph'), history, tick => player.jump(tick));
   const panel = new Panel(element('block'), history, tick => player.jump(tick));
+  const program = new ProgramText(element('program'), history, tick => player.jump(tick));
   head(about, recording);
 
   function select(body) {
@@ -41,6 +43,7 @@ async function start() {
     awake = false;
     const ready = recording.has(player.tick);
     player.pass(now, ready);
+    if (painter.lost) return;
     if (scene.go(player.tick)) draw(now);
     else recording.fetch(player.tick).then(wake);
     if (player.playing) wake();
@@ -51,6 +54,7 @@ async function start() {
     scene.draw((devicePixelRatio || 1) * state.scale);
     graph.show(scene.tick);
     panel.show(scene.selected, Math.floor(scene.tick));
+    program.show(scene.tick);
     timeline.draw();
     // Ten times a second is as fast as anybody reads.
     if (!player.playing || now - state.told > 100) {
@@ -92,6 +96,9 @@ async function start() {
     element('follow').setAttribute('aria-pressed', state.following);
     element('follow').disabled = scene.selected === null;
     element('names').setAttribute('aria-pressed', scene.named);
+    element('target').setAttribute('aria-pressed', scene.aimed);
+    element('target').hidden = !scene.target.length;
+    overview.draw(scene);
     text('cloud', ['cloud: faint', 'cloud: solid', 'cloud: off'][scene.clouds]);
     const last = lastAtOrBefore(history.stops, tick);
     const rows = history.rows.filter(row => row[0] === history.stops[last] && NOTABLE.has(row[1]));
@@ -134,6 +141,10 @@ async function start() {
     scene.named = !scene.named;
     wake();
   };
+  const aim = () => {
+    scene.aimed = !scene.aimed;
+    wake();
+  };
   const reset = () => {
     state.following = false;
     camera.reset();
@@ -148,10 +159,26 @@ async function start() {
     play: () => player.toggle(),
     next: () => player.event(1, false),
     previous: () => player.event(-1, false),
-    follow: () => follow(), names, cloud, reset, theme,
+    follow: () => follow(), names, target: aim, cloud, reset, theme,
   };
   for (const [id, act] of Object.entries(buttons)) element(id).addEventListener('click', act);
-  keys(player, { f: () => follow(), l: names, c: cloud, r: reset, t: theme, Escape: () => select(null), '?': help });
+  /** Chooses another block: of the structure, or one of those that are pulled. */
+  const choose = step => () => {
+    const all = [...scene.solid.flatMap(({ body }) => body ?? []), ...scene.pulled];
+    const at = all.indexOf(scene.selected);
+    if (all.length) select(all[(at < 0 && step < 0 ? all.length - 1 : at + step + all.length) % all.length]);
+  };
+  const look = change => () => {
+    change();
+    wake();
+  };
+  const looks = { e: look(() => camera.zoom(0.85)), q: look(() => camera.zoom(1 / 0.85)) };
+  for (const [key, x, y] of [['a', -1, 0], ['d', 1, 0], ['w', 0, -1], ['s', 0, 1]]) {
+    looks[key] = look(() => camera.turn(20 * x, 20 * -y));
+    looks[key.toUpperCase()] = look(() => camera.shift(-40 * x, -40 * y, painter.height));
+  }
+  const choices = { b: choose(1), B: choose(-1), Escape: () => select(null) };
+  keys(player, { ...looks, ...choices, f: () => follow(), l: names, g: aim, c: cloud, r: reset, t: theme, '?': help });
   steer(element('arena'), camera, wake, ({ x, y }) => {
     const box = element('arena').getBoundingClientRect();
     select(scene.pick(x - box.left, y - box.top));
@@ -206,6 +233,8 @@ async function start() {
       return painter.pixel(Math.round(x * scale), Math.round(y * scale));
     },
     pick: (x, y) => scene.pick(x, y),
+    /** The names that are written, and where [px]. */
+    names: () => scene.labels.shown.map(({ body, text, x, y }) => ({ body, text, x, y })),
     face: (body, face) => scene.screen(add(scene.place(body).centre, times(NORMALS[face], 0.5))),
   };
   document.body.dataset.ready = 'yes';

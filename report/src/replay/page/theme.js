@@ -1,20 +1,13 @@
-// Colours of what is drawn; those of the page are in style.css.
+// Colours of what is drawn, from the palette that all of stochc has; those of the page around it are in style.css.
 
-/** Of the phases, in turn: they differ for the colour-blind as well. */
-const PHASES = ['#e8871e', '#3b8fd9', '#2fa86f', '#c659a5', '#d9b512', '#e0533d', '#36b5b0', '#8f74d6'];
-
+/** `ghost`: how opaque a free block is; `edge`: how dark the edges of blocks are. */
 const THEMES = {
-  dark: {
-    background: '#12161c', ground: '#1d242d', rings: '#3a4654', shell: '#55657a', seed: '#aab4c0', plate: '#4a5563',
-    free: '#8794a6', ghost: 0.3, lit: '#ff5a36', mark: '#ffffff', edge: 0.42, ink: '#ffffff', halo: '#0b0e12',
-  },
-  light: {
-    background: '#f4f5f7', ground: '#e3e6ea', rings: '#c2c8d0', shell: '#a4adb9', seed: '#6c7683', plate: '#b4bcc6',
-    free: '#8792a6', ghost: 0.28, lit: '#e0301e', mark: '#000000', edge: 0.6, ink: '#14181d', halo: '#ffffff',
-  },
+  dark: { ...PALETTE.dark, ghost: 0.3, edge: 0.42 },
+  light: { ...PALETTE.light, ghost: 0.28, edge: 0.6 },
 };
 
-const phaseColour = phase => PHASES[phase % PHASES.length];
+const ofPhase = phase => PALETTE.phases[phase % PALETTE.phases.length];
+const phaseColour = phase => ofPhase(phase).colour;
 
 /** `#rrggbb` to red, green and blue from 0 to 1. */
 function rgb(hex) {

@@ -1,10 +1,22 @@
 // The bar below the arena: phases, captures and releases over time.
 
+/** Half of the handle of the slider below [px]. */
+const MARGIN = 8;
+
 class Timeline {
-  constructor(canvas, history) {
+  /** `jump` is told the tick to which the reader drags. */
+  constructor(canvas, history, jump) {
     this.canvas = canvas;
     this.history = history;
     this.drawn = '';
+    const drag = event => {
+      if (!event.buttons) return;
+      canvas.setPointerCapture(event.pointerId);
+      const box = canvas.getBoundingClientRect();
+      jump(((event.clientX - box.left - MARGIN) / (box.width - 2 * MARGIN)) * history.end);
+    };
+    canvas.addEventListener('pointerdown', drag);
+    canvas.addEventListener('pointermove', drag);
   }
 
   draw() {
@@ -18,17 +30,18 @@ class Timeline {
     canvas.height = Math.round(height * scale);
     const pen = canvas.getContext('2d');
     pen.scale(scale, scale);
-    // The handle of the slider below is 16 pixels wide.
-    const at = tick => 8 + (tick / Math.max(1, history.end)) * (width - 16);
+    const at = tick => MARGIN + (tick / Math.max(1, history.end)) * (width - 2 * MARGIN);
     history.begins.forEach(({ from, phase }, i) => {
       const to = history.begins[i + 1]?.from ?? history.end;
       pen.fillStyle = phaseColour(phase);
       pen.globalAlpha = 0.35;
       pen.fillRect(at(from), height - 6, at(to) - at(from), 6);
       pen.globalAlpha = 1;
-      const name = history.phases[phase];
       pen.font = '11px system-ui, sans-serif';
-      if (pen.measureText(name).width < at(to) - at(from) - 4) {
+      const room = at(to) - at(from) - 4;
+      // The number tells phases apart where there is no room for names.
+      const name = [`${phase + 1} ${history.phases[phase]}`, String(phase + 1)].find(name => pen.measureText(name).width < room);
+      if (name) {
         pen.fillStyle = THEMES[themeName()].ink;
         pen.fillText(name, at(from) + 2, height - 16);
       }

@@ -2,6 +2,7 @@
 use std::collections::BTreeMap;
 
 use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
 use stochc_protocol::Orientation;
 
 use super::face_attraction::{AttractingFace, Near, Push, best_turn};
@@ -46,7 +47,8 @@ pub(crate) struct Release<R: Real> {
 }
 
 /// A face that is on and holds nothing.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(bound = "")]
 struct Active<R: Real> {
     site: BlockFace,
     target: AttractingFace<R>,
@@ -63,7 +65,8 @@ struct Active<R: Real> {
 }
 
 /// A free block in reach of an active face.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[serde(bound = "")]
 struct Sighting<R: Real> {
     /// Index of the face.
     active: usize,
@@ -78,6 +81,13 @@ pub(crate) struct Anchored<R: Real> {
     /// Of its centre.
     pub seat: Vector3<R>,
     pub orientation: Orientation,
+}
+
+stochc_ir::state! {
+    (<R: Real>) Faces<R>;
+    values: active, holds, sightings, seen, placed, rejected, pressures;
+    parts: ;
+    same: magnet
 }
 
 impl<R: Real> Active<R> {

@@ -1,5 +1,6 @@
 //! What a magnetized face does to a free block near it: pull, alignment, and when it anchors.
 use nalgebra::{UnitQuaternion, Vector3};
+use serde::{Deserialize, Serialize};
 use stochc_ir::Face;
 use stochc_protocol::Orientation;
 
@@ -21,7 +22,8 @@ const CORNERS_YIELD: f64 = 4.0 * 0.5 * INVERSE_INERTIA;
 pub(crate) const INVERSE_INERTIA: f64 = 6.0;
 
 /// A magnetized face in space.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[serde(bound = "")]
 pub(crate) struct AttractingFace<R: Real> {
     /// Of the face.
     pub centre: Vector3<R>,
@@ -32,7 +34,8 @@ pub(crate) struct AttractingFace<R: Real> {
 }
 
 /// The nearest face of a free block, seen from a magnetized one.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[serde(bound = "")]
 pub(crate) struct Near<R: Real> {
     pub face: Face,
     /// Of the face.

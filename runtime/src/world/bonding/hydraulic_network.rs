@@ -5,12 +5,14 @@
 //! All resistances are constant, so that the tree is solved once from its leaves to the pump and once back.
 use std::collections::BTreeMap;
 
+use serde::{Deserialize, Serialize};
+
 use crate::world::parameters::Suction;
 use crate::world::{BlockFace, Body};
 
 /// The pressure below that of the fluid around, by chamber \[1 / tick^2\]; chambers that reach no pump
 /// are not among them.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Pressures {
     plate: f64,
     chambers: BTreeMap<u32, f64>,

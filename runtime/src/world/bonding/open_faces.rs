@@ -2,6 +2,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
 use stochc_ir::Face;
 use stochc_protocol::Orientation;
 
@@ -9,7 +10,8 @@ use crate::world::real::{Real, normal};
 use crate::world::{BlockFace, Body};
 
 /// Blocks and their places.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(bound = "")]
 pub(super) struct PlacedBlocks<R: Real>(BTreeMap<Body, (Vector3<R>, Orientation)>);
 
 impl<R: Real> PlacedBlocks<R> {

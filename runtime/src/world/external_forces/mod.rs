@@ -53,6 +53,13 @@ pub(crate) struct ExternalForces {
     dt: f64,
 }
 
+stochc_ir::state! {
+    () ExternalForces;
+    values: ;
+    parts: eddies;
+    same: weight, drag, mean_flow, heat, displaced, dt
+}
+
 impl ExternalForces {
     /// `None` where nothing is around the blocks.
     pub fn new(

@@ -4,6 +4,7 @@
 //! each isotropic by themselves to second order, and moves the fluid across its own direction, so that there are no sources.
 //! Its four amplitudes are independent Ornstein-Uhlenbeck processes: R. H. Kraichnan, Phys. Fluids 13, 22 (1970).
 use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
 
 use super::LocalFlow;
 use crate::counter_rng::{Draws, Stream, gaussians};
@@ -26,7 +27,7 @@ pub(super) struct Turbulence {
     draws: Draws,
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Wave {
     /// Before the field is stretched.
     number: Vector3<f64>,
@@ -34,6 +35,13 @@ struct Wave {
     across: [Vector3<f64>; 2],
     /// Of the cosines of both, then of their sines.
     amplitudes: [f64; 4],
+}
+
+stochc_ir::state! {
+    () Turbulence;
+    values: waves;
+    parts: ;
+    same: left, rms, vertical, draws
 }
 
 impl Turbulence {

@@ -14,9 +14,10 @@ use super::blocks::{Blocks, Motion, Pose};
 use super::external_forces::Response;
 use rigid_motion::RigidMotion;
 pub(crate) use rigid_motion::lost;
+use serde::{Deserialize, Serialize};
 
 /// All groups.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Groups {
     /// The key of the group that a block is in.
     of: BTreeMap<u32, u32>,
@@ -26,7 +27,7 @@ pub(crate) struct Groups {
     parted: BTreeSet<(u32, u32)>,
 }
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 struct Group {
     /// In rising order.
     members: Vec<Member>,
@@ -35,7 +36,7 @@ struct Group {
     rotation: UnitQuaternion<f64>,
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Member {
     id: u32,
     /// From the middle of the group, in its frame.

@@ -1,12 +1,13 @@
 //! What is in each cell, where most cells are empty and those that are not are close together.
 use rustc_hash::FxHashMap;
+use serde::{Deserialize, Serialize};
 use stochc_ir::Cell;
 
 /// Cells along each side of a chunk.
 const SIDE: i32 = 4;
 
 /// A value for every cell, kept in cubes of cells.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Grid<T> {
     /// Where the chunk of a corner begins.
     chunks: FxHashMap<[i32; 3], u32>,

@@ -1,6 +1,7 @@
 //! Who is anchored where and which faces are open, for worlds in which blocks have no places but cells.
 mod grid;
 
+use serde::{Deserialize, Serialize};
 use smallvec::{SmallVec, smallvec};
 use stochc_ir::table::Tables;
 use stochc_ir::{Cell, Face};
@@ -13,7 +14,7 @@ use grid::Grid;
 ///
 /// A *seat* is a block's number: first those of the plate, then those that were free at the beginning. A face has the number
 /// [`number`]`(seat, face)`. A face is *open* if it is on and there is room before it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Lattice {
     /// Blocks that were free at the beginning.
     pub count: u32,
@@ -39,7 +40,7 @@ pub(super) enum Change {
 pub(super) type Changes = SmallVec<[Change; 4]>;
 
 /// Where an anchored block is. Faces are its own, one bit each.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct AnchoredBlock {
     pub cell: Cell,
     pub orientation: Orientation,
@@ -50,7 +51,7 @@ pub(super) struct AnchoredBlock {
 }
 
 /// What is in a cell.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct CellContent {
     /// The seat of its block.
     block: u32,

@@ -3,6 +3,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use rapier3d::dynamics::{RigidBodyHandle, RigidBodyType};
 use rapier3d::glamx::Vec3;
 use rapier3d::pipeline::PhysicsWorld;
+use serde::{Deserialize, Serialize};
 use stochc_protocol::Orientation;
 
 use super::convert::{pose3, unit_quaternion, vec3, vector};
@@ -19,7 +20,7 @@ pub(crate) struct EngineBodies {
     pub(super) copies: Vec<Copied>,
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct Copied {
     pub position: Vector3<f32>,
     rotation: UnitQuaternion<f32>,
@@ -42,6 +43,13 @@ impl Copied {
             moved: false,
         }
     }
+}
+
+stochc_ir::state! {
+    () EngineBodies;
+    values: engine, copies;
+    parts: ;
+    same: handles
 }
 
 impl EngineBodies {

@@ -25,6 +25,13 @@ pub(super) struct Rapier {
     limits: MotionLimits,
 }
 
+stochc_ir::state! {
+    () Rapier;
+    values: joints;
+    parts: ;
+    same: shell, drag, dt, limits
+}
+
 impl Integrator for Rapier {
     type Real = f32;
     type Blocks = EngineBodies;

@@ -2,8 +2,10 @@
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
+use serde::{Deserialize, Serialize};
+
 /// Something that may happen.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Entry {
     /// The face that captures.
     pub face: usize,
@@ -14,13 +16,13 @@ pub(super) struct Entry {
 }
 
 /// Entries by time, and of one time by their order; those that no longer hold are left in until they come first.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Agenda {
     heap: BinaryHeap<Timed>,
     pushed: u64,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Timed {
     time: f64,
     order: u64,

@@ -33,6 +33,13 @@ pub struct RateWorld<'r> {
     drawn: u64,
 }
 
+stochc_ir::state! {
+    () RateWorld<'_>;
+    values: tick, lattice, race, agenda, released, drawn;
+    parts: ;
+    same: rates, draws
+}
+
 impl<'r> RateWorld<'r> {
     /// The world of a program in a scene, by rates that were measured there; its chance is that of (`seed`, `run`).
     ///

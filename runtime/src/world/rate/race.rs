@@ -1,5 +1,6 @@
 //! The faces that are open, each with the hazard that it has still to use up.
 use rustc_hash::FxHashMap;
+use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 use stochc_ir::Cell;
 use stochc_rates::{SIGHT, Wait, sees};
@@ -8,7 +9,7 @@ use stochc_rates::{SIGHT, Wait, sees};
 const CUBE: i32 = 4;
 
 /// A face that is open.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct Face {
     /// Where the captured block will sit.
     pub cell: Cell,
@@ -26,7 +27,7 @@ pub(super) struct Face {
 }
 
 /// All of them.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Race {
     faces: FxHashMap<usize, Face>,
     /// The open faces of each cube of cells.

@@ -50,6 +50,13 @@ pub(crate) struct Bodies<R: Lane> {
     pub dt: R,
 }
 
+stochc_ir::state! {
+    (<R: Lane>) Bodies<R>;
+    values: position, rounded, velocity, mobility, step, last, rotation, turned, axes, shown, spin, anchored, now;
+    parts: ;
+    same: dt
+}
+
 impl<R: Lane> Bodies<R> {
     /// `step`: how long a step is; `dt`: how long the shortest one is that a block may take.
     pub fn new(blocks: &[BodyState], step: R, dt: R) -> Bodies<R> {
@@ -134,6 +141,12 @@ impl<R: Lane> Bodies<R> {
     pub fn count_beyond(&self, span: R) -> usize {
         let beyond = |&id: &u32| self.position(id).amax() > span;
         (0..self.count()).filter(beyond).count()
+    }
+
+    /// How many blocks are higher than this \[side\].
+    pub fn count_above(&self, height: R) -> usize {
+        let blocks = &self.position[2][..self.anchored.len()];
+        blocks.iter().filter(|&&z| z > height).count()
     }
 
     /// # Errors

@@ -5,6 +5,7 @@
 //! three more where a block is close to the end of its cell in x. Stretches are short, and asked
 //! four blocks at once, whether or not anybody is there: a guess that fails would cost more.
 use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
 
 use super::bodies::Bodies;
 use super::simd::{ABREAST, LANES, Lane, Wide};
@@ -29,7 +30,8 @@ const MANY: f64 = 4_000_000.0;
 /// An empty cell is between two rows, and an empty row below and above each slab of cells: a
 /// neighbour is a fixed number away. Blocks outside of the grid count as inside of its outermost
 /// cells, which loses no neighbours.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(bound = "")]
 pub(super) struct CellList<R: Lane> {
     /// The middle of the first cell.
     low: [R; 3],
@@ -53,7 +55,7 @@ pub(super) struct CellList<R: Lane> {
 }
 
 /// A block's number, and whether it is anchored.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Tag(u32);
 
 impl Tag {
@@ -71,21 +73,21 @@ impl Tag {
 }
 
 impl<R: Lane> CellList<R> {
-    /// For blocks that mostly stay within `span` of the origin, and above `floor`, and of which
+    /// For blocks that mostly stay within `span` of the origin, and between two heights, and of which
     /// those closer than `near` are looked for \[side\].
-    pub fn new(count: usize, span: f64, floor: f64, near: f64) -> CellList<R> {
+    pub fn new(count: usize, span: f64, [floor, top]: [f64; 2], near: f64) -> CellList<R> {
         let mut edge = near * MARGIN;
         let span = span.max(edge);
         let most = (count as f64 * CELLS_PER_BLOCK).clamp(FEW, MANY);
         let along = |length: f64, edge: f64| length / edge + 2.0;
-        let rows = |edge: f64| along(2.0 * span, edge) * along(span - floor, edge);
+        let rows = |edge: f64| along(2.0 * span, edge) * along(top - floor, edge);
         while rows(edge) > most {
             edge *= 1.1;
         }
         let slabs = (most / rows(edge)).min(2.0 * span / edge).max(1.0).floor();
         let length = 2.0 * span / slabs;
         let [wide, high] =
-            [2.0 * span, span - floor].map(|length| along(length, edge).floor() as usize);
+            [2.0 * span, top - floor].map(|length| along(length, edge).floor() as usize);
         let stride = [wide + 1, (wide + 1) * (high + 2)];
         let last = [slabs, wide as f64, high as f64].map(|cells| R::of(cells - 1.0));
         CellList {
@@ -302,7 +304,8 @@ mod tests {
                 let place = blocks[i as usize].position;
                 bodies.anchor(i, place, Orientation::IDENTITY);
             }
-            let mut grid = CellList::new(blocks.len(), span, floor, near);
+            let top = [span, floor + 0.6][case / 24 % 2];
+            let mut grid = CellList::new(blocks.len(), span, [floor, top], near);
             let mut found = Vec::new();
             grid.sort(&bodies);
             grid.close_pairs(&mut found);
@@ -312,7 +315,10 @@ mod tests {
                 .filter(|&(i, j)| (place(i) - place(j)).norm_squared() < near * near)
                 .filter(|&(i, j)| !anchored(i) || !anchored(j))
                 .collect();
-            assert_eq!(found, expected, "span {span}, near {near}, floor {floor}");
+            assert_eq!(
+                found, expected,
+                "span {span}, near {near}, {floor} to {top}"
+            );
         }
     }
 }

@@ -30,6 +30,14 @@ pub(super) struct Kernel<R: Lane> {
     limits: MotionLimits,
 }
 
+stochc_ir::state! {
+    (<R: Lane>) Kernel<R>;
+    values: neighbours, local;
+    parts: ;
+    // Contacts are found anew in every step.
+    same: flight, words, contacts, limits
+}
+
 impl<R: Lane> Integrator for Kernel<R> {
     type Real = R;
     type Blocks = Bodies<R>;

@@ -3,6 +3,8 @@
 //! All others move once in a long step. A pair feels the force of its contact at the steps of whoever takes the longer ones, both
 //! by the same impulse, so that momentum is kept. Who is chosen depends on places and velocities at the beginning of
 //! a long step, and on which faces are on.
+use serde::{Deserialize, Serialize};
+
 use super::bodies::Bodies;
 use super::cell_list::TOUCH;
 use super::neighbour_list::NeighbourList;
@@ -14,7 +16,8 @@ use crate::world::real::Real;
 pub(super) const SURPRISE: f64 = 0.1;
 
 /// The blocks that take short steps in a long one.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(bound = "")]
 pub(super) struct LocalSteps<R: Real> {
     /// Lengths of a long and a short step \[tick\].
     long: R,

@@ -1,5 +1,6 @@
 //! Which blocks are near each other, looked up once for several substeps (Verlet 1967).
 use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
 
 use super::bodies::Bodies;
 use super::cell_list::{CellList, TOUCH};
@@ -20,11 +21,15 @@ const REVIEW: u32 = 64;
 const OUTSIDE: usize = 8;
 
 /// The blocks near each other and near places.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(bound = "")]
 pub(super) struct NeighbourList<R: Lane> {
     /// The blocks mostly stay within this of the origin, and above the floor if there is one \[side\].
     span: f64,
     floor: Option<f64>,
+    /// So high does the grid reach, below which most blocks are: a sediment, or a flat structure, would crowd the lowest cells
+    /// of a higher one \[side\].
+    top: f64,
     grid: CellList<R>,
     /// [`SKIN`], or 0: there is no list, and everybody is looked up in every step.
     skin: f64,
@@ -38,10 +43,12 @@ pub(super) struct NeighbourList<R: Lane> {
 impl<R: Lane> NeighbourList<R> {
     /// For blocks that mostly stay within `span` of the origin so far, and above `floor` \[side\].
     pub fn new(count: usize, span: f64, floor: Option<f64>) -> NeighbourList<R> {
+        let heights = [floor.unwrap_or(-span), span];
         NeighbourList {
             span,
             floor,
-            grid: CellList::new(count, span, floor.unwrap_or(-span), TOUCH + SKIN),
+            top: span,
+            grid: CellList::new(count, span, heights, TOUCH + SKIN),
             skin: SKIN,
             pairs: Vec::new(),
             places: [const { Vec::new() }; 3],
@@ -82,16 +89,22 @@ impl<R: Lane> NeighbourList<R> {
         } else {
             0.0
         };
+        let outside = bodies.count() as usize / OUTSIDE;
         let mut span = self.span;
-        while span < FARTHEST
-            && bodies.count_beyond(R::of(span)) > bodies.count() as usize / OUTSIDE
-        {
+        while span < FARTHEST && bodies.count_beyond(R::of(span)) > outside {
             span *= 1.5;
         }
-        if (skin, span) != (self.skin, self.span) {
-            (self.skin, self.span) = (skin, span);
-            let floor = self.floor.unwrap_or(-span);
-            self.grid = CellList::new(bodies.count() as usize, span, floor, TOUCH + skin);
+        let (mut top, near) = (span, TOUCH + skin);
+        if let Some(floor) = self.floor {
+            let middle = |top: f64| floor.midpoint(top);
+            while middle(top) > floor + near && bodies.count_above(R::of(middle(top))) <= outside {
+                top = middle(top);
+            }
+        }
+        if (skin, span, top) != (self.skin, self.span, self.top) {
+            (self.skin, self.span, self.top) = (skin, span, top);
+            let heights = [self.floor.unwrap_or(-span), top];
+            self.grid = CellList::new(bodies.count() as usize, span, heights, near);
             self.forget();
         }
     }

@@ -1,17 +1,18 @@
 //! The faces on which a block can dock unasked, in the order of their cells.
+use serde::{Deserialize, Serialize};
 use stochc_ir::{Cell, Face};
 
 /// Blocks in a run of them, at most.
 const MOST: usize = 256;
 
 /// Some faces of some blocks, in the order of the blocks' cells: runs of blocks, each with the number of its faces.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct ExposedFaces {
     runs: Vec<(u32, Vec<Exposed>)>,
 }
 
 /// The exposed faces of one block, one bit each.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Exposed {
     cell: Cell,
     body: u32,

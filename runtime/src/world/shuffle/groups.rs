@@ -1,7 +1,8 @@
 //! Free blocks that have bonded to each other.
+use serde::{Deserialize, Serialize};
 
 /// Sets of blocks that only grow together, and the size of the largest.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Groups {
     /// Of each block another one of its set, or itself: one for all.
     towards: Vec<u32>,

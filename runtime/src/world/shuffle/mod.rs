@@ -36,6 +36,13 @@ pub struct ShuffleWorld {
     exposed: [ExposedFaces; 2],
 }
 
+stochc_ir::state! {
+    () ShuffleWorld;
+    values: tick, groups, lattice, open, exposed;
+    parts: ;
+    same: draws, strays
+}
+
 impl ShuffleWorld {
     /// A world of `count` free blocks around the blocks of the plate that have a name in these tables; its
     /// chance is that of (`seed`, `run`).

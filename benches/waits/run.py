@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What geometry says of waits: the open directions of each cell and the narrow ways in, against simulated waits.
+"""What `check --cost` says of the wait of each capture, and the narrow ways in that `check` warns of, against simulated waits.
 
 `run.py STOCHC FOLDER` makes 20 runs of each program (some minutes on one core), and writes a row of the table in docs/proofs.md for each.
 Runs that the folder has already are not made again.
@@ -38,30 +38,29 @@ def row(stochc, program, where):
     run("simulate", program, *options)
     run("report", folder, "--out", where / f"{program.stem}.html")
     checked = run("check", program, "--cost", 1000)
-    # `A.up -> B   50 %`: the first number behind the names is the share of open directions.
-    found = re.findall(r"^  (\S.*? -> \S.*?)\s\s+(\d+) %", checked.stdout, re.MULTILINE)
-    is_open = {name: int(share) for name, share in found}
+    # `A.up -> B   8.1 %   621`: the share of the time, and the wait.
+    found = re.findall(r"^  (\S.*? -> \S.*?)\s\s+[\d.]+ %\s+(\d+)$", checked.stdout, re.MULTILINE)
+    expected = {name: int(wait) for name, wait in found}
     narrow = set(re.findall(r"`([^`]+)`: \d of 5", checked.stderr))
     with open(where / f"{program.stem}-figures/waits.csv") as file:
         waits = {line["capture"]: float(line["wait"]) for line in csv.DictReader(file)}
-    names = [name for name in waits if name in is_open]
-    correlation = spearman([-is_open[name] for name in names], [waits[name] for name in names])
+    names = [name for name in waits if name in expected]
+    correlation = spearman([expected[name] for name in names], [waits[name] for name in names])
     longest = max(names, key=waits.get)
-    enclosed = [name for name in names if is_open[name] == min(is_open.values())]
-    first = f"`{enclosed[0]}`" + (f" and {len(enclosed) - 1} more" if len(enclosed) > 1 else "")
 
-    def mean(values):
-        values = list(values)
-        return f"{sum(values) / len(values):.0f}" if values else ""
+    def means(names):
+        """Measured and expected."""
+        both = [[of[name] for name in names] for of in (waits, expected)]
+        return " | ".join(f"{sum(values) / len(values):.0f}" if values else "" for values in both)
 
-    ways = [mean(waits[name] for name in names if (name.split(" -> ")[1] in narrow) == is_narrow) for is_narrow in (True, False)]
-    return f"| {program.stem} | {correlation:.2f} | `{longest}` | {first} | {ways[0]} | {ways[1]} |"
+    ways = [means([name for name in names if (name.split(" -> ")[1] in narrow) == is_narrow]) for is_narrow in (True, False)]
+    return f"| {program.stem} | {correlation:.2f} | `{longest}` | {ways[0]} | {ways[1]} |"
 
 
 def main():
     stochc, where = sys.argv[1], pathlib.Path(sys.argv[2])
-    print("| program | rank correlation | longest mean wait | most enclosed cell | narrow ways in: ticks | others |")
-    print("|---|--:|---|---|--:|--:|")
+    print("| program | rank correlation | longest mean wait | narrow ways in | expected | others | expected |")
+    print("|---|--:|---|--:|--:|--:|--:|")
     for program in PROGRAMS:
         print(row(stochc, program, where), flush=True)
 

@@ -1,0 +1,23 @@
+//! Numbers in few words.
+
+/// Ascending numbers, stretches of them as `0-4`, with something in between.
+pub fn ranges(numbers: &[u64], between: &str) -> String {
+    let stretches = numbers.chunk_by(|a, b| a + 1 == *b);
+    let each = stretches.map(|stretch| match stretch {
+        [first, .., last] => format!("{first}-{last}"),
+        [one] => one.to_string(),
+        [] => String::new(),
+    });
+    each.collect::<Vec<_>>().join(between)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stretches_are_told_by_their_ends() {
+        assert_eq!(ranges(&[0, 1, 2, 4, 6, 7], ", "), "0-2, 4, 6-7");
+        assert_eq!(ranges(&[], ","), "");
+    }
+}

@@ -1,0 +1,161 @@
+//! The colours of all that is shown: replays, reports, structures and scenes of other programs.
+//!
+//! What has to be told apart by its colour differs by [`LEAST`] at least, with normal sight and without one kind of cone; the
+//! tests beside this file hold every such pair.
+#[cfg(test)]
+mod distance;
+
+use std::fmt::{self, Display, Formatter};
+
+/// Red, green and blue of sRGB.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rgb(pub u8, pub u8, pub u8);
+
+impl Display for Rgb {
+    fn fmt(&self, out: &mut Formatter<'_>) -> fmt::Result {
+        write!(out, "#{:02x}{:02x}{:02x}", self.0, self.1, self.2)
+    }
+}
+
+impl Rgb {
+    /// Its three parts of light, from 0 to 1.
+    pub fn linear(self) -> [f64; 3] {
+        [self.0, self.1, self.2].map(|part| match f64::from(part) / 255.0 {
+            low if low <= 0.040_45 => low / 12.92,
+            high => ((high + 0.055) / 1.055).powf(2.4),
+        })
+    }
+
+    /// The relative luminance of WCAG, from 0 to 1.
+    pub fn luminance(self) -> f64 {
+        let [red, green, blue] = self.linear();
+        0.2126 * red + 0.7152 * green + 0.0722 * blue
+    }
+
+    /// The contrast of WCAG, from 1 to 21.
+    pub fn contrast(self, other: Rgb) -> f64 {
+        let (a, b) = (self.luminance() + 0.05, other.luminance() + 0.05);
+        a.max(b) / a.min(b)
+    }
+
+    /// Darker: each part by a factor.
+    #[must_use]
+    pub fn shaded(self, factor: f64) -> Rgb {
+        let part = |part: u8| (f64::from(part) * factor).round() as u8;
+        Rgb(part(self.0), part(self.1), part(self.2))
+    }
+
+    /// What is read best on it: nearly black, or white.
+    pub fn ink(self) -> Rgb {
+        let inks = [Rgb(0x10, 0x14, 0x18), Rgb(0xff, 0xff, 0xff)];
+        let [dark, light] = inks.map(|ink| self.contrast(ink));
+        inks[usize::from(light > dark)]
+    }
+}
+
+/// Colours that differ by this much (CIEDE2000) are told apart.
+pub const LEAST: f64 = 10.0;
+
+/// Of the phases, in turn; the same everywhere, on light and on dark.
+pub const PHASES: [Rgb; 8] = [
+    Rgb(0xfa, 0xcf, 0x2f),
+    Rgb(0x33, 0x62, 0x9d),
+    Rgb(0x18, 0xbb, 0x93),
+    Rgb(0x9b, 0x66, 0xeb),
+    Rgb(0xc5, 0x7e, 0x69),
+    Rgb(0xd5, 0x94, 0xf5),
+    Rgb(0x92, 0x48, 0x47),
+    Rgb(0x28, 0xfa, 0x9b),
+];
+
+/// The colour of a phase, by its number from 0.
+pub fn phase(number: usize) -> Rgb {
+    PHASES[number % PHASES.len()]
+}
+
+/// What is light and what is dark.
+#[derive(Clone, Copy, Debug)]
+pub struct Theme {
+    /// Behind the arena.
+    pub background: Rgb,
+    /// The ground of the arena.
+    pub ground: Rgb,
+    /// Rings on the ground.
+    pub rings: Rgb,
+    /// Lines of the shell.
+    pub shell: Rgb,
+    /// Blocks of the plate with a name.
+    pub seed: Rgb,
+    /// The other blocks of the plate.
+    pub plate: Rgb,
+    /// Free blocks.
+    pub free: Rgb,
+    /// Faces that are on, what they pull, and what goes.
+    pub lit: Rgb,
+    /// Edges of the chosen block.
+    pub mark: Rgb,
+    /// Names.
+    pub ink: Rgb,
+    /// Around names.
+    pub halo: Rgb,
+    /// Behind figures.
+    pub paper: Rgb,
+    /// Curves, bars and discs of what is compared.
+    pub series: [Rgb; 6],
+    /// In a figure, what stands out.
+    pub hot: Rgb,
+    /// In a figure, what is left.
+    pub rest: Rgb,
+}
+
+/// On dark.
+pub const DARK: Theme = Theme {
+    background: Rgb(0x12, 0x16, 0x1c),
+    ground: Rgb(0x1d, 0x24, 0x2d),
+    rings: Rgb(0x3a, 0x46, 0x54),
+    shell: Rgb(0x55, 0x65, 0x7a),
+    seed: Rgb(0xaa, 0xb4, 0xc0),
+    plate: Rgb(0x4a, 0x55, 0x63),
+    free: Rgb(0x87, 0x94, 0xa6),
+    lit: Rgb(0xff, 0x5a, 0x36),
+    mark: Rgb(0xff, 0xff, 0xff),
+    ink: Rgb(0xff, 0xff, 0xff),
+    halo: Rgb(0x0b, 0x0e, 0x12),
+    paper: Rgb(0x15, 0x17, 0x1c),
+    series: [
+        Rgb(0x3e, 0xe7, 0xfa),
+        Rgb(0xfa, 0x15, 0x8d),
+        Rgb(0x3a, 0xa9, 0xb6),
+        Rgb(0xa9, 0x67, 0xfa),
+        Rgb(0xd0, 0xfa, 0xb2),
+        Rgb(0x8e, 0x8c, 0x05),
+    ],
+    hot: Rgb(0xe5, 0x95, 0x84),
+    rest: Rgb(0x76, 0x7b, 0x84),
+};
+
+/// On light, and in print.
+pub const LIGHT: Theme = Theme {
+    background: Rgb(0xf4, 0xf5, 0xf7),
+    ground: Rgb(0xe3, 0xe6, 0xea),
+    rings: Rgb(0xc2, 0xc8, 0xd0),
+    shell: Rgb(0xa4, 0xad, 0xb9),
+    seed: Rgb(0x6c, 0x76, 0x83),
+    plate: Rgb(0xb4, 0xbc, 0xc6),
+    free: Rgb(0x87, 0x92, 0xa6),
+    lit: Rgb(0xe0, 0x30, 0x1e),
+    mark: Rgb(0x00, 0x00, 0x00),
+    ink: Rgb(0x14, 0x18, 0x1d),
+    halo: Rgb(0xff, 0xff, 0xff),
+    paper: Rgb(0xfc, 0xfc, 0xfa),
+    series: [
+        Rgb(0x20, 0x6b, 0xf2),
+        Rgb(0xc8, 0x0d, 0x05),
+        Rgb(0x17, 0x78, 0x65),
+        Rgb(0x77, 0x0e, 0x5b),
+        Rgb(0xcd, 0x36, 0x69),
+        Rgb(0x3e, 0x31, 0xb7),
+    ],
+    hot: Rgb(0x81, 0x06, 0x15),
+    rest: Rgb(0x9a, 0x9a, 0x96),
+};

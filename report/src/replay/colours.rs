@@ -1,0 +1,51 @@
+//! The palette, as the page needs it.
+use serde_json::{Value, json};
+use stochc_ir::palette::{DARK, LIGHT, PHASES, Rgb, Theme};
+
+/// What of a theme is seen in the arena.
+fn named(theme: &Theme) -> [(&'static str, Rgb); 11] {
+    [
+        ("background", theme.background),
+        ("ground", theme.ground),
+        ("rings", theme.rings),
+        ("shell", theme.shell),
+        ("seed", theme.seed),
+        ("plate", theme.plate),
+        ("free", theme.free),
+        ("lit", theme.lit),
+        ("mark", theme.mark),
+        ("ink", theme.ink),
+        ("halo", theme.halo),
+    ]
+}
+
+/// `const PALETTE = { phases: [{ colour, ink }], dark: { background, ... }, light: { ... } };`
+pub(super) fn script() -> String {
+    let theme = |theme: &Theme| {
+        let colours =
+            named(theme).map(|(name, colour)| (name.to_owned(), json!(colour.to_string())));
+        Value::Object(colours.into_iter().collect())
+    };
+    let phases = PHASES
+        .map(|colour| json!({ "colour": colour.to_string(), "ink": colour.ink().to_string() }));
+    let palette = json!({ "phases": phases, "dark": theme(&DARK), "light": theme(&LIGHT) });
+    format!("const PALETTE = {palette};\n")
+}
+
+/// Custom properties of the page: `--free`, `--lit` and so on in either theme, and `--phase-0` to `--phase-7`.
+pub(super) fn style() -> String {
+    let properties = |theme: &Theme| -> String {
+        let each = named(theme).map(|(name, colour)| format!("--{name}:{colour};"));
+        each.concat()
+    };
+    let phases: String = (0..)
+        .zip(PHASES)
+        .map(|(n, colour)| format!("--phase-{n}:{colour};"))
+        .collect();
+    let (dark, light) = (properties(&DARK), properties(&LIGHT));
+    format!(
+        ":root{{{phases}{light}}}\n\
+         @media (prefers-color-scheme:dark){{:root:not([data-theme]){{{dark}}}}}\n\
+         :root[data-theme='dark']{{{dark}}}\n"
+    )
+}

@@ -1,0 +1,44 @@
+// What says where one looks and how large things are: the directions, and a length.
+
+const DIRECTIONS = { E: NORMALS.east, N: NORMALS.north, up: NORMALS.up };
+
+/** Draws them into the lower right corner of a sheet of some width and height [px]; `side` is that of a block [m]. */
+function drawAxes(pen, camera, { width, height }, side, look) {
+  // Narrow pages have lines of text below.
+  const level = height - (width < 600 ? 80 : 26);
+  const [x, y, long] = [width - 46, level - 48, 26];
+  const [right, up, back] = camera.basis;
+  pen.strokeStyle = pen.fillStyle = look.ink;
+  pen.lineWidth = 1.5;
+  pen.font = '600 11px system-ui, sans-serif';
+  for (const [name, way] of Object.entries(DIRECTIONS)) {
+    const [u, v] = [dot(way, right), -dot(way, up)];
+    // Those that point away are fainter.
+    pen.globalAlpha = dot(way, back) < -0.1 ? 0.55 : 1;
+    pen.beginPath();
+    pen.moveTo(x, y);
+    pen.lineTo(x + long * u, y + long * v);
+    pen.stroke();
+    pen.fillText(name, x + (long + 9) * u, y + (long + 9) * v);
+  }
+  pen.globalAlpha = 1;
+  // At the point that one looks at.
+  const scale = height / (2 * camera.distance * Math.tan(camera.angle / 2));
+  const sides = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000].findLast(sides => sides * scale <= 130) ?? 1;
+  const [from, to] = [width - 16 - sides * scale, width - 16];
+  pen.beginPath();
+  pen.moveTo(from, level - 4);
+  pen.lineTo(from, level);
+  pen.lineTo(to, level);
+  pen.lineTo(to, level - 4);
+  pen.stroke();
+  pen.textAlign = 'right';
+  pen.fillText(`${count(sides, 'side')} = ${metres(sides * side)}`, to, level + 11);
+}
+
+/** A length with a unit in which it is not small. */
+function metres(length) {
+  const units = [['m', 1], ['cm', 1e2], ['mm', 1e3], ['µm', 1e6], ['nm', 1e9]];
+  const [unit, scale] = units.find(([, scale]) => length * scale >= 0.9995) ?? units.at(-1);
+  return `${Number((length * scale).toPrecision(3))} ${unit}`;
+}

@@ -1,0 +1,60 @@
+// The whole arena, small and from above: where the structure and the free blocks are, and from where one looks.
+
+/** Free blocks that are drawn, at most. */
+const DOTS = 2000;
+
+class Overview {
+  constructor(canvas) {
+    this.canvas = canvas;
+    this.pen = canvas.getContext('2d');
+  }
+
+  draw(scene) {
+    const { canvas, pen } = this;
+    const { places, camera, free } = scene;
+    const look = THEMES[themeName()];
+    const scale = devicePixelRatio || 1;
+    const size = canvas.clientWidth;
+    if (!size) return;
+    canvas.width = canvas.height = Math.round(size * scale);
+    // Without a shell, all that there was at first.
+    this.reach ??= scene.radius || places.reduce((most, place, i) => (i % 7 < 2 ? Math.max(most, Math.abs(place)) : most), 4);
+    const half = size / 2;
+    const unit = (half - 12) / this.reach;
+    pen.setTransform(scale, 0, 0, scale, scale * half, scale * half);
+    const spot = ([x, y], wide) => pen.fillRect(unit * x - wide / 2, -unit * y - wide / 2, wide, wide);
+    const disc = (x, y, radius) => {
+      pen.beginPath();
+      pen.arc(x, y, radius, 0, 2 * Math.PI);
+      pen.fill();
+    };
+    pen.strokeStyle = look.shell;
+    pen.fillStyle = look.ground;
+    pen.globalAlpha = 0.85;
+    disc(0, 0, unit * this.reach);
+    pen.globalAlpha = 1;
+    pen.stroke();
+    for (let i = 0; i < free.length; i += Math.ceil(free.length / DOTS)) {
+      pen.fillStyle = scene.pulled.has(free[i]) ? look.lit : look.free;
+      spot(places.subarray(7 * free[i]), Math.max(1.5, unit));
+    }
+    for (const { centre, colour } of scene.solid) {
+      pen.fillStyle = colour;
+      spot(centre, Math.max(2, unit));
+    }
+    // The eye, or the way to it, and the point that it looks at.
+    const [x, y] = times(camera.eye, unit);
+    const inside = Math.min(1, (half - 4) / (Math.hypot(x, y) || 1));
+    pen.strokeStyle = pen.fillStyle = look.ink;
+    pen.globalAlpha = 0.6;
+    pen.beginPath();
+    pen.moveTo(unit * camera.at[0], -unit * camera.at[1]);
+    pen.lineTo(x * inside, -y * inside);
+    pen.stroke();
+    pen.globalAlpha = 1;
+    disc(x * inside, -y * inside, 3.5);
+    pen.font = '600 11px system-ui, sans-serif';
+    pen.textAlign = 'center';
+    pen.fillText('N', 0, -half + 10);
+  }
+}

@@ -1,0 +1,99 @@
+//! The text of a program, cut where statements begin and end.
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use serde_json::{Value, json};
+use stochc_ensemble::Source;
+
+/// Where an event is written.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Statement {
+    /// The file: an index into the program's sources.
+    pub file: usize,
+    /// Where in it \[bytes\].
+    pub bytes: Range<usize>,
+    /// The event of the dependency graph; in a loop, many have one place.
+    pub event: u32,
+}
+
+/// `[{ file, pieces: [{ lines, events }] }]`: the lines of all pieces, one after the other, are the text. Files in which
+/// nothing happens are left out, but for the first.
+pub(super) fn program_text(sources: &[Source], statements: &[Statement]) -> Value {
+    let files = sources.iter().enumerate().filter_map(|(number, source)| {
+        let mut events: BTreeMap<(usize, usize), Vec<u32>> = BTreeMap::new();
+        for statement in statements.iter().filter(|it| it.file == number) {
+            let Range { start, end } = statement.bytes;
+            if start < end && source.text.get(start..end).is_some() {
+                events
+                    .entry((start, end))
+                    .or_default()
+                    .push(statement.event);
+            }
+        }
+        if events.is_empty() && number > 0 {
+            return None;
+        }
+        let mut cuts: Vec<usize> = events.keys().flat_map(|&(from, to)| [from, to]).collect();
+        cuts.extend([0, source.text.len()]);
+        cuts.sort_unstable();
+        cuts.dedup();
+        let pieces = cuts.windows(2).map(|ends| {
+            let inside = events
+                .iter()
+                .filter(|((from, to), _)| *from <= ends[0] && ends[1] <= *to);
+            let events: Vec<u32> = inside.flat_map(|(_, events)| events).copied().collect();
+            let text = source.text[ends[0]..ends[1]]
+                .replace('\r', "")
+                .replace('\t', "    ");
+            json!({ "lines": text.split('\n').collect::<Vec<_>>(), "events": events })
+        });
+        Some(json!({ "file": source.path, "pieces": pieces.collect::<Vec<_>>() }))
+    });
+    Value::Array(files.collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pieces_are_the_text() {
+        let text = "phase p {\n\tA.up -> B\n}\r\n";
+        let source = Source {
+            path: "p.sa".into(),
+            text: text.into(),
+        };
+        let statement = |bytes: Range<usize>, event| Statement {
+            file: 0,
+            bytes,
+            event,
+        };
+        let statements = [
+            statement(11..20, 4),
+            statement(18..20, 5),
+            // Not in this text.
+            statement(20..99, 6),
+        ];
+        let value = program_text(&[source], &statements);
+        let pieces = value[0]["pieces"].as_array().unwrap();
+        let lines = |piece: &Value| -> String {
+            let lines: Vec<_> = (piece["lines"].as_array().unwrap().iter())
+                .map(|line| line.as_str().unwrap())
+                .collect();
+            lines.join("\n")
+        };
+        let whole: String = pieces.iter().map(lines).collect();
+        assert_eq!(whole, "phase p {\n    A.up -> B\n}\n");
+        let marked: Vec<_> = (pieces.iter())
+            .filter(|piece| piece["events"] != json!([]))
+            .map(|piece| (lines(piece), piece["events"].clone()))
+            .collect();
+        assert_eq!(
+            marked,
+            [
+                ("A.up ->".to_owned(), json!([4])),
+                (" B".to_owned(), json!([4, 5]))
+            ]
+        );
+    }
+}

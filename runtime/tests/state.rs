@@ -1,0 +1,269 @@
+//! A run that goes on from what was kept of it is the one that never stopped, to the bit.
+use std::collections::BTreeMap;
+use std::hash::{DefaultHasher, Hash as _, Hasher as _};
+use std::io::Read;
+use std::ops::ControlFlow;
+
+use stochc_compiler::{Limits, check};
+use stochc_ir::Executable;
+use stochc_ir::record::RunRecord;
+use stochc_ir::scene::{Contact, ContactLaw, Messages};
+use stochc_ir::state::{Reader, StateError, Writer};
+use stochc_ir::table::PhaseId;
+use stochc_runtime::observe::{Event, Observer};
+use stochc_runtime::world::Arena;
+use stochc_runtime::{
+    Model, Precision, Reduction, RunError, Save, Settings, Substeps, Watch, observe, run,
+};
+
+const SEED: u64 = 11;
+
+/// The programs of an example.
+fn programs(text: &str) -> Vec<Executable> {
+    let mut reader = |_: &str| Ok(text.as_bytes().to_vec());
+    let checked = check("program.sa", &mut reader, Limits::default());
+    let programs = checked.programs.into_iter();
+    programs
+        .map(|program| program.into_executable().expect("nothing is wrong in it"))
+        .collect()
+}
+
+/// Keeps the state of a run every so many ticks, and begins with one.
+#[derive(Default)]
+struct Keeper {
+    every: u64,
+    /// Where the run ends, as if it was killed.
+    last: Option<u64>,
+    begins_with: Option<Vec<u8>>,
+    tick: u64,
+    kept: Vec<(u64, Vec<u8>)>,
+}
+
+impl Watch for Keeper {
+    fn tick(&mut self, tick: u64, _phase: PhaseId) -> ControlFlow<()> {
+        self.tick = tick;
+        match self.last {
+            Some(last) if tick > last => ControlFlow::Break(()),
+            _ => ControlFlow::Continue(()),
+        }
+    }
+
+    fn kept(&mut self) -> Option<Box<dyn Read>> {
+        let state = self.begins_with.take()?;
+        Some(Box::new(std::io::Cursor::new(state)))
+    }
+
+    fn wants_state(&mut self) -> bool {
+        let before = self.kept.last().map_or(0, |(tick, _)| *tick);
+        self.every > 0 && self.tick - before >= self.every
+    }
+
+    fn keep(&mut self, save: &mut Save<'_>) {
+        let mut bytes = Vec::new();
+        save(&mut Writer::new(&mut bytes)).expect("it can be kept");
+        self.kept.push((self.tick, bytes));
+    }
+}
+
+/// A digest of all places and events, tick by tick.
+#[derive(Default)]
+struct Digests(BTreeMap<u64, u64>);
+
+impl Observer for Digests {
+    fn look(&mut self, arena: &impl Arena, events: &[Event]) {
+        let mut hasher = DefaultHasher::new();
+        for id in 0..arena.count() {
+            let state = arena.state(id);
+            let vectors = [state.position, state.velocity, state.spin];
+            let numbers = vectors.iter().flat_map(|vector| vector.iter());
+            for number in numbers.chain(state.orientation.coords.iter()) {
+                number.to_bits().hash(&mut hasher);
+            }
+        }
+        format!("{events:?}").hash(&mut hasher);
+        self.0.insert(arena.tick(), hasher.finish());
+    }
+
+    fn save(&self, to: &mut Writer<'_>) -> Result<(), StateError> {
+        to.put(&self.0)
+    }
+
+    fn restore(&mut self, from: &mut Reader<'_>) -> Result<(), StateError> {
+        self.0 = from.take()?;
+        Ok(())
+    }
+}
+
+/// Makes a run, with all places if the model has any.
+fn made(
+    of: &Executable,
+    settings: &Settings,
+    watch: &mut Keeper,
+) -> Result<(RunRecord, Digests), RunError> {
+    let (tables, scene) = (&of.tables, &of.scene);
+    let mut digests = Digests::default();
+    let record = match settings.model.has_places() {
+        true => observe(tables, scene, settings, SEED, 0, watch, &mut digests)?,
+        false => run(tables, scene, settings, SEED, 0, watch)?,
+    };
+    Ok((record, digests))
+}
+
+/// Stops a run wherever its state is kept, and goes on; how many states there were.
+fn resumed_everywhere(of: &Executable, settings: &Settings, every: u64) -> usize {
+    let mut straight = Keeper::default();
+    let (whole, digests) = made(of, settings, &mut straight).expect("it runs");
+    let mut keeper = Keeper {
+        every,
+        ..Keeper::default()
+    };
+    let (kept, _) = made(of, settings, &mut keeper).expect("it runs");
+    assert_eq!(kept, whole, "{settings:?}: keeping its state changes a run");
+    let states = keeper.kept.len();
+    for (tick, state) in keeper.kept {
+        let mut resumed = Keeper {
+            begins_with: Some(state),
+            ..Keeper::default()
+        };
+        let (record, places) = made(of, settings, &mut resumed).expect("it goes on");
+        let what = format!("{settings:?} from tick {tick}");
+        assert!(record == whole, "{what}: {:?}", record.outcome);
+        assert!(places.0 == digests.0, "{what}: other places");
+    }
+    states
+}
+
+fn rigid() -> Settings {
+    Settings {
+        max_ticks: Some(700),
+        ..Settings::of(Model::Rigid, 1)
+    }
+}
+
+fn everywhere(text: &str, settings: &[Settings], every: u64) {
+    for program in programs(text) {
+        for settings in settings {
+            let states = resumed_everywhere(&program, settings, every);
+            assert!(states > 1, "{settings:?}: {states}");
+        }
+    }
+}
+
+const TOWER: &str = include_str!("../../examples/five_tower_reconfigured.sa");
+
+#[test]
+fn rigid_blocks_in_all_steps_and_reductions() {
+    let mut ways = vec![
+        rigid(),
+        rigid().with_steps(Substeps::DEFAULT),
+        Settings {
+            precision: Precision::Double,
+            ..rigid().with_steps(Substeps::DEFAULT)
+        },
+    ];
+    ways.extend(Reduction::ALL.map(|reduction| Settings {
+        reduction: Some(reduction),
+        ..rigid()
+    }));
+    everywhere(TOWER, &ways, 211);
+}
+
+#[test]
+fn rapier() {
+    let settings = Settings {
+        max_ticks: Some(400),
+        ..Settings::of(Model::Rapier, 1)
+    };
+    for mut program in programs(TOWER) {
+        // The engine knows no other.
+        program.scene.contact = Some(Contact {
+            law: ContactLaw::Rigid { restitution: 0.4 },
+            friction: 0.3,
+        });
+        assert!(resumed_everywhere(&program, &settings, 131) > 1);
+    }
+}
+
+#[test]
+fn cells() {
+    let mut ways = Vec::new();
+    for model in [Model::Rate, Model::Shuffle] {
+        ways.push(Settings {
+            max_ticks: Some(5000),
+            ..Settings::of(model, 1)
+        });
+    }
+    everywhere(TOWER, &ways[..1], 997);
+    everywhere(TOWER, &ways[1..], 7);
+}
+
+#[test]
+fn messages_that_take_time_and_get_lost() {
+    let settings = Settings {
+        max_ticks: Some(5000),
+        ..Settings::of(Model::Shuffle, 1)
+    };
+    for mut program in programs(TOWER) {
+        program.scene.messages = Some(Messages {
+            hop: 3,
+            loss: Some(0.4),
+        });
+        assert!(resumed_everywhere(&program, &settings, 13) > 5);
+    }
+}
+
+#[test]
+fn fluids_suction_and_magnets_that_always_attract() {
+    for text in [
+        include_str!("../../examples/suction_growth.sa"),
+        include_str!("../../examples/experiment_2.sa"),
+        include_str!("../../examples/microns.sa"),
+    ] {
+        let short = Settings {
+            max_ticks: Some(90),
+            ..rigid()
+        };
+        let rapier = Settings {
+            max_ticks: Some(50),
+            ..Settings::of(Model::Rapier, 1)
+        };
+        everywhere(text, &[short], 41);
+        everywhere(text, &[rapier], 23);
+    }
+}
+
+#[test]
+fn an_aggregate_without_physics() {
+    let text = include_str!("../../examples/experiment_2.sa");
+    let program = programs(text).remove(0);
+    let settings = Settings {
+        max_ticks: Some(200),
+        ..Settings::of(Model::Shuffle, 1)
+    };
+    assert!(resumed_everywhere(&program, &settings, 3) > 0);
+}
+
+#[test]
+fn what_is_no_state_is_refused() {
+    let program = programs(TOWER).remove(0);
+    let mut keeper = Keeper {
+        every: 100,
+        last: Some(250),
+        ..Keeper::default()
+    };
+    assert!(matches!(
+        made(&program, &rigid(), &mut keeper),
+        Err(RunError::Cancelled)
+    ));
+    let (_, state) = keeper.kept.pop().expect("it is kept at 200 ticks");
+    let mut longer = state.clone();
+    longer[7] = 0x7f;
+    for damaged in [&state[..state.len() / 2], &[], &longer] {
+        let mut watch = Keeper {
+            begins_with: Some(damaged.to_vec()),
+            ..Keeper::default()
+        };
+        let made = made(&program, &rigid(), &mut watch);
+        assert!(matches!(made, Err(RunError::State(_))));
+    }
+}

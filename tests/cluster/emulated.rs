@@ -1,0 +1,306 @@
+//! The cluster, and what is done to it.
+use std::collections::BTreeMap;
+use std::fs;
+use std::io::{BufRead as _, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::sync::{Mutex, MutexGuard, OnceLock};
+use std::time::{Duration, Instant};
+
+use tempfile::TempDir;
+
+use crate::skipped::skipped;
+
+/// Longer than any wait can take on a busy machine.
+const PATIENCE: Duration = Duration::from_secs(180);
+
+/// A program with physics, so that there is time to hold it in between.
+pub const SLOW: &str = "simulate examples/line.sa --max-ticks 2500 --seed 3 --runs 8";
+/// The same, without physics, in no time.
+pub const FAST: &str = "simulate tests/fixtures/tower.sa --model shuffle --seed 3 --runs 12";
+
+/// A Slurm of two nodes, `n1` and `n2`, with one processor each, and arrays of five tasks at most.
+pub struct Cluster {
+    configuration: PathBuf,
+    /// Ends with the pipe to it.
+    _run: Child,
+}
+
+/// The cluster that all tests share, one after the other; `None`: Slurm is not installed.
+pub fn cluster() -> Option<MutexGuard<'static, Cluster>> {
+    static CLUSTER: OnceLock<Option<Mutex<Cluster>>> = OnceLock::new();
+    let cluster = CLUSTER
+        .get_or_init(|| Cluster::start().map(Mutex::new))
+        .as_ref();
+    let Some(cluster) = cluster else {
+        skipped("slurm-wlm", "slurmctld");
+        return None;
+    };
+    let cluster = cluster.lock().unwrap_or_else(|failed| failed.into_inner());
+    until("two idle nodes", || {
+        cluster.ask("sinfo --noheader --Node --format=%t") == "idle\nidle\n"
+    });
+    Some(cluster)
+}
+
+/// Waits until something is so.
+pub fn until(what: &str, so: impl Fn() -> bool) {
+    let start = Instant::now();
+    while !so() {
+        assert!(start.elapsed() < PATIENCE, "no {what}");
+        std::thread::sleep(Duration::from_millis(50));
+    }
+}
+
+impl Cluster {
+    /// Starts one; `None`: it is not installed.
+    pub fn start() -> Option<Cluster> {
+        let mut run = Command::new("tests/cluster/run");
+        run.args(["sh", "-c", "echo \"$SLURM_CONF\"; exec cat"]);
+        run.env("STOCHC_SLURM_CONF", "MaxArraySize=5");
+        run.stdin(Stdio::piped()).stdout(Stdio::piped());
+        let mut run = run.spawn().unwrap();
+        let mut line = String::new();
+        let out = run.stdout.as_mut().unwrap();
+        BufReader::new(out).read_line(&mut line).unwrap();
+        if line.is_empty() {
+            assert_eq!(run.wait().unwrap().code(), Some(2), "it does not start");
+            return None;
+        }
+        let configuration = PathBuf::from(line.trim());
+        let _run = run;
+        Some(Cluster {
+            configuration,
+            _run,
+        })
+    }
+
+    /// The script that runs it.
+    pub fn script(&mut self) -> &mut Child {
+        &mut self._run
+    }
+
+    /// Its folder.
+    pub fn folder(&self) -> &Path {
+        self.configuration.parent().unwrap()
+    }
+
+    /// A program that sees it, with the words of a line.
+    pub fn command(&self, line: &str) -> Command {
+        let mut words = line.split_whitespace();
+        let mut command = Command::new("env");
+        // Whoever runs the tests may ignore some.
+        command.arg("--default-signal=INT,TERM,HUP");
+        command.args(words.next().map(|program| match program {
+            "stochc" => env!("CARGO_BIN_EXE_stochc"),
+            program => program,
+        }));
+        command.args(words).env("SLURM_CONF", &self.configuration);
+        // Jobs get the environment of whoever submits them.
+        command.env_remove("RUST_BACKTRACE");
+        command.stdin(Stdio::null());
+        command.stdout(Stdio::piped()).stderr(Stdio::piped());
+        command
+    }
+
+    /// What such a program prints.
+    pub fn ask(&self, line: &str) -> String {
+        String::from_utf8(self.command(line).output().unwrap().stdout).unwrap()
+    }
+
+    /// Starts `stochc submit` on a folder.
+    pub fn submit(&self, folder: &Path, options: &str) -> Child {
+        let mut command = self.command(&format!("stochc submit {options}"));
+        command.arg(folder).spawn().unwrap()
+    }
+
+    /// How many job arrays of this name were submitted, and have not been forgotten.
+    pub fn arrays(&self, name: &str) -> usize {
+        let jobs = self.ask("squeue --noheader --states=all --format=%F|%j");
+        let arrays = jobs.lines().filter_map(|line| line.split_once('|'));
+        let arrays = arrays.filter(|(_, of)| *of == name).map(|(job, _)| job);
+        arrays.collect::<std::collections::BTreeSet<_>>().len()
+    }
+
+    /// The name of the job arrays of a folder, before it is whole.
+    pub fn name(&self, folder: &Path) -> String {
+        let shown = self
+            .command("stochc submit --dry-run")
+            .arg(folder)
+            .output()
+            .unwrap();
+        let shown = String::from_utf8(shown.stdout).unwrap();
+        let name = shown.split("--job-name=").nth(1);
+        let name = name.and_then(|it| it.split_whitespace().next());
+        name.unwrap_or_else(|| panic!("{shown}")).to_owned()
+    }
+}
+
+/// An ensemble in pieces, in a folder of its own.
+pub struct Ensemble {
+    /// Its folder.
+    pub path: PathBuf,
+    /// What is in the folder of one machine.
+    expected: BTreeMap<PathBuf, Vec<u8>>,
+    _folder: TempDir,
+}
+
+impl Ensemble {
+    /// Of the runs that a line says, in so many pieces.
+    pub fn cut(line: &str, shards: u64) -> Ensemble {
+        static MADE: Mutex<BTreeMap<String, BTreeMap<PathBuf, Vec<u8>>>> =
+            Mutex::new(BTreeMap::new());
+        let folder = tempfile::tempdir().unwrap();
+        let make = |name: &str, more: [&str; 2]| {
+            let path = folder.path().join(name);
+            let mut command = Command::new(env!("CARGO_BIN_EXE_stochc"));
+            command
+                .args(line.split_whitespace())
+                .args(more)
+                .arg("--quiet");
+            let said = command.arg("--out").arg(&path).output().unwrap();
+            assert_ne!(said.status.code(), Some(2), "{said:?}");
+            path
+        };
+        let mut made = MADE.lock().unwrap();
+        let expected = made.entry(line.to_owned());
+        let expected = expected.or_insert_with(|| files(&make("plain", ["--threads", "1"])));
+        Ensemble {
+            // Names of others.
+            path: make(
+                "it's 100 %A \\ \"of\"\n$HOME",
+                ["--shards", &shards.to_string()],
+            ),
+            expected: expected.clone(),
+            _folder: folder,
+        }
+    }
+
+    /// Waits for the end of `submit`, after which it has to be the folder of one machine.
+    pub fn is_made_by(&self, child: Child) {
+        let (status, said) = end(child);
+        assert_eq!(status, 0, "{said}");
+        assert!(files(&self.path) == self.expected, "{said}");
+    }
+}
+
+/// Every file below a folder, but for the lock.
+pub fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let name = PathBuf::from(path.file_name().unwrap());
+        if path.is_dir() {
+            found.insert(name.clone(), Vec::new());
+            found.extend(
+                files(&path)
+                    .into_iter()
+                    .map(|(file, content)| (name.join(file), content)),
+            );
+        } else if name != Path::new(".lock") {
+            found.insert(name, fs::read(path).unwrap());
+        }
+    }
+    found
+}
+
+/// Waits for the end of a command; its status, and what it said on standard error.
+pub fn end(child: Child) -> (i32, String) {
+    let Output { status, stderr, .. } = child.wait_with_output().unwrap();
+    (status.code().unwrap(), String::from_utf8(stderr).unwrap())
+}
+
+/// Processes whose arguments and environment are such, by their ids.
+fn processes(is_meant: impl Fn(&[&[u8]], &[&[u8]]) -> bool) -> Vec<String> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir("/proc").unwrap().flatten() {
+        let read = |name: &str| fs::read(entry.path().join(name)).unwrap_or_default();
+        let (arguments, environment) = (read("cmdline"), read("environ"));
+        let [arguments, environment]: [Vec<&[u8]>; 2] =
+            [&arguments, &environment].map(|text| text.split(|byte| *byte == 0).collect());
+        let id = entry.file_name().into_string().unwrap();
+        if id.bytes().all(|byte| byte.is_ascii_digit()) && is_meant(&arguments, &environment) {
+            found.push(id);
+        }
+    }
+    found
+}
+
+/// A process that makes a piece and has finished some of its runs; it is held.
+pub struct Held(pub String);
+
+impl Held {
+    /// The one that makes this piece.
+    pub fn making(folder: &Path, piece: &str) -> Held {
+        let path = folder.as_os_str().as_encoded_bytes();
+        let find = || {
+            processes(
+                |arguments, _| matches!(arguments, [_, b"shard", of, number, ..] if *of == path && *number == piece.as_bytes()),
+            )
+        };
+        let lines = |path| {
+            fs::read_to_string(path)
+                .unwrap_or_default()
+                .matches('\n')
+                .count()
+        };
+        let has_run = || {
+            let entries = fs::read_dir(folder.join("shards")).unwrap().flatten();
+            let part = format!("{piece}.part-");
+            let is_part = |path: &PathBuf| {
+                path.file_name()
+                    .unwrap()
+                    .to_str()
+                    .unwrap()
+                    .starts_with(&part)
+            };
+            entries
+                .map(|entry| entry.path())
+                .filter(is_part)
+                .map(lines)
+                .any(|lines| lines > 1)
+        };
+        until("process that makes a piece", || {
+            !find().is_empty() && has_run()
+        });
+        let id = find().pop().expect("it makes a piece of several runs");
+        signal("-STOP", std::slice::from_ref(&id));
+        let whole = folder.join("shards").join(format!("{piece}.jsonl"));
+        assert!(!whole.exists(), "a piece was made too fast to be held");
+        Held(id)
+    }
+
+    /// Lets it go on.
+    pub fn goes_on(self) {
+        signal("-CONT", &[self.0]);
+    }
+}
+
+/// Sends a signal to processes, of which some may have ended.
+pub fn signal(signal: &str, ids: &[String]) {
+    let _ = Command::new("kill")
+        .arg(signal)
+        .args(ids)
+        .stderr(Stdio::null())
+        .status();
+}
+
+/// Processes that belong to a cluster: with a node's name, those on that node.
+pub fn members(cluster: &Cluster, node: Option<&str>) -> Vec<String> {
+    let configuration = format!("SLURM_CONF={}", cluster.configuration.display());
+    let node = node.map(|node| format!("SLURMD_NODENAME={node}"));
+    processes(|arguments, environment| {
+        let of_node = node.as_ref().is_none_or(|node| {
+            let name = &node.as_bytes()[node.len() - 2..];
+            environment.contains(&node.as_bytes())
+                || arguments.starts_with(&[b"slurmd", b"-N", name])
+        });
+        environment.contains(&configuration.as_bytes()) && of_node
+    })
+}
+
+/// The id of a daemon.
+pub fn daemon(cluster: &Cluster, name: &str) -> String {
+    let id = fs::read_to_string(cluster.folder().join(format!("{name}.pid")));
+    id.unwrap().trim().to_owned()
+}

@@ -1,0 +1,162 @@
+//! `kill -9` in the middle of a run, and what goes on from there.
+use std::fs;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::Duration;
+
+use crate::stochc::{path, said, stochc_with, tables};
+
+const TOWER: &str = "examples/five_tower.sa";
+
+/// Times that a command is killed.
+const KILLS: usize = 3;
+
+/// All files in a folder, by name, and what is in them.
+fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
+    let Ok(entries) = fs::read_dir(folder) else {
+        return Vec::new();
+    };
+    let entries = entries.map(|entry| entry.unwrap().path());
+    let mut files: Vec<_> = entries
+        .map(|path| {
+            let name = path.file_name().unwrap().to_string_lossy().into_owned();
+            (name, fs::read(&path).unwrap_or_default())
+        })
+        .collect();
+    files.sort();
+    files
+}
+
+fn command(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_stochc"));
+    command.args(arguments).stdin(Stdio::null());
+    command
+}
+
+/// Kills a process when the checkpoints are others than `before`; whether it has come to its end before.
+fn kill(mut child: Child, folder: &Path, before: &[(String, Vec<u8>)]) -> bool {
+    loop {
+        if child.try_wait().unwrap().is_some() {
+            return true;
+        }
+        let now = files(folder);
+        // What has its name is whole.
+        let is_whole = |(name, _): &&(String, Vec<u8>)| name.ends_with(".state");
+        if now
+            .iter()
+            .any(|file| is_whole(&file) && !before.contains(file))
+        {
+            child.kill().unwrap();
+            child.wait().unwrap();
+            return false;
+        }
+        std::thread::sleep(Duration::from_millis(3));
+    }
+}
+
+/// Kills a command several times while it is in a run, and has it go on with `later` arguments to the end.
+fn killed_and_resumed(arguments: &[&str], later: &[&str], out: &str) {
+    let folder = Path::new(out).join("checkpoints");
+    let mut arguments_now = arguments.to_vec();
+    let mut goes_on = 0;
+    for _ in 0..KILLS {
+        let before = files(&folder);
+        let mut child = command(&arguments_now);
+        let child = child.stdout(Stdio::null()).stderr(Stdio::null());
+        if kill(child.spawn().unwrap(), &folder, &before) {
+            break;
+        }
+        goes_on += 1;
+        arguments_now = [arguments, later].concat();
+    }
+    assert!(goes_on > 0, "it was never killed in a run");
+    let last = said(&mut command(&arguments_now));
+    assert!([0, 3].contains(&last.status), "{}", last.err);
+    assert!(
+        last.err.contains("goes on from its checkpoint at tick"),
+        "{}",
+        last.err
+    );
+    // Of pieces the folder stays, until they are put together.
+    assert!(files(&folder).is_empty(), "{:?}", files(&folder));
+}
+
+/// Runs of some thousand ticks, with their states kept every hundred.
+fn simulate<'a>(file: &'a str, more: &'a str, out: &'a str) -> Vec<&'a str> {
+    let all = "--runs 2 --threads 1 --checkpoints 100ticks";
+    let more = more.split_whitespace();
+    let file = ["simulate", file].into_iter();
+    file.chain(all.split(' '))
+        .chain(more)
+        .chain(["--out", out])
+        .collect()
+}
+
+#[test]
+fn runs_that_are_recorded_at_points_of_a_sweep_go_on() {
+    let place = tempfile::tempdir().unwrap();
+    let [out, straight] = ["out", "straight"].map(|name| path(place.path(), name));
+    let of = |out| {
+        simulate(
+            TOWER,
+            "--max-ticks 3000 --sweep free=100,300 --record all",
+            out,
+        )
+    };
+    killed_and_resumed(&of(&out), &["--resume"], &out);
+    let said = said(&mut command(&of(&straight)));
+    assert!([0, 3].contains(&said.status), "{}", said.err);
+    assert!(tables(&out) == tables(&straight));
+    for folder in ["recordings", "damaged"] {
+        let [one, other] = [&out, &straight].map(|out| files(&Path::new(out).join(folder)));
+        assert!(one == other, "{folder}");
+    }
+    for name in ["sweep.csv", "sweep.json"] {
+        let [one, other] =
+            [&out, &straight].map(|out| fs::read(Path::new(out).join(name)).unwrap());
+        assert!(one == other, "{name}");
+    }
+}
+
+#[test]
+fn runs_of_every_model_with_places_go_on() {
+    for (file, more) in [
+        // The engine knows no contact of the kind that the other has.
+        ("examples/microns.sa", "--max-ticks 1000 --model rapier"),
+        (TOWER, "--max-ticks 3000 --precision double"),
+        (TOWER, "--max-ticks 3000 --reduce no-rotation"),
+    ] {
+        let place = tempfile::tempdir().unwrap();
+        let [out, straight] = ["out", "straight"].map(|name| path(place.path(), name));
+        let of = |out| simulate(file, more, out);
+        killed_and_resumed(&of(&out), &["--resume"], &out);
+        said(&mut command(&of(&straight)));
+        assert!(tables(&out) == tables(&straight), "{more}");
+    }
+}
+
+#[test]
+fn pieces_go_on() {
+    let place = tempfile::tempdir().unwrap();
+    let [out, straight] = ["out", "straight"].map(|name| path(place.path(), name));
+    let of = |out| simulate(TOWER, "--max-ticks 3000", out);
+    let mut cut = of(&out);
+    cut.extend(["--shards", "2"]);
+    let said_of = said(&mut command(&cut));
+    assert_eq!(said_of.status, 0, "{}", said_of.err);
+    for piece in ["0", "1"] {
+        let shard = [
+            "shard",
+            &out,
+            piece,
+            "--threads",
+            "1",
+            "--checkpoints",
+            "100ticks",
+        ];
+        killed_and_resumed(&shard, &[], &out);
+    }
+    assert_eq!(stochc_with("merge", &[&out]).status, 0);
+    said(&mut command(&of(&straight)));
+    assert!(tables(&out) == tables(&straight));
+}

@@ -1,0 +1,132 @@
+//! Little memory and few threads: every command ends with a documented status, and says why.
+use std::fs;
+use std::os::unix::fs::{MetadataExt as _, PermissionsExt as _};
+use std::process::{Command, Stdio};
+
+use crate::skipped::skipped;
+use crate::stochc::{Said, path, said, stochc_with};
+
+/// A program of a hundred thousand captures: towers of ten on a square plate.
+const LARGE: &str = "scene vast from hemisphere {
+    free 100000 uniform
+    enclosure hemisphere { radius 120m  wall 25 N/m }
+}
+pattern tower(base) { base.up ->> T[1..10] }
+assembly towers in vast {
+    seed plate 100 x 100 { for y in 0..99 { for x in 0..99 { S[x, y] at (x, y) } } }
+    phase build { for y in 0..99 { for x in 0..99 { tower(S[x, y]) as t[x, y] } } }
+}
+";
+
+/// Does a command with so much address space \[kB\].
+fn with_memory(kilobytes: u32, arguments: &[&str]) -> Said {
+    let program = format!("ulimit -v {kilobytes}; exec \"$@\"");
+    let mut command = Command::new("sh");
+    command.args(["-c", &program, "sh", env!("CARGO_BIN_EXE_stochc")]);
+    said(command.args(arguments).env("RUST_BACKTRACE", "0"))
+}
+
+#[track_caller]
+fn ends_well(said: &Said, statuses: &[i32]) {
+    assert!(
+        statuses.contains(&said.status),
+        "{}: {}",
+        said.status,
+        said.err
+    );
+    assert!(!said.err.contains("panicked"), "{}", said.err);
+    let is_told = said.status != 2
+        || said.err.contains("error: ")
+        || said.err.contains("memory allocation of ");
+    assert!(is_told, "{}", said.err);
+}
+
+#[test]
+fn without_memory_a_command_says_so_and_ends_with_its_status() {
+    let place = tempfile::tempdir().unwrap();
+    let [large, out, cut] = ["large.sa", "out", "cut"].map(|name| path(place.path(), name));
+    fs::write(&large, LARGE).unwrap();
+    let line = "simulate examples/five_tower.sa --model shuffle --runs 300 --quiet --out";
+    assert_eq!(stochc_with(line, &[&out]).status, 0);
+    let line = "simulate examples/five_tower.sa --model shuffle --runs 20 --shards 2 --quiet --out";
+    assert_eq!(stochc_with(line, &[&cut]).status, 0);
+    for piece in ["0", "1"] {
+        assert_eq!(stochc_with("shard --quiet", &[&cut, piece]).status, 0);
+    }
+    let mut refused = 0;
+    for kilobytes in [40_000, 60_000, 90_000, 150_000, 300_000, 1_000_000] {
+        let new = path(place.path(), &kilobytes.to_string());
+        for arguments in [
+            &["check", &large][..],
+            &[
+                "simulate", &large, "--model", "shuffle", "--runs", "1", "--out", &new, "--quiet",
+            ],
+            &[
+                "simulate",
+                "examples/five_tower.sa",
+                "--max-ticks",
+                "50",
+                "--runs",
+                "2",
+            ],
+            &["results", &out],
+            &["report", &out],
+            &["plan", "examples/planned/chair.sa", "--budget", "3"],
+            &["merge", &cut],
+        ] {
+            let said = with_memory(kilobytes, arguments);
+            // Of a folder that is not cut any more `merge` says that.
+            ends_well(&said, &[0, 2, 3]);
+            refused += usize::from(said.err.contains("memory allocation of "));
+        }
+    }
+    assert!(refused > 2, "{refused}: nothing was short of memory");
+    let results = stochc_with("results", &[&out]);
+    assert_eq!(results.status, 0, "{}", results.err);
+}
+
+/// A user of whom nothing else runs: the limit counts all of a user's threads, and not those of root.
+const NOBODY: u32 = 61_234;
+
+#[test]
+fn without_threads_a_command_goes_on_or_says_so() {
+    let place = tempfile::tempdir().unwrap();
+    let is_root = fs::metadata("/proc/self").unwrap().uid() == 0;
+    let setpriv = Command::new("setpriv").arg("--version").output();
+    if !is_root || setpriv.is_err() {
+        return skipped("util-linux", "setpriv as root");
+    }
+    // What nobody may not reach, nobody cannot run.
+    let program = place.path().join("stochc");
+    fs::copy(env!("CARGO_BIN_EXE_stochc"), &program).unwrap();
+    let example = place.path().join("line.sa");
+    fs::copy("examples/line.sa", &example).unwrap();
+    fs::set_permissions(place.path(), fs::Permissions::from_mode(0o777)).unwrap();
+    let example = example.to_str().unwrap();
+    for threads in 1..=3 {
+        let out = path(place.path(), &threads.to_string());
+        let simulate = [
+            "simulate",
+            example,
+            "--max-ticks",
+            "50",
+            "--runs",
+            "3",
+            "--threads",
+            "3",
+        ];
+        for (arguments, statuses) in [
+            (&["check", example][..], &[0][..]),
+            (&simulate, &[2, 3]),
+            (&[&simulate[..], &["--out", &out]].concat(), &[2, 3]),
+            (&["lsp"], &[1, 2]),
+        ] {
+            let mut command = Command::new("prlimit");
+            command.arg(format!("--nproc={threads}:{threads}"));
+            let user = [format!("--reuid={NOBODY}"), format!("--regid={NOBODY}")];
+            command.arg("setpriv").args(user).arg("--clear-groups");
+            command.arg(&program).args(arguments).stdin(Stdio::null());
+            ends_well(&said(&mut command), statuses);
+        }
+    }
+}

@@ -1,0 +1,71 @@
+//! What `check --cost` says of times, against runs by rates: of both the law of waits is the same, and the program is read by
+//! different pieces.
+use stochc_compiler::cost;
+use stochc_ir::record::Outcome;
+use stochc_rates::Rates;
+use stochc_runtime::{Model, Settings};
+
+const RUNS: u64 = 400;
+
+/// Mean over mean of the runs, less 1, at most: chance apart, for what the estimate does not know.
+fn agree(names: &[&str], most: f64) {
+    for name in names {
+        let checked = stochc::check(name);
+        assert!(!checked.has_errors(), "{name}");
+        let program = &checked.programs[0];
+        let rates = Rates::built_in(program.scene.as_ref().unwrap());
+        let expected = cost::estimate(program, rates).unwrap().total.unwrap().mean;
+        let executable = stochc::compile(checked).unwrap().remove(0);
+        let settings = Settings::of(Model::Rate, 1);
+        let ticks: Vec<f64> = (0..RUNS)
+            .map(|run| {
+                let record = stochc::simulate(&executable, &settings, 11, run).unwrap();
+                assert_eq!(record.outcome, Outcome::Completed, "{name}");
+                record.ticks as f64
+            })
+            .collect();
+        let count = RUNS as f64;
+        let mean = ticks.iter().sum::<f64>() / count;
+        let squares: f64 = ticks.iter().map(|ticks| (ticks - mean).powi(2)).sum();
+        let error = (squares / (count - 1.0) / count).sqrt() / mean;
+        let off = expected / mean - 1.0;
+        assert!(
+            off.abs() < most + 3.5 * error,
+            "{name}: {expected:.0} instead of {mean:.0}, off by {off:.3}, of which {error:.3} by chance"
+        );
+    }
+}
+
+#[test]
+fn where_faces_wait_apart_it_is_the_same() {
+    agree(
+        &[
+            "examples/line.sa",
+            "examples/closed_platform.sa",
+            "examples/five_tower.sa",
+            "benches/rates/gallows.sa",
+            "benches/rates/cross.sa",
+            "benches/rates/twins.sa",
+        ],
+        0.007,
+    );
+}
+
+#[test]
+fn blocks_that_are_let_go_have_their_head_start() {
+    agree(
+        &[
+            "examples/five_tower_reconfigured.sa",
+            "benches/rates/hand_over.sa",
+        ],
+        0.02,
+    );
+}
+
+#[test]
+fn faces_beside_each_other_are_half_known() {
+    agree(
+        &["benches/rates/sixteen.sa", "benches/rates/nine_feet.sa"],
+        0.06,
+    );
+}

@@ -1,0 +1,49 @@
+//! The page, by the rules of WCAG.
+use std::path::PathBuf;
+
+use serde_json::json;
+
+use crate::browser::browser;
+use crate::folder::{PROGRAM, Results};
+use crate::skipped::skipped;
+
+/// The script of axe-core; `None`, with a note, where it is missing and not required.
+#[track_caller]
+fn axe() -> Option<String> {
+    let path = std::env::var_os("STOCHC_AXE").map(PathBuf::from);
+    let script = path.and_then(|path| std::fs::read_to_string(path).ok());
+    if script.is_none() {
+        skipped("axe", "axe-core");
+    }
+    script
+}
+
+#[test]
+fn nothing_breaks_wcag_aa() {
+    let (Some(mut browser), Some(axe)) = (browser(&[]), axe()) else {
+        return;
+    };
+    let results = Results::of(PROGRAM, "--record 0");
+    let page = results.page(0);
+    for theme in ["dark", "light"] {
+        let wanted = json!({ "features": [{ "name": "prefers-color-scheme", "value": theme }] });
+        browser.call("Emulation.setEmulatedMedia", &wanted);
+        for (width, height, hash) in [(1440, 900, "#tick=9000&block=3"), (390, 844, "#tick=4000")] {
+            browser.size(width, height);
+            browser.open(&page, hash);
+            browser.value("replay.settled().then(() => 1)");
+            browser.value(&format!("{axe};1"));
+            let found = browser.value(
+                "axe.run(document, { runOnly: ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa'] }).then(
+                    ({ violations, passes }) => ({ passes: passes.length, violations: violations.map(({ id, nodes }) =>
+                        [id, ...nodes.map(({ html }) => html)]) }))",
+            );
+            assert_eq!(
+                found["violations"],
+                json!([]),
+                "{theme}, {width} x {height}"
+            );
+            assert!(found["passes"].as_u64().unwrap() > 10, "{found}");
+        }
+    }
+}

@@ -1,0 +1,243 @@
+//! Finding one's way in the page: what a click means, and what moves by itself.
+use serde_json::{Value, json};
+
+use crate::browser::{Browser, browser};
+use crate::folder::{PROGRAM, Results};
+
+fn ready(more: &str) -> Option<(Browser, Results)> {
+    let mut browser = browser(&[])?;
+    let results = Results::of(PROGRAM, "--record 0");
+    browser.open(&results.page(0), more);
+    Some((browser, results))
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap()
+}
+
+#[test]
+fn a_click_on_a_name_chooses_its_block() {
+    let Some((mut browser, _results)) = ready("") else {
+        return;
+    };
+    let end = number(&browser.value("replay.state().end"));
+    let mut clicked = 0;
+    for part in 1..=12 {
+        let tick = (end * f64::from(part) / 12.0).floor();
+        browser.value(&format!("replay.seek({tick}).then(() => 1)"));
+        for name in browser.value("replay.names()").as_array().unwrap() {
+            let (x, y) = (number(&name["x"]), number(&name["y"]));
+            let hit = "document.elementFromPoint";
+            if browser.value(&format!("{hit}({x}, {y})?.id")) != "arena" {
+                continue;
+            }
+            browser.click(x, y);
+            let selected = browser.value("replay.state().selected");
+            assert_eq!(selected, name["body"], "{name} at {tick}");
+            browser.key("Escape");
+            clicked += 1;
+        }
+    }
+    assert!(clicked >= 40, "{clicked}");
+    assert_eq!(browser.complaints, [""; 0]);
+}
+
+#[test]
+fn what_is_anchored_is_chosen_before_what_lets_light_through() {
+    let Some((mut browser, _results)) = ready("") else {
+        return;
+    };
+    // A free block between the eye and a block of the structure: only if it is solid it is in the way.
+    let found = browser.value(
+        "(async () => {
+            const end = replay.state().end;
+            for (let tick = 100; tick < end; tick += 100) {
+                const { structure } = await replay.seek(tick);
+                for (const [body] of structure) for (const face of ['up', 'south', 'east']) {
+                    const { x, y } = replay.face(body, face);
+                    if (replay.names().some(name => Math.hypot(name.x - x, name.y - y) < 40)) continue;
+                    const faint = replay.pick(x, y);
+                    if (!structure.some(([other]) => other === faint)) continue;
+                    document.getElementById('cloud').click();
+                    await replay.settled();
+                    const solid = replay.pick(x, y);
+                    document.getElementById('cloud').click();
+                    document.getElementById('cloud').click();
+                    await replay.settled();
+                    if (solid >= 0 && !structure.some(([other]) => other === solid)) return { x, y, solid, faint };
+                }
+            }
+        })()",
+    );
+    assert!(found["solid"].is_u64(), "{found}");
+    // A free block that is chosen still lets light through: what is behind it is seen.
+    let shown = browser.value(&format!(
+        "(async () => {{
+            const at = () => replay.pixel({x}, {y});
+            const before = at();
+            replay.select({solid});
+            await replay.settled();
+            const chosen = at();
+            document.getElementById('cloud').click();
+            await replay.settled();
+            return [before, chosen, at()];
+        }})()",
+        x = found["x"],
+        y = found["y"],
+        solid = found["solid"],
+    ));
+    assert_ne!(shown[1], shown[2], "{shown}");
+    assert_eq!(browser.complaints, [""; 0]);
+}
+
+#[test]
+fn names_do_not_show_through_solid_blocks() {
+    let Some((mut browser, _results)) = ready("") else {
+        return;
+    };
+    let covered = browser.value(
+        "(async () => {
+            const end = replay.state().end;
+            for (let tick = 50; tick < end; tick += 50) {
+                await replay.seek(tick);
+                const faint = replay.names().map(({ text }) => text);
+                document.getElementById('cloud').click();
+                const solid = (await replay.settled()).labels;
+                document.getElementById('cloud').click();
+                document.getElementById('cloud').click();
+                const gone = faint.filter(text => !solid.includes(text));
+                if (solid.some(text => !faint.includes(text))) return 'a name more';
+                if (gone.length) return gone;
+            }
+            return [];
+        })()",
+    );
+    assert!(!covered.as_array().unwrap().is_empty(), "{covered}");
+}
+
+#[test]
+fn the_strip_of_marks_is_dragged() {
+    let Some((mut browser, _results)) = ready("") else {
+        return;
+    };
+    let strip = browser.value(
+        "(({ left, top, width, height }) => ({ left, top, width, height }))(document.getElementById('timeline').getBoundingClientRect())",
+    );
+    let (left, width) = (number(&strip["left"]), number(&strip["width"]));
+    let y = number(&strip["top"]) + number(&strip["height"]) / 2.0;
+    let end = number(&browser.value("replay.state().end"));
+    for (part, kind, buttons) in [
+        (0.25, "mousePressed", 1),
+        (0.5, "mouseMoved", 1),
+        (0.75, "mouseReleased", 0),
+    ] {
+        let x = left + 8.0 + part * (width - 16.0);
+        let event = json!({ "type": kind, "x": x, "y": y, "button": "left", "buttons": buttons, "clickCount": 1 });
+        browser.call("Input.dispatchMouseEvent", &event);
+        let tick = number(&browser.value("replay.settled()")["tick"]);
+        // Where the button is released, it no longer moves.
+        let expected = end * f64::min(part, 0.5);
+        assert!(
+            (tick - expected).abs() < 2.0 * end / width,
+            "{tick} at {part}"
+        );
+    }
+}
+
+#[test]
+fn graphics_that_are_lost_come_back() {
+    let Some((mut browser, _results)) = ready("#tick=2500") else {
+        return;
+    };
+    let middle = "replay.pixel(300, 300)";
+    let before = browser.value(middle);
+    let lost = "window.lost = document.getElementById('arena').getContext('webgl2').getExtension('WEBGL_lose_context')";
+    browser.value(&format!("{lost}, lost.loseContext(), 1"));
+    browser.value("new Promise(done => setTimeout(done, 100))");
+    // Whatever is done meanwhile is done.
+    browser.key("ArrowRight");
+    browser.key("ArrowLeft");
+    browser.value("lost.restoreContext(), new Promise(done => setTimeout(done, 200))");
+    browser.value("replay.settled().then(() => 1)");
+    assert_eq!(browser.value(middle), before);
+    let failed = browser.value("document.body.classList.contains('failed')");
+    assert_eq!(failed, false);
+}
+
+#[test]
+fn keys_turn_the_view_and_choose_a_block() {
+    let Some((mut browser, _results)) = ready("#tick=9000") else {
+        return;
+    };
+    let place =
+        |browser: &mut Browser| browser.value("replay.settled().then(() => replay.screen(0))");
+    let first = place(&mut browser);
+    for (there, back) in [("a", "d"), ("w", "s"), ("A", "D"), ("W", "S"), ("e", "q")] {
+        browser.key(there);
+        assert_ne!(place(&mut browser), first, "{there}");
+        browser.key(back);
+        let again = place(&mut browser);
+        for axis in ["x", "y"] {
+            let moved = number(&again[axis]) - number(&first[axis]);
+            assert!(moved.abs() < 1e-6, "{there}, {back}: {again}");
+        }
+    }
+    let structure = browser.value("replay.state().structure");
+    let mut chosen = std::collections::BTreeSet::new();
+    for _ in 0..30 {
+        browser.key("b");
+        let selected = browser.value("replay.state().selected");
+        assert!(selected.is_i64(), "{selected}");
+        chosen.insert(selected.as_i64().unwrap());
+    }
+    for block in structure.as_array().unwrap() {
+        assert!(chosen.contains(&block[0].as_i64().unwrap()), "{block}");
+    }
+    browser.key("B");
+    let before = browser.value("replay.state().selected");
+    browser.key("b");
+    browser.key("B");
+    assert_eq!(browser.value("replay.state().selected"), before);
+}
+
+#[test]
+fn the_graph_scrolls_to_what_happens_and_the_focus_stays() {
+    let Some((mut browser, _results)) = ready("") else {
+        return;
+    };
+    browser.size(1000, 420);
+    let end = number(&browser.value("replay.state().end"));
+    let mut looked = 0;
+    for part in 1..=20 {
+        let tick = (end * f64::from(part) / 20.0).floor();
+        browser.value(&format!("replay.seek({tick}).then(() => 1)"));
+        let inside = browser.value(
+            "(() => {
+                const box = document.getElementById('graph').getBoundingClientRect();
+                const nodes = [...document.querySelectorAll('#graph .under-way, #graph .new')];
+                const seen = node => {
+                    const { left, right, top, bottom } = node.getBoundingClientRect();
+                    return left >= box.left - 1 && right <= box.right + 1 && top >= box.top - 1 && bottom <= box.bottom + 1;
+                };
+                return nodes.length ? nodes.some(seen) : null;
+            })()",
+        );
+        if !inside.is_null() {
+            assert_eq!(inside, true, "at {tick}");
+            looked += 1;
+        }
+    }
+    assert!(looked > 10, "{looked}");
+    let focused = browser.value(
+        "(async () => {
+            const line = document.querySelector('#block li button');
+            line.focus();
+            const text = line.parentNode.textContent;
+            await replay.seek(replay.state().end);
+            const same = document.activeElement.closest('#block li') !== null;
+            await replay.seek(3);
+            return same && document.activeElement.tagName === 'BUTTON' && text.length > 0;
+        })()",
+    );
+    assert_eq!(focused, true);
+}
