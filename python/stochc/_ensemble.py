@@ -21,8 +21,6 @@ Programs: TypeAlias = Source | Program | Iterable[Source | Program]
 Axes: TypeAlias = Mapping[str, str | float | Sequence[float]]
 """Numbers of the scene and their values: `{"free": [50, 100], "bond.pull": "2..12 N/5 log"}`."""
 
-Model: TypeAlias = Literal["rigid", "rapier", "rate", "shuffle"]
-
 
 def _listed(
     programs: Programs, levels: tuple[Any, Any, Any], allow_import: Source | Iterable[Source]
@@ -321,7 +319,7 @@ def simulate(
     *,
     runs: int = 50,
     seed: int = 1,
-    model: Model = "rigid",
+    model: Literal["rigid", "rapier", "rate", "shuffle"] = "rigid",
     sweep: Axes | None = None,
     rates: Path | Iterable[Path] = (),
     substeps: int | str = "2/8",

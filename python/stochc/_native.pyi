@@ -6,6 +6,25 @@ from typing import Any, final
 
 from ._requests import Asked, Estimated, Kept, Planned, Traded
 
+__all__ = [
+    "Ensemble",
+    "Program",
+    "Table",
+    "check",
+    "estimate",
+    "explain",
+    "load",
+    "merge",
+    "open",
+    "plan",
+    "prepare",
+    "report",
+    "shard",
+    "simulate",
+    "status",
+    "trade",
+]
+
 _Said = list[tuple[str, str]]
 _Show = Callable[[float, str], object] | None
 

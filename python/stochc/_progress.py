@@ -5,6 +5,9 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Generator
 from contextlib import contextmanager
+from html import escape
+from importlib import import_module
+from importlib.util import find_spec
 from typing import Any, TypeAlias
 
 from ._arguments import told
@@ -29,7 +32,7 @@ def shown(progress: Progress) -> Generator[Show | None, None, None]:
     if not progress:
         yield None
         return
-    bar = _tqdm() or _Line()
+    bar = _widget() or _tqdm() or _Line()
     try:
         yield bar.show
     finally:
@@ -58,6 +61,30 @@ class _Line:
         """Ends it."""
         if self._length:
             sys.stderr.write("\n")
+
+
+class _Widget:
+    """A bar of HTML in a notebook, which is drawn in its place."""
+
+    def __init__(self, show: Any, html: Any) -> None:
+        self._html = html
+        self._handle = show(html(""), display_id=True)
+
+    def show(self, share: float, text: str) -> None:
+        """Draws it anew."""
+        bar = f'<progress max="1" value="{share:.3f}" style="vertical-align:middle"></progress>'
+        self._handle.update(self._html(f"{bar} {escape(text)}"))
+
+    def close(self) -> None:
+        """Leaves it as it is."""
+
+
+def _widget() -> _Widget | None:
+    """A bar in a notebook, unless tqdm has one that is as good."""
+    if not _in_jupyter() or find_spec("tqdm") and find_spec("ipywidgets"):
+        return None
+    shown_by: Any = import_module("IPython.display")
+    return _Widget(shown_by.display, shown_by.HTML)
 
 
 class _Bar:
