@@ -5,9 +5,10 @@ use std::path::PathBuf;
 use clap::Args;
 use stochc_compiler::LintLevels;
 use stochc_ensemble::Program;
+use stochc_ensemble::recording::Outline;
 use stochc_ensemble::text::visible;
 use stochc_files::atomic::{Draft, Replaces, begins_with};
-use stochc_report::replay::{MARK, Statement, about, write};
+use stochc_report::replay::{MARK, Statement, about, tour, write};
 
 use super::chosen_run::{Choice, ChosenRun, choose};
 use super::terminal::print;
@@ -19,7 +20,13 @@ use crate::exit::{Exit, Failure};
 pub struct Options {
     #[command(flatten)]
     choice: Choice,
-    /// File to write [default: `DIR/replay-PROGRAM-N.html`]
+    /// Another run of the same program, to be shown beside it
+    #[arg(long, value_name = "N")]
+    against: Option<u64>,
+    /// Begin with what decided how long the run took
+    #[arg(long)]
+    tour: bool,
+    /// File to write [default: `DIR/replay-PROGRAM-N.html`, or `DIR/replay-PROGRAM-N-against-N.html`]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }
@@ -28,8 +35,20 @@ pub struct Options {
 pub fn run(options: &Options) -> Result<Exit, Failure> {
     let stop = stop_on_interrupt()?;
     let chosen = choose(&options.choice)?;
+    let other = match options.against {
+        Some(run) if run == options.choice.run => {
+            return Err(Failure::usage("`--against` needs another run than `--run`"));
+        }
+        Some(run) => Some(choose(&Choice {
+            run,
+            ..options.choice.clone()
+        })?),
+        None => None,
+    };
     let path = options.out.clone().unwrap_or_else(|| {
-        let name = chosen.file_name("replay-", "html");
+        let beside = options.against.map(|run| format!("-against-{run}"));
+        let ending = format!("{}.html", beside.unwrap_or_default());
+        let name = chosen.file_name("replay-", &ending);
         options.choice.folder.join(name)
     });
     let cannot = |error| Failure::usage(format!("cannot write `{}`: {error}", path.display()));
@@ -37,17 +56,33 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
     let ours = Replaces::Ours(|file| begins_with(file, MARK.as_bytes()));
     let out = Draft::new(&path, ours).map_err(cannot)?;
     let recording = chosen.recording(stop)?;
-    page(out, &chosen, recording).map_err(cannot)?;
+    let beside = other.map(|other| other.recording(stop)).transpose()?;
+    page(out, &chosen, recording, beside, options.tour).map_err(cannot)?;
     print(&format!("{}\n", path.display()))?;
     Ok(Exit::Success)
 }
 
 /// Writes the page as a whole or not at all.
-fn page(mut out: Draft, chosen: &ChosenRun, recording: impl io::Read) -> io::Result<()> {
+fn page(
+    mut out: Draft,
+    chosen: &ChosenRun,
+    mut recording: impl io::Read + io::Seek,
+    beside: Option<impl io::Read>,
+    guided: bool,
+) -> io::Result<()> {
     let program = chosen.entry();
+    let outline = Outline::read(&mut recording, program.tables()).map_err(io::Error::other)?;
+    recording.rewind()?;
+    let tour = tour(program, outline.record());
     let title = format!("{}, run {}", visible(&program.name), chosen.run);
-    let about = about(&chosen.manifest, program, &statements(program));
-    write(&title, &about, recording, &mut out)?;
+    let about = about(
+        &chosen.manifest,
+        program,
+        &statements(program),
+        tour,
+        guided,
+    );
+    write(&title, &about, recording, beside, &mut out)?;
     out.keep()
 }
 

@@ -13,9 +13,8 @@ class Labels {
    * Names those of the blocks that have a name, are large enough and are not hidden by what is opaque; `glass` is what lets
    * light through, and makes the names behind it fainter.
    */
-  draw(scene, view, blocks, opaque, glass, look) {
+  draw(scene, view, blocks, opaque, glass, look, scale) {
     const { canvas, pen } = this;
-    const scale = devicePixelRatio || 1;
     const { width, height } = scene.painter;
     if (canvas.width !== Math.round(width * scale) || canvas.height !== Math.round(height * scale)) {
       canvas.width = Math.round(width * scale);
