@@ -95,9 +95,10 @@ class Scene {
     painter.drawCubes(this.numbers, this.fillFree(pulled, look), { opaque: this.clouds === 1, ...style });
     const seen = bodies => Array.from(bodies, body => ({ body, ...this.place(body) }));
     const chosen = seen(this.free.filter(body => body === this.selected)).map(block => ({ ...block, named: true }));
-    const opaque = this.clouds === 1 ? [...solid, ...seen(this.free)] : solid;
+    const opaque = this.clouds === 1 && this.named ? [...solid, ...seen(this.free)] : solid;
     const glass = this.clouds === 1 ? [] : seen(this.free.filter(body => pulled.has(body)));
-    this.labels.draw(this, view, [...solid, ...chosen], opaque, glass, look, sharp);
+    const moves = chosen.length > 0 || opaque.length > solid.length;
+    this.labels.draw(this, view, { blocks: [...solid, ...chosen], opaque, glass, moves }, look, sharp);
   }
 
   /** The numbers of the structure's blocks for the painter; how many there are. */
@@ -163,14 +164,15 @@ class Scene {
   /** The edges of the cells that the structure will have in the end, and does not yet. */
   drawTarget(look) {
     if (!this.aimed) return;
-    const taken = new Set(this.solid.map(({ cell }) => cell?.join()));
-    const left = this.target.filter(cell => !taken.has(cell.join()));
     const edges = () => {
+      const taken = new Set(this.solid.map(({ cell }) => cell?.join()));
       const sketch = new Sketch();
-      for (const cell of left) sketch.box(this.centre(cell), 0.46, [...rgb(look.ink), 0.28]);
+      for (const cell of this.target) if (!taken.has(cell.join())) sketch.box(this.centre(cell), 0.46, [...rgb(look.ink), 0.28]);
       return sketch;
     };
-    this.painter.drawSketch(edges, { lines: true, name: 'target', of: `${themeName()} ${left.join(' ')}` });
+    // It changes only at events.
+    const step = lastAtOrBefore(this.history.steps, this.tick);
+    this.painter.drawSketch(edges, { lines: true, name: 'target', of: `${themeName()} ${step}` });
   }
 
   /**

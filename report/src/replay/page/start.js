@@ -15,7 +15,7 @@ async function start() {
   const overview = new Overview(element('overview'));
   const second = element('against').textContent.trim();
   const against = second ? new Against(about, await Recording.open(second), camera, { wake: () => wake(), select: body => select(body, against) }) : null;
-  const state = { following: false, drawn: null, told: -Infinity, scale: 1, slow: 0 };
+  const state = { following: false, drawn: null, told: -Infinity, surveyed: -Infinity, scale: 1, slow: 0 };
   const player = new Player(history, about.scene.tick, () => wake());
   if (against) player.end = Math.max(history.end, against.history.end);
   const graph = new Graph(element('graph'), history, tick => player.jump(tick));
@@ -76,6 +76,11 @@ async function start() {
     panel.show(chosen.selected, Math.floor(chosen.tick), chosen);
     program.show(scene.tick);
     timeline.draw();
+    // It is small: nobody sees its dots move.
+    if (!player.playing || now - state.surveyed > 500) {
+      state.surveyed = now;
+      overview.draw(scene);
+    }
     // Ten times a second is as fast as anybody reads.
     if (!player.playing || now - state.told > 100) {
       state.told = now;
@@ -120,7 +125,6 @@ async function start() {
     element('names').setAttribute('aria-pressed', scene.named);
     element('target').setAttribute('aria-pressed', scene.aimed);
     element('target').hidden = !scene.target.length;
-    overview.draw(scene);
     text('cloud', ['cloud: faint', 'cloud: solid', 'cloud: off'][scene.clouds]);
     const last = lastAtOrBefore(history.stops, tick);
     const rows = history.rows.filter(row => row[0] === history.stops[last] && NOTABLE.has(row[1]));
