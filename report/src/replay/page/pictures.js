@@ -43,13 +43,19 @@ async function film(scene, { from, to, width, height, speed, secondsPerTick, at 
   const parts = [];
   recorder.addEventListener('dataavailable', ({ data }) => parts.push(data));
   const stopped = new Promise(stop => recorder.addEventListener('stop', stop));
-  recorder.start();
+  // Now and then it hands over what it has.
+  recorder.start(100);
   const begun = performance.now();
   for (let tick = from; tick < to; ) {
     await new Promise(requestAnimationFrame);
     tick = Math.min(to, from + (((performance.now() - begun) / 1000) * speed) / secondsPerTick);
     await at(tick);
     painted(scene, width, height, sheet);
+  }
+  // On a busy machine it may not have seen any picture yet; without one, there is no film.
+  for (let wait = 0; wait < 300 && !parts.some(({ size }) => size > 0); wait++) {
+    painted(scene, width, height, sheet);
+    await new Promise(passed => setTimeout(passed, 50));
   }
   recorder.stop();
   await stopped;
