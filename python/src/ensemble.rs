@@ -395,7 +395,7 @@ impl Ensemble {
     /// The page that shows a run.
     fn replay(&self, py: Python<'_>, program: Option<String>, run: u64) -> PyResult<String> {
         self.chosen(py, (program, run), |chosen, host| {
-            replay::page(chosen, host)
+            replay::page(chosen, &replay::View::default(), host)
         })
     }
 
@@ -408,7 +408,7 @@ impl Ensemble {
         path: PathBuf,
     ) -> PyResult<()> {
         self.chosen(py, (program, run), move |chosen, host| {
-            replay::write(chosen, &path, host)
+            replay::write(chosen, &replay::View::default(), &path, host)
         })
     }
 

@@ -9,7 +9,7 @@ use crate::operations::chosen_run::{self, ChosenRun};
 use crate::operations::results::read;
 
 /// Which run.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub struct Choice {
     /// Results folder of `simulate --out`
     #[arg(value_name = "DIR")]

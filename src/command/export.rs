@@ -44,7 +44,10 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
             Form::Parquet => "parquet",
             Form::Gltf => "glb",
         };
-        options.choice.folder.join(chosen.file_name("", extension))
+        options
+            .choice
+            .folder
+            .join(chosen.file_name("", &format!(".{extension}")))
     });
     match options.format {
         Form::Parquet => parquet(&chosen, options.every.unwrap_or(1), &path, &host)?,

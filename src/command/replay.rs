@@ -7,14 +7,20 @@ use super::chosen_run::{Choice, choose};
 use super::terminal::{Terminal, print};
 use crate::command::interrupt::stop_on_interrupt;
 use crate::exit::{Exit, Failure};
-use crate::operations::replay::write;
+use crate::operations::replay::{View, write};
 
 /// What `replay` is given.
 #[derive(Debug, Args)]
 pub struct Options {
     #[command(flatten)]
     choice: Choice,
-    /// File to write [default: `DIR/replay-PROGRAM-N.html`]
+    /// Another run of the same program, to be shown beside it
+    #[arg(long, value_name = "N")]
+    against: Option<u64>,
+    /// Begin with what decided how long the run took
+    #[arg(long)]
+    tour: bool,
+    /// File to write [default: `DIR/replay-PROGRAM-N.html`, or `DIR/replay-PROGRAM-N-against-N.html`]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }
@@ -24,11 +30,30 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
     stop_on_interrupt()?;
     let host = Terminal::new(false);
     let chosen = choose(&options.choice, &host)?;
+    let other = match options.against {
+        Some(run) if run == options.choice.run => {
+            return Err(Failure::usage("`--against` needs another run than `--run`"));
+        }
+        Some(run) => {
+            let choice = Choice {
+                run,
+                ..options.choice.clone()
+            };
+            Some(choose(&choice, &host)?)
+        }
+        None => None,
+    };
     let path = options.out.clone().unwrap_or_else(|| {
-        let name = chosen.file_name("replay-", "html");
+        let beside = options.against.map(|run| format!("-against-{run}"));
+        let ending = format!("{}.html", beside.unwrap_or_default());
+        let name = chosen.file_name("replay-", &ending);
         options.choice.folder.join(name)
     });
-    write(&chosen, &path, &host)?;
+    let view = View {
+        beside: other.as_ref(),
+        is_guided: options.tour,
+    };
+    write(&chosen, &view, &path, &host)?;
     print(&format!("{}\n", path.display()))?;
     Ok(Exit::Success)
 }

@@ -90,8 +90,8 @@ impl ChosenRun {
         self.known.as_ref().map(|known| &known.record)
     }
 
-    /// The name of a file about the run.
-    pub fn file_name(&self, before: &str, extension: &str) -> String {
+    /// The name of a file about the run, with what stands before and behind its number.
+    pub fn file_name(&self, before: &str, behind: &str) -> String {
         // A program's name may be any text, in a manifest that somebody has edited; an assembly's is
         // a word.
         let assembly = self.entry().assembly();
@@ -100,7 +100,7 @@ impl ChosenRun {
             1 => String::new(),
             _ => format!("-{}", self.program),
         };
-        format!("{before}{assembly}{which}-{}.{extension}", self.run)
+        format!("{before}{assembly}{which}-{}{behind}", self.run)
     }
 
     /// Makes the run again, for an observer; the record has to be that of the folder.

@@ -1,48 +1,74 @@
 //! The page that shows a run.
-use std::io::{self, Read, Write};
+use std::io::{self, Seek as _, Write};
 use std::path::Path;
 
 use stochc_compiler::LintLevels;
 use stochc_ensemble::Program;
+use stochc_ensemble::recording::Outline;
 use stochc_ensemble::text::visible;
 use stochc_files::atomic::{Draft, Replaces, begins_with};
-use stochc_report::replay::{MARK, Statement, about, write as write_page};
+use stochc_report::replay::{MARK, Statement, about, tour, write as write_page};
 
 use super::chosen_run::ChosenRun;
 use crate::exit::Failure;
 use crate::facade::check_texts;
 use crate::host::Host;
 
+/// How a run is shown.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct View<'a> {
+    /// Another run of the program, beside it.
+    pub beside: Option<&'a ChosenRun>,
+    /// Whether it begins with what decided how long the run took.
+    pub is_guided: bool,
+}
+
 /// Writes the page of a run as a whole or not at all.
 ///
 /// # Errors
-/// If the run cannot be shown, or the file cannot be written.
-pub fn write(chosen: &ChosenRun, path: &Path, host: &dyn Host) -> Result<(), Failure> {
+/// If a run cannot be shown, or the file cannot be written.
+pub fn write(
+    chosen: &ChosenRun,
+    view: &View<'_>,
+    path: &Path,
+    host: &dyn Host,
+) -> Result<(), Failure> {
     let cannot = |error| Failure::usage(format!("cannot write `{}`: {error}", path.display()));
     // Before the run, which may take long.
     let ours = Replaces::Ours(|file| begins_with(file, MARK.as_bytes()));
     let mut out = Draft::new(path, ours).map_err(cannot)?;
-    let recording = chosen.recording(host)?;
-    to(&mut out, chosen, recording).map_err(cannot)?;
+    to(&mut out, chosen, view, host, cannot)?;
     out.keep().map_err(cannot)
 }
 
 /// The page of a run.
 ///
 /// # Errors
-/// If the run cannot be shown.
-pub fn page(chosen: &ChosenRun, host: &dyn Host) -> Result<String, Failure> {
-    let recording = chosen.recording(host)?;
+/// If a run cannot be shown.
+pub fn page(chosen: &ChosenRun, view: &View<'_>, host: &dyn Host) -> Result<String, Failure> {
     let mut page = Vec::new();
-    to(&mut page, chosen, recording).map_err(Failure::usage)?;
+    to(&mut page, chosen, view, host, Failure::usage)?;
     String::from_utf8(page).map_err(Failure::usage)
 }
 
-fn to(out: &mut impl Write, chosen: &ChosenRun, recording: impl Read) -> io::Result<()> {
+fn to(
+    out: &mut impl Write,
+    chosen: &ChosenRun,
+    view: &View<'_>,
+    host: &dyn Host,
+    cannot: impl Fn(io::Error) -> Failure,
+) -> Result<(), Failure> {
+    let mut recording = chosen.recording(host)?;
+    let beside = view.beside.map(|other| other.recording(host)).transpose()?;
     let program = chosen.entry();
+    let outline = Outline::read(&mut recording, program.tables())
+        .map_err(|error| cannot(io::Error::other(error)))?;
+    recording.rewind().map_err(&cannot)?;
+    let tour = tour(program, outline.record());
     let title = format!("{}, run {}", visible(&program.name), chosen.run);
-    let about = about(&chosen.manifest, program, &statements(program));
-    write_page(&title, &about, recording, out)
+    let statements = statements(program);
+    let about = about(&chosen.manifest, program, &statements, tour, view.is_guided);
+    write_page(&title, &about, recording, beside, out).map_err(cannot)
 }
 
 /// Events beyond which their places are not looked for.

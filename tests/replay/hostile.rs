@@ -28,10 +28,16 @@ fn hostile_names_are_shown_as_text() {
         role.name = format!("{HOSTILE}{}", role.name);
     }
     tables.phases[0].name = HOSTILE.to_owned();
-    let about = stochc::report::replay::about(&manifest, &manifest.programs[0], &[]);
+    let about = stochc::report::replay::about(
+        &manifest,
+        &manifest.programs[0],
+        &[],
+        serde_json::json!([]),
+        false,
+    );
     let recording = File::open(results.recording_path(0)).unwrap();
     let file = File::create(&page).unwrap();
-    stochc::report::replay::write(HOSTILE, &about, recording, file).unwrap();
+    stochc::report::replay::write(HOSTILE, &about, recording, None::<&[u8]>, file).unwrap();
     browser.open(&page, "#tick=100000");
     assert_eq!(browser.value("document.body.dataset.ready"), "yes");
     let shown = HOSTILE
@@ -44,7 +50,7 @@ fn hostile_names_are_shown_as_text() {
     assert_eq!(browser.value(instructions), "Content-Security-Policy");
     assert_eq!(
         browser.value("document.querySelectorAll('script').length"),
-        3
+        4
     );
     assert_eq!(
         browser.value("document.getElementById('name').textContent"),

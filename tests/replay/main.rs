@@ -6,6 +6,7 @@
 mod accessible;
 mod browser;
 mod exported;
+mod firefox;
 mod folder;
 mod hostile;
 mod looking;
@@ -14,4 +15,5 @@ mod page;
 mod recorded;
 #[path = "../skipped/mod.rs"]
 mod skipped;
+mod telling;
 mod unreadable;

@@ -1,6 +1,8 @@
 //! The page as a reader gets it.
 use std::collections::HashSet;
 
+use stochc::report::ensemble_report::{ReportError, Surroundings, report};
+
 use crate::sample::{five, parsed, told};
 use crate::stochc::{path, stochc_with};
 
@@ -232,4 +234,73 @@ fn a_long_chain_of_equal_waits_is_told_in_one_sentence() {
                 (260 ms), from tick 0 to 13.</li>\n</ol>";
     assert!(page.contains(told), "{page}");
     assert!(page.contains("has no physics: its times mean nothing"));
+}
+
+/// Where a run can be watched, what is told of it leads to the ticks.
+#[test]
+fn sentences_link_to_their_ticks() {
+    let input = five(0.2);
+    let surroundings = Surroundings {
+        folder: "report-figures",
+        replay: &|_, _, run| Some(format!("replay-{run}.html")),
+    };
+    let report = report(&[input], &surroundings, &mut Vec::new()).unwrap();
+    let document = parsed(&report.page);
+    let told = document.descendants().filter(|node| {
+        node.has_tag_name("li")
+            && node
+                .parent_element()
+                .is_some_and(|it| it.has_tag_name("ol"))
+    });
+    let mut sentences = 0;
+    for sentence in told {
+        let words: String = sentence
+            .descendants()
+            .filter_map(|node| node.text())
+            .collect();
+        let links = sentence.descendants().filter(|node| node.has_tag_name("a"));
+        for link in links {
+            let (_, tick) = link
+                .attribute("href")
+                .unwrap()
+                .split_once(".html#tick=")
+                .unwrap();
+            assert_eq!(link.text().unwrap().replace(',', ""), tick, "{words}");
+            sentences += 1;
+        }
+        let is_linked = sentence.descendants().any(|node| node.has_tag_name("a"));
+        assert_eq!(words.contains("tick "), is_linked, "{words}");
+    }
+    assert!(sentences >= 3, "{sentences}");
+}
+
+/// Of five runs, how many are neither complete nor stopped at each mark of the axis.
+#[test]
+fn curves_tell_how_many_runs_are_at_risk() {
+    let input = five(0.2);
+    let mut ends = Vec::new();
+    let each = input.finished.try_each(|done| {
+        ends.push(done.record.ticks);
+        Ok::<_, ReportError>(())
+    });
+    each.unwrap();
+    let report = told(&[input]);
+    let document = parsed(crate::sample::file(&report, "survival.svg"));
+    let texts: Vec<&str> = (document.descendants())
+        .filter(|node| node.has_tag_name(("http://www.w3.org/2000/svg", "text")))
+        .filter_map(|node| node.text())
+        .collect();
+    let at = texts.iter().position(|text| *text == "at risk").unwrap();
+    let shown: Vec<usize> = (texts[at + 1..].iter())
+        .map_while(|text| text.parse().ok())
+        .collect();
+    // The marks of the axis come first.
+    let marks: Vec<f64> = (texts.iter())
+        .map_while(|text| text.replace(',', "").parse().ok())
+        .collect();
+    let expected: Vec<usize> = (marks.iter())
+        .map(|mark| ends.iter().filter(|end| **end as f64 >= *mark).count())
+        .collect();
+    assert_eq!(shown, expected, "{texts:?}");
+    assert_eq!((marks[0], shown[0]), (0.0, 5));
 }

@@ -61,6 +61,11 @@ impl Outline {
         self.version
     }
 
+    /// What came of the run.
+    pub fn record(&self) -> &RunRecord {
+        &self.record
+    }
+
     /// Whether it is that of a run of an ensemble, of which these runs are finished.
     pub fn is_of(
         &self,

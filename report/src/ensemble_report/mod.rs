@@ -4,7 +4,7 @@
 //! the page together. All of it is a pure function of the inputs. `docs/report.md` says what each figure shows.
 mod data;
 mod html;
-mod narrative;
+pub(crate) mod narrative;
 mod page;
 
 use std::io::Write;

@@ -1,17 +1,43 @@
 //! A run in words: the chain of events that decided how long it took.
-use stochc_ensemble::text::number;
+use stochc_ensemble::Program;
+use stochc_ensemble::text::{Tick, escaped, number};
 use stochc_ir::graph::Dependency;
 use stochc_ir::record::{Limit, Origin, Outcome};
 
 use super::html::{code, name};
 use crate::analysis::critical_path::{Link, What};
-use crate::analysis::subject::{Run, Subject};
+use crate::analysis::events::Events;
+use crate::analysis::subject::Run;
+
+/// What a run is told of.
+pub(crate) struct Telling<'a> {
+    pub program: &'a Program,
+    /// The program's.
+    pub events: &'a Events,
+    /// The address of the replay of the run that is told.
+    pub replay: Option<String>,
+}
+
+impl Telling<'_> {
+    fn tick(&self) -> Tick {
+        Tick(self.program.scene.tick)
+    }
+
+    /// A tick of the run, in HTML: where there is a replay, a link to it.
+    fn at(&self, tick: u64) -> String {
+        let text = number(tick as f64);
+        match &self.replay {
+            Some(address) => format!("<a href=\"{}#tick={tick}\">{text}</a>", escaped(address)),
+            None => text,
+        }
+    }
+}
 
 /// Links that are told; of a longer chain those that took longest.
 const TOLD: usize = 12;
 
 /// A run's heading, in HTML: its number, what it is, how long it took.
-pub(super) fn heading(subject: &Subject, what: &str, run: &Run) -> String {
+pub(super) fn heading(of: &Telling, what: &str, run: &Run) -> String {
     let record = &run.record;
     let end = match &record.outcome {
         Outcome::Completed => String::new(),
@@ -20,7 +46,7 @@ pub(super) fn heading(subject: &Subject, what: &str, run: &Run) -> String {
                 Limit::Timeout => "its timeout",
                 Limit::MaxTicks => "<code>--max-ticks</code>",
             };
-            let phase = code(subject.program.phase(*phase));
+            let phase = code(of.program.phase(*phase));
             format!(", stopped by {by} in phase {phase}")
         }
         Outcome::Failed { .. } => ", failed".to_owned(),
@@ -28,12 +54,12 @@ pub(super) fn heading(subject: &Subject, what: &str, run: &Run) -> String {
     format!(
         "Run {}, the {what}: {}{end}",
         record.run,
-        ticks(subject, record.ticks)
+        ticks(of, record.ticks)
     )
 }
 
 /// Its chain in a few sentences of HTML, each an item of a list.
-pub(super) fn story(subject: &Subject, run: &Run) -> Vec<String> {
+pub(super) fn story(of: &Telling, run: &Run) -> Vec<String> {
     let mut longest: Vec<u64> = run.chain.iter().map(Link::ticks).collect();
     // What took no time needs no room where room is short.
     longest.retain(|&ticks| ticks > 0);
@@ -48,27 +74,27 @@ pub(super) fn story(subject: &Subject, run: &Run) -> Vec<String> {
     let mut passed: Vec<&Link> = Vec::new();
     for link in &run.chain {
         if told(&link) {
-            items.extend(between(subject, &passed));
+            items.extend(between(of, &passed));
             passed.clear();
-            items.push(item(subject, run, link));
+            items.push(item(of, run, link));
         } else {
             passed.push(link);
         }
     }
-    items.extend(between(subject, &passed));
+    items.extend(between(of, &passed));
     items
 }
 
 /// The one wait that took most of a run, in a sentence of HTML.
-pub(super) fn lead(subject: &Subject, run: &Run) -> Option<String> {
+pub(super) fn lead(of: &Telling, run: &Run) -> Option<String> {
     let total = run.record.ticks;
     let longest = run.chain.iter().max_by_key(|link| link.ticks())?;
     let share = 100.0 * longest.ticks() as f64 / total.max(1) as f64;
-    let text = subject.events.events[longest.event()?].text(subject.program);
+    let text = of.events.events[longest.event()?].text(of.program);
     (share >= 25.0).then(|| format!("{} alone took {share:.0} % of it.", code(&text)))
 }
 
-fn between(subject: &Subject, passed: &[&Link]) -> Option<String> {
+fn between(of: &Telling, passed: &[&Link]) -> Option<String> {
     let waits: Vec<u64> = passed.iter().map(|link| link.ticks()).collect();
     let spent = waits
         .iter()
@@ -82,18 +108,17 @@ fn between(subject: &Subject, passed: &[&Link]) -> Option<String> {
     Some(format!(
         "{} waits of at most {}, one after the other, took {}, from tick {} to {}.",
         waits.iter().filter(|wait| **wait > 0).count(),
-        ticks(subject, longest),
-        ticks(subject, spent),
-        number(first.from as f64),
-        number(last.to as f64)
+        ticks(of, longest),
+        ticks(of, spent),
+        of.at(first.from),
+        of.at(last.to)
     ))
 }
 
-fn item(subject: &Subject, run: &Run, link: &Link) -> String {
-    let at = |tick: u64| number(tick as f64);
+pub(crate) fn item(of: &Telling, run: &Run, link: &Link) -> String {
     let share = 100.0 * link.ticks() as f64 / run.record.ticks.max(1) as f64;
     // The time of the link in seconds, and what part of the run's it is.
-    let seconds = subject.tick().seconds(link.ticks() as f64);
+    let seconds = of.tick().seconds(link.ticks() as f64);
     let share = match share {
         share if share >= 0.5 => format!(" ({seconds}, {share:.0} %)"),
         _ => format!(" ({seconds})"),
@@ -104,39 +129,39 @@ fn item(subject: &Subject, run: &Run, link: &Link) -> String {
             count(link.ticks())
         ),
         What::Pending { event } => {
-            let text = subject.events.events[event].text(subject.program);
+            let text = of.events.events[event].text(of.program);
             format!(
                 "{} had waited <strong>{}</strong>{share} when the run was stopped: from tick {}, {}.",
                 code(&text),
                 count(link.ticks()),
-                at(link.from),
-                reason(subject, link)
+                of.at(link.from),
+                reason(of, link)
             )
         }
         What::Event { event, bond } => {
-            let text = subject.events.events[event].text(subject.program);
+            let text = of.events.events[event].text(of.program);
             let Some(bond) = bond.map(|i| &run.record.bonds[i]) else {
                 let waited = match link.ticks() {
                     0 => String::new(),
-                    n => format!(" after {}", ticks(subject, n)),
+                    n => format!(" after {}", ticks(of, n)),
                 };
                 return format!(
                     "{}{waited}, at tick {}, {}.",
                     code(&text),
-                    at(link.to),
-                    reason(subject, link)
+                    of.at(link.to),
+                    reason(of, link)
                 );
             };
             let origin = match &bond.origin {
                 Origin::Free => String::new(),
                 Origin::Released { role, tick } => format!(
                     "; it was the former {}, released at tick {}",
-                    code(subject.program.role(*role)),
-                    at(*tick)
+                    code(of.program.role(*role)),
+                    of.at(*tick)
                 ),
             };
             let docked = |entries: &str| {
-                let docking = ticks(subject, bond.docking);
+                let docking = ticks(of, bond.docking);
                 format!(": {entries} took {docking} to dock")
             };
             let entries = match bond.entries {
@@ -152,20 +177,20 @@ fn item(subject: &Subject, run: &Run, link: &Link) -> String {
                 "{} waited <strong>{}</strong>{share}, from tick {}, {}{entries}{origin}.",
                 code(&text),
                 count(link.ticks()),
-                at(link.from),
-                reason(subject, link),
+                of.at(link.from),
+                reason(of, link),
             )
         }
     }
 }
 
 /// Why a wait began when it did, as the end of a sentence.
-fn reason(subject: &Subject, link: &Link) -> String {
+fn reason(of: &Telling, link: &Link) -> String {
     let Some((first, why)) = link.since else {
-        let phase = name(subject.program.phase(link.phase));
+        let phase = name(of.program.phase(link.phase));
         return format!("the beginning of phase <code>{phase}</code>");
     };
-    let first = code(&subject.events.events[first].text(subject.program));
+    let first = code(&of.events.events[first].text(of.program));
     match why {
         Dependency::Anchored => format!("when {first} had anchored its block"),
         Dependency::Face { .. } => format!("when {first} had left its block a face to magnetize"),
@@ -177,8 +202,8 @@ fn reason(subject: &Subject, link: &Link) -> String {
 }
 
 /// A number of ticks, in seconds as well.
-fn ticks(subject: &Subject, n: u64) -> String {
-    count(n) + &subject.tick().beside(n as f64)
+fn ticks(of: &Telling, n: u64) -> String {
+    count(n) + &of.tick().beside(n as f64)
 }
 
 fn count(n: u64) -> String {

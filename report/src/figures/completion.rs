@@ -3,7 +3,7 @@ use stochc_ensemble::statistics::Observation;
 use stochc_ensemble::{JournalError, Manifest, Records, TimeUnit, completion_time};
 
 use super::{Curve, survival};
-use crate::svg::{Drawing, class};
+use crate::svg::{Colours, Drawing};
 
 /// Curves of its programs, in the unit that they share; `None`: nothing has completed or been stopped, or the ensemble is
 /// a sweep, of which [`super::sweep`] has pictures.
@@ -34,5 +34,11 @@ pub fn completion(
     })?;
     let axis = format!("time [{}]", clock.unit());
     let title = "Runs that are not complete yet, over time";
-    Ok(survival("survival", title, &curves, &axis, class))
+    Ok(survival(
+        "survival",
+        title,
+        &curves,
+        &axis,
+        Colours::Compared,
+    ))
 }

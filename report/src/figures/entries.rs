@@ -79,8 +79,8 @@ pub(crate) fn entries(program: usize, subject: &Subject, waits: &[Wait]) -> Opti
             number(*entries),
             number(*docking)
         );
-        let class = phase(wait.phase.0 as usize);
-        out.disc(class, (x.at(*entries), y.at(*docking)), 5.0, &told);
+        let class = format!("rim {}", phase(wait.phase.0 as usize));
+        out.disc(&class, (x.at(*entries), y.at(*docking)), 5.0, &told);
     }
     for (i, &number) in phases.iter().enumerate() {
         let name = subject
@@ -91,7 +91,12 @@ pub(crate) fn entries(program: usize, subject: &Subject, waits: &[Wait]) -> Opti
             LEFT + 7.0 + 230.0 * column as f64,
             BOTTOM + 56.0 + ROW * row as f64,
         );
-        out.disc(phase(number), (at.0, at.1 - 4.0), 5.0, "");
+        out.disc(
+            &format!("rim {}", phase(number)),
+            (at.0, at.1 - 4.0),
+            5.0,
+            "",
+        );
         out.text(
             "ink",
             (at.0 + 11.0, at.1),

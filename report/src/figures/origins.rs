@@ -54,11 +54,12 @@ pub(crate) fn origins(
         out.text("ink", (8.0, y + 16.0), &short(&wait.text, 26));
         let total = wait.free() + wait.released().iter().map(|(_, n)| n).sum::<usize>();
         let mut from = 0.0;
-        let mut bar = |colour: &str, n: usize, what: &str| {
+        let mut bar = |colour: &str, hatch: usize, n: usize, what: &str| {
             let to = from + 100.0 * n as f64 / total as f64;
             let told = format!("{}: {what}, {n} of {total}", wait.text);
             let size = (x.at(to) - x.at(from), 15.0);
             out.rectangle(&format!("bar {colour}"), (x.at(from), y + 4.0), size, &told);
+            out.hatch(hatch, (x.at(from), y + 4.0), size);
             from = to;
         };
         let mut released = wait.released().to_vec();
@@ -66,11 +67,11 @@ pub(crate) fn origins(
         for (role, n) in released {
             let told = format!("released as {}", program.role(role));
             match place(role).filter(|&i| i < ROLES) {
-                Some(i) => bar(class(i), n, &told),
-                None => bar("rest", n, &told),
+                Some(i) => bar(class(i), i, n, &told),
+                None => bar("rest", 0, n, &told),
             }
         }
-        bar("grey", wait.free(), "never captured before");
+        bar("grey", 0, wait.free(), "never captured before");
     }
     let named = roles.iter().take(ROLES).enumerate();
     let mut keys: Vec<(String, String)> = named
@@ -97,6 +98,8 @@ pub(crate) fn origins(
             (12.0, 12.0),
             "",
         );
+        let hatch = if i < roles.len().min(ROLES) { i } else { 0 };
+        out.hatch(hatch, (at.0, at.1 - 10.0), (12.0, 12.0));
         out.text("ink", (at.0 + 18.0, at.1), &short(meaning, 28));
     }
     if all > rows.len() {

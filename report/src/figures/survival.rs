@@ -3,7 +3,7 @@ use stochc_ensemble::statistics::{KaplanMeier, Observation, Point};
 use stochc_ensemble::text::number;
 
 use super::{WIDTH, short};
-use crate::svg::{DASHES, Drawing, Scale};
+use crate::svg::{Colours, DASHES, Drawing, Scale};
 
 /// What one curve is of.
 #[derive(Clone, Debug)]
@@ -14,13 +14,13 @@ pub(crate) struct Curve {
 }
 
 /// The estimates of Kaplan and Meier with their intervals; marks where runs were stopped, and below how many still go on at the
-/// ticks of the axis. `class` gives each curve its colour.
+/// ticks of the axis.
 pub(crate) fn survival(
     name: &str,
     title: &str,
     curves: &[Curve],
     axis: &str,
-    class: fn(usize) -> &'static str,
+    colours: Colours,
 ) -> Option<Drawing> {
     const TOP: f64 = 34.0;
     const BOTTOM: f64 = 300.0;
@@ -73,7 +73,7 @@ pub(crate) fn survival(
             high.extend([(x.at(time), y.at(above)), (x.at(until), y.at(above))]);
         }
         high.extend(low.into_iter().rev());
-        out.area(class(*i), &high);
+        out.area(colours.class(*i), &high);
     }
     for (row, (i, curve, estimate)) in known.iter().enumerate() {
         let mut points = vec![(x.at(0.0), y.at(1.0))];
@@ -88,7 +88,10 @@ pub(crate) fn survival(
             points.push((x.at(estimate.last()), share));
         }
         let dashes = DASHES[i % DASHES.len()];
-        out.curve(class(*i), &points, dashes);
+        if colours == Colours::Phases {
+            out.curve("casing", &points, dashes);
+        }
+        out.curve(colours.class(*i), &points, dashes);
         let stopped = curve.times.iter().filter(|time| !time.completed);
         let mut stopped: Vec<f64> = stopped.map(|time| time.time).collect();
         if stopped.len() > MARKS {
@@ -102,7 +105,7 @@ pub(crate) fn survival(
         }
         let at = BOTTOM + 58.0 + 2.0 * ROW * row as f64;
         out.curve(
-            class(*i),
+            colours.class(*i),
             &[(LEFT, at - 4.0), (LEFT + 34.0, at - 4.0)],
             dashes,
         );

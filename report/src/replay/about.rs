@@ -7,10 +7,17 @@ use stochc_runtime::Substeps;
 
 use super::program_text::{Statement, program_text};
 
-/// `{ program, file, seed, model, stochc, scene, radius, lift, tables, graph, text }`: the scene as the
+/// `{ program, file, seed, model, stochc, scene, radius, lift, tables, graph, text, tour, guided }`: the scene as the
 /// manifest has it, the radius of its shell \[side\] or null and the height of the shell's centre, and tables and
-/// graph as `compile --format json` shows them, and the text, cut at the `statements`.
-pub fn about(manifest: &Manifest, program: &Program, statements: &[Statement]) -> Value {
+/// graph as `compile --format json` shows them, the text, cut at the `statements`, the [`tour`](super::tour())
+/// of the run, and whether the page begins with it.
+pub fn about(
+    manifest: &Manifest,
+    program: &Program,
+    statements: &[Statement],
+    tour: Value,
+    guided: bool,
+) -> Value {
     let tables = program.tables();
     let scene = json!(program.scene);
     let side = program.scene.block.side;
@@ -34,6 +41,8 @@ pub fn about(manifest: &Manifest, program: &Program, statements: &[Statement]) -
         "tables": table_json(tables),
         "graph": graph_json(&program.compiled.graph, tables),
         "text": program_text(&program.sources, statements),
+        "tour": tour,
+        "guided": guided,
     });
     spell_out(&mut about);
     about

@@ -6,6 +6,7 @@ mod about;
 mod colours;
 mod program_text;
 mod text;
+mod tour;
 
 use std::io::{self, Read, Write};
 
@@ -16,6 +17,7 @@ use stochc_ensemble::text::escaped;
 
 pub use about::about;
 pub use program_text::Statement;
+pub use tour::tour;
 
 /// What every such page begins with, but for a few lines.
 pub const MARK: &str = "<meta name=\"generator\" content=\"stochc replay\">";
@@ -45,10 +47,16 @@ const SCRIPT: &[&str] = &[
     include_str!("page/panel.js"),
     include_str!("page/timeline.js"),
     include_str!("page/player.js"),
+    include_str!("page/against.js"),
+    include_str!("page/tour.js"),
+    include_str!("page/link.js"),
+    include_str!("page/pictures.js"),
+    include_str!("page/save.js"),
+    include_str!("page/api.js"),
     include_str!("page/start.js"),
 ];
 
-/// Writes the page of a recording, of which [`about`] tells the page the rest.
+/// Writes the page of a recording, of which [`about`] tells the page the rest; `against` is another run of the same program.
 ///
 /// # Errors
 /// Those of `recording` and `out`.
@@ -56,6 +64,7 @@ pub fn write(
     title: &str,
     about: &serde_json::Value,
     mut recording: impl Read,
+    mut against: Option<impl Read>,
     mut out: impl Write,
 ) -> io::Result<()> {
     let script = format!("\"use strict\";\n{}{}", colours::script(), SCRIPT.concat());
@@ -77,6 +86,11 @@ pub fn write(
             "STYLE" => write!(out, "{}{STYLE}", colours::style())?,
             "SCRIPT" => out.write_all(script.as_bytes())?,
             "ABOUT" => out.write_all(about.as_bytes())?,
+            "AGAINST" => {
+                if let Some(against) = &mut against {
+                    encode(against, &mut out)?;
+                }
+            }
             _ => encode(&mut recording, &mut out)?,
         }
     }

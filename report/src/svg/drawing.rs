@@ -131,6 +131,38 @@ impl Drawing {
         self.shape(&shape, "rect", told);
     }
 
+    /// Strokes over a bar, of one of six kinds, so that colour is not the only difference.
+    pub(crate) fn hatch(&mut self, kind: usize, (x, y): (f64, f64), (width, height): (f64, f64)) {
+        const APART: f64 = 6.0;
+        let steps = |from: f64, to: f64| {
+            let count = ((to - from) / APART).ceil().max(0.0) as usize;
+            (0..count).map(move |i| from + APART * i as f64)
+        };
+        let mut lines: Vec<((f64, f64), (f64, f64))> = Vec::new();
+        if matches!(kind % 6, 1 | 2 | 5) {
+            for start in steps(-height, width) {
+                // From the left edge, or the bottom, as far as the right edge, or the top.
+                let (first, last) = ((-start).max(0.0), height.min(width - start));
+                let (left, right) = (x + start + first, x + start + last);
+                if last > first && kind % 6 != 2 {
+                    lines.push(((left, y + height - first), (right, y + height - last)));
+                }
+                if last > first && kind % 6 != 1 {
+                    lines.push(((left, y + first), (right, y + last)));
+                }
+            }
+        }
+        if kind % 6 == 3 {
+            lines.extend(steps(APART / 2.0, width).map(|at| ((x + at, y), (x + at, y + height))));
+        }
+        if kind % 6 == 4 {
+            lines.extend(steps(APART / 2.0, height).map(|at| ((x, y + at), (x + width, y + at))));
+        }
+        for (from, to) in lines {
+            self.line("hatch", from, to, "");
+        }
+    }
+
     /// A field of some strength, 0 to 1, from its upper left corner.
     pub(crate) fn shade(
         &mut self,
@@ -232,4 +264,35 @@ impl Drawing {
 fn joined(points: &[(f64, f64)]) -> String {
     let points = points.iter().map(|(x, y)| format!("{x:.1},{y:.1}"));
     points.collect::<Vec<_>>().join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn strokes_stay_within_their_bar_and_differ() {
+        let mut kinds = Vec::new();
+        for kind in 0..6 {
+            let mut out = Drawing::new("n", "t", "d", (100.0, 100.0));
+            out.hatch(kind, (10.0, 20.0), (37.0, 15.0));
+            for part in out.body.split_whitespace() {
+                let Some((axis, value)) = part.split_once("=\"") else {
+                    continue;
+                };
+                let Ok(value) = value.trim_end_matches('"').parse::<f64>() else {
+                    continue;
+                };
+                let ends = if axis.starts_with('x') {
+                    10.0..=47.0
+                } else {
+                    20.0..=35.0
+                };
+                assert!(ends.contains(&value), "{part} of {kind}");
+            }
+            assert_eq!(out.body.is_empty(), kind == 0);
+            assert!(!kinds.contains(&out.body), "{kind}");
+            kinds.push(out.body);
+        }
+    }
 }

@@ -9,6 +9,6 @@ mod scale;
 mod symbol;
 
 pub use drawing::Drawing;
-pub(crate) use palette::{DASHES, STYLE, class, phase};
+pub(crate) use palette::{Colours, DASHES, STYLE, class, phase};
 pub(crate) use scale::Scale;
 pub(crate) use symbol::Symbol;

@@ -24,9 +24,9 @@ pub(crate) static STYLE: LazyLock<String> = LazyLock::new(|| {
             all
         });
     format!(
-        "{LIGHT_GREYS}{}{phases}\
+        "{LIGHT_GREYS}{phases}{}\
          .faint{{stroke:none;opacity:.45}}.halo{{stroke-width:3;paint-order:stroke}}.bar{{stroke:none}}\
-         .curve,.casing{{fill:none;stroke-width:1.8}}.casing{{stroke-width:3.4}}.band{{stroke:none;opacity:.16}}.word{{stroke:none}}\
+         .curve,.casing{{fill:none;stroke-width:1.8}}.casing{{stroke-width:3.6}}.rim{{stroke-width:.8}}.band{{stroke:none;opacity:.16}}.word{{stroke:none}}\
          @media screen and (prefers-color-scheme:dark){{{DARK_GREYS}{}\
          .curve{{fill:none}}.bar,.band,.word,.faint{{stroke:none}}}}",
         themed(&LIGHT),
@@ -43,13 +43,32 @@ fn themed(theme: &Theme) -> String {
         ..
     } = theme;
     let mut all = format!(
-        ".paper{{fill:{paper}}}.ink{{fill:{ink}}}.mark,.casing{{stroke:{ink}}}.reference{{fill:{ink};stroke:{ink}}}.halo{{stroke:{paper}}}\
+        ".paper{{fill:{paper}}}.ink{{fill:{ink}}}.mark,.casing{{stroke:{ink}}}.reference{{fill:{ink};stroke:{ink}}}.rim{{stroke:{ink}}}.halo,.hatch{{stroke:{paper}}}\
          .rest{{fill:{rest};stroke:{rest}}}.hot{{fill:{hot};stroke:{hot}}}"
     );
     for (n, colour) in (0..).zip(theme.series) {
         let _ = write!(all, ".s{n}{{fill:{colour};stroke:{colour}}}");
     }
     all
+}
+
+/// What the curves of a figure are of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Colours {
+    /// What is compared: readable on paper.
+    Compared,
+    /// Phases, which are the same on light and dark, and have a darker or lighter line around them.
+    Phases,
+}
+
+impl Colours {
+    /// The class of number `i`.
+    pub fn class(self, i: usize) -> &'static str {
+        match self {
+            Colours::Compared => class(i),
+            Colours::Phases => phase(i),
+        }
+    }
 }
 
 /// The class of number `i` of what is compared.

@@ -9,7 +9,7 @@ use crate::analysis::subject::Subject;
 use crate::ensemble_report::html::{Cell, Html, code, name};
 use crate::figures as picture;
 use crate::figures::Curve;
-use crate::svg::{Drawing, class};
+use crate::svg::{Colours, Drawing};
 use crate::text::{method, probability};
 
 pub(super) fn completion(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawing>) {
@@ -26,7 +26,7 @@ pub(super) fn completion(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawi
         None => format!("time [{unit}]"),
     };
     let title = "Runs that are not complete yet, over time";
-    let figure = picture::survival("survival", title, &curves, &axis, class);
+    let figure = picture::survival("survival", title, &curves, &axis, Colours::Compared);
     let caption = "The estimate of Kaplan and Meier; bands are pointwise 95 % intervals (up to four \
                    curves), <code>|</code> a run that was stopped before it completed. At risk are the runs that still \
                    go on at a tick of the axis.";

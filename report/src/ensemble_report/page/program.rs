@@ -8,10 +8,10 @@ use super::{Parts, ROWS};
 use crate::analysis::subject::Subject;
 use crate::analysis::waits::Wait;
 use crate::ensemble_report::html::{Cell, Html, code, command, name};
-use crate::ensemble_report::narrative::{heading, lead, story};
+use crate::ensemble_report::narrative::{Telling, heading, lead, story};
 use crate::figures as picture;
 use crate::figures::Curve;
-use crate::svg::{Drawing, phase};
+use crate::svg::{Colours, Drawing};
 
 pub(super) fn program(parts: &Parts, index: usize, out: &mut Html, drawings: &mut Vec<Drawing>) {
     let (subject, waits) = (&parts.subjects[index], &parts.waits[index]);
@@ -73,7 +73,13 @@ pub(super) fn phases(
     if phases.len() > 1 {
         let title = format!("{}: phases that are not complete yet", subject.label);
         let axis = format!("time since the phase began [{}]", subject.tick().unit());
-        let figure = picture::survival(&format!("phases-{n}"), &title, &curves, &axis, phase);
+        let figure = picture::survival(
+            &format!("phases-{n}"),
+            &title,
+            &curves,
+            &axis,
+            Colours::Phases,
+        );
         let caption = "Each phase from its own beginning, of the runs that reached it.";
         show(parts, out, drawings, figure, caption, &["survival.csv"]);
     }
@@ -201,13 +207,18 @@ pub(super) fn runs(parts: &Parts, n: usize, subject: &Subject, out: &mut Html) {
     let path = &parts.inputs[subject.folder].path;
     for (what, run) in subject.told() {
         let number = run.record.run;
-        out.raw(&format!("<h4>{}</h4>\n", heading(subject, what, run)));
-        if let Some(lead) = lead(subject, run) {
+        let replay = parts.surroundings.replay;
+        let telling = Telling {
+            program: subject.program,
+            events: &subject.events,
+            replay: replay(subject.folder, subject.number, number),
+        };
+        out.raw(&format!("<h4>{}</h4>\n", heading(&telling, what, run)));
+        if let Some(lead) = lead(&telling, run) {
             out.paragraph(&lead);
         }
-        out.list("ol", &story(subject, run));
-        let replay = parts.surroundings.replay;
-        match replay(subject.folder, subject.number, number) {
+        out.list("ol", &story(&telling, run));
+        match telling.replay {
             Some(address) => out.paragraph(&format!(
                 "<a href=\"{}\">Watch run {number}</a>",
                 escaped(&address)

@@ -26,6 +26,33 @@ class Camera {
     this.height = 0.42;
     this.distance = this.reach;
     this.at = this.middle;
+    this.first = this.view;
+  }
+
+  /** Azimuth and height [rad], distance and the point that is looked at [side]. */
+  get view() {
+    return [this.azimuth, this.height, this.distance, ...this.at];
+  }
+
+  set view([azimuth, height, distance, ...at]) {
+    this.azimuth = azimuth;
+    this.height = height;
+    // Within the same limits as by hand.
+    this.turn(0, 0);
+    this.distance = distance;
+    this.zoom(1);
+    this.at = at;
+  }
+
+  get isFirst() {
+    const { view } = this;
+    return view.every((number, i) => number === this.first[i]);
+  }
+
+  /** A step of the way to a point, and near it. */
+  approach(point) {
+    this.at = add(this.at, times(minus(point, this.at), 0.06));
+    this.distance += 0.06 * (0.6 * this.reach - this.distance);
   }
 
   get eye() {

@@ -6,7 +6,8 @@ const DOTS = 2000;
 class Overview {
   constructor(canvas) {
     this.canvas = canvas;
-    this.pen = canvas.getContext('2d');
+    // Drawn without the graphics processor, which may be none.
+    this.pen = canvas.getContext('2d', { willReadFrequently: true });
   }
 
   draw(scene) {
@@ -16,12 +17,15 @@ class Overview {
     const scale = devicePixelRatio || 1;
     const size = canvas.clientWidth;
     if (!size) return;
-    canvas.width = canvas.height = Math.round(size * scale);
+    const wide = Math.round(size * scale);
+    // To set it again would make the sheet anew.
+    if (canvas.width !== wide) canvas.width = canvas.height = wide;
     // Without a shell, all that there was at first.
     this.reach ??= scene.radius || places.reduce((most, place, i) => (i % 7 < 2 ? Math.max(most, Math.abs(place)) : most), 4);
     const half = size / 2;
     const unit = (half - 12) / this.reach;
     pen.setTransform(scale, 0, 0, scale, scale * half, scale * half);
+    pen.clearRect(-half, -half, size, size);
     const spot = ([x, y], wide) => pen.fillRect(unit * x - wide / 2, -unit * y - wide / 2, wide, wide);
     const disc = (x, y, radius) => {
       pen.beginPath();

@@ -8,12 +8,13 @@ class Panel {
     this.key = '';
   }
 
-  /** Shows a block at a tick; `null`: none. */
-  show(body, tick) {
+  /** Shows a block at a tick, which is at a place of `scene`; `null`: none. */
+  show(body, tick, scene) {
     const { history } = this;
     const role = body === null ? null : this.roleAt(body, tick);
     // It changes only at events.
-    const key = `${body} ${role} ${lastAtOrBefore(history.steps, tick)}`;
+    const beyond = body === null || body < 0 ? [] : scene.beyond(body);
+    const key = `${body} ${role} ${lastAtOrBefore(history.steps, tick)} ${beyond.join()}`;
     if (key === this.key) return;
     this.key = key;
     if (body === null) {
@@ -23,7 +24,7 @@ class Panel {
     }
     const title = part('h2', '', history.nameAt(body, tick));
     const follows = part('p', 'state', this.words(body, tick));
-    this.replace(title, follows, ...this.story(body, tick), ...this.table(role, tick));
+    this.replace(title, follows, ...beyond.map(words => part('p', 'hint', words)), ...this.story(body, tick), ...this.table(role, tick));
   }
 
   /** Puts other parts into its place; a line that had the focus keeps it, or leaves it to the latest. */

@@ -3,22 +3,24 @@
 /** Times as fast as the robots are. */
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10, 20, 50, 100, 200];
 
+const nearest = wanted => SPEEDS.reduce((best, speed) => (Math.abs(Math.log(speed / wanted)) < Math.abs(Math.log(best / wanted)) ? speed : best), 1);
+
 class Player {
   /** `changed` is called when something else is to be seen. */
   constructor(history, secondsPerTick, changed) {
     this.history = history;
+    this.end = history.end;
     this.secondsPerTick = secondsPerTick;
     this.changed = changed;
     this.tick = 0;
     this.playing = false;
     // The whole run in about a minute and a half.
-    const wanted = (history.end * secondsPerTick) / 90;
-    this.speed = SPEEDS.reduce((best, speed) => (Math.abs(Math.log(speed / wanted)) < Math.abs(Math.log(best / wanted)) ? speed : best), 1);
+    this.speed = nearest((history.end * secondsPerTick) / 90);
     this.last = null;
   }
 
   go(tick) {
-    this.tick = Math.min(this.history.end, Math.max(0, tick));
+    this.tick = Math.min(this.end, Math.max(0, tick));
     this.changed();
   }
 
@@ -29,9 +31,15 @@ class Player {
   }
 
   toggle() {
-    if (!this.playing && this.tick >= this.history.end) this.tick = 0;
+    if (!this.playing && this.tick >= this.end) this.tick = 0;
     this.playing = !this.playing;
     this.last = null;
+    this.changed();
+  }
+
+  /** The nearest speed that there is. */
+  setSpeed(wanted) {
+    this.speed = nearest(wanted);
     this.changed();
   }
 
@@ -57,8 +65,8 @@ class Player {
     const seconds = this.last === null ? 0 : Math.min(0.1, (now - this.last) / 1000);
     this.last = now;
     if (!ready) return;
-    this.tick = Math.min(this.history.end, this.tick + (seconds * this.speed) / this.secondsPerTick);
-    if (this.tick >= this.history.end) this.playing = false;
+    this.tick = Math.min(this.end, this.tick + (seconds * this.speed) / this.secondsPerTick);
+    if (this.tick >= this.end) this.playing = false;
   }
 }
 
@@ -70,7 +78,7 @@ function keys(player, does) {
     ArrowRight: event => player.jump(Math.floor(player.tick) + (event.shiftKey ? 100 : 1)),
     ArrowLeft: event => player.jump(Math.ceil(player.tick) - (event.shiftKey ? 100 : 1)),
     Home: () => player.jump(0),
-    End: () => player.jump(player.history.end),
+    End: () => player.jump(player.end),
     n: () => player.event(1, false),
     p: () => player.event(-1, false),
     N: () => player.event(1, true),

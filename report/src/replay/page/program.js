@@ -47,7 +47,7 @@ class ProgramText {
     const piece = this.marks.findLast(({ piece }) => piece.className === 'under-way')?.piece;
     const text = piece?.parentNode;
     if (!text || text.matches(':hover') || text === document.activeElement) return;
-    const top = piece.offsetTop - text.offsetTop;
+    const top = piece.offsetTop;
     if (top < text.scrollTop || top + 20 > text.scrollTop + text.clientHeight) text.scrollTop = top - text.clientHeight / 2;
   }
 }

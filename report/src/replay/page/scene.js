@@ -40,6 +40,20 @@ class Scene {
     return { centre: [...this.places.subarray(at, at + 3)], turn: [...this.places.subarray(at + 3, at + 7)] };
   }
 
+  /** What of a block is in the floor, or outside of the shell, and why, in words. */
+  beyond(body) {
+    const { centre, turn } = this.place(body);
+    // How far it reaches from its centre along the vertical.
+    const reach = [0, 1, 2].reduce((sum, axis) => sum + Math.abs(turned(turn, [0, 1, 2].map(i => (i === axis ? 0.5 : 0)))[2]), 0);
+    const words = [];
+    const told = sides => `${sides.toFixed(1)} sides`;
+    const sunk = reach - centre[2];
+    if (this.radius && sunk >= 0.05) words.push(`reaches ${told(sunk)} into the floor: contacts give way, and places between two recorded ticks are on a straight line`);
+    const out = Math.hypot(centre[0], centre[1], centre[2] - this.lift) - this.radius;
+    if (this.radius && out >= -0.5) words.push(`reaches outside of the shell: the shell holds centres of blocks, not their corners, and gives way${out >= 0.05 ? ` (by ${told(out)})` : ''}`);
+    return words;
+  }
+
   /** Moves all blocks to a tick, if their places are unpacked. */
   go(tick) {
     if (!this.recording.has(tick)) return false;
@@ -48,7 +62,8 @@ class Scene {
     return true;
   }
 
-  draw(scale) {
+  /** `scale`: pixels of the picture for one of the page; `sharp`: the same of the names. */
+  draw(scale, sharp = devicePixelRatio || 1) {
     const { history, painter, camera, tick } = this;
     const look = THEMES[themeName()];
     painter.fit(scale);
@@ -80,9 +95,10 @@ class Scene {
     painter.drawCubes(this.numbers, this.fillFree(pulled, look), { opaque: this.clouds === 1, ...style });
     const seen = bodies => Array.from(bodies, body => ({ body, ...this.place(body) }));
     const chosen = seen(this.free.filter(body => body === this.selected)).map(block => ({ ...block, named: true }));
-    const opaque = this.clouds === 1 ? [...solid, ...seen(this.free)] : solid;
+    const opaque = this.clouds === 1 && this.named ? [...solid, ...seen(this.free)] : solid;
     const glass = this.clouds === 1 ? [] : seen(this.free.filter(body => pulled.has(body)));
-    this.labels.draw(this, view, [...solid, ...chosen], opaque, glass, look);
+    const moves = chosen.length > 0 || opaque.length > solid.length;
+    this.labels.draw(this, view, { blocks: [...solid, ...chosen], opaque, glass, moves }, look, sharp);
   }
 
   /** The numbers of the structure's blocks for the painter; how many there are. */
@@ -148,14 +164,15 @@ class Scene {
   /** The edges of the cells that the structure will have in the end, and does not yet. */
   drawTarget(look) {
     if (!this.aimed) return;
-    const taken = new Set(this.solid.map(({ cell }) => cell?.join()));
-    const left = this.target.filter(cell => !taken.has(cell.join()));
     const edges = () => {
+      const taken = new Set(this.solid.map(({ cell }) => cell?.join()));
       const sketch = new Sketch();
-      for (const cell of left) sketch.box(this.centre(cell), 0.46, [...rgb(look.ink), 0.28]);
+      for (const cell of this.target) if (!taken.has(cell.join())) sketch.box(this.centre(cell), 0.46, [...rgb(look.ink), 0.28]);
       return sketch;
     };
-    this.painter.drawSketch(edges, { lines: true, name: 'target', of: `${themeName()} ${left.join(' ')}` });
+    // It changes only at events.
+    const step = lastAtOrBefore(this.history.steps, this.tick);
+    this.painter.drawSketch(edges, { lines: true, name: 'target', of: `${themeName()} ${step}` });
   }
 
   /**

@@ -13,15 +13,28 @@ async function start() {
   const scene = new Scene(about, recording, history, painter, new Labels(element('labels')), camera);
   const timeline = new Timeline(element('timeline'), history, tick => player.jump(tick));
   const overview = new Overview(element('overview'));
-  const state = { following: false, drawn: null, told: -Infinity, scale: 1, slow: 0 };
+  const second = element('against').textContent.trim();
+  const against = second ? new Against(about, await Recording.open(second), camera, { wake: () => wake(), select: body => select(body, against) }) : null;
+  const state = { following: false, drawn: null, told: -Infinity, surveyed: -Infinity, scale: 1, slow: 0 };
   const player = new Player(history, about.scene.tick, () => wake());
+  if (against) player.end = Math.max(history.end, against.history.end);
   const graph = new Graph(element('graph'), history, tick => player.jump(tick));
   const panel = new Panel(element('block'), history, tick => player.jump(tick));
+  const tour = new Tour(element('tour'), history, {
+    go: tick => player.jump(tick),
+    look: cell => cell && camera.approach(scene.centre(cell)),
+    changed: () => wake(),
+  });
   const program = new ProgramText(element('program'), history, tick => player.jump(tick));
-  head(about, recording);
+  head(about, recording, against);
+  save(about, recording, player, () => window.replay);
 
-  function select(body) {
-    scene.selected = body;
+  /** Chooses a block of the first run, or of the second. */
+  function select(body, of = null) {
+    scene.selected = of ? null : body;
+    if (against) against.scene.selected = of ? body : null;
+    panel.history = (of ?? { history }).history;
+    panel.key = '';
     if (body === null) state.following = false;
     wake();
   }
@@ -41,21 +54,33 @@ async function start() {
 
   function frame(now) {
     awake = false;
-    const ready = recording.has(player.tick);
-    player.pass(now, ready);
+    player.pass(now, ready(player.tick));
+    tour.pass(now);
     if (painter.lost) return;
-    if (scene.go(player.tick)) draw(now);
-    else recording.fetch(player.tick).then(wake);
-    if (player.playing) wake();
+    if (ready(player.tick)) draw(now);
+    else fetch(player.tick).then(wake);
+    if (player.playing || tour.playing) wake();
   }
 
+  /** The runs that are shown, and the tick of each. */
+  const shown = tick => [[recording, scene, Math.min(tick, history.end)], ...(against ? [[against.recording, against.scene, against.tick(tick, history)]] : [])];
+  const ready = tick => shown(tick).every(([recording, , tick]) => recording.has(tick));
+  const fetch = tick => Promise.all(shown(tick).map(([recording, , tick]) => recording.fetch(tick)));
+
   function draw(now) {
+    for (const [, scene, tick] of shown(player.tick)) scene.go(tick);
     if (state.following && scene.selected !== null) camera.at = scene.place(scene.selected).centre;
-    scene.draw((devicePixelRatio || 1) * state.scale);
+    for (const [, scene] of shown(player.tick)) scene.draw((devicePixelRatio || 1) * state.scale);
     graph.show(scene.tick);
-    panel.show(scene.selected, Math.floor(scene.tick));
+    const chosen = panel.history === history ? scene : against.scene;
+    panel.show(chosen.selected, Math.floor(chosen.tick), chosen);
     program.show(scene.tick);
     timeline.draw();
+    // It is small: nobody sees its dots move.
+    if (!player.playing || now - state.surveyed > 500) {
+      state.surveyed = now;
+      overview.draw(scene);
+    }
     // Ten times a second is as fast as anybody reads.
     if (!player.playing || now - state.told > 100) {
       state.told = now;
@@ -87,7 +112,9 @@ async function start() {
     const tick = Math.floor(scene.tick);
     const seconds = tick * about.scene.tick;
     element('tick').value = tick;
-    text('now', `tick ${tick} of ${history.end}`);
+    text('now', `tick ${tick} of ${history.end}${against ? `, ${Math.floor(against.scene.tick)} of ${against.history.end}` : ''}`);
+    element('clocks').hidden = !against;
+    text('clocks', against?.byPhase ? 'clocks: by phase' : 'clocks: by tick');
     text('clock', time(seconds));
     text('phase', history.phases[history.phaseAt(tick)] ?? '');
     text('play', player.playing ? '❚❚' : '▶');
@@ -98,39 +125,26 @@ async function start() {
     element('names').setAttribute('aria-pressed', scene.named);
     element('target').setAttribute('aria-pressed', scene.aimed);
     element('target').hidden = !scene.target.length;
-    overview.draw(scene);
     text('cloud', ['cloud: faint', 'cloud: solid', 'cloud: off'][scene.clouds]);
     const last = lastAtOrBefore(history.stops, tick);
     const rows = history.rows.filter(row => row[0] === history.stops[last] && NOTABLE.has(row[1]));
     text('event', rows.length ? `${rows[0][0]}: ${rows.map(row => history.words(row)).join('; ')}` : '');
-    if (!player.playing) remember(tick);
-  }
-
-  /** Keeps the tick in the address, so that it can be passed on. */
-  function remember(tick) {
-    const hash = `#tick=${tick}${scene.selected === null ? '' : `&block=${scene.selected}`}`;
-    if (location.hash === hash) return;
-    try {
-      window.history.replaceState(null, '', hash);
-    } catch {
-      // Some browsers do not let a file change its own address.
-    }
+    if (!player.playing) writeLink({ tick: player.tick, body: scene.selected, view: camera.isFirst ? null : camera.view, embedded: document.body.classList.contains('embed') });
   }
 
   function recall() {
-    const asked = new URLSearchParams(location.hash.slice(1));
-    const number = name => (asked.has(name) && /^-?\d+$/.test(asked.get(name)) ? Number(asked.get(name)) : null);
-    const body = number('block');
+    const { tick, body, view, embedded } = readLink();
+    document.body.classList.toggle('embed', embedded);
     if (body !== null && body < recording.bodies && body >= -history.roles.length) {
       if (body >= 0 || about.tables.blocks[-1 - body].seed) scene.selected = body;
     }
-    const tick = number('tick');
+    if (view) camera.view = view;
     if (tick !== null) player.jump(tick);
     wake();
   }
 
   SPEEDS.forEach(speed => element('speed').append(new Option(`${speed}×`, String(speed))));
-  element('tick').max = history.end;
+  element('tick').max = player.end;
   element('tick').addEventListener('input', event => player.jump(Number(event.target.value)));
   element('speed').addEventListener('change', event => (player.speed = Number(event.target.value)));
   const cloud = () => {
@@ -160,6 +174,13 @@ async function start() {
     next: () => player.event(1, false),
     previous: () => player.event(-1, false),
     follow: () => follow(), names, target: aim, cloud, reset, theme,
+    clocks: () => {
+      against.byPhase = !against.byPhase;
+      player.end = against.byPhase ? history.end : Math.max(history.end, against.history.end);
+      element('tick').max = player.end;
+      player.go(player.tick);
+    },
+    tourer: () => tour.show(tour.playing ? null : 0),
   };
   for (const [id, act] of Object.entries(buttons)) element(id).addEventListener('click', act);
   /** Chooses another block: of the structure, or one of those that are pulled. */
@@ -186,57 +207,14 @@ async function start() {
   new ResizeObserver(wake).observe(element('arena'));
   matchMedia('(prefers-color-scheme: dark)').addEventListener('change', wake);
   addEventListener('hashchange', recall);
+  element('tourer').hidden = !tour.steps.length;
   recall();
-  await recording.fetch(player.tick);
-  scene.go(player.tick);
+  if (about.guided && readLink().tick === null) tour.show(0);
+  await fetch(player.tick);
   draw(performance.now());
   element('message').hidden = true;
 
-  /** For whoever wants to look at the page by a program. */
-  window.replay = {
-    version: VERSION,
-    async seek(tick) {
-      player.jump(tick);
-      await recording.fetch(player.tick);
-      scene.go(player.tick);
-      draw(performance.now());
-      return this.state();
-    },
-    /** The state when what was asked for is to be seen. */
-    async settled() {
-      await recording.fetch(player.tick);
-      await new Promise(drawn => requestAnimationFrame(() => requestAnimationFrame(drawn)));
-      return this.state();
-    },
-    select,
-    state: () => ({
-      tick: scene.tick,
-      end: history.end,
-      blocks: recording.bodies,
-      places: Array.from(scene.places),
-      structure: Array.from({ length: recording.bodies }, (_, body) => body)
-        .filter(body => history.holdAt(body, scene.tick))
-        .map(body => [body, history.nameAt(body, scene.tick)]),
-      lit: history.facesAt(scene.tick).map(({ body, face }) => [body, face]),
-      pulled: history.pullsAt(scene.tick).map(({ body }) => body),
-      done: [...history.deeds].filter(([, { done }]) => done <= scene.tick).map(([id]) => id),
-      cubes: scene.solid.length + scene.free.length,
-      labels: scene.labels.shown.map(({ text }) => text),
-      selected: scene.selected,
-      playing: player.playing,
-    }),
-    screen: body => scene.screen(scene.place(body).centre),
-    pixel: (x, y) => {
-      // What was drawn is gone once it has been shown.
-      draw(performance.now());
-      const scale = painter.canvas.width / painter.canvas.clientWidth;
-      return painter.pixel(Math.round(x * scale), Math.round(y * scale));
-    },
-    pick: (x, y) => scene.pick(x, y),
-    /** The names that are written, and where [px]. */
-    names: () => scene.labels.shown.map(({ body, text, x, y }) => ({ body, text, x, y })),
-    face: (body, face) => scene.screen(add(scene.place(body).centre, times(NORMALS[face], 0.5))),
-  };
+  window.replay = api({ about, recording, history, scene, painter, camera, player, fetch, draw, select, follow, recall, against });
   document.body.dataset.ready = 'yes';
 }
 
@@ -246,14 +224,19 @@ function text(id, words) {
 }
 
 /** What the page is of. */
-function head(about, recording) {
+function head(about, recording, against) {
   const { record } = recording;
   text('name', about.program);
-  const { kind, by } = record.outcome;
-  const outcome = kind === 'timed_out' ? { timeout: 'timed out', max_ticks: 'stopped by --max-ticks' }[by] : kind;
-  const after = `${record.ticks} ticks (${time(record.ticks * about.scene.tick)})`;
+  if (against) text('beside', `right: ${outcome(about, against.recording)}`);
   const waiting = record.waiting ? [`${count(record.waiting.length, 'wait')} under way`] : [];
-  text('facts', [`run ${recording.header.run}`, `${outcome} after ${after}`, count(record.bonds.length, 'capture'), ...waiting, about.model, `scene ${about.scene.name}`, `seed ${about.seed}`].join(' · '));
+  text('facts', [outcome(about, recording), count(record.bonds.length, 'capture'), ...waiting, about.model, `scene ${about.scene.name}`, `seed ${about.seed}`].join(' · '));
+}
+
+/** How a run ended, and when. */
+function outcome(about, { header, record }) {
+  const { kind, by } = record.outcome;
+  const words = kind === 'timed_out' ? { timeout: 'timed out', max_ticks: 'stopped by --max-ticks' }[by] : kind;
+  return `run ${header.run} · ${words} after ${record.ticks} ticks (${time(record.ticks * about.scene.tick)})`;
 }
 
 /** Seconds as minutes and seconds. */

@@ -1,0 +1,38 @@
+// A second run beside the first: one camera, and clocks that go together by tick or by phase.
+
+class Against {
+  /** `wake` is told that something moves, `select` the block that is clicked. */
+  constructor(about, recording, camera, { wake, select }) {
+    this.recording = recording;
+    this.history = new History(about, recording);
+    const canvas = name => {
+      const made = part('canvas', `second ${name}`);
+      element('overview').before(made);
+      return made;
+    };
+    const [arena, labels] = [canvas('arena'), canvas('labels')];
+    arena.tabIndex = 0;
+    arena.setAttribute('role', 'img');
+    arena.setAttribute('aria-label', `the arena of run ${recording.header.run}: drag to turn, click a block`);
+    labels.setAttribute('aria-hidden', 'true');
+    element('stage').classList.add('two');
+    this.scene = new Scene(about, recording, this.history, new Painter(arena, wake), new Labels(labels), camera);
+    steer(arena, camera, wake, ({ x, y }) => {
+      const box = arena.getBoundingClientRect();
+      select(this.scene.pick(x - box.left, y - box.top));
+    });
+    new ResizeObserver(wake).observe(arena);
+    /** Whether phases, instead of ticks, go together. */
+    this.byPhase = false;
+  }
+
+  /** The tick of this run when the other is at one of its own. */
+  tick(tick, other) {
+    if (!this.byPhase) return Math.min(tick, this.history.end);
+    const at = lastAtOrBefore(other.begins.map(({ from }) => from), tick);
+    const stretch = ({ begins, end }) => [begins[at]?.from ?? end, begins[at + 1]?.from ?? end];
+    const [[from, to], [here, there]] = [stretch(other), stretch(this.history)];
+    const share = to > from ? (tick - from) / (to - from) : 0;
+    return here + (there - here) * Math.min(1, share);
+  }
+}

@@ -1,0 +1,29 @@
+// The address of the page: the tick, the chosen block, where one looks from, and whether there are controls.
+
+/** What the address asks for; `null`: nothing. */
+function readLink() {
+  const asked = new URLSearchParams(location.hash.slice(1));
+  const whole = name => (/^-?\d+$/.test(asked.get(name) ?? '') ? Number(asked.get(name)) : null);
+  const view = (asked.get('view') ?? '').split(',').map(Number);
+  return {
+    tick: whole('tick'),
+    body: whole('block'),
+    view: view.length === 6 && view.every(Number.isFinite) ? view : null,
+    embedded: asked.has('embed') || new URLSearchParams(location.search).has('embed'),
+  };
+}
+
+/** Keeps them in the address, so that it can be passed on; the view only where it is not the first. */
+function writeLink({ tick, body, view, embedded }) {
+  const parts = [`tick=${Math.floor(tick)}`];
+  if (body !== null) parts.push(`block=${body}`);
+  if (view) parts.push(`view=${view.map(number => Number(number.toFixed(3))).join()}`);
+  if (embedded) parts.push('embed');
+  const hash = `#${parts.join('&')}`;
+  if (location.hash === hash) return;
+  try {
+    window.history.replaceState(null, '', hash);
+  } catch {
+    // Some browsers do not let a file change its own address.
+  }
+}

@@ -1,0 +1,72 @@
+// Pictures and films of the arena, of any size.
+
+/** The arena with its names, on a sheet of some width and height [px]; `sheet` may be one that was used before. */
+function painted(scene, width, height, sheet = new OffscreenCanvas(width, height)) {
+  const { painter, labels } = scene;
+  const { gl } = painter;
+  const [most] = [gl.getParameter(gl.MAX_RENDERBUFFER_SIZE), ...gl.getParameter(gl.MAX_VIEWPORT_DIMS)].sort((a, b) => a - b);
+  const sizes = [width, height];
+  if (!sizes.every(size => Number.isInteger(size) && size > 0)) throw new Unreadable('A picture has a width and a height in whole pixels.');
+  if (sizes.some(size => size > most)) throw new Unreadable(`The graphics of this browser draw ${most} x ${most} pixels at most.`);
+  const shown = [painter.width, painter.height];
+  // As high as the arena is on the page, in its units, so that letters and lines have the same share of the picture.
+  const scale = height / painter.height;
+  [painter.width, painter.height] = [width / scale, height / scale];
+  try {
+    scene.draw(scale, scale);
+    if (gl.drawingBufferWidth !== width || gl.drawingBufferHeight !== height) throw new Unreadable('The graphics of this browser cannot draw a picture of this size.');
+    const pen = sheet.getContext('2d');
+    pen.drawImage(painter.canvas, 0, 0, width, height);
+    pen.drawImage(labels.canvas, 0, 0, width, height);
+  } finally {
+    [painter.width, painter.height] = shown;
+  }
+  return sheet;
+}
+
+/** A picture in PNG. */
+const picture = (scene, width, height) => painted(scene, width, height).convertToBlob({ type: 'image/png' });
+
+/**
+ * A film in WebM of a stretch of ticks, made while it plays. `at` is told the tick to draw, and resolves when it can be.
+ */
+async function film(scene, { from, to, width, height, speed, secondsPerTick, at }) {
+  if (typeof MediaRecorder === 'undefined' || !MediaRecorder.isTypeSupported('video/webm')) {
+    throw new Unreadable('This browser cannot record films in WebM.');
+  }
+  if (!(from >= 0 && from < to)) throw new Unreadable('A film goes from a tick to a later one.');
+  const sheet = document.createElement('canvas');
+  [sheet.width, sheet.height] = [width, height];
+  await at(from);
+  painted(scene, width, height, sheet);
+  const recorder = new MediaRecorder(sheet.captureStream(30), { mimeType: 'video/webm', videoBitsPerSecond: 8e6 });
+  const parts = [];
+  recorder.addEventListener('dataavailable', ({ data }) => parts.push(data));
+  const stopped = new Promise(stop => recorder.addEventListener('stop', stop));
+  // Now and then it hands over what it has.
+  recorder.start(100);
+  const begun = performance.now();
+  for (let tick = from; tick < to; ) {
+    await new Promise(requestAnimationFrame);
+    tick = Math.min(to, from + (((performance.now() - begun) / 1000) * speed) / secondsPerTick);
+    await at(tick);
+    painted(scene, width, height, sheet);
+  }
+  // On a busy machine it may not have seen any picture yet; without one, there is no film.
+  for (let wait = 0; wait < 300 && !parts.some(({ size }) => size > 0); wait++) {
+    painted(scene, width, height, sheet);
+    await new Promise(passed => setTimeout(passed, 50));
+  }
+  recorder.stop();
+  await stopped;
+  return new Blob(parts, { type: 'video/webm' });
+}
+
+/** Has the reader keep a file. */
+function keep(blob, name) {
+  const link = document.createElement('a');
+  link.href = URL.createObjectURL(blob);
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 60000);
+}

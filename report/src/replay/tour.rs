@@ -1,0 +1,39 @@
+//! What decided how long a run took, as steps that a page goes through.
+use serde_json::{Value, json};
+use stochc_ensemble::Program;
+use stochc_ir::record::RunRecord;
+
+use crate::analysis::events::Events;
+use crate::analysis::subject::Run;
+use crate::ensemble_report::narrative::{Telling, item};
+
+/// Steps of a tour, at most: of a longer chain those that took longest.
+const MOST: usize = 200;
+
+/// `[{ from, to, cell, html }]`: the waits that met end to end, in ticks, where each happened, and the sentence of a report that tells
+/// it.
+pub fn tour(program: &Program, record: &RunRecord) -> Value {
+    let events = Events::of(program);
+    let run = Run::of(&events, record);
+    let telling = Telling {
+        program,
+        events: &events,
+        replay: None,
+    };
+    let mut lengths: Vec<u64> = run.chain.iter().map(|link| link.ticks()).collect();
+    lengths.sort_unstable_by(|a, b| b.cmp(a));
+    // What took no time is told by what waited for it.
+    let least = lengths.get(MOST).map_or(1, |&ticks| ticks + 1);
+    let told = run.chain.iter().filter(|link| link.ticks() >= least);
+    let steps = told.map(|link| {
+        let cell = link.event().and_then(|event| {
+            let event = &events.events[event];
+            let graph = &program.compiled.graph;
+            let same = graph.events_of(event.phase).map(|id| graph.event(id));
+            let mut same = same.filter(|it| it.action == event.action);
+            same.next().and_then(|it| it.cell)
+        });
+        json!({ "from": link.from, "to": link.to, "cell": cell, "html": item(&telling, &run, link) })
+    });
+    Value::Array(steps.collect())
+}

@@ -1,0 +1,177 @@
+//! The page in Firefox, which draws on a screen that is only in memory.
+use std::io::{BufRead as _, BufReader, Read as _, Write as _};
+use std::net::TcpStream;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::{Value, json};
+
+use crate::folder::{PROGRAM, Results};
+use crate::skipped::skipped;
+
+/// Longer than anything takes on a slow machine.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+const SETTINGS: &str = "\
+user_pref(\"marionette.port\", 0);
+user_pref(\"webgl.force-enabled\", true);
+user_pref(\"browser.shell.checkDefaultBrowser\", false);
+user_pref(\"datareporting.policy.dataSubmissionEnabled\", false);
+";
+
+/// Firefox, driven by its own protocol for tests: Marionette.
+struct Firefox {
+    child: Child,
+    stream: BufReader<TcpStream>,
+    calls: u64,
+    _folder: tempfile::TempDir,
+}
+
+impl Firefox {
+    /// `None`, with a note, where it, or what it draws on, is missing and not required.
+    #[track_caller]
+    fn start() -> Option<Firefox> {
+        let there = |name: &str| {
+            let found = Command::new("sh")
+                .args(["-c", &format!("command -v {name}")])
+                .output();
+            found.is_ok_and(|output| output.status.success())
+        };
+        if !there("firefox-esr") || !there("xvfb-run") {
+            skipped("firefox", "firefox-esr");
+            return None;
+        }
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("user.js"), SETTINGS).unwrap();
+        let child = Command::new("xvfb-run")
+            .args(["-a", "-s", "-screen 0 1280x900x24"])
+            .args(["firefox-esr", "--marionette", "--no-remote", "--profile"])
+            .arg(folder.path())
+            .env("HOME", folder.path())
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        let begun = Instant::now();
+        let port = loop {
+            let said = std::fs::read_to_string(folder.path().join("MarionetteActivePort"));
+            if let Some(port) = said.ok().and_then(|port| port.trim().parse::<u16>().ok()) {
+                break port;
+            }
+            assert!(begun.elapsed() < PATIENCE, "firefox does not start");
+            std::thread::sleep(Duration::from_millis(100));
+        };
+        let stream = BufReader::new(TcpStream::connect(("127.0.0.1", port)).unwrap());
+        let mut firefox = Firefox {
+            child,
+            stream,
+            calls: 0,
+            _folder: folder,
+        };
+        firefox.message();
+        firefox.call("WebDriver:NewSession", &json!({}));
+        let patience = PATIENCE.as_millis() as u64;
+        firefox.call(
+            "WebDriver:SetTimeouts",
+            &json!({ "script": patience, "pageLoad": patience }),
+        );
+        Some(firefox)
+    }
+
+    /// A message: its length, a colon and JSON.
+    fn message(&mut self) -> Value {
+        let mut length = Vec::new();
+        self.stream.read_until(b':', &mut length).unwrap();
+        length.pop();
+        let length = std::str::from_utf8(&length).unwrap().parse().unwrap();
+        let mut bytes = vec![0; length];
+        self.stream.read_exact(&mut bytes).unwrap();
+        serde_json::from_slice(&bytes).unwrap()
+    }
+
+    fn call(&mut self, method: &str, params: &Value) -> Value {
+        self.calls += 1;
+        let text = json!([0, self.calls, method, params]).to_string();
+        write!(self.stream.get_mut(), "{}:{text}", text.len()).unwrap();
+        let answer = self.message();
+        assert_eq!(answer[2], Value::Null, "{method}");
+        answer[3].clone()
+    }
+
+    fn open(&mut self, page: &Path) {
+        let page = page.to_str().unwrap().replace(' ', "%20");
+        self.call(
+            "WebDriver:Navigate",
+            &json!({ "url": format!("file://{page}") }),
+        );
+        let begun = Instant::now();
+        while self.value("document.body.dataset.ready ?? document.body.className") == "" {
+            assert!(begun.elapsed() < PATIENCE, "the page does not settle");
+            std::thread::sleep(Duration::from_millis(50));
+        }
+    }
+
+    /// The value of an expression, or of the promise that it is.
+    fn value(&mut self, expression: &str) -> Value {
+        let script = format!(
+            "const told = arguments[0]; (async () => ({expression}))().then(told, error => told(`failed: ${{error}}`))"
+        );
+        let params = json!({ "script": script, "args": [], "sandbox": null });
+        self.call("WebDriver:ExecuteAsyncScript", &params)["value"].clone()
+    }
+}
+
+impl Drop for Firefox {
+    fn drop(&mut self) {
+        // The whole of it: what was started is the screen.
+        let text = json!([0, 0, "Marionette:Quit", { "flags": ["eForceQuit"] }]).to_string();
+        let _ = write!(self.stream.get_mut(), "{}:{text}", text.len());
+        let _ = self.child.wait();
+    }
+}
+
+#[test]
+fn firefox_shows_the_same() {
+    let Some(mut firefox) = Firefox::start() else {
+        return;
+    };
+    let results = Results::of(PROGRAM, "--record 0");
+    firefox.open(&results.page(0));
+    let recording = results.recording(0);
+    let frame = recording.frames().nth(500).unwrap();
+    let state = firefox.value(&format!("replay.seek({})", frame.tick));
+    let shown = state["places"].as_array().unwrap();
+    for (shown, kept) in shown.iter().zip(frame.places.iter().flatten()) {
+        assert!((shown.as_f64().unwrap() - kept).abs() < 1e-12);
+    }
+    // The last block has the same colour there as anywhere.
+    let last = recording.record().bonds.last().unwrap();
+    firefox.value(&format!("replay.seek({})", last.docked));
+    let shown = firefox.value(&format!(
+        "(() => {{
+            document.getElementById('cloud').click();
+            document.getElementById('cloud').click();
+            const {{ x, y }} = replay.face({}, 'up');
+            return replay.pixel(x, y);
+        }})()",
+        last.body
+    ));
+    let colour = stochc::ir::palette::phase(last.phase.0 as usize);
+    let light: Vec<f64> = (shown.as_array().unwrap().iter())
+        .zip([colour.0, colour.1, colour.2])
+        .map(|(shown, part)| shown.as_f64().unwrap() / f64::from(part))
+        .collect();
+    let is_same = light.iter().all(|part| (part - light[0]).abs() < 0.03);
+    assert!(is_same && light[0] > 0.5, "{shown} for {colour}");
+    let click = firefox.value(
+        "replay.settled().then(() => replay.names().length > 3 && replay.names().every(({ body, x, y }) => replay.pick(x, y) === body))",
+    );
+    assert_eq!(click, true);
+    let taken = firefox.value(
+        "Promise.all([replay.png(200, 100), replay.film({ from: 0, to: 200, width: 200, height: 100 })])
+            .then(blobs => blobs.map(({ type, size }) => [type, size > 1000]))",
+    );
+    assert_eq!(taken, json!([["image/png", true], ["video/webm", true]]));
+}

@@ -1,0 +1,162 @@
+//! Two runs in one page, a tour of one, and what is taken along.
+use serde_json::{Value, json};
+use stochc::ensemble::recording::Recording;
+
+use crate::browser::{Browser, browser};
+use crate::folder::{PROGRAM, Results, stochc};
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap()
+}
+
+/// The ticks at which phases begin.
+fn begins(recording: &Recording) -> Vec<u64> {
+    use stochc::runtime::observe::Event;
+    let events = recording.events().iter();
+    let phases = events.filter(|happening| matches!(happening.event, Event::Phase(_)));
+    phases.map(|happening| happening.tick).collect()
+}
+
+#[test]
+fn two_runs_share_a_page() {
+    let Some(mut browser) = browser(&[]) else {
+        return;
+    };
+    let results = Results::of(PROGRAM, "--record all");
+    let folder = results.path();
+    let said = stochc("replay --run 0 --against 1", &[&folder]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    let page = folder.join("replay-five_tower_reconfigured-0-against-1.html");
+    assert_eq!(said.out.trim_end(), page.to_str().unwrap());
+    let same = stochc("replay --run 0 --against 0", &[&folder]);
+    assert_eq!(same.status, 2);
+    assert!(
+        same.err.contains("`--against` needs another run"),
+        "{}",
+        same.err
+    );
+    browser.open(&page, "#tick=500");
+    let [first, second] = [0, 1].map(|run| results.recording(run));
+    let at = |browser: &mut Browser, tick: u64| {
+        let state = browser.value(&format!("replay.seek({tick})"));
+        let against = &state["against"];
+        assert_eq!(against["run"], 1);
+        (number(&state["tick"]), number(&against["tick"]))
+    };
+    let [here, there] = [&first, &second].map(|recording| recording.record().ticks);
+    let last = here.max(there);
+    assert_eq!(at(&mut browser, 500), (500.0, 500.0));
+    assert_eq!(at(&mut browser, last), (here as f64, there as f64));
+    // By phase, every phase begins in both at once.
+    browser.value("document.getElementById('clocks').click()");
+    for (from, to) in begins(&first).into_iter().zip(begins(&second)) {
+        assert_eq!(at(&mut browser, from), (from as f64, to as f64));
+    }
+    assert_eq!(at(&mut browser, here), (here as f64, there as f64));
+    // Both are drawn, from the same point.
+    let shown = browser.value(
+        "[...document.querySelectorAll('#stage canvas')].map(canvas => [canvas.id || canvas.className, canvas.clientWidth])",
+    );
+    assert_eq!(shown[0][1], shown[2][1], "{shown}");
+    let before = browser.value("replay.state().view");
+    browser.click(450.0, 300.0);
+    browser.swipe((450.0, 300.0), (530.0, 300.0));
+    assert_ne!(browser.value("replay.settled()")["view"], before);
+    assert_eq!(browser.complaints, [""; 0]);
+}
+
+#[test]
+fn a_tour_goes_through_what_decided_the_time() {
+    let Some(mut browser) = browser(&[]) else {
+        return;
+    };
+    let results = Results::of(PROGRAM, "--record 0");
+    let folder = results.path();
+    let page = folder.join("tour.html");
+    let said = stochc("replay --run 0 --tour --out", &[&page, &folder]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    browser.open(&page, "");
+    let steps = browser.value("JSON.parse(document.getElementById('about').textContent).tour");
+    let steps = steps.as_array().unwrap();
+    // From the beginning of the run to its end, without a gap.
+    let mut tick = 0.0;
+    for step in steps {
+        assert_eq!(number(&step["from"]), tick, "{step}");
+        tick = number(&step["to"]);
+    }
+    assert_eq!(tick, results.recording(0).record().ticks as f64);
+    let words = "document.getElementById('tour').textContent";
+    let first = format!("1 of {}: ", steps.len());
+    let said = browser.value(words);
+    let said = said.as_str().unwrap();
+    assert!(
+        said.starts_with(&first) && said.contains("waited"),
+        "{said}"
+    );
+    let next = "document.querySelector('#tour [aria-label=\"next step\"]').click()";
+    browser.value(next);
+    browser.value("new Promise(done => setTimeout(done, 600))");
+    let state = browser.value("replay.settled()");
+    let (from, to) = (number(&steps[1]["from"]), number(&steps[1]["to"]));
+    let tick = number(&state["tick"]);
+    assert!(from < tick && tick <= to, "{tick} from {from} to {to}");
+    browser.value("document.querySelector('#tour [aria-label=\"end the tour\"]').click()");
+    assert_eq!(
+        browser.value("document.getElementById('tour').hidden"),
+        true
+    );
+    assert_eq!(browser.complaints, [""; 0]);
+}
+
+#[test]
+fn views_pictures_and_films_are_taken_along() {
+    let Some(mut browser) = browser(&[]) else {
+        return;
+    };
+    let results = Results::of(PROGRAM, "--record 0");
+    let page = results.page(0);
+    browser.open(&page, "#tick=9000");
+    browser.value("replay.look([0.3, 0.5, 12, 1, 0, 2])");
+    let place = "replay.settled().then(() => replay.screen(0))";
+    let seen = browser.value(place);
+    let hash = browser.value("location.hash");
+    assert_eq!(hash, "#tick=9000&view=0.3,0.5,12,1,0,2");
+    browser.open(&page, hash.as_str().unwrap());
+    assert_eq!(browser.value(place), seen);
+    let size = "replay.png(640, 360).then(async blob => {
+        const head = new DataView(await blob.arrayBuffer());
+        return [blob.type, head.getUint32(0), head.getUint32(16), head.getUint32(20)];
+    })";
+    assert_eq!(
+        browser.value(size),
+        json!(["image/png", 0x8950_4e47_u32, 640, 360])
+    );
+    // What was drawn is what is seen: at the size of the page, pixel by pixel.
+    let same = "(async () => {
+        const [x, y] = [300, 320];
+        const { clientWidth, clientHeight } = document.getElementById('arena');
+        const sheet = new OffscreenCanvas(clientWidth, clientHeight).getContext('2d');
+        sheet.drawImage(await createImageBitmap(await replay.png(clientWidth, clientHeight)), 0, 0);
+        return [[...sheet.getImageData(x, y, 1, 1).data].slice(0, 3), replay.pixel(x, y)];
+    })()";
+    let pixels = browser.value(same);
+    assert_eq!(pixels[0], pixels[1]);
+    let much = browser.value("replay.png(10 ** 7, 1).catch(({ message }) => message)");
+    assert!(much.as_str().unwrap().contains("pixels at most"), "{much}");
+    // A cluster of pictures, of however many the machine draws.
+    let film = "replay.film({ from: 100, to: 500, width: 320, height: 200, speed: 5 }).then(async blob => {
+        const bytes = new Uint8Array(await blob.arrayBuffer());
+        const has = mark => bytes.some((_, at) => mark.every((byte, i) => bytes[at + i] === byte));
+        return [blob.type, has([0x1a, 0x45, 0xdf, 0xa3]), has([0x1f, 0x43, 0xb6, 0x75])];
+    })";
+    assert_eq!(browser.value(film), json!(["video/webm", true, true]));
+    let none = browser.value("replay.film({ from: 9, to: 9 }).catch(({ message }) => message)");
+    assert_eq!(none, "A film goes from a tick to a later one.");
+    // Within another page there are no controls.
+    browser.open(&page, "#embed&tick=50");
+    let shown = "['arena', 'tools', 'tick', 'graph'].map(id => document.getElementById(id).checkVisibility())";
+    assert_eq!(browser.value(shown), json!([true, false, false, false]));
+    assert_eq!(browser.value("replay.settled()")["tick"], 50);
+    assert_eq!(browser.value("location.hash"), "#tick=50&embed");
+    assert_eq!(browser.complaints, [""; 0]);
+}
