@@ -54,7 +54,7 @@ fn whoever_follows_may_go_and_come_back() {
     // Ctrl-C takes the jobs with it, if asked.
     let fourth = cluster.submit(pieces, "--cancel-on-interrupt");
     until("another array", || cluster.arrays(&name) == 2);
-    Held::making(pieces, "1");
+    Held::making(pieces, "0");
     signal("-TERM", &[fourth.id().to_string()]);
     let (status, said) = end(fourth);
     assert_eq!(status, 130, "{said}");

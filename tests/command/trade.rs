@@ -113,7 +113,7 @@ fn the_picture_has_a_mark_for_every_setting() {
             .filter(|node| node.attribute("class") == Some(&class))
             .count()
     };
-    assert_eq!((of("reduced"), of("reference"), of("reversed")), (4, 1, 0));
+    assert_eq!((of("s2"), of("reference"), of("hot")), (4, 1, 0));
     for mark in &marks {
         let told = mark.first_element_child().unwrap();
         assert_eq!(told.tag_name().name(), "title");
