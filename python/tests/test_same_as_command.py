@@ -39,8 +39,8 @@ def assert_same(one: Path, other: Path, unordered: tuple[str, ...] = ()) -> None
         (["--model", "shuffle"], {"model": "shuffle"}),
         (["--model", "rigid", "--max-ticks", "3000"], {"max_ticks": 3000}),
         (
-            ["--model", "rigid", "--substeps", "1/4", "--max-ticks", "300"],
-            {"model": "rigid", "substeps": "1/4", "max_ticks": 300},
+            ["--model", "rigid", "--substeps", "2/4", "--max-ticks", "300"],
+            {"model": "rigid", "substeps": "2/4", "max_ticks": 300},
         ),
         (["--model", "rate"], {"model": "rate"}),
         (
