@@ -19,7 +19,7 @@ const CASES: u32 = 32;
 /// Ticks after which an experiment is given up.
 const PATIENCE: u32 = 2000;
 
-/// What comes out of an experiment, as the mean of [`CASES`].
+/// What comes out of an experiment, as the mean of 32 that begin at different moments of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepError {
     /// What is measured.
@@ -41,7 +41,7 @@ impl StepError {
     }
 }
 
-/// What is lost by the steps in a scene; nothing is said of what it does not have, or what takes longer than [`PATIENCE`].
+/// What is lost by the steps in a scene; nothing is said of what it does not have, or what takes longer than 2000 ticks.
 pub fn step_errors(scene: &Scene, steps: Substeps) -> Vec<StepError> {
     let kinds = [
         (
