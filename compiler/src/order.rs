@@ -111,7 +111,7 @@ pub fn sort(
 }
 
 /// The edges from or to an event, but for those that nothing needs.
-fn needed<'a>(
+pub(crate) fn needed<'a>(
     graph: &'a DependencyGraph,
     unneeded: &'a FxHashSet<EdgeIndex>,
     node: NodeIndex,

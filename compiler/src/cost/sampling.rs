@@ -9,7 +9,7 @@ use stochc_rates::FORGOTTEN;
 
 use super::waits::CaptureWait;
 use crate::Program;
-use crate::order::Order;
+use crate::order::{Order, needed};
 
 /// Waits that are drawn of a program, about.
 const DRAWN: usize = 200_000;
@@ -131,8 +131,7 @@ fn steps(program: &Program, order: &Order) -> Vec<Vec<Step>> {
     for &id in &order.events {
         let phase = phases.partition_point(|phase| phase.events.end <= id.0);
         let node = NodeIndex::new(id.0 as usize);
-        let before = (program.graph.edges_directed(node, Incoming))
-            .filter(|edge| !order.unneeded.contains(&edge.id()))
+        let before = needed(&program.graph, &order.unneeded, node, Incoming)
             .map(|edge| edge.source().index() as u32)
             .filter(|event| phases[phase].events.contains(event));
         steps[phase].push(Step {

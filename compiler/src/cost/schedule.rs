@@ -5,7 +5,7 @@ use petgraph::visit::EdgeRef;
 
 use super::PhaseCost;
 use crate::Program;
-use crate::order::Order;
+use crate::order::{Order, needed};
 use crate::plan::{EventKind, PlanPhase};
 
 /// For every event, the captures of the longest chain of its phase that ends in it.
@@ -13,8 +13,7 @@ pub fn levels(program: &Program, order: &Order) -> Vec<u32> {
     let mut levels = vec![0; program.plan.events.len()];
     for &id in &order.events {
         let node = NodeIndex::new(id.0 as usize);
-        let before = (program.graph.edges_directed(node, Incoming))
-            .filter(|edge| !order.unneeded.contains(&edge.id()))
+        let before = needed(&program.graph, &order.unneeded, node, Incoming)
             .map(|edge| levels[edge.source().index()])
             .max();
         let is_capture = program.plan.event(id).kind != EventKind::Release;
