@@ -1,5 +1,9 @@
 //! Scenes for tests, one term at a time, in block units: side 1 m, mass 1 kg, tick 1 s.
-#![allow(dead_code, reason = "each test file sets other scenes")]
+#![allow(
+    dead_code,
+    unused_macros,
+    reason = "each test program sets other scenes"
+)]
 use nalgebra::{UnitQuaternion, Vector3};
 use stochc_ir::scene::{
     Agitation, Anchor, Arrangement, Block, Bond, Contact, ContactLaw, Enclosure, Free, Measure,
@@ -119,7 +123,6 @@ pub fn world<W: Arena>(scene: &Scene, settings: &Settings, blocks: &[BodyState])
 }
 
 /// Makes a test of each world out of every function that is generic over worlds.
-#[macro_export]
 macro_rules! in_every_world {
     ($($test:ident),* $(,)?) => {
         mod rapier {
@@ -193,25 +196,23 @@ impl Kind for Double {
 
 /// Makes a test of the reference and of the kernel in either precision out of every function that
 /// is generic over [`Kind`].
-#[macro_export]
 macro_rules! in_every_kind {
     ($($test:ident),* $(,)?) => {
         mod rapier {
-            $(#[test] fn $test() { super::$test::<super::scenes::Reference>(); })*
+            $(#[test] fn $test() { super::$test::<$crate::scenes::Reference>(); })*
         }
         in_either_precision!($($test),*);
     };
 }
 
 /// The same without the reference, for what it does not compute.
-#[macro_export]
 macro_rules! in_either_precision {
     ($($test:ident),* $(,)?) => {
         mod single {
-            $(#[test] fn $test() { super::$test::<super::scenes::Single>(); })*
+            $(#[test] fn $test() { super::$test::<$crate::scenes::Single>(); })*
         }
         mod double {
-            $(#[test] fn $test() { super::$test::<super::scenes::Double>(); })*
+            $(#[test] fn $test() { super::$test::<$crate::scenes::Double>(); })*
         }
     };
 }

@@ -1,8 +1,7 @@
 //! The rigid-body world against closed forms.
-mod scenes;
 
+use crate::scenes::{Dice, attract, contact, empty, hemisphere, kicks, pass, world};
 use nalgebra::{UnitQuaternion, Vector3};
-use scenes::{Dice, attract, contact, empty, hemisphere, kicks, pass, world};
 use stochc_ir::scene::Drag;
 use stochc_ir::{Cell, Face};
 use stochc_runtime::world::{Arena, BlockFace, Body, BodyState};

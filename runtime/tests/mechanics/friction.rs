@@ -2,10 +2,9 @@
 //!
 //! The scene has no weight, so the test adds it: a change of velocity before every tick, which the
 //! contact has to take up within the tick.
-mod scenes;
 
+use crate::scenes::{Dice, Double, Kind, Reference, Single, at, contact, empty, hemisphere, pass};
 use nalgebra::{UnitQuaternion, Vector3};
-use scenes::{Dice, Double, Kind, Reference, Single, at, contact, empty, hemisphere, pass};
 use stochc_runtime::world::{Arena, BodyState};
 
 in_every_kind!(

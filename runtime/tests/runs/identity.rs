@@ -1,18 +1,16 @@
 //! What a run must not depend on, to the bit.
-mod scenes;
-mod tables;
 
 use std::ops::ControlFlow;
 
+use crate::scenes::{Dice, Kind, at, compliant, contact, empty, hemisphere, kicks, paper, pass};
+use crate::tables::chain;
 use nalgebra::Vector3;
-use scenes::{Dice, Kind, at, compliant, contact, empty, hemisphere, kicks, paper, pass};
 use stochc_ir::Face;
 use stochc_ir::record::{Outcome, RunRecord};
 use stochc_ir::scene::{Agitation, Bond, Contact, ContactLaw, Drag, Scene};
 use stochc_ir::table::{PhaseId, Tables};
 use stochc_runtime::world::{Arena, BodyState};
 use stochc_runtime::{Reduction, Settings, run};
-use tables::chain;
 
 in_either_precision!(
     a_run_is_the_same_in_order_alone_and_on_any_thread,

@@ -1,10 +1,10 @@
 //! The kernel and the reference engine in distribution; `examples/agreement` says more.
-#[path = "../examples/agreement/statistics.rs"]
+#[path = "../../examples/agreement/statistics.rs"]
 mod statistics;
-mod tables;
 
 use std::ops::ControlFlow;
 
+use crate::tables::chain;
 use statistics::{gap, kolmogorov_smirnov, mann_whitney, mean};
 use stochc_compiler::scene::built_in;
 use stochc_ir::Face;
@@ -12,7 +12,6 @@ use stochc_ir::record::Outcome;
 use stochc_ir::scene::Enclosure;
 use stochc_ir::table::PhaseId;
 use stochc_runtime::{Model, Settings, run};
-use tables::chain;
 
 /// Ticks until a face of the plate has captured one of 40 blocks in a shell of 8 sides, where both models
 /// have stopped to change with the number of substeps.

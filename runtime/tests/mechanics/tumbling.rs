@@ -1,8 +1,7 @@
 //! A cube that turns freely: its inertia is the same about all axes, so that its spin stays.
-mod scenes;
 
+use crate::scenes::{Dice, Kind, at, attract, empty, pass};
 use nalgebra::{UnitQuaternion, Vector3};
-use scenes::{Dice, Kind, at, attract, empty, pass};
 use stochc_ir::{Cell, Face};
 use stochc_runtime::world::{Arena, BlockFace, Body, BodyState, World};
 
@@ -104,10 +103,10 @@ fn a_cube_that_is_watched_turns_as_one_that_is_not<K: Kind>() {
     watched::<K>(20_000);
 }
 
-/// The same for a million ticks: `cargo test --release -p stochc-runtime --test tumbling -- --ignored`.
+/// The same for a million ticks: `cargo test --release -p stochc-runtime --test mechanics tumbling -- --ignored`.
 #[test]
 #[ignore = "takes a minute without optimization"]
 fn a_million_ticks_do_not_wear_an_orientation_out() {
-    watched::<scenes::Single>(1_000_000);
-    watched::<scenes::Double>(1_000_000);
+    watched::<crate::scenes::Single>(1_000_000);
+    watched::<crate::scenes::Double>(1_000_000);
 }

@@ -1,8 +1,7 @@
 //! What a step of any length makes of a magnet: the docking window along the way, and the force near its middle.
-mod scenes;
 
+use crate::scenes::{Kind, at, attract, empty, world};
 use nalgebra::UnitQuaternion;
-use scenes::{Kind, at, attract, empty, world};
 use stochc_ir::{Cell, Face};
 use stochc_runtime::world::{Arena, BlockFace, Body, BodyState, World};
 
@@ -52,7 +51,7 @@ fn a_block_swings_about_the_middle_of_a_magnet_without_gain_or_loss<K: Kind>() {
         let mut highest = 0.0f64;
         let (mut rises, mut before) = (0, -1.0);
         for tick in 0..8000 {
-            scenes::pass(&mut world, 1);
+            crate::scenes::pass(&mut world, 1);
             let state = world.state(0);
             rises += u32::from(before < 0.0 && state.velocity.z >= 0.0);
             before = state.velocity.z;
@@ -84,7 +83,7 @@ fn a_block_next_to_the_middle_of_a_magnet_stays_there<K: Kind>() {
     let mut world = K::world(&scene, &[block]);
     open(&mut world);
     for _ in 0..1000 {
-        scenes::pass(&mut world, 1);
+        crate::scenes::pass(&mut world, 1);
         let away = world.state(0).position - at(0.0, 0.0, 0.5);
         assert!(away.norm() < 5.0 * off.norm(), "{away}");
     }

@@ -3,10 +3,9 @@
 //! The blocks are kept together by a mirror that the test holds: who has left a ball gets the
 //! radial part of the velocity turned round, which keeps its energy and, as the push is central,
 //! the angular momentum of all about the middle of the ball.
-mod scenes;
 
+use crate::scenes::{Double, Kind, Single, compliant, contact, empty, energy, pass, states};
 use nalgebra::Vector3;
-use scenes::{Double, Kind, Single, compliant, contact, empty, energy, pass, states};
 use stochc_ir::scene::{Contact, Scene};
 use stochc_runtime::world::{Arena, BodyState};
 use stochc_runtime::{Reduction, Settings};
@@ -31,7 +30,7 @@ const RADIUS: f64 = 4.0;
 
 /// `count` blocks that move and turn anyhow, none touching another.
 fn gas(count: usize, seed: u64) -> Vec<BodyState> {
-    scenes::gas(count, seed, (MIDDLE, RADIUS), 1.9, 0.05)
+    crate::scenes::gas(count, seed, (MIDDLE, RADIUS), 1.9, 0.05)
 }
 
 /// What changed in the worst tick, and in all of them.
@@ -65,7 +64,7 @@ fn watch_with<K: Kind>(
     ticks: u64,
 ) -> Drift {
     let scene = Scene { contact, ..empty() };
-    let mut world: K::World = scenes::world(&scene, settings, start);
+    let mut world: K::World = crate::scenes::world(&scene, settings, start);
     let total = |of: &dyn Fn(&BodyState) -> Vector3<f64>, all: &[BodyState]| {
         all.iter().map(of).sum::<Vector3<f64>>()
     };
@@ -212,7 +211,7 @@ fn elastic_balls_keep_energy<K: Kind>() {
     elastic_balls_keep_energy_to_the_last_digits::<K>(3000);
 }
 
-/// `cargo test --release -p stochc-runtime --test conservation -- --ignored`.
+/// `cargo test --release -p stochc-runtime --test mechanics conservation -- --ignored`.
 #[test]
 #[ignore = "takes minutes without optimization"]
 fn a_million_ticks_of_elastic_balls() {

@@ -3,14 +3,14 @@
 //! A collision begins anywhere within a step, so that each case is many collisions that begin at other moments. Of one
 //! that begins late in a step the damper is felt for less of it, by chance: such errors go down with the step and have
 //! no side. What would shift the results of a simulation is their mean, which goes down with the square of the step.
-//! `STOCHC_WRITE_DOCS=1 cargo test -p stochc-runtime --test contact_order` writes the table of docs/model.md.
-#![allow(clippy::disallowed_methods, reason = "tests read and write files")]
-mod scenes;
+//! `STOCHC_WRITE_DOCS=1 cargo test -p stochc-runtime --test mechanics contact_order` writes the table of docs/model.md.
 
 use std::fmt::Write as _;
 
+use crate::scenes::{
+    Dice, Double, Kind, at, compliant, empty, energy, hemisphere, pass, states, world,
+};
 use nalgebra::UnitQuaternion;
-use scenes::{Dice, Double, Kind, at, compliant, empty, energy, hemisphere, pass, states, world};
 use stochc_runtime::world::BodyState;
 
 const PAGE: &str = "../docs/model.md";

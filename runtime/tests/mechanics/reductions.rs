@@ -1,8 +1,7 @@
 //! What a reduction leaves out is left out, and nothing else is.
-mod scenes;
 
+use crate::scenes::{Dice, Kind, at, attract, contact, empty, hemisphere, kicks, pass, states};
 use nalgebra::Vector3;
-use scenes::{Dice, Kind, at, attract, contact, empty, hemisphere, kicks, pass, states};
 use stochc_ir::scene::Scene;
 use stochc_ir::{Cell, Face};
 use stochc_runtime::world::{Arena, BlockFace, Body, BodyState, World};
@@ -55,7 +54,7 @@ fn middle_face() -> BlockFace {
 fn without_rotation_nothing_turns_whatever_pushes_it<K: Kind>() {
     let (scene, blocks) = crowd();
     let end_of = |settings: &Settings| {
-        let mut world: K::World = scenes::world(&scene, settings, &blocks);
+        let mut world: K::World = crate::scenes::world(&scene, settings, &blocks);
         world.magnetize(middle_face());
         pass(&mut world, 300);
         states(&world)
@@ -86,7 +85,7 @@ fn without_rotation_a_corner_yields_no_more_than_a_face<K: Kind>() {
             ..BodyState::at_rest(at(0.0, 0.0, 0.5 * rows.sum() - 1e-4))
         };
         let mut world: K::World =
-            scenes::world(&scene, &reduced::<K>(Reduction::NoRotation), &[block]);
+            crate::scenes::world(&scene, &reduced::<K>(Reduction::NoRotation), &[block]);
         pass(&mut world, 1);
         let off = (world.state(0).velocity - at(0.03, -0.02, 0.05)).amax();
         assert!(off < 0.1 * 16.0 * K::ROUNDING, "{off:e}");
@@ -105,7 +104,8 @@ fn spheres_touch_at_one_side_whatever_their_orientation<K: Kind>() {
             ..BodyState::at_rest(at(0.0, 0.0, 8.0) + sign * 0.755 * way)
         };
         let start = [block(1.0), block(-1.0)];
-        let mut world: K::World = scenes::world(&scene, &reduced::<K>(Reduction::Spheres), &start);
+        let mut world: K::World =
+            crate::scenes::world(&scene, &reduced::<K>(Reduction::Spheres), &start);
         let mut least = 2.0f64;
         for _ in 0..60 {
             pass(&mut world, 1);
@@ -140,7 +140,8 @@ fn spheres_that_collide_off_centre_push_along_their_centres<K: Kind>() {
             ..BodyState::at_rest(at(0.0, 0.0, 4.0) + sign * 0.5 * (1.0 - depth) * way)
         };
         let start = [block(1.0), block(-1.0)];
-        let mut world: K::World = scenes::world(&scene, &reduced::<K>(Reduction::Spheres), &start);
+        let mut world: K::World =
+            crate::scenes::world(&scene, &reduced::<K>(Reduction::Spheres), &start);
         pass(&mut world, 1);
         let impulse = -(1.0 + e) * (start[0].velocity - start[1].velocity).dot(&way) / 2.0;
         for ((id, sign), start) in [(0, 1.0), (1, -1.0)].into_iter().zip(&start) {
@@ -163,7 +164,7 @@ fn without_friction_what_slides_keeps_its_speed<K: Kind>() {
         ..BodyState::at_rest(at(0.0, 0.0, 0.4999))
     };
     let after = |settings: &Settings| {
-        let mut world: K::World = scenes::world(&scene, settings, &[block]);
+        let mut world: K::World = crate::scenes::world(&scene, settings, &[block]);
         pass(&mut world, 1);
         world.state(0)
     };
@@ -199,7 +200,7 @@ fn without_block_contact_free_blocks_pass_but_anchored_ones_and_the_ground_hold<
         flying(0.0, 3.0, 0.0, -0.0625),
         flying(5.0, 3.0, 0.0, -0.0625),
     ];
-    let mut world: K::World = scenes::world(&scene, &settings, &blocks);
+    let mut world: K::World = crate::scenes::world(&scene, &settings, &blocks);
     world.magnetize(middle_face());
     let mut dockings = Vec::new();
     for _ in 0..96 {

@@ -1,15 +1,14 @@
 //! The world without physics does what a plain one does, which looks at all its blocks in every tick.
-mod tables;
 
 use std::collections::BTreeSet;
 
+use crate::tables::Draft;
 use proptest::prelude::*;
 use stochc_ir::{Cell, Face};
 use stochc_protocol::{Lattice, Orientation};
 use stochc_runtime::counter_rng::{Draws, Stream, below, unit};
 use stochc_runtime::world::shuffle::ShuffleWorld;
 use stochc_runtime::world::{BlockFace, Body, Docking, World as _};
-use tables::Draft;
 
 struct Plain {
     tick: u64,

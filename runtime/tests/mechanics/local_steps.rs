@@ -2,10 +2,9 @@
 //!
 //! Gases between mirrors around an open face, whose blocks come into its field and leave it all the time, some of them
 //! while they touch others.
-mod scenes;
 
+use crate::scenes::{Kind, attract, compliant, empty, energy, pass, states, world};
 use nalgebra::Vector3;
-use scenes::{Kind, attract, compliant, empty, energy, pass, states, world};
 use stochc_ir::scene::Scene;
 use stochc_ir::{Cell, Face};
 use stochc_runtime::Settings;
@@ -24,7 +23,7 @@ const BLOCKS: usize = 16;
 
 fn gas(seed: u64, speed: f64) -> Vec<BodyState> {
     // The plate's middle, of which only the face attracts.
-    scenes::gas(BLOCKS, seed, (MIDDLE, RADIUS), 1.8, speed)
+    crate::scenes::gas(BLOCKS, seed, (MIDDLE, RADIUS), 1.8, speed)
 }
 
 fn steps<K: Kind>(away: u32, near: u32) -> Settings {

@@ -1,8 +1,7 @@
 //! Kinetic theory: how often blocks of an ideal gas come to a face and to the shell.
-mod scenes;
 
+use crate::scenes::{Dice, attract, empty, hemisphere, pass, world};
 use nalgebra::Vector3;
-use scenes::{Dice, attract, empty, hemisphere, pass, world};
 use stochc_ir::{Cell, Face};
 use stochc_runtime::world::{Arena, BlockFace, Body, BodyState};
 use stochc_runtime::{Model, Settings};

@@ -1,8 +1,7 @@
 //! Bonds by magnets that always attract, and by suction, in both worlds.
-mod scenes;
 
+use crate::scenes::{at, contact, empty, hemisphere, states};
 use nalgebra::{UnitQuaternion, Vector3};
-use scenes::{at, contact, empty, hemisphere, states};
 use stochc_ir::scene::{Anchor, Bond, Flow, Fluid, Jets, Magnets, Measure, Pump, Scene};
 use stochc_ir::{Cell, Face};
 use stochc_runtime::world::{Arena, BlockFace, Body, BodyState, Docking};
@@ -64,7 +63,7 @@ fn suction() -> Scene {
 }
 
 fn world<W: Arena>(scene: &Scene, blocks: &[BodyState]) -> W {
-    scenes::world(scene, &Settings::of(Model::Rapier, 4), blocks)
+    crate::scenes::world(scene, &Settings::of(Model::Rapier, 4), blocks)
 }
 
 /// Lets ticks pass; what docked.
@@ -161,7 +160,7 @@ fn blocks_that_are_too_fast_do_not_bond<W: Arena>() {
             moving(at(1.02, 0.0, 10.0), at(-speed, 0.0, 0.0)),
         ];
         let settings = Settings::of(Model::Rapier, 40);
-        let mut world: W = scenes::world(&reject(hold, 0.0), &settings, &blocks);
+        let mut world: W = crate::scenes::world(&reject(hold, 0.0), &settings, &blocks);
         dockings(&mut world, 1);
         assert_eq!(world.groups().is_empty(), !bonds, "{speed}");
     }

@@ -149,7 +149,7 @@ fn everywhere(text: &str, settings: &[Settings], every: u64) {
     }
 }
 
-const TOWER: &str = include_str!("../../examples/five_tower_reconfigured.sa");
+const TOWER: &str = include_str!("../../../examples/five_tower_reconfigured.sa");
 
 #[test]
 fn rigid_blocks_in_all_steps_and_reductions() {
@@ -215,9 +215,9 @@ fn messages_that_take_time_and_get_lost() {
 #[test]
 fn fluids_suction_and_magnets_that_always_attract() {
     for text in [
-        include_str!("../../examples/suction_growth.sa"),
-        include_str!("../../examples/experiment_2.sa"),
-        include_str!("../../examples/microns.sa"),
+        include_str!("../../../examples/suction_growth.sa"),
+        include_str!("../../../examples/experiment_2.sa"),
+        include_str!("../../../examples/microns.sa"),
     ] {
         let short = Settings {
             max_ticks: Some(90),
@@ -234,7 +234,7 @@ fn fluids_suction_and_magnets_that_always_attract() {
 
 #[test]
 fn an_aggregate_without_physics() {
-    let text = include_str!("../../examples/experiment_2.sa");
+    let text = include_str!("../../../examples/experiment_2.sa");
     let program = programs(text).remove(0);
     let settings = Settings {
         max_ticks: Some(200),

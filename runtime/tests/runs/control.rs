@@ -1,9 +1,9 @@
 //! Tables, run in a world that captures in random order with random orientations, build what they
 //! say and when they say it.
-mod tables;
 
 use std::ops::ControlFlow;
 
+use crate::tables::{Draft, at_once, chain, magnetize};
 use proptest::prelude::*;
 use stochc_ir::record::{BondRecord, Limit, Origin, Outcome, RunRecord};
 use stochc_ir::scene::{BondKind, Messages};
@@ -13,7 +13,6 @@ use stochc_runtime::control::Controller;
 use stochc_runtime::world::shuffle::ShuffleWorld;
 use stochc_runtime::world::{Body, World};
 use stochc_runtime::{RunError, drive};
-use tables::{Draft, at_once, chain, magnetize};
 
 fn go(_: u64, _: PhaseId) -> ControlFlow<()> {
     ControlFlow::Continue(())

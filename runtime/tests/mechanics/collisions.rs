@@ -3,10 +3,9 @@
 //! Bodies begin with an overlap of [`DEPTH`], which is too little to be undone, so that the first
 //! step computes the collision of exactly this geometry. An impulse J along n at the arms r then
 //! changes velocities by J n / m and spins by (r x n) J / I, with I = 1/6.
-mod scenes;
 
+use crate::scenes::{Dice, Kind, at, attract, contact, empty, hemisphere, pass, states};
 use nalgebra::{UnitQuaternion, Vector3};
-use scenes::{Dice, Kind, at, attract, contact, empty, hemisphere, pass, states};
 use stochc_ir::scene::Scene;
 use stochc_ir::{Cell, Face};
 use stochc_runtime::world::{Arena, BlockFace, Body, BodyState, World};

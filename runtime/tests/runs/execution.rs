@@ -1,11 +1,10 @@
 //! Whole runs of the rigid-body model: they end, are reproducible, and fail in good order.
-mod scenes;
-mod tables;
 
 use std::ops::ControlFlow;
 
+use crate::scenes::{attract, compliant, contact, empty, hemisphere, kicks, paper, pass, world};
+use crate::tables::{Draft, at_once, chain, magnetize};
 use nalgebra::Vector3;
-use scenes::{attract, compliant, contact, empty, hemisphere, kicks, paper, pass, world};
 use stochc_ir::record::{Limit, Origin, Outcome, ReleaseRecord, RunRecord};
 use stochc_ir::scene::{Agitation, Bond, Scene};
 use stochc_ir::table::{Action, Condition, PhaseId, RoleId, Tables};
@@ -14,7 +13,6 @@ use stochc_runtime::world::rapier::RapierWorld;
 use stochc_runtime::world::rigid::RigidWorld;
 use stochc_runtime::world::{Arena, BlockFace, Body, BodyState, SceneError, World};
 use stochc_runtime::{Model, RunError, Settings, drive, run};
-use tables::{Draft, at_once, chain, magnetize};
 
 /// A small enclosure with many blocks, where little time passes between captures.
 fn crowd() -> Scene {
@@ -331,7 +329,7 @@ fn a_scene_that_cannot_be_set_up_is_an_error_before_the_run() {
 fn blocks_start_evenly_spread_and_apart() {
     let scene = paper();
     let settings = Settings::of(Model::Rapier, 1);
-    let world = RapierWorld::new(&scene, &scenes::PLATE, &settings, 0, 0).expect("they fit");
+    let world = RapierWorld::new(&scene, &crate::scenes::PLATE, &settings, 0, 0).expect("they fit");
     let at: Vec<_> = (0..world.count())
         .map(|id| world.state(id).position)
         .collect();

@@ -4,10 +4,9 @@
 //! (v / w) exp(-tan(a) (pi / 2 - a)). As the contact never pulls, it ends when k d + c d' = 0, before the
 //! block is out of the ground: after (pi - 2 a) / (w cos(a)), at exp(-tan(a) (pi - 2 a)) of the speed
 //! (Schwager and Poeschel 2007). Without that limit it would be pi / (w cos(a)) and exp(-tan(a) pi).
-mod scenes;
 
+use crate::scenes::{Kind, at, compliant, empty, hemisphere, pass};
 use nalgebra::{UnitQuaternion, Vector3};
-use scenes::{Kind, at, compliant, empty, hemisphere, pass};
 use stochc_ir::scene::Scene;
 use stochc_runtime::world::{Arena, BodyState};
 
@@ -120,7 +119,8 @@ fn substeps_are_short_ticks<K: Kind>() {
         let n = f64::from(substeps);
         let scene = ground(stiffness * n * n, damping * n);
         let start = falling(UnitQuaternion::identity(), 0.5, 0.0, 0.01 * n);
-        let mut world: K::World = scenes::world(&scene, &K::with_substeps(substeps), &[start]);
+        let mut world: K::World =
+            crate::scenes::world(&scene, &K::with_substeps(substeps), &[start]);
         pass(&mut world, 32 / u64::from(substeps));
         let end = world.state(0);
         (end.position, end.velocity / n)

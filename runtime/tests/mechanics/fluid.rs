@@ -1,8 +1,7 @@
 //! Gravity, fluids and heat against closed forms, in both worlds.
-mod scenes;
 
+use crate::scenes::{at, empty, pass, states, world};
 use nalgebra::Vector3;
-use scenes::{at, empty, pass, states, world};
 use stochc_ir::scene::{
     Agitation, BOLTZMANN, Enclosure, Flow, Fluid, Jets, Scene, Stir, Strength, Turbulence,
 };
@@ -242,7 +241,7 @@ fn blocks_follow_eddies_and_disperse_as_taylor_says<W: Arena>() {
     let (mut level, mut upright) = (0.0, 0.0);
     for run in 0..runs {
         let start = [BodyState::at_rest(at(0.0, 0.0, 0.0))];
-        let plate = scenes::PLATE;
+        let plate = crate::scenes::PLATE;
         let mut world =
             W::with_blocks(&scene, &plate, &settings(1), 7, run, &start).expect("sound");
         pass(&mut world, ticks);

@@ -1,17 +1,14 @@
 //! What becomes of scenes at the extremes, in either world of rigid blocks.
 //!
 //! The page of the results is written anew with
-//! `STOCHC_WRITE_DOCS=1 cargo test -p stochc-runtime --test extremes`.
-#![allow(clippy::disallowed_methods, reason = "tests read and write files")]
+//! `STOCHC_WRITE_DOCS=1 cargo test -p stochc-runtime --test mechanics extremes`.
 mod digits;
-#[path = "../scenes/mod.rs"]
-mod scenes;
 mod tanks;
 
 use std::fmt::Write as _;
 
+use crate::scenes::{PLATE, contact, hemisphere, paper};
 use nalgebra::Vector3;
-use scenes::{PLATE, contact, hemisphere, paper};
 use stochc_ir::scene::{Agitation, Bond, Contact, ContactLaw, Enclosure, Scene};
 use stochc_ir::table::Plate;
 use stochc_ir::{Cell, Face};
@@ -32,7 +29,7 @@ that run and no other; or be *stable*: all numbers finite, no quaternion longer 
 than a side below the floor (or, where contacts give way, than their spring lets the fastest block) and none farther outside of the shell than its spring gives way to the fastest block. The number behind *stable* is the rms speed
 in sides per tick, which tells whether blocks still move as they should.
 
-`STOCHC_WRITE_DOCS=1 cargo test -p stochc-runtime --test extremes` writes this page; the test compares it, and
+`STOCHC_WRITE_DOCS=1 cargo test -p stochc-runtime --test mechanics extremes` writes this page; the test compares it, and
 fails where what happens is not what is said here.
 
 ";
@@ -42,12 +39,12 @@ const TAIL: &str = "
 
 - A block released under another one, and a block between two magnets that look at it from the same distance, stay where they
   should in both worlds; a number that is not one, or infinite, in a velocity, a position or a spin is found in the step in which it
-  appears (`runtime/tests/extremes.rs`, `runs.rs`).
-- 10^8 block-steps without agitation, elastic and without friction: `cargo test --release -p stochc-runtime --test extremes -- --ignored
+  appears (`runtime/tests/mechanics/extremes/`, `runtime/tests/runs/execution.rs`).
+- 10^8 block-steps without agitation, elastic and without friction: `cargo test --release -p stochc-runtime --test mechanics extremes -- --ignored
   --nocapture`. No block escapes and quaternions keep their length. The energy of 100 blocks in a shell of 17 sides becomes 1.37 times what it
   was at one step per tick (10^6 ticks), and 1.015 times at four (250,000 ticks). Collisions alone add nothing: of 12 cubes between
   mirrors no tick in 10^6 gains more than rounding, and half a percent is lost
-  (`cargo test --release -p stochc-runtime --test conservation -- --ignored`). What is gained comes from blocks that collide where
+  (`cargo test --release -p stochc-runtime --test mechanics conservation -- --ignored`). What is gained comes from blocks that collide where
   the shell pushes them. It does not matter where kicks, drag or inelastic contacts decide how fast blocks are.
 ";
 
@@ -474,7 +471,7 @@ fn left_of_the_energy(substeps: u32) -> f64 {
         ..Settings::of(Model::Rapier, 1)
     };
     let mut world = RigidWorld::new(&scene, &PLATE, &settings, 1, 0).expect("it fits");
-    let mut dice = scenes::Dice::new(5);
+    let mut dice = crate::scenes::Dice::new(5);
     for id in 0..count {
         let state = world.state(id);
         let velocity = 0.1 * dice.direction();
@@ -491,7 +488,7 @@ fn left_of_the_energy(substeps: u32) -> f64 {
     };
     let first = energy(&world);
     for _ in 0..1000 / u64::from(substeps) {
-        scenes::pass(&mut world, 1000);
+        crate::scenes::pass(&mut world, 1000);
         for id in 0..count {
             let state = world.state(id);
             assert!(state.position.z > -0.5, "{state:?}");
@@ -503,7 +500,7 @@ fn left_of_the_energy(substeps: u32) -> f64 {
     energy(&world) / first
 }
 
-/// `cargo test --release -p stochc-runtime --test extremes -- --ignored --nocapture`.
+/// `cargo test --release -p stochc-runtime --test mechanics extremes -- --ignored --nocapture`.
 ///
 /// Collisions keep the energy to the last digits (`conservation.rs`); the shell, whose spring is taken in steps, adds a
 /// little where blocks collide in it.

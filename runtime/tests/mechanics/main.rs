@@ -1,0 +1,22 @@
+//! How blocks move, collide, are pulled, dock and let go: against closed forms, conservation laws, finer steps and the
+//! other engine.
+#![allow(clippy::disallowed_methods, reason = "tests read and write files")]
+#[macro_use]
+#[path = "../scenes/mod.rs"]
+mod scenes;
+
+mod arrivals;
+mod bonds;
+mod closed_forms;
+mod collisions;
+mod compliance;
+mod conservation;
+mod contact_order;
+mod extremes;
+mod fluid;
+mod friction;
+mod local_steps;
+mod magnets;
+mod orientation;
+mod reductions;
+mod tumbling;

@@ -1,0 +1,14 @@
+//! Event tables executed in each kind of world: control, recording, state, identity, and agreement between worlds.
+#[macro_use]
+#[path = "../scenes/mod.rs"]
+mod scenes;
+
+mod agreement;
+mod control;
+mod execution;
+mod identity;
+mod rate;
+mod shuffle;
+mod state;
+#[path = "../tables/mod.rs"]
+mod tables;
