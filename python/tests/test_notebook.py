@@ -67,7 +67,7 @@ def test_texts_of_others_are_only_text(tmp_path: Path) -> None:
     program.write_text(f"/// {HOSTILE}\n// {HOSTILE}\n{stochc.EXAMPLE}")
     ensemble = stochc.simulate(program, runs=2, model="shuffle", out=folder / "results")
     shown = [
-        stochc.check(program)._repr_html_(),  # pyright: ignore[reportPrivateUsage]
+        stochc.compile(program)._repr_html_(),  # pyright: ignore[reportPrivateUsage]
         ensemble._repr_html_(),  # pyright: ignore[reportPrivateUsage]
         Path(stochc.report(ensemble)).read_text(encoding="utf-8"),
         stochc.simulate(program, runs=1, max_ticks=50).run(0).replay().html,

@@ -106,13 +106,17 @@ def test_recordings_replays_and_exports_are_the_same(tower: str, command: Comman
 
 
 def test_reports_are_the_same(tower: str, command: Command, tmp_path: Path) -> None:
-    folder, page = tmp_path / "results", tmp_path / "ours.html"
+    folder = tmp_path / "results"
+    # Next to what they are reports on, and under one name, which is in them.
+    page, its = (tmp_path / name / "report.html" for name in ("python", "command"))
+    page.parent.mkdir()
+    its.parent.mkdir()
     ours = stochc.simulate(tower, runs=4, model="shuffle", out=folder)
     before = {name: path.read_bytes() for name, path in files(folder).items()}
     assert stochc.report(ours, out=page) == str(page)
     assert before == {name: path.read_bytes() for name, path in files(folder).items()}
-    command("report", folder, "--out", tmp_path / "its.html", "--quiet")
-    assert page.read_bytes() == (tmp_path / "its.html").read_bytes()
+    command("report", folder, "--out", its, "--quiet")
+    assert page.read_bytes() == its.read_bytes()
 
 
 def test_pieces_are_the_same(tower: str, command: Command, tmp_path: Path) -> None:
