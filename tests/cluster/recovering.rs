@@ -92,7 +92,9 @@ fn a_task_that_is_out_of_time_goes_on_in_the_next() {
     let tasks = cluster.ask(&format!(
         "squeue --noheader --array --name={name} --format=%A|%K|"
     ));
-    let task = tasks.lines().find_map(|line| line.trim().strip_suffix("|0|"));
+    let task = tasks
+        .lines()
+        .find_map(|line| line.trim().strip_suffix("|0|"));
     let task = task.unwrap_or_else(|| panic!("{tasks}"));
     cluster.ask(&format!("scontrol update jobid={task} EndTime=now"));
     piece.goes_on();
