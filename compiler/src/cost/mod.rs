@@ -3,6 +3,8 @@
 //! How deep and how wide its phases are follows from its graph alone. Times need the rates of a scene: each capture waits by
 //! their law in the structure as it stands when its turn comes, and the waits are summed up along the graph. That is less than a
 //! run by rates knows: cells beside an open face fill while it waits, and messages take their time.
+mod occupancy;
+mod phase_events;
 mod sampling;
 mod schedule;
 mod waits;
