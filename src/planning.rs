@@ -12,7 +12,7 @@ use stochc_ir::scene::Scene;
 use stochc_ir::table::Plate;
 use stochc_planner::{
     Alternative, Estimate, Hardware, Naming, Plan, RateLaw, Refusal, Search, Target, declaration,
-    naive_plans, plan, program,
+    draft, naive_plans, plan, program,
 };
 use stochc_rates::Rates;
 
@@ -268,7 +268,7 @@ impl Goal {
         if self.cells.len() <= MOST_COMPARED {
             let objective = search.objective;
             for (naive, mut plan) in naive_plans(&target, hardware, &law, search.seed) {
-                let checked = checked(&self.text(&target, &plan, &[]));
+                let checked = self.check(&target, &plan, &[]);
                 let estimate = estimated(&checked, &law).unwrap_or(plan.estimate);
                 let mut findings = checked.diagnostics.iter();
                 let finding = findings.next().map(|it| it.code.name());
@@ -289,20 +289,40 @@ impl Goal {
         Ok(best)
     }
 
-    /// The program of a plan.
-    fn text(&self, target: &Target, plan: &Plan, allowed: &[(&str, String)]) -> String {
-        let assembly = format!("build_{}", self.name);
-        let declarations = self.needed_scenes() + "\n" + self.shape.as_deref().unwrap_or("");
+    /// Has a plan and what is allowed in it written down.
+    fn write<T>(
+        &self,
+        plan: &Plan,
+        allowed: &[(&str, String)],
+        written: impl FnOnce(&Plan, Naming<'_>) -> T,
+    ) -> T {
         let naming = Naming {
-            assembly: &assembly,
+            assembly: &format!("build_{}", self.name),
             scene: self.scene.as_deref(),
             shape: self.shape.as_ref().map(|_| self.name.as_str()),
-            declarations: &declarations,
+            declarations: &(self.needed_scenes() + "\n" + self.shape.as_deref().unwrap_or("")),
             allowed,
         };
-        // Names that are none are told of as any others are.
-        program(target, plan, naming)
-            .unwrap_or_else(|_| format!("{declarations}\nassembly {assembly} {{ }}"))
+        written(plan, naming)
+    }
+
+    /// The program of a plan, laid out.
+    fn text(&self, target: &Target, plan: &Plan, allowed: &[(&str, String)]) -> String {
+        self.write(plan, allowed, |plan, naming| {
+            // Names that are none are told of as any others are.
+            program(target, plan, naming).unwrap_or_else(|_| {
+                format!(
+                    "{}\nassembly {} {{ }}",
+                    naming.declarations, naming.assembly
+                )
+            })
+        })
+    }
+
+    /// What the check finds in the program of a plan.
+    fn check(&self, target: &Target, plan: &Plan, allowed: &[(&str, String)]) -> Checked {
+        let draft = self.write(plan, allowed, |plan, naming| draft(target, plan, naming));
+        checked(&draft)
     }
 
     /// The program of a plan, with what has to be allowed in it; its estimate becomes that of the whole program.
@@ -314,21 +334,23 @@ impl Goal {
     ) -> Result<Planned, Unplanned> {
         let mut allowed: Vec<(&str, String)> = Vec::new();
         loop {
-            let checked = checked(&self.text(target, &plan, &allowed));
+            let found = self.check(target, &plan, &allowed);
             let before = allowed.len();
             for (code, reason) in ALLOWED {
-                let is_found = checked.diagnostics.iter().any(|it| it.code == code);
+                let is_found = found.diagnostics.iter().any(|it| it.code == code);
                 if is_found && allowed.iter().all(|(known, _)| *known != code.name()) {
                     allowed.push((code.name(), reason.to_owned()));
                 }
             }
-            if checked.diagnostics.is_empty() {
-                plan.estimate = estimated(&checked, law).unwrap_or(plan.estimate);
+            if found.diagnostics.is_empty() {
+                plan.estimate = estimated(&found, law).unwrap_or(plan.estimate);
                 let text = self.text(target, &plan, &allowed);
                 return Ok(Planned { plan, text });
             }
             if allowed.len() == before {
-                return Err(Unplanned::Wrong(Box::new(checked)));
+                // Told of the program as it would be shown.
+                let found = checked(&self.text(target, &plan, &allowed));
+                return Err(Unplanned::Wrong(Box::new(found)));
             }
         }
     }

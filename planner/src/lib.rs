@@ -24,7 +24,7 @@ mod voxels;
 mod waiting;
 mod waits;
 
-pub use emit::{Naming, declaration, program};
+pub use emit::{Naming, declaration, draft, program};
 pub use explanation::explanation;
 pub use makespan::{Estimate, Objective};
 pub use naive::Naive;

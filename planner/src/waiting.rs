@@ -126,7 +126,7 @@ struct Ancestors {
 impl Ancestors {
     /// Whether one of `from` waits for `to`, directly or not; a long way may be missed.
     fn reach(&mut self, edges: &[Vec<u32>], from: &[u32], to: u32) -> bool {
-        const MOST: usize = 1000;
+        const MOST: usize = 300;
         self.seen.clear();
         self.open.clear();
         self.open.extend(from);
