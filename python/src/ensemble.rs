@@ -115,6 +115,7 @@ pub fn simulate(
             record: record.as_ref(),
             record_every: kept.record_every,
             checkpoints: Interval::DEFAULT,
+            memory: None,
             threads,
             is_told_of_build: false,
         };
