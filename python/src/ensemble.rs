@@ -157,7 +157,7 @@ pub fn shard(
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<u64> {
     call(py, progress.as_ref(), move |host| {
-        let how = (threads, Interval::DEFAULT);
+        let how = (threads, None, Interval::DEFAULT);
         let made = pieces::shard(&folder, number, how, host)?;
         made.ok_or_else(interrupted)
     })
