@@ -188,7 +188,11 @@ def planned(arguments, path, folder):
         # The scene has to have enough blocks: a target with its shape, in a scene of that.
         target = folder / "target.sa"
         target.write_text(scene(len(cells)) + "\n" + shape_of(shape, cells))
-        command = [arguments.stochc, "plan", target, "--scene", "here"]
+        rates = folder / "here.rates"
+        if not rates.exists():
+            (folder / "scene.sa").write_text(scene(len(cells)) + "\nassembly probe in here { seed plate 1 x 1 { P at (0, 0) } phase grow { P.up -> A } }\n")
+            subprocess.run([arguments.stochc, "calibrate", folder / "scene.sa", "--quiet", "--out", rates], check=True)
+        command = [arguments.stochc, "plan", target, "--scene", "here", "--rates", rates]
     options = ["--budget", arguments.budget] if arguments.budget else []
     start = time.monotonic()
     subprocess.run([*command, *options, "--quiet", "--out", program], check=True)

@@ -57,7 +57,7 @@ fn the_estimate_is_that_of_the_program() {
             &[more, &["--out", &out]].concat(),
         )
         .json();
-        let cost = stochc_with("check --cost", &[&[out.as_str()], more].concat());
+        let cost = stochc_with("check --cost=1", &[&[out.as_str()], more].concat());
         let row = cost
             .out
             .lines()

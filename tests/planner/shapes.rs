@@ -66,6 +66,23 @@ fn programs_are_written_for_people() {
     }
 }
 
+/// A few runs; `benches/planner/run.py` makes more.
+#[test]
+fn with_physics_nothing_jams() {
+    for name in ["five_towers", "closed_platform", "blob_30"] {
+        let planned = tried(&named(name), 100).unwrap();
+        let executables = stochc::compile(check_text("planned.sa", &planned.text)).unwrap();
+        let settings = Settings {
+            max_ticks: Some(6 * planned.plan.estimate.mean as u64),
+            ..Settings::default()
+        };
+        for run in 0..2 {
+            let record = stochc::simulate(&executables[0], &settings, 4711, run).unwrap();
+            assert_eq!(record.outcome, Outcome::Completed, "{name}");
+        }
+    }
+}
+
 /// In a line every way is the same: what needs no thought is as good.
 #[test]
 fn no_plan_is_estimated_longer_than_one_that_needs_no_thought_and_has_no_finding() {
