@@ -3,7 +3,7 @@ use stochc_ensemble::text::{percent, relative, relative_size, seconds};
 use stochc_ensemble::trade::{CLOSE, Convergence, Setting, Trade};
 use stochc_runtime::{Model, Precision};
 
-use crate::svg::{Drawing, Symbol};
+use crate::svg::{Drawing, Scale, Symbol};
 
 const WIDTH: f64 = 1020.0;
 const LEFT: f64 = 70.0;
@@ -34,16 +34,15 @@ struct Point<'a> {
 
 /// Where values are drawn.
 struct Axes {
-    /// Decimal logarithms of the costs at both ends.
-    from: f64,
-    to: f64,
+    /// Of the costs.
+    cost: Scale,
     /// The largest bias.
     most: f64,
 }
 
 impl Axes {
     fn x(&self, cost: f64) -> f64 {
-        LEFT + (RIGHT - LEFT) * (cost.log10() - self.from) / (self.to - self.from)
+        self.cost.at(cost)
     }
 
     /// Small biases to scale and large ones by their logarithm, so that both can be told apart.
@@ -140,24 +139,18 @@ fn axes(points: &[Point]) -> Axes {
     // A long interval may be cut off, so that it does not push all others together.
     let ends = points.iter().map(|point| point.bias + point.half_width);
     let reach = ends.fold(largest, f64::max).min(2.0 * largest);
+    let ends = (10f64.powf(least - margin), 10f64.powf(most + margin));
     Axes {
-        from: least - margin,
-        to: most + margin,
+        cost: Scale::logarithmic(ends, (LEFT, RIGHT)),
         most: 1.08 * reach,
     }
 }
 
 fn frame(out: &mut Drawing, axes: &Axes) {
-    for decade in axes.from.floor() as i32..=axes.to.ceil() as i32 {
-        for digit in [1.0, 2.0, 5.0] {
-            let cost: f64 = digit * 10f64.powi(decade);
-            if cost.log10() < axes.from || cost.log10() > axes.to {
-                continue;
-            }
-            let x = axes.x(cost);
-            out.line("grid", (x, TOP), (x, BOTTOM), "");
-            out.text_around("dim", (x, BOTTOM + 18.0), &plain(cost));
-        }
+    for cost in axes.cost.ticks(6) {
+        let x = axes.x(cost);
+        out.line("grid", (x, TOP), (x, BOTTOM), "");
+        out.text_around("dim", (x, BOTTOM + 18.0), &plain(cost));
     }
     let steps = [
         0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1e3, 2e3, 5e3, 1e4,
