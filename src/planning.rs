@@ -4,15 +4,17 @@ use std::collections::BTreeSet;
 use stochc_compiler::diagnostic::{Code, Diagnostic};
 use stochc_compiler::plan::{Plan as WrittenOut, Seed};
 use stochc_compiler::scene::DEFAULT;
-use stochc_compiler::{Checked, FileId, LintLevels, shape_cells};
+use stochc_compiler::{Checked, FileId, LintLevels, cost, shape_cells};
 use stochc_grammar::print;
 use stochc_grammar::tree::{Item, ItemKind, Shape, Tree};
 use stochc_ir::Cell;
 use stochc_ir::scene::Scene;
 use stochc_ir::table::Plate;
 use stochc_planner::{
-    Hardware, Naming, Plan, RateLaw, Refusal, Search, Target, declaration, plan, program,
+    Alternative, Estimate, Hardware, Naming, Plan, RateLaw, Refusal, Search, Target, declaration,
+    draft, naive_plans, plan, program,
 };
+use stochc_rates::Rates;
 
 use crate::{check_text, check_texts};
 
@@ -62,6 +64,9 @@ struct Declared<'a> {
 
 /// What programs are called in findings.
 const NAME: &str = "planned.sa";
+
+/// Cells of a shape for which plans that need no thought are looked at as well, at most.
+const MOST_COMPARED: usize = 1000;
 
 /// The only warnings that a planned program may have, each with the reason why.
 const ALLOWED: [(Code, &str); 3] = [
@@ -245,55 +250,123 @@ impl Goal {
         }
     }
 
-    /// Plans it, writes the program and checks it.
+    /// Plans it, writes the program and checks it: the best by the rates of its scene, of those given or built in. A plan that needs no
+    /// thought is as good, if the check finds nothing in it.
     ///
     /// # Errors
     /// If it cannot be built, or not there.
-    pub fn plan(&self, search: Search<'_>) -> Result<Planned, Unplanned> {
+    pub fn plan(&self, rates: &[Rates], search: Search<'_>) -> Result<Planned, Unplanned> {
         let scene = self.scene().map_err(Unplanned::Wrong)?;
         let hardware = Hardware::of(&scene);
         let plate = self.plate.clone().unwrap_or_else(|| self.smallest_plate());
         let target = Target::new(self.cells.clone(), plate, self.seeds.clone(), hardware.free);
         let target = target.map_err(Unplanned::Refused)?;
-        let plan =
-            plan(&target, hardware, &RateLaw::of(&scene), search).map_err(Unplanned::Refused)?;
-        let text = self.program(&target, &plan)?;
-        Ok(Planned { plan, text })
+        let law = RateLaw::of(&scene, rates);
+        let found = plan(&target, hardware, &law, search).map_err(Unplanned::Refused)?;
+        let mut best = self.accepted(&target, found, &law)?;
+        let mut alternatives = Vec::new();
+        if self.cells.len() <= MOST_COMPARED {
+            let objective = search.objective;
+            for (naive, mut plan) in naive_plans(&target, hardware, &law, search.seed) {
+                let checked = self.check(&target, &plan, &[]);
+                let estimate = estimated(&checked, &law).unwrap_or(plan.estimate);
+                let mut findings = checked.diagnostics.iter();
+                let finding = findings.next().map(|it| it.code.name());
+                let is_better = estimate.of(objective) < best.plan.estimate.of(objective);
+                if finding.is_none() && is_better {
+                    (plan.estimate, plan.naive) = (estimate, Some(naive));
+                    let text = self.text(&target, &plan, &[]);
+                    best = Planned { plan, text };
+                }
+                alternatives.push(Alternative {
+                    naive,
+                    estimate,
+                    finding,
+                });
+            }
+        }
+        best.plan.alternatives = alternatives;
+        Ok(best)
     }
 
-    /// The program of a plan, with what has to be allowed in it.
-    fn program(&self, target: &Target, plan: &Plan) -> Result<String, Unplanned> {
-        let assembly = format!("build_{}", self.name);
-        let declarations = self.needed_scenes() + "\n" + self.shape.as_deref().unwrap_or("");
+    /// Has a plan and what is allowed in it written down.
+    fn write<T>(
+        &self,
+        plan: &Plan,
+        allowed: &[(&str, String)],
+        written: impl FnOnce(&Plan, Naming<'_>) -> T,
+    ) -> T {
+        let naming = Naming {
+            assembly: &format!("build_{}", self.name),
+            scene: self.scene.as_deref(),
+            shape: self.shape.as_ref().map(|_| self.name.as_str()),
+            declarations: &(self.needed_scenes() + "\n" + self.shape.as_deref().unwrap_or("")),
+            allowed,
+        };
+        written(plan, naming)
+    }
+
+    /// The program of a plan, laid out.
+    fn text(&self, target: &Target, plan: &Plan, allowed: &[(&str, String)]) -> String {
+        self.write(plan, allowed, |plan, naming| {
+            // Names that are none are told of as any others are.
+            program(target, plan, naming).unwrap_or_else(|_| {
+                format!(
+                    "{}\nassembly {} {{ }}",
+                    naming.declarations, naming.assembly
+                )
+            })
+        })
+    }
+
+    /// What the check finds in the program of a plan.
+    fn check(&self, target: &Target, plan: &Plan, allowed: &[(&str, String)]) -> Checked {
+        let draft = self.write(plan, allowed, |plan, naming| draft(target, plan, naming));
+        checked(&draft)
+    }
+
+    /// The program of a plan, with what has to be allowed in it; its estimate becomes that of the whole program.
+    fn accepted(
+        &self,
+        target: &Target,
+        mut plan: Plan,
+        law: &RateLaw<'_>,
+    ) -> Result<Planned, Unplanned> {
         let mut allowed: Vec<(&str, String)> = Vec::new();
         loop {
-            let naming = Naming {
-                assembly: &assembly,
-                scene: self.scene.as_deref(),
-                shape: self.shape.as_ref().map(|_| self.name.as_str()),
-                declarations: &declarations,
-                allowed: &allowed,
-            };
-            let text = program(target, plan, naming);
-            // Names that are none are told of as any others are.
-            let text =
-                text.unwrap_or_else(|_| format!("{declarations}\nassembly {assembly} {{ }}"));
-            let checked = check_texts(&[(NAME, &text)], &LintLevels::default(), "", &[]);
+            let found = self.check(target, &plan, &allowed);
             let before = allowed.len();
             for (code, reason) in ALLOWED {
-                let is_found = checked.diagnostics.iter().any(|it| it.code == code);
+                let is_found = found.diagnostics.iter().any(|it| it.code == code);
                 if is_found && allowed.iter().all(|(known, _)| *known != code.name()) {
                     allowed.push((code.name(), reason.to_owned()));
                 }
             }
-            if checked.diagnostics.is_empty() {
-                return Ok(text);
+            if found.diagnostics.is_empty() {
+                plan.estimate = estimated(&found, law).unwrap_or(plan.estimate);
+                let text = self.text(target, &plan, &allowed);
+                return Ok(Planned { plan, text });
             }
             if allowed.len() == before {
-                return Err(Unplanned::Wrong(Box::new(checked)));
+                // Told of the program as it would be shown.
+                let found = checked(&self.text(target, &plan, &allowed));
+                return Err(Unplanned::Wrong(Box::new(found)));
             }
         }
     }
+}
+
+fn checked(text: &str) -> Checked {
+    check_texts(&[(NAME, text)], &LintLevels::default(), "", &[])
+}
+
+/// How long the program takes, as `check --cost` says; `None`: the rates of its scene are not known, or it is wrong.
+fn estimated(checked: &Checked, law: &RateLaw<'_>) -> Option<Estimate> {
+    let total = cost::estimate(checked.programs.first()?, law.rates())?.total?;
+    Some(Estimate {
+        mean: total.mean,
+        p90: total.p90,
+    })
 }
 
 /// The shapes of all files, those within assemblies as well.

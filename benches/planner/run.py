@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
 """Planned programs against four naive ones, simulated: the table of docs/planner.md.
 
-run.py STOCHC FOLDER [--shapes a,b] [--runs N] [--max-ticks T] [--budget B] [--no-naive] [--threads N]
+run.py STOCHC FOLDER [--shapes a,b] [--runs N] [--naive-runs N] [--max-ticks T] [--budget B] [--threads N] [--minutes M]
 
 Each shape of shapes/ is planned and written in four ways that need no thought: one block after the other along a walk through the
 shape (`chain`), everything at once (`at_once`), layer by layer (`layers`) and one block after the other, the nearest to the plate
-first (`nearest`). What `check` rejects is not run. Runs that FOLDER has already are not made again.
+first (`nearest`). What `check` rejects is not run. Runs are made in rounds over all shapes, twice as many in each, until there are so many as
+wanted or the minutes are over; a naive plan gets no more once its mean is beyond doubt longer than the planned one. The same command
+goes on where it ended: FOLDER keeps programs and runs.
 """
 import argparse
 import heapq
@@ -18,7 +20,7 @@ import time
 HERE = pathlib.Path(__file__).resolve().parent
 FACES = {"east": (1, 0, 0), "west": (-1, 0, 0), "north": (0, 1, 0), "south": (0, -1, 0), "up": (0, 0, 1)}
 FACES["down"] = (0, 0, -1)
-FREE = 300
+FREE = 300  # of the default scene
 
 
 def read(path):
@@ -106,36 +108,96 @@ def program(kind, shape, cells):
 
 
 def scene(count):
-    """The default scene, with more blocks where it has too few."""
-    return f"scene here from hemisphere {{ free {max(FREE, count)} uniform }}"
+    """The default scene, with twice as many blocks as are needed where it has fewer."""
+    return f"scene here from hemisphere {{ free {max(FREE, 2 * count)} uniform }}"
 
 
-def simulate(arguments, program, folder):
-    """Mean, half of its interval, the 90 % quantile and the runs that did not complete; or why there are none."""
-    stochc = arguments.stochc
-    checked = subprocess.run([stochc, "check", program, "--format", "short"], capture_output=True, text=True)
-    if checked.returncode != 0:
-        return "rejected"
-    if not (folder / "manifest.json").exists():
-        options = ["--runs", arguments.runs, "--seed", arguments.seed, "--max-ticks", arguments.max_ticks, "--out", folder]
+def simulate(arguments, program, folder, runs):
+    """Has so many runs made, those there are included: the times of those that completed, and how many did not; None if `check` rejects it."""
+    checked = program.with_suffix(".checked")
+    if not checked.exists():
+        check = subprocess.run([arguments.stochc, "check", program, "--format", "short"], capture_output=True, text=True)
+        checked.write_text(str(check.returncode))
+    if checked.read_text() != "0":
+        return None
+    found = runs_of(folder)
+    if sum(map(len, found)) < runs and not arguments.is_over():
+        options = ["--runs", runs, "--seed", arguments.seed, "--max-ticks", arguments.max_ticks, "--out", folder]
         options += ["--model", "rigid", "--quiet"] + (["--threads", arguments.threads] if arguments.threads else [])
-        subprocess.run([stochc, "simulate", program, *map(str, options)], capture_output=True, text=True)
-    times, stuck = [], 0
-    records = [json.loads(line) for line in (folder / "journal.jsonl").read_text().splitlines()]
-    for record in (record.get("record", record) for record in records):
-        if "ticks" not in record:
-            continue
-        if record["outcome"]["kind"] == "completed":
-            times.append(record["ticks"])
-        else:
-            stuck += 1
-    if not times:
-        return f"{stuck} of {stuck} stuck"
+        options += ["--resume"] if (folder / "manifest.json").exists() else []
+        subprocess.run([arguments.stochc, "simulate", program, *map(str, options)], capture_output=True, text=True)
+        found = runs_of(folder)
+    return found
+
+
+def runs_of(folder):
+    """The times of completed runs, and the other runs."""
+    times, stuck = [], []
+    journal = folder / "journal.jsonl"
+    for line in journal.read_text().splitlines() if journal.exists() else []:
+        record = json.loads(line)
+        record = record.get("record", record)
+        if "ticks" in record:
+            (times if record["outcome"]["kind"] == "completed" else stuck).append(record["ticks"])
+    return times, stuck
+
+
+def moments(found):
+    """Mean and half of its interval, of min(time, end)."""
+    times = found[0] + found[1]
     mean = sum(times) / len(times)
     deviation = math.sqrt(sum((t - mean) ** 2 for t in times) / max(len(times) - 1, 1))
-    quantile = sorted(times)[max(math.ceil(0.9 * len(times)) - 1, 0)]
-    told = f"{mean:.0f} ± {1.96 * deviation / math.sqrt(len(times)):.0f} ({quantile})"
-    return told + (f", {stuck} of {stuck + len(times)} stuck" if stuck else "")
+    return mean, 1.96 * deviation / math.sqrt(len(times))
+
+
+def quantile(found):
+    """The time in which nine of ten runs were complete, and the half of its interval (order statistics)."""
+    times = sorted(found[0] + found[1])
+    at = lambda place: times[min(max(math.ceil(place) - 1, 0), len(times) - 1)]
+    spread = 1.96 * math.sqrt(0.09 * len(times))
+    return at(0.9 * len(times)), (at(0.9 * len(times) + spread) - at(0.9 * len(times) - spread)) / 2
+
+
+def told(found):
+    """A cell of the table."""
+    if found is None:
+        return "rejected"
+    if not found[0]:
+        return f"{len(found[1])} of {len(found[1])} stuck" if found[1] else ""
+    mean, half = moments(found)
+    count = len(found[0]) + len(found[1])
+    stuck = f", {len(found[1])} stuck" if found[1] else ""
+    return f"{mean:.0f} ± {half:.0f} ({quantile(found)[0]}; {count}{stuck})"
+
+
+def is_beyond_doubt(found, other):
+    """Whether a mean is longer than another by more than chance explains."""
+    if found is None or other is None or min(len(found[0] + found[1]), len(other[0] + other[1])) < 4:
+        return False
+    (mean, half), (least, margin) = moments(found), moments(other)
+    return mean - least > 2 * math.hypot(half, margin)
+
+
+def planned(arguments, path, folder):
+    """The planned program, and what was planned with; it is kept."""
+    shape, cells, program = path.stem, read(path), folder / "planned.sa"
+    if program.exists():
+        return program
+    command = [arguments.stochc, "plan", path]
+    if 2 * len(cells) > FREE:
+        # The scene has to have enough blocks: a target with its shape, in a scene of that.
+        target = folder / "target.sa"
+        target.write_text(scene(len(cells)) + "\n" + shape_of(shape, cells))
+        rates = folder / "here.rates"
+        if not rates.exists():
+            (folder / "scene.sa").write_text(scene(len(cells)) + "\nassembly probe in here { seed plate 1 x 1 { P at (0, 0) } phase grow { P.up -> A } }\n")
+            subprocess.run([arguments.stochc, "calibrate", folder / "scene.sa", "--quiet", "--out", rates], check=True)
+        command = [arguments.stochc, "plan", target, "--scene", "here", "--rates", rates]
+    options = ["--budget", arguments.budget] if arguments.budget else []
+    start = time.monotonic()
+    subprocess.run([*command, *options, "--quiet", "--out", program], check=True)
+    (folder / "planned.seconds").write_text(f"{time.monotonic() - start:.1f}")
+    return program
 
 
 def main():
@@ -144,44 +206,75 @@ def main():
     parser.add_argument("folder", type=pathlib.Path)
     parser.add_argument("--shapes", default="", help="names, separated by commas; all if left out")
     parser.add_argument("--runs", type=int, default=100)
+    parser.add_argument("--naive-runs", type=int, default=100, help="0: no naive plans")
     parser.add_argument("--seed", type=int, default=11)
     parser.add_argument("--max-ticks", type=int, default=60_000)
     parser.add_argument("--budget", default="", help="as `stochc plan --budget`")
     parser.add_argument("--threads", type=int, default=0)
-    parser.add_argument("--no-naive", action="store_true")
+    parser.add_argument("--minutes", type=float, default=math.inf, help="no runs are begun after so many")
     arguments = parser.parse_args()
+    begin = time.monotonic()
+    arguments.is_over = lambda: time.monotonic() - begin > 60 * arguments.minutes
     wanted = [shape for shape in arguments.shapes.split(",") if shape]
-    kinds = [] if arguments.no_naive else ["chain", "at_once", "layers", "nearest"]
-    print("| shape | cells | planned in | estimate | planned | " + " | ".join(kinds) + (" |" if kinds else ""))
-    print("|---|--:|--:|--:|--:|" + "--:|" * len(kinds), flush=True)
-    for path in sorted((HERE / "shapes").glob("*.txt")):
+    kinds = ["chain", "at_once", "layers", "nearest"] if arguments.naive_runs else []
+    paths = [path for path in sorted((HERE / "shapes").glob("*.txt")) if not wanted or path.stem in wanted]
+    programs = {}
+    for path in paths:
         shape, cells = path.stem, read(path)
-        if wanted and shape not in wanted:
-            continue
         folder = arguments.folder / shape
         folder.mkdir(parents=True, exist_ok=True)
-        target, planned = folder / "target.sa", folder / "planned.sa"
-        # The scene has to have enough blocks: a target with its shape, in a scene of that.
-        drawn = subprocess.run([arguments.stochc, "plan", path, "--quiet", "--budget", "1"], capture_output=True, text=True)
-        took = ""
-        if not planned.exists():
-            if drawn.returncode == 0:
-                command = [arguments.stochc, "plan", path]
-            else:
-                target.write_text(scene(len(cells)) + "\n" + shape_of(shape, cells))
-                command = [arguments.stochc, "plan", target, "--scene", "here"]
-            start = time.monotonic()
-            options = ["--budget", arguments.budget] if arguments.budget else []
-            subprocess.run([*command, *options, "--quiet", "--out", planned], check=True)
-            took = f"{time.monotonic() - start:.1f} s"
-        estimate = next(line for line in planned.read_text().splitlines() if "captures, up to" in line)
-        estimate = estimate.split("about ")[1].split(" ticks")[0]
-        row = [shape, len(cells), took, estimate, simulate(arguments, planned, folder / "planned")]
+        programs[shape] = {"planned": planned(arguments, path, folder)}
         for kind in kinds:
             naive = folder / f"{kind}.sa"
-            naive.write_text(program(kind, shape, cells))
-            row.append(simulate(arguments, naive, folder / kind))
-        print("| " + " | ".join(map(str, row)) + " |", flush=True)
+            text = program(kind, shape, cells)
+            if not naive.exists() or naive.read_text() != text:
+                naive.write_text(text)
+            programs[shape][kind] = naive
+    results, runs = {}, 4
+    while True:
+        for shape, of in programs.items():
+            for kind, text in of.items():
+                most = arguments.runs if kind == "planned" else arguments.naive_runs
+                known = results.get((shape, kind))
+                if kind != "planned" and is_beyond_doubt(known, results.get((shape, "planned"))):
+                    continue
+                results[shape, kind] = simulate(arguments, text, arguments.folder / shape / kind, min(runs, most))
+        if runs >= max(arguments.runs, arguments.naive_runs) or arguments.is_over():
+            break
+        runs *= 2
+    table(arguments, paths, programs, results, kinds)
+
+
+def table(arguments, paths, programs, results, kinds):
+    """Prints what came out."""
+    print("| shape | cells | planned in | predicted | planned | " + "".join(f"{kind} | " for kind in kinds))
+    print("|---|--:|--:|--:|--:|" + "--:|" * len(kinds))
+    errors, slower, stuck, runs = [], [], 0, 0
+    for path in paths:
+        shape = path.stem
+        text = next(line for line in programs[shape]["planned"].read_text().splitlines() if "captures, up to" in line)
+        predicted = float(text.split("about ")[1].split(" ticks")[0])
+        took = arguments.folder / shape / "planned.seconds"
+        found = {kind: results.get((shape, kind)) for kind in ("planned", *kinds)}
+        row = [shape, len(read(path)), f"{took.read_text()} s" if took.exists() else "", f"{predicted:.0f}"]
+        print("| " + " | ".join(map(str, row + [told(found[kind]) for kind in found])) + " |")
+        own = found["planned"]
+        if not own or not own[0]:
+            continue
+        stuck, runs = stuck + len(own[1]), runs + len(own[0]) + len(own[1])
+        errors.append((predicted / moments(own)[0] - 1, shape))
+        for kind in kinds:
+            for what, of in (("mean", moments), ("90 % quantile", quantile)):
+                if found[kind] and found[kind][0]:
+                    (mine, my_half), (other, half) = of(own), of(found[kind])
+                    if mine - other > math.hypot(my_half, half):
+                        slower.append(f"{shape} than {kind} in the {what}")
+    print(f"\n- planned runs that did not complete: {stuck} of {runs}")
+    if errors:
+        worst = max(errors, key=lambda error: abs(error[0]))
+        mean = sum(abs(error) for error, _ in errors) / len(errors)
+        print(f"- predicted means: off by {100 * mean:.1f} % on average, {100 * worst[0]:+.1f} % at worst ({worst[1]})")
+    print("- significantly slower: " + (", ".join(slower) or "none"))
 
 
 def shape_of(shape, cells):

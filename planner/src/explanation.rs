@@ -3,7 +3,7 @@ use std::fmt::Write as _;
 
 use stochc_ir::Cell;
 
-use crate::plan::{Capture, Plan};
+use crate::plan::{Alternative, Capture, Plan};
 use crate::waiting::Why;
 
 /// Captures that decide the time, as told.
@@ -35,7 +35,7 @@ pub fn explanation(plan: &Plan) -> String {
     };
     let _ = writeln!(
         out,
-        "waits: {} keep ways in open, {} keep faces near each other from being open together",
+        "waits: {} keep ways in open, {} keep faces at a corner from being open together",
         waits(Why::Way),
         waits(Why::Near),
     );
@@ -56,6 +56,9 @@ pub fn explanation(plan: &Plan) -> String {
             crate::refusal::listed(&tight)
         ),
     };
+    if let Some(naive) = plan.naive {
+        let _ = writeln!(out, "needs no thought: {}", naive.words());
+    }
     out += &picture(captures);
     let mut critical: Vec<&Capture> = captures.iter().collect();
     let weight = |capture: &Capture| f64::from(capture.decides) * capture.wait;
@@ -70,11 +73,24 @@ pub fn explanation(plan: &Plan) -> String {
             capture.wait
         );
     }
-    let _ = writeln!(
-        out,
-        "alternatives: one face at a time {:.0} ticks; the first of {} schedules tried {:.0}",
-        plan.one_by_one, plan.rounds, plan.first.mean,
-    );
+    if !plan.alternatives.is_empty() {
+        out += "alternatives that need no thought, as they would be if no block jammed\n";
+    }
+    for Alternative {
+        naive,
+        estimate,
+        finding,
+    } in &plan.alternatives
+    {
+        let finding = finding.map_or(String::new(), |code| format!("; `check` finds {code}"));
+        let _ = writeln!(
+            out,
+            "  {}: {:.0} ticks{finding}",
+            naive.words(),
+            estimate.mean
+        );
+    }
+    let _ = writeln!(out, "{} schedules tried", plan.rounds);
     out
 }
 

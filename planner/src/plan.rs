@@ -4,11 +4,12 @@ use stochc_ir::scene::{BondKind, Scene};
 use stochc_ir::{Cell, Face};
 
 use crate::makespan::{Estimate, Samples};
-use crate::schedule::Job;
+use crate::naive::Naive;
+use crate::schedule::{Job, Schedule};
 use crate::search::{Search, search};
 use crate::sites::Sites;
 use crate::waiting::{Waiting, Why};
-use crate::waits::Waits;
+use crate::waits::RateLaw;
 use crate::{Refusal, Target};
 
 /// What blocks can do.
@@ -45,14 +46,25 @@ pub struct Plan {
     pub captures: Vec<Capture>,
     /// How long it takes, as far as mean waits tell \[ticks\].
     pub estimate: Estimate,
-    /// How long the first plan would have taken \[ticks\].
-    pub first: Estimate,
-    /// How long it would take with one open face at a time in the whole structure, on average \[ticks\].
-    pub one_by_one: f64,
     /// Faces that are open at the same time, at most, if all waits are as long as their means.
     pub widest: usize,
     /// Schedules that were tried.
     pub rounds: u64,
+    /// The plan that needs no thought which it is; `None`: one that was looked for.
+    pub naive: Option<Naive>,
+    /// What plans that need no thought would take; none where nobody has looked.
+    pub alternatives: Vec<Alternative>,
+}
+
+/// A plan that needs no thought, beside another.
+#[derive(Clone, Debug, Serialize)]
+pub struct Alternative {
+    /// Which.
+    pub naive: Naive,
+    /// How long it takes, if no block jams \[ticks\].
+    pub estimate: Estimate,
+    /// What the check finds in its program first, if anything.
+    pub finding: Option<&'static str>,
 }
 
 /// One capture of a plan.
@@ -84,41 +96,76 @@ fn runs(sites: usize) -> usize {
 pub fn plan(
     target: &Target,
     hardware: Hardware,
-    waits: &dyn Waits,
+    waits: &RateLaw<'_>,
     how: Search<'_>,
 ) -> Result<Plan, Refusal> {
     let sites = Sites::of(target);
     let found = search(&sites, hardware, waits, how)?;
-    let schedule = &found.schedule;
     let job = Job::new(&sites, &found.apart, &found.corridors, hardware, waits);
-    let waiting = Waiting::of(&job, schedule);
-    let afters = waiting.afters(&job, schedule);
-    // Other chances than those by which it was chosen.
-    let samples = Samples::new(sites.len(), runs(sites.len()), how.seed ^ 0x5eed);
-    let estimate = samples.estimate(schedule, &waiting, &mut Vec::new());
-    let decides = samples.criticality(schedule, &waiting);
-    let captures = schedule.order.iter().map(|&site| {
-        let here = site as usize;
-        let after = afters[here].iter();
-        Capture {
-            cell: sites.cell(site),
-            way: schedule.way[here],
-            wait: f64::from(schedule.mean[here]),
-            after: after
-                .map(|after| (sites.cell(after.site), after.why))
-                .collect(),
-            is_tight: found.apart.is_tight[here],
-            decides: decides[here],
-        }
-    });
+    let waiting = Waiting::of(&job, &found.schedule);
+    let ways = (&found.corridors.waiting[..], &found.apart.is_tight[..]);
     Ok(Plan {
-        captures: captures.collect(),
-        estimate,
-        first: found.first,
-        one_by_one: schedule.mean.iter().map(|&mean| f64::from(mean)).sum(),
-        widest: widest(&waiting, &schedule.order, &schedule.mean),
         rounds: found.rounds,
+        ..Plan::of(&sites, hardware, &found.schedule, &waiting, ways, how.seed)
     })
+}
+
+/// The plans that need no thought, whose ways in nobody has looked at.
+pub fn naive_plans(
+    target: &Target,
+    hardware: Hardware,
+    waits: &RateLaw<'_>,
+    seed: u64,
+) -> Vec<(Naive, Plan)> {
+    let sites = Sites::of(target);
+    let plans = Naive::ALL.into_iter().map(|naive| {
+        let (schedule, waiting) = naive.schedule(&sites, hardware, waits);
+        (
+            naive,
+            Plan::of(&sites, hardware, &schedule, &waiting, (&[], &[]), seed),
+        )
+    });
+    plans.collect()
+}
+
+impl Plan {
+    /// A schedule; of its ways in, what lies in that of each site, and whether it is tight.
+    fn of(
+        sites: &Sites<'_>,
+        hardware: Hardware,
+        schedule: &Schedule,
+        waiting: &Waiting,
+        (in_way, is_tight): (&[Vec<u32>], &[bool]),
+        seed: u64,
+    ) -> Plan {
+        let afters = waiting.afters(sites, hardware, schedule, in_way);
+        // Other chances than those by which it was chosen.
+        let samples = Samples::new(sites.len(), runs(sites.len()), seed ^ 0x5eed);
+        let estimate = samples.estimate(schedule, waiting, &mut Vec::new());
+        let decides = samples.criticality(schedule, waiting);
+        let captures = schedule.order.iter().map(|&site| {
+            let here = site as usize;
+            let after = afters[here].iter();
+            Capture {
+                cell: sites.cell(site),
+                way: schedule.way[here],
+                wait: f64::from(schedule.mean[here]),
+                after: after
+                    .map(|after| (sites.cell(after.site), after.why))
+                    .collect(),
+                is_tight: is_tight.get(here).copied().unwrap_or(false),
+                decides: decides[here],
+            }
+        });
+        Plan {
+            captures: captures.collect(),
+            estimate,
+            widest: widest(waiting, &schedule.order, &schedule.mean),
+            rounds: 0,
+            naive: None,
+            alternatives: Vec::new(),
+        }
+    }
 }
 
 /// Faces that are open at the same time, at most, if all waits are as long as their means.

@@ -1,19 +1,20 @@
 //! Which cell opens next: list scheduling on mean waits.
 //!
 //! The most urgent cell that may open does: its blocks to wait for are there, a neighbour of it stands and has a face to spare,
-//! and no face near it is open. Because of the last rule a free block is never between two faces that want it, which is what
-//! jams; and what is full around a cell when it opens is the same in every run.
+//! and no face is open towards a cell that shares an edge with it, and no face, around another cell of the target. A block that comes to the
+//! corner of two such cells is held by both, and jams. Faces towards cells side by side, whatever their directions, do not hinder each
+//! other, nor do those of cells that share a corner; three of a square, which jam as well, always have such a pair among them.
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use stochc_grammar::{Cancellation, Cancelled};
-use stochc_ir::Face;
+use stochc_ir::{Cell, Face};
 
 use crate::Hardware;
 use crate::corridor::Corridors;
 use crate::disassembly::Disassembly;
 use crate::sites::{NONE, Sites};
-use crate::waits::Waits;
+use crate::waits::{Moment, RateLaw, Stand};
 
 /// What stays the same from one schedule to the next.
 pub struct Job<'a> {
@@ -24,7 +25,7 @@ pub struct Job<'a> {
     /// What blocks can do.
     pub hardware: Hardware,
     /// How long faces wait.
-    pub waits: &'a dyn Waits,
+    pub waits: &'a RateLaw<'a>,
     /// Mean ticks from the opening of each site to the end, through all that surely comes after it.
     tail: Vec<f32>,
 }
@@ -40,6 +41,8 @@ pub struct Schedule {
     pub way: Vec<Face>,
     /// The mean wait of each site \[ticks\].
     pub mean: Vec<f32>,
+    /// When the block of each site comes, if all waits are as long as their means \[ticks\].
+    pub end: Vec<f32>,
 }
 
 impl<'a> Job<'a> {
@@ -49,7 +52,7 @@ impl<'a> Job<'a> {
         apart: &'a Disassembly,
         corridors: &'a Corridors,
         hardware: Hardware,
-        waits: &'a dyn Waits,
+        waits: &'a RateLaw<'a>,
     ) -> Job<'a> {
         /// Ticks of a wait of which nothing is known yet.
         const WAIT: f32 = 650.0;
@@ -116,7 +119,9 @@ impl<'a> Job<'a> {
                 rank: vec![NONE; count],
                 way: vec![Face::Up; count],
                 mean: vec![0.0; count],
+                end: vec![0.0; count],
             },
+            anchored: 0,
         };
         for site in 0..count as u32 {
             state.consider(site);
@@ -157,6 +162,8 @@ struct State<'a> {
     /// Open sites, by the time when their block comes.
     opened: BinaryHeap<Reverse<(u32, u32)>>,
     schedule: Schedule,
+    /// How many are anchored.
+    anchored: u32,
 }
 
 impl State<'_> {
@@ -183,25 +190,37 @@ impl State<'_> {
         while let Some((_, Reverse(site))) = self.ready.pop() {
             // What cannot open now is considered again when something near it is anchored.
             self.is_ready[site as usize] = false;
-            if !self.is_beside_open_face(site)
-                && let Some((way, mean)) = self.best_way(site)
+            if !self.has_open_diagonal(site)
+                && let Some((way, mean)) = self.best_way(site, now)
             {
                 self.open(site, way, mean, now);
             }
         }
     }
 
-    fn is_beside_open_face(&self, site: u32) -> bool {
+    fn has_open_diagonal(&self, site: u32) -> bool {
         let is_open = |near: u32| self.state[near as usize] == Site::Open;
-        !self.job.hardware.attracts_always && self.job.sites.near(site).any(is_open)
+        !self.job.hardware.attracts_always && self.job.sites.diagonal(site).any(is_open)
     }
 
     /// The way with the shortest wait from a parent that has a face to spare; the straight one of two equal ones.
-    fn best_way(&self, site: u32) -> Option<(Face, f32)> {
+    fn best_way(&self, site: u32, now: f32) -> Option<(Face, f32)> {
         let job = self.job;
         let has = |near: u32| self.state[near as usize] == Site::Anchored;
-        let window = job.sites.window(site, has);
         let cell = job.sites.cell(site);
+        let stands = |near: Cell| match job.sites.at(near) {
+            NONE => Stand::Empty,
+            near => match self.state[near as usize] {
+                Site::Absent => Stand::Empty,
+                Site::Open => Stand::Awaited(self.schedule.way[near as usize]),
+                Site::Anchored => Stand::Full,
+            },
+        };
+        let bound = f64::from(self.anchored) / f64::from(job.hardware.free.max(1));
+        let moment = Moment {
+            free: 1.0 - bound,
+            is_first: now == 0.0,
+        };
         let mut best: Option<(Face, f32, f32)> = None;
         for way in Face::ALL {
             let parent = job.parent(site, way);
@@ -212,7 +231,7 @@ impl State<'_> {
                 _ if self.open_faces[parent as usize] >= job.hardware.faces => continue,
                 _ => self.schedule.way[parent as usize] == way,
             };
-            let mean = job.waits.mean(cell, way, window) as f32;
+            let mean = job.waits.mean(cell, way, moment, stands) as f32;
             let price = if is_straight { 0.98 * mean } else { mean };
             if best.is_none_or(|(_, _, least)| price < least) {
                 best = Some((way, mean, price));
@@ -233,11 +252,13 @@ impl State<'_> {
         schedule.order.push(site);
         schedule.way[here] = way;
         schedule.mean[here] = mean;
+        schedule.end[here] = now + mean;
         self.opened.push(Reverse(((now + mean).to_bits(), site)));
     }
 
     fn anchored(&mut self, site: u32) {
         self.state[site as usize] = Site::Anchored;
+        self.anchored += 1;
         let job = self.job;
         let parent = job.parent(site, self.schedule.way[site as usize]);
         if parent != NONE {

@@ -11,7 +11,7 @@ use crate::makespan::{Estimate, Objective, Samples};
 use crate::schedule::{Job, Schedule};
 use crate::sites::Sites;
 use crate::waiting::Waiting;
-use crate::waits::Waits;
+use crate::waits::RateLaw;
 use crate::{Hardware, Refusal};
 
 /// How to look for a plan.
@@ -56,8 +56,6 @@ pub struct Found {
     pub schedule: Schedule,
     /// Schedules that were tried.
     pub rounds: u64,
-    /// What the first one would take.
-    pub first: Estimate,
 }
 
 /// Ways and the best schedule with them.
@@ -83,7 +81,7 @@ const VARIANTS: u64 = 8;
 pub fn search(
     sites: &Sites<'_>,
     hardware: Hardware,
-    waits: &dyn Waits,
+    waits: &RateLaw<'_>,
     search: Search<'_>,
 ) -> Result<Found, Refusal> {
     let mut rng = ChaCha8Rng::seed_from_u64(search.seed);
@@ -109,7 +107,6 @@ pub fn search(
         })
     };
     let mut best = candidate(&vec![0.5; sites.len()], search.cancellation)?;
-    let first = best.estimate;
     let mut rounds = 1;
     while rounds < VARIANTS && rounds * 4 < search.rounds && !search.enough.is_cancelled() {
         rounds += 1;
@@ -151,7 +148,6 @@ pub fn search(
         corridors: best.corridors,
         schedule,
         rounds,
-        first,
     })
 }
 

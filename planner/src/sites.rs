@@ -24,6 +24,30 @@ pub const fn across(face: Face) -> usize {
     place(dx, dy, dz)
 }
 
+/// The cells of a window that share an edge with the middle and no face, each with the two that share a face with both.
+const DIAGONAL: [(usize, [usize; 2]); 12] = {
+    const AXES: [[i32; 3]; 3] = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
+    let mut diagonal = [(0, [0; 2]); 12];
+    let mut i = 0;
+    while i < 12 {
+        let (u, v) = (AXES[i / 4], AXES[(i / 4 + 1) % 3]);
+        let (a, b) = (2 * (i as i32 % 2) - 1, 2 * (i as i32 / 2 % 2) - 1);
+        diagonal[i] = (
+            place(
+                a * u[0] + b * v[0],
+                a * u[1] + b * v[1],
+                a * u[2] + b * v[2],
+            ),
+            [
+                place(a * u[0], a * u[1], a * u[2]),
+                place(b * v[0], b * v[1], b * v[2]),
+            ],
+        );
+        i += 1;
+    }
+    diagonal
+};
+
 /// A target's cells as numbers.
 #[derive(Debug)]
 pub struct Sites<'a> {
@@ -102,6 +126,17 @@ impl<'a> Sites<'a> {
         let window = self.windows[site as usize].iter().enumerate();
         let others = window.filter(|&(i, &near)| i != MIDDLE && near != NONE);
         others.map(|(_, &near)| near)
+    }
+
+    /// The sites that share an edge with one and no face, around another site.
+    pub fn diagonal(&self, site: u32) -> impl Iterator<Item = u32> + '_ {
+        let window = &self.windows[site as usize];
+        let around = DIAGONAL
+            .iter()
+            .filter(|(_, between)| between.iter().any(|&at| window[at] != NONE));
+        around
+            .map(|&(other, _)| window[other])
+            .filter(|&other| other != NONE)
     }
 
     /// Which cells of a site's window `has`.

@@ -1,7 +1,7 @@
 //! What waits for what in a schedule, and which of that has to be said.
 use crate::Hardware;
 use crate::schedule::{Job, Schedule};
-use crate::sites::NONE;
+use crate::sites::{NONE, Sites};
 
 /// What each site waits for, by the place of sites in the order in which they open.
 #[derive(Clone, Debug)]
@@ -29,26 +29,30 @@ pub struct After {
     pub why: Why,
 }
 
-/// The capture of the same parent that comes just before a site's, where only one face may be open.
-fn turn(job: &Job<'_>, schedule: &Schedule, site: u32) -> Option<u32> {
-    let Hardware {
-        faces,
-        attracts_always,
-        ..
-    } = job.hardware;
-    if faces != 1 || attracts_always {
-        return None;
+impl Schedule {
+    /// The site that holds another one; [`NONE`]: a seed does.
+    pub fn parent(&self, sites: &Sites<'_>, site: u32) -> u32 {
+        sites.next(site, self.way[site as usize].opposite())
     }
-    let parent = match job.parent(site, schedule.way[site as usize]) {
-        NONE => return None,
-        parent => parent,
-    };
-    let siblings = job.sites.adjacent(parent).filter(|&other| {
-        other != site && job.parent(other, schedule.way[other as usize]) == parent
-    });
-    let rank = |site: u32| schedule.rank[site as usize];
-    let earlier = siblings.filter(|&other| rank(other) < rank(site));
-    earlier.max_by_key(|&other| rank(other))
+
+    /// The place in the order of what holds a site; `None`: a seed does.
+    pub fn held(&self, sites: &Sites<'_>, site: u32) -> Option<u32> {
+        let parent = self.parent(sites, site);
+        (parent != NONE).then(|| self.rank[parent as usize])
+    }
+
+    /// The place in the order of the capture of the same parent that comes just before a site's, where only one face may be open.
+    pub fn turn(&self, sites: &Sites<'_>, hardware: Hardware, site: u32) -> Option<u32> {
+        if hardware.faces != 1 || hardware.attracts_always {
+            return None;
+        }
+        let parent = Some(self.parent(sites, site)).filter(|&parent| parent != NONE)?;
+        let siblings = sites
+            .adjacent(parent)
+            .filter(|&other| self.parent(sites, other) == parent);
+        let ranks = siblings.map(|other| self.rank[other as usize]);
+        ranks.filter(|&rank| rank < self.rank[site as usize]).max()
+    }
 }
 
 impl Waiting {
@@ -57,12 +61,11 @@ impl Waiting {
         let mut before: Vec<Vec<u32>> = vec![Vec::new(); schedule.order.len()];
         for (i, &site) in schedule.order.iter().enumerate() {
             let rank = |site: u32| schedule.rank[site as usize];
-            let parent = job.parent(site, schedule.way[site as usize]);
-            before[i].extend((parent != NONE).then(|| rank(parent)));
-            before[i].extend(turn(job, schedule, site).map(rank));
+            before[i].extend(schedule.held(job.sites, site));
+            before[i].extend(schedule.turn(job.sites, job.hardware, site));
             if !job.hardware.attracts_always {
-                let near = job.sites.near(site).map(rank);
-                before[i].extend(near.filter(|&near| near < i as u32));
+                let diagonal = job.sites.diagonal(site).map(rank);
+                before[i].extend(diagonal.filter(|&other| other < i as u32));
             }
             for &waiting in &job.corridors.waiting[site as usize] {
                 before[rank(waiting) as usize].push(i as u32);
@@ -75,18 +78,25 @@ impl Waiting {
         Waiting { before }
     }
 
-    /// Of each site, by its number, the waits that do not follow from others, from being held and from taking turns.
-    pub fn afters(&self, job: &Job<'_>, schedule: &Schedule) -> Vec<Vec<After>> {
+    /// Of each site, by its number, the waits that do not follow from others, from being held and from taking turns; `in_way`: of each site,
+    /// those that lie in its way in, sorted.
+    pub fn afters(
+        &self,
+        sites: &Sites<'_>,
+        hardware: Hardware,
+        schedule: &Schedule,
+        in_way: &[Vec<u32>],
+    ) -> Vec<Vec<After>> {
         let mut afters = vec![Vec::new(); self.before.len()];
         // What is said, and what need not be, of the sites before.
         let mut edges: Vec<Vec<u32>> = Vec::with_capacity(self.before.len());
         let mut search = Ancestors::default();
         for (&site, before) in schedule.order.iter().zip(&self.before) {
-            let rank = |site: u32| schedule.rank[site as usize];
-            let parent = job.parent(site, schedule.way[site as usize]);
-            let held = (parent != NONE).then_some(parent);
-            let implied = held.into_iter().chain(turn(job, schedule, site)).map(rank);
-            let mut kept: Vec<u32> = implied.collect();
+            let held = schedule.held(sites, site);
+            let mut kept: Vec<u32> = held
+                .into_iter()
+                .chain(schedule.turn(sites, hardware, site))
+                .collect();
             // The latest first: what they wait for themselves goes without saying.
             for &other in before.iter().rev() {
                 if kept.contains(&other) || search.reach(&edges, &kept, other) {
@@ -94,9 +104,9 @@ impl Waiting {
                 }
                 kept.push(other);
                 let other = schedule.order[other as usize];
-                let is_way = job.corridors.waiting[other as usize]
-                    .binary_search(&site)
-                    .is_ok();
+                let is_way = in_way
+                    .get(other as usize)
+                    .is_some_and(|way| way.binary_search(&site).is_ok());
                 let why = if is_way { Why::Way } else { Why::Near };
                 afters[site as usize].push(After { site: other, why });
             }
@@ -116,7 +126,7 @@ struct Ancestors {
 impl Ancestors {
     /// Whether one of `from` waits for `to`, directly or not; a long way may be missed.
     fn reach(&mut self, edges: &[Vec<u32>], from: &[u32], to: u32) -> bool {
-        const MOST: usize = 1000;
+        const MOST: usize = 300;
         self.seen.clear();
         self.open.clear();
         self.open.extend(from);

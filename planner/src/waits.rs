@@ -4,25 +4,37 @@ use std::cell::RefCell;
 use rustc_hash::FxHashMap;
 use stochc_ir::scene::Scene;
 use stochc_ir::{Cell, Face};
-use stochc_rates::{Parameters, Rates, Wait, around};
+use stochc_rates::{Parameters, Rates, SIGHT, Surroundings, Wait, around, offsets};
 
 use crate::grid::shifted;
-use crate::sites::{Window, across, place};
 
-/// The mean times that faces wait.
-pub trait Waits {
-    /// The mean ticks from when a face opens until its block is anchored in `cell`, `way` from its parent, while the cells of
-    /// `window` around it are full; the parent is one of them.
-    fn mean(&self, cell: Cell, way: Face, window: Window) -> f64;
+/// What is in a cell when a face near it opens.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stand {
+    /// Nothing.
+    Empty,
+    /// Nothing yet: a face is open towards it, in this direction.
+    Awaited(Face),
+    /// A block.
+    Full,
+}
+
+/// What a wait depends on besides what is near.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moment {
+    /// Blocks that are free over those that were at the beginning.
+    pub free: f64,
+    /// Whether it is the beginning of the run.
+    pub is_first: bool,
 }
 
 /// The law of rates, with what was measured of a scene if anything was.
 #[derive(Debug)]
-pub struct RateLaw {
-    measured: Option<&'static Rates>,
-    /// Means that have been asked for before, by layer.
-    means: RefCell<FxHashMap<(i32, Face, Window), f64>>,
-    /// Mean waits in docking times, by [`step`].
+pub struct RateLaw<'a> {
+    measured: Option<&'a Rates>,
+    /// Surroundings that have been asked for before, by layer, direction and the cells in sight that are full.
+    seen: RefCell<FxHashMap<(i32, Face, u128), Surroundings>>,
+    /// Mean waits in docking times, by [`STEPS`].
     scaled: RefCell<FxHashMap<i32, f64>>,
 }
 
@@ -36,19 +48,95 @@ const HIGHEST: i32 = 30;
 /// Steps of a table over the logarithm of captures that come into reach in a docking time.
 const STEPS: f64 = 100.0;
 
-impl RateLaw {
-    /// For a scene; where its rates have not been measured, typical ones rank plans, though they may be off by a factor.
-    pub fn of(scene: &Scene) -> RateLaw {
-        RateLaw::new(Rates::built_in(scene))
+impl<'a> RateLaw<'a> {
+    /// For a scene, by given rates or those that come with the program; where it has not been measured, typical rates rank plans, though
+    /// they may be off by a factor.
+    pub fn of(scene: &Scene, known: &'a [Rates]) -> RateLaw<'a> {
+        let given = known.iter().find(|rates| rates.are_of(scene));
+        RateLaw::new(given.or_else(|| Rates::built_in(scene)))
     }
 
     /// By rates of a scene; `None`: typical ones.
-    pub fn new(measured: Option<&'static Rates>) -> RateLaw {
+    pub fn new(measured: Option<&'a Rates>) -> RateLaw<'a> {
         RateLaw {
             measured,
-            means: RefCell::default(),
+            seen: RefCell::default(),
             scaled: RefCell::default(),
         }
+    }
+
+    /// The rates of the scene, if they are known.
+    pub fn rates(&self) -> Option<&'a Rates> {
+        self.measured
+    }
+
+    /// The mean ticks from when a face opens until its block is anchored in `cell`, `way` from its parent, in what `stands` around it; of
+    /// what is awaited half is taken to come before.
+    pub fn mean(
+        &self,
+        cell: Cell,
+        way: Face,
+        moment: Moment,
+        stands: impl Fn(Cell) -> Stand,
+    ) -> f64 {
+        let aside = || {
+            Face::ALL
+                .into_iter()
+                .filter(|face| *face != way && *face != way.opposite())
+        };
+        let beside = |face: Face| {
+            let [dx, dy, dz] = face.normal();
+            shifted(cell, dx, dy, dz)
+        };
+        let is_wall = |face: &Face| {
+            let next = beside(*face);
+            next.z < 1 || stands(next) == Stand::Full
+        };
+        if is_wall(&way) || aside().filter(is_wall).count() == 4 {
+            return JAM;
+        }
+        let (mut full, mut awaited) = (0, 0);
+        for offset in offsets(way) {
+            let [dx, dy, dz] = offset;
+            match stands(shifted(cell, dx, dy, dz)) {
+                Stand::Empty => {}
+                Stand::Awaited(_) => awaited |= bit(offset),
+                Stand::Full => full |= bit(offset),
+            }
+        }
+        let rival = aside().any(|face| stands(beside(face)) == Stand::Awaited(way));
+        let without = self.wait(cell.z, way, full, moment, rival);
+        if awaited == 0 {
+            return self.mean_of(without);
+        }
+        let with = self.wait(cell.z, way, full | awaited, moment, false);
+        self.mean_of(Wait {
+            rate: (without.rate * with.rate).sqrt(),
+            docking: (without.docking * with.docking).sqrt(),
+        })
+    }
+
+    fn wait(&self, layer: i32, way: Face, full: u128, moment: Moment, rival: bool) -> Wait {
+        // The law asks for nothing but the layer of the cell.
+        let cell = Cell::new(0, 0, layer.min(HIGHEST));
+        let mut seen = self.seen.borrow_mut();
+        let seen = seen.entry((cell.z, way, full)).or_insert_with(|| {
+            let is_full =
+                |near: Cell| full & bit([near.x - cell.x, near.y - cell.y, near.z - cell.z]) != 0;
+            match self.measured {
+                Some(rates) => rates.surroundings(cell, way, is_full, |_| false),
+                None => around(cell, way, is_full, |_| false),
+            }
+        });
+        let parameters = self
+            .measured
+            .map_or(Parameters::TYPICAL, |rates| rates.parameters);
+        parameters.wait(&Surroundings {
+            free: moment.free,
+            cold: moment.is_first,
+            rival,
+            ..*seen
+        })
     }
 
     /// The mean of a wait, to half a percent.
@@ -61,57 +149,37 @@ impl RateLaw {
         });
         *mean * wait.docking
     }
-
-    fn found(&self, cell: Cell, way: Face, window: Window) -> f64 {
-        let is_full = |near: Cell| {
-            let steps = [near.x - cell.x, near.y - cell.y, near.z - cell.z];
-            let [dx, dy, dz] = steps;
-            steps.iter().all(|step| step.abs() <= 1) && window & 1 << place(dx, dy, dz) != 0
-        };
-        let is_wall = |face: &Face| {
-            let next = shifted(cell, face.normal()[0], face.normal()[1], face.normal()[2]);
-            next.z < 1 || is_full(next)
-        };
-        let sides = Face::ALL
-            .iter()
-            .filter(|&&face| face != way && face != way.opposite());
-        if window & 1 << across(way) != 0 || sides.filter(|face| is_wall(face)).count() == 4 {
-            return JAM;
-        }
-        self.mean_of(match self.measured {
-            Some(rates) => rates.wait(&rates.surroundings(cell, way, is_full, |_| false)),
-            None => Parameters::TYPICAL.wait(&around(cell, way, is_full, |_| false)),
-        })
-    }
 }
 
-impl Waits for RateLaw {
-    fn mean(&self, cell: Cell, way: Face, window: Window) -> f64 {
-        // The law asks for nothing but the layer of the cell.
-        let cell = Cell::new(0, 0, cell.z.min(HIGHEST));
-        let key = (cell.z, way, window);
-        let known = self.means.borrow().get(&key).copied();
-        known.unwrap_or_else(|| {
-            let mean = self.found(cell, way, window);
-            self.means.borrow_mut().insert(key, mean);
-            mean
-        })
-    }
+/// The bit of a cell so many steps away, none of them longer than [`SIGHT`].
+fn bit(steps: [i32; 3]) -> u128 {
+    let [x, y, z] = steps.map(|step| step + SIGHT);
+    let edge = 2 * SIGHT + 1;
+    1 << (x + edge * (y + edge * z))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    const LATER: Moment = Moment {
+        free: 0.8,
+        is_first: false,
+    };
+
     #[test]
     fn walls_make_waits_longer_and_what_is_closed_in_jams() {
         let law = RateLaw::new(None);
+        let cell = Cell::new(4, 4, 5);
         let mean = |way: Face, walls: &[Face]| {
-            let parent = 1 << across(way.opposite());
-            let window = walls
-                .iter()
-                .fold(parent, |bits, &face| bits | 1 << across(face));
-            law.mean(Cell::new(4, 4, 5), way, window)
+            let full: Vec<Cell> = std::iter::once(way.opposite())
+                .chain(walls.iter().copied())
+                .map(|face| cell.across(face).unwrap())
+                .collect();
+            law.mean(cell, way, LATER, |near| match full.contains(&near) {
+                true => Stand::Full,
+                false => Stand::Empty,
+            })
         };
         let sides = [Face::East, Face::West, Face::North, Face::South];
         let means: Vec<f64> = (1..=4)
@@ -120,16 +188,43 @@ mod tests {
         assert!(means.is_sorted(), "{means:?}");
         assert_eq!(means[3], JAM);
         assert_eq!(mean(Face::Up, &[Face::Up]), JAM);
-        // A tower's top, asked for twice, against the law itself.
-        let open = mean(Face::Up, &[]);
-        let tower = |near: Cell| near == Cell::new(4, 4, 4);
-        let direct =
-            Parameters::TYPICAL.wait(&around(Cell::new(4, 4, 5), Face::Up, tower, |_| false));
-        assert!(
-            (open / direct.mean() - 1.0).abs() < 0.01,
-            "{open} {}",
-            direct.mean()
-        );
-        assert_eq!(open, mean(Face::Up, &[]));
+        assert_eq!(mean(Face::Up, &[]), mean(Face::Up, &[]));
+    }
+
+    /// Cells as far away as the law looks, some of them awaited.
+    #[test]
+    fn means_are_those_of_the_law() {
+        let law = RateLaw::new(None);
+        let cell = Cell::new(4, 4, 5);
+        for way in Face::ALL {
+            let parent = cell.across(way.opposite()).unwrap();
+            let is_full =
+                |near: Cell| near == parent || (near.x + 2 * near.y + 3 * near.z) % 7 == 0;
+            let is_awaited = |near: Cell| !is_full(near) && near != cell && near.x == near.z;
+            let at = |with: bool| Surroundings {
+                free: LATER.free,
+                ..around(
+                    cell,
+                    way,
+                    |near| is_full(near) || (with && is_awaited(near)),
+                    |near| !with && is_awaited(near),
+                )
+            };
+            let [without, with] = [false, true].map(|with| Parameters::TYPICAL.wait(&at(with)));
+            let direct = Wait {
+                rate: (without.rate * with.rate).sqrt(),
+                docking: (without.docking * with.docking).sqrt(),
+            };
+            let mean = law.mean(cell, way, LATER, |near| match () {
+                () if is_full(near) => Stand::Full,
+                () if is_awaited(near) => Stand::Awaited(way),
+                () => Stand::Empty,
+            });
+            assert!(
+                (mean / direct.mean() - 1.0).abs() < 0.01,
+                "{way}: {mean} {}",
+                direct.mean()
+            );
+        }
     }
 }

@@ -72,6 +72,7 @@ pub struct Planned {
     budget: Option<String>,
     is_p90: bool,
     seed: u64,
+    rates: Vec<PathBuf>,
 }
 
 /// A program, its plan as JSON, and that in words.
@@ -99,6 +100,7 @@ pub fn plan(
                 false => Objective::Mean,
             },
             seed: asked.seed,
+            rates: &asked.rates,
         };
         let found = plan_goal(&goal(&wish, host)?, &wish, host)?;
         let explained = explanation(&found.plan);

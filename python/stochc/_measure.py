@@ -127,6 +127,7 @@ def plan(
     budget: int | str | None = None,
     minimize: Literal["mean", "p90"] = "mean",
     seed: int = 1,
+    rates: Path | Iterable[Path] = (),
     allow_import: Source | Iterable[Source] = (),
     progress: Progress = None,
 ) -> Plan:
@@ -140,6 +141,7 @@ def plan(
         budget: how long to look for a better plan: a time (`"10s"`), or a number of tries.
         minimize: the mean time to completion, or that in which nine runs of ten are complete.
         seed: of the random numbers.
+        rates: files of rates of scenes, as `stochc calibrate` writes them.
         allow_import: as in `check`.
         progress: as in `simulate`.
     """
@@ -157,6 +159,7 @@ def plan(
         "budget": maybe("budget", budget),
         "is_p90": minimize == "p90",
         "seed": whole("seed", seed, 0, MOST_SEED),
+        "rates": _arguments.paths("rates", rates),
     }
     with shown(progress) as show:
         text, found, explained = _native.plan(asked, show)

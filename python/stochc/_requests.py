@@ -64,6 +64,7 @@ class Planned(TypedDict):
     budget: str | None
     is_p90: bool
     seed: int
+    rates: list[str]
 
 
 class Traded(TypedDict):

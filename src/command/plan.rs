@@ -34,6 +34,9 @@ pub struct Options {
     /// Write the program to this file instead of the output
     #[arg(long, value_name = "FILE.sa")]
     out: Option<PathBuf>,
+    /// Rates of scenes, by `stochc calibrate --out`; those of the default scene come with the program
+    #[arg(long, value_name = "FILE.rates")]
+    rates: Vec<PathBuf>,
     /// How long to look for a better plan: a time, such as 10s or 2m, or a number of tries, of which the same number
     /// always gives the same plan [default: tries for about a second]
     #[arg(long, value_name = "TIME|TRIES", value_parser = Budget::parse)]
@@ -81,6 +84,7 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
             Minimize::P90 => Objective::P90,
         },
         seed: options.random_seed,
+        rates: &options.rates,
     };
     let goal = goal(&wish, &host)?;
     let stop = stop_on_interrupt()?;

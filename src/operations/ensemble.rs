@@ -85,8 +85,7 @@ pub fn tell_of_doubts(manifest: &Manifest, host: &dyn Host) {
     }
     let mut found: Vec<(&str, SceneWarning, usize)> = Vec::new();
     for program in &manifest.programs {
-        let steps = manifest.settings.steps_in(&program.scene);
-        let all = scene_warnings(&program.scene, steps).into_iter();
+        let all = scene_warnings(&program.scene, &manifest.settings).into_iter();
         for doubt in all.filter(|doubt| !doubt.is_of_height || grows_upwards(program.tables())) {
             match found
                 .iter_mut()

@@ -46,6 +46,46 @@ fn a_plan_is_a_document_as_well() {
     );
 }
 
+/// What a plan says of its time is what `check --cost` says, by the rates of the scene or by those given.
+#[test]
+fn the_estimate_is_that_of_the_program() {
+    let folder = tempfile::tempdir().unwrap();
+    let planned = |name: &str, more: &[&str]| -> (f64, f64) {
+        let out = path(folder.path(), name);
+        let document = stochc_with(
+            &format!("{FIVE} --format json"),
+            &[more, &["--out", &out]].concat(),
+        )
+        .json();
+        let cost = stochc_with("check --cost=1", &[&[out.as_str()], more].concat());
+        let row = cost
+            .out
+            .lines()
+            .find(|line| line.trim_start().starts_with("grow  "));
+        let row = row.unwrap_or_else(|| panic!("{}{}", cost.out, cost.err));
+        let mean = row.split_whitespace().nth(3).unwrap();
+        (
+            document["plan"]["estimate"]["mean"].as_f64().unwrap(),
+            mean.parse().unwrap(),
+        )
+    };
+    let (built_in, cost) = planned("built_in.sa", &[]);
+    assert!((built_in - cost).abs() <= 0.5, "{built_in} {cost}");
+    // Rates of the same scene by which blocks come half as often.
+    let rates = fs::read_to_string("rates/src/data/hemisphere.rates").unwrap();
+    let mut rates: serde_json::Value = serde_json::from_str(&rates).unwrap();
+    let rate = rates["parameters"][0].as_f64().unwrap();
+    rates["parameters"][0] = (rate - 0.5_f64.recip().ln()).into();
+    let file = path(folder.path(), "half.rates");
+    fs::write(&file, rates.to_string()).unwrap();
+    let (half, cost) = planned("half.sa", &["--rates", &file]);
+    assert!((half - cost).abs() <= 0.5, "{half} {cost}");
+    assert!((1.3..2.1).contains(&(half / built_in)), "{half} {built_in}");
+    let (status, said) = wrong(&format!("{FIVE} --rates nowhere.rates"), &[]);
+    assert_eq!(status, 2);
+    assert!(said.contains("nowhere.rates"), "{said}");
+}
+
 fn wrong(line: &str, more: &[&str]) -> (i32, String) {
     let said = stochc_with(line, more);
     assert_eq!(said.out, "");

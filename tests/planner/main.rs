@@ -36,11 +36,14 @@ pub fn named(name: &str) -> Goal {
 /// A plan after so many tries.
 pub fn tried(goal: &Goal, rounds: u64) -> Result<Planned, Unplanned> {
     let seed = 7;
-    goal.plan(Search {
-        rounds,
-        seed,
-        ..Search::default()
-    })
+    goal.plan(
+        &[],
+        Search {
+            rounds,
+            seed,
+            ..Search::default()
+        },
+    )
 }
 
 /// The cells of a plan, sorted.

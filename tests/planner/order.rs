@@ -28,8 +28,8 @@ fn ancestors(graph: &EventGraph) -> Vec<Vec<u64>> {
 }
 
 #[test]
-fn no_two_faces_near_each_other_are_open_together_in_any_order() {
-    let mut pairs = 0;
+fn no_three_faces_of_a_square_are_open_together_in_any_order() {
+    let mut seen = 0;
     for path in files() {
         let goal = goal(&path);
         if goal.cells.len() > 130 {
@@ -40,22 +40,40 @@ fn no_two_faces_near_each_other_are_open_together_in_any_order() {
         let graph = checked.programs[0].event_graph();
         let before = ancestors(&graph);
         let waits = |a: usize, b: usize| before[a][b / 64] & 1 << (b % 64) != 0;
-        for (a, first) in graph.events.iter().enumerate() {
-            for (b, second) in graph.events.iter().enumerate().skip(a + 1) {
-                let (one, other) = (first.cell.unwrap(), second.cell.unwrap());
-                let apart = [one.x - other.x, one.y - other.y, one.z - other.z];
-                if apart.iter().all(|step| step.abs() <= 1) {
-                    assert!(
-                        waits(a, b) || waits(b, a),
-                        "{}: {one} and {other}",
-                        goal.name
-                    );
-                    pairs += 1;
+        let together = |a: usize, b: usize| !waits(a, b) && !waits(b, a);
+        let cells: Vec<[i32; 3]> = graph
+            .events
+            .iter()
+            .map(|event| event.cell.unwrap().into())
+            .collect();
+        let is_square = |three: [usize; 3]| {
+            let spread = (0..3).map(|axis| {
+                let at = three.map(|event| cells[event][axis]);
+                at.iter().max().unwrap() - at.iter().min().unwrap()
+            });
+            let mut spread: Vec<i32> = spread.collect();
+            spread.sort_unstable();
+            spread == [0, 1, 1]
+        };
+        for a in 0..cells.len() {
+            for b in a + 1..cells.len() {
+                for c in b + 1..cells.len() {
+                    if is_square([a, b, c]) {
+                        seen += 1;
+                        assert!(
+                            !(together(a, b) && together(b, c) && together(a, c)),
+                            "{}: {:?} {:?} {:?}",
+                            goal.name,
+                            cells[a],
+                            cells[b],
+                            cells[c]
+                        );
+                    }
                 }
             }
         }
     }
-    assert!(pairs > 1000, "{pairs}");
+    assert!(seen > 1000, "{seen}");
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Every shape of the bench is planned, accepted and built.
 use stochc::check_text;
 use stochc::ir::record::Outcome;
+use stochc::planner::Naive;
 use stochc::runtime::{Model, Settings};
 
 use crate::{cells, files, goal, named, tried};
@@ -65,6 +66,55 @@ fn programs_are_written_for_people() {
     }
 }
 
+/// A few runs; `benches/planner/run.py` makes more.
+#[test]
+fn with_physics_nothing_jams() {
+    for name in ["five_towers", "closed_platform", "blob_30"] {
+        let planned = tried(&named(name), 100).unwrap();
+        let executables = stochc::compile(check_text("planned.sa", &planned.text)).unwrap();
+        let settings = Settings {
+            max_ticks: Some(6 * planned.plan.estimate.mean as u64),
+            ..Settings::default()
+        };
+        for run in 0..2 {
+            let record = stochc::simulate(&executables[0], &settings, 4711, run).unwrap();
+            assert_eq!(record.outcome, Outcome::Completed, "{name}");
+        }
+    }
+}
+
+/// In a line every way is the same: what needs no thought is as good.
+#[test]
+fn no_plan_is_estimated_longer_than_one_that_needs_no_thought_and_has_no_finding() {
+    let mut free = 0;
+    for path in files() {
+        let goal = goal(&path);
+        if goal.cells.len() > 40 {
+            continue;
+        }
+        let plan = tried(&goal, 4).unwrap().plan;
+        let others = plan
+            .alternatives
+            .iter()
+            .filter(|other| other.finding.is_none());
+        for other in others {
+            free += 1;
+            assert!(
+                plan.estimate.mean <= other.estimate.mean,
+                "{}: {:?}",
+                goal.name,
+                other.naive
+            );
+        }
+        let crowded = plan
+            .alternatives
+            .iter()
+            .any(|other| other.finding == Some("tight-approach"));
+        assert!(goal.name != "five_towers" || crowded);
+    }
+    assert!(free > 20, "{free}");
+}
+
 #[test]
 fn explanations_are_told() {
     let planned = tried(&named("five_towers"), 300).unwrap();
@@ -82,5 +132,9 @@ fn the_same_seed_gives_the_same_plan() {
     // More tries of the same kind are never worse, by the runs they are compared with.
     let more = tried(&goal, 400).unwrap();
     assert!(more.plan.estimate.mean < 1.03 * first.plan.estimate.mean);
-    assert!(more.plan.estimate.mean < more.plan.one_by_one);
+    for other in &more.plan.alternatives {
+        let serial = matches!(other.naive, Naive::Chain | Naive::Nearest);
+        assert!(!serial || more.plan.estimate.mean < other.estimate.mean);
+    }
+    assert_eq!(more.plan.alternatives.len(), Naive::ALL.len());
 }

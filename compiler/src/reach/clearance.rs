@@ -94,7 +94,7 @@ impl Survey<'_> {
     /// The open sides of a cell that a cube of two cannot bring a block to; `None`: it can.
     fn tightness(&mut self, id: EventId, cell: Cell, descent: &DescendantIndex) -> Option<u32> {
         self.occupancy.sort();
-        let following = descent.of(id, &mut self.warning.steps);
+        let following = descent.within(id, &mut self.warning)?;
         let has = |other: EventId| !following.contains(other);
         let search = Search {
             occupancy: &self.occupancy,

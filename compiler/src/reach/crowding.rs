@@ -1,4 +1,5 @@
 //! Captures that may be waited for side by side, so that the blocks that come jam each other.
+use petgraph::graph::NodeIndex;
 use rustc_hash::FxHashMap;
 use stochc_ir::Cell;
 
@@ -60,7 +61,7 @@ impl Survey<'_> {
             };
             for square in squares(cell, &at) {
                 looked_at += 1;
-                if looked_at > MOST_SQUARES {
+                if looked_at > MOST_SQUARES || self.warning.is_spent() {
                     break;
                 }
                 for left_out in 0..4 {
@@ -81,11 +82,23 @@ impl Survey<'_> {
 
     /// Whether none of these events has to wait for another.
     fn are_together(&mut self, events: &[EventId], descent: &DescendantIndex) -> bool {
+        let node = |id: &EventId| NodeIndex::new(id.0 as usize);
+        let waits = |id: &EventId, other: &EventId| {
+            let graph = self.subject.certain;
+            graph.contains_edge(node(id), node(other))
+        };
+        // Most wait for each other without anything between them; what follows from an event is a search.
+        let mut others = events.iter();
+        if others.any(|id| events.iter().any(|other| waits(id, other))) {
+            return false;
+        }
         events.iter().all(|&id| {
-            let following = descent.of(id, &mut self.warning.steps);
-            events
-                .iter()
-                .all(|&other| other == id || !following.contains(other))
+            let following = descent.within(id, &mut self.warning);
+            following.is_some_and(|following| {
+                events
+                    .iter()
+                    .all(|&other| other == id || !following.contains(other))
+            })
         })
     }
 }

@@ -7,6 +7,7 @@ use petgraph::Direction::Incoming;
 use petgraph::graph::NodeIndex;
 use petgraph::visit::EdgeRef;
 
+use super::Effort;
 use crate::graph::DependencyGraph;
 use crate::plan::EventId;
 
@@ -98,18 +99,29 @@ impl DescendantIndex {
     /// An event and all that can only happen after it; `steps` counts the work.
     pub fn of(&self, id: EventId, steps: &mut u64) -> Descendants<'_> {
         let mut intervals = vec![self.interval(id)];
-        if !self.cross.is_empty() {
-            self.add_cross(&mut intervals, steps);
-        }
+        self.add_cross(&mut intervals, steps, u64::MAX);
         Descendants {
             descent: self,
             intervals,
         }
     }
 
-    fn add_cross(&self, intervals: &mut Vec<(u32, u32)>, steps: &mut u64) {
+    /// The same, if the work is not too much.
+    pub fn within(&self, id: EventId, effort: &mut Effort<'_>) -> Option<Descendants<'_>> {
+        let mut intervals = vec![self.interval(id)];
+        self.add_cross(&mut intervals, &mut effort.steps, effort.budget);
+        (!effort.is_spent()).then_some(Descendants {
+            descent: self,
+            intervals,
+        })
+    }
+
+    /// Gives up after so many steps.
+    fn add_cross(&self, intervals: &mut Vec<(u32, u32)>, steps: &mut u64, most: u64) {
         let mut open = intervals.clone();
-        while let Some((from, to)) = open.pop() {
+        while let Some((from, to)) = open.pop()
+            && *steps <= most
+        {
             let start = self.cross.partition_point(|&(source, _)| source < from);
             for &(source, target) in &self.cross[start..] {
                 if source >= to {

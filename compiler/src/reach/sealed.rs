@@ -91,7 +91,13 @@ impl Survey<'_> {
             return true;
         };
         self.occupancy.sort();
-        let following = descent.of(id, &mut self.proof.steps);
+        let Some(following) = descent.within(id, &mut self.proof) else {
+            stuck.push(Stuck {
+                capture: id,
+                is_shown: false,
+            });
+            return false;
+        };
         let search = Search {
             occupancy: &self.occupancy,
             has: &|other| !following.contains(other),

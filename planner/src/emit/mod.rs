@@ -39,6 +39,11 @@ const MOST_EXPLAINED: usize = 200;
 /// # Errors
 /// If the names or declarations are none.
 pub fn program(target: &Target, plan: &Plan, naming: Naming<'_>) -> Result<String, Unreadable> {
+    format(&draft(target, plan, naming))
+}
+
+/// The same without a layout, which takes longer than all the rest.
+pub fn draft(target: &Target, plan: &Plan, naming: Naming<'_>) -> String {
     let statements = statements(&plan.captures);
     let repeated = repeated(&statements);
     let mut out = String::new();
@@ -93,7 +98,7 @@ pub fn program(target: &Target, plan: &Plan, naming: Naming<'_>) -> Result<Strin
         let _ = writeln!(out, "yields {shape}");
     }
     out.push_str("}\n}\n");
-    format(&out)
+    out
 }
 
 /// What has been explained once is not explained again.
@@ -131,8 +136,7 @@ impl Told {
                 if std::mem::replace(&mut self.near, true) {
                     return;
                 }
-                "Waits for its turn: blocks jam between open faces that are near each other."
-                    .to_owned()
+                "Waits for its turn: blocks jam at the corner between two open cells.".to_owned()
             }
             (_, _) if is_loop => {
                 if std::mem::replace(&mut self.both, true) {

@@ -11,6 +11,7 @@ use stochc_grammar::Cancellation;
 use stochc_planner::{Objective, Refusal, Search};
 
 use super::programs::verdict;
+use super::rates::of_files;
 use crate::exit::{Exit, Failure};
 use crate::host::{Host, during};
 use crate::planning::{Goal, Planned, Unplanned};
@@ -38,6 +39,8 @@ pub struct Wish<'a> {
     pub objective: Objective,
     /// Seed of the random numbers.
     pub seed: u64,
+    /// Files of rates, of scenes that have none built in.
+    pub rates: &'a [PathBuf],
 }
 
 /// What is to be built.
@@ -103,7 +106,8 @@ pub fn plan(goal: &Goal, wish: &Wish<'_>, host: &dyn Host) -> Result<Planned, Fa
             },
         }
     };
-    let planned = during(host, state, || goal.plan(search));
+    let rates = of_files(wish.rates)?;
+    let planned = during(host, state, || goal.plan(&rates, search));
     planned.map_err(|unplanned| told(&unplanned, wish, host))
 }
 

@@ -1,0 +1,212 @@
+//! Plans that need no thought, to compare others with: they may be faster, and they may jam.
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use stochc_ir::Face;
+
+use crate::Hardware;
+use crate::schedule::Schedule;
+use crate::sites::{NONE, Sites};
+use crate::waiting::Waiting;
+use crate::waits::{Moment, RateLaw, Stand};
+
+/// A plan that needs no thought.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Naive {
+    /// One block after the other along a walk through the shape.
+    Chain,
+    /// Everything at once, by the shortest ways from the plate.
+    AtOnce,
+    /// All of a layer at once, one layer after the other.
+    Layers,
+    /// One block after the other, the nearest to the plate first.
+    Nearest,
+}
+
+impl Naive {
+    /// All of them.
+    pub const ALL: [Naive; 4] = [Naive::Chain, Naive::AtOnce, Naive::Layers, Naive::Nearest];
+
+    /// In words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Naive::Chain => "one block after the other, along a walk",
+            Naive::AtOnce => "everything at once",
+            Naive::Layers => "layer by layer",
+            Naive::Nearest => "one block after the other, the nearest to the plate first",
+        }
+    }
+
+    /// A tree from the plate: the sites in the order in which they are added, each with the way from its parent and its stage.
+    fn tree(self, sites: &Sites<'_>) -> Vec<(u32, Face, u32)> {
+        let height = |site: u32| sites.cell(site).z as u32;
+        let stage = |before: u32, site: u32| match self {
+            Naive::Layers => before.max(height(site)),
+            Naive::Chain | Naive::AtOnce | Naive::Nearest => before + 1,
+        };
+        let feet = (0..sites.len() as u32).filter(|&site| sites.is_on_seed(site));
+        let mut added = vec![false; sites.len()];
+        let mut tree = Vec::with_capacity(sites.len());
+        // Of the chain, what was found last goes first; of the others, what has the earliest stage.
+        let mut found = 0_u64;
+        let mut entry = |stage: u32, site: u32, way: Face| {
+            found += 1;
+            let urgency = match self {
+                Naive::Chain => u64::MAX - found,
+                Naive::AtOnce | Naive::Layers | Naive::Nearest => u64::from(stage),
+            };
+            Reverse((urgency, site, way as u8, stage))
+        };
+        let mut open: BinaryHeap<_> = feet.map(|foot| entry(1, foot, Face::Up)).collect();
+        while let Some(Reverse((_, site, way, at))) = open.pop() {
+            if std::mem::replace(&mut added[site as usize], true) {
+                continue;
+            }
+            tree.push((site, Face::ALL[usize::from(way)], at));
+            for way in Face::ALL {
+                let next = sites.next(site, way);
+                if next != NONE && !added[next as usize] {
+                    open.push(entry(stage(at, next), next, way));
+                }
+            }
+        }
+        tree
+    }
+
+    /// When what opens, and what waits for what.
+    pub fn schedule(
+        self,
+        sites: &Sites<'_>,
+        hardware: Hardware,
+        waits: &RateLaw<'_>,
+    ) -> (Schedule, Waiting) {
+        let tree = self.tree(sites);
+        let count = sites.len();
+        let mut schedule = Schedule {
+            order: tree.iter().map(|&(site, ..)| site).collect(),
+            rank: vec![NONE; count],
+            way: vec![Face::Up; count],
+            mean: vec![0.0; count],
+            end: vec![0.0; count],
+        };
+        let mut before: Vec<Vec<u32>> = vec![Vec::new(); count];
+        let (mut first, mut last) = (0, 0..0);
+        for (i, &(site, way, stage)) in tree.iter().enumerate() {
+            schedule.rank[site as usize] = i as u32;
+            schedule.way[site as usize] = way;
+            before[i].extend(schedule.held(sites, site));
+            before[i].extend(schedule.turn(sites, hardware, site));
+            match self {
+                Naive::AtOnce => {}
+                Naive::Chain | Naive::Nearest => {
+                    before[i].extend(i.checked_sub(1).map(|i| i as u32))
+                }
+                Naive::Layers => {
+                    if i > 0 && stage > tree[i - 1].2 {
+                        (last, first) = (first..i as u32, i as u32);
+                    }
+                    before[i].extend(last.clone());
+                }
+            }
+            before[i].sort_unstable();
+            before[i].dedup();
+        }
+        let waiting = Waiting { before };
+        schedule.set_means(sites, hardware, waits, &waiting);
+        (schedule, waiting)
+    }
+}
+
+impl Schedule {
+    /// Mean waits of sites in the structure as it stands when their turn comes and all captures take equally long.
+    fn set_means(
+        &mut self,
+        sites: &Sites<'_>,
+        hardware: Hardware,
+        waits: &RateLaw<'_>,
+        waiting: &Waiting,
+    ) {
+        let mut level: Vec<u32> = vec![0; sites.len()];
+        for (&site, before) in self.order.iter().zip(&waiting.before) {
+            let others = before
+                .iter()
+                .map(|&other| level[self.order[other as usize] as usize] + 1);
+            level[site as usize] = others.max().unwrap_or(0);
+        }
+        let mut earlier = vec![0u32; sites.len() + 1];
+        level
+            .iter()
+            .for_each(|&level| earlier[level as usize + 1] += 1);
+        for i in 1..earlier.len() {
+            earlier[i] += earlier[i - 1];
+        }
+        for (&site, before) in self.order.iter().zip(&waiting.before) {
+            let here = level[site as usize];
+            let bound = f64::from(earlier[here as usize]) / f64::from(hardware.free.max(1));
+            let moment = Moment {
+                free: 1.0 - bound,
+                is_first: here == 0,
+            };
+            let mean =
+                waits.mean(
+                    sites.cell(site),
+                    self.way[site as usize],
+                    moment,
+                    |near| match sites.at(near) {
+                        near if near == NONE || near == site => Stand::Empty,
+                        near => match level[near as usize].cmp(&here) {
+                            std::cmp::Ordering::Less => Stand::Full,
+                            std::cmp::Ordering::Equal => Stand::Awaited(self.way[near as usize]),
+                            std::cmp::Ordering::Greater => Stand::Empty,
+                        },
+                    },
+                );
+            self.mean[site as usize] = mean as f32;
+            let start = before
+                .iter()
+                .map(|&other| self.end[self.order[other as usize] as usize]);
+            self.end[site as usize] = start.fold(0.0, f32::max) + mean as f32;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use stochc_ir::Cell;
+    use stochc_ir::table::Plate;
+
+    use super::*;
+    use crate::Target;
+
+    #[test]
+    fn everything_is_held_by_what_comes_before() {
+        let cells = (0..27).map(|i| Cell::new(i % 3, i / 3 % 3, i / 9 + 1));
+        let plate = Plate { width: 3, depth: 3 };
+        let target = Target::new(cells.collect(), plate, None, 100).unwrap();
+        let sites = Sites::of(&target);
+        let hardware = Hardware {
+            faces: 1,
+            attracts_always: false,
+            free: 100,
+        };
+        for naive in Naive::ALL {
+            let (schedule, waiting) = naive.schedule(&sites, hardware, &RateLaw::new(None));
+            assert_eq!(schedule.order.len(), 27);
+            let mut height = 0;
+            for (i, (&site, before)) in schedule.order.iter().zip(&waiting.before).enumerate() {
+                let i = i as u32;
+                assert!(before.iter().all(|&other| other < i));
+                let held = schedule.held(&sites, site);
+                assert!(held.map_or(sites.is_on_seed(site), |held| before.contains(&held)));
+                assert!(schedule.mean[site as usize] > 0.0);
+                let is_serial = matches!(naive, Naive::Chain | Naive::Nearest);
+                assert!(!is_serial || i == 0 || before.contains(&(i - 1)));
+                if naive == Naive::Layers {
+                    assert!(sites.cell(site).z >= height);
+                    height = sites.cell(site).z;
+                }
+            }
+        }
+    }
+}
