@@ -2,6 +2,7 @@
 use clap::{CommandFactory as _, Parser, Subcommand};
 use stochc_ir::is_invisible;
 
+pub use crate::command::interrupt::forgo_backtraces;
 use crate::command::interrupt::{exit_without_memory, outlive_file_limit};
 use crate::command::{
     calibrate, check, compile, completions, estimate, explain, export, fit, fmt, lsp, man, merge,

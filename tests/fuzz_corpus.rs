@@ -20,7 +20,8 @@ fn kept(folder: &str) -> Vec<PathBuf> {
 type Reader = fn(&[u8]);
 
 /// What reads the files of each folder.
-const READERS: [(&str, Reader); 4] = [
+const READERS: [(&str, Reader); 5] = [
+    ("checkpoint", files::checkpoint::read),
     ("executable", files::executable::read),
     ("journal", files::journal::read),
     ("manifest", |bytes| {

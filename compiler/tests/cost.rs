@@ -83,6 +83,21 @@ fn a_block_released_above_the_open_face_docks_there_at_once() {
 }
 
 #[test]
+fn without_a_block_for_each_capture_nothing_is_said_of_times() {
+    let text = include_str!("../../examples/line.sa");
+    let mut reader = |_: &str| Ok(text.as_bytes().to_vec());
+    let mut checked = check("test.sa", &mut reader, Default::default());
+    let mut program = checked.programs.remove(0);
+    let scene = program.scene.as_mut().unwrap();
+    let rates = Rates::built_in(scene);
+    scene.free.count = 5;
+    let cost = estimate(&program, rates).unwrap();
+    assert!(rates.is_some());
+    assert_eq!((cost.total, cost.captures.len()), (None, 0));
+    assert!(cost.phases.iter().all(|phase| phase.times.is_none()));
+}
+
+#[test]
 fn without_rates_nothing_is_said_of_times() {
     let text = include_str!("../../examples/line.sa")
         .replace("assembly line", "assembly line in hemisphere_soft");

@@ -1,43 +1,19 @@
 //! Any bytes are read as a journal: what is sound is a run that the manifest allows, each once, and all else is told.
 //!
 //! The first byte says whether the bytes are the whole file, lines of one without checksums, or lines that get theirs.
-use std::path::PathBuf;
 use std::sync::LazyLock;
 
-use stochc_ensemble::{Folder, Manifest};
+use stochc_ensemble::Folder;
 use stochc_files::checksum::sealed;
 
-struct Place {
-    _folder: tempfile::TempDir,
-    path: PathBuf,
-    identity: String,
-}
-
-static PLACE: LazyLock<Place> = LazyLock::new(|| {
-    let memory = PathBuf::from("/dev/shm");
-    let above = if memory.is_dir() {
-        memory
-    } else {
-        std::env::temp_dir()
-    };
-    let folder = tempfile::tempdir_in(above).expect("a folder can be made");
-    let path = folder.path().to_owned();
-    let manifest: Manifest = super::ensemble();
-    std::fs::write(path.join("manifest.json"), manifest.to_json()).expect("it can be written");
-    Place {
-        _folder: folder,
-        path,
-        identity: manifest.identity(),
-    }
-});
+static PLACE: LazyLock<(tempfile::TempDir, String)> = LazyLock::new(super::folder);
 
 /// Reads an input, and panics where something is wrong with what comes of it.
 pub fn read(bytes: &[u8]) {
     let Some((how, bytes)) = bytes.split_first() else {
         return;
     };
-    let place = &*PLACE;
-    let identity = &place.identity;
+    let (folder, identity) = &*PLACE;
     let journal = match how % 3 {
         0 => bytes.to_vec(),
         1 => [
@@ -55,8 +31,8 @@ pub fn read(bytes: &[u8]) {
             (header + "\n" + &lines.collect::<String>()).into_bytes()
         }
     };
-    std::fs::write(place.path.join("journal.jsonl"), journal).expect("it can be written");
-    let Ok(contents) = Folder::read(&place.path) else {
+    std::fs::write(folder.path().join("journal.jsonl"), journal).expect("it can be written");
+    let Ok(contents) = Folder::read(folder.path()) else {
         return;
     };
     let finished = contents.finished.to_vec().expect("it is read once more");

@@ -1,8 +1,11 @@
 //! What the targets for files do with an input, and the program that it is about. An ordinary test does the same with the corpus.
+pub mod checkpoint;
 pub mod executable;
 pub mod journal;
 pub mod manifest;
 pub mod recording;
+
+use std::path::PathBuf;
 
 use stochc_compiler::{Limits, Program, check};
 use stochc_ensemble::Manifest;
@@ -30,4 +33,18 @@ fn ensemble() -> Manifest {
         ..Settings::default()
     };
     Manifest::new(settings.resolved(), 1, 3, vec![program])
+}
+
+/// A folder of that ensemble in memory, where there is such a place, and its identity.
+fn folder() -> (tempfile::TempDir, String) {
+    let memory = PathBuf::from("/dev/shm");
+    let above = match memory.is_dir() {
+        true => memory,
+        false => std::env::temp_dir(),
+    };
+    let folder = tempfile::tempdir_in(above).expect("a folder can be made");
+    let manifest = ensemble();
+    std::fs::write(folder.path().join("manifest.json"), manifest.to_json())
+        .expect("it can be written");
+    (folder, manifest.identity())
 }

@@ -115,6 +115,7 @@ pub fn simulate(
             record: record.as_ref(),
             record_every: kept.record_every,
             checkpoints: Interval::DEFAULT,
+            memory: None,
             threads,
             is_told_of_build: false,
         };
@@ -156,7 +157,7 @@ pub fn shard(
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<u64> {
     call(py, progress.as_ref(), move |host| {
-        let how = (threads, Interval::DEFAULT);
+        let how = (threads, None, Interval::DEFAULT);
         let made = pieces::shard(&folder, number, how, host)?;
         made.ok_or_else(interrupted)
     })

@@ -135,17 +135,18 @@ def test_a_folder_that_is_damaged_is_told_of(tmp_path: Path) -> None:
         stochc.open(out)
 
 
-def test_doubts_about_a_program_are_warnings(tmp_path: Path) -> None:
-    doubtful = stochc.EXAMPLE + "shape unused = { (1, 1, 1) }\n"
+def test_doubts_about_a_program_are_warnings() -> None:
+    doubtful = "assembly a { seed plate 2 x 1 { M at (0, 0)  N at (1, 0) } phase p { M.up -> A } }"
     checked = stochc.check(doubtful)
-    if checked.ok and checked.warnings:
-        with pytest.warns(stochc.FindingWarning):
-            stochc.compile(doubtful)
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")
-            stochc.compile(doubtful, allow="warnings")
-        with pytest.raises(stochc.ProgramError):
-            stochc.compile(doubtful, deny="warnings")
+    assert checked.ok
+    assert [finding.code for finding in checked.warnings] == ["unused-seed"]
+    with pytest.warns(stochc.FindingWarning, match="unused-seed"):
+        stochc.compile(doubtful)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        stochc.compile(doubtful, allow="warnings")
+    with pytest.raises(stochc.ProgramError, match="unused-seed"):
+        stochc.compile(doubtful, deny="warnings")
 
 
 def test_threads_that_call_at_once(tower: str) -> None:

@@ -7,6 +7,8 @@ import re
 from pathlib import Path
 from xml.etree import ElementTree
 
+import pytest
+
 import stochc
 
 
@@ -55,20 +57,35 @@ def test_a_sweep_shows_its_figures() -> None:
         ElementTree.fromstring(picture)
 
 
-def test_names_of_others_are_only_text(tmp_path: Path) -> None:
+HOSTILE = "<script>alert(1)</script>"
+
+
+def test_texts_of_others_are_only_text(tmp_path: Path) -> None:
+    folder = tmp_path / HOSTILE
+    program = folder.with_name(folder.name + ".sa")
+    program.parent.mkdir(parents=True)
+    program.write_text(f"/// {HOSTILE}\n// {HOSTILE}\n{stochc.EXAMPLE}")
+    ensemble = stochc.simulate(program, runs=2, model="shuffle", out=folder / "results")
+    shown = [
+        stochc.compile(program)._repr_html_(),  # pyright: ignore[reportPrivateUsage]
+        ensemble._repr_html_(),  # pyright: ignore[reportPrivateUsage]
+        Path(stochc.report(ensemble)).read_text(encoding="utf-8"),
+        stochc.simulate(program, runs=1, max_ticks=50).run(0).replay().html,
+    ]
+    for page in shown:
+        assert "<script>alert" not in page
+    # The replay shows the text of the program, so that there was something to be made harmless.
+    assert "alert(1)" in shown[-1]
+
+
+def test_another_manifest_than_the_journal_has_is_refused(tmp_path: Path) -> None:
     folder = tmp_path / "results"
     stochc.simulate(stochc.EXAMPLE, runs=2, model="shuffle", out=folder)
     manifest = (folder / "manifest.json").read_text()
-    (folder / "manifest.json").write_text(manifest.replace('"pair"', '"<script>alert(1)</script>"'))
+    (folder / "manifest.json").write_text(manifest.replace('"pair"', f'"{HOSTILE}"'))
     (folder / "checksums.json").unlink()
-    journal = (folder / "journal.jsonl").read_text()
-    assert "script" not in journal
-    try:
-        html = stochc.open(folder)._repr_html_()  # pyright: ignore[reportPrivateUsage]
-    except stochc.UsageError:
-        # Its journal belongs to the manifest as it was.
-        return
-    assert "<script" not in html
+    with pytest.raises(stochc.UsageError):
+        stochc.open(folder)
 
 
 def test_a_run_shows_its_replay(tower: str) -> None:

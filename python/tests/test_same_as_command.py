@@ -72,6 +72,16 @@ def test_folders_are_the_same(
     assert in_memory.results() == ours.results()
 
 
+def test_the_other_engine_computes_the_same(command: Command, tmp_path: Path) -> None:
+    program, out = "examples/microns.sa", tmp_path / "command"
+    command(
+        "simulate", program, "--model", "rapier", "--runs", "2", "--max-ticks", "300", "--threads", "1", "--quiet", "--out", out,
+        status=3,
+    )  # fmt: skip
+    stochc.simulate(program, model="rapier", runs=2, max_ticks=300, threads=1, out=tmp_path / "python")
+    assert_same(tmp_path / "python", out)
+
+
 def test_recordings_replays_and_exports_are_the_same(tower: str, command: Command, tmp_path: Path) -> None:
     out = tmp_path / "command"
     command(
@@ -96,12 +106,17 @@ def test_recordings_replays_and_exports_are_the_same(tower: str, command: Comman
 
 
 def test_reports_are_the_same(tower: str, command: Command, tmp_path: Path) -> None:
-    ours = stochc.simulate(tower, runs=4, model="shuffle", out=tmp_path / "results")
-    page = stochc.report(ours)
-    first = {name: path.read_bytes() for name, path in files(tmp_path / "results").items()}
-    command("report", tmp_path / "results", "--quiet")
-    assert Path(page).read_bytes().startswith(b"<!DOCTYPE html>") or page.endswith("report.html")
-    assert first == {name: path.read_bytes() for name, path in files(tmp_path / "results").items()}
+    folder = tmp_path / "results"
+    # Next to what they are reports on, and under one name, which is in them.
+    page, its = (tmp_path / name / "report.html" for name in ("python", "command"))
+    page.parent.mkdir()
+    its.parent.mkdir()
+    ours = stochc.simulate(tower, runs=4, model="shuffle", out=folder)
+    before = {name: path.read_bytes() for name, path in files(folder).items()}
+    assert stochc.report(ours, out=page) == str(page)
+    assert before == {name: path.read_bytes() for name, path in files(folder).items()}
+    command("report", folder, "--out", its, "--quiet")
+    assert page.read_bytes() == its.read_bytes()
 
 
 def test_pieces_are_the_same(tower: str, command: Command, tmp_path: Path) -> None:

@@ -42,7 +42,7 @@ impl Wait {
         (summed, hazard)
     }
 
-    /// The time at which the summed hazard has come to a value \[tick\].
+    /// The time at which the summed hazard has come to a value \[tick\]; never, if nobody comes.
     pub fn time_of(self, cumulative_hazard: f64) -> f64 {
         self.docking * when_summed(cumulative_hazard / (self.rate * self.docking))
     }
@@ -114,6 +114,9 @@ fn summed(time: f64) -> f64 {
 fn when_summed(value: f64) -> f64 {
     if value <= 0.0 {
         return 0.0;
+    }
+    if value == f64::INFINITY {
+        return value;
     }
     // summed(t) >= t - 1; and where t is small, with two stages, 2 t^3 / 3 (1 - t).
     let small = libm::cbrt(1.5 * value);
@@ -221,6 +224,13 @@ mod tests {
             let exact = second - first * first;
             assert!((variance / exact - 1.0).abs() < 1e-2, "{variance} {exact}");
         }
+    }
+
+    #[test]
+    fn where_nobody_comes_a_face_waits_for_ever() {
+        let wait = Wait { rate: 0.0, ..WAIT };
+        assert_eq!(wait.time_of(1e-9), f64::INFINITY);
+        assert_eq!(wait.mean(), f64::INFINITY);
     }
 
     #[test]

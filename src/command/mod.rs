@@ -14,6 +14,7 @@ pub(crate) mod interrupt;
 pub mod levels;
 pub mod lsp;
 pub mod man;
+mod memory;
 pub mod merge;
 pub mod plan;
 mod progress;

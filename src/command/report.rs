@@ -3,6 +3,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::memory::MemoryOption;
 use super::terminal::{Terminal, print};
 use crate::exit::{Exit, Failure};
 use crate::operations::report::write;
@@ -16,6 +17,9 @@ pub struct Options {
     /// File to write [default: `report.html` in DIR, or in the current folder for several]
     #[arg(long, value_name = "FILE.html")]
     out: Option<PathBuf>,
+    /// How much memory it may take.
+    #[command(flatten)]
+    memory: MemoryOption,
     /// Do not print the path of the report
     #[arg(long, short)]
     quiet: bool,
@@ -23,6 +27,7 @@ pub struct Options {
 
 /// Writes a page on what folders hold, and its figures beside it.
 pub fn run(options: &Options) -> Result<Exit, Failure> {
+    options.memory.apply()?;
     let page = write(
         &options.folders,
         options.out.as_deref(),

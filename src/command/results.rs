@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use stochc_ensemble::{Manifest, Records};
 
+use super::memory::MemoryOption;
 use super::terminal::{Terminal, output_width, print, warn};
 use crate::exit::{Exit, Failure};
 use crate::operations::results::{read, told};
@@ -20,6 +21,9 @@ pub struct Options {
     /// Also print every capture: waits, entries into the field, origin of the blocks
     #[arg(long)]
     bonds: bool,
+    /// How much memory it may take.
+    #[command(flatten)]
+    memory: MemoryOption,
 }
 
 /// A form of the table of results.
@@ -42,6 +46,7 @@ pub struct Shown {
 
 /// Shows what a folder holds, finished or not.
 pub fn run(options: &Options) -> Result<Exit, Failure> {
+    options.memory.apply()?;
     let (manifest, finished) = read(&options.folder, &Terminal::new(false))?;
     let missing = manifest.total().saturating_sub(finished.len() as u64);
     if missing > 0 {

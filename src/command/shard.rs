@@ -6,6 +6,7 @@ use stochc_ensemble::Interval;
 use stochc_ensemble::text::visible;
 
 use super::interrupt::stop_on_interrupt;
+use super::memory::MemoryOption;
 use super::terminal::{Terminal, print, warn};
 use crate::exit::{Exit, Failure};
 use crate::operations::shard::shard;
@@ -26,6 +27,9 @@ pub struct Options {
     /// run (20000ticks) or `never`
     #[arg(long, value_name = "EVERY", default_value_t = Interval::DEFAULT)]
     checkpoints: Interval,
+    /// How much memory it may take.
+    #[command(flatten)]
+    memory: MemoryOption,
     /// Do not show progress, nor that the piece is made
     #[arg(long, short)]
     quiet: bool,
@@ -35,7 +39,8 @@ pub struct Options {
 pub fn run(options: &Options) -> Result<Exit, Failure> {
     stop_on_interrupt()?;
     let host = Terminal::new(options.quiet);
-    let how = (options.threads, options.checkpoints);
+    options.memory.apply()?;
+    let how = (options.threads, options.memory.limit, options.checkpoints);
     let made = shard(&options.folder, options.piece, how, &host)?;
     let Some(runs) = made else {
         warn("stopped; finished runs are kept, and the same command continues\n");

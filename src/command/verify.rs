@@ -6,6 +6,7 @@ use stochc_ensemble::Folder;
 use stochc_ensemble::text::visible;
 use stochc_ensemble::verify::{DAMAGED, FileHealth, Health, repair, verify};
 
+use super::memory::MemoryOption;
 use super::terminal::{print, warn};
 use crate::exit::{Exit, Failure};
 use crate::operations::sweep::files as sweep_files;
@@ -19,10 +20,14 @@ pub struct Options {
     /// Save what is sound: move damaged files into `DIR/damaged`, and write the journal and the tables anew from the rest
     #[arg(long)]
     repair: bool,
+    /// How much memory it may take.
+    #[command(flatten)]
+    memory: MemoryOption,
 }
 
 /// Says of every file of a folder whether it is as it was written.
 pub fn run(options: &Options) -> Result<Exit, Failure> {
+    options.memory.apply()?;
     let path = &options.folder;
     let health = verify(path).map_err(Failure::usage)?;
     let is_damaged = |files: &[FileHealth]| files.iter().any(|file| file.health.is_damaged());

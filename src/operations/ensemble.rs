@@ -10,9 +10,10 @@ use stochc_ir::table::{Action, Tables};
 use stochc_ir::visible;
 use stochc_runtime::RunError;
 
+use super::memory::{Kept, threads};
 use super::recordings::Recordings;
 use super::results::tell_of_damage;
-use super::runs::{made_again, made_by, tell_of_build, tell_of_checkpoints, threads};
+use super::runs::{made_again, made_by, tell_of_build, tell_of_checkpoints};
 use super::scene_warnings::{SceneWarning, scene_warnings};
 use super::sweep;
 use crate::exit::Failure;
@@ -34,6 +35,8 @@ pub struct Making<'a> {
     pub checkpoints: Interval,
     /// Runs at the same time; `None`: as many as there are cores.
     pub threads: Option<u16>,
+    /// Bytes that may be taken, of which more threads would need more; `None`: nobody says.
+    pub memory: Option<u64>,
     /// Whether it has been told already that other builds have made runs of the manifest.
     pub is_told_of_build: bool,
 }
@@ -82,8 +85,7 @@ pub fn tell_of_doubts(manifest: &Manifest, host: &dyn Host) {
     }
     let mut found: Vec<(&str, SceneWarning, usize)> = Vec::new();
     for program in &manifest.programs {
-        let steps = manifest.settings.steps_in(&program.scene);
-        let all = scene_warnings(&program.scene, steps).into_iter();
+        let all = scene_warnings(&program.scene, &manifest.settings).into_iter();
         for doubt in all.filter(|doubt| !doubt.is_of_height || grows_upwards(program.tables())) {
             match found
                 .iter_mut()
@@ -112,6 +114,8 @@ pub fn tell_of_doubts(manifest: &Manifest, host: &dyn Host) {
 /// If its folder cannot be used; runs that are finished stay.
 pub fn make(manifest: &Manifest, how: &Making<'_>, host: &dyn Host) -> Result<Made, Failure> {
     let stop = host.stop();
+    // Before there is a folder that nothing comes of.
+    let at_once = threads(manifest, Kept::Figures, (how.threads, how.memory), host)?;
     let mut checkpoints = None;
     let destination = match how.out {
         None => Destination::Memory(manifest),
@@ -137,7 +141,7 @@ pub fn make(manifest: &Manifest, how: &Making<'_>, host: &dyn Host) -> Result<Ma
             Destination::Folder(folder.with(sweep::files))
         }
     };
-    let progress = Progress::new(manifest, threads(how.threads));
+    let progress = Progress::new(manifest, at_once);
     let recordings = Recordings::new(how.out.zip(how.record), how.record_every, manifest);
     let unrecorded = made_by(manifest);
     let simulate = |program: usize, number, mut watch: &Watch| match recordings.of(program, number)

@@ -7,6 +7,7 @@ pub mod ensemble;
 pub mod estimate;
 pub mod export;
 pub mod in_memory;
+pub mod memory;
 pub mod plan;
 pub mod programs;
 pub mod rates;

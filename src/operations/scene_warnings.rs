@@ -1,7 +1,7 @@
-//! What a scene does that so many steps a tick do not resolve, and what it does not do at all.
+//! What a scene does that settings do not resolve, and what it does not do at all.
 use stochc_ir::scene::Scene;
-use stochc_ir::scene::groups::{Bound, Group, groups};
-use stochc_runtime::Substeps;
+use stochc_ir::scene::groups::{Bound, Group, groups, turn_in_steps};
+use stochc_runtime::{Model, Precision, Settings, Substeps};
 
 /// A doubt about a scene: the figure that gives rise to it, and what comes of it.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,8 +16,9 @@ pub struct SceneWarning {
     pub is_of_height: bool,
 }
 
-/// The doubts about a scene with so many steps a tick.
-pub fn scene_warnings(scene: &Scene, steps: Substeps) -> Vec<SceneWarning> {
+/// The doubts about a scene with these settings.
+pub fn scene_warnings(scene: &Scene, settings: &Settings) -> Vec<SceneWarning> {
+    let steps = settings.steps_in(scene);
     let groups = groups(scene);
     let taken = |group: &Group| {
         if group.of_faces {
@@ -27,7 +28,36 @@ pub fn scene_warnings(scene: &Scene, steps: Substeps) -> Vec<SceneWarning> {
         }
     };
     let found = groups.iter().filter_map(|group| doubt(group, taken(group)));
-    found.collect()
+    found.chain(digits(scene, settings, steps)).collect()
+}
+
+/// The least turn in a step that single precision adds up, and that Rapier does \[rad\]: docs/stability.md measures both.
+const LEAST_TURN: f64 = 2.5e-7;
+const LEAST_TURN_OF_RAPIER: f64 = 2.5e-6;
+
+/// Steps in which blocks turn by less than the last digit of an orientation.
+fn digits(scene: &Scene, settings: &Settings, steps: Substeps) -> Option<SceneWarning> {
+    let longest = steps.longest();
+    let turn = turn_in_steps(scene, f64::from(longest)).filter(|turn| *turn > 0.0)?;
+    let (least, cure) = match settings.model {
+        Model::Rapier => (
+            LEAST_TURN_OF_RAPIER,
+            "`--model rigid --precision double` has them",
+        ),
+        _ => (LEAST_TURN, "`--precision double` has them"),
+    };
+    if turn >= least || settings.precision == Precision::Double {
+        return None;
+    }
+    Some(SceneWarning {
+        symbol: "ω τ",
+        figure: format!(
+            "ω τ is {} in a step, fewer digits than single precision has; {cure}",
+            short(turn)
+        ),
+        effect: "blocks stop turning",
+        is_of_height: false,
+    })
 }
 
 fn doubt(group: &Group, steps: u32) -> Option<SceneWarning> {
@@ -72,7 +102,31 @@ pub fn short(value: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::short;
+    use stochc_compiler::check;
+
+    use super::*;
+
+    #[test]
+    fn steps_that_turn_by_less_than_a_digit_are_told() {
+        let text = include_str!("../../examples/microns.sa");
+        let mut reader = |_: &str| Ok(text.as_bytes().to_vec());
+        let checked = check("a.sa", &mut reader, Default::default());
+        let mut scene = checked.programs[0].scene.clone().expect("it has one");
+        let single = Settings::default();
+        let double = Settings {
+            precision: Precision::Double,
+            ..single.clone()
+        };
+        let mut is_told = |tick: f64, settings: &Settings| {
+            scene.tick = tick;
+            let all = scene_warnings(&scene, settings);
+            all.iter().any(|doubt| doubt.symbol == "ω τ")
+        };
+        // A cube of 10 um turns by some 27 rad/s in water.
+        assert!(!is_told(1e-7, &single));
+        assert!(is_told(1e-9, &single));
+        assert!(!is_told(1e-9, &double));
+    }
 
     #[test]
     fn numbers_have_four_digits() {

@@ -80,3 +80,26 @@ fn a_piece_for_which_the_disk_was_full_is_made_again() {
     ensemble.is_made_by(child);
     assert_eq!(cluster.arrays(&name), 2);
 }
+
+/// Slurm counts time limits in minutes, and looks at them twice a minute; so the end is set to be now.
+#[test]
+fn a_task_that_is_out_of_time_goes_on_in_the_next() {
+    let Some(cluster) = cluster() else { return };
+    let ensemble = Ensemble::cut(SLOW, 2);
+    let name = cluster.name(&ensemble.path);
+    let child = cluster.submit(&ensemble.path, "--time 10");
+    let piece = Held::making(&ensemble.path, "0");
+    let tasks = cluster.ask(&format!(
+        "squeue --noheader --array --name={name} --format=%A|%K|"
+    ));
+    let task = tasks
+        .lines()
+        .find_map(|line| line.trim().strip_suffix("|0|"));
+    let task = task.unwrap_or_else(|| panic!("{tasks}"));
+    cluster.ask(&format!("scontrol update jobid={task} EndTime=now"));
+    piece.goes_on();
+    ensemble.is_made_by(child);
+    assert_eq!(cluster.arrays(&name), 2);
+    let timed_out = format!("squeue --noheader --states=timeout --name={name} --format=%K");
+    assert_eq!(cluster.ask(&timed_out).trim(), "0");
+}

@@ -22,6 +22,8 @@ mod kinds;
 mod levels;
 mod manifest;
 mod manual;
+#[cfg(target_os = "linux")]
+mod memory;
 mod physical;
 mod plan;
 mod rates;

@@ -23,7 +23,7 @@ fn with_memory(kilobytes: u32, arguments: &[&str]) -> Said {
     let program = format!("ulimit -v {kilobytes}; exec \"$@\"");
     let mut command = Command::new("sh");
     command.args(["-c", &program, "sh", env!("CARGO_BIN_EXE_stochc")]);
-    said(command.args(arguments).env("RUST_BACKTRACE", "0"))
+    said(command.args(arguments).env("RUST_BACKTRACE", "1"))
 }
 
 #[track_caller]

@@ -235,6 +235,13 @@ fn an_interrupted_merge_goes_on() {
         }
         assert!(matches!(Folder::read(path), Err(FolderError::Cut { .. })));
         assert!(missing(path).is_empty(), "{left} pieces left");
+        let before = files(path);
+        for number in 0..3 {
+            let piece = Piece::open(path, number).unwrap();
+            assert!(piece.is_made(), "piece {number} of {left} left");
+            assert!(make(path, number, 1));
+        }
+        assert!(files(path) == before, "{left} pieces left");
         put_together(path).unwrap();
         assert!(files(path) == whole, "{left} pieces left");
     }

@@ -3,6 +3,8 @@
 //! How deep and how wide its phases are follows from its graph alone. Times need the rates of a scene: each capture waits by
 //! their law in the structure as it stands when its turn comes, and the waits are summed up along the graph. That is less than a
 //! run by rates knows: cells beside an open face fill while it waits, and messages take their time.
+mod occupancy;
+mod phase_events;
 mod sampling;
 mod schedule;
 mod waits;
@@ -19,9 +21,9 @@ use crate::plan::EventId;
 pub struct Cost {
     /// The phases, in order.
     pub phases: Vec<PhaseCost>,
-    /// How long all of it takes; `None`: there are no rates.
+    /// How long all of it takes; `None`: there are no rates, or a capture for which no block is left.
     pub total: Option<Times>,
-    /// The captures, the one first that decides most of the time; those of equal shares in source order. None if there are no rates.
+    /// The captures, the one first that decides most of the time; those of equal shares in source order. None without times.
     pub captures: Vec<CaptureCost>,
 }
 
@@ -32,7 +34,7 @@ pub struct PhaseCost {
     pub depth: u32,
     /// The most captures that are waited for side by side, if all take equally long.
     pub width: u32,
-    /// How long it takes; `None`: there are no rates.
+    /// How long it takes; `None` as for the whole.
     pub times: Option<Times>,
 }
 
@@ -63,6 +65,9 @@ pub fn estimate(program: &Program, rates: Option<&Rates>) -> Option<Cost> {
         return Some(cost);
     };
     let waits = waits::waits(program, &levels, rates);
+    if (waits.iter().flatten()).any(|waits| waits.wait.rate <= 0.0) {
+        return Some(cost);
+    }
     let sampled = sampling::sample(program, order, &waits);
     cost.total = Some(sampled.total);
     for (phase, times) in cost.phases.iter_mut().zip(sampled.phases) {

@@ -12,6 +12,7 @@ use stochc_ir::record::RunRecord;
 
 use super::ShardError;
 use super::cut::{Cut, SHARDS, piece_file, same_build};
+use super::merge::is_joined;
 use crate::journal::{self, Header, Journal, JournalError, Shortest};
 use crate::records::{Place, Records};
 use crate::run::{Todo, check_again, job, journaled};
@@ -65,22 +66,21 @@ impl Piece {
         );
         let file = piece_file(path, number);
         let found = read(&file, &header, &manifest, &jobs, |_| Ok(()))?;
-        match found {
-            Found::Nothing | Found::Whole => {}
-            Found::Foreign(what) => {
-                return Err(ShardError::Foreign {
-                    path: path.to_owned(),
-                    pieces: vec![(number, what)],
-                });
-            }
-            Found::Damaged(_) => {
-                let moved = move_aside(&file, &path.join(DAMAGED));
-                moved.map_err(|source| in_folder(path, source))?;
-            }
+        if let Found::Foreign(what) = found {
+            return Err(ShardError::Foreign {
+                path: path.to_owned(),
+                pieces: vec![(number, what)],
+            });
+        }
+        // `merge` may have been stopped when it had begun to remove them.
+        let is_made = found == Found::Whole || is_joined(path, &manifest)?;
+        if let (Found::Damaged(_), false) = (found, is_made) {
+            let moved = move_aside(&file, &path.join(DAMAGED));
+            moved.map_err(|source| in_folder(path, source))?;
         }
         let mut piece = Piece {
             path: path.to_owned(),
-            is_made: found == Found::Whole,
+            is_made,
             kept: Records::default(),
             shortest: None,
             checkpoints: None,
@@ -177,7 +177,7 @@ impl Piece {
         }
         let folder = self.path.join(SHARDS);
         let io = |source| in_folder(&self.path, source);
-        // Whoever has copied the folder may have left it out, and `merge` may have been stopped.
+        // Whoever has copied the folder may have left it out.
         make_own_folder(&folder).map_err(io)?;
         let part = new_own(&folder, &format!("{}.part-", self.number)).map_err(io)?;
         sync_folder(&folder).map_err(io)?;

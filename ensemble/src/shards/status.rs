@@ -13,7 +13,6 @@ use super::cut::{Cut, SHARDS, build, piece_file};
 use super::merge::is_joined;
 use super::piece::{Found, identify, in_folder, read};
 use crate::Manifest;
-use crate::folder::JOURNAL;
 use crate::journal::Header;
 use crate::verify::{FileHealth, Health};
 
@@ -87,7 +86,7 @@ fn status_by(
     let (manifest, cut) = Cut::of(path)?;
     let begun = begun(path).map_err(|source| in_folder(path, source))?;
     // `merge` may have been stopped when it had begun to remove them.
-    let is_joined = path.join(JOURNAL).exists() && is_joined(path, &manifest)?;
+    let is_joined = is_joined(path, &manifest)?;
     let state = |number: u64| {
         if is_joined {
             return Ok(PieceState::Whole);

@@ -34,7 +34,7 @@ pub fn scenes<'a>(file: &'a str, checked: &'a Checked) -> Vec<InForce<'a>> {
             continue;
         };
         let name = program.plan.name.as_str();
-        let steps = Settings::default().steps_in(scene);
+        let settings = Settings::default();
         match out.iter_mut().find(|it| it.scene == scene) {
             Some(known) => known.assemblies.push(name),
             None => out.push(InForce {
@@ -45,8 +45,8 @@ pub fn scenes<'a>(file: &'a str, checked: &'a Checked) -> Vec<InForce<'a>> {
                 absent: absent(scene),
                 speed: speed(scene),
                 groups: groups(scene),
-                scene_warnings: scene_warnings(scene, steps),
-                step_errors: step_errors(scene, steps),
+                scene_warnings: scene_warnings(scene, &settings),
+                step_errors: step_errors(scene, settings.steps_in(scene)),
             }),
         }
     }

@@ -27,6 +27,7 @@ use stochc_files::shell::file as shell_file;
 pub fn run(options: &Options) -> Result<Exit, Failure> {
     let host = Terminal::new(options.quiet);
     let stop = stop_on_interrupt()?;
+    options.memory.apply()?;
     let mut manifest = input::prepare(options, &host)?;
     // Before anything is measured, and of the model that is then found.
     can_record(&manifest, options.record.as_ref())?;
@@ -77,6 +78,7 @@ fn ensemble(options: &Options, manifest: &Manifest, host: &Terminal) -> Result<E
         record_every: options.record_every,
         checkpoints: options.checkpoints,
         threads: options.threads,
+        memory: options.memory.limit,
         // Of a manifest that is given it has been told.
         is_told_of_build: options.manifest.is_some(),
     };

@@ -9,6 +9,7 @@ use stochc_runtime::{Model, Precision, Reduction, Substeps};
 
 use super::super::imports::ImportOptions;
 use super::super::levels::LevelOptions;
+use super::super::memory::MemoryOption;
 use super::super::results::Form;
 use super::accuracy::accuracy;
 use crate::operations::time;
@@ -68,6 +69,9 @@ pub struct Options {
     /// Number of runs at the same time [default: number of cores]
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
+    /// How much memory it may take.
+    #[command(flatten)]
+    pub memory: MemoryOption,
     /// Folder for the results; it must be new or empty
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,

@@ -84,6 +84,14 @@ pub(super) fn in_steps(scene: &Scene, steps: f64) -> Option<f64> {
     }
 }
 
+/// How far a free block turns in one of so many steps of a tick, root mean square \[rad\]; `None`: it never stops growing.
+///
+/// Where turning has as much energy as moving has, as collisions and heat make it: m side² ω² / 6 = m v².
+pub fn turn_in_steps(scene: &Scene, steps: f64) -> Option<f64> {
+    let way = BlockUnits::of(scene).speed(in_steps(scene, steps)?) / steps;
+    Some(6.0_f64.sqrt() * way)
+}
+
 /// The speed that a fluid gives its blocks by chance, with so many steps a tick.
 fn of_fluid(scene: &Scene, steps: f64) -> Option<Speed> {
     let fluid = scene.fluid.as_ref()?;

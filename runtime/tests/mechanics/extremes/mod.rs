@@ -338,7 +338,7 @@ fn every_extreme_has_the_outcome_that_the_page_states() {
         }
     }
     unsound.extend(tanks::table(&mut page));
-    unsound.extend(digits::table(&mut page));
+    unsound.extend(digits::tables(&mut page));
     page.push_str(TAIL);
     if std::env::var_os("STOCHC_WRITE_DOCS").is_some() {
         std::fs::write(PAGE, &page).unwrap();

@@ -1,0 +1,120 @@
+//! Any bytes are the state of a run or none: it goes on from them for a while, or is refused.
+//!
+//! The first byte says the model, and whether the rest is the file, the state, or its values, each behind two bytes of its length,
+//! which become the eight of a state.
+use std::io::{Cursor, Read};
+use std::ops::ControlFlow;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
+use std::sync::LazyLock;
+
+use stochc_ensemble::{CHECKPOINTS, verify};
+use stochc_files::checksum::{crc32, sealed};
+use stochc_ir::Executable;
+use stochc_ir::scene::{Contact, ContactLaw, Scene};
+use stochc_ir::table::PhaseId;
+use stochc_runtime::{Model, Settings, Watch};
+
+/// Ticks that a run goes on for.
+const TICKS: u32 = 20;
+
+static PROGRAM: LazyLock<Executable> = LazyLock::new(super::program);
+
+/// Its scene for the engine, which has no such contacts.
+static RIGID: LazyLock<Scene> = LazyLock::new(|| Scene {
+    contact: Some(Contact {
+        law: ContactLaw::Rigid { restitution: 0.5 },
+        friction: 0.2,
+    }),
+    ..PROGRAM.scene.clone()
+});
+
+static PLACE: LazyLock<(tempfile::TempDir, PathBuf)> = LazyLock::new(|| {
+    let (folder, _) = super::folder();
+    let file = folder.path().join(CHECKPOINTS).join("0-0.state");
+    std::fs::create_dir(folder.path().join(CHECKPOINTS)).expect("it can be made");
+    (folder, file)
+});
+
+/// A run that goes on.
+struct Resumed {
+    state: Option<Vec<u8>>,
+    left: u32,
+}
+
+impl Watch for Resumed {
+    fn tick(&mut self, _: u64, _: PhaseId) -> ControlFlow<()> {
+        match self.left.checked_sub(1) {
+            None => ControlFlow::Break(()),
+            Some(left) => {
+                self.left = left;
+                ControlFlow::Continue(())
+            }
+        }
+    }
+
+    fn kept(&mut self) -> Option<Box<dyn Read>> {
+        let state = self.state.take()?;
+        Some(Box::new(Cursor::new(state)))
+    }
+}
+
+/// The file that holds a state behind a line, both with their checksums.
+fn whole(bytes: &[u8]) -> Vec<u8> {
+    let mut parts = bytes.splitn(2, |byte| *byte == b'\n');
+    let line = String::from_utf8_lossy(parts.next().unwrap_or_default()).into_owned();
+    let line = match line.ends_with('}') {
+        true => sealed(&line),
+        false => line,
+    };
+    let file = [line.as_bytes(), b"\n", parts.next().unwrap_or_default()].concat();
+    [&file[..], &crc32(&file).to_le_bytes()].concat()
+}
+
+/// Values, each with its length before it.
+fn values(mut bytes: &[u8]) -> Vec<u8> {
+    let mut state = Vec::new();
+    while let [low, high, rest @ ..] = bytes {
+        let length = usize::from(u16::from_le_bytes([*low, *high])).min(rest.len());
+        let (value, behind) = rest.split_at(length);
+        state.extend((length as u64).to_le_bytes());
+        state.extend(value);
+        bytes = behind;
+    }
+    state
+}
+
+/// Reads an input, and panics where something is wrong with what comes of it.
+pub fn read(bytes: &[u8]) {
+    let Some((how, bytes)) = bytes.split_first() else {
+        return;
+    };
+    let state = match how % 4 {
+        0 | 1 => {
+            let file = match how % 4 {
+                0 => bytes.to_vec(),
+                _ => whole(bytes),
+            };
+            let (folder, path) = &*PLACE;
+            std::fs::write(path, file).expect("it can be written");
+            let files = verify::verify(folder.path()).expect("there is a manifest");
+            assert!(files.iter().any(|file| file.name.ends_with(".state")));
+            return;
+        }
+        2 => bytes.to_vec(),
+        _ => values(bytes),
+    };
+    let (model, scene) = match how / 4 % 3 {
+        0 => (Model::Shuffle, &PROGRAM.scene),
+        1 => (Model::Rigid, &PROGRAM.scene),
+        _ => (Model::Rapier, &*RIGID),
+    };
+    let settings = Settings::of(model, 1).resolved();
+    let mut watch = Resumed {
+        state: Some(state),
+        left: TICKS,
+    };
+    // Who makes runs begins such a one anew, as after an error.
+    let run = || stochc_runtime::run(&PROGRAM.tables, scene, &settings, 1, 0, &mut watch);
+    let _ = catch_unwind(AssertUnwindSafe(run));
+}

@@ -1,0 +1,122 @@
+//! How much memory the runs of an ensemble need, and how many can be made at the same time in what is allowed.
+use std::num::NonZeroUsize;
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use stochc_ensemble::{Manifest, Program};
+use stochc_files::budget::size;
+use stochc_runtime::{Settings, run as run_once};
+
+use super::runs;
+use crate::exit::Failure;
+use crate::host::Host;
+
+/// Bytes that a table of results keeps of each run, and of each of its phases: exact medians need them.
+const OF_A_RUN: u64 = 50;
+const OF_A_PHASE: u64 = 4;
+/// Bytes that a piece keeps of each run.
+const OF_A_PLACE: u64 = 24;
+/// Ticks after which a run has about all that it needs.
+const TICKS: u64 = 10;
+
+/// What runs leave in memory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kept {
+    /// What the table of an ensemble needs.
+    Figures,
+    /// The places in a piece of so many runs.
+    Places(u64),
+}
+
+impl Kept {
+    fn bytes(self, manifest: &Manifest) -> u64 {
+        let of_each = |program: &Program| {
+            let phases = program.phases().len() as u64;
+            OF_A_RUN + OF_A_PHASE * phases
+        };
+        match self {
+            Kept::Figures => {
+                let all: u64 = manifest.programs.iter().map(of_each).sum();
+                all.saturating_mul(manifest.runs)
+            }
+            Kept::Places(runs) => runs.saturating_mul(OF_A_PLACE),
+        }
+    }
+}
+
+/// How many runs to make at the same time: as many as are `asked` for, or fewer if more would not fit into the `limit` \[bytes\].
+///
+/// # Errors
+/// When not one does.
+pub fn threads(
+    manifest: &Manifest,
+    kept: Kept,
+    (asked, limit): (Option<u16>, Option<u64>),
+    host: &dyn Host,
+) -> Result<NonZeroUsize, Failure> {
+    let asked = runs::threads(asked);
+    let (Some(limit), Some(taken)) = (limit, taken()) else {
+        return Ok(asked);
+    };
+    let (kept, run) = (kept.bytes(manifest), of_a_run(manifest, taken, host.stop()));
+    let left = limit.saturating_sub(taken.saturating_add(kept));
+    let most = usize::try_from(left / run.max(1)).unwrap_or(usize::MAX);
+    let figures = format!(
+        "{} are taken, each run under way takes {}, and {} are kept of all runs in the end",
+        size(taken),
+        size(run),
+        size(kept)
+    );
+    let limit = size(limit);
+    match NonZeroUsize::new(most) {
+        None => Err(Failure::usage(format!(
+            "`--memory {limit}` is not enough: {figures}; allow more, make fewer runs, or make them in pieces, by `--shards`"
+        ))),
+        Some(most) if most < asked => {
+            let runs = match most.get() {
+                1 => "one run is made at a time".to_owned(),
+                most => format!("{most} runs are made at the same time"),
+            };
+            host.warn(&format!(
+                "note: {runs}, not {asked}, for `--memory {limit}`: {figures}\n"
+            ));
+            Ok(most)
+        }
+        Some(_) => Ok(asked),
+    }
+}
+
+/// Bytes by which the largest run of any program makes more than is `taken`, with its thread; it is begun for that.
+fn of_a_run(manifest: &Manifest, taken: u64, stop: &AtomicBool) -> u64 {
+    let of = |program: &Program| of_one(program, &manifest.settings, stop);
+    let most = || manifest.programs.iter().map(of).max();
+    std::thread::scope(|scope| {
+        // In this thread it might find what was taken before and is free again.
+        let thread = std::thread::Builder::new().spawn_scoped(scope, most);
+        let most = thread.ok().and_then(|thread| thread.join().ok());
+        most.flatten().unwrap_or(0).saturating_sub(taken)
+    })
+}
+
+fn of_one(program: &Program, settings: &Settings, stop: &AtomicBool) -> u64 {
+    let mut most = 0;
+    let mut watch = |tick, _| {
+        most = most.max(taken().unwrap_or(0));
+        match tick < TICKS && !stop.load(Ordering::Relaxed) {
+            true => ControlFlow::Continue(()),
+            false => ControlFlow::Break(()),
+        }
+    };
+    let (tables, scene) = (program.tables(), &program.scene);
+    let _ = run_once(tables, scene, settings, 0, 0, &mut watch);
+    most
+}
+
+/// Bytes that the process has for its data, as the limit counts them; `None`: only Linux says so.
+fn taken() -> Option<u64> {
+    let status = stochc_files::read("/proc/self/status").ok()?;
+    let status = String::from_utf8_lossy(&status);
+    let data = (status.lines()).find_map(|line| line.strip_prefix("VmData:"))?;
+    let kilobytes: u64 = data.trim().strip_suffix("kB")?.trim_end().parse().ok()?;
+    Some(kilobytes << 10)
+}
