@@ -199,7 +199,7 @@ mod tests {
         for way in Face::ALL {
             let parent = cell.across(way.opposite()).unwrap();
             let is_full =
-                |near: Cell| near == parent || (near.x + 2 * near.y + 3 * near.z) % 7 == 0;
+                |near: Cell| near == parent || (near.x + 2 * near.y + 3 * near.z) % 11 == 9;
             let is_awaited = |near: Cell| !is_full(near) && near != cell && near.x == near.z;
             let at = |with: bool| Surroundings {
                 free: LATER.free,
