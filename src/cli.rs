@@ -2,8 +2,9 @@
 use clap::{CommandFactory as _, Parser, Subcommand};
 use stochc_ir::is_invisible;
 
-pub use crate::command::interrupt::forgo_backtraces;
-use crate::command::interrupt::{exit_without_memory, outlive_file_limit};
+use crate::command::interrupt::outlive_file_limit;
+use crate::command::no_memory::exit_without_memory;
+pub use crate::command::no_memory::print_backtraces_ourselves;
 use crate::command::{
     calibrate, check, compile, completions, estimate, explain, export, fit, fmt, lsp, man, merge,
     plan, replay, report, results, shard, simulate, status, submit, trade, verify,

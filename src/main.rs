@@ -3,11 +3,11 @@ use std::io::Write as _;
 use std::process::ExitCode;
 
 use clap::Parser as _;
-use stochc::cli::{Cli, forgo_backtraces, run, wrong};
+use stochc::cli::{Cli, print_backtraces_ourselves, run, wrong};
 
 /// The one place where failures are told, and the process ends.
 fn main() -> ExitCode {
-    forgo_backtraces();
+    print_backtraces_ourselves();
     let done = Cli::try_parse().map_or_else(wrong, run);
     let exit = done.unwrap_or_else(|failure| {
         // Nobody listening is no reason for another status.

@@ -66,51 +66,6 @@ fn is_ignored(signal: i32) -> bool {
     mask.is_some_and(|mask| mask & (1 << (signal - 1)) != 0)
 }
 
-/// Begins the process anew without backtraces, if somebody has asked for them: to print one takes memory, and where there is
-/// none Rust waits for itself without end. Only the environment decides it, which nobody changes safely in a process.
-pub fn forgo_backtraces() {
-    #[cfg(unix)]
-    {
-        use std::os::unix::process::CommandExt as _;
-        const BACKTRACES: &str = "RUST_BACKTRACE";
-        let is_asked_for = std::env::var_os(BACKTRACES).is_some_and(|it| it != "0");
-        let (Ok(program), true) = (std::env::current_exe(), is_asked_for) else {
-            return;
-        };
-        let mut arguments = std::env::args_os();
-        let mut command = std::process::Command::new(program);
-        if let Some(name) = arguments.next() {
-            command.arg0(name);
-        }
-        // Where it cannot be begun, this one goes on.
-        let _ = command.args(arguments).env(BACKTRACES, "0").exec();
-    }
-}
-
-/// Bytes that a library asks for at once which panics when it does not get them.
-const OF_A_LIBRARY: usize = 1 << 20;
-
-/// Gives the end of memory a status of ours: Rust tells of it on standard error, and aborts.
-pub fn exit_without_memory() {
-    // zlib-rs panics instead, and nobody is to take that for a mistake of a run.
-    let told = std::panic::take_hook();
-    std::panic::set_hook(Box::new(move |panic| {
-        if Vec::<u8>::new().try_reserve_exact(OF_A_LIBRARY).is_err() {
-            let _ = io::stderr().write_all(b"error: there is no memory left\n");
-            std::process::abort();
-        }
-        told(panic);
-    }));
-    #[cfg(unix)]
-    {
-        use signal_hook::consts::SIGABRT;
-        let status = Exit::Usage.status().into();
-        let always = std::sync::Arc::new(AtomicBool::new(true));
-        // Where it cannot be had, the process ends by the signal, as it always has.
-        let _ = signal_hook::flag::register_conditional_shutdown(SIGABRT, status, always);
-    }
-}
-
 /// Makes a limit on the size of files an error of those who write, instead of the end of the process.
 pub fn outlive_file_limit() {
     #[cfg(unix)]

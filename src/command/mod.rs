@@ -16,6 +16,7 @@ pub mod lsp;
 pub mod man;
 mod memory;
 pub mod merge;
+pub(crate) mod no_memory;
 pub mod plan;
 mod progress;
 pub mod replay;
