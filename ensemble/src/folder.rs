@@ -11,7 +11,7 @@
 //! | `.lock` | held by the process that writes |
 //!
 //! Nothing in it is ever replaced by the results of another ensemble.
-use std::fs::{OpenOptions, TryLockError};
+use std::fs::OpenOptions;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -22,6 +22,7 @@ use stochc_files::atomic::{self, Draft, Replaces};
 use stochc_files::budget;
 use stochc_files::checksum::{Sum, Summed, of_file};
 use stochc_files::disk;
+use stochc_files::disk::Lock;
 
 use super::build::{UNKNOWN, other_build};
 use super::checkpoint::{self, CHECKPOINTS, Checkpoints, Interval};
@@ -498,10 +499,10 @@ pub(super) fn lock(path: &Path) -> Result<File, FolderError> {
     let mut options = OpenOptions::new();
     let options = options.create(true).truncate(false).write(true);
     let file = files::open_own(&path.join(LOCK), options).map_err(io)?;
-    match file.try_lock() {
-        Ok(()) => Ok(file),
-        Err(TryLockError::WouldBlock) => Err(FolderError::Locked(path.to_owned())),
-        Err(TryLockError::Error(error)) => Err(io(error)),
+    match file.try_lock().map_err(io)? {
+        // Where there are no locks, two who write at the same time are not told from one.
+        Lock::Ours | Lock::Unknown => Ok(file),
+        Lock::Others => Err(FolderError::Locked(path.to_owned())),
     }
 }
 

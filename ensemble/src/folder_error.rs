@@ -102,6 +102,12 @@ pub enum FolderError {
         /// The folder.
         path: PathBuf,
     },
+    /// How its runs are cut into pieces cannot be told any more.
+    #[error(
+        "`shards.json` in `{0}` is damaged beyond repair; move it away: `stochc simulate` with the programs and options of \
+         before, its `--shards` too, writes it anew and keeps the pieces"
+    )]
+    LostCut(PathBuf),
     /// The same ensemble, with more runs than asked for.
     #[error(
         "`{path}` is an ensemble of {there} runs of each program, more than the {asked} asked for; \

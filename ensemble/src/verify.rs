@@ -11,7 +11,7 @@ use super::journal::{JournalError, read as read_journal, salvaged};
 use super::manifest::OLDEST;
 use super::recording::{Outline, VERSION, path as recording_path};
 use super::seal::{SEAL, Seal};
-use super::shards::{self, Cut, SHARDS_FILE};
+use super::shards::{self, Cut, SHARDS, SHARDS_FILE};
 use super::text::visible;
 use super::{Folder, FolderError, Further, Manifest, RECORDINGS, Records, Resume};
 
@@ -176,6 +176,10 @@ pub fn repair(path: &Path, further: Further) -> Result<(), FolderError> {
         let bytes = read_file(&path.join(SHARDS_FILE), budget::SHARDS).map_err(io)?;
         let (seal, _) = Seal::read(path);
         let mended = seal.and_then(|seal| seal.mended(SHARDS_FILE, &bytes));
+        if mended.is_none() && path.join(SHARDS).exists() {
+            // Without it they would be taken for nothing.
+            return Err(FolderError::LostCut(path.to_owned()));
+        }
         aside(SHARDS_FILE)?;
         if let Some(mended) = mended {
             replace(&path.join(SHARDS_FILE), &mended, Replaces::Nothing).map_err(io)?;

@@ -3,7 +3,7 @@
 //! A file is written beside its target, synced, and then given its name. What a kill leaves is removed by the
 //! next who writes into the folder.
 use std::collections::BTreeSet;
-use std::fs::{self, File, Permissions, TryLockError};
+use std::fs::{self, File, Permissions};
 use std::io::{self, BufRead as _, BufReader, BufWriter, Read, Seek as _, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
@@ -11,7 +11,7 @@ use std::sync::Mutex;
 use tempfile::NamedTempFile;
 
 use super::budget::PROGRAM;
-use super::disk::{self, Call, look};
+use super::disk::{self, Call, Lock, look};
 use super::{is_ordinary, open, open_own, read_file};
 
 /// How the files begin that are still being written; a kill may leave one behind.
@@ -364,9 +364,8 @@ pub fn clear_partial(folder: &Path) -> io::Result<()> {
             Err(_) => continue,
         };
         // Whoever still writes it holds a lock.
-        match file.try_lock() {
-            Ok(()) => disk::remove(&path)?,
-            Err(TryLockError::WouldBlock | TryLockError::Error(_)) => {}
+        if let Ok(Lock::Ours) = file.try_lock() {
+            disk::remove(&path)?;
         }
     }
     Ok(())

@@ -168,13 +168,13 @@ impl File {
         })
     }
 
-    /// As [`fs::File::try_lock`].
+    /// Locks it until it is closed, unless somebody else has.
     ///
     /// # Errors
     /// Those of the file system.
-    pub fn try_lock(&self) -> Result<(), fs::TryLockError> {
-        may(&self.path, Call::Lock).map_err(fs::TryLockError::Error)?;
-        self.file.try_lock()
+    pub fn try_lock(&self) -> io::Result<Lock> {
+        may(&self.path, Call::Lock)?;
+        lock(self.file.try_lock())
     }
 
     /// What the system has, for those to whom no test speaks.
@@ -277,4 +277,44 @@ pub fn remove(path: &Path) -> io::Result<()> {
 /// Those of the file system.
 pub fn remove_folder(path: &Path) -> io::Result<()> {
     ask(path, Call::Remove, || fs::remove_dir(path))
+}
+
+/// Whose the lock on a file is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lock {
+    /// Ours, from now on.
+    Ours,
+    /// Somebody else's.
+    Others,
+    /// The file system has no locks.
+    Unknown,
+}
+
+fn lock(tried: Result<(), fs::TryLockError>) -> io::Result<Lock> {
+    match tried {
+        Ok(()) => Ok(Lock::Ours),
+        Err(fs::TryLockError::WouldBlock) => Ok(Lock::Others),
+        Err(fs::TryLockError::Error(error)) => match error.kind() {
+            io::ErrorKind::Unsupported => Ok(Lock::Unknown),
+            _ => Err(error),
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_system_without_locks_keeps_nobody_out() {
+        let tried = |number| fs::TryLockError::Error(io::Error::from_raw_os_error(number));
+        // ENOSYS and EOPNOTSUPP, as Lustre without `flock` and some mounts of NFS answer.
+        #[cfg(target_os = "linux")]
+        for number in [38, 95] {
+            assert_eq!(lock(Err(tried(number))).unwrap(), Lock::Unknown);
+        }
+        assert!(lock(Err(tried(5))).is_err());
+        let taken = lock(Err(fs::TryLockError::WouldBlock));
+        assert_eq!(taken.unwrap(), Lock::Others);
+    }
 }

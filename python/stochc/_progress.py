@@ -28,8 +28,9 @@ def shown(progress: Progress) -> Generator[Show | None, None, None]:
         yield progress
         return
     if progress is None:
-        progress = _in_jupyter() or sys.stderr.isatty()
-    if not progress:
+        progress = _in_jupyter() or _is_terminal()
+    # Programs without a window or a terminal may have no stream for it.
+    if not progress or sys.stderr is None or sys.stderr.closed:
         yield None
         return
     bar = _widget() or _tqdm() or _Line()
@@ -37,6 +38,11 @@ def shown(progress: Progress) -> Generator[Show | None, None, None]:
         yield bar.show
     finally:
         bar.close()
+
+
+def _is_terminal() -> bool:
+    stream = sys.stderr
+    return stream is not None and not stream.closed and stream.isatty()
 
 
 def _in_jupyter() -> bool:

@@ -149,6 +149,17 @@ def test_doubts_about_a_program_are_warnings() -> None:
         stochc.compile(doubtful, deny="warnings")
 
 
+@pytest.mark.parametrize("progress", [None, True])
+def test_a_program_without_a_stream_for_errors(
+    progress: bool | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    closed = open(os.devnull, "w")  # noqa: SIM115
+    closed.close()
+    for stream in (None, closed):
+        monkeypatch.setattr(sys, "stderr", stream)
+        assert stochc.simulate(stochc.EXAMPLE, runs=2, model="shuffle", progress=progress).results()
+
+
 def test_threads_that_call_at_once(tower: str) -> None:
     def results(seed: int) -> Any:
         return stochc.simulate(tower, runs=3, seed=seed, model="shuffle").results()

@@ -2,9 +2,10 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use stochc_ensemble::Folder;
 use stochc_ensemble::text::visible;
 use stochc_ensemble::verify::{DAMAGED, FileHealth, Health, repair, verify};
+use stochc_ensemble::{Folder, FolderError};
+use stochc_files::shell::file as shell_file;
 
 use super::memory::MemoryOption;
 use super::terminal::{print, warn};
@@ -40,11 +41,20 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
         return Ok(Exit::Usage);
     }
     repair(path, sweep_files).map_err(Failure::usage)?;
-    let contents = Folder::read(path).map_err(Failure::usage)?;
-    let (kept, all) = (contents.finished.len(), contents.manifest.total());
+    let kept = match Folder::read(path) {
+        Err(FolderError::Cut { .. }) => {
+            let folder = shell_file(&visible(&path.to_string_lossy()));
+            format!("`stochc status {folder}` says which pieces are to be made again")
+        }
+        contents => {
+            let contents = contents.map_err(Failure::usage)?;
+            let (kept, all) = (contents.finished.len(), contents.manifest.total());
+            format!("{kept} of {all} runs are kept")
+        }
+    };
     let folder = visible(&path.join(DAMAGED).to_string_lossy());
     print(&format!(
-        "repaired: {kept} of {all} runs are kept, and what was damaged is in `{folder}`\n"
+        "repaired: {kept}, and what was damaged is in `{folder}`\n"
     ))?;
     match is_damaged(&verify(path).map_err(Failure::usage)?) {
         true => Err(Failure::usage(

@@ -170,3 +170,89 @@ fn what_cannot_be_is_refused() {
         "holds 10 runs of this ensemble already",
     );
 }
+
+/// Changes a digit behind the first line of a piece.
+fn damage(out: &str, piece: &str) {
+    let file = format!("{out}/shards/{piece}.jsonl");
+    let text = fs::read_to_string(&file).unwrap();
+    let (first, rest) = text.split_once('\n').unwrap();
+    let at = rest.find("\"ticks\":").unwrap() + "\"ticks\":".len();
+    let digit = if rest[at..].starts_with('1') {
+        "2"
+    } else {
+        "1"
+    };
+    let rest = format!("{}{digit}{}", &rest[..at], &rest[at + 1..]);
+    fs::write(&file, format!("{first}\n{rest}")).unwrap();
+}
+
+/// The first line of a piece says nothing of the others, and `status` reads no more.
+#[test]
+fn damaged_pieces_are_made_again_by_what_is_proposed() {
+    let folder = tempfile::tempdir().unwrap();
+    let [plain, out] = ["plain", "out"].map(|name| path(folder.path(), name));
+    stochc_with(TOWER, &["--quiet", "--threads", "1", "--out", &plain]);
+    stochc_with(TOWER, &["--quiet", "--shards", "4", "--out", &out]);
+    for piece in ["0", "1", "2", "3"] {
+        stochc_with("shard --quiet", &[&out, piece]);
+    }
+    for piece in ["1", "3"] {
+        damage(&out, piece);
+    }
+    let said = stochc_with("merge", &[&out]);
+    assert_eq!(said.status, 3, "{}", said.err);
+    assert!(
+        said.err.contains("for i in 1 3; do stochc shard "),
+        "{}",
+        said.err
+    );
+    for piece in ["1", "3"] {
+        stochc_with("shard --quiet", &[&out, piece]);
+        damage(&out, piece);
+    }
+    let said = stochc_with("verify --repair", &[&out]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    assert!(
+        said.out.contains("repaired: `stochc status "),
+        "{}",
+        said.out
+    );
+    assert_eq!(stochc_with("status --missing", &[&out]).out, "1\n3\n");
+    for piece in ["1", "3"] {
+        stochc_with("shard --quiet", &[&out, piece]);
+    }
+    assert_eq!(stochc_with("merge --quiet", &[&out]).status, 0);
+    let mut merged = files(&out);
+    merged.retain(|name, _| !name.starts_with("damaged/"));
+    assert!(merged == files(&plain));
+}
+
+#[test]
+fn pieces_are_kept_whose_cut_is_lost() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = path(folder.path(), "out");
+    stochc_with(TOWER, &["--quiet", "--shards", "4", "--out", &out]);
+    for piece in ["0", "1", "2", "3"] {
+        stochc_with("shard --quiet", &[&out, piece]);
+    }
+    let cut = format!("{out}/shards.json");
+    let text = fs::read_to_string(&cut).unwrap();
+    fs::write(&cut, &text[..text.len() - 5]).unwrap();
+    let before = files(&out);
+    let said = stochc_with("verify --repair", &[&out]);
+    assert_eq!(said.status, 2, "{}", said.out);
+    assert!(said.err.contains("move it away"), "{}", said.err);
+    assert!(files(&out) == before);
+    fs::remove_file(&cut).unwrap();
+    let said = stochc_with("status", &[&out]);
+    assert_eq!(said.status, 2, "{}", said.out);
+    assert!(
+        said.err.contains("writes it anew and keeps the pieces"),
+        "{}",
+        said.err
+    );
+    let said = stochc_with(TOWER, &["--quiet", "--shards", "4", "--out", &out]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    assert_eq!(stochc_with("status --missing", &[&out]).out, "");
+    assert_eq!(stochc_with("merge --quiet", &[&out]).status, 0);
+}

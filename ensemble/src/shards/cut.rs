@@ -114,11 +114,12 @@ impl Cut {
         let Some(cut) = Cut::read(path)? else {
             let identity = manifest.identity();
             let stored = journal::read(&path.join(JOURNAL), &manifest, &identity)?;
-            return Err(ShardError::NotCut {
-                path: path.to_owned(),
-                done: stored.finished.len() as u64,
-                total: manifest.total(),
-            });
+            let (done, total) = (stored.finished.len() as u64, manifest.total());
+            if done < total && path.join(SHARDS).exists() {
+                return Err(unreadable(path, "it is not there"));
+            }
+            let path = path.to_owned();
+            return Err(ShardError::NotCut { path, done, total });
         };
         if (&cut.ensemble, cut.runs) != (&manifest.identity(), manifest.runs) {
             return Err(unreadable(path, "it belongs to another ensemble"));

@@ -57,8 +57,8 @@ pub enum ShardError {
     },
     /// `shards.json` cannot be used.
     #[error(
-        "cannot use `shards.json` in `{path}`: {reason}; `stochc verify {}` says what is sound, and with `--repair` \
-         saves that",
+        "cannot use `shards.json` in `{path}`: {reason}; if `stochc verify {} --repair` does not save it, `stochc simulate` \
+         with the programs and options of before, its `--shards` too, writes it anew and keeps the pieces",
         shell_file(&.path.to_string_lossy())
     )]
     Unreadable {
@@ -139,12 +139,25 @@ fn more(count: usize) -> String {
     }
 }
 
-fn commands(path: &Path, mut pieces: impl ExactSizeIterator<Item = u64>) -> String {
+/// Pieces whose numbers stand in a command; those of more are asked for.
+const NAMED: usize = 100;
+
+fn commands(path: &Path, pieces: impl ExactSizeIterator<Item = u64>) -> String {
     let folder = shell_file(&path.to_string_lossy());
-    match (pieces.len(), pieces.next()) {
-        (1, Some(number)) => format!("`stochc shard {folder} {number}`"),
+    let count = pieces.len();
+    let numbers: Vec<String> = pieces
+        .take(NAMED)
+        .map(|number| number.to_string())
+        .collect();
+    match count {
+        1 => format!("`stochc shard {folder} {}`", numbers[0]),
+        ..=NAMED => format!(
+            "`for i in {}; do stochc shard {folder} $i; done`",
+            numbers.join(" ")
+        ),
+        // What is damaged behind its first line is named once it is moved aside.
         _ => format!(
-            "`for i in $(stochc status {folder} --missing); do stochc shard {folder} $i; done`"
+            "`stochc verify {folder} --repair; for i in $(stochc status {folder} --missing); do stochc shard {folder} $i; done`"
         ),
     }
 }

@@ -22,6 +22,6 @@ pub use merge::merge;
 pub use piece::Piece;
 pub use status::{PieceState, Status, listed, status, thorough_status};
 
-pub(super) use cut::{SHARDS_FILE, same_build};
+pub(super) use cut::{SHARDS, SHARDS_FILE, same_build};
 pub(super) use merge::remove_own;
 pub(super) use status::health;

@@ -1,5 +1,5 @@
 //! What was submitted for an ensemble, and who may submit more.
-use std::fs::{OpenOptions, TryLockError};
+use std::fs::OpenOptions;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -8,6 +8,7 @@ use stochc_files as files;
 use stochc_files::atomic::{Replaces, make_own_folder, replace};
 use stochc_files::budget::JOBS;
 use stochc_files::checksum::{self, Line, crc32};
+use stochc_files::disk::Lock;
 
 use super::{Queue, SLURM};
 use crate::shards::{Cut, PieceState, ShardError, remove_own, same_build, status, thorough_status};
@@ -150,7 +151,7 @@ impl Ensemble {
             lock => Some(lock.map_err(self.io(LOCK))?),
         };
         match lock.as_ref().map(files::File::try_lock) {
-            Some(Err(TryLockError::WouldBlock)) => Ok(None),
+            Some(Ok(Lock::Others)) => Ok(None),
             _ => Ok(Some(Submitting { _lock: lock })),
         }
     }

@@ -149,7 +149,12 @@ impl Follower<'_> {
         let step = self
             .workflow
             .next(&self.queue, |is_thorough| ensemble.look(is_thorough));
-        match step.map_err(Failure::usage)? {
+        let step = step.map_err(Failure::usage)?;
+        // Whoever has asked to stop meanwhile wants nothing more submitted.
+        if self.stop.load(Ordering::Relaxed) {
+            return Ok(Next::Wait);
+        }
+        match step {
             Step::Wait => {}
             Step::Done => return Ok(Next::Done),
             Step::Stop(reason) => return Ok(Next::Stop(reason)),
