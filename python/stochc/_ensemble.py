@@ -472,7 +472,7 @@ def status(folder: Path) -> dict[str, Any]:
 
 
 def merge(folder: Path) -> Ensemble:
-    """Puts the pieces of an ensemble together: the same files, byte for byte, as without pieces.
+    """Puts the pieces of an ensemble together: the same files, byte for byte, as without pieces by one thread.
 
     Raises:
         RunError: pieces are missing; the text names them.
