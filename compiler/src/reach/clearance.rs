@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use rustc_hash::{FxHashMap, FxHashSet};
 use stochc_ir::Face;
 
-use super::descendants::DescendantIndex;
+use super::descendants::{DescendantIndex, Descendants};
 use super::path_search::{Search, SearchOutcome, offset};
 use super::{Cell, EventId, Survey};
 use crate::plan::EventKind;
@@ -55,7 +55,11 @@ impl Survey<'_> {
             if is_clear_above[i] && self.has_open_corner(cell) {
                 continue;
             }
-            if let Some(open) = self.tightness(id, cell, descent) {
+            self.occupancy.sort();
+            let Some(following) = descent.within(id, &mut self.warning) else {
+                break;
+            };
+            if let Some(open) = self.tightness(cell, &following) {
                 found.push((open, id));
             }
         }
@@ -92,9 +96,7 @@ impl Survey<'_> {
     }
 
     /// The open sides of a cell that a cube of two cannot bring a block to; `None`: it can.
-    fn tightness(&mut self, id: EventId, cell: Cell, descent: &DescendantIndex) -> Option<u32> {
-        self.occupancy.sort();
-        let following = descent.within(id, &mut self.warning)?;
+    fn tightness(&mut self, cell: Cell, following: &Descendants<'_>) -> Option<u32> {
         let has = |other: EventId| !following.contains(other);
         let search = Search {
             occupancy: &self.occupancy,

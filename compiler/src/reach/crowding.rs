@@ -55,14 +55,14 @@ impl Survey<'_> {
             .collect();
         let mut looked_at = 0;
         let mut crowded: Vec<EventId> = Vec::new();
-        for &id in events {
+        'events: for &id in events {
             let Some(cell) = self.cell(id).filter(|cell| at.get(cell) == Some(&id)) else {
                 continue;
             };
             for square in squares(cell, &at) {
                 looked_at += 1;
                 if looked_at > MOST_SQUARES || self.warning.is_spent() {
-                    break;
+                    break 'events;
                 }
                 for left_out in 0..4 {
                     let three = square.iter().enumerate();
