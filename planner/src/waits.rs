@@ -52,8 +52,7 @@ impl<'a> RateLaw<'a> {
     /// For a scene, by given rates or those that come with the program; where it has not been measured, typical rates rank plans, though
     /// they may be off by a factor.
     pub fn of(scene: &Scene, known: &'a [Rates]) -> RateLaw<'a> {
-        let given = known.iter().find(|rates| rates.are_of(scene));
-        RateLaw::new(given.or_else(|| Rates::built_in(scene)))
+        RateLaw::new(Rates::known(known, scene))
     }
 
     /// By rates of a scene; `None`: typical ones.
@@ -110,10 +109,7 @@ impl<'a> RateLaw<'a> {
             return self.mean_of(without);
         }
         let with = self.wait(cell.z, way, full | awaited, moment, false);
-        self.mean_of(Wait {
-            rate: (without.rate * with.rate).sqrt(),
-            docking: (without.docking * with.docking).sqrt(),
-        })
+        self.mean_of(without.between(with))
     }
 
     fn wait(&self, layer: i32, way: Face, full: u128, moment: Moment, rival: bool) -> Wait {
@@ -211,10 +207,7 @@ mod tests {
                 )
             };
             let [without, with] = [false, true].map(|with| Parameters::TYPICAL.wait(&at(with)));
-            let direct = Wait {
-                rate: (without.rate * with.rate).sqrt(),
-                docking: (without.docking * with.docking).sqrt(),
-            };
+            let direct = without.between(with);
             let mean = law.mean(cell, way, LATER, |near| match () {
                 () if is_full(near) => Stand::Full,
                 () if is_awaited(near) => Stand::Awaited(way),

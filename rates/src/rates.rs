@@ -107,6 +107,12 @@ impl Rates {
         ALL.iter().find(|rates| rates.are_of(scene))
     }
 
+    /// Those of a scene among given ones, or those that come with this crate.
+    pub fn known<'a>(given: &'a [Rates], scene: &Scene) -> Option<&'a Rates> {
+        let given = given.iter().find(|rates| rates.are_of(scene));
+        given.or_else(|| Rates::built_in(scene))
+    }
+
     /// Whether they are of this scene.
     pub fn are_of(&self, scene: &Scene) -> bool {
         // What it is called, how many faces a block switches on and what messages do has nothing to do with a wait.

@@ -18,6 +18,15 @@ pub struct Wait {
 }
 
 impl Wait {
+    /// The wait in surroundings that are half way between two others: both of its numbers are their geometric means.
+    #[must_use]
+    pub fn between(self, other: Wait) -> Wait {
+        Wait {
+            rate: (self.rate * other.rate).sqrt(),
+            docking: (self.docking * other.docking).sqrt(),
+        }
+    }
+
     /// The hazard after so many ticks \[1/tick\].
     pub fn hazard(self, ticks: f64) -> f64 {
         self.rate * docked(ticks / self.docking)

@@ -59,10 +59,8 @@ fn listen() -> io::Result<()> {
 /// Whether a signal was ignored when the process began; only Linux says so without unsafe code.
 #[cfg(unix)]
 fn is_ignored(signal: i32) -> bool {
-    let status = stochc_files::read("/proc/self/status").unwrap_or_default();
-    let status = String::from_utf8_lossy(&status);
-    let mask = (status.lines()).find_map(|line| line.strip_prefix("SigIgn:"));
-    let mask = mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    let mask = stochc_files::process::status("SigIgn");
+    let mask = mask.and_then(|mask| u64::from_str_radix(&mask, 16).ok());
     mask.is_some_and(|mask| mask & (1 << (signal - 1)) != 0)
 }
 

@@ -4,10 +4,7 @@ use std::io::{self, Write as _};
 
 use crate::exit::Exit;
 
-/// What asks Rust for backtraces.
-const BACKTRACES: &str = "RUST_BACKTRACE";
-
-/// What asks us for them.
+/// What asks us for backtraces of panics, as `RUST_BACKTRACE` asks Rust.
 const OURS: &str = "STOCHC_BACKTRACE";
 
 /// Bytes that a library asks for at once which panics when it does not get them.
@@ -19,7 +16,8 @@ pub fn print_backtraces_ourselves() {
     #[cfg(unix)]
     {
         use std::os::unix::process::CommandExt as _;
-        let asked = std::env::var_os(BACKTRACES).filter(|it| it != "0");
+        const RUSTS: &str = "RUST_BACKTRACE";
+        let asked = std::env::var_os(RUSTS).filter(|it| it != "0");
         let (Ok(program), Some(asked)) = (std::env::current_exe(), asked) else {
             return;
         };
@@ -30,7 +28,7 @@ pub fn print_backtraces_ourselves() {
         }
         command
             .args(arguments)
-            .env(BACKTRACES, "0")
+            .env(RUSTS, "0")
             .env(OURS, asked);
         // Where it cannot be begun, this one goes on.
         let _ = command.exec();

@@ -114,9 +114,7 @@ fn of_one(program: &Program, settings: &Settings, stop: &AtomicBool) -> u64 {
 
 /// Bytes that the process has for its data, as the limit counts them; `None`: only Linux says so.
 fn taken() -> Option<u64> {
-    let status = stochc_files::read("/proc/self/status").ok()?;
-    let status = String::from_utf8_lossy(&status);
-    let data = (status.lines()).find_map(|line| line.strip_prefix("VmData:"))?;
-    let kilobytes: u64 = data.trim().strip_suffix("kB")?.trim_end().parse().ok()?;
+    let data = stochc_files::process::status("VmData")?;
+    let kilobytes: u64 = data.strip_suffix("kB")?.trim_end().parse().ok()?;
     Some(kilobytes << 10)
 }

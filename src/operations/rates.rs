@@ -42,7 +42,7 @@ pub fn of_scenes(
         if found.iter().any(|rates| rates.are_of(scene)) {
             continue;
         }
-        let rates = match at_hand(&known, scene) {
+        let rates = match Rates::known(&known, scene) {
             Some(rates) => rates.clone(),
             None => {
                 host.warn(&format!(
@@ -63,12 +63,6 @@ pub fn of_scenes(
 /// If one cannot be read.
 pub fn of_files(files: &[PathBuf]) -> Result<Vec<Rates>, Failure> {
     files.iter().map(|path| read(path)).collect()
-}
-
-/// The rates of a scene that are known, or come with the program.
-pub fn at_hand<'a>(known: &'a [Rates], scene: &Scene) -> Option<&'a Rates> {
-    let given = known.iter().find(|rates| rates.are_of(scene));
-    given.or_else(|| Rates::built_in(scene))
 }
 
 fn read(path: &Path) -> Result<Rates, Failure> {

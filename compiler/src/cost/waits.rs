@@ -55,10 +55,7 @@ pub fn waits(program: &Program, levels: &[u32], rates: &Rates) -> Vec<Option<Cap
             };
             let [without, with] = [false, true].map(wait);
             waits[event.id.0 as usize] = Some(CaptureWait {
-                wait: Wait {
-                    rate: (without.rate * with.rate).sqrt(),
-                    docking: (without.docking * with.docking).sqrt(),
-                },
+                wait: without.between(with),
                 head_starts: head_starts(rates, &released, cell, way),
             });
         }

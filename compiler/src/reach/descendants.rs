@@ -118,6 +118,9 @@ impl DescendantIndex {
 
     /// Gives up after so many steps.
     fn add_cross(&self, intervals: &mut Vec<(u32, u32)>, steps: &mut u64, most: u64) {
+        if self.cross.is_empty() {
+            return;
+        }
         let mut open = intervals.clone();
         while let Some((from, to)) = open.pop()
             && *steps <= most

@@ -41,10 +41,6 @@ struct Axes {
 }
 
 impl Axes {
-    fn x(&self, cost: f64) -> f64 {
-        self.cost.at(cost)
-    }
-
     /// Small biases to scale and large ones by their logarithm, so that both can be told apart.
     fn y(&self, bias: f64) -> f64 {
         let scale = |bias: f64| (bias / SMALL).asinh();
@@ -148,7 +144,7 @@ fn axes(points: &[Point]) -> Axes {
 
 fn frame(out: &mut Drawing, axes: &Axes) {
     for cost in axes.cost.ticks(6) {
-        let x = axes.x(cost);
+        let x = axes.cost.at(cost);
         out.line("grid", (x, TOP), (x, BOTTOM), "");
         out.text_around("dim", (x, BOTTOM + 18.0), &plain(cost));
     }
@@ -188,7 +184,7 @@ fn plain(cost: f64) -> String {
 fn front(out: &mut Drawing, axes: &Axes, points: &[Point]) {
     let mut best: Vec<&Point> = points.iter().filter(|point| point.rung.front).collect();
     best.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-    let place = |point: &&Point| (axes.x(point.cost), axes.y(point.bias));
+    let place = |point: &&Point| (axes.cost.at(point.cost), axes.y(point.bias));
     let places: Vec<(f64, f64)> = best.iter().map(place).collect();
     if places.len() > 1 {
         out.curve("mark", &places, FRONT);
@@ -216,7 +212,7 @@ fn look(point: &Point) -> (&'static str, Symbol) {
 }
 
 fn draw(out: &mut Drawing, axes: &Axes, point: &Point) {
-    let (x, y) = (axes.x(point.cost), axes.y(point.bias));
+    let (x, y) = (axes.cost.at(point.cost), axes.y(point.bias));
     let (class, symbol) = look(point);
     if point.half_width > 0.0 {
         let (low, high) = (point.bias - point.half_width, point.bias + point.half_width);
@@ -237,7 +233,7 @@ fn numbers(out: &mut Drawing, axes: &Axes, points: &[Point]) {
     const DIGIT: f64 = 7.0;
     let places: Vec<(f64, f64)> = points
         .iter()
-        .map(|p| (axes.x(p.cost), axes.y(p.bias)))
+        .map(|p| (axes.cost.at(p.cost), axes.y(p.bias)))
         .collect();
     let mut taken: Vec<(f64, f64, f64)> = places.iter().map(|&(x, y)| (x, y, MARK + 1.0)).collect();
     for (point, &(x, y)) in points.iter().zip(&places) {

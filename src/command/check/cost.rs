@@ -7,14 +7,13 @@ use stochc_report::text::{Column, Table, paragraph};
 use stochc_runtime::rates::Rates;
 
 use super::super::terminal::output_width;
-use crate::operations::rates::at_hand;
 
 /// A table of the phases, and one of the captures that decide how long they take; empty if nothing was asked for.
 pub fn costs(program: &Program, symbols: &Symbols, most: Option<usize>, rates: &[Rates]) -> String {
     let Some(most) = most.filter(|_| !program.plan.events.is_empty()) else {
         return String::new();
     };
-    let rates = (program.scene.as_ref()).and_then(|scene| at_hand(rates, scene));
+    let rates = (program.scene.as_ref()).and_then(|scene| Rates::known(rates, scene));
     estimate(program, rates).map_or(String::new(), |cost| table(program, symbols, &cost, most))
 }
 
@@ -23,7 +22,7 @@ const MOST_SUMMED: usize = 2_000;
 
 /// A line on how long a program takes; empty where nobody knows.
 pub fn summed_up(program: &Program, rates: &[Rates]) -> String {
-    let rates = (program.scene.as_ref()).and_then(|scene| at_hand(rates, scene));
+    let rates = (program.scene.as_ref()).and_then(|scene| Rates::known(rates, scene));
     let (true, Some(rates)) = (program.plan.events.len() <= MOST_SUMMED, rates) else {
         return String::new();
     };
