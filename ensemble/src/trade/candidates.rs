@@ -1,5 +1,5 @@
 //! The settings that are tried.
-use stochc_runtime::{Model, Precision, Reduction, Settings};
+use stochc_runtime::{Model, Precision, Reduction, Settings, Substeps};
 
 /// The substeps that the refinement starts with, so that there are two doublings and one to spare.
 const FIRST: u32 = 8;
@@ -10,6 +10,14 @@ pub const FINEST: u32 = 64;
 /// The rung that is measured first: what all guesses of costs start from.
 pub fn base() -> Settings {
     rigid(1)
+}
+
+/// What one thing at a time is changed of: the default steps, or as many as are allowed.
+fn usual(finest: u32) -> Settings {
+    match Substeps::DEFAULT.near <= finest {
+        true => base().with_steps(Substeps::DEFAULT),
+        false => rigid(finest),
+    }
 }
 
 /// All rungs before any refinement, with at most `finest` substeps; [`base`] first, and of each
@@ -29,14 +37,14 @@ pub fn candidates(finest: u32) -> Vec<Settings> {
     });
     rungs.extend(local.into_iter().filter(|rung| within(&rung.substeps)));
     // A third and three times the default.
-    rungs.extend([3, 30].map(|iterations| with(base(), iterations)));
+    rungs.extend([3, 30].map(|iterations| with(usual(finest), iterations)));
     rungs.push(Settings {
         precision: Precision::Double,
-        ..base()
+        ..usual(finest)
     });
     rungs.extend(Reduction::ALL.map(|reduction| Settings {
         reduction: Some(reduction),
-        ..base()
+        ..usual(finest)
     }));
     rungs.push(rapier(1));
     // Rapier's are internal steps that cost as much each: a quarter, and twice the default.
@@ -130,6 +138,11 @@ mod tests {
             [1, 2, 4, 8]
         );
         assert!(candidates(2).iter().all(|rung| rung.substeps <= 2));
+        let default = |rung: &&Settings| rung.steps() == Substeps::DEFAULT;
+        let (alone, changed): (Vec<_>, Vec<_>) = rungs.iter().filter(default).partition(|rung| {
+            same(rung, &base().with_steps(Substeps::DEFAULT))
+        });
+        assert_eq!((alone.len(), changed.len()), (1, 3 + Reduction::ALL.len()));
     }
 
     #[test]
