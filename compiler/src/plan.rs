@@ -37,6 +37,16 @@ pub struct Plan {
     pub grown: Vec<Grown>,
 }
 
+impl Plan {
+    /// The number of the phase that an event belongs to; `None`: it stands where it does not belong, in none.
+    pub fn phase_of(&self, event: EventId) -> Option<usize> {
+        let ended = |phase: &PlanPhase| phase.events.end <= event.0;
+        let number = self.phases.partition_point(ended);
+        let phase = self.phases.get(number)?;
+        phase.events.contains(&event.0).then_some(number)
+    }
+}
+
 /// An instance of a pattern.
 #[derive(Clone, Copy, Debug)]
 pub struct Grown {

@@ -10,7 +10,7 @@ use stochc_ir::table::RoleId;
 use crate::expand::{Bounds, Limits, Probe, expand_probed};
 use crate::graph::Dependency;
 use crate::names::{Keep, Names};
-use crate::plan::{EventId, EventKind, Plan};
+use crate::plan::{EventId, EventKind};
 use crate::program::declarations;
 use crate::{Checked, FileId, Program};
 
@@ -138,18 +138,11 @@ impl<'a> Ancestry<'a> {
         if let Some(edge) = here {
             return Some(graph[edge.source()]);
         }
-        let start = phase_of(&self.program.plan, capture)?.events.start;
+        let plan = &self.program.plan;
+        let start = plan.phases[plan.phase_of(capture)?].events.start;
         let earlier = self.captures(parent).iter().rev();
         earlier.copied().find(|id| id.0 < start)
     }
-}
-
-/// The phase that an event belongs to.
-pub fn phase_of(plan: &Plan, event: EventId) -> Option<&crate::plan::PlanPhase> {
-    let after = plan
-        .phases
-        .partition_point(|phase| phase.events.end <= event.0);
-    plan.phases.get(after)
 }
 
 #[cfg(test)]

@@ -2,43 +2,5 @@
 //! tables.
 #![no_main]
 use libfuzzer_sys::fuzz_target;
-use stochc_compiler::cost::estimate;
-use stochc_compiler::diagnostic::Renderer;
-use stochc_compiler::{Limits, check};
 
-/// Small enough that every execution is quick.
-const LIMITS: Limits = Limits {
-    events: 500,
-    steps: 5_000,
-    search: 2_000,
-    further: None,
-};
-
-fuzz_target!(|bytes: &[u8]| {
-    let mut reader = |path: &str| match path {
-        "fuzz.sa" => Ok(bytes.to_vec()),
-        _ => Err("there is only one file".to_owned()),
-    };
-    let checked = check("fuzz.sa", &mut reader, LIMITS);
-    let renderer = Renderer::new(false, 100);
-    for diagnostic in &checked.diagnostics {
-        for label in &diagnostic.labels {
-            let text = &checked.sources.file(label.site.file).text;
-            let span = label.site.span;
-            assert!(text.get(span.start as usize..span.end as usize).is_some());
-        }
-    }
-    for diagnostic in checked.diagnostics.iter().take(5) {
-        let shown = renderer.render(diagnostic, &checked.sources);
-        assert!(!shown.contains(|c: char| c.is_control() && c != '\n'));
-    }
-    for program in &checked.programs {
-        if program.plan.events.len() <= 40 {
-            let rates = program.scene.as_ref().and_then(stochc_rates::Rates::built_in);
-            let _ = estimate(program, rates);
-        }
-        if !checked.has_errors() {
-            assert!(program.tables.is_some());
-        }
-    }
-});
+fuzz_target!(|bytes: &[u8]| stochc_fuzz::check::read(bytes));

@@ -1,8 +1,10 @@
-//! What the targets for files do with an input, and the program that it is about. An ordinary test does the same with the corpus.
+//! What the targets do with an input, and the program that files are about. An ordinary test does the same with the corpus.
+pub mod check;
 pub mod checkpoint;
 pub mod executable;
 pub mod journal;
 pub mod manifest;
+pub mod parse;
 pub mod recording;
 
 use std::path::PathBuf;

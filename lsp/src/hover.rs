@@ -5,7 +5,7 @@ use stochc_compiler::cost::{Cost, estimate};
 use stochc_compiler::names::{Kind, Occurrence};
 use stochc_compiler::order::Order;
 use stochc_compiler::plan::{EventId, EventKind, PlanPhase};
-use stochc_compiler::source_map::{Ancestry, Located, blocks_at, phase_of};
+use stochc_compiler::source_map::{Ancestry, Located, blocks_at};
 use stochc_compiler::{Cancellation, Cancelled, FileId, Limits, Program, Site};
 use stochc_grammar::tree::{Item, Tree};
 use stochc_ir::emit::duties_text;
@@ -114,7 +114,7 @@ fn block(
         let depth = ancestry.depth(capture);
         let depth = depth.map_or_else(String::new, |depth| format!(", depth {depth}"));
         let parent = name(parent);
-        let how = match phase_of(plan, capture) {
+        let how = match phase_of(program, capture) {
             Some(phase) if phase.planted => format!("attached by hand to `{parent}.{face}`"),
             _ => {
                 let phase = phase_name(program, capture);
@@ -148,7 +148,12 @@ fn times(program: &Program) -> Option<Cost> {
 }
 
 fn phase_name(program: &Program, event: EventId) -> &str {
-    phase_of(&program.plan, event).map_or("?", |phase| &phase.name)
+    phase_of(program, event).map_or("?", |phase| &phase.name)
+}
+
+fn phase_of(program: &Program, event: EventId) -> Option<&PlanPhase> {
+    let number = program.plan.phase_of(event)?;
+    program.plan.phases.get(number)
 }
 
 /// What is written where a thing is declared.

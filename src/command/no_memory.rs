@@ -26,10 +26,7 @@ pub fn print_backtraces_ourselves() {
         if let Some(name) = arguments.next() {
             command.arg0(name);
         }
-        command
-            .args(arguments)
-            .env(RUSTS, "0")
-            .env(OURS, asked);
+        command.args(arguments).env(RUSTS, "0").env(OURS, asked);
         // Where it cannot be begun, this one goes on.
         let _ = command.exec();
     }

@@ -129,7 +129,9 @@ fn steps(program: &Program, order: &Order) -> Vec<Vec<Step>> {
     let phases = &program.plan.phases;
     let mut steps: Vec<Vec<Step>> = phases.iter().map(|_| Vec::new()).collect();
     for &id in &order.events {
-        let phase = phases.partition_point(|phase| phase.events.end <= id.0);
+        let Some(phase) = program.plan.phase_of(id) else {
+            continue;
+        };
         let node = NodeIndex::new(id.0 as usize);
         let before = needed(&program.graph, &order.unneeded, node, Incoming)
             .map(|edge| edge.source().index() as u32)

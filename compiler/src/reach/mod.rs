@@ -153,15 +153,11 @@ pub fn check(
 
 /// The events of each phase, each behind all it waits for.
 fn events_by_phase(plan: &Plan, order: &Order) -> Vec<Vec<EventId>> {
-    let mut phase_of = vec![0u32; plan.events.len()];
-    for (number, phase) in plan.phases.iter().enumerate() {
-        for id in phase.events.clone() {
-            phase_of[id as usize] = number as u32;
-        }
-    }
     let mut events = vec![Vec::new(); plan.phases.len()];
     for &id in &order.events {
-        events[phase_of[id.0 as usize] as usize].push(id);
+        if let Some(phase) = plan.phase_of(id) {
+            events[phase].push(id);
+        }
     }
     events
 }

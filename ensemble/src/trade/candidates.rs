@@ -139,9 +139,10 @@ mod tests {
         );
         assert!(candidates(2).iter().all(|rung| rung.substeps <= 2));
         let default = |rung: &&Settings| rung.steps() == Substeps::DEFAULT;
-        let (alone, changed): (Vec<_>, Vec<_>) = rungs.iter().filter(default).partition(|rung| {
-            same(rung, &base().with_steps(Substeps::DEFAULT))
-        });
+        let (alone, changed): (Vec<_>, Vec<_>) = rungs
+            .iter()
+            .filter(default)
+            .partition(|rung| same(rung, &base().with_steps(Substeps::DEFAULT)));
         assert_eq!((alone.len(), changed.len()), (1, 3 + Reduction::ALL.len()));
     }
 
