@@ -1,8 +1,10 @@
 //! Checkpoints: the states of runs under way, in a folder beside the journal, from which they go on after whatever has
 //! ended the process.
 //!
-//! A file is a line of JSON with its checksum, which says whose state it is, the state as [`stochc_ir::state`] writes it, and
-//! a checksum (CRC-32) of both.
+//! A file is a line of JSON with its checksum, which says whose state it is, the state as [`stochc_ir::state`] writes it, a
+//! signature ([`stochc_files::key`]) of both, and a checksum (CRC-32) of all of it.
+//!
+//! A state is taken over as it is, by Rapier into structures that trust what is in them: only one's own may be.
 use std::cell::Cell;
 use std::collections::BTreeSet;
 use std::fs::OpenOptions;
@@ -15,6 +17,7 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 use stochc_files::atomic::{Draft, Replaces, make_own_folder, move_aside};
 use stochc_files::checksum::{self, Line, Summed, of_file};
+use stochc_files::key::{self, Key as SecretKey, Signed};
 use stochc_files::{File, budget, disk, open_own};
 use stochc_ir::state::Writer;
 use stochc_runtime::Save;
@@ -28,14 +31,15 @@ use super::{Manifest, this_build};
 pub const CHECKPOINTS: &str = "checkpoints";
 
 /// Of the file.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// How the name of a checkpoint ends.
 const SUFFIX: &str = ".state";
 /// Bytes of the first line, fewer than which it has.
 const MOST: u64 = 1 << 12;
-/// Bytes of the checksum at the end.
-const SEAL: u64 = 4;
+/// Bytes of the signature and the checksum at the end.
+const SIGNATURE: u64 = key::LENGTH as u64;
+const CHECKSUM: u64 = 4;
 
 /// Ticks between two looks at the clock.
 const LOOK_EVERY: u32 = 16;
@@ -260,17 +264,22 @@ impl Checkpoints {
         } else if (header.program, header.run) != (program, run) {
             "of another run"
         } else {
-            return Ok(Found::Sound(header.tick, place));
+            let key = SecretKey::of_user()?;
+            match is_signed(key, file, place[1])? {
+                true => return Ok(Found::Sound(header.tick, place)),
+                false => "not signed by this user on this machine",
+            }
         };
         Ok(Found::Foreign(foreign))
     }
 
     /// Writes a file whole, or leaves the one that is there.
     fn write(&self, (program, run): Key, tick: u64, save: &mut Save<'_>) -> io::Result<()> {
+        let key = SecretKey::of_user()?;
         make_own_folder(&self.path.join(CHECKPOINTS))?;
         // Several machines may make one piece: what each writes is a state of the same run.
         let draft = Draft::new(&self.file((program, run)), Replaces::Same)?;
-        let mut draft = Summed::new(draft);
+        let mut draft = Signed::new(Summed::new(draft), key);
         let header = Header {
             checkpoint: VERSION,
             ensemble: self.ensemble.clone(),
@@ -281,6 +290,8 @@ impl Checkpoints {
         };
         draft.write_all(super::journal::line(&header).as_bytes())?;
         save(&mut Writer::new(&mut draft)).map_err(io::Error::other)?;
+        let (mut draft, signature) = draft.finish();
+        draft.write_all(&signature)?;
         let (mut draft, sum) = draft.finish();
         draft.write_all(&sum.crc32.to_le_bytes())?;
         draft.keep()?;
@@ -477,21 +488,30 @@ fn read(file: &File) -> io::Result<Result<(Header, [u64; 2]), &'static str>> {
         .strip_suffix(b"\n")
         .filter(|line| checksum::check(line) == Line::Sound);
     let header = header.and_then(|line| serde_json::from_slice(line).ok());
-    let (Some(header), Some(ends)) = (header, bytes.checked_sub(SEAL)) else {
+    let (Some(header), Some(summed)) = (header, bytes.checked_sub(CHECKSUM)) else {
         return damaged;
     };
-    if ends < begins {
+    let Some(ends) = summed.checked_sub(SIGNATURE).filter(|it| *it >= begins) else {
         return damaged;
-    }
+    };
     from.seek(SeekFrom::Start(0))?;
-    let sum = of_file(from, ends)?;
-    let mut seal = [0; SEAL as usize];
-    from.seek(SeekFrom::Start(ends))?;
-    from.read_exact(&mut seal)?;
-    match sum.crc32 == u32::from_le_bytes(seal) {
+    let sum = of_file(from, summed)?;
+    let mut checksum = [0; CHECKSUM as usize];
+    from.seek(SeekFrom::Start(summed))?;
+    from.read_exact(&mut checksum)?;
+    match sum.crc32 == u32::from_le_bytes(checksum) {
         true => Ok(Ok((header, [begins, ends]))),
         false => damaged,
     }
+}
+
+/// Whether the signature behind a state that `ends` there is of this key.
+fn is_signed(key: &SecretKey, mut file: &File, ends: u64) -> io::Result<bool> {
+    let mut signature = [0; key::LENGTH];
+    file.seek(SeekFrom::Start(ends))?;
+    file.read_exact(&mut signature)?;
+    file.seek(SeekFrom::Start(0))?;
+    key.has_signed(file, ends, &signature)
 }
 
 /// What somebody else has removed is gone as well.

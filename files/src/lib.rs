@@ -5,6 +5,7 @@ pub mod budget;
 pub mod checksum;
 pub mod csv;
 pub mod disk;
+pub mod key;
 pub mod process;
 pub mod programs;
 pub mod shell;

@@ -82,8 +82,8 @@ pub enum SyntaxErrorKind {
 }
 
 impl SyntaxErrorKind {
-    /// Whether the grammar itself refuses the text. Where statements may stand, which names are taken, and how large a number may be, is
-    /// not the grammar's to say.
+    /// Whether the grammar itself refuses the text. Where statements may stand, which names are taken, how large a number may be, and
+    /// that a level has a reason, is not the grammar's to say.
     pub fn is_of_grammar(&self) -> bool {
         !matches!(
             self,
@@ -91,6 +91,7 @@ impl SyntaxErrorKind {
                 | SyntaxErrorKind::ReservedWord { .. }
                 | SyntaxErrorKind::FaceMisused { .. }
                 | SyntaxErrorKind::DanglingDoc
+                | SyntaxErrorKind::MissingReason
                 | SyntaxErrorKind::NumberTooLarge
         )
     }

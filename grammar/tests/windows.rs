@@ -213,6 +213,46 @@ fn blocks_of_all_kinds_in_turn_are_read_whole() {
     }
 }
 
+/// Each kind of error, but for those of limits, which the grammar alone does not know.
+#[test]
+fn an_error_is_of_the_grammar_if_that_refuses_the_text() {
+    let texts = [
+        "assembly a { seed }",
+        "assembly a {",
+        "assembly a phase p { } }",
+        "}",
+        "assembly a { phase p { } } }",
+        "assembly a { A.up -> B }",
+        "phase p { }",
+        "shape s (2)",
+        "scene s from hemisphere { free uniform }",
+        "scene s from hemisphere { tick s }",
+        "assembly a { seed plate 1 x 1 { after at (0, 0) } }",
+        "assembly a { seed plate 1 x 1 { up at (0, 0) } }",
+        "assembly a { phase p { A.B -> C } }",
+        "assembly a { phase p { up -> C } }",
+        "let n = 99999999999999999999",
+        "scene s from hemisphere { tick 1e999 s }",
+        "deny tight-approach\n",
+        "allow tight-approach \"why\"",
+        "/// to nothing\n",
+        "assembly a { } /// to nothing",
+    ];
+    let mut kinds = std::collections::HashSet::new();
+    for text in texts {
+        let parsed = read(text);
+        let of_grammar = (parsed.errors.iter()).any(|error| error.kind.is_of_grammar());
+        assert_eq!(!of_grammar, accepts(text), "{text:?}: {:?}", parsed.errors);
+        kinds.extend(
+            parsed
+                .errors
+                .into_iter()
+                .map(|error| std::mem::discriminant(&error.kind)),
+        );
+    }
+    assert!(kinds.len() >= 10, "{}", kinds.len());
+}
+
 /// One wrong byte far behind the first window: both readers see it, or neither does.
 #[test]
 fn the_verdict_is_that_of_the_whole_grammar() {

@@ -1,5 +1,6 @@
 //! Runs go on from the states that were kept of them, and those are used for nothing else.
 use std::fs;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -8,6 +9,7 @@ use stochc::ensemble::verify::{repair, verify};
 use stochc::ensemble::{
     CHECKPOINTS, Cancelled, Destination, Folder, Interval, Manifest, Progress, Watch,
 };
+use stochc_files::key::{Key, Signed};
 use stochc_ir::record::RunRecord;
 use stochc_ir::state::Writer;
 use stochc_runtime::Watch as _;
@@ -142,7 +144,7 @@ fn a_state_that_makes_no_sense_costs_no_run() {
     for state in [&too_late[..], b"", &endless] {
         let folder = tempfile::tempdir().unwrap();
         stopped(folder.path(), &manifest);
-        forge(&checkpoint(folder.path()), str::to_owned, state);
+        forge(&checkpoint(folder.path()), str::to_owned, state, true);
         let notes = resumed(folder.path(), &manifest);
         assert_eq!(notes.len(), 2, "{notes:?}");
         assert!(
@@ -153,8 +155,29 @@ fn a_state_that_makes_no_sense_costs_no_run() {
     }
 }
 
-/// Gives a checkpoint another first line and another state, with the checksums of those.
-fn forge(file: &Path, header: impl Fn(&str) -> String, state: &[u8]) {
+/// What somebody else has written nobody takes over, whatever its checksums say.
+#[test]
+fn a_state_of_somebody_else_is_not_used() {
+    let (folder, manifest) = (tempfile::tempdir().unwrap(), manifest(4));
+    stopped(folder.path(), &manifest);
+    let mut state = Vec::new();
+    Writer::new(&mut state).put(&70u64).unwrap();
+    forge(&checkpoint(folder.path()), str::to_owned, &state, false);
+    let health = verify(folder.path()).unwrap();
+    assert!(!health.iter().any(|file| file.health.is_damaged()));
+    let notes = resumed(folder.path(), &manifest);
+    assert_eq!(
+        notes,
+        [
+            "the checkpoint of run 2 of `right` is not used, for it is not signed by this user on this machine; the run begins \
+             anew"
+        ]
+    );
+    assert!(bytes(folder.path()) == undisturbed(&manifest));
+}
+
+/// Gives a checkpoint another first line and another state, with the checksums of those, and with the signature of this user or of nobody.
+fn forge(file: &Path, header: impl Fn(&str) -> String, state: &[u8], is_signed: bool) {
     let bytes = fs::read(file).unwrap();
     let end = bytes.iter().position(|&byte| byte == b'\n').unwrap();
     let line = std::str::from_utf8(&bytes[..end]).unwrap();
@@ -162,6 +185,11 @@ fn forge(file: &Path, header: impl Fn(&str) -> String, state: &[u8]) {
     let mut forged = stochc_files::checksum::sealed(&header(&open)).into_bytes();
     forged.push(b'\n');
     forged.extend_from_slice(state);
+    let mut signed = Signed::new(Vec::new(), Key::of_user().unwrap());
+    signed.write_all(&forged).unwrap();
+    let (_, mut signature) = signed.finish();
+    signature[0] ^= u8::from(!is_signed);
+    forged.extend(signature);
     let sum = stochc_files::checksum::crc32(&forged);
     forged.extend(sum.to_le_bytes());
     put(file, forged);
@@ -178,7 +206,7 @@ fn a_checkpoint_of_something_else_is_not_used() {
         ),
         ("of another ensemble", "\"ensemble\":\"", "\"ensemble\":\"0"),
         ("of another run", "\"run\":2", "\"run\":1"),
-        ("in another format", "\"checkpoint\":1", "\"checkpoint\":9"),
+        ("in another format", "\"checkpoint\":2", "\"checkpoint\":9"),
     ] {
         let folder = tempfile::tempdir().unwrap();
         stopped(folder.path(), &manifest);
@@ -187,6 +215,7 @@ fn a_checkpoint_of_something_else_is_not_used() {
             &checkpoint(folder.path()),
             |line| line.replacen(from, to, 1),
             &state,
+            true,
         );
         let notes = resumed(folder.path(), &manifest);
         let told = format!(
