@@ -137,6 +137,11 @@ impl<R: Lane> Bodies<R> {
         squares.fold(R::zero(), R::max).sqrt()
     }
 
+    /// How many are anchored.
+    pub fn count_anchored(&self) -> usize {
+        self.anchored.iter().flatten().count()
+    }
+
     /// How many blocks have a coordinate beyond this \[side\].
     pub fn count_beyond(&self, span: R) -> usize {
         let beyond = |&id: &u32| self.position(id).amax() > span;

@@ -45,6 +45,8 @@ pub(super) struct CellList<R: Lane> {
     stride: [usize; 2],
     /// Where the blocks of a cell begin in the sorted list; the next one begins where they end.
     start: Vec<u32>,
+    /// Anchored blocks in the cells before each one; empty unless most blocks are anchored.
+    anchored: Vec<u32>,
     /// The cell of each block by number.
     cells: Vec<u32>,
     /// The blocks, sorted by cell and then by number: cell, who it is, and place.
@@ -65,6 +67,10 @@ impl Tag {
 
     fn id(self) -> u32 {
         self.0 >> 1
+    }
+
+    fn is_anchored(self) -> bool {
+        self.0 & 1 == 1
     }
 
     fn are_anchored(self, other: Tag) -> bool {
@@ -99,6 +105,7 @@ impl<R: Lane> CellList<R> {
             stride,
             // With the cells after the last one, and what counting needs.
             start: vec![0; stride[1] * slabs as usize + 4],
+            anchored: Vec::new(),
             cells: vec![0; count.next_multiple_of(LANES)],
             sorted: vec![(0, Tag::default()); count],
             places: [(); 3].map(|()| vec![R::of(f64::NAN); count + ABREAST]),
@@ -119,6 +126,18 @@ impl<R: Lane> CellList<R> {
         for start in &mut self.start {
             sum += *start;
             *start = sum;
+        }
+        self.anchored.clear();
+        if 2 * bodies.count_anchored() > cells.len() {
+            self.anchored.resize(self.start.len(), 0);
+            for (i, &cell) in (0..).zip(cells) {
+                self.anchored[cell as usize + 1] += u32::from(!bodies.is_free(i));
+            }
+            let mut sum = 0;
+            for anchored in &mut self.anchored {
+                sum += *anchored;
+                *anchored = sum;
+            }
         }
         let [x, y, z] = [0, 1, 2].map(|axis| &bodies.position[axis][..cells.len()]);
         let [to_x, to_y, to_z] = self
@@ -191,6 +210,13 @@ impl<R: Lane> CellList<R> {
         }
     }
 
+    /// Whether all blocks in some cells, up to before another one, are known to be anchored.
+    #[inline(always)]
+    fn are_anchored(&self, [from, to]: [usize; 2]) -> bool {
+        let of = |before: &[u32]| before[to] - before[from];
+        !self.anchored.is_empty() && of(&self.anchored) == of(&self.start)
+    }
+
     /// Every pair of blocks that are near each other, but those of which both are anchored; once,
     /// the lower number first, in rising order.
     pub fn close_pairs(&self, pairs: &mut Vec<(u32, u32)>) {
@@ -210,8 +236,12 @@ impl<R: Lane> CellList<R> {
                 end = (cell / slab + 1) * slab;
             }
             let here = places.map(|x| R::Quad::splat(x[k]));
-            let mut meet = |from: u32, to: u32| {
-                let (mut from, to) = (from as usize, to as usize);
+            // Those from a place on in some cells, up to before another cell.
+            let mut meet = |from: u32, cells: [usize; 2]| {
+                let (mut from, to) = (from as usize, start[cells[1]] as usize);
+                if own.is_anchored() && self.are_anchored(cells) {
+                    return;
+                }
                 loop {
                     let mut hits = near.above(squares(places, &here, from)).bits();
                     // Whoever is near beyond the end of the stretch is met twice.
@@ -229,12 +259,14 @@ impl<R: Lane> CellList<R> {
                     }
                 }
             };
-            meet(k as u32 + 1, start[cell + 2]);
-            let above = &start[cell + row - 1..][..4];
-            meet(above[0], above[3]);
+            meet(k as u32 + 1, [cell, cell + 2]);
+            let around = |other: usize| [other - 1, other + 2];
+            let above = around(cell + row);
+            meet(start[above[0]], above);
             if places[0][k] > edge {
                 for other in [cell + slab - row, cell + slab, cell + slab + row] {
-                    meet(start[other - 1], start[other + 2]);
+                    let beside = around(other);
+                    meet(start[beside[0]], beside);
                 }
             }
         }
@@ -299,12 +331,13 @@ mod tests {
                 })
                 .collect();
             let mut bodies: Bodies<f64> = Bodies::new(&blocks, 1.0, 1.0);
-            let anchored = |i: u32| i.is_multiple_of(4);
+            // Few of them, or most.
+            let anchored = |i: u32| i.is_multiple_of(4) == (case / 24 % 2 == 0);
             for i in (0..40).filter(|&i| anchored(i)) {
                 let place = blocks[i as usize].position;
                 bodies.anchor(i, place, Orientation::IDENTITY);
             }
-            let top = [span, floor + 0.6][case / 24 % 2];
+            let top = [span, floor + 0.6][case / 48 % 2];
             let mut grid = CellList::new(blocks.len(), span, [floor, top], near);
             let mut found = Vec::new();
             grid.sort(&bodies);
