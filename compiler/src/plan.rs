@@ -276,8 +276,10 @@ impl Roles {
     fn write(&self, key: Key, symbols: &Symbols, text: &mut String) {
         use std::fmt::Write as _;
         // The depth of scopes is bounded by the depth of the expansion.
-        if key.scope > 0 {
-            self.write(self.scope_keys[key.scope as usize - 1], symbols, text);
+        let scope = (key.scope as usize).checked_sub(1);
+        // While it is only counted what there will be, scopes have no keys.
+        if let Some(&outer) = scope.and_then(|scope| self.scope_keys.get(scope)) {
+            self.write(outer, symbols, text);
             text.push('.');
         }
         text.push_str(symbols.word(key.word));

@@ -548,9 +548,7 @@ impl<'a> Expander<'a, '_> {
         let Some(name) = self.single_key(&phase.name) else {
             return;
         };
-        let mut roles = Roles::default();
-        let role = roles.intern(name);
-        let name = roles.name(role, self.symbols);
+        let name = self.plan.roles.name_of(name, self.symbols);
         if let Some(&old) = self.phase_sites.get(&name) {
             self.diagnostics
                 .push(duplicate(&name, old, site, "a phase"));

@@ -210,11 +210,19 @@ impl<R: Lane> CellList<R> {
         }
     }
 
-    /// Whether all blocks in some cells, up to before another one, are known to be anchored.
-    #[inline(always)]
-    fn are_anchored(&self, [from, to]: [usize; 2]) -> bool {
-        let of = |before: &[u32]| before[to] - before[from];
-        !self.anchored.is_empty() && of(&self.anchored) == of(&self.start)
+    /// Whether all blocks that are asked for around a cell are known to be anchored.
+    fn has_no_free_neighbour(&self, cell: usize) -> bool {
+        let [row, slab] = self.stride;
+        let next = cell + slab;
+        let stretches = [cell + 1, cell + row, next - row, next, next + row];
+        let are_anchored = |other: usize| {
+            let of = |before: &[u32]| match before.get(other + 2) {
+                Some(last) => last - before[other - 1],
+                None => 0,
+            };
+            of(&self.anchored) == of(&self.start)
+        };
+        !self.anchored.is_empty() && stretches.into_iter().all(are_anchored)
     }
 
     /// Every pair of blocks that are near each other, but those of which both are anchored; once,
@@ -236,12 +244,11 @@ impl<R: Lane> CellList<R> {
                 end = (cell / slab + 1) * slab;
             }
             let here = places.map(|x| R::Quad::splat(x[k]));
-            // Those from a place on in some cells, up to before another cell.
-            let mut meet = |from: u32, cells: [usize; 2]| {
-                let (mut from, to) = (from as usize, start[cells[1]] as usize);
-                if own.is_anchored() && self.are_anchored(cells) {
-                    return;
-                }
+            if own.is_anchored() && self.has_no_free_neighbour(cell) {
+                continue;
+            }
+            let mut meet = |from: u32, to: u32| {
+                let (mut from, to) = (from as usize, to as usize);
                 loop {
                     let mut hits = near.above(squares(places, &here, from)).bits();
                     // Whoever is near beyond the end of the stretch is met twice.
@@ -259,14 +266,12 @@ impl<R: Lane> CellList<R> {
                     }
                 }
             };
-            meet(k as u32 + 1, [cell, cell + 2]);
-            let around = |other: usize| [other - 1, other + 2];
-            let above = around(cell + row);
-            meet(start[above[0]], above);
+            meet(k as u32 + 1, start[cell + 2]);
+            let above = &start[cell + row - 1..][..4];
+            meet(above[0], above[3]);
             if places[0][k] > edge {
                 for other in [cell + slab - row, cell + slab, cell + slab + row] {
-                    let beside = around(other);
-                    meet(start[beside[0]], beside);
+                    meet(start[other - 1], start[other + 2]);
                 }
             }
         }
