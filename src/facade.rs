@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use stochc_compiler::{Checked, Limits, LintLevels, Program};
 use stochc_ir::Executable;
 use stochc_ir::record::RunRecord;
-use stochc_ir::scene::scalars::Change;
+use stochc_ir::scene::scalars::ScalarChange;
 use stochc_runtime::{RunError, Settings};
 
 use crate::diagnostics::{Format, show};
@@ -48,7 +48,7 @@ pub fn check_texts(
     texts: &[(&str, &str)],
     levels: &LintLevels,
     assembly: &str,
-    changes: &[Change],
+    changes: &[ScalarChange],
 ) -> Checked {
     let mut reader = |path: &str| {
         let found = texts.iter().find(|(name, _)| *name == path);

@@ -13,7 +13,7 @@ impl Program {
         let (plan, order) = (&self.plan, self.order.as_ref());
         let phases = (0..).zip(&plan.phases);
         let events = phases.flat_map(|(number, phase)| {
-            plan.events_of(phase).map(move |id| graph::Event {
+            plan.events_of(phase).map(move |id| graph::GraphEvent {
                 phase: stochc_ir::table::PhaseId(number),
                 action: plan.event(id).action(),
                 cell: self.layout.cells[id.0 as usize],

@@ -2,7 +2,7 @@
 use rustc_hash::FxHashMap;
 use stochc_grammar::tree::{Assembly, ItemKind, Tree};
 use stochc_grammar::{Cancellation, Cancelled, Symbols};
-use stochc_ir::scene::scalars::{self, Change};
+use stochc_ir::scene::scalars::{self, ScalarChange};
 use stochc_ir::scene::{BondKind, Scene};
 use stochc_ir::table::Tables;
 
@@ -121,7 +121,7 @@ pub fn check_changed(
     limits: Limits,
     levels: &LintLevels,
     assembly: &str,
-    changes: &[Change],
+    changes: &[ScalarChange],
 ) -> Checked {
     let bounds = unhurried(limits);
     to_its_end(judged(path, reader, bounds, levels, (assembly, changes)))
@@ -167,7 +167,7 @@ fn judged(
     reader: &mut dyn Reader,
     bounds: Bounds<'_>,
     levels: &LintLevels,
-    changes: (&str, &[Change]),
+    changes: (&str, &[ScalarChange]),
 ) -> Result<Checked, Cancelled> {
     let check_all = |texts: &mut dyn Reader, is_trial: bool| {
         check_all(path, texts, bounds, levels, changes, is_trial, &mut |_| {})
@@ -205,7 +205,7 @@ fn check_all(
     reader: &mut dyn Reader,
     bounds: Bounds<'_>,
     levels: &LintLevels,
-    changes: (&str, &[Change]),
+    changes: (&str, &[ScalarChange]),
     is_trial: bool,
     done: &mut dyn FnMut(Stage),
 ) -> Result<Checked, Cancelled> {
@@ -294,7 +294,7 @@ struct About<'a> {
     readable: bool,
     bounds: Bounds<'a>,
     /// Other numbers for the scene of the one of this name.
-    changes: (&'a str, &'a [Change]),
+    changes: (&'a str, &'a [ScalarChange]),
     /// A change is tried: only what is wrong and where matters, not what helps.
     is_trial: bool,
 }

@@ -19,7 +19,7 @@ use stochc_files::atomic::{Draft, Replaces, make_own_folder, move_aside};
 use stochc_files::checksum::{self, Line, Summed, of_file};
 use stochc_files::key::{self, Key as SecretKey, Signed};
 use stochc_files::{File, budget, disk, open_own};
-use stochc_ir::state::Writer;
+use stochc_ir::state::StateWriter;
 use stochc_runtime::Save;
 
 use super::clock;
@@ -289,7 +289,7 @@ impl Checkpoints {
             tick,
         };
         draft.write_all(super::journal::line(&header).as_bytes())?;
-        save(&mut Writer::new(&mut draft)).map_err(io::Error::other)?;
+        save(&mut StateWriter::new(&mut draft)).map_err(io::Error::other)?;
         let (mut draft, signature) = draft.finish();
         draft.write_all(&signature)?;
         let (mut draft, sum) = draft.finish();

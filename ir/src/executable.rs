@@ -44,7 +44,7 @@ struct Head {
 }
 
 #[derive(Serialize)]
-struct File<'a> {
+struct ExecutableFile<'a> {
     kind: &'a str,
     format: u32,
     programs: &'a [Executable],
@@ -75,7 +75,7 @@ impl Executable {
     /// # Errors
     /// When `out` takes no more.
     pub fn write_all(programs: &[Executable], mut out: impl Write) -> io::Result<()> {
-        let file = File {
+        let file = ExecutableFile {
             kind: KIND,
             format: FORMAT,
             programs,

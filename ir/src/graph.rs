@@ -14,7 +14,7 @@ pub struct EventId(pub u32);
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct EventGraph {
     /// The events; those of a phase are a contiguous range.
-    pub events: Vec<Event>,
+    pub events: Vec<GraphEvent>,
     /// The longest serial chain of each phase: captures that have to follow one another, with the releases between
     /// them. A planted phase has none.
     pub chains: Vec<Vec<EventId>>,
@@ -24,7 +24,7 @@ pub struct EventGraph {
 
 /// A capture or a release.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Event {
+pub struct GraphEvent {
     /// In which phase.
     pub phase: PhaseId,
     /// What happens.
@@ -146,7 +146,11 @@ impl EventAction {
 
 impl EventGraph {
     /// Puts a graph together; the edges may come in any order, and of two with the same ends and reason one stays.
-    pub fn new(events: Vec<Event>, mut edges: Vec<Edge>, chains: Vec<Vec<EventId>>) -> EventGraph {
+    pub fn new(
+        events: Vec<GraphEvent>,
+        mut edges: Vec<Edge>,
+        chains: Vec<Vec<EventId>>,
+    ) -> EventGraph {
         let key = |edge: &Edge| (edge.then, edge.first, edge.why.word());
         edges.sort_by_key(key);
         edges.dedup_by_key(|edge| key(edge));
@@ -159,7 +163,7 @@ impl EventGraph {
     }
 
     /// An event.
-    pub fn event(&self, id: EventId) -> &Event {
+    pub fn event(&self, id: EventId) -> &GraphEvent {
         &self.events[id.0 as usize]
     }
 

@@ -12,7 +12,7 @@ pub trait State {
     ///
     /// # Errors
     /// Those of the writer, and where it does not know how.
-    fn save(&self, _to: &mut Writer<'_>) -> Result<(), StateError> {
+    fn save(&self, _to: &mut StateWriter<'_>) -> Result<(), StateError> {
         Err(StateError::unknown())
     }
 
@@ -20,28 +20,28 @@ pub trait State {
     ///
     /// # Errors
     /// Those of the reader, and where it is not what was written.
-    fn restore(&mut self, _from: &mut Reader<'_>) -> Result<(), StateError> {
+    fn restore(&mut self, _from: &mut StateReader<'_>) -> Result<(), StateError> {
         Err(StateError::unknown())
     }
 }
 
 /// What has no state.
 impl State for () {
-    fn save(&self, _to: &mut Writer<'_>) -> Result<(), StateError> {
+    fn save(&self, _to: &mut StateWriter<'_>) -> Result<(), StateError> {
         Ok(())
     }
 
-    fn restore(&mut self, _from: &mut Reader<'_>) -> Result<(), StateError> {
+    fn restore(&mut self, _from: &mut StateReader<'_>) -> Result<(), StateError> {
         Ok(())
     }
 }
 
 impl<T: State> State for Option<T> {
-    fn save(&self, to: &mut Writer<'_>) -> Result<(), StateError> {
+    fn save(&self, to: &mut StateWriter<'_>) -> Result<(), StateError> {
         self.as_ref().map_or(Ok(()), |it| it.save(to))
     }
 
-    fn restore(&mut self, from: &mut Reader<'_>) -> Result<(), StateError> {
+    fn restore(&mut self, from: &mut StateReader<'_>) -> Result<(), StateError> {
         self.as_mut().map_or(Ok(()), |it| it.restore(from))
     }
 }
@@ -77,12 +77,12 @@ impl From<postcard::Error> for StateError {
 }
 
 /// Writes values one after the other, each with its length.
-pub struct Writer<'a>(&'a mut dyn Write);
+pub struct StateWriter<'a>(&'a mut dyn Write);
 
-impl<'a> Writer<'a> {
+impl<'a> StateWriter<'a> {
     /// Writes to `to`.
-    pub fn new(to: &'a mut dyn Write) -> Writer<'a> {
-        Writer(to)
+    pub fn new(to: &'a mut dyn Write) -> StateWriter<'a> {
+        StateWriter(to)
     }
 
     /// Writes a value.
@@ -107,13 +107,13 @@ impl<'a> Writer<'a> {
     }
 }
 
-/// Reads what a [`Writer`] has written.
-pub struct Reader<'a>(&'a mut dyn Read);
+/// Reads what a [`StateWriter`] has written.
+pub struct StateReader<'a>(&'a mut dyn Read);
 
-impl<'a> Reader<'a> {
+impl<'a> StateReader<'a> {
     /// Reads from `from`.
-    pub fn new(from: &'a mut dyn Read) -> Reader<'a> {
-        Reader(from)
+    pub fn new(from: &'a mut dyn Read) -> StateReader<'a> {
+        StateReader(from)
     }
 
     /// Reads the next value.
@@ -126,7 +126,7 @@ impl<'a> Reader<'a> {
         Ok(postcard::from_bytes(&bytes)?)
     }
 
-    /// Reads what [`Writer::copy`] has written.
+    /// Reads what [`StateWriter::copy`] has written.
     ///
     /// # Errors
     /// Those of both ends, and where there are fewer bytes than it says.
@@ -154,7 +154,7 @@ macro_rules! state {
         impl $($generics)* $crate::state::State for $type {
             fn save(
                 &self,
-                to: &mut $crate::state::Writer<'_>,
+                to: &mut $crate::state::StateWriter<'_>,
             ) -> Result<(), $crate::state::StateError> {
                 let Self { $($value,)* $($part,)* $($same: _,)* } = self;
                 $(to.put($value)?;)*
@@ -164,7 +164,7 @@ macro_rules! state {
 
             fn restore(
                 &mut self,
-                from: &mut $crate::state::Reader<'_>,
+                from: &mut $crate::state::StateReader<'_>,
             ) -> Result<(), $crate::state::StateError> {
                 $(self.$value = from.take()?;)*
                 $($crate::state::State::restore(&mut self.$part, from)?;)*

@@ -3,7 +3,7 @@ use serde_json::{Value, json};
 use stochc_compiler::scene::Words;
 use stochc_compiler::{FileId, Site, Span};
 use stochc_grammar::tree::ItemKind;
-use stochc_ir::scene::schema::Entry;
+use stochc_ir::scene::schema::SchemaEntry;
 
 use super::analysis::Analysis;
 
@@ -39,7 +39,7 @@ pub fn hover(analysis: &Analysis, at: usize) -> Option<(String, Site)> {
 
 /// The words that may stand at a byte.
 pub fn completions(analysis: &Analysis, at: usize) -> Vec<Value> {
-    let item = |entry: &&Entry| {
+    let item = |entry: &&SchemaEntry| {
         json!({
             "label": entry.word,
             "kind": KEYWORD,

@@ -1,5 +1,5 @@
 //! Looking on while a run goes: where every block is, and what the structure does.
-use stochc_ir::state::{Reader, State, StateError, Writer};
+use stochc_ir::state::{State, StateError, StateReader, StateWriter};
 use stochc_ir::table::{News, PhaseId, RoleId};
 use stochc_ir::{Cell, Face};
 use stochc_protocol::{Body, Orientation, Payload};
@@ -19,7 +19,7 @@ pub trait Observer {
     ///
     /// # Errors
     /// Those of [`State::save`].
-    fn save(&self, to: &mut Writer<'_>) -> Result<(), StateError> {
+    fn save(&self, to: &mut StateWriter<'_>) -> Result<(), StateError> {
         State::save(&Unknown, to)
     }
 
@@ -27,7 +27,7 @@ pub trait Observer {
     ///
     /// # Errors
     /// Those of [`State::restore`].
-    fn restore(&mut self, from: &mut Reader<'_>) -> Result<(), StateError> {
+    fn restore(&mut self, from: &mut StateReader<'_>) -> Result<(), StateError> {
         State::restore(&mut Unknown, from)
     }
 }
@@ -195,12 +195,12 @@ impl<'o, O: Observer> Lookout<'o, O> {
 }
 
 impl<O: Observer> State for Lookout<'_, O> {
-    fn save(&self, to: &mut Writer<'_>) -> Result<(), StateError> {
+    fn save(&self, to: &mut StateWriter<'_>) -> Result<(), StateError> {
         to.put(&self.inside)?;
         self.observer.save(to)
     }
 
-    fn restore(&mut self, from: &mut Reader<'_>) -> Result<(), StateError> {
+    fn restore(&mut self, from: &mut StateReader<'_>) -> Result<(), StateError> {
         self.inside = from.take()?;
         self.observer.restore(from)
     }

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use stochc_ir::record::{Limit, Outcome, RunRecord};
 use stochc_ir::scene::{Messages, Scene};
-use stochc_ir::state::{Reader, State, StateError, Writer};
+use stochc_ir::state::{State, StateError, StateReader, StateWriter};
 use stochc_ir::table::{PhaseId, Tables};
 
 use crate::aggregate::gather;
@@ -21,7 +21,7 @@ use crate::world::{Arena, SceneError, World};
 const STRAYS: f64 = 0.25;
 
 /// Writes the state of a run.
-pub type Save<'a> = dyn FnMut(&mut Writer<'_>) -> Result<(), StateError> + 'a;
+pub type Save<'a> = dyn FnMut(&mut StateWriter<'_>) -> Result<(), StateError> + 'a;
 
 /// Looks on while a run goes, and may end it, or keep its state for another one to go on from.
 ///
@@ -220,7 +220,7 @@ pub(crate) fn resume(
     let Some(mut kept) = watch.kept() else {
         return Ok(false);
     };
-    let mut reader = Reader::new(&mut *kept);
+    let mut reader = StateReader::new(&mut *kept);
     parts
         .iter_mut()
         .try_for_each(|part| part.restore(&mut reader))?;

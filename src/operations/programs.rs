@@ -5,7 +5,7 @@ use stochc_compiler::{Checked, LintLevels};
 use stochc_ensemble::{Program, Source, Varied};
 use stochc_files::programs::{executables, refusal};
 use stochc_ir::Executable;
-use stochc_ir::scene::scalars::Change;
+use stochc_ir::scene::scalars::ScalarChange;
 
 use crate::exit::{Exit, Failure};
 use crate::host::Host;
@@ -98,7 +98,7 @@ pub fn recompile(
     let texts: Vec<_> = texts
         .map(|it| (it.path.as_str(), it.text.as_str()))
         .collect();
-    let changes = varied.iter().map(|varied| Change {
+    let changes = varied.iter().map(|varied| ScalarChange {
         of: varied.of.clone(),
         value: varied.value,
     });

@@ -1,6 +1,6 @@
 //! What a scene does that settings do not resolve, and what it does not do at all.
 use stochc_ir::scene::Scene;
-use stochc_ir::scene::groups::{Bound, Group, groups, turn_in_steps};
+use stochc_ir::scene::groups::{DimensionlessGroup, RangeBound, groups, turn_in_steps};
 use stochc_runtime::{Model, Precision, Settings, Substeps};
 
 /// A doubt about a scene: the figure that gives rise to it, and what comes of it.
@@ -20,7 +20,7 @@ pub struct SceneWarning {
 pub fn scene_warnings(scene: &Scene, settings: &Settings) -> Vec<SceneWarning> {
     let steps = settings.steps_in(scene);
     let groups = groups(scene);
-    let taken = |group: &Group| {
+    let taken = |group: &DimensionlessGroup| {
         if group.of_faces {
             steps.near
         } else {
@@ -60,7 +60,7 @@ fn digits(scene: &Scene, settings: &Settings, steps: Substeps) -> Option<SceneWa
     })
 }
 
-fn doubt(group: &Group, steps: u32) -> Option<SceneWarning> {
+fn doubt(group: &DimensionlessGroup, steps: u32) -> Option<SceneWarning> {
     let (symbol, value) = (group.symbol, short(group.value));
     if let Some(limit) = group.limit.filter(|_| group.is_exceeded(steps)) {
         let cure = match group.substeps() {
@@ -79,8 +79,8 @@ fn doubt(group: &Group, steps: u32) -> Option<SceneWarning> {
     }
     let expected = group.disappoints()?;
     let bound = match expected.bound {
-        Bound::AtLeast(least) => format!("less than {}", short(least)),
-        Bound::AtMost(most) => format!("more than {}", short(most)),
+        RangeBound::AtLeast(least) => format!("less than {}", short(least)),
+        RangeBound::AtMost(most) => format!("more than {}", short(most)),
     };
     Some(SceneWarning {
         symbol,

@@ -11,7 +11,7 @@ use stochc::ensemble::{
 };
 use stochc_files::key::{Key, Signed};
 use stochc_ir::record::RunRecord;
-use stochc_ir::state::Writer;
+use stochc_ir::state::StateWriter;
 use stochc_runtime::Watch as _;
 
 use crate::world::{EVERY, bytes, complete, manifest, put, run_on, simulate};
@@ -139,7 +139,7 @@ fn repair_moves_a_damaged_checkpoint_aside() {
 fn a_state_that_makes_no_sense_costs_no_run() {
     let manifest = manifest(4);
     let mut too_late = Vec::new();
-    Writer::new(&mut too_late).put(&u64::MAX).unwrap();
+    StateWriter::new(&mut too_late).put(&u64::MAX).unwrap();
     let endless = [0xff; 9];
     for state in [&too_late[..], b"", &endless] {
         let folder = tempfile::tempdir().unwrap();
@@ -161,7 +161,7 @@ fn a_state_of_somebody_else_is_not_used() {
     let (folder, manifest) = (tempfile::tempdir().unwrap(), manifest(4));
     stopped(folder.path(), &manifest);
     let mut state = Vec::new();
-    Writer::new(&mut state).put(&70u64).unwrap();
+    StateWriter::new(&mut state).put(&70u64).unwrap();
     forge(&checkpoint(folder.path()), str::to_owned, &state, false);
     let health = verify(folder.path()).unwrap();
     assert!(!health.iter().any(|file| file.health.is_damaged()));

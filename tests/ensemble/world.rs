@@ -7,12 +7,12 @@ use stochc::ensemble::{
     Cancelled, Destination, Folder, Interval, Manifest, Program, Progress, Results, RunError,
     Source, Watch, run,
 };
-use stochc_ir::graph::{Event, EventAction, EventGraph, EventId};
+use stochc_ir::graph::{EventAction, EventGraph, EventId, GraphEvent};
 use stochc_ir::record::{
     BondRecord, Limit, Origin, Outcome, ReleaseRecord, RunRecord, UnplannedRecord, WaitRecord,
 };
 use stochc_ir::scene::{Arrangement, Block, Enclosure, Free, Scene};
-use stochc_ir::state::Reader;
+use stochc_ir::state::StateReader;
 use stochc_ir::table::{Action, Phase, PhaseId, Plate, Role, RoleId, Tables, Trigger};
 use stochc_ir::{Cell, Executable, Face};
 use stochc_runtime::{Settings, Watch as _};
@@ -112,7 +112,7 @@ pub fn manifest(runs: u64) -> Manifest {
 
 /// B on A in the first phase, and C on B in the second.
 fn graph() -> EventGraph {
-    let event = |phase, child: u32| Event {
+    let event = |phase, child: u32| GraphEvent {
         phase: PhaseId(phase),
         action: EventAction::Capture {
             parent: RoleId(child - 1),
@@ -155,7 +155,9 @@ pub fn simulate(program: usize, run: u64, mut watch: &Watch) -> Result<RunRecord
     let total = waits[0] + waits[1];
     let begins = match watch.kept() {
         Some(mut state) => {
-            let tick: u64 = Reader::new(&mut *state).take().map_err(|_| Cancelled)?;
+            let tick: u64 = StateReader::new(&mut *state)
+                .take()
+                .map_err(|_| Cancelled)?;
             assert!(tick < total, "there is no such tick");
             tick
         }

@@ -9,7 +9,8 @@ use stochc_grammar::tree::{Name, Term};
 use stochc_grammar::{Span, Symbols};
 use stochc_ir::scene::Scene;
 use stochc_ir::scene::schema::{
-    self, Absent, Alternative, CLAUSES, Either, Entry, Group, Number, Part, REQUIREMENTS,
+    self, Absent, CLAUSES, Either, FieldAlternative, FieldGroup, REQUIREMENTS, SchemaEntry,
+    SchemaNumber, SchemaPart,
 };
 
 use crate::diagnostic::{Code, Diagnostic, Fix, tell};
@@ -47,7 +48,8 @@ pub fn read(
         }
     }
     reader.requirements(&draft, &seen, &wrong);
-    let is_absent = |clause: &&Entry| !is_derived && named(&seen, clause.word, symbols).is_none();
+    let is_absent =
+        |clause: &&SchemaEntry| !is_derived && named(&seen, clause.word, symbols).is_none();
     for clause in CLAUSES.iter().filter(is_absent) {
         let Absent::Example(example) = clause.absent else {
             continue;
@@ -66,7 +68,7 @@ pub fn read(
 #[derive(Default)]
 struct Said {
     makes: Vec<fn(&mut Scene)>,
-    numbers: Vec<(&'static Number, f64)>,
+    numbers: Vec<(&'static SchemaNumber, f64)>,
 }
 
 impl Said {
@@ -91,22 +93,22 @@ struct Reader<'a, 'f> {
 
 impl<'a> Reader<'a, '_> {
     /// What stands behind the word of an entry in `clause`; `None`: something of it is wrong, which has been told.
-    fn entry(&mut self, clause: Name, entry: &'static Entry, said: &mut Said) -> Option<()> {
+    fn entry(&mut self, clause: Name, entry: &'static SchemaEntry, said: &mut Said) -> Option<()> {
         said.makes.push(entry.make);
         let mut sound = Some(());
         for part in entry.parts {
             let read = match part {
-                Part::Number(number) => self.number(number, said),
-                Part::Range { low, high } => self.range(low, high, said),
-                Part::OneOf { noun, of } => match self.kind(of, noun) {
+                SchemaPart::Number(number) => self.number(number, said),
+                SchemaPart::Range { low, high } => self.range(low, high, said),
+                SchemaPart::OneOf { noun, of } => match self.kind(of, noun) {
                     Some(kind) => self.entry(clause, kind, said),
                     None => {
                         self.skip(of, entry)?;
                         None
                     }
                 },
-                Part::Then(then) => self.then(clause, then, said),
-                Part::Fields(fields, group) => self.fields(clause, fields, group, said),
+                SchemaPart::Then(then) => self.then(clause, then, said),
+                SchemaPart::Fields(fields, group) => self.fields(clause, fields, group, said),
             };
             sound = sound.and(read);
         }
@@ -114,7 +116,7 @@ impl<'a> Reader<'a, '_> {
     }
 
     /// Passes over the fields of an unknown kind; `None`: what follows it in `entry` is not there.
-    fn skip(&mut self, kinds: &[Entry], entry: &Entry) -> Option<()> {
+    fn skip(&mut self, kinds: &[SchemaEntry], entry: &SchemaEntry) -> Option<()> {
         match self.terms.peek() {
             Some(Term::Block(..)) if kinds.iter().any(|kind| kind.fields().is_some()) => {
                 self.terms.next();
@@ -126,7 +128,7 @@ impl<'a> Reader<'a, '_> {
     }
 
     /// A further word, which stands next if it is there.
-    fn then(&mut self, clause: Name, then: &'static Entry, said: &mut Said) -> Option<()> {
+    fn then(&mut self, clause: Name, then: &'static SchemaEntry, said: &mut Said) -> Option<()> {
         if self.next_is(then.word) {
             return self.entry(clause, then, said);
         }
@@ -148,8 +150,8 @@ impl<'a> Reader<'a, '_> {
     fn fields(
         &mut self,
         clause: Name,
-        fields: &'static [Entry],
-        group: &'static Group,
+        fields: &'static [SchemaEntry],
+        group: &'static FieldGroup,
         said: &mut Said,
     ) -> Option<()> {
         let Some(Term::Block(terms, span)) = self.terms.peek() else {
@@ -177,15 +179,15 @@ impl<'a> Reader<'a, '_> {
             }
         }
         let fits = match group {
-            Group::Free => Some(()),
-            Group::Any { needed, help } => {
+            FieldGroup::Free => Some(()),
+            FieldGroup::Any { needed, help } => {
                 if sound.is_empty() && self.diagnostics.len() == before {
                     let diagnostic = self.without(clause, needed).help(*help);
                     tell(self.diagnostics, diagnostic);
                 }
                 sound.first().map(|_| ())
             }
-            Group::Either(either) => {
+            FieldGroup::Either(either) => {
                 let is_wrong = self.diagnostics.len() > before;
                 self.either(clause, either, &seen, is_wrong)
                     .filter(|chosen| sound.contains(&chosen.fields[0]))
@@ -211,7 +213,7 @@ impl<'a> Reader<'a, '_> {
         either: &'static Either,
         seen: &[Name],
         is_wrong: bool,
-    ) -> Option<&'static Alternative> {
+    ) -> Option<&'static FieldAlternative> {
         let symbols = self.symbols;
         let first = |i: usize| {
             let mut fields = either.of[i].fields.iter();
@@ -240,12 +242,12 @@ impl<'a> Reader<'a, '_> {
     }
 
     /// Tells that a clause has no braces, and what might stand between them.
-    fn without_braces(&mut self, clause: Name, fields: &[Entry], group: &Group) {
+    fn without_braces(&mut self, clause: Name, fields: &[SchemaEntry], group: &FieldGroup) {
         let word = self.word_of(clause);
         // Of alternatives, one will do.
         let other: &[&str] = match group {
-            Group::Either(either) => either.of[1].fields,
-            Group::Free | Group::Any { .. } => &[],
+            FieldGroup::Either(either) => either.of[1].fields,
+            FieldGroup::Free | FieldGroup::Any { .. } => &[],
         };
         let shown = words(fields)
             .into_iter()
@@ -255,7 +257,7 @@ impl<'a> Reader<'a, '_> {
             .label(self.site(clause.span), "what of it?")
             .help(format!("write `{word} ... {{ {shown} }}`"));
         let symbols = self.symbols;
-        let is = |term: &Term, words: &[Entry]| matches!(term, Term::Word(name) if words.iter().any(|entry| entry.word == symbols.word(name.symbol)));
+        let is = |term: &Term, words: &[SchemaEntry]| matches!(term, Term::Word(name) if words.iter().any(|entry| entry.word == symbols.word(name.symbol)));
         if !(self.terms.peek()).is_some_and(|term| is(term, fields)) {
             return tell(self.diagnostics, diagnostic);
         }
@@ -316,7 +318,7 @@ fn named(names: &[Name], word: &str, symbols: &Symbols) -> Option<Name> {
     names.find(|name| symbols.word(name.symbol) == word)
 }
 
-fn words(entries: &[Entry]) -> Vec<&'static str> {
+fn words(entries: &[SchemaEntry]) -> Vec<&'static str> {
     entries.iter().map(|entry| entry.word).collect()
 }
 

@@ -1,7 +1,7 @@
 //! What the words of a scene say, and which may stand where: for editors.
 use stochc_grammar::tree::{Scene, Term};
 use stochc_grammar::{Span, Symbols};
-use stochc_ir::scene::schema::{CLAUSES, Entry, Part};
+use stochc_ir::scene::schema::{CLAUSES, SchemaEntry, SchemaPart};
 
 /// A place in a scene.
 #[derive(Debug)]
@@ -9,9 +9,9 @@ pub struct Words {
     /// The word that stands there.
     pub word: Option<Span>,
     /// What it says, if it is known, and before that what it belongs to, from the clause on.
-    pub path: Vec<&'static Entry>,
+    pub path: Vec<&'static SchemaEntry>,
     /// What may stand there instead.
-    pub next: Vec<&'static Entry>,
+    pub next: Vec<&'static SchemaEntry>,
 }
 
 impl Words {
@@ -25,8 +25,8 @@ impl Words {
 fn within(
     terms: &[Term],
     symbols: &Symbols,
-    outer: &[&'static Entry],
-    known: &'static [Entry],
+    outer: &[&'static SchemaEntry],
+    known: &'static [SchemaEntry],
     at: u32,
 ) -> Words {
     let mut path = outer.to_vec();
@@ -62,7 +62,7 @@ fn within(
         false => kinds,
         true => {
             let known = known.iter().filter(|entry| !said.contains(&entry.word));
-            let is_new = |entry: &&Entry| !own.iter().any(|said| std::ptr::eq(*said, *entry));
+            let is_new = |entry: &&SchemaEntry| !own.iter().any(|said| std::ptr::eq(*said, *entry));
             let further = own.iter().flat_map(|entry| choices(entry, false));
             further.filter(is_new).chain(known).collect()
         }
@@ -71,7 +71,12 @@ fn within(
 }
 
 /// Goes on to what a word says behind those of a path, or at its beginning.
-fn follow(path: &mut Vec<&'static Entry>, outer: usize, known: &'static [Entry], word: &str) {
+fn follow(
+    path: &mut Vec<&'static SchemaEntry>,
+    outer: usize,
+    known: &'static [SchemaEntry],
+    word: &str,
+) {
     let further = path[outer..].iter().rev().flat_map(|entry| {
         let kinds = choices(entry, true).into_iter();
         kinds.chain(choices(entry, false))
@@ -86,10 +91,10 @@ fn follow(path: &mut Vec<&'static Entry>, outer: usize, known: &'static [Entry],
 }
 
 /// The words for the kind of an entry, or those that may follow its values.
-fn choices(entry: &'static Entry, of_kind: bool) -> Vec<&'static Entry> {
+fn choices(entry: &'static SchemaEntry, of_kind: bool) -> Vec<&'static SchemaEntry> {
     let parts = entry.parts.iter().flat_map(|part| match part {
-        Part::OneOf { of, .. } if of_kind => *of,
-        Part::Then(entry) if !of_kind => std::slice::from_ref(*entry),
+        SchemaPart::OneOf { of, .. } if of_kind => *of,
+        SchemaPart::Then(entry) if !of_kind => std::slice::from_ref(*entry),
         _ => &[],
     });
     parts.collect()

@@ -4,7 +4,7 @@ use std::io::{self, BufWriter, Read, Write};
 use stochc_files::atomic::Draft;
 use stochc_files::budget::RECORDING_PART;
 use stochc_ir::record::RunRecord;
-use stochc_ir::state::{Reader, StateError, Writer};
+use stochc_ir::state::{StateError, StateReader, StateWriter};
 use stochc_ir::table::Tables;
 use stochc_runtime::observe::{Event, Observer};
 use stochc_runtime::world::Arena;
@@ -169,7 +169,7 @@ impl<W: Output> Observer for Recorder<W> {
         }
     }
 
-    fn save(&self, to: &mut Writer<'_>) -> Result<(), StateError> {
+    fn save(&self, to: &mut StateWriter<'_>) -> Result<(), StateError> {
         // Where it is broken, nothing more is written.
         to.put(&(self.every, self.broken.is_some()))?;
         if self.broken.is_some() {
@@ -182,7 +182,7 @@ impl<W: Output> Observer for Recorder<W> {
         to.copy(length, written)
     }
 
-    fn restore(&mut self, from: &mut Reader<'_>) -> Result<(), StateError> {
+    fn restore(&mut self, from: &mut StateReader<'_>) -> Result<(), StateError> {
         let (every, is_broken): (u64, bool) = from.take()?;
         if self.every != every {
             return Err(io::Error::other("its recording is of other ticks").into());

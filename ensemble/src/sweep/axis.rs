@@ -1,6 +1,6 @@
 //! What the command line says of one number: `free=50..600/6 log`.
 use stochc_compiler::scene::{quantity, to_si};
-use stochc_ir::scene::schema::Number;
+use stochc_ir::scene::schema::SchemaNumber;
 
 use crate::Varied;
 
@@ -57,7 +57,7 @@ impl Axis {
     /// # Errors
     /// In words, when they are none that the number may have, not whole where they have to be, or
     /// one comes twice.
-    pub fn values(&self, number: &Number) -> Result<Vec<Varied>, String> {
+    pub fn values(&self, number: &SchemaNumber) -> Result<Vec<Varied>, String> {
         let mut out: Vec<Varied> = Vec::new();
         for said in self.said(number)? {
             let varied = varied(number, said, &self.unit)?;
@@ -73,7 +73,7 @@ impl Axis {
         Ok(out)
     }
 
-    fn said(&self, number: &Number) -> Result<Vec<f64>, String> {
+    fn said(&self, number: &SchemaNumber) -> Result<Vec<f64>, String> {
         Ok(match self.values {
             Values::List(ref values) => values.clone(),
             Values::Even { from, to, n } => {
@@ -112,7 +112,7 @@ pub(crate) fn logarithmic(values: &str) -> (&str, bool) {
 ///
 /// # Errors
 /// In words, when the number may not have it.
-pub(crate) fn varied(number: &Number, said: f64, unit: &str) -> Result<Varied, String> {
+pub(crate) fn varied(number: &SchemaNumber, said: f64, unit: &str) -> Result<Varied, String> {
     let given = quantity(&format!("{said} {unit}"))?;
     let value = number
         .accept(to_si(&given))

@@ -1,7 +1,7 @@
 //! All combinations of the values of several axes.
 use stochc_ir::scene::Scene;
 use stochc_ir::scene::scalars::find;
-use stochc_ir::scene::schema::Number;
+use stochc_ir::scene::schema::SchemaNumber;
 
 use super::Axis;
 use crate::Varied;
@@ -43,7 +43,7 @@ pub fn points(axes: &[Axis], scene: &Scene) -> Result<Vec<Vec<Varied>>, String> 
 ///
 /// # Errors
 /// In words, with the names that it has.
-pub(crate) fn number(scene: &Scene, name: &str) -> Result<&'static Number, String> {
+pub(crate) fn number(scene: &Scene, name: &str) -> Result<&'static SchemaNumber, String> {
     find(scene, name).map_err(|error| match error.has() {
         [] => error.to_string(),
         has => format!("{error} (it has {})", has.join(", ")),

@@ -4,33 +4,33 @@ use serde::Serialize;
 use super::Scene;
 use super::groups::BlockUnits;
 use super::quantity::QuantityKind;
-use super::schema::{CLAUSES, Entry, Equation, Part, Symbol};
+use super::schema::{CLAUSES, Equation, EquationSymbol, SchemaEntry, SchemaPart};
 
 /// A term that a scene has.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Term {
+pub struct DescribedTerm {
     /// Its clause: `drag`.
     pub clause: &'static str,
     /// The clause as it can be written in a scene, with all its fields.
     pub text: String,
     /// What it makes a runtime compute, at least one.
-    pub laws: Vec<Law>,
+    pub laws: Vec<DescribedLaw>,
 }
 
 /// One thing that a term does.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Law {
+pub struct DescribedLaw {
     /// In words.
     pub meaning: &'static str,
     /// In the symbols of the values, in plain text; `None`: there is nothing to compute.
     pub equation: Option<&'static str>,
     /// The values in it.
-    pub values: Vec<Value>,
+    pub values: Vec<DescribedValue>,
 }
 
 /// A value of a scene.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Value {
+pub struct DescribedValue {
     /// What equations call it; empty: it is in none.
     pub symbol: &'static str,
     /// What it is.
@@ -47,7 +47,7 @@ pub struct Value {
 
 /// A term that a scene does not have, and that is not computed.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Absent {
+pub struct AbsentTerm {
     /// What would stand in the scene.
     pub clause: String,
     /// What that means, as a clause.
@@ -55,12 +55,12 @@ pub struct Absent {
 }
 
 /// The terms of a scene, in the order of the reference.
-pub fn terms(scene: &Scene) -> Vec<Term> {
+pub fn terms(scene: &Scene) -> Vec<DescribedTerm> {
     let clauses = CLAUSES.iter().filter(|clause| clause.is_in(scene));
-    let term = |clause: &Entry| {
+    let term = |clause: &SchemaEntry| {
         let mut laws = Vec::new();
         collect_laws(clause, scene, &mut laws);
-        Term {
+        DescribedTerm {
             clause: clause.word,
             text: written(clause, scene),
             laws,
@@ -70,29 +70,29 @@ pub fn terms(scene: &Scene) -> Vec<Term> {
 }
 
 /// The terms that a scene could have and does not.
-pub fn absent(scene: &Scene) -> Vec<Absent> {
+pub fn absent(scene: &Scene) -> Vec<AbsentTerm> {
     let mut out = Vec::new();
     for clause in &CLAUSES {
         if clause.is_in(scene) {
             absent_fields(clause, scene, clause.word, &mut out);
         } else if let Some(meaning) = clause.absent.term(scene) {
             let clause = clause.word.to_owned();
-            out.push(Absent { clause, meaning });
+            out.push(AbsentTerm { clause, meaning });
         }
     }
     out
 }
 
 /// The fields that an entry could have and does not; `within` is what stands before its braces.
-fn absent_fields(entry: &Entry, scene: &Scene, within: &str, out: &mut Vec<Absent>) {
+fn absent_fields(entry: &SchemaEntry, scene: &Scene, within: &str, out: &mut Vec<AbsentTerm>) {
     for part in entry.parts {
         match part {
-            Part::OneOf { of, .. } => {
+            SchemaPart::OneOf { of, .. } => {
                 for kind in of.iter().filter(|kind| kind.is_in(scene)) {
                     absent_fields(kind, scene, &format!("{within} {}", kind.word), out);
                 }
             }
-            Part::Fields(fields, _) => {
+            SchemaPart::Fields(fields, _) => {
                 out.extend(
                     fields
                         .iter()
@@ -100,31 +100,31 @@ fn absent_fields(entry: &Entry, scene: &Scene, within: &str, out: &mut Vec<Absen
                         .filter_map(|field| {
                             let clause = format!("{within} {{ {} }}", field.word);
                             let meaning = field.absent.term(scene)?;
-                            Some(Absent { clause, meaning })
+                            Some(AbsentTerm { clause, meaning })
                         }),
                 );
             }
-            Part::Number(_) | Part::Range { .. } | Part::Then(_) => {}
+            SchemaPart::Number(_) | SchemaPart::Range { .. } | SchemaPart::Then(_) => {}
         }
     }
 }
 
 /// An entry as it can be written, with all that the scene says of it.
-fn written(entry: &Entry, scene: &Scene) -> String {
+fn written(entry: &SchemaEntry, scene: &Scene) -> String {
     let mut out = entry.word.to_owned();
-    let all = |entries: &[Entry]| -> Vec<String> {
+    let all = |entries: &[SchemaEntry]| -> Vec<String> {
         let said = entries.iter().filter(|entry| entry.is_in(scene));
         said.map(|entry| written(entry, scene)).collect()
     };
     for part in entry.parts {
         let more = match part {
-            Part::Number(number) => number.get(scene).map(|value| number.kind.write(value)),
-            Part::Range { low, high } => {
+            SchemaPart::Number(number) => number.get(scene).map(|value| number.kind.write(value)),
+            SchemaPart::Range { low, high } => {
                 (low.get(scene).zip(high.get(scene))).map(|range| range_of(range, high.kind))
             }
-            Part::OneOf { of, .. } => Some(all(of).concat()),
-            Part::Then(entry) => entry.is_in(scene).then(|| written(entry, scene)),
-            Part::Fields(fields, _) => Some(format!("{{ {} }}", all(fields).join("  "))),
+            SchemaPart::OneOf { of, .. } => Some(all(of).concat()),
+            SchemaPart::Then(entry) => entry.is_in(scene).then(|| written(entry, scene)),
+            SchemaPart::Fields(fields, _) => Some(format!("{{ {} }}", all(fields).join("  "))),
         };
         out.extend(more.iter().flat_map(|more| [" ", more]));
     }
@@ -145,7 +145,7 @@ fn range_of((low, high): (f64, f64), kind: QuantityKind) -> String {
 }
 
 /// What an entry, and the kind of it that the scene has, make a runtime compute.
-fn collect_laws(entry: &Entry, scene: &Scene, out: &mut Vec<Law>) {
+fn collect_laws(entry: &SchemaEntry, scene: &Scene, out: &mut Vec<DescribedLaw>) {
     out.extend(
         entry
             .equations
@@ -153,7 +153,7 @@ fn collect_laws(entry: &Entry, scene: &Scene, out: &mut Vec<Law>) {
             .filter_map(|equation| law(equation, scene)),
     );
     for part in entry.parts {
-        if let Part::OneOf { of, .. } = part {
+        if let SchemaPart::OneOf { of, .. } = part {
             for kind in of.iter().filter(|kind| kind.is_in(scene)) {
                 collect_laws(kind, scene, out);
             }
@@ -161,14 +161,14 @@ fn collect_laws(entry: &Entry, scene: &Scene, out: &mut Vec<Law>) {
     }
 }
 
-fn law(equation: &Equation, scene: &Scene) -> Option<Law> {
+fn law(equation: &Equation, scene: &Scene) -> Option<DescribedLaw> {
     let units = BlockUnits::of(scene);
-    let value = |symbol: &Symbol| {
+    let value = |symbol: &EquationSymbol| {
         let (kind, symbol, name, si) = match symbol {
-            Symbol::Number(it) => (it.kind, it.symbol, it.label, it.get(scene)?),
-            Symbol::Derived(it) => (it.kind, it.symbol, it.label, (it.of)(scene)?),
+            EquationSymbol::Number(it) => (it.kind, it.symbol, it.label, it.get(scene)?),
+            EquationSymbol::Derived(it) => (it.kind, it.symbol, it.label, (it.of)(scene)?),
         };
-        Some(Value {
+        Some(DescribedValue {
             symbol,
             name,
             si,
@@ -185,7 +185,7 @@ fn law(equation: &Equation, scene: &Scene) -> Option<Law> {
     {
         return None;
     }
-    Some(Law {
+    Some(DescribedLaw {
         meaning: equation.meaning,
         equation: equation.formula,
         values: equation.symbols.iter().filter_map(value).collect(),

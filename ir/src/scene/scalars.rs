@@ -4,12 +4,12 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use super::Scene;
-use super::schema::{self, CLAUSES, Number};
+use super::schema::{self, CLAUSES, SchemaNumber};
 use crate::suggest::nearest;
 
 /// Every number of any scene, once, in the order of the language reference; of several that share a name, it stands
 /// for the one that the scene has.
-fn all() -> impl Iterator<Item = &'static Number> {
+fn all() -> impl Iterator<Item = &'static SchemaNumber> {
     let all: Vec<_> = CLAUSES.iter().flat_map(schema::numbers).collect();
     // What several kinds of a clause share comes behind what is their own.
     let is_last = |i: usize| {
@@ -25,7 +25,7 @@ fn all() -> impl Iterator<Item = &'static Number> {
 }
 
 /// Every number that a scene has a place for, in the order of the language reference.
-pub fn scalars(scene: &Scene) -> impl Iterator<Item = &'static Number> {
+pub fn scalars(scene: &Scene) -> impl Iterator<Item = &'static SchemaNumber> {
     all().filter(|number| number.is_in(scene))
 }
 
@@ -33,11 +33,11 @@ pub fn scalars(scene: &Scene) -> impl Iterator<Item = &'static Number> {
 ///
 /// # Errors
 /// When no scene has one of that name, or this one has not.
-pub fn find(scene: &Scene, name: &str) -> Result<&'static Number, ScalarError> {
+pub fn find(scene: &Scene, name: &str) -> Result<&'static SchemaNumber, ScalarError> {
     if let Some(found) = scalars(scene).find(|number| number.names.contains(&name)) {
         return Ok(found);
     }
-    let has = || scalars(scene).map(Number::name).collect::<Vec<_>>();
+    let has = || scalars(scene).map(SchemaNumber::name).collect::<Vec<_>>();
     let elsewhere = all().find(|number| number.names.contains(&name));
     if let Some(number) = elsewhere {
         let clause = number.clause();
@@ -51,7 +51,7 @@ pub fn find(scene: &Scene, name: &str) -> Result<&'static Number, ScalarError> {
     let mut known: Vec<&str> = has();
     known.extend(all().flat_map(|number| number.names));
     // What is said of a clause may be found by its last word too: `friction`.
-    let last = |number: &&Number| number.name().rsplit('.').next() == Some(name);
+    let last = |number: &&SchemaNumber| number.name().rsplit('.').next() == Some(name);
     let mut ends = scalars(scene).filter(last);
     let meant = match (ends.next(), ends.next()) {
         (Some(only), None) => Some(only.name().to_owned()),
@@ -67,7 +67,7 @@ pub fn find(scene: &Scene, name: &str) -> Result<&'static Number, ScalarError> {
 
 /// Another value for a number of a scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Change {
+pub struct ScalarChange {
     /// Its name, such as `bond.pull`.
     pub of: String,
     /// In SI units.
@@ -174,7 +174,7 @@ impl ScalarError {
 ///
 /// # Errors
 /// For the first change that cannot be made.
-pub fn changed(mut scene: Scene, changes: &[Change]) -> Result<Scene, ScalarError> {
+pub fn changed(mut scene: Scene, changes: &[ScalarChange]) -> Result<Scene, ScalarError> {
     let mut found = Vec::new();
     for change in changes {
         found.push((find(&scene, &change.of)?, change.value));

@@ -120,7 +120,7 @@ mod tests {
     fn chains_stay_together() {
         // 0 and 1 begin chains 0, 2, 4 and 1, 3; 5 waits for the ends of both.
         let waits: [&[u32]; 6] = [&[], &[], &[0], &[1], &[2], &[3, 4]];
-        let event = graph::Event {
+        let event = graph::GraphEvent {
             phase: PhaseId(0),
             action: EventAction::Release { child: RoleId(0) },
             cell: None,

@@ -33,11 +33,11 @@ macro_rules! delegate {
         }
 
         impl State for $world {
-            fn save(&self, to: &mut Writer<'_>) -> Result<(), StateError> {
+            fn save(&self, to: &mut StateWriter<'_>) -> Result<(), StateError> {
                 $by!(&self.0, stepper => stepper.save(to))
             }
 
-            fn restore(&mut self, from: &mut Reader<'_>) -> Result<(), StateError> {
+            fn restore(&mut self, from: &mut StateReader<'_>) -> Result<(), StateError> {
                 $by!(&mut self.0, stepper => stepper.restore(from))
             }
         }

@@ -8,7 +8,7 @@ use stochc_compiler::{Limits, check};
 use stochc_ir::Executable;
 use stochc_ir::record::RunRecord;
 use stochc_ir::scene::{Contact, ContactLaw, Messages};
-use stochc_ir::state::{Reader, StateError, Writer};
+use stochc_ir::state::{StateError, StateReader, StateWriter};
 use stochc_ir::table::PhaseId;
 use stochc_runtime::observe::{Event, Observer};
 use stochc_runtime::world::Arena;
@@ -60,7 +60,7 @@ impl Watch for Keeper {
 
     fn keep(&mut self, save: &mut Save<'_>) {
         let mut bytes = Vec::new();
-        save(&mut Writer::new(&mut bytes)).expect("it can be kept");
+        save(&mut StateWriter::new(&mut bytes)).expect("it can be kept");
         self.kept.push((self.tick, bytes));
     }
 }
@@ -84,11 +84,11 @@ impl Observer for Digests {
         self.0.insert(arena.tick(), hasher.finish());
     }
 
-    fn save(&self, to: &mut Writer<'_>) -> Result<(), StateError> {
+    fn save(&self, to: &mut StateWriter<'_>) -> Result<(), StateError> {
         to.put(&self.0)
     }
 
-    fn restore(&mut self, from: &mut Reader<'_>) -> Result<(), StateError> {
+    fn restore(&mut self, from: &mut StateReader<'_>) -> Result<(), StateError> {
         self.0 = from.take()?;
         Ok(())
     }

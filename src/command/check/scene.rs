@@ -3,8 +3,10 @@ use std::fmt::Write as _;
 
 use serde_json::{Value as Json, json};
 use stochc_compiler::Checked;
-use stochc_ir::scene::describe::{Absent, Term, Value, absent, terms};
-use stochc_ir::scene::groups::{BlockUnits, Bound, Group, Speed, SpeedFrom, groups, speed};
+use stochc_ir::scene::describe::{AbsentTerm, DescribedTerm, DescribedValue, absent, terms};
+use stochc_ir::scene::groups::{
+    BlockUnits, DimensionlessGroup, RangeBound, Speed, SpeedFrom, groups, speed,
+};
 use stochc_ir::scene::{ContactLaw, Scene};
 use stochc_ir::visible;
 use stochc_runtime::{Settings, StepError, step_errors};
@@ -17,10 +19,10 @@ pub struct InForce<'a> {
     scene: &'a Scene,
     /// The names of those assemblies.
     assemblies: Vec<&'a str>,
-    terms: Vec<Term>,
-    absent: Vec<Absent>,
+    terms: Vec<DescribedTerm>,
+    absent: Vec<AbsentTerm>,
     speed: Speed,
-    groups: Vec<Group>,
+    groups: Vec<DimensionlessGroup>,
     /// With the steps that are taken unasked.
     scene_warnings: Vec<SceneWarning>,
     step_errors: Vec<StepError>,
@@ -59,7 +61,7 @@ impl InForce<'_> {
     pub fn json(&self) -> Json {
         let units = BlockUnits::of(self.scene);
         let warning = |doubt: &SceneWarning| format!("{}: {}", doubt.figure, doubt.effect);
-        let group = |group: &Group| {
+        let group = |group: &DimensionlessGroup| {
             json!({
                 "symbol": group.symbol,
                 "meaning": group.meaning,
@@ -108,7 +110,7 @@ impl InForce<'_> {
         if !self.absent.is_empty() {
             out.push_str("\n  absent, and not computed\n");
             let width = width(self.absent.iter().map(|it| &it.clause));
-            for Absent { clause, meaning } in &self.absent {
+            for AbsentTerm { clause, meaning } in &self.absent {
                 let _ = writeln!(out, "    {clause:width$}  {meaning}");
             }
         }
@@ -243,7 +245,7 @@ impl InForce<'_> {
 
     /// The fewest steps a tick that resolve all that any number of them does.
     fn needed(&self) -> u32 {
-        let needed = self.groups.iter().filter_map(Group::substeps);
+        let needed = self.groups.iter().filter_map(DimensionlessGroup::substeps);
         needed.max().unwrap_or(1)
     }
 
@@ -253,25 +255,25 @@ impl InForce<'_> {
 }
 
 /// The smallest value that a group should have.
-fn least(group: &Group) -> Option<f64> {
+fn least(group: &DimensionlessGroup) -> Option<f64> {
     match group.expected?.bound {
-        Bound::AtLeast(least) => Some(least),
-        Bound::AtMost(_) => None,
+        RangeBound::AtLeast(least) => Some(least),
+        RangeBound::AtMost(_) => None,
     }
 }
 
 /// The largest value that a group should have: with one step a tick, or whatever the steps are.
-fn most(group: &Group) -> Option<f64> {
+fn most(group: &DimensionlessGroup) -> Option<f64> {
     if let Some(limit) = group.limit {
         return Some(limit.most);
     }
     match group.expected?.bound {
-        Bound::AtMost(most) => Some(most),
-        Bound::AtLeast(_) => None,
+        RangeBound::AtMost(most) => Some(most),
+        RangeBound::AtLeast(_) => None,
     }
 }
 
-fn si_of(value: &Value) -> String {
+fn si_of(value: &DescribedValue) -> String {
     in_unit(value.si, value.unit)
 }
 

@@ -1,7 +1,7 @@
 //! The values of a scene.
 use stochc_grammar::is_unit;
 use stochc_grammar::tree::{Quantity, Term};
-use stochc_ir::scene::schema::{self, Number};
+use stochc_ir::scene::schema::{self, SchemaNumber};
 use stochc_ir::scene::units::Dimension;
 
 use super::super::{to_si, unit_meant};
@@ -10,7 +10,7 @@ use crate::diagnostic::{Code, Diagnostic, tell};
 
 impl<'a> Reader<'a, '_> {
     /// A value for a number.
-    pub(super) fn number(&mut self, number: &'static Number, said: &mut Said) -> Option<()> {
+    pub(super) fn number(&mut self, number: &'static SchemaNumber, said: &mut Said) -> Option<()> {
         let quantity = self.quantity(number.kind.dimension)?;
         let value = self.value(quantity, number.kind.dimension)?;
         if number.range.contains(value) {
@@ -27,8 +27,8 @@ impl<'a> Reader<'a, '_> {
     /// A value for both ends of a range, or one for each.
     pub(super) fn range(
         &mut self,
-        low: &'static Number,
-        high: &'static Number,
+        low: &'static SchemaNumber,
+        high: &'static SchemaNumber,
         said: &mut Said,
     ) -> Option<()> {
         let Some(Term::Range(first, last)) = self.terms.peek() else {

@@ -1,6 +1,6 @@
 //! The words of a scene, one after the other.
 use stochc_grammar::tree::{Name, Term};
-use stochc_ir::scene::schema::Entry;
+use stochc_ir::scene::schema::SchemaEntry;
 use stochc_ir::suggest::nearest;
 
 use super::{Reader, named, span, words};
@@ -10,10 +10,10 @@ impl Reader<'_, '_> {
     /// The next word, which has to be one of `known`; skips what is none, and tells of it once.
     pub(super) fn head(
         &mut self,
-        known: &'static [Entry],
+        known: &'static [SchemaEntry],
         noun: &str,
         said: &[Name],
-    ) -> Option<(Name, &'static Entry)> {
+    ) -> Option<(Name, &'static SchemaEntry)> {
         let mut told = false;
         loop {
             let term = self.terms.next()?;
@@ -49,7 +49,11 @@ impl Reader<'_, '_> {
     }
 
     /// One of the words for the kind of something.
-    pub(super) fn kind(&mut self, of: &'static [Entry], noun: &str) -> Option<&'static Entry> {
+    pub(super) fn kind(
+        &mut self,
+        of: &'static [SchemaEntry],
+        noun: &str,
+    ) -> Option<&'static SchemaEntry> {
         let known = &words(of)[..];
         let (expected, help) = match known {
             [only] => (

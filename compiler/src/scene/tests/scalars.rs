@@ -3,7 +3,7 @@ use stochc_grammar::tree::{ItemKind, Scene as Tree, Term};
 use stochc_grammar::{Symbols, parse};
 
 use stochc_ir::scene::describe::terms;
-use stochc_ir::scene::scalars::{Change, ScalarError, changed, find, scalars};
+use stochc_ir::scene::scalars::{ScalarChange, ScalarError, changed, find, scalars};
 use stochc_ir::scene::schema::{CLAUSES, numbers};
 use stochc_ir::scene::{Agitation, Scene};
 
@@ -215,8 +215,8 @@ fn scene(number: usize) -> Scene {
 }
 
 fn with(scene: Scene, changes: &[(&str, f64)]) -> Result<Scene, ScalarError> {
-    let changes: Vec<Change> = (changes.iter())
-        .map(|&(of, value)| Change {
+    let changes: Vec<ScalarChange> = (changes.iter())
+        .map(|&(of, value)| ScalarChange {
             of: of.to_owned(),
             value,
         })
@@ -301,8 +301,8 @@ fn a_changed_scene_is_compiled_like_one_that_was_written() {
         phase p timeout 10 s { M.up ->> T[1..3] }
     }";
     let checked = |changes: &[(&str, f64)]| {
-        let changes: Vec<Change> = (changes.iter())
-            .map(|&(of, value)| Change {
+        let changes: Vec<ScalarChange> = (changes.iter())
+            .map(|&(of, value)| ScalarChange {
                 of: of.to_owned(),
                 value,
             })

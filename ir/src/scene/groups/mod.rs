@@ -19,7 +19,7 @@ use super::{Agitation, BOLTZMANN, Bond, ContactLaw, Enclosure, Fluid, Scene};
 
 /// A number without a dimension.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Group {
+pub struct DimensionlessGroup {
     /// How it is made, in the symbols of the terms.
     pub symbol: &'static str,
     /// What it says.
@@ -27,16 +27,16 @@ pub struct Group {
     /// Its value with one step a tick.
     pub value: f64,
     /// What it has to keep to, if it is one that steps have to resolve.
-    pub limit: Option<Limit>,
+    pub limit: Option<ResolutionLimit>,
     /// What it should keep to whatever the steps are.
-    pub expected: Option<Expected>,
+    pub expected: Option<ExpectedRange>,
     /// Whether it is about blocks that an open face attracts, which may take shorter steps than all others.
     pub of_faces: bool,
 }
 
 /// The largest value of a group at which what it stands for is resolved.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Limit {
+pub struct ResolutionLimit {
     /// The value with one step a tick, about.
     pub most: f64,
     /// The fewest substeps a tick with which the group keeps to it; `None`: no number of them does.
@@ -47,9 +47,9 @@ pub struct Limit {
 
 /// The values of a group at which a scene does what it is for.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Expected {
+pub struct ExpectedRange {
     /// The bound, about.
-    pub bound: Bound,
+    pub bound: RangeBound,
     /// What happens beyond it, as a clause.
     pub beyond: &'static str,
     /// What changes it.
@@ -60,17 +60,17 @@ pub struct Expected {
 
 /// A smallest or a largest value.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub enum Bound {
+pub enum RangeBound {
     /// A smallest one.
     AtLeast(f64),
     /// A largest one.
     AtMost(f64),
 }
 
-impl Group {
+impl DimensionlessGroup {
     /// Whether so many steps a tick are too long.
     pub fn is_exceeded(&self, substeps: u32) -> bool {
-        let needed = |limit: Limit| limit.substeps;
+        let needed = |limit: ResolutionLimit| limit.substeps;
         (self.limit).is_some_and(|limit| needed(limit).is_none_or(|needed| substeps < needed))
     }
 
@@ -80,10 +80,10 @@ impl Group {
     }
 
     /// What it should keep to whatever the steps are, and does not.
-    pub fn disappoints(&self) -> Option<Expected> {
+    pub fn disappoints(&self) -> Option<ExpectedRange> {
         self.expected.filter(|expected| match expected.bound {
-            Bound::AtLeast(least) => self.value < least,
-            Bound::AtMost(most) => self.value > most,
+            RangeBound::AtLeast(least) => self.value < least,
+            RangeBound::AtMost(most) => self.value > most,
         })
     }
 }
@@ -107,7 +107,7 @@ fn fewest(is_enough: impl Fn(u32) -> bool) -> Option<u32> {
 }
 
 /// The groups of a scene, of those terms that it has.
-pub fn groups(scene: &Scene) -> Vec<Group> {
+pub fn groups(scene: &Scene) -> Vec<DimensionlessGroup> {
     let units = BlockUnits::of(scene);
     let v = speed(scene).rms.map(|rms| units.speed(rms));
     let v = v.filter(|&v| v > 0.0);
@@ -115,7 +115,7 @@ pub fn groups(scene: &Scene) -> Vec<Group> {
     let mut out = Vec::new();
     if let Some(v) = v {
         out.push(
-            Group::new("v τ / a", "sides that a block moves in a tick", v).limited(
+            DimensionlessGroup::new("v τ / a", "sides that a block moves in a tick", v).limited(
                 |steps| match scene.agitation {
                     Some(Agitation::Brownian { .. }) => 0.2 - 0.1 * push.left(steps),
                     _ => 0.1,
@@ -126,12 +126,20 @@ pub fn groups(scene: &Scene) -> Vec<Group> {
         );
         let kick = speed::kick(scene);
         if kick > 0.0 {
-            out.push(Group::new("j / v", "a kick against the speed", kick / v));
+            out.push(DimensionlessGroup::new(
+                "j / v",
+                "a kick against the speed",
+                kick / v,
+            ));
         }
     }
     if let Some(drag) = &scene.drag {
         let meaning = "what drag takes from a speed in a tick";
-        out.push(Group::new("γ τ", meaning, units.rate(drag.rate)));
+        out.push(DimensionlessGroup::new(
+            "γ τ",
+            meaning,
+            units.rate(drag.rate),
+        ));
     }
     fluid(scene, v, &mut out);
     if let Some(Bond::Reject {
@@ -141,7 +149,7 @@ pub fn groups(scene: &Scene) -> Vec<Group> {
         let (hold, depth) = (units.force(magnets.hold), units.length(magnets.depth));
         out.push(push.anchoring(hold, units.length(anchor.within)));
         if let Some(v) = v {
-            out.push(Group::new(
+            out.push(DimensionlessGroup::new(
                 "F δ / (3 m v² / 2)",
                 "energy of a bond against that of two blocks' motion to each other",
                 hold * depth / 3.0 / (v * v / 2.0),
@@ -152,7 +160,7 @@ pub fn groups(scene: &Scene) -> Vec<Group> {
         let (force, reach) = (units.force(pull.force), units.length(pull.within));
         out.push(push.anchoring(force, units.length(anchor.within)));
         if let Some(v) = v {
-            out.push(Group::new(
+            out.push(DimensionlessGroup::new(
                 "F r / (m v² / 2)",
                 "work of the pull within its reach against the energy of motion",
                 force * reach / (v * v / 2.0),
@@ -213,9 +221,9 @@ impl Push {
     }
 
     /// A group of a force \[side/tick^2\] and of the anchoring distance \[side\].
-    fn anchoring(self, force: f64, within: f64) -> Group {
+    fn anchoring(self, force: f64, within: f64) -> DimensionlessGroup {
         let value = force / within;
-        Group::new(
+        DimensionlessGroup::new(
             self.symbol(["F τ² / (m d)", "φ F τ² / (m d)"]),
             "anchoring distances that the pull moves a block at rest in its first tick",
             value * self.displacement(1.0),
@@ -236,9 +244,9 @@ impl Push {
         meaning: &'static str,
         stiffness: f64,
         beyond: &'static str,
-    ) -> Group {
+    ) -> DimensionlessGroup {
         let value = |steps| stiffness * self.displacement(steps);
-        Group::new(self.symbol(symbols), meaning, value(1.0)).limited(
+        DimensionlessGroup::new(self.symbol(symbols), meaning, value(1.0)).limited(
             |steps| 1.0 - (1.0 - SPRING) * self.left(steps),
             value,
             beyond,
@@ -246,7 +254,7 @@ impl Push {
     }
 }
 
-fn fluid(scene: &Scene, v: Option<f64>, out: &mut Vec<Group>) {
+fn fluid(scene: &Scene, v: Option<f64>, out: &mut Vec<DimensionlessGroup>) {
     let Some(fluid) = &scene.fluid else {
         return;
     };
@@ -255,20 +263,20 @@ fn fluid(scene: &Scene, v: Option<f64>, out: &mut Vec<Group>) {
         return;
     };
     let friction = Fluid::friction(viscosity, side);
-    out.push(Group::new(
+    out.push(DimensionlessGroup::new(
         "6 π η 0.6607 a τ / m",
         "what viscous drag takes from a speed in a tick; exact for any step",
         units.damping(friction),
     ));
     if let Some((density, v)) = fluid.density.zip(v) {
-        out.push(Group::new(
+        out.push(DimensionlessGroup::new(
             "ρ v a / η",
             "Reynolds number of a block at the speed v",
             units.density(density) * v / units.viscosity(viscosity),
         ));
     }
     if let Some(Agitation::Brownian { temperature }) = scene.agitation {
-        out.push(Group::new(
+        out.push(DimensionlessGroup::new(
             "D τ / a²",
             "diffusion in a tick",
             units.diffusion(BOLTZMANN * temperature / friction),
@@ -280,7 +288,7 @@ fn fluid(scene: &Scene, v: Option<f64>, out: &mut Vec<Group>) {
 /// rules, when a step does not go beyond its end, so that the group is less than 1.
 const SPRING: f64 = 0.25;
 
-fn contact(scene: &Scene, push: Push, out: &mut Vec<Group>) {
+fn contact(scene: &Scene, push: Push, out: &mut Vec<DimensionlessGroup>) {
     let Some(contact) = &scene.contact else {
         return;
     };
@@ -299,30 +307,31 @@ fn contact(scene: &Scene, push: Push, out: &mut Vec<Group>) {
         let value = |steps: f64| damping * steps * push.displacement(steps);
         let symbols = ["c τ / m, contact", "φ c τ / m, contact"];
         out.push(
-            Group::new(push.symbol(symbols), "damping of a contact", value(1.0)).limited(
-                |_| 0.5,
-                value,
-                "damping turns a motion round instead of braking it",
-            ),
+            DimensionlessGroup::new(push.symbol(symbols), "damping of a contact", value(1.0))
+                .limited(
+                    |_| 0.5,
+                    value,
+                    "damping turns a motion round instead of braking it",
+                ),
         );
     }
-    out.push(Group::new(
+    out.push(DimensionlessGroup::new(
         "c / (2 √(k m)), contact",
         "damping ratio of a block against something fixed",
         speed::damping_ratio(stiffness, damping),
     ));
-    out.push(Group::new(
+    out.push(DimensionlessGroup::new(
         "e, two blocks",
         "restitution that this amounts to, head-on",
         speed::restitution(scene, contact, true),
     ));
 }
 
-fn gas(scene: &Scene, v: Option<f64>, out: &mut Vec<Group>) {
+fn gas(scene: &Scene, v: Option<f64>, out: &mut Vec<DimensionlessGroup>) {
     let Some(gas) = Gas::of(scene) else {
         return;
     };
-    out.push(Group::new(
+    out.push(DimensionlessGroup::new(
         "N a³ / V",
         "part of the enclosure that free blocks fill",
         gas.density,
@@ -330,13 +339,13 @@ fn gas(scene: &Scene, v: Option<f64>, out: &mut Vec<Group>) {
     if scene.contact.is_none() {
         return;
     }
-    out.push(Group::new(
+    out.push(DimensionlessGroup::new(
         "ℓ / a",
         "mean free path between other blocks",
         gas.free_path(),
     ));
     if let Some(v) = v {
-        out.push(Group::new(
+        out.push(DimensionlessGroup::new(
             "ν τ",
             "collisions of a block with others in a tick",
             gas.meetings(v),
@@ -344,37 +353,45 @@ fn gas(scene: &Scene, v: Option<f64>, out: &mut Vec<Group>) {
     }
 }
 
-fn settling(scene: &Scene, out: &mut Vec<Group>) {
+fn settling(scene: &Scene, out: &mut Vec<DimensionlessGroup>) {
     let Some(settling) = Settling::of(scene) else {
         return;
     };
     let units = BlockUnits::of(scene);
     if let Some(speeds) = settling.speeds {
         let meaning = "speed of sinking against the vertical speed of the eddies";
-        out.push(Group::new("w / α σ", meaning, speeds));
+        out.push(DimensionlessGroup::new("w / α σ", meaning, speeds));
     }
     let meaning = "height over which sinking thins the blocks that are lifted to 1/e, in sides";
-    out.push(Group::new("h / a", meaning, units.length(settling.height)));
+    out.push(DimensionlessGroup::new(
+        "h / a",
+        meaning,
+        units.length(settling.height),
+    ));
     if let Some(Enclosure::Hemisphere { radius, .. } | Enclosure::Sphere { radius, .. }) =
         &scene.enclosure
     {
         let meaning = "the same over the enclosure's radius";
-        out.push(Group::new("h / R", meaning, settling.height / radius));
+        out.push(DimensionlessGroup::new(
+            "h / R",
+            meaning,
+            settling.height / radius,
+        ));
     }
     let meaning = "mean height of all blocks above where they settle, in sides";
-    out.push(Group::new(
+    out.push(DimensionlessGroup::new(
         "⟨z⟩ / a",
         meaning,
         units.length(settling.mean()),
     ));
     out.push(
-        Group::new(
+        DimensionlessGroup::new(
             "n(a) / n",
             "part of the blocks that is kept a side or more from where they settle",
             settling.above(scene.block.side),
         )
-        .expected(Expected {
-            bound: Bound::AtLeast(0.1),
+        .expected(ExpectedRange {
+            bound: RangeBound::AtLeast(0.1),
             beyond: match settling.is_floating {
                 true => "most blocks float at the top, and few come to what is below",
                 false => "most blocks lie on the floor, and few come to what is above",
@@ -386,7 +403,7 @@ fn settling(scene: &Scene, out: &mut Vec<Group>) {
 }
 
 /// What the shell alone bears: all blocks that float, and without contacts, so that there is no floor, those that sink.
-fn bearing(scene: &Scene, out: &mut Vec<Group>) {
+fn bearing(scene: &Scene, out: &mut Vec<DimensionlessGroup>) {
     let Some(Enclosure::Hemisphere { wall, .. } | Enclosure::Sphere { wall, .. }) =
         &scene.enclosure
     else {
@@ -410,13 +427,13 @@ fn bearing(scene: &Scene, out: &mut Vec<Group>) {
         ),
     };
     out.push(
-        Group::new(
+        DimensionlessGroup::new(
             "|m - ρ a³| g / (k a)",
             "sides that a block at rest, which the shell alone bears, is outside of it",
             depth,
         )
-        .expected(Expected {
-            bound: Bound::AtMost(0.5),
+        .expected(ExpectedRange {
+            bound: RangeBound::AtMost(0.5),
             beyond,
             cure,
             is_of_height: false,
@@ -424,9 +441,9 @@ fn bearing(scene: &Scene, out: &mut Vec<Group>) {
     );
 }
 
-impl Group {
-    const fn new(symbol: &'static str, meaning: &'static str, value: f64) -> Group {
-        Group {
+impl DimensionlessGroup {
+    const fn new(symbol: &'static str, meaning: &'static str, value: f64) -> DimensionlessGroup {
+        DimensionlessGroup {
             symbol,
             meaning,
             value,
@@ -436,7 +453,7 @@ impl Group {
         }
     }
 
-    const fn of_faces(mut self) -> Group {
+    const fn of_faces(mut self) -> DimensionlessGroup {
         self.of_faces = true;
         self
     }
@@ -447,8 +464,8 @@ impl Group {
         most: impl Fn(f64) -> f64,
         at: impl Fn(f64) -> f64,
         beyond: &'static str,
-    ) -> Group {
-        self.limit = Some(Limit {
+    ) -> DimensionlessGroup {
+        self.limit = Some(ResolutionLimit {
             most: most(1.0),
             substeps: fewest(|steps| at(steps.into()) <= most(steps.into())),
             beyond,
@@ -456,7 +473,7 @@ impl Group {
         self
     }
 
-    const fn expected(mut self, expected: Expected) -> Group {
+    const fn expected(mut self, expected: ExpectedRange) -> DimensionlessGroup {
         self.expected = Some(expected);
         self
     }
@@ -479,7 +496,7 @@ mod tests {
             (f64::INFINITY, 1.0, 2, None),
         ] {
             let at = |steps: f64| value / steps.powi(power);
-            let group = Group::new("", "", value).limited(|_| most, at, "");
+            let group = DimensionlessGroup::new("", "", value).limited(|_| most, at, "");
             assert_eq!(group.substeps(), substeps, "{value}");
             assert_eq!(group.is_exceeded(1), substeps != Some(1), "{value}");
             if let Some(substeps) = substeps {
@@ -487,6 +504,6 @@ mod tests {
                 assert!(substeps == 1 || group.is_exceeded(substeps - 1), "{value}");
             }
         }
-        assert_eq!(Group::new("", "", 1e9).substeps(), None);
+        assert_eq!(DimensionlessGroup::new("", "", 1e9).substeps(), None);
     }
 }

@@ -5,7 +5,7 @@ use super::super::{
 };
 use super::equations::*;
 use super::numbers::*;
-use super::{Absent, Alternative, Either, Entry, Group, Number, Part};
+use super::{Absent, Either, FieldAlternative, FieldGroup, SchemaEntry, SchemaNumber, SchemaPart};
 use Absent::{Example, NoTerm, NoTermWhere};
 
 /// A number that has not been said yet.
@@ -64,52 +64,52 @@ const fn unsaid_contact(law: ContactLaw) -> Contact {
 }
 
 /// A field of one number, which is called like the last word of its name.
-const fn field(number: &'static Number, part: &'static [Part]) -> Entry {
+const fn field(number: &'static SchemaNumber, part: &'static [SchemaPart]) -> SchemaEntry {
     let name = number.names[0];
     let mut start = name.len();
     while start > 0 && name.as_bytes()[start - 1] != b'.' {
         start -= 1;
     }
-    Entry::new(name.split_at(start).1, part)
+    SchemaEntry::new(name.split_at(start).1, part)
 }
 
 macro_rules! field {
     ($number:ident) => {
-        field(&$number, &[Part::Number(&$number)])
+        field(&$number, &[SchemaPart::Number(&$number)])
     };
 }
 
 /// A word with fields between braces.
 macro_rules! braces {
     ($word:literal [$($field:expr),* $(,)?]) => {
-        braces!($word [$($field),*] Group::Free)
+        braces!($word [$($field),*] FieldGroup::Free)
     };
     ($word:literal [$($field:expr),* $(,)?] $group:expr) => {
-        Entry::new($word, &[Part::Fields(&[$($field),*], $group)])
+        SchemaEntry::new($word, &[SchemaPart::Fields(&[$($field),*], $group)])
     };
 }
 
 /// A word of which there are several kinds.
 macro_rules! kinds {
     ($word:literal [$($kind:expr),* $(,)?]) => {
-        Entry::new($word, &[Part::OneOf { noun: $word, of: &[$($kind),*] }])
+        SchemaEntry::new($word, &[SchemaPart::OneOf { noun: $word, of: &[$($kind),*] }])
     };
 }
 
 /// Every clause that a scene may have.
 #[rustfmt::skip]
-pub static CLAUSES: [Entry; 12] = [
+pub static CLAUSES: [SchemaEntry; 12] = [
     field!(TICK).absent(Example("tick 20ms")).equations(&[&TICKS]),
-    Entry::new("block", &[
-        Part::OneOf { noun: "cube", of: &[Entry::new("cube", &[]).is(|_| true).equations(&[&CUBES])] },
-        Part::Fields(&[field!(BLOCK_SIDE), field!(BLOCK_MASS), field!(BLOCK_FACES).otherwise("1")], Group::Free),
+    SchemaEntry::new("block", &[
+        SchemaPart::OneOf { noun: "cube", of: &[SchemaEntry::new("cube", &[]).is(|_| true).equations(&[&CUBES])] },
+        SchemaPart::Fields(&[field!(BLOCK_SIDE), field!(BLOCK_MASS), field!(BLOCK_FACES).otherwise("1")], FieldGroup::Free),
     ])
     .absent(Example("block cube { side 20cm  mass 1kg  faces 1 }"))
     .make(|s| s.block = UNSAID_BLOCK),
-    Entry::new("free", &[
-        Part::Number(&FREE),
-        Part::OneOf { noun: "arrangement", of: &[
-            Entry::new("uniform", &[])
+    SchemaEntry::new("free", &[
+        SchemaPart::Number(&FREE),
+        SchemaPart::OneOf { noun: "arrangement", of: &[
+            SchemaEntry::new("uniform", &[])
                 .means("spread evenly")
                 .is(|s| s.free.arrangement == Arrangement::Uniform)
                 .make(|s| s.free.arrangement = Arrangement::Uniform)
@@ -121,21 +121,21 @@ pub static CLAUSES: [Entry; 12] = [
         ] },
     ])
     .absent(Example("free 300 uniform")),
-    Entry::new("enclosure", &[
-        Part::OneOf { noun: "enclosure", of: &[
-            Entry::new("hemisphere", &[])
+    SchemaEntry::new("enclosure", &[
+        SchemaPart::OneOf { noun: "enclosure", of: &[
+            SchemaEntry::new("hemisphere", &[])
                 .means("a half ball on a solid floor, around the centre of the plate")
                 .is(|s| matches!(s.enclosure, Some(Enclosure::Hemisphere { .. })))
                 .make(|s| s.enclosure = Some(Enclosure::Hemisphere { radius: UNSAID, wall: UNSAID }))
                 .equations(&[&HEMISPHERE]),
-            Entry::new("sphere", &[])
+            SchemaEntry::new("sphere", &[])
                 .means("a ball that the floor cuts off where the plate just fills the cut; without a plate it \
                         touches the floor")
                 .is(|s| matches!(s.enclosure, Some(Enclosure::Sphere { .. })))
                 .make(|s| s.enclosure = Some(Enclosure::Sphere { radius: UNSAID, wall: UNSAID }))
                 .equations(&[&SPHERE]),
         ] },
-        Part::Fields(&[field!(ENCLOSURE_RADIUS), field!(ENCLOSURE_WALL)], Group::Free),
+        SchemaPart::Fields(&[field!(ENCLOSURE_RADIUS), field!(ENCLOSURE_WALL)], FieldGroup::Free),
     ])
     .absent(Example("enclosure hemisphere { radius 5m  wall 25 N/m }")),
     field!(GRAVITY)
@@ -145,7 +145,7 @@ pub static CLAUSES: [Entry; 12] = [
     braces!("fluid" [
         field!(FLUID_DENSITY).otherwise("neither"),
         field!(FLUID_VISCOSITY).otherwise("no such drag"),
-    ] Group::Any { needed: "viscosity", help: "add it, or `density`: a fluid with neither does nothing" })
+    ] FieldGroup::Any { needed: "viscosity", help: "add it, or `density`: a fluid with neither does nothing" })
         .means("what the blocks float in; one field at least")
         .absent(NoTerm("blocks float in nothing that could take them along"))
         .make(|s| s.fluid = Some(Fluid { density: None, viscosity: None }))
@@ -170,7 +170,7 @@ pub static CLAUSES: [Entry; 12] = [
     ])
     .absent(NoTermWhere("the fluid is at rest on the average", |s| s.fluid.is_some())),
     kinds!("agitation" [
-        braces!("kicks" [field(&KICKS_MOST, &[Part::Range { low: &KICKS_LEAST, high: &KICKS_MOST }])])
+        braces!("kicks" [field(&KICKS_MOST, &[SchemaPart::Range { low: &KICKS_LEAST, high: &KICKS_MOST }])])
             .means("an impulse through the centre of every free block, once a tick")
             .make(|s| s.agitation = Some(Agitation::Kicks { speed: (UNSAID, UNSAID) }))
             .equations(&[&KICKS]),
@@ -180,7 +180,7 @@ pub static CLAUSES: [Entry; 12] = [
             field!(EDDY_LENGTH),
             field!(EDDY_TIME).otherwise("length over speed"),
             field!(EDDY_VERTICAL).otherwise("1"),
-        ] Group::Either(&STRENGTH))
+        ] FieldGroup::Either(&STRENGTH))
             .means("eddies of the fluid, which take blocks along; needs a `fluid`")
             .equations(&[&EDDIES]),
         braces!("brownian" [field!(TEMPERATURE)])
@@ -199,14 +199,14 @@ pub static CLAUSES: [Entry; 12] = [
         field!(CONTACT_STIFFNESS).otherwise("needed, this or `restitution`"),
         field!(CONTACT_DAMPING).otherwise("no such force"),
         field!(CONTACT_FRICTION),
-    ] Group::Either(&RIGIDITY))
+    ] FieldGroup::Either(&RIGIDITY))
         .means("how blocks collide with each other, the structure and the floor")
         .absent(NoTerm("blocks pass through each other and the floor"))
         .equations(&[&RIGID, &COMPLIANT]),
     kinds!("bond" [
         braces!("attract" [
-            field(&PULL, &[Part::Number(&PULL), Part::Then(&field!(PULL_WITHIN).absent(NO_REACH))]),
-            field(&ALIGN, &[Part::Number(&ALIGN), Part::Then(&field!(ALIGN_WITHIN).absent(NO_REACH))])
+            field(&PULL, &[SchemaPart::Number(&PULL), SchemaPart::Then(&field!(PULL_WITHIN).absent(NO_REACH))]),
+            field(&ALIGN, &[SchemaPart::Number(&ALIGN), SchemaPart::Then(&field!(ALIGN_WITHIN).absent(NO_REACH))])
                 .absent(NoTerm("only the pull turns a block towards a magnetized face"))
                 .make(|s| if let Some(Bond::Attract { align, .. }) = &mut s.bond { *align = Some(UNSAID_REACH); }),
             field(&ANCHOR, &ANCHORING),
@@ -248,30 +248,30 @@ const NO_REACH: Absent = Absent::Message {
 };
 
 #[rustfmt::skip]
-static ANCHORING: [Part; 3] = [
-    Part::OneOf { noun: "measure of the anchoring distance", of: &[
-        Entry::new("centres", &[])
+static ANCHORING: [SchemaPart; 3] = [
+    SchemaPart::OneOf { noun: "measure of the anchoring distance", of: &[
+        SchemaEntry::new("centres", &[])
             .means("between the centres of the two faces")
             .is(|s| is_measured(s, Measure::Centres)),
-        Entry::new("gap", &[])
+        SchemaEntry::new("gap", &[])
             .means("along the normal of the magnetized face, with less than half a side off to the side")
             .is(|s| is_measured(s, Measure::Gap))
             .make(|s| if let Some(bond) = &mut s.bond { bond.anchor_mut().measure = Measure::Gap; }),
     ] },
-    Part::Number(&ANCHOR),
-    Part::Then(&field!(ANCHOR_TILT).otherwise("45 deg")),
+    SchemaPart::Number(&ANCHOR),
+    SchemaPart::Then(&field!(ANCHOR_TILT).otherwise("45 deg")),
 ];
 
 #[rustfmt::skip]
 static STRENGTH: Either = Either {
     of: [
-        Alternative {
+        FieldAlternative {
             fields: &["speed"],
             label: "a speed of its own",
             missing: "add it, or `intensity` as a part of the speed of a `flow`",
             make: |s| s.agitation = Some(Agitation::Turbulence(unsaid_eddies(Strength::Speed(UNSAID)))),
         },
-        Alternative {
+        FieldAlternative {
             fields: &["intensity"],
             label: "a part of the speed of the flow",
             missing: "add it",
@@ -285,13 +285,13 @@ static STRENGTH: Either = Either {
 #[rustfmt::skip]
 static RIGIDITY: Either = Either {
     of: [
-        Alternative {
+        FieldAlternative {
             fields: &["restitution"],
             label: "a rigid one",
             missing: "add it, or `stiffness` for a compliant contact",
             make: |s| s.contact = Some(unsaid_contact(ContactLaw::Rigid { restitution: UNSAID })),
         },
-        Alternative {
+        FieldAlternative {
             fields: &["stiffness", "damping"],
             label: "a compliant contact",
             missing: "add how strongly it repels, such as `stiffness 25 N/m`",

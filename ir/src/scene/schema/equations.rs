@@ -4,9 +4,9 @@ use super::super::quantity::QuantityKind;
 use super::super::{
     Agitation, Anchor, BOLTZMANN, Flow, Fluid, Jets, Measure, Scene, Stir, Turbulence,
 };
-use super::number::Number;
+use super::number::SchemaNumber;
 use super::numbers::*;
-use Symbol::{Derived as D, Number as N};
+use EquationSymbol::{Derived as D, Number as N};
 
 /// One thing that a term does.
 #[derive(Debug)]
@@ -16,16 +16,16 @@ pub struct Equation {
     /// In the symbols of the values, in plain text; `None`: there is nothing to compute.
     pub formula: Option<&'static str>,
     /// What stands in it; a scene that does not say the first has no such equation.
-    pub symbols: &'static [Symbol],
+    pub symbols: &'static [EquationSymbol],
     /// In which scenes it holds.
     pub holds: fn(&Scene) -> bool,
 }
 
 /// What stands in an equation.
 #[derive(Debug)]
-pub enum Symbol {
+pub enum EquationSymbol {
     /// A number of the scene.
-    Number(&'static Number),
+    Number(&'static SchemaNumber),
     /// What follows from several.
     Derived(&'static Derived),
 }

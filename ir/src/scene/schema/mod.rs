@@ -10,21 +10,21 @@ mod reference;
 mod requirements;
 
 pub use clauses::{CLAUSES, unsaid};
-pub use equations::{Derived, Equation, Symbol};
-pub use number::{Number, Range};
+pub use equations::{Derived, Equation, EquationSymbol};
+pub use number::{Range, SchemaNumber};
 pub use requirements::{REQUIREMENTS, Requirement};
 
 use super::Scene;
 
 /// A word of a scene, and what stands behind it: a clause, the kind of one, or a field.
 #[derive(Debug)]
-pub struct Entry {
+pub struct SchemaEntry {
     /// The word.
     pub word: &'static str,
     /// What it means, as a clause; empty: its numbers say it all.
     pub meaning: &'static str,
     /// What stands behind it, one after the other.
-    pub parts: &'static [Part],
+    pub parts: &'static [SchemaPart],
     /// What holds where it is absent.
     pub absent: Absent,
     /// What it makes a runtime compute.
@@ -37,32 +37,32 @@ pub struct Entry {
 
 /// What may stand behind a word.
 #[derive(Debug)]
-pub enum Part {
+pub enum SchemaPart {
     /// A value.
-    Number(&'static Number),
+    Number(&'static SchemaNumber),
     /// A range of values, or a single one.
     Range {
         /// The lower end.
-        low: &'static Number,
+        low: &'static SchemaNumber,
         /// The upper end.
-        high: &'static Number,
+        high: &'static SchemaNumber,
     },
     /// One of several words.
     OneOf {
         /// What they are the kinds of.
         noun: &'static str,
         /// The words.
-        of: &'static [Entry],
+        of: &'static [SchemaEntry],
     },
     /// A further word, and what belongs to it.
-    Then(&'static Entry),
+    Then(&'static SchemaEntry),
     /// Words between braces, in any order, each once.
-    Fields(&'static [Entry], Group),
+    Fields(&'static [SchemaEntry], FieldGroup),
 }
 
 /// Which fields go with each other.
 #[derive(Debug)]
-pub enum Group {
+pub enum FieldGroup {
     /// Each as it likes.
     Free,
     /// At least one.
@@ -80,7 +80,7 @@ pub enum Group {
 #[derive(Debug)]
 pub struct Either {
     /// The two of them.
-    pub of: [Alternative; 2],
+    pub of: [FieldAlternative; 2],
     /// What it is to say both, as a title.
     pub both: &'static str,
     /// What to do about that.
@@ -89,7 +89,7 @@ pub struct Either {
 
 /// Fields of which the first is needed, if any of them is there.
 #[derive(Debug)]
-pub struct Alternative {
+pub struct FieldAlternative {
     /// Their words.
     pub fields: &'static [&'static str],
     /// What they say.
@@ -151,9 +151,9 @@ impl Absent {
     }
 }
 
-impl Entry {
-    const fn new(word: &'static str, parts: &'static [Part]) -> Entry {
-        Entry {
+impl SchemaEntry {
+    const fn new(word: &'static str, parts: &'static [SchemaPart]) -> SchemaEntry {
+        SchemaEntry {
             word,
             meaning: "",
             parts,
@@ -164,28 +164,28 @@ impl Entry {
         }
     }
 
-    const fn means(self, meaning: &'static str) -> Entry {
-        Entry { meaning, ..self }
+    const fn means(self, meaning: &'static str) -> SchemaEntry {
+        SchemaEntry { meaning, ..self }
     }
 
-    const fn absent(self, absent: Absent) -> Entry {
-        Entry { absent, ..self }
+    const fn absent(self, absent: Absent) -> SchemaEntry {
+        SchemaEntry { absent, ..self }
     }
 
-    const fn otherwise(self, default: &'static str) -> Entry {
+    const fn otherwise(self, default: &'static str) -> SchemaEntry {
         self.absent(Absent::Default(default))
     }
 
-    const fn equations(self, equations: &'static [&'static Equation]) -> Entry {
-        Entry { equations, ..self }
+    const fn equations(self, equations: &'static [&'static Equation]) -> SchemaEntry {
+        SchemaEntry { equations, ..self }
     }
 
-    const fn make(self, make: fn(&mut Scene)) -> Entry {
-        Entry { make, ..self }
+    const fn make(self, make: fn(&mut Scene)) -> SchemaEntry {
+        SchemaEntry { make, ..self }
     }
 
-    const fn is(self, is: fn(&Scene) -> bool) -> Entry {
-        Entry {
+    const fn is(self, is: fn(&Scene) -> bool) -> SchemaEntry {
+        SchemaEntry {
             is: Some(is),
             ..self
         }
@@ -193,11 +193,13 @@ impl Entry {
 
     /// Whether a scene says it.
     pub fn is_in(&self, scene: &Scene) -> bool {
-        let is_said = |part: &Part| match part {
-            Part::Number(number) | Part::Range { high: number, .. } => number.get(scene).is_some(),
-            Part::OneOf { of, .. } => of.iter().any(|kind| kind.is_in(scene)),
-            Part::Then(then) => !then.absent.is_needed() || then.is_in(scene),
-            Part::Fields(fields, _) => {
+        let is_said = |part: &SchemaPart| match part {
+            SchemaPart::Number(number) | SchemaPart::Range { high: number, .. } => {
+                number.get(scene).is_some()
+            }
+            SchemaPart::OneOf { of, .. } => of.iter().any(|kind| kind.is_in(scene)),
+            SchemaPart::Then(then) => !then.absent.is_needed() || then.is_in(scene),
+            SchemaPart::Fields(fields, _) => {
                 let mut needed = fields.iter().filter(|it| it.absent.is_needed()).peekable();
                 match needed.peek() {
                     Some(_) => needed.all(|field| field.is_in(scene)),
@@ -210,35 +212,35 @@ impl Entry {
     }
 
     /// The words between its braces, if it has any.
-    pub fn fields(&self) -> Option<(&'static [Entry], &'static Group)> {
+    pub fn fields(&self) -> Option<(&'static [SchemaEntry], &'static FieldGroup)> {
         self.parts.iter().find_map(|part| match part {
-            Part::Fields(fields, group) => Some((*fields, group)),
+            SchemaPart::Fields(fields, group) => Some((*fields, group)),
             _ => None,
         })
     }
 
     /// All that may come next behind it, in the order of the reference.
-    pub fn words(&self) -> impl Iterator<Item = &'static Entry> {
+    pub fn words(&self) -> impl Iterator<Item = &'static SchemaEntry> {
         self.parts.iter().flat_map(|part| match part {
-            Part::OneOf { of, .. } => of,
-            Part::Then(entry) => std::slice::from_ref(*entry),
-            Part::Fields(fields, _) => fields,
-            Part::Number(_) | Part::Range { .. } => &[],
+            SchemaPart::OneOf { of, .. } => of,
+            SchemaPart::Then(entry) => std::slice::from_ref(*entry),
+            SchemaPart::Fields(fields, _) => fields,
+            SchemaPart::Number(_) | SchemaPart::Range { .. } => &[],
         })
     }
 }
 
 /// Every number of an entry, in the order of the reference.
-pub fn numbers(entry: &Entry) -> Vec<&'static Number> {
-    let mut out: Vec<&'static Number> = Vec::new();
+pub fn numbers(entry: &SchemaEntry) -> Vec<&'static SchemaNumber> {
+    let mut out: Vec<&'static SchemaNumber> = Vec::new();
     for part in entry.parts {
         match part {
-            Part::Number(number) => out.push(number),
-            Part::Range { low, high } => out.extend([high, low]),
-            Part::OneOf { of: more, .. } | Part::Fields(more, _) => {
+            SchemaPart::Number(number) => out.push(number),
+            SchemaPart::Range { low, high } => out.extend([high, low]),
+            SchemaPart::OneOf { of: more, .. } | SchemaPart::Fields(more, _) => {
                 out.extend(more.iter().flat_map(numbers));
             }
-            Part::Then(entry) => out.extend(numbers(entry)),
+            SchemaPart::Then(entry) => out.extend(numbers(entry)),
         }
     }
     out
@@ -246,7 +248,7 @@ pub fn numbers(entry: &Entry) -> Vec<&'static Number> {
 
 /// Whether a word means something in a scene.
 pub fn is_word(word: &str) -> bool {
-    fn has(entry: &Entry, word: &str) -> bool {
+    fn has(entry: &SchemaEntry, word: &str) -> bool {
         entry.word == word || entry.words().any(|entry| has(entry, word))
     }
     CLAUSES.iter().any(|clause| has(clause, word))

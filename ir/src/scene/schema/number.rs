@@ -6,7 +6,7 @@ use super::super::units::Dimension;
 
 /// A number that a scene may have.
 #[derive(Debug)]
-pub struct Number {
+pub struct SchemaNumber {
     /// Its names, the full one first: the words in front of it in the language, joined by dots.
     pub names: &'static [&'static str],
     /// What it is one of.
@@ -97,7 +97,7 @@ impl Range {
     }
 }
 
-impl Number {
+impl SchemaNumber {
     /// Its full name, such as `bond.pull`.
     pub fn name(&self) -> &'static str {
         self.names[0]

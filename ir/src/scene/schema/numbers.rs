@@ -3,7 +3,7 @@ use super::super::quantity::QuantityKind;
 use super::super::{
     Agitation, Arrangement, Bond, ContactLaw, Enclosure, Flow, Strength, Turbulence,
 };
-use super::number::{Accessor, Number, Range};
+use super::number::{Accessor, Range, SchemaNumber};
 use Accessor::{High, Low, Optional, Term};
 use Range::{Acute, AtLeast, Between, Positive, Whole};
 
@@ -23,7 +23,7 @@ macro_rules! of {
 
 macro_rules! numbers {
     ($($name:ident [$($names:literal)+] $kind:ident $range:expr, $symbol:literal $label:literal: $meaning:literal, $at:expr;)*) => {
-        $(#[doc = $meaning] pub static $name: Number = Number {
+        $(#[doc = $meaning] pub static $name: SchemaNumber = SchemaNumber {
             names: &[$($names),+],
             kind: QuantityKind::$kind,
             range: $range,

@@ -1,7 +1,7 @@
 //! The schema in words, for the reference of the language and for editors.
-use super::{Absent, Entry, Number, Part, Range};
+use super::{Absent, Range, SchemaEntry, SchemaNumber, SchemaPart};
 
-impl Number {
+impl SchemaNumber {
     /// What it may be and what it means: `a length, more than 0: the edge of a cube`.
     pub fn described(&self) -> String {
         let noun = self.kind.noun.split(',').next().unwrap_or_default();
@@ -13,11 +13,13 @@ impl Number {
     }
 }
 
-impl Entry {
+impl SchemaEntry {
     /// What it means, and what the values directly behind it may be.
     pub fn described(&self) -> String {
         let values = self.parts.iter().filter_map(|part| match part {
-            Part::Number(number) | Part::Range { high: number, .. } => Some(number.described()),
+            SchemaPart::Number(number) | SchemaPart::Range { high: number, .. } => {
+                Some(number.described())
+            }
             _ => None,
         });
         let meaning = (!self.meaning.is_empty()).then(|| self.meaning.to_owned());
@@ -28,7 +30,7 @@ impl Entry {
     /// it is absent; what belongs to it comes after it, indented by so many steps more.
     pub fn rows(&self, depth: usize, out: &mut String) {
         let kinds = self.parts.iter().find_map(|part| match part {
-            Part::OneOf { of, .. } => Some(*of),
+            SchemaPart::OneOf { of, .. } => Some(*of),
             _ => None,
         });
         let absent = match self.absent {
@@ -36,11 +38,11 @@ impl Entry {
             _ if kinds.is_some_and(|kinds| kinds.len() > 1) => "needed, one of these",
             _ => "needed",
         };
-        let mut row = |kind: Option<&Entry>, absent: &str| {
+        let mut row = |kind: Option<&SchemaEntry>, absent: &str| {
             let descriptions = [Some(self), kind]
                 .into_iter()
                 .flatten()
-                .map(Entry::described);
+                .map(SchemaEntry::described);
             let described: Vec<_> = descriptions.filter(|text| !text.is_empty()).collect();
             let head = self.pattern(kind).join(" ").replace("` `", " ");
             let indent = "&nbsp; ".repeat(depth);
@@ -62,25 +64,29 @@ impl Entry {
     fn inner_rows(&self, depth: usize, out: &mut String) {
         for part in self.parts {
             match part {
-                Part::Then(entry) => entry.rows(depth + 1, out),
-                Part::Fields(fields, _) => fields.iter().for_each(|it| it.rows(depth + 1, out)),
+                SchemaPart::Then(entry) => entry.rows(depth + 1, out),
+                SchemaPart::Fields(fields, _) => {
+                    fields.iter().for_each(|it| it.rows(depth + 1, out))
+                }
                 _ => {}
             }
         }
     }
 
     /// How it is written, with the symbols of its values.
-    fn pattern(&self, kind: Option<&Entry>) -> Vec<String> {
+    fn pattern(&self, kind: Option<&SchemaEntry>) -> Vec<String> {
         let mut out = vec![format!("`{}`", self.word)];
         for part in self.parts {
             match part {
-                Part::Number(number) => out.push(number.symbol.to_owned()),
-                Part::Range { low, high } => {
+                SchemaPart::Number(number) => out.push(number.symbol.to_owned()),
+                SchemaPart::Range { low, high } => {
                     out.push(format!("{} `..` {}", low.symbol, high.symbol))
                 }
-                Part::OneOf { .. } => out.extend(kind.iter().flat_map(|kind| kind.pattern(None))),
-                Part::Fields(..) => out.push("`{ ... }`".to_owned()),
-                Part::Then(_) => {}
+                SchemaPart::OneOf { .. } => {
+                    out.extend(kind.iter().flat_map(|kind| kind.pattern(None)))
+                }
+                SchemaPart::Fields(..) => out.push("`{ ... }`".to_owned()),
+                SchemaPart::Then(_) => {}
             }
         }
         out.retain(|text| !text.is_empty());

@@ -19,7 +19,7 @@ mod solver;
 use nalgebra::Vector3;
 use stochc_ir::Cell;
 use stochc_ir::scene::Scene;
-use stochc_ir::state::{Reader, State, StateError, Writer};
+use stochc_ir::state::{State, StateError, StateReader, StateWriter};
 use stochc_ir::table::Plate;
 use stochc_protocol::Orientation;
 
