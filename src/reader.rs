@@ -2,20 +2,20 @@
 use std::path::PathBuf;
 
 use stochc_compiler::Reader;
-use stochc_files::bound::Bound;
+use stochc_files::bound::ImportFolders;
 use stochc_files::{programs, read};
 
 /// Reads a program, and what it imports from within the bound.
 pub(crate) struct DiskReader<'a> {
     program: &'a str,
     text: Option<&'a [u8]>,
-    bound: Bound,
+    bound: ImportFolders,
 }
 
 impl<'a> DiskReader<'a> {
     /// For a program, which has another text than the one to read if `text` says so; it may import from further folders.
     pub fn new(program: &'a str, text: Option<&'a [u8]>, further: &[PathBuf]) -> DiskReader<'a> {
-        let bound = Bound::of(program, further);
+        let bound = ImportFolders::of(program, further);
         DiskReader {
             program,
             text,

@@ -16,8 +16,8 @@ use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 use stochc_files::atomic::{Draft, Replaces, make_own_folder, move_aside};
-use stochc_files::checksum::{self, Line, Summed, of_file};
-use stochc_files::key::{self, Key as SecretKey, Signed};
+use stochc_files::checksum::{self, LineIntegrity, Summed, of_file};
+use stochc_files::key::{self, SecretKey, Signed};
 use stochc_files::{File, budget, disk, open_own};
 use stochc_ir::state::StateWriter;
 use stochc_runtime::Save;
@@ -486,7 +486,7 @@ fn read(file: &File) -> io::Result<Result<(Header, [u64; 2]), &'static str>> {
     let begins = line.len() as u64;
     let header = line
         .strip_suffix(b"\n")
-        .filter(|line| checksum::check(line) == Line::Sound);
+        .filter(|line| checksum::check(line) == LineIntegrity::Sound);
     let header = header.and_then(|line| serde_json::from_slice(line).ok());
     let (Some(header), Some(summed)) = (header, bytes.checked_sub(CHECKSUM)) else {
         return damaged;

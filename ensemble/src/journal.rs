@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use stochc_files as files;
 use stochc_files::File;
 use stochc_files::budget::{self, JOURNAL as JOURNAL_BUDGET};
-use stochc_files::checksum::{self, Line};
+use stochc_files::checksum::{self, LineIntegrity};
 use stochc_ir::record::{Outcome, RunRecord};
 
 use super::plausible::impossible;
@@ -228,7 +228,7 @@ pub(super) fn read_lines(
         return Ok((0, true));
     };
     let header: Header = serde_json::from_slice(first).map_err(|_| JournalError::Foreign)?;
-    let sound = checksum::check(first) == Line::Sound;
+    let sound = checksum::check(first) == LineIntegrity::Sound;
     let is_sealed = match (header.journal, header.crc) {
         (Some(JOURNAL), Some(_)) if sound => true,
         (None, None) => false,
@@ -265,7 +265,7 @@ pub(super) fn read_header(path: &Path) -> io::Result<Option<Header>> {
         return Ok(None);
     };
     let header = serde_json::from_slice(line).ok();
-    Ok(header.filter(|_| checksum::check(line) == Line::Sound))
+    Ok(header.filter(|_| checksum::check(line) == LineIntegrity::Sound))
 }
 
 /// Reads a line again that has been sound, and how many bytes it has; `line` is where it is kept meanwhile.
@@ -280,7 +280,7 @@ pub(super) fn read_at(
     line.clear();
     let bytes = read_line(file, most, line)?;
     let text = line.strip_suffix(b"\n").ok_or(JournalError::Changed)?;
-    if checksum::check(text) == Line::Damaged {
+    if checksum::check(text) == LineIntegrity::Damaged {
         return Err(JournalError::Changed);
     }
     let finished = serde_json::from_slice(text).map_err(|_| JournalError::Changed)?;
@@ -291,10 +291,10 @@ pub(super) fn read_at(
 pub(super) fn run(line: &[u8], is_sealed: bool, manifest: &Manifest) -> Result<Finished, String> {
     let damaged = || "is damaged".to_owned();
     match checksum::check(line) {
-        Line::Sound => {}
+        LineIntegrity::Sound => {}
         // Of an older journal those lines have one that were added since.
-        Line::Unsealed if !is_sealed => {}
-        Line::Damaged | Line::Unsealed => return Err(damaged()),
+        LineIntegrity::Unsealed if !is_sealed => {}
+        LineIntegrity::Damaged | LineIntegrity::Unsealed => return Err(damaged()),
     }
     let finished = serde_json::from_slice(line).map_err(|_| damaged())?;
     match impossible(manifest, &finished) {
@@ -321,7 +321,7 @@ pub(super) fn salvaged(
     if let Ok(header) = serde_json::from_slice::<Header>(&next) {
         let first = next.strip_suffix(b"\n").unwrap_or(&next);
         let sound = match header.journal {
-            Some(_) => checksum::check(first) == Line::Sound,
+            Some(_) => checksum::check(first) == LineIntegrity::Sound,
             None => true,
         };
         if sound && header.ensemble != identity {

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use stochc_files::budget::CHECKSUMS;
-use stochc_files::checksum::{self, Line, Sum, mended, of_file};
+use stochc_files::checksum::{self, LineIntegrity, Sum, mended, of_file};
 use stochc_files::{open, read_file};
 
 /// Its name.
@@ -54,7 +54,7 @@ impl Seal {
             return damaged();
         };
         match (checksum::check(line), serde_json::from_slice(line)) {
-            (Line::Sound, Ok(seal)) => (Some(seal), None),
+            (LineIntegrity::Sound, Ok(seal)) => (Some(seal), None),
             _ => damaged(),
         }
     }

@@ -4,14 +4,14 @@ use std::path::{Component, Path, PathBuf};
 
 /// Folders, links resolved.
 #[derive(Clone, Debug)]
-pub struct Bound(Vec<PathBuf>);
+pub struct ImportFolders(Vec<PathBuf>);
 
-impl Bound {
+impl ImportFolders {
     /// The folder of a program, and further ones as [`folder`] gives them.
-    pub fn of(program: &str, further: &[PathBuf]) -> Bound {
+    pub fn of(program: &str, further: &[PathBuf]) -> ImportFolders {
         let own = Path::new(program).parent().unwrap_or(Path::new(""));
         let own = std::iter::once(resolved(own));
-        Bound(own.chain(further.iter().cloned()).collect())
+        ImportFolders(own.chain(further.iter().cloned()).collect())
     }
 
     /// The folder of the program, where a file is in none of the folders: whether it is there or not, nothing of it
@@ -99,7 +99,7 @@ mod tests {
             "missing.sa",
         ];
         for program in ["in/own.sa", "same/own.sa"] {
-            let bound = Bound::of(&at(program), &[]);
+            let bound = ImportFolders::of(&at(program), &[]);
             for path in inside {
                 assert_eq!(bound.outside(&at(path)), None, "{path}");
             }
@@ -108,11 +108,15 @@ mod tests {
             }
         }
         let allowed = super::folder(Path::new(&at("in/link"))).unwrap();
-        let bound = Bound::of(&at("in/own.sa"), &[allowed]);
+        let bound = ImportFolders::of(&at("in/own.sa"), &[allowed]);
         assert_eq!(bound.outside(&at("in/b.sa")), None);
         assert!(bound.outside(&at("missing.sa")).is_some());
         assert!(super::folder(Path::new(&at("in/own.sa"))).is_err());
-        assert!(Bound::of("own.sa", &[]).outside("/etc/passwd").is_some());
-        assert_eq!(Bound::of("own.sa", &[]).outside("deep/x.sa"), None);
+        assert!(
+            ImportFolders::of("own.sa", &[])
+                .outside("/etc/passwd")
+                .is_some()
+        );
+        assert_eq!(ImportFolders::of("own.sa", &[]).outside("deep/x.sa"), None);
     }
 }

@@ -8,52 +8,52 @@ const GIB: u64 = 1 << 30;
 
 /// How much is read of a kind of file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Budget {
+pub struct ReadBudget {
     /// Its bytes, fewer than which it has to have.
     pub bytes: u64,
     /// Whether it is JSON, in which there are no holes.
     pub is_json: bool,
 }
 
-const fn json(bytes: u64) -> Budget {
+const fn json(bytes: u64) -> ReadBudget {
     let is_json = true;
-    Budget { bytes, is_json }
+    ReadBudget { bytes, is_json }
 }
 
-const fn any(bytes: u64) -> Budget {
+const fn any(bytes: u64) -> ReadBudget {
     let is_json = false;
-    Budget { bytes, is_json }
+    ReadBudget { bytes, is_json }
 }
 
 /// A program: places in it are counted with 32 bits.
-pub const PROGRAM: Budget = any(4 * GIB);
+pub const PROGRAM: ReadBudget = any(4 * GIB);
 /// A file of compiled programs.
-pub const EXECUTABLE: Budget = json(4 * GIB);
+pub const EXECUTABLE: ReadBudget = json(4 * GIB);
 /// The manifest of an ensemble.
-pub const MANIFEST: Budget = json(4 * GIB);
+pub const MANIFEST: ReadBudget = json(4 * GIB);
 /// The checksums of a folder.
-pub const CHECKSUMS: Budget = json(16 * MIB);
+pub const CHECKSUMS: ReadBudget = json(16 * MIB);
 /// How an ensemble is cut into pieces.
-pub const SHARDS: Budget = json(MIB);
+pub const SHARDS: ReadBudget = json(MIB);
 /// The jobs that make an ensemble on a cluster.
-pub const JOBS: Budget = json(MIB);
+pub const JOBS: ReadBudget = json(MIB);
 /// A `trade.json`.
-pub const TRADE: Budget = json(256 * MIB);
+pub const TRADE: ReadBudget = json(256 * MIB);
 /// The rates of a scene.
-pub const RATES: Budget = json(16 * MIB);
+pub const RATES: ReadBudget = json(16 * MIB);
 /// A table of times to fit to.
-pub const TIMES: Budget = any(256 * MIB);
+pub const TIMES: ReadBudget = any(256 * MIB);
 /// Voxels to be planned.
-pub const VOXELS: Budget = any(256 * MIB);
+pub const VOXELS: ReadBudget = any(256 * MIB);
 /// The page of an earlier report.
-pub const PAGE: Budget = any(GIB);
+pub const PAGE: ReadBudget = any(GIB);
 /// A journal.
-pub const JOURNAL: Budget = json(256 * GIB);
+pub const JOURNAL: ReadBudget = json(256 * GIB);
 /// A recording, packed.
-pub const RECORDING: Budget = any(64 * GIB);
+pub const RECORDING: ReadBudget = any(64 * GIB);
 
 /// The state of a run under way, with its recording so far.
-pub const CHECKPOINT: Budget = any(128 * GIB);
+pub const CHECKPOINT: ReadBudget = any(128 * GIB);
 
 /// Bytes of the header of a recording, at most.
 pub const RECORDING_HEADER: u64 = MIB;
@@ -70,7 +70,7 @@ pub const fn record(captures: u64) -> u64 {
     if most < GIB { most } else { GIB }
 }
 
-impl Budget {
+impl ReadBudget {
     /// Refuses a file of so many bytes.
     ///
     /// # Errors

@@ -93,7 +93,7 @@ pub fn of_file(file: impl Read, length: u64) -> io::Result<Sum> {
 
 /// What a line of JSON says of itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Line {
+pub enum LineIntegrity {
     /// It is as it was written.
     Sound,
     /// It is not.
@@ -138,19 +138,19 @@ pub fn sealed(object: &str) -> String {
 }
 
 /// Holds a line, without the line break, against its checksum.
-pub fn check(line: &[u8]) -> Line {
+pub fn check(line: &[u8]) -> LineIntegrity {
     let Some(at) = line.len().checked_sub(LENGTH) else {
-        return Line::Unsealed;
+        return LineIntegrity::Unsealed;
     };
     let (body, seal) = line.split_at(at);
     if !seal.starts_with(FIELD) {
-        return Line::Unsealed;
+        return LineIntegrity::Unsealed;
     }
     // As text, so that no digit has two forms.
     let sound = format!(",\"crc\":\"{:08x}\"}}", crc32(body));
     match seal == sound.as_bytes() {
-        true => Line::Sound,
-        false => Line::Damaged,
+        true => LineIntegrity::Sound,
+        false => LineIntegrity::Damaged,
     }
 }
 
@@ -161,12 +161,12 @@ mod tests {
     #[test]
     fn no_flipped_bit_of_a_line_passes() {
         let line = sealed("{\"a\":[1,2,3],\"b\":\"\u{e4}\"}").into_bytes();
-        assert_eq!(check(&line), Line::Sound);
-        assert_eq!(check(b"{\"a\":1}"), Line::Unsealed);
+        assert_eq!(check(&line), LineIntegrity::Sound);
+        assert_eq!(check(b"{\"a\":1}"), LineIntegrity::Unsealed);
         for bit in 0..8 * line.len() {
             let mut line = line.clone();
             line[bit / 8] ^= 1 << (bit % 8);
-            assert_ne!(check(&line), Line::Sound, "{bit}");
+            assert_ne!(check(&line), LineIntegrity::Sound, "{bit}");
         }
     }
 

@@ -4,20 +4,20 @@ use std::borrow::Cow;
 use csv::{Terminator, Writer, WriterBuilder};
 
 /// A table that grows row by row in memory.
-pub struct Table(Writer<Vec<u8>>);
+pub struct CsvTable(Writer<Vec<u8>>);
 
-impl Table {
+impl CsvTable {
     /// A table without rows.
-    pub fn new(columns: impl IntoIterator<Item = impl AsRef<str>>) -> Table {
-        let mut table = Table::part();
+    pub fn new(columns: impl IntoIterator<Item = impl AsRef<str>>) -> CsvTable {
+        let mut table = CsvTable::part();
         table.row(columns);
         table
     }
 
     /// Rows that go on with a table.
-    pub fn part() -> Table {
+    pub fn part() -> CsvTable {
         let mut builder = WriterBuilder::new();
-        Table(builder.terminator(Terminator::CRLF).from_writer(Vec::new()))
+        CsvTable(builder.terminator(Terminator::CRLF).from_writer(Vec::new()))
     }
 
     /// Adds a row, which has to have a cell for each column; [`original`] tells what a cell was.
@@ -48,7 +48,7 @@ fn inert(cell: &str) -> Cow<'_, str> {
     }
 }
 
-/// What a cell was before a [`Table`] made it inert.
+/// What a cell was before a [`CsvTable`] made it inert.
 pub fn original(cell: &str) -> &str {
     match cell.strip_prefix('\'') {
         Some(rest) if is_computed(rest) => rest,
@@ -64,11 +64,11 @@ fn is_computed(cell: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::{Table, original};
+    use super::{CsvTable, original};
 
     #[test]
     fn no_text_is_a_formula_and_numbers_stay() {
-        let mut table = Table::new(["=a", "b"]);
+        let mut table = CsvTable::new(["=a", "b"]);
         for text in ["=1+1", "+cmd|' /C calc'!A0", "-a", "@b", "\tc", "\rd"] {
             table.row([text, "'=e"]);
         }
@@ -95,7 +95,7 @@ mod tests {
 
     #[test]
     fn a_field_may_hold_anything() {
-        let mut table = Table::new(["plain", "a,\"b\"\n"]);
+        let mut table = CsvTable::new(["plain", "a,\"b\"\n"]);
         table.row(["", "ä"]);
         assert_eq!(table.finish(), "plain,\"a,\"\"b\"\"\n\"\r\n,ä\r\n");
     }

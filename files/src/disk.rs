@@ -40,7 +40,7 @@ pub enum Call<'a> {
 
 /// What becomes of a call.
 #[derive(Debug)]
-pub enum Verdict {
+pub enum CallDecision {
     /// The system is asked.
     Proceed,
     /// It fails.
@@ -54,7 +54,7 @@ pub enum Verdict {
 /// In the place of the disk.
 pub trait Double: Send + Sync {
     /// Decides on a call that is about to be made.
-    fn decide(&self, path: &Path, call: Call) -> Verdict;
+    fn decide(&self, path: &Path, call: Call) -> CallDecision;
 }
 
 /// The doubles, each for what lies in a folder.
@@ -76,16 +76,16 @@ pub fn restore(folder: &Path) {
     COUNT.store(doubles.len(), Ordering::SeqCst);
 }
 
-fn decide(path: &Path, call: Call) -> Verdict {
+fn decide(path: &Path, call: Call) -> CallDecision {
     if COUNT.load(Ordering::Relaxed) == 0 {
-        return Verdict::Proceed;
+        return CallDecision::Proceed;
     }
     let double = {
         let doubles = DOUBLES.read().expect("nobody panics while it is held");
         let of = doubles.iter().find(|(folder, _)| path.starts_with(folder));
         of.map(|(_, double)| double.clone())
     };
-    double.map_or(Verdict::Proceed, |double| double.decide(path, call))
+    double.map_or(CallDecision::Proceed, |double| double.decide(path, call))
 }
 
 /// Makes a call, unless it fails before.
@@ -95,9 +95,9 @@ pub(crate) fn ask<T: Default>(
     make: impl FnOnce() -> io::Result<T>,
 ) -> io::Result<T> {
     match decide(path, call) {
-        Verdict::Proceed => make(),
-        Verdict::Fail(error) | Verdict::Torn(_, error) => Err(error),
-        Verdict::Pretend => Ok(T::default()),
+        CallDecision::Proceed => make(),
+        CallDecision::Fail(error) | CallDecision::Torn(_, error) => Err(error),
+        CallDecision::Pretend => Ok(T::default()),
     }
 }
 
@@ -109,10 +109,10 @@ pub(crate) fn may(path: &Path, call: Call) -> io::Result<()> {
 /// Writes to something that is the file at `path`.
 pub(crate) fn write(path: &Path, bytes: &[u8], mut to: impl Write) -> io::Result<usize> {
     match decide(path, Call::Write(bytes)) {
-        Verdict::Proceed => to.write(bytes),
-        Verdict::Fail(error) => Err(error),
-        Verdict::Torn(count, error) => to.write_all(&bytes[..count]).and(Err(error)),
-        Verdict::Pretend => Ok(bytes.len()),
+        CallDecision::Proceed => to.write(bytes),
+        CallDecision::Fail(error) => Err(error),
+        CallDecision::Torn(count, error) => to.write_all(&bytes[..count]).and(Err(error)),
+        CallDecision::Pretend => Ok(bytes.len()),
     }
 }
 

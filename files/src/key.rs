@@ -18,35 +18,35 @@ pub type Signature = [u8; LENGTH];
 
 /// A secret key.
 #[derive(Clone)]
-pub struct Key([u8; LENGTH]);
+pub struct SecretKey([u8; LENGTH]);
 
-impl std::fmt::Debug for Key {
+impl std::fmt::Debug for SecretKey {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str("Key")
+        f.write_str("SecretKey")
     }
 }
 
-impl Key {
+impl SecretKey {
     /// That of the user, which is made if there is none.
     ///
     /// # Errors
     /// If there is no place for it, or others could read it.
-    pub fn of_user() -> io::Result<&'static Key> {
-        static KEY: OnceLock<Key> = OnceLock::new();
+    pub fn of_user() -> io::Result<&'static SecretKey> {
+        static KEY: OnceLock<SecretKey> = OnceLock::new();
         if let Some(key) = KEY.get() {
             return Ok(key);
         }
-        let key = place().and_then(|path| Key::at(&path))?;
+        let key = place().and_then(|path| SecretKey::at(&path))?;
         Ok(KEY.get_or_init(|| key))
     }
 
     /// The key in a file, which is made if it is not there.
-    fn at(path: &Path) -> io::Result<Key> {
+    fn at(path: &Path) -> io::Result<SecretKey> {
         match read(path) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => make(path)?,
-            found => return found.map(Key),
+            found => return found.map(SecretKey),
         }
-        read(path).map(Key)
+        read(path).map(SecretKey)
     }
 
     fn hmac(&self) -> Hmac<Sha256> {
@@ -79,7 +79,7 @@ pub struct Signed<W> {
 
 impl<W> Signed<W> {
     /// Before the first byte.
-    pub fn new(to: W, key: &Key) -> Signed<W> {
+    pub fn new(to: W, key: &SecretKey) -> Signed<W> {
         Signed {
             to,
             hmac: key.hmac(),
@@ -158,7 +158,7 @@ fn make(path: &Path) -> io::Result<()> {
 mod tests {
     use super::*;
 
-    fn signed(key: &Key, bytes: &[u8]) -> Signature {
+    fn signed(key: &SecretKey, bytes: &[u8]) -> Signature {
         let mut signed = Signed::new(Vec::new(), key);
         signed.write_all(bytes).unwrap();
         let (written, signature) = signed.finish();
@@ -171,7 +171,7 @@ mod tests {
     fn a_signature_is_that_of_the_standard() {
         let mut padded = [0; LENGTH];
         padded[..4].copy_from_slice(b"Jefe");
-        let signature = signed(&Key(padded), b"what do ya want for nothing?");
+        let signature = signed(&SecretKey(padded), b"what do ya want for nothing?");
         let known = "5bdcc146bf60754e6a042426089575c75a003f089d2739839dec58b964ec3843";
         let shown: String = signature.iter().map(|byte| format!("{byte:02x}")).collect();
         assert_eq!(shown, known);
@@ -181,17 +181,17 @@ mod tests {
     fn one_key_is_made_and_only_its_signatures_count() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("stochc/key");
-        let keys: Vec<Key> = std::thread::scope(|scope| {
+        let keys: Vec<SecretKey> = std::thread::scope(|scope| {
             let threads: Vec<_> = (0..8)
-                .map(|_| scope.spawn(|| Key::at(&path).unwrap()))
+                .map(|_| scope.spawn(|| SecretKey::at(&path).unwrap()))
                 .collect();
             threads.into_iter().map(|it| it.join().unwrap()).collect()
         });
         assert!(keys.iter().all(|key| key.0 == keys[0].0));
         assert_ne!(keys[0].0, [0; LENGTH]);
-        let other = Key::at(&folder.path().join("other")).unwrap();
+        let other = SecretKey::at(&folder.path().join("other")).unwrap();
         let signature = signed(&keys[0], b"state");
-        let has_signed = |key: &Key, bytes: &[u8]| {
+        let has_signed = |key: &SecretKey, bytes: &[u8]| {
             key.has_signed(bytes, bytes.len() as u64, &signature)
                 .unwrap()
         };
@@ -209,9 +209,9 @@ mod tests {
         use std::os::unix::fs::PermissionsExt as _;
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("key");
-        Key::at(&path).unwrap();
+        SecretKey::at(&path).unwrap();
         fs::set_permissions(&path, fs::Permissions::from_mode(0o644)).unwrap();
-        let error = Key::at(&path).unwrap_err().to_string();
+        let error = SecretKey::at(&path).unwrap_err().to_string();
         assert!(error.contains("can be read by others"), "{error}");
         fs::set_permissions(&path, fs::Permissions::from_mode(0o600)).unwrap();
         fs::OpenOptions::new()
@@ -219,7 +219,7 @@ mod tests {
             .open(&path)
             .and_then(|file| file.set_len(5))
             .unwrap();
-        let error = Key::at(&path).unwrap_err().to_string();
+        let error = SecretKey::at(&path).unwrap_err().to_string();
         assert!(error.contains("is none; remove it"), "{error}");
     }
 }

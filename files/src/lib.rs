@@ -14,7 +14,7 @@ use std::fs::{Metadata, OpenOptions};
 use std::io::{self, Read};
 use std::path::Path;
 
-use budget::{Budget, PROGRAM};
+use budget::{PROGRAM, ReadBudget};
 pub use disk::File;
 
 /// The bytes of a file, for the compiler.
@@ -30,7 +30,7 @@ pub fn read(path: &str) -> Result<Vec<u8>, String> {
 ///
 /// # Errors
 /// Those of [`open`], and of a file beyond its budget.
-pub fn read_file(path: &Path, budget: Budget) -> io::Result<Vec<u8>> {
+pub fn read_file(path: &Path, budget: ReadBudget) -> io::Result<Vec<u8>> {
     let file = open(path)?;
     budget.admits(file.metadata()?.len())?;
     read_stream(file, budget)
@@ -40,7 +40,7 @@ pub fn read_file(path: &Path, budget: Budget) -> io::Result<Vec<u8>> {
 ///
 /// # Errors
 /// Those of the stream, and of one beyond its budget.
-pub fn read_stream(mut stream: impl Read, budget: Budget) -> io::Result<Vec<u8>> {
+pub fn read_stream(mut stream: impl Read, budget: ReadBudget) -> io::Result<Vec<u8>> {
     /// Bytes between two looks at what has come; smaller files are not worth one.
     const PIECE: u64 = 1 << 24;
     let mut bytes = Vec::new();

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use gen_lsp_types::Diagnostic as LspDiagnostic;
 use stochc_compiler::{Cancellation, Reader};
-use stochc_files::bound::Bound;
+use stochc_files::bound::ImportFolders;
 
 use super::analysis::Analysis;
 use super::diagnostics;
@@ -195,7 +195,7 @@ impl Programs {
 struct ProgramReader<'a> {
     documents: &'a Documents,
     reads: &'a Mutex<Reads>,
-    bound: Bound,
+    bound: ImportFolders,
 }
 
 impl Reader for ProgramReader<'_> {
@@ -221,7 +221,7 @@ fn check(
     encoding: Encoding,
     cancellation: Cancellation<'_>,
 ) -> Option<Checked> {
-    let bound = Bound::of(path, folders);
+    let bound = ImportFolders::of(path, folders);
     let mut reader = ProgramReader {
         documents,
         reads,

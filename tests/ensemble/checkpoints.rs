@@ -9,7 +9,7 @@ use stochc::ensemble::verify::{repair, verify};
 use stochc::ensemble::{
     CHECKPOINTS, Cancelled, Destination, Folder, Interval, Manifest, Progress, Watch,
 };
-use stochc_files::key::{Key, Signed};
+use stochc_files::key::{SecretKey, Signed};
 use stochc_ir::record::RunRecord;
 use stochc_ir::state::StateWriter;
 use stochc_runtime::Watch as _;
@@ -185,7 +185,7 @@ fn forge(file: &Path, header: impl Fn(&str) -> String, state: &[u8], is_signed: 
     let mut forged = stochc_files::checksum::sealed(&header(&open)).into_bytes();
     forged.push(b'\n');
     forged.extend_from_slice(state);
-    let mut signed = Signed::new(Vec::new(), Key::of_user().unwrap());
+    let mut signed = Signed::new(Vec::new(), SecretKey::of_user().unwrap());
     signed.write_all(&forged).unwrap();
     let (_, mut signature) = signed.finish();
     signature[0] ^= u8::from(!is_signed);

@@ -16,7 +16,7 @@ use std::sync::{Arc, Mutex};
 use stochc::ensemble::shards::{Piece, ShardError, merge, prepare};
 use stochc::ensemble::verify::repair;
 use stochc::ensemble::{Cancelled, Destination, Folder, FolderError, Manifest, Records, Watch};
-use stochc_files::disk::{Call, Double, Verdict, replace_by, restore};
+use stochc_files::disk::{Call, CallDecision, Double, replace_by, restore};
 use stochc_ir::record::RunRecord;
 
 use crate::world::{EVERY, bytes, manifest, run_on, simulate};
@@ -216,7 +216,7 @@ impl Faulty {
     }
 
     /// What the fault makes of a call; `None`: nothing.
-    fn strike(&self, state: &mut State, fault: Fault, call: Call) -> Option<Verdict> {
+    fn strike(&self, state: &mut State, fault: Fault, call: Call) -> Option<CallDecision> {
         let writes = matches!(
             call,
             Call::Create
@@ -226,16 +226,20 @@ impl Faulty {
                 | Call::SetLength(1..)
         );
         let verdict = match fault {
-            Fault::NoSpace if writes => Verdict::Fail(Error::from_raw_os_error(28)),
-            Fault::InputOutput => Verdict::Fail(Error::from_raw_os_error(5)),
+            Fault::NoSpace if writes => CallDecision::Fail(Error::from_raw_os_error(28)),
+            Fault::InputOutput => CallDecision::Fail(Error::from_raw_os_error(5)),
             Fault::Torn => match call {
-                Call::Write(bytes) => Verdict::Torn(bytes.len() / 2, Error::from_raw_os_error(5)),
+                Call::Write(bytes) => {
+                    CallDecision::Torn(bytes.len() / 2, Error::from_raw_os_error(5))
+                }
                 _ => return None,
             },
-            Fault::LostSync if matches!(call, Call::Sync | Call::SyncFolder) => Verdict::Pretend,
+            Fault::LostSync if matches!(call, Call::Sync | Call::SyncFolder) => {
+                CallDecision::Pretend
+            }
             Fault::Kill | Fault::PowerLoss | Fault::TornPowerLoss => {
                 self.crash(state, fault);
-                Verdict::Fail(Error::from_raw_os_error(5))
+                CallDecision::Fail(Error::from_raw_os_error(5))
             }
             Fault::NoSpace | Fault::LostSync => return None,
         };
@@ -245,11 +249,11 @@ impl Faulty {
 }
 
 impl Double for Faulty {
-    fn decide(&self, path: &Path, call: Call) -> Verdict {
+    fn decide(&self, path: &Path, call: Call) -> CallDecision {
         let mut state = self.state.lock().unwrap();
         let state = &mut *state;
         if state.after.is_some() {
-            return Verdict::Fail(Error::from_raw_os_error(5));
+            return CallDecision::Fail(Error::from_raw_os_error(5));
         }
         let number = state.calls.len();
         state.calls.push(Kind::of(call));
@@ -281,7 +285,7 @@ impl Double for Faulty {
             }
             _ => {}
         }
-        Verdict::Proceed
+        CallDecision::Proceed
     }
 }
 

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use stochc_files::atomic::make_own_folder;
 use stochc_files::budget::SHARDS as SHARDS_BUDGET;
-use stochc_files::checksum::{self, Line, Sum};
+use stochc_files::checksum::{self, LineIntegrity, Sum};
 use stochc_files::read_file;
 
 use super::ShardError;
@@ -139,7 +139,7 @@ impl Cut {
         };
         let line = bytes.strip_suffix(b"\n").unwrap_or_default();
         match (checksum::check(line), serde_json::from_slice(line)) {
-            (Line::Sound, Ok(cut)) => Ok(Some(cut)),
+            (LineIntegrity::Sound, Ok(cut)) => Ok(Some(cut)),
             _ => Err(unreadable(path, "it is damaged")),
         }
     }

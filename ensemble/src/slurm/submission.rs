@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use stochc_files as files;
 use stochc_files::atomic::{Replaces, make_own_folder, replace};
 use stochc_files::budget::JOBS;
-use stochc_files::checksum::{self, Line, crc32};
+use stochc_files::checksum::{self, LineIntegrity, crc32};
 use stochc_files::disk::Lock;
 
 use super::{Queue, SLURM};
@@ -196,7 +196,7 @@ impl Ensemble {
         };
         let line = bytes.strip_suffix(b"\n").unwrap_or_default();
         match (checksum::check(line), serde_json::from_slice::<File>(line)) {
-            (Line::Sound, Ok(file)) => Ok(file.submissions),
+            (LineIntegrity::Sound, Ok(file)) => Ok(file.submissions),
             _ => {
                 let damaged =
                     "it is damaged; remove it, jobs that are queued are found by their name";

@@ -1,6 +1,6 @@
 //! A sweep for other programs: JSON, and comma-separated values (RFC 4180).
 use serde_json::json;
-use stochc_files::csv::Table;
+use stochc_files::csv::CsvTable;
 
 use super::Sweep;
 use crate::Manifest;
@@ -39,7 +39,7 @@ impl Sweep {
             "time_per_capture",
         ];
         let rest = rest.into_iter().map(str::to_owned);
-        let mut table = Table::new(["program".to_owned()].into_iter().chain(axes).chain(rest));
+        let mut table = CsvTable::new(["program".to_owned()].into_iter().chain(axes).chain(rest));
         let maybe = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
         for point in &self.points {
             let time = point.time.as_ref();

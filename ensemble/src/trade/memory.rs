@@ -5,7 +5,7 @@ use std::sync::Mutex;
 use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
-use stochc_files::checksum::{self, Line};
+use stochc_files::checksum::{self, LineIntegrity};
 use stochc_files::{File, budget};
 use stochc_ir::sha256;
 use stochc_runtime::Settings;
@@ -54,7 +54,7 @@ impl Memory {
         let (mut known, mut elapsed) = (BTreeMap::new(), Duration::ZERO);
         let (whole, _) = read_lines(&path, &header, budget::record(most), |line| {
             // A damaged line costs its run, which is measured again.
-            if checksum::check(line.text) == Line::Sound
+            if checksum::check(line.text) == LineIntegrity::Sound
                 && let Ok(entry) = serde_json::from_slice::<Entry>(line.text)
             {
                 let seconds = Duration::try_from_secs_f64(entry.elapsed);

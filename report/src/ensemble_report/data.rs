@@ -2,7 +2,7 @@
 use stochc_ensemble::statistics::{KaplanMeier, Observation, Test};
 use stochc_ensemble::sweep::Sweep;
 use stochc_ensemble::{PairwiseTest, Time, TimeUnit, Verdict};
-use stochc_files::csv::Table;
+use stochc_files::csv::CsvTable;
 
 use crate::analysis::subject::{Run, Subject};
 use crate::analysis::waits::Wait;
@@ -58,7 +58,7 @@ pub(super) fn files(
 }
 
 fn survival(subjects: &[Subject]) -> String {
-    let mut table = Table::new([
+    let mut table = CsvTable::new([
         "program",
         "phase",
         "ticks",
@@ -95,7 +95,7 @@ fn survival(subjects: &[Subject]) -> String {
 }
 
 fn means(subjects: &[Subject]) -> String {
-    let mut table = Table::new([
+    let mut table = CsvTable::new([
         "program",
         "phase",
         "completed",
@@ -136,7 +136,7 @@ fn means(subjects: &[Subject]) -> String {
 }
 
 fn captures(subjects: &[Subject], waits: &[Vec<Wait>]) -> String {
-    let mut table = Table::new([
+    let mut table = CsvTable::new([
         "program",
         "phase",
         "capture",
@@ -175,7 +175,7 @@ fn captures(subjects: &[Subject], waits: &[Vec<Wait>]) -> String {
 }
 
 fn origins(subjects: &[Subject], waits: &[Vec<Wait>]) -> String {
-    let mut table = Table::new(["program", "phase", "capture", "origin", "role", "captured"]);
+    let mut table = CsvTable::new(["program", "phase", "capture", "origin", "role", "captured"]);
     for (subject, waits) in subjects.iter().zip(waits) {
         for wait in waits {
             let released = wait.released().iter();
@@ -198,12 +198,12 @@ fn origins(subjects: &[Subject], waits: &[Vec<Wait>]) -> String {
 
 /// The first line of [`CHAINS`].
 pub(super) fn chains_header() -> String {
-    Table::new(["program", "run", "phase", "event", "from", "to"]).finish()
+    CsvTable::new(["program", "run", "phase", "event", "from", "to"]).finish()
 }
 
 /// The lines of a run in it.
 pub(super) fn chains(subject: &Subject, run: &Run) -> String {
-    let mut table = Table::part();
+    let mut table = CsvTable::part();
     for link in &run.chain {
         let event = link.event().map(|event| &subject.events.events[event]);
         table.row([
@@ -219,7 +219,7 @@ pub(super) fn chains(subject: &Subject, run: &Run) -> String {
 }
 
 fn differences(subjects: &[Subject], pairwise_tests: &[PairwiseTest], clock: TimeUnit) -> String {
-    let mut table = Table::new([
+    let mut table = CsvTable::new([
         "first",
         "second",
         "test",
@@ -250,7 +250,7 @@ fn differences(subjects: &[Subject], pairwise_tests: &[PairwiseTest], clock: Tim
 }
 
 fn swept(sweeps: &[Sweep]) -> String {
-    let mut table = Table::new([
+    let mut table = CsvTable::new([
         "of",
         "value",
         "at",
