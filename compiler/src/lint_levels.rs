@@ -1,6 +1,6 @@
 //! Which warnings are told, and which are errors: as the files say, else as the command line says.
 use rustc_hash::FxHashMap;
-use stochc_grammar::tree::{Item, ItemKind, Level as Statement, Verdict};
+use stochc_grammar::tree::{Item, ItemKind, LintDirective, LintDirectiveKind};
 use stochc_grammar::{Span, Symbols};
 use stochc_ir::suggest::nearest;
 
@@ -60,7 +60,7 @@ pub struct FileLevels {
 /// A statement that sets a level.
 #[derive(Debug)]
 struct Set {
-    verdict: Verdict,
+    verdict: LintDirectiveKind,
     code: Code,
     reason: String,
     /// Of the code.
@@ -196,7 +196,7 @@ impl FileLevels {
                 let unused = |set: &&Set| {
                     set.judged
                         && !set.used
-                        && set.verdict == Verdict::Allow
+                        && set.verdict == LintDirectiveKind::Allow
                         && (set.code == Code::UnusedAllow) == about_itself
                 };
                 let diagnostics: Vec<Diagnostic> = (self.statements.iter().filter(unused))
@@ -227,7 +227,7 @@ impl FileLevels {
             Some(set) if Some(self.statements[set].site) != site => {
                 let set = &mut self.statements[set];
                 set.used = true;
-                if set.verdict == Verdict::Allow {
+                if set.verdict == LintDirectiveKind::Allow {
                     let reason = Some(set.reason.clone());
                     return allowed.push(Allowed { diagnostic, reason });
                 }
@@ -287,7 +287,7 @@ impl Set {
 
 /// The warning that a statement speaks of.
 fn code(
-    statement: &Statement,
+    statement: &LintDirective,
     whole: Site,
     sources: &Sources,
     symbols: &Symbols,
@@ -313,11 +313,11 @@ fn code(
         return Ok(code);
     }
     let (title, help) = match statement.verdict {
-        Verdict::Allow => (
+        LintDirectiveKind::Allow => (
             format!("`{word}` makes a program wrong and cannot be allowed"),
             format!("mend what `{word}` is about; only warnings can be allowed"),
         ),
-        Verdict::Deny => (
+        LintDirectiveKind::Deny => (
             format!("`{word}` is an error already"),
             "remove the `deny`; only warnings need one".to_owned(),
         ),
@@ -325,7 +325,7 @@ fn code(
     let mut diagnostic = Diagnostic::new(Code::FixedLevel, title)
         .label(site, "an error")
         .help(help);
-    if statement.verdict == Verdict::Deny {
+    if statement.verdict == LintDirectiveKind::Deny {
         let title = format!("remove the `{verdict}`");
         diagnostic.fix = Some(Fix::remove(removal(sources, whole), title));
     }

@@ -1,6 +1,6 @@
 //! The scenes of a program: its own and the built-in ones.
 use rustc_hash::FxHashMap;
-use stochc_grammar::tree::{ItemKind, Name, Scene as Tree};
+use stochc_grammar::tree::{ItemKind, Name, SceneDeclaration};
 use stochc_grammar::{Symbol, Symbols};
 use stochc_ir::scene::Scene;
 use stochc_ir::suggest::nearest;
@@ -18,7 +18,7 @@ pub struct Scenes {
 impl Scenes {
     /// Reads every declared scene, whether it is used or not.
     pub fn of(modules: &[Module], symbols: &Symbols, diagnostics: &mut Vec<Diagnostic>) -> Scenes {
-        let mut declared: FxHashMap<Symbol, (FileId, &Tree)> = FxHashMap::default();
+        let mut declared: FxHashMap<Symbol, (FileId, &SceneDeclaration)> = FxHashMap::default();
         let mut order: Vec<Symbol> = Vec::new();
         for module in modules {
             for item in &module.tree.items {
@@ -58,12 +58,12 @@ impl Scenes {
     fn resolve(
         &mut self,
         name: Symbol,
-        declared: &FxHashMap<Symbol, (FileId, &Tree)>,
+        declared: &FxHashMap<Symbol, (FileId, &SceneDeclaration)>,
         symbols: &Symbols,
         diagnostics: &mut Vec<Diagnostic>,
     ) {
         // From the scene itself to the first one that is known or stands for itself.
-        let mut line: Vec<(FileId, &Tree)> = Vec::new();
+        let mut line: Vec<(FileId, &SceneDeclaration)> = Vec::new();
         let mut passed = rustc_hash::FxHashSet::default();
         let mut base = None;
         let mut next = Some(name);
@@ -112,7 +112,7 @@ impl Scenes {
     fn elsewhere(
         &mut self,
         name: Symbol,
-        line: &[(FileId, &Tree)],
+        line: &[(FileId, &SceneDeclaration)],
         symbols: &Symbols,
         diagnostics: &mut Vec<Diagnostic>,
     ) -> Option<Scene> {

@@ -1,6 +1,6 @@
 //! Claimed shapes against built ones.
 use rustc_hash::{FxHashMap, FxHashSet};
-use stochc_grammar::tree::{Entry, Expr, ExprKind, Operator, Shape};
+use stochc_grammar::tree::{Expr, ExprKind, Operator, Shape, Subscript};
 use stochc_grammar::{Cancellation, Cancelled, Symbol, Symbols};
 use stochc_ir::Cell;
 use stochc_ir::suggest::nearest;
@@ -99,11 +99,11 @@ pub fn cells(shape: &Shape, file: FileId, diagnostics: &mut Vec<Diagnostic>) -> 
     let mut area = 0usize;
     for layer in &shape.layers {
         let (low, high) = match &layer.heights {
-            Entry::One(height) => {
+            Subscript::One(height) => {
                 let height = number(height)?;
                 (height, height)
             }
-            Entry::Range(low, high) => (number(low)?, number(high)?),
+            Subscript::Range(low, high) => (number(low)?, number(high)?),
         };
         if low < 1 || high < low {
             diagnostics.push(

@@ -3,8 +3,8 @@ use serde_json::{Value, json};
 use stochc_ir::Json;
 
 use crate::tree::{
-    Argument, Arrow, Entry, Expr, ExprKind, Item, ItemKind, Link, Name, Place, Quantity, Segment,
-    Subject, Term, Tree,
+    Argument, Arrow, EventReference, Expr, ExprKind, Item, ItemKind, Link, Name, Place, Quantity,
+    Segment, Subscript, Term, Tree,
 };
 use crate::{Symbol, Symbols};
 
@@ -206,7 +206,7 @@ impl<'a> Writer<'a> {
         })
     }
 
-    fn after(self, subjects: &'a [Subject]) -> Json<'a> {
+    fn after(self, subjects: &'a [EventReference]) -> Json<'a> {
         Json::each(subjects, move |subject| {
             let place = self.place(&subject.place);
             Json::object([("release", subject.release.into()), ("place", place)])
@@ -226,10 +226,12 @@ impl<'a> Writer<'a> {
         ])
     }
 
-    fn entry(self, entry: &Entry) -> Value {
+    fn entry(self, entry: &Subscript) -> Value {
         match entry {
-            Entry::One(expr) => self.expr(expr),
-            Entry::Range(first, last) => json!({ "from": self.expr(first), "to": self.expr(last) }),
+            Subscript::One(expr) => self.expr(expr),
+            Subscript::Range(first, last) => {
+                json!({ "from": self.expr(first), "to": self.expr(last) })
+            }
         }
     }
 

@@ -17,7 +17,7 @@ pub mod tree;
 
 pub use cancellation::{Cancellation, Cancelled};
 pub use error::{SyntaxError, SyntaxErrorKind};
-pub use format::{Refusal, format};
+pub use format::{FormatError, format};
 pub use json::to_json;
 pub use parse::{
     MAX_DEPTH, MAX_ERRORS, MAX_STATEMENT, MAX_TERMS, Parsed, accepts, is_unit, parse,

@@ -5,7 +5,8 @@ use crate::Symbols;
 use crate::format::lay_out;
 use crate::parse::is_unit;
 use crate::tree::{
-    Argument, Arrow, Entry, Expr, ExprKind, Item, ItemKind, Place, Quantity, Subject, Term, Tree,
+    Argument, Arrow, EventReference, Expr, ExprKind, Item, ItemKind, Place, Quantity, Subscript,
+    Term, Tree,
 };
 
 /// The text of a tree, laid out as [`crate::format()`] does it; parsing it gives the same tree.
@@ -237,7 +238,7 @@ impl Printer<'_> {
         }
     }
 
-    fn after(&mut self, subjects: &[Subject]) {
+    fn after(&mut self, subjects: &[EventReference]) {
         if subjects.is_empty() {
             return;
         }
@@ -268,10 +269,10 @@ impl Printer<'_> {
         }
     }
 
-    fn entry(&mut self, entry: &Entry) {
+    fn entry(&mut self, entry: &Subscript) {
         match entry {
-            Entry::One(expr) => self.expr(expr, 0),
-            Entry::Range(first, last) => self.range(first, last),
+            Subscript::One(expr) => self.expr(expr, 0),
+            Subscript::Range(first, last) => self.range(first, last),
         }
     }
 

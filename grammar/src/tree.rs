@@ -44,9 +44,9 @@ pub enum ItemKind {
     /// `yields tower`
     Yields(Name),
     /// `allow unused-seed "kept for the next phase"`
-    Level(Box<Level>),
+    Level(Box<LintDirective>),
     /// `phase corners { ... }`
-    Phase(Box<Phase>),
+    Phase(Box<PhaseDeclaration>),
     /// `seed plate 3 x 3 { ... }`
     Seed(Box<Seed>),
     /// `pattern tower(base, height) { ... }`
@@ -58,7 +58,7 @@ pub enum ItemKind {
     /// `shape bridge { ... }`
     Shape(Box<Shape>),
     /// `scene tank { ... }`
-    Scene(Box<Scene>),
+    Scene(Box<SceneDeclaration>),
     /// `import "towers.sa"`
     Import(Box<Import>),
 }
@@ -80,7 +80,7 @@ pub struct Chain {
     /// What is captured, one after the other; never empty.
     pub links: Vec<Link>,
     /// What has to have happened before the first capture.
-    pub after: Vec<Subject>,
+    pub after: Vec<EventReference>,
 }
 
 /// One arrow of a chain and what it captures.
@@ -103,7 +103,7 @@ pub enum Arrow {
 
 /// An event to wait for.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Subject {
+pub struct EventReference {
     /// Whether the release is meant, not the capture.
     pub release: bool,
     /// Of what.
@@ -116,7 +116,7 @@ pub struct Release {
     /// Which.
     pub places: Vec<Place>,
     /// What has to have happened before.
-    pub after: Vec<Subject>,
+    pub after: Vec<EventReference>,
 }
 
 /// A block or several, and a face of it if one is written.
@@ -136,12 +136,12 @@ pub struct Segment {
     /// The name.
     pub name: Name,
     /// Its indices, if it has any.
-    pub index: Option<Box<[Entry]>>,
+    pub index: Option<Box<[Subscript]>>,
 }
 
 /// One index: a number or a range of them.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Entry {
+pub enum Subscript {
     /// `[2]`
     One(Expr),
     /// `[1..12]`, both ends included.
@@ -199,9 +199,9 @@ pub struct Let {
 
 /// Sets the level of a finding in the block around it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Level {
+pub struct LintDirective {
     /// What becomes of it.
-    pub verdict: Verdict,
+    pub verdict: LintDirectiveKind,
     /// The kind of the finding, with its hyphens.
     pub code: Name,
     /// Why, as written between the quotation marks; empty where it is missing, which is an error.
@@ -210,7 +210,7 @@ pub struct Level {
 
 /// What becomes of a finding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
+pub enum LintDirectiveKind {
     /// It is not told.
     Allow,
     /// It is an error.
@@ -219,7 +219,7 @@ pub enum Verdict {
 
 /// A stage of the construction.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Phase {
+pub struct PhaseDeclaration {
     /// Its name; indexed inside a loop.
     pub name: Place,
     /// The time after which it has failed.
@@ -287,16 +287,16 @@ pub struct Shape {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layer {
     /// Heights above the plate.
-    pub heights: Entry,
+    pub heights: Subscript,
     /// From the `layer` to its closing brace.
     pub span: Span,
     /// The north row first.
-    pub rows: Vec<Row>,
+    pub rows: Vec<LayerRow>,
 }
 
 /// One row of a layer.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Row {
+pub struct LayerRow {
     /// From west to east: is there a block?
     pub cells: Vec<bool>,
     /// Where it stands.
@@ -305,7 +305,7 @@ pub struct Row {
 
 /// A physical world, as written; what its words mean is the compiler's to say.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Scene {
+pub struct SceneDeclaration {
     /// Its name.
     pub name: Name,
     /// The scene whose clauses it takes over.
@@ -393,12 +393,12 @@ pub enum Operator {
     Remainder,
 }
 
-impl Verdict {
+impl LintDirectiveKind {
     /// Its word in the language.
     pub const fn word(self) -> &'static str {
         match self {
-            Verdict::Allow => "allow",
-            Verdict::Deny => "deny",
+            LintDirectiveKind::Allow => "allow",
+            LintDirectiveKind::Deny => "deny",
         }
     }
 }
@@ -460,8 +460,8 @@ impl Item {
             ItemKind::Let(_) => "a `let`",
             ItemKind::Yields(_) => "a `yields`",
             ItemKind::Level(level) => match level.verdict {
-                Verdict::Allow => "an `allow`",
-                Verdict::Deny => "a `deny`",
+                LintDirectiveKind::Allow => "an `allow`",
+                LintDirectiveKind::Deny => "a `deny`",
             },
             ItemKind::Phase(_) => "a phase",
             ItemKind::Seed(_) => "a seed plate",

@@ -1,6 +1,6 @@
 //! The layout changes nothing but the layout, and is its own.
 use proptest::prelude::*;
-use stochc_grammar::{Refusal, Symbols, format, parse, print};
+use stochc_grammar::{FormatError, Symbols, format, parse, print};
 
 mod trees;
 
@@ -261,7 +261,7 @@ proptest! {
         let text = pieces.join(if blanks { " " } else { "" });
         match format(&text) {
             Ok(laid_out) => prop_assert_eq!(format(&laid_out), Ok(laid_out), "{:?}", text),
-            Err(refusal) => prop_assert!(matches!(refusal, Refusal::Wrong(_)), "{:?}", text),
+            Err(refusal) => prop_assert!(matches!(refusal, FormatError::Wrong(_)), "{:?}", text),
         }
     }
 
@@ -276,7 +276,7 @@ proptest! {
         text.replace_range(start..(start + length).min(text.len()), "");
         match format(&text) {
             Ok(laid_out) => prop_assert_eq!(format(&laid_out), Ok(laid_out), "{:?}", text),
-            Err(refusal) => prop_assert!(matches!(refusal, Refusal::Wrong(_)), "{:?}", text),
+            Err(refusal) => prop_assert!(matches!(refusal, FormatError::Wrong(_)), "{:?}", text),
         }
     }
 }
@@ -524,7 +524,7 @@ fn a_wrong_text_is_refused() {
         "assembly a { seed plate 1 x 1 { P at (0, 0) P.up -> A release A } }",
     ] {
         assert!(
-            matches!(format(wrong), Err(Refusal::Wrong(errors)) if !errors.is_empty()),
+            matches!(format(wrong), Err(FormatError::Wrong(errors)) if !errors.is_empty()),
             "{wrong}"
         );
     }

@@ -2,7 +2,7 @@
 use gen_lsp_types::TextEdit;
 use similar::{DiffOp, TextDiff};
 use stochc_compiler::Span;
-use stochc_grammar::{Refusal, format};
+use stochc_grammar::{FormatError, format};
 
 use super::position::Lines;
 use super::wire::Failure;
@@ -15,8 +15,8 @@ use super::wire::Failure;
 pub fn edits(text: &str, lines: &Lines<'_>) -> Result<Vec<TextEdit>, Failure> {
     let laid_out = format(text).map_err(|refusal| {
         Failure::refusal(match refusal {
-            Refusal::Wrong(_) => "the program has errors of syntax: mend them first",
-            Refusal::Unfaithful => "the layout would change the program: please report this",
+            FormatError::Wrong(_) => "the program has errors of syntax: mend them first",
+            FormatError::Unfaithful => "the layout would change the program: please report this",
         })
     })?;
     let diff = TextDiff::from_lines(text, &laid_out);

@@ -7,7 +7,7 @@ use stochc_compiler::Sources;
 use stochc_compiler::diagnostic::{Diagnostic, Renderer};
 use stochc_files::atomic::replace_text;
 use stochc_files::programs::{STDIN_NAME, programs, read};
-use stochc_grammar::{Refusal, format};
+use stochc_grammar::{FormatError, format};
 use stochc_ir::visible;
 
 use super::terminal::{has_colour, message_width, print, told};
@@ -68,8 +68,8 @@ fn one(file: &str, check: bool) -> Result<Exit, Failure> {
     Ok(Exit::Success)
 }
 
-fn refused(file: &str, text: &str, refusal: Refusal) -> Failure {
-    let Refusal::Wrong(errors) = refusal else {
+fn refused(file: &str, text: &str, refusal: FormatError) -> Failure {
+    let FormatError::Wrong(errors) = refusal else {
         return Failure::usage(format!(
             "the layout of `{file}` would change its meaning, so it was left as it is; \
              this is a mistake of stochc: please report it with the file"

@@ -12,7 +12,7 @@ mod uses;
 
 use rustc_hash::FxHashMap;
 use stochc_grammar::tree::{
-    Aggregate, Assembly, Item, ItemKind, Name, Pattern, Phase, Quantity, Shape,
+    Aggregate, Assembly, Item, ItemKind, Name, Pattern, PhaseDeclaration, Quantity, Shape,
 };
 use stochc_grammar::{Cancellation, Cancelled, Span, Symbol, Symbols};
 
@@ -539,7 +539,7 @@ impl<'a> Expander<'a, '_> {
         self.scope.get(word, thing?).map(|(value, _)| value)
     }
 
-    fn phase(&mut self, phase: &'a Phase, item: &'a Item) {
+    fn phase(&mut self, phase: &'a PhaseDeclaration, item: &'a Item) {
         // A phase inside a phase has been told of; what it says is said by the outer one.
         if self.in_phase {
             return self.items(&phase.body);

@@ -1,5 +1,5 @@
 //! Names of blocks: paths with indices and ranges.
-use stochc_grammar::tree::{Entry, Place, Segment};
+use stochc_grammar::tree::{Place, Segment, Subscript};
 use stochc_ir::Face;
 use stochc_ir::suggest::{Suggestion, nearest};
 
@@ -246,11 +246,11 @@ impl Expander<'_, '_> {
         let mut bounds = [(0, 0); Key::MAX_INDICES];
         for (i, entry) in entries.iter().enumerate() {
             bounds[i] = match entry {
-                Entry::One(expr) => {
+                Subscript::One(expr) => {
                     let value = self.index(expr)?;
                     (value, value)
                 }
-                Entry::Range(first, last) => {
+                Subscript::Range(first, last) => {
                     ranged = true;
                     (self.index(first)?, self.index(last)?)
                 }

@@ -1,5 +1,5 @@
 //! Captures, releases, loops and instances.
-use stochc_grammar::tree::{Arrow, Chain, For, Instance, Place, Release, Subject};
+use stochc_grammar::tree::{Arrow, Chain, EventReference, For, Instance, Place, Release};
 use stochc_grammar::{Span, Symbol};
 use stochc_ir::Face;
 use stochc_ir::suggest::nearest;
@@ -127,7 +127,7 @@ impl<'a> Expander<'a, '_> {
         });
     }
 
-    fn after(&mut self, event: EventId, subjects: &'a [Subject]) {
+    fn after(&mut self, event: EventId, subjects: &'a [EventReference]) {
         // An order among blocks that are attached by hand has been told of.
         let subjects = if self.seeding.is_some() {
             &[]

@@ -1,7 +1,8 @@
 //! Goes through the trees by the rules of scope.
 use rustc_hash::{FxHashMap, FxHashSet};
 use stochc_grammar::tree::{
-    Argument, Entry, Expr, ExprKind, Instance, Item, ItemKind, Name, Pattern, Place, Segment, Tree,
+    Argument, Expr, ExprKind, Instance, Item, ItemKind, Name, Pattern, Place, Segment, Subscript,
+    Tree,
 };
 use stochc_grammar::{Cancellation, Cancelled, Span, Symbol};
 
@@ -478,8 +479,8 @@ impl Resolver<'_> {
     fn indices(&mut self, segment: &Segment) {
         for entry in segment.index.iter().flat_map(|entries| entries.iter()) {
             match entry {
-                Entry::One(expr) => self.expr(expr),
-                Entry::Range(first, last) => {
+                Subscript::One(expr) => self.expr(expr),
+                Subscript::Range(first, last) => {
                     self.expr(first);
                     self.expr(last);
                 }

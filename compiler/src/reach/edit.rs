@@ -1,5 +1,5 @@
 //! An `after` as a change of the text.
-use stochc_grammar::tree::{Chain, Entry, Expr, ExprKind, Item, ItemKind, Operator, Place};
+use stochc_grammar::tree::{Chain, Expr, ExprKind, Item, ItemKind, Operator, Place, Subscript};
 use stochc_grammar::{Span, Symbol};
 use stochc_ir::table::RoleId;
 
@@ -145,7 +145,7 @@ impl<'a> Statement<'a> {
             .iter()
             .filter_map(|segment| segment.index.as_deref());
         for entry in entries.flatten() {
-            if let Entry::Range(first, last) = entry {
+            if let Subscript::Range(first, last) = entry {
                 again.push_str(text_of(from, first.span.start));
                 from = last.span.start;
             }
@@ -190,7 +190,7 @@ fn ending<'k>(place: &Place, path: &'k [Key]) -> Option<&'k [Key]> {
     let from = path.len().checked_sub(place.path.len())?;
     let is_written = (place.path.iter().zip(&path[from..])).all(|(segment, key)| {
         segment.name.symbol == key.word
-            && segment.index.as_deref().map_or(0, <[Entry]>::len) == usize::from(key.arity)
+            && segment.index.as_deref().map_or(0, <[Subscript]>::len) == usize::from(key.arity)
     });
     (is_written && from < path.len()).then_some(&path[from..])
 }
@@ -200,7 +200,9 @@ fn solve(place: &Place, keys: &[Key], counters: &mut Vec<(Symbol, i64)>) {
     for (segment, key) in place.path.iter().zip(keys) {
         let entries = segment.index.as_deref().unwrap_or_default();
         for (entry, &index) in entries.iter().zip(&key.index) {
-            let Entry::One(expr) = entry else { continue };
+            let Subscript::One(expr) = entry else {
+                continue;
+            };
             let found = counter(expr, i64::from(index));
             if let Some((name, value)) = found
                 && counters.iter().all(|&(known, _)| known != name)

@@ -20,7 +20,7 @@ use crate::{FileId, Site};
 ///
 /// `None` if something in it is wrong; every wrong thing is told of.
 pub fn read(
-    scene: &stochc_grammar::tree::Scene,
+    scene: &stochc_grammar::tree::SceneDeclaration,
     base: Option<Scene>,
     file: FileId,
     symbols: &Symbols,

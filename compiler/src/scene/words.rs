@@ -1,5 +1,5 @@
 //! What the words of a scene say, and which may stand where: for editors.
-use stochc_grammar::tree::{Scene, Term};
+use stochc_grammar::tree::{SceneDeclaration, Term};
 use stochc_grammar::{Span, Symbols};
 use stochc_ir::scene::schema::{CLAUSES, SchemaEntry, SchemaPart};
 
@@ -16,7 +16,7 @@ pub struct Words {
 
 impl Words {
     /// Those at a byte.
-    pub fn at(scene: &Scene, symbols: &Symbols, at: u32) -> Words {
+    pub fn at(scene: &SceneDeclaration, symbols: &Symbols, at: u32) -> Words {
         within(&scene.terms, symbols, &[], &CLAUSES, at)
     }
 }

@@ -1,25 +1,29 @@
 //! Columns: of seeds, and of comments behind code.
-use super::line::{Kind, Line, SEAT_GAP, columns};
+use super::line::{FormattedLine, LineKind, SEAT_GAP, columns};
 use super::{INDENT, WIDTH};
 
 /// Columns between the longest code of a group and its comments.
 const NOTE_GAP: usize = 3;
 
 /// Writes lines with their columns.
-pub fn write(mut lines: Vec<Line>) -> String {
+pub fn write(mut lines: Vec<FormattedLine>) -> String {
     let mut start = 0;
     while start < lines.len() {
-        let end = end_of(&lines, start, |line| line.kind == Kind::Seats);
+        let end = end_of(&lines, start, |line| line.kind == LineKind::Seats);
         align_seats(&mut lines[start..end]);
         start = end;
     }
     let mut out = String::new();
     let mut start = 0;
     while start < lines.len() {
-        let is_code = |line: &Line| {
+        let is_code = |line: &FormattedLine| {
             matches!(
                 line.kind,
-                Kind::Plain | Kind::Wrapped | Kind::Seats | Kind::Terms | Kind::Continued
+                LineKind::Plain
+                    | LineKind::Wrapped
+                    | LineKind::Seats
+                    | LineKind::Terms
+                    | LineKind::Continued
             )
         };
         let end = end_of(&lines, start, is_code);
@@ -30,11 +34,15 @@ pub fn write(mut lines: Vec<Line>) -> String {
 }
 
 /// Where the group of neighbouring lines that begins at `start` ends.
-fn end_of(lines: &[Line], start: usize, belongs: impl Fn(&Line) -> bool) -> usize {
+fn end_of(
+    lines: &[FormattedLine],
+    start: usize,
+    belongs: impl Fn(&FormattedLine) -> bool,
+) -> usize {
     let first = &lines[start];
     let mut end = start + 1;
     while let Some(next) = lines.get(end) {
-        let continues = next.kind == Kind::Continued;
+        let continues = next.kind == LineKind::Continued;
         let beside = belongs(first) && belongs(next) && next.depth == first.depth;
         if next.blank || !(continues || beside) {
             break;
@@ -45,9 +53,9 @@ fn end_of(lines: &[Line], start: usize, belongs: impl Fn(&Line) -> bool) -> usiz
 }
 
 /// Seeds below each other begin in the same column, if there is room.
-fn align_seats(lines: &mut [Line]) {
+fn align_seats(lines: &mut [FormattedLine]) {
     let mut widths: Vec<usize> = Vec::new();
-    for line in lines.iter().filter(|line| line.kind == Kind::Seats) {
+    for line in lines.iter().filter(|line| line.kind == LineKind::Seats) {
         for (i, cell) in line.cells.iter().enumerate() {
             // The last one of a line pushes nothing.
             let width = if i + 1 < line.cells.len() {
@@ -81,16 +89,16 @@ fn align_seats(lines: &mut [Line]) {
     if !fits {
         widths.fill(0);
     }
-    for line in lines.iter_mut().filter(|line| line.kind == Kind::Seats) {
+    for line in lines.iter_mut().filter(|line| line.kind == LineKind::Seats) {
         line.cells = vec![aligned(&line.cells, &widths)];
     }
 }
 
-fn write_group(lines: &[Line], out: &mut String) {
+fn write_group(lines: &[FormattedLine], out: &mut String) {
     // A comment that goes on follows the others, wherever its own line is indented.
-    let leads = |line: &&Line| line.note.is_some() && line.kind != Kind::Continued;
+    let leads = |line: &&FormattedLine| line.note.is_some() && line.kind != LineKind::Continued;
     let with_note = lines.iter().filter(leads);
-    let column = with_note.map(Line::width).max().unwrap_or(0) + NOTE_GAP;
+    let column = with_note.map(FormattedLine::width).max().unwrap_or(0) + NOTE_GAP;
     for line in lines {
         if line.blank {
             out.push('\n');
@@ -103,7 +111,7 @@ fn write_group(lines: &[Line], out: &mut String) {
         out.extend(line.cells.iter().map(String::as_str));
         if let Some(note) = &line.note {
             match line.kind {
-                Kind::Comment => pad(out, INDENT * line.depth),
+                LineKind::Comment => pad(out, INDENT * line.depth),
                 _ => {
                     let written = columns(&out[start..]);
                     pad(out, column.saturating_sub(written));

@@ -1,12 +1,12 @@
 //! Pieces to lines: what stands on a line of its own, and how far it is indented.
-use super::line::{Kind, Line, SEAT_GAP, columns};
-use super::source::{Note, Piece, Source};
+use super::line::{FormattedLine, LineKind, SEAT_GAP, columns};
+use super::source::{Note, TextPiece, TokenizedText};
 use super::{INDENT, WIDTH, align, scene, statement};
 use crate::parse::Rule;
 
 /// The layout of a text.
-pub fn lay_out(source: &Source<'_>) -> String {
-    let mut layout = Layout {
+pub fn lay_out(source: &TokenizedText<'_>) -> String {
+    let mut layout = LineLayout {
         source,
         lines: Vec::new(),
         depth: 0,
@@ -25,9 +25,9 @@ pub fn lay_out(source: &Source<'_>) -> String {
 }
 
 /// The lines so far.
-pub struct Layout<'s, 't> {
-    pub source: &'s Source<'t>,
-    pub lines: Vec<Line>,
+pub struct LineLayout<'s, 't> {
+    pub source: &'s TokenizedText<'t>,
+    pub lines: Vec<FormattedLine>,
     /// Blocks that are open.
     pub depth: usize,
     /// Nothing stands in the innermost block yet.
@@ -38,7 +38,7 @@ pub struct Layout<'s, 't> {
     ended: Option<bool>,
 }
 
-impl Layout<'_, '_> {
+impl LineLayout<'_, '_> {
     /// Lays out a piece, and those behind it that share its line; where the next one is.
     fn piece(&mut self, at: usize) -> usize {
         let piece = &self.source.pieces[at];
@@ -47,7 +47,8 @@ impl Layout<'_, '_> {
         for number in self.source.first(piece).notes.clone() {
             self.note(number);
         }
-        let own_notes = (self.lines[first..].iter()).position(|line| line.kind == Kind::Comment);
+        let own_notes =
+            (self.lines[first..].iter()).position(|line| line.kind == LineKind::Comment);
         if piece.rule == Rule::close {
             self.depth = self.depth.saturating_sub(1);
         }
@@ -96,11 +97,12 @@ impl Layout<'_, '_> {
         let piece = &source.pieces[at];
         match piece.rule {
             Rule::close => {
-                self.lines.push(Line::code(Kind::Brace, self.depth, "}"));
+                self.lines
+                    .push(FormattedLine::code(LineKind::Brace, self.depth, "}"));
                 at + 1
             }
             Rule::doc => {
-                let mut line = Line::code(Kind::Comment, self.depth, "");
+                let mut line = FormattedLine::code(LineKind::Comment, self.depth, "");
                 line.note = Some(statement::text(source, piece));
                 self.lines.push(line);
                 at + 1
@@ -129,13 +131,14 @@ impl Layout<'_, '_> {
     /// The head of a block, and its inside where both are short.
     fn head(&mut self, at: usize) -> usize {
         if let Some((text, next)) = self.one_line(at) {
-            self.lines.push(Line::code(Kind::Plain, self.depth, text));
+            self.lines
+                .push(FormattedLine::code(LineKind::Plain, self.depth, text));
             return next;
         }
         let start = self.lines.len();
         self.statement(at);
         if let Some(line) = self.lines[start..].last_mut() {
-            line.kind = Kind::Brace;
+            line.kind = LineKind::Brace;
         }
         self.depth += 1;
         match self.source.pieces[at].rule {
@@ -205,7 +208,7 @@ impl Layout<'_, '_> {
             self.statement(at);
             return at + 1;
         }
-        let mut line = Line::code(Kind::Seats, self.depth, "");
+        let mut line = FormattedLine::code(LineKind::Seats, self.depth, "");
         line.cells.clear();
         let mut next = at;
         while let Some(piece) = source.pieces.get(next) {
@@ -230,7 +233,7 @@ impl Layout<'_, '_> {
         let source = self.source;
         let rows = source.pieces[at..].iter();
         let rows = rows.take_while(|piece| piece.rule == Rule::row);
-        let cells = |piece: &Piece| statement::text(source, piece);
+        let cells = |piece: &TextPiece| statement::text(source, piece);
         let is_close = rows.clone().all(|row| !cells(row).contains([' ', '\t']));
         let mut next = at;
         self.fresh = true;
@@ -245,7 +248,7 @@ impl Layout<'_, '_> {
                 }
                 text.push(cell);
             }
-            let mut line = Line::code(Kind::Plain, self.depth, text);
+            let mut line = FormattedLine::code(LineKind::Plain, self.depth, text);
             line.blank = source.first(row).newlines > 1 && !self.fresh;
             self.fresh = false;
             self.lines.push(line);
@@ -276,7 +279,7 @@ impl Layout<'_, '_> {
 }
 
 /// Adds a comment: behind the last line, under the comment there, or on a line of its own.
-pub fn push_note(lines: &mut Vec<Line>, note: &Note<'_>, depth: usize, blank: bool) {
+pub fn push_note(lines: &mut Vec<FormattedLine>, note: &Note<'_>, depth: usize, blank: bool) {
     let own = match lines.last_mut() {
         Some(last) if note.newlines == 0 && last.note.is_none() => {
             last.note = Some(note.text.to_owned());
@@ -287,11 +290,11 @@ pub fn push_note(lines: &mut Vec<Line>, note: &Note<'_>, depth: usize, blank: bo
         None => true,
     };
     let (kind, column) = if own {
-        (Kind::Comment, None)
+        (LineKind::Comment, None)
     } else {
-        (Kind::Continued, Some(note.column))
+        (LineKind::Continued, Some(note.column))
     };
-    let mut line = Line::code(kind, depth, "");
+    let mut line = FormattedLine::code(kind, depth, "");
     line.note = Some(note.text.to_owned());
     line.note_column = column;
     line.blank = blank;

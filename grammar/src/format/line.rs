@@ -2,8 +2,8 @@
 
 /// One line.
 #[derive(Debug)]
-pub struct Line {
-    pub kind: Kind,
+pub struct FormattedLine {
+    pub kind: LineKind,
     /// Levels of indentation.
     pub depth: usize,
     /// Whether a blank line stands before it.
@@ -18,7 +18,7 @@ pub struct Line {
 
 /// What a line is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum LineKind {
     /// A statement.
     Plain,
     /// A statement goes on.
@@ -35,10 +35,10 @@ pub enum Kind {
     Continued,
 }
 
-impl Line {
+impl FormattedLine {
     /// A line with code.
-    pub fn code(kind: Kind, depth: usize, text: impl Into<String>) -> Line {
-        Line {
+    pub fn code(kind: LineKind, depth: usize, text: impl Into<String>) -> FormattedLine {
+        FormattedLine {
             kind,
             depth,
             blank: false,

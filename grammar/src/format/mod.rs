@@ -27,7 +27,7 @@ pub(crate) const INDENT: usize = 4;
 
 /// Why a text cannot be laid out.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Refusal {
+pub enum FormatError {
     /// It is no program.
     Wrong(Vec<SyntaxError>),
     /// The layout would have changed what the text says: a mistake of this crate, not of the text.
@@ -42,18 +42,18 @@ pub enum Refusal {
 /// # Errors
 ///
 /// If the text has errors of syntax; then nothing can be said of what belongs together.
-pub fn format(text: &str) -> Result<String, Refusal> {
+pub fn format(text: &str) -> Result<String, FormatError> {
     let mut symbols = Symbols::new();
     let (parsed, record) = parse_recorded(text, &mut symbols);
     if !parsed.errors.is_empty() {
-        return Err(Refusal::Wrong(parsed.errors));
+        return Err(FormatError::Wrong(parsed.errors));
     }
     let source = source::read(text, &record);
     let laid_out = block::lay_out(&source);
     // What is written over somebody's work is looked at twice.
     let again = parse(&laid_out, &mut symbols);
     if !again.errors.is_empty() || again.tree != parsed.tree {
-        return Err(Refusal::Unfaithful);
+        return Err(FormatError::Unfaithful);
     }
     let ends_in_return = |line: &str| line.ends_with('\r');
     Ok(match text.split_once('\n') {

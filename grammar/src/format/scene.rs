@@ -2,15 +2,15 @@
 //!
 //! What belongs to what in a scene is no matter of grammar, so its lines stay as they are divided,
 //! and a gap of several blanks stays a gap.
-use super::line::{Kind, Line, columns};
-use super::source::{Gap, Piece, Source};
+use super::line::{FormattedLine, LineKind, columns};
+use super::source::{Gap, TextPiece, TokenizedText};
 use super::{INDENT, WIDTH, statement};
 use crate::parse::{Rule, is_unit};
 
 /// The line that begins at a piece of a scene; what follows it, and whether it opens a block.
-pub fn line(source: &Source<'_>, at: usize, depth: usize) -> (Line, usize, bool) {
+pub fn line(source: &TokenizedText<'_>, at: usize, depth: usize) -> (FormattedLine, usize, bool) {
     let room = WIDTH.saturating_sub(INDENT * depth);
-    let mut line = Line::code(Kind::Terms, depth, "");
+    let mut line = FormattedLine::code(LineKind::Terms, depth, "");
     let mut next = at;
     while let Some(piece) = source.pieces.get(next) {
         let text = &mut line.cells[0];
@@ -27,7 +27,7 @@ pub fn line(source: &Source<'_>, at: usize, depth: usize) -> (Line, usize, bool)
                 return (line, behind, false);
             }
             text.push('{');
-            line.kind = Kind::Brace;
+            line.kind = LineKind::Brace;
             return (line, next + 1, true);
         }
         if !matches!(
@@ -57,7 +57,7 @@ pub fn line(source: &Source<'_>, at: usize, depth: usize) -> (Line, usize, bool)
 }
 
 /// A block that is written on one line, and short.
-fn one_line(source: &Source<'_>, at: usize, room: usize) -> Option<(String, usize)> {
+fn one_line(source: &TokenizedText<'_>, at: usize, room: usize) -> Option<(String, usize)> {
     let mut text = String::new();
     let mut depth = 0;
     for (i, piece) in source.pieces[at..].iter().enumerate() {
@@ -96,13 +96,13 @@ fn one_line(source: &Source<'_>, at: usize, room: usize) -> Option<(String, usiz
 }
 
 /// Whether a word may stand behind another on its line: `s` behind `20 ms` would become a unit.
-fn may_follow(source: &Source<'_>, before: &Piece, piece: &Piece) -> bool {
+fn may_follow(source: &TokenizedText<'_>, before: &TextPiece, piece: &TextPiece) -> bool {
     let valued = matches!(before.rule, Rule::quantity | Rule::span_of_values);
     !(valued && piece.rule == Rule::word && is_unit(&source.first(piece).text()))
 }
 
 /// The blanks before a piece on the line of another: only a word may begin something new.
-fn gap(source: &Source<'_>, piece: &Piece) -> &'static str {
+fn gap(source: &TokenizedText<'_>, piece: &TextPiece) -> &'static str {
     match source.first(piece).gap {
         Gap::Wide if piece.rule == Rule::word => "  ",
         _ => " ",

@@ -5,8 +5,8 @@ use std::ops::Range;
 use crate::parse::{Record, Rule, Token, is_comment};
 
 /// A text, taken apart.
-pub struct Source<'t> {
-    pub pieces: Vec<Piece>,
+pub struct TokenizedText<'t> {
+    pub pieces: Vec<TextPiece>,
     pub words: Vec<Word<'t>>,
     pub notes: Vec<Note<'t>>,
     /// The comments behind the last piece.
@@ -15,7 +15,7 @@ pub struct Source<'t> {
 
 /// A statement, the head of a block, a brace, a row of cells and so on.
 #[derive(Clone, Debug)]
-pub struct Piece {
+pub struct TextPiece {
     pub rule: Rule,
     /// Its words; the comments before it are those of the first one.
     pub words: Range<usize>,
@@ -68,22 +68,22 @@ impl<'t> Word<'t> {
     }
 }
 
-impl Source<'_> {
+impl TokenizedText<'_> {
     /// The first word of a piece, which carries what stands before the piece.
-    pub fn first(&self, piece: &Piece) -> &Word<'_> {
+    pub fn first(&self, piece: &TextPiece) -> &Word<'_> {
         &self.words[piece.words.start]
     }
 
     /// Whether a comment stands inside a piece.
-    pub fn is_commented(&self, piece: &Piece) -> bool {
+    pub fn is_commented(&self, piece: &TextPiece) -> bool {
         let inner = piece.words.start + 1..piece.words.end;
         self.words[inner].iter().any(|word| !word.notes.is_empty())
     }
 }
 
 /// Takes a text apart.
-pub fn read<'t>(text: &'t str, record: &Record) -> Source<'t> {
-    let mut reader = Reader {
+pub fn read<'t>(text: &'t str, record: &Record) -> TokenizedText<'t> {
+    let mut reader = TokenReader {
         text,
         at: 0,
         words: Vec::with_capacity(record.tokens.len()),
@@ -98,12 +98,12 @@ pub fn read<'t>(text: &'t str, record: &Record) -> Source<'t> {
         }
         let words = start..reader.words.len();
         if !words.is_empty() {
-            pieces.push(Piece { rule, words });
+            pieces.push(TextPiece { rule, words });
         }
     }
     let before = reader.notes.len();
     reader.between(text.len());
-    Source {
+    TokenizedText {
         pieces,
         rest: before..reader.notes.len(),
         words: reader.words,
@@ -111,14 +111,14 @@ pub fn read<'t>(text: &'t str, record: &Record) -> Source<'t> {
     }
 }
 
-struct Reader<'t> {
+struct TokenReader<'t> {
     text: &'t str,
     at: usize,
     words: Vec<Word<'t>>,
     notes: Vec<Note<'t>>,
 }
 
-impl<'t> Reader<'t> {
+impl<'t> TokenReader<'t> {
     fn token(&mut self, token: &Token) {
         let (start, end) = (token.span.start as usize, token.span.end as usize);
         let first = self.notes.len();

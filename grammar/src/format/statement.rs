@@ -1,6 +1,6 @@
 //! One piece as a line, or as several where it is too long.
-use super::line::{Kind, Line, columns};
-use super::source::{Piece, Source};
+use super::line::{FormattedLine, LineKind, columns};
+use super::source::{TextPiece, TokenizedText};
 use super::spacing::{Breaks, is_blank};
 use super::{INDENT, WIDTH};
 
@@ -12,7 +12,7 @@ struct Chunk {
 }
 
 /// The text of a piece on one line.
-pub fn text(source: &Source<'_>, piece: &Piece) -> String {
+pub fn text(source: &TokenizedText<'_>, piece: &TextPiece) -> String {
     let mut text = String::new();
     let words = &source.words[piece.words.clone()];
     for (i, word) in words.iter().enumerate() {
@@ -25,7 +25,7 @@ pub fn text(source: &Source<'_>, piece: &Piece) -> String {
 }
 
 /// The text of a piece on one line, unless it takes more than so many columns.
-pub fn short_text(source: &Source<'_>, piece: &Piece, most: usize) -> Option<String> {
+pub fn short_text(source: &TokenizedText<'_>, piece: &TextPiece, most: usize) -> Option<String> {
     // A word has a character at least, so most pieces that are too long are never written.
     if piece.words.len() > most {
         return None;
@@ -36,20 +36,20 @@ pub fn short_text(source: &Source<'_>, piece: &Piece, most: usize) -> Option<Str
 
 /// The lines of a piece; comments inside it go to `note`.
 pub fn wrap(
-    source: &Source<'_>,
-    piece: &Piece,
+    source: &TokenizedText<'_>,
+    piece: &TextPiece,
     depth: usize,
-    lines: &mut Vec<Line>,
-    mut note: impl FnMut(&mut Vec<Line>, usize),
+    lines: &mut Vec<FormattedLine>,
+    mut note: impl FnMut(&mut Vec<FormattedLine>, usize),
 ) {
     if !source.is_commented(piece) {
         let room = WIDTH.saturating_sub(INDENT * depth);
         if let Some(text) = short_text(source, piece, room) {
-            lines.push(Line::code(Kind::Plain, depth, text));
+            lines.push(FormattedLine::code(LineKind::Plain, depth, text));
             return;
         }
     }
-    let mut current: Option<Line> = None;
+    let mut current: Option<FormattedLine> = None;
     for (i, chunk) in chunks(source, piece).into_iter().enumerate() {
         for number in chunk.notes {
             lines.extend(current.take());
@@ -64,17 +64,17 @@ pub fn wrap(
             _ => {
                 lines.extend(current.take());
                 let (kind, depth) = match i {
-                    0 => (Kind::Plain, depth),
-                    _ => (Kind::Wrapped, depth + 1),
+                    0 => (LineKind::Plain, depth),
+                    _ => (LineKind::Wrapped, depth + 1),
                 };
-                current = Some(Line::code(kind, depth, chunk.text));
+                current = Some(FormattedLine::code(kind, depth, chunk.text));
             }
         }
     }
     lines.extend(current);
 }
 
-fn chunks(source: &Source<'_>, piece: &Piece) -> Vec<Chunk> {
+fn chunks(source: &TokenizedText<'_>, piece: &TextPiece) -> Vec<Chunk> {
     let words = &source.words[piece.words.clone()];
     let mut chunks: Vec<Chunk> = Vec::new();
     let mut breaks = Breaks::default();

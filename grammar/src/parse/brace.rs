@@ -3,7 +3,7 @@
 use pest::Parser as _;
 use pest::iterators::Pair;
 
-use super::frame::{Content, Frame, Mode};
+use super::frame::{Mode, OpenBlock, OpenBlockContent};
 use super::window::{Cause, Unreadable, cut};
 use super::{Parser, Rule, SaParser, trivia, words};
 use crate::Span;
@@ -48,7 +48,7 @@ impl Parser<'_, '_> {
         {
             self.build(head, start);
         }
-        let what = self.frames.last().map_or("a block", Frame::noun);
+        let what = self.frames.last().map_or("a block", OpenBlock::noun);
         let here = Span::new(end as u32, end as u32);
         self.error(SyntaxErrorKind::MissingBrace { what }, here);
         self.at = end;
@@ -85,7 +85,7 @@ impl Parser<'_, '_> {
         }
         let at = trivia::skip(self.text, end);
         let holds_next = |depth: usize| {
-            let mode = (self.frames[..depth].last()).map_or(Mode::Block, Frame::mode);
+            let mode = (self.frames[..depth].last()).map_or(Mode::Block, OpenBlock::mode);
             let next = self.next_piece(at, mode);
             next.is_some_and(|next| next == Rule::close || holds(self.holder(depth), next))
         };
@@ -124,20 +124,20 @@ impl Parser<'_, '_> {
 }
 
 /// The rule of the head of a block.
-fn head(frame: &Frame) -> Rule {
+fn head(frame: &OpenBlock) -> Rule {
     match &frame.content {
-        Content::Items(item) => match item.kind {
+        OpenBlockContent::Items(item) => match item.kind {
             ItemKind::Assembly(_) => Rule::assembly_head,
             ItemKind::Seed(_) => Rule::seed_head,
             ItemKind::Phase(_) => Rule::phase_head,
             ItemKind::For(_) => Rule::for_head,
             _ => Rule::pattern_head,
         },
-        Content::Scene(..) | Content::SceneBlock(_) => Rule::scene_head,
-        Content::Shape(_) => Rule::shape_head,
-        Content::Layer(_) => Rule::layer_head,
+        OpenBlockContent::Scene(..) | OpenBlockContent::SceneBlock(_) => Rule::scene_head,
+        OpenBlockContent::Shape(_) => Rule::shape_head,
+        OpenBlockContent::Layer(_) => Rule::layer_head,
         // It may hold anything.
-        Content::Broken(_) => Rule::program,
+        OpenBlockContent::Broken(_) => Rule::program,
     }
 }
 

@@ -4,14 +4,14 @@ use smallvec::SmallVec;
 use stochc_ir::Face;
 
 use super::expr::two;
-use super::frame::{Content, Mode};
+use super::frame::{Mode, OpenBlockContent};
 use super::{Parser, Rule, span_of};
 use crate::Span;
 use crate::error::SyntaxErrorKind;
 use crate::tree::{
-    Aggregate, Argument, Arrow, Assembly, Chain, Expr, For, Import, Instance, Item, ItemKind, Let,
-    Level, Link, Name, Pattern, Phase, Place, Release, Scene, Seat, Seed, Segment, Shape, Subject,
-    Verdict,
+    Aggregate, Argument, Arrow, Assembly, Chain, EventReference, Expr, For, Import, Instance, Item,
+    ItemKind, Let, Link, LintDirective, LintDirectiveKind, Name, Pattern, PhaseDeclaration, Place,
+    Release, SceneDeclaration, Seat, Seed, Segment, Shape,
 };
 
 impl Parser<'_, '_> {
@@ -52,13 +52,15 @@ impl Parser<'_, '_> {
         };
         self.check_place_of(&item);
         match rule {
-            Rule::scene_head => self.open(Content::Scene(Box::new(item), Vec::new()), span),
-            Rule::shape_head => self.open(Content::Shape(Box::new(item)), span),
+            Rule::scene_head => {
+                self.open(OpenBlockContent::Scene(Box::new(item), Vec::new()), span)
+            }
+            Rule::shape_head => self.open(OpenBlockContent::Shape(Box::new(item)), span),
             Rule::for_head
             | Rule::phase_head
             | Rule::seed_head
             | Rule::pattern_head
-            | Rule::assembly_head => self.open(Content::Items(Box::new(item)), span),
+            | Rule::assembly_head => self.open(OpenBlockContent::Items(Box::new(item)), span),
             _ => self.keep(item),
         }
     }
@@ -84,7 +86,7 @@ impl Parser<'_, '_> {
     fn check_place_of(&mut self, item: &Item) {
         let outer = match self.frames.last().map(|frame| &frame.content) {
             None => None,
-            Some(Content::Items(outer)) => Some(outer),
+            Some(OpenBlockContent::Items(outer)) => Some(outer),
             Some(_) => return,
         };
         // A loop holds what the block around it may hold.
@@ -94,7 +96,9 @@ impl Parser<'_, '_> {
                 .iter()
                 .rev()
                 .find_map(|frame| match &frame.content {
-                    Content::Items(outer) if !matches!(outer.kind, ItemKind::For(_)) => Some(outer),
+                    OpenBlockContent::Items(outer) if !matches!(outer.kind, ItemKind::For(_)) => {
+                        Some(outer)
+                    }
                     _ => None,
                 }),
             other => other,
@@ -264,7 +268,7 @@ impl Parser<'_, '_> {
         Chain { head, links, after }
     }
 
-    fn after(&mut self, pair: Pair<'_, Rule>, base: usize) -> Vec<Subject> {
+    fn after(&mut self, pair: Pair<'_, Rule>, base: usize) -> Vec<EventReference> {
         let mut subjects = Vec::new();
         for subject in pair
             .into_inner()
@@ -275,7 +279,7 @@ impl Parser<'_, '_> {
                 match part.as_rule() {
                     Rule::place => {
                         let place = self.block(part, base);
-                        subjects.push(Subject { release, place });
+                        subjects.push(EventReference { release, place });
                     }
                     _ => release = true,
                 }
@@ -364,9 +368,9 @@ impl Parser<'_, '_> {
         Seat { place, at: two(at) }
     }
 
-    fn level(&mut self, pair: Pair<'_, Rule>, base: usize) -> Level {
-        let mut level = Level {
-            verdict: Verdict::Allow,
+    fn level(&mut self, pair: Pair<'_, Rule>, base: usize) -> LintDirective {
+        let mut level = LintDirective {
+            verdict: LintDirectiveKind::Allow,
             code: Name {
                 symbol: self.symbols.intern(""),
                 span: span_of(&pair, base),
@@ -380,7 +384,9 @@ impl Parser<'_, '_> {
                     .as_str()
                     .trim_matches('"')
                     .clone_into(&mut level.reason),
-                _ if part.as_str() == Verdict::Deny.word() => level.verdict = Verdict::Deny,
+                _ if part.as_str() == LintDirectiveKind::Deny.word() => {
+                    level.verdict = LintDirectiveKind::Deny
+                }
                 _ => {}
             }
         }
@@ -418,9 +424,9 @@ impl Parser<'_, '_> {
         }
     }
 
-    fn phase_head(&mut self, pair: Pair<'_, Rule>, base: usize) -> Phase {
+    fn phase_head(&mut self, pair: Pair<'_, Rule>, base: usize) -> PhaseDeclaration {
         let span = span_of(&pair, base);
-        let mut phase = Phase {
+        let mut phase = PhaseDeclaration {
             name: Place {
                 path: SmallVec::new(),
                 face: None,
@@ -475,9 +481,9 @@ impl Parser<'_, '_> {
         }
     }
 
-    fn scene_head(&mut self, pair: Pair<'_, Rule>, base: usize) -> Scene {
+    fn scene_head(&mut self, pair: Pair<'_, Rule>, base: usize) -> SceneDeclaration {
         let names = self.names(pair.clone(), base);
-        Scene {
+        SceneDeclaration {
             name: self.first_name_of(&names, &pair, base),
             base: names.get(1).copied(),
             terms: Vec::new(),

@@ -3,7 +3,7 @@ use pest::iterators::{Pair, Pairs};
 
 use super::{MAX_DEPTH, MAX_TERMS, Parser, Rule, span_of};
 use crate::error::SyntaxErrorKind;
-use crate::tree::{Entry, Expr, ExprKind, Operator};
+use crate::tree::{Expr, ExprKind, Operator, Subscript};
 
 impl Parser<'_, '_> {
     /// An `expr`.
@@ -107,12 +107,12 @@ impl Parser<'_, '_> {
     }
 
     /// A `range` or an `expr`.
-    pub fn entry(&mut self, pair: Pair<'_, Rule>, base: usize) -> Entry {
+    pub fn entry(&mut self, pair: Pair<'_, Rule>, base: usize) -> Subscript {
         if pair.as_rule() == Rule::range {
             let (first, last) = self.range(pair, base);
-            Entry::Range(first, last)
+            Subscript::Range(first, last)
         } else {
-            Entry::One(self.expr(pair, base))
+            Subscript::One(self.expr(pair, base))
         }
     }
 

@@ -42,8 +42,8 @@ impl Mode {
 }
 
 /// A block that is open.
-pub struct Frame {
-    pub content: Content,
+pub struct OpenBlock {
+    pub content: OpenBlockContent,
     /// Its opening brace, or its whole head.
     pub opened: Span,
     /// The items read in it so far.
@@ -53,7 +53,7 @@ pub struct Frame {
 }
 
 /// What a block is.
-pub enum Content {
+pub enum OpenBlockContent {
     /// A block whose items go into `Item::body_mut`.
     Items(Box<Item>),
     /// A scene.
@@ -68,36 +68,38 @@ pub enum Content {
     Broken(Mode),
 }
 
-impl Frame {
+impl OpenBlock {
     pub fn mode(&self) -> Mode {
         match self.content {
-            Content::Items(_) => Mode::Block,
-            Content::Scene(..) | Content::SceneBlock(_) => Mode::Scene,
-            Content::Shape(_) | Content::Layer(_) => Mode::Shape,
-            Content::Broken(mode) => mode,
+            OpenBlockContent::Items(_) => Mode::Block,
+            OpenBlockContent::Scene(..) | OpenBlockContent::SceneBlock(_) => Mode::Scene,
+            OpenBlockContent::Shape(_) | OpenBlockContent::Layer(_) => Mode::Shape,
+            OpenBlockContent::Broken(mode) => mode,
         }
     }
 
     /// What messages call it.
     pub fn noun(&self) -> &'static str {
         match &self.content {
-            Content::Items(item) | Content::Scene(item, _) | Content::Shape(item) => item.noun(),
-            Content::SceneBlock(_) => "a scene",
-            Content::Layer(_) => "a layer",
-            Content::Broken(_) => "a block",
+            OpenBlockContent::Items(item)
+            | OpenBlockContent::Scene(item, _)
+            | OpenBlockContent::Shape(item) => item.noun(),
+            OpenBlockContent::SceneBlock(_) => "a scene",
+            OpenBlockContent::Layer(_) => "a layer",
+            OpenBlockContent::Broken(_) => "a block",
         }
     }
 }
 
 impl Parser<'_, '_> {
     /// Opens a block whose head ends at its brace.
-    pub fn open(&mut self, content: Content, span: Span) {
+    pub fn open(&mut self, content: OpenBlockContent, span: Span) {
         if self.frames.len() == MAX_DEPTH {
             self.error(SyntaxErrorKind::TooDeep, span);
             self.stop();
             return;
         }
-        self.frames.push(Frame {
+        self.frames.push(OpenBlock {
             content,
             opened: Span::new(span.end.saturating_sub(1), span.end),
             body: Vec::new(),
@@ -108,7 +110,7 @@ impl Parser<'_, '_> {
     /// Closes the innermost block.
     pub fn close(&mut self, span: Span) {
         if self.goes_on(span.end as usize) {
-            let what = self.frames.last().map_or("a block", Frame::noun);
+            let what = self.frames.last().map_or("a block", OpenBlock::noun);
             *self.surplus() -= 1;
             return self.error(SyntaxErrorKind::ClosedEarly { what }, span);
         }
@@ -123,43 +125,44 @@ impl Parser<'_, '_> {
     }
 
     /// Hands a block, complete or not, to the one around it.
-    pub fn finish(&mut self, frame: Frame, end: u32) {
-        let Frame {
+    pub fn finish(&mut self, frame: OpenBlock, end: u32) {
+        let OpenBlock {
             content,
             body,
             start,
             ..
         } = frame;
         match content {
-            Content::Items(mut item) => {
+            OpenBlockContent::Items(mut item) => {
                 if let Some(slot) = item.body_mut() {
                     *slot = body;
                 }
                 self.close_item(*item, end);
             }
-            Content::Scene(mut item, terms) => {
+            OpenBlockContent::Scene(mut item, terms) => {
                 if let ItemKind::Scene(scene) = &mut item.kind {
                     scene.terms = terms;
                 }
                 self.close_item(*item, end);
             }
-            Content::SceneBlock(terms) => {
+            OpenBlockContent::SceneBlock(terms) => {
                 let block = Term::Block(terms, Span::new(start, end));
                 self.push_term(block);
             }
-            Content::Shape(item) => self.close_item(*item, end),
-            Content::Layer(mut layer) => {
+            OpenBlockContent::Shape(item) => self.close_item(*item, end),
+            OpenBlockContent::Layer(mut layer) => {
                 layer.span.end = end;
-                if let Some(Content::Shape(item)) = self.frames.last_mut().map(|f| &mut f.content)
+                if let Some(OpenBlockContent::Shape(item)) =
+                    self.frames.last_mut().map(|f| &mut f.content)
                     && let ItemKind::Shape(shape) = &mut item.kind
                 {
                     shape.layers.push(layer);
                 }
             }
             // A broken block around it brings these words into doubt as well.
-            Content::Broken(_) => {
+            OpenBlockContent::Broken(_) => {
                 let outer = self.frames.last().map(|frame| &frame.content);
-                if !matches!(outer, Some(Content::Broken(_))) {
+                if !matches!(outer, Some(OpenBlockContent::Broken(_))) {
                     self.doubt(start as usize, end as usize);
                 }
             }
@@ -175,8 +178,8 @@ impl Parser<'_, '_> {
     pub fn keep(&mut self, item: Item) {
         match self.frames.last_mut() {
             None => self.root.push(item),
-            Some(Frame {
-                content: Content::Items(_),
+            Some(OpenBlock {
+                content: OpenBlockContent::Items(_),
                 body,
                 ..
             }) => body.push(item),
@@ -188,7 +191,9 @@ impl Parser<'_, '_> {
     /// Puts a word or value into the scene that is open.
     pub fn push_term(&mut self, term: Term) {
         let content = self.frames.last_mut().map(|frame| &mut frame.content);
-        if let Some(Content::Scene(_, terms) | Content::SceneBlock(terms)) = content {
+        if let Some(OpenBlockContent::Scene(_, terms) | OpenBlockContent::SceneBlock(terms)) =
+            content
+        {
             terms.push(term);
         }
     }

@@ -17,7 +17,7 @@ use rustc_hash::FxHashSet;
 use crate::error::{SyntaxError, SyntaxErrorKind};
 use crate::tree::{Docs, Item, Tree};
 use crate::{Cancellation, Cancelled, Span, Symbol, Symbols};
-use frame::{Frame, Mode};
+use frame::{Mode, OpenBlock};
 pub(crate) use record::{Record, Token};
 pub(crate) use trivia::is_comment;
 
@@ -145,7 +145,7 @@ struct Parser<'t, 's> {
     at: usize,
     root: Vec<Item>,
     /// The blocks that are open, the outermost first.
-    frames: Vec<Frame>,
+    frames: Vec<OpenBlock>,
     /// Comments that wait for what they belong to.
     docs: Vec<(String, Span)>,
     errors: Vec<SyntaxError>,

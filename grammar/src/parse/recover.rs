@@ -1,10 +1,12 @@
 //! Going on behind a broken statement.
-use super::frame::{Content, Mode};
+use super::frame::{Mode, OpenBlockContent};
 use super::window::{self, Cause, Unreadable};
 use super::{Parser, trivia, words};
 use crate::Span;
 use crate::error::SyntaxErrorKind;
-use crate::tree::{Assembly, Chain, Docs, Item, ItemKind, Name, Phase, Place, Release, Segment};
+use crate::tree::{
+    Assembly, Chain, Docs, Item, ItemKind, Name, PhaseDeclaration, Place, Release, Segment,
+};
 
 impl Parser<'_, '_> {
     /// Tells of a piece that cannot be read and skips it: to the end of its line, or to a brace.
@@ -156,7 +158,7 @@ impl Parser<'_, '_> {
     }
 
     /// Makes what can be made of a block from the first words of its head.
-    fn broken_head(&mut self, start: usize, end: usize) -> Content {
+    fn broken_head(&mut self, start: usize, end: usize) -> OpenBlockContent {
         let head = &self.text[start..end];
         let mut words = head
             .split(|c: char| !c.is_ascii_alphanumeric() && c != '_')
@@ -168,7 +170,7 @@ impl Parser<'_, '_> {
             span,
         };
         let kind = match keyword {
-            "phase" => ItemKind::Phase(Box::new(Phase {
+            "phase" => ItemKind::Phase(Box::new(PhaseDeclaration {
                 name: Place {
                     path: [Segment { name, index: None }].into_iter().collect(),
                     face: None,
@@ -182,11 +184,11 @@ impl Parser<'_, '_> {
                 scene: None,
                 body: Vec::new(),
             })),
-            "scene" => return Content::Broken(Mode::Scene),
-            "shape" | "layer" => return Content::Broken(Mode::Shape),
-            _ => return Content::Broken(self.mode()),
+            "scene" => return OpenBlockContent::Broken(Mode::Scene),
+            "shape" | "layer" => return OpenBlockContent::Broken(Mode::Shape),
+            _ => return OpenBlockContent::Broken(self.mode()),
         };
-        Content::Items(Box::new(Item {
+        OpenBlockContent::Items(Box::new(Item {
             docs: Docs(None),
             span,
             kind,

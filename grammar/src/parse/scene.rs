@@ -2,17 +2,17 @@
 use pest::Parser as _;
 use pest::iterators::Pair;
 
-use super::frame::{Content, Frame};
+use super::frame::{OpenBlock, OpenBlockContent};
 use super::{Parser, Rule, SaParser, span_of};
 use crate::error::SyntaxErrorKind;
-use crate::tree::{ItemKind, Layer, Quantity, Row, Term, UnitFactor};
+use crate::tree::{ItemKind, Layer, LayerRow, Quantity, Term, UnitFactor};
 
 impl Parser<'_, '_> {
     /// A piece of the inside of a scene or shape.
     pub fn scene_or_shape_piece(&mut self, pair: Pair<'_, Rule>, base: usize) {
         let span = span_of(&pair, base);
         match pair.as_rule() {
-            Rule::open => self.open(Content::SceneBlock(Vec::new()), span),
+            Rule::open => self.open(OpenBlockContent::SceneBlock(Vec::new()), span),
             Rule::word => {
                 let name = self.word(&pair, base);
                 self.push_term(Term::Word(name));
@@ -26,9 +26,10 @@ impl Parser<'_, '_> {
             _ => {
                 let cells = pair.as_str().chars().filter(|c| !c.is_whitespace());
                 let cells = cells.map(|c| c == '#').collect();
-                if let Some(Content::Layer(layer)) = self.frames.last_mut().map(|f| &mut f.content)
+                if let Some(OpenBlockContent::Layer(layer)) =
+                    self.frames.last_mut().map(|f| &mut f.content)
                 {
-                    layer.rows.push(Row { cells, span });
+                    layer.rows.push(LayerRow { cells, span });
                 } else if !self.is_broken() {
                     self.error(
                         SyntaxErrorKind::Misplaced {
@@ -54,7 +55,7 @@ impl Parser<'_, '_> {
         }
         let inside_shape = matches!(
             self.frames.last(),
-            Some(Frame { content: Content::Shape(item), .. }) if matches!(item.kind, ItemKind::Shape(_))
+            Some(OpenBlock { content: OpenBlockContent::Shape(item), .. }) if matches!(item.kind, ItemKind::Shape(_))
         );
         let Some(heights) = heights else { return };
         if !inside_shape && !self.is_broken() {
@@ -73,13 +74,14 @@ impl Parser<'_, '_> {
             span,
             rows: Vec::new(),
         };
-        self.open(Content::Layer(layer), span);
+        self.open(OpenBlockContent::Layer(layer), span);
     }
 
     /// Tells of a unit such as `N/m` whose number has been forgotten; its sign stands at `at`.
     pub fn lone_unit(&mut self, at: usize) -> bool {
         let content = self.frames.last_mut().map(|frame| &mut frame.content);
-        let Some(Content::Scene(_, terms) | Content::SceneBlock(terms)) = content else {
+        let Some(OpenBlockContent::Scene(_, terms) | OpenBlockContent::SceneBlock(terms)) = content
+        else {
             return false;
         };
         let Some(Term::Word(word)) = terms.last() else {
@@ -116,8 +118,8 @@ impl Parser<'_, '_> {
     fn is_broken(&self) -> bool {
         matches!(
             self.frames.last(),
-            Some(Frame {
-                content: Content::Broken(_),
+            Some(OpenBlock {
+                content: OpenBlockContent::Broken(_),
                 ..
             })
         )

@@ -1,6 +1,6 @@
 //! Rules of the grammar in the language's own words.
 use super::Rule;
-use super::frame::{Content, Frame};
+use super::frame::{OpenBlock, OpenBlockContent};
 
 /// What a message calls a rule; `None` for what is no help to know.
 pub fn word(rule: Rule) -> Option<&'static str> {
@@ -53,7 +53,7 @@ pub fn word(rule: Rule) -> Option<&'static str> {
 }
 
 /// What may begin in the innermost open block.
-pub fn beginnings(frame: Option<&Frame>) -> &'static [&'static str] {
+pub fn beginnings(frame: Option<&OpenBlock>) -> &'static [&'static str] {
     use crate::tree::ItemKind;
     let Some(frame) = frame else {
         return &[
@@ -67,7 +67,7 @@ pub fn beginnings(frame: Option<&Frame>) -> &'static [&'static str] {
         ];
     };
     match &frame.content {
-        Content::Items(item) => match item.kind {
+        OpenBlockContent::Items(item) => match item.kind {
             ItemKind::Assembly(_) => &["`seed`", "`phase`", "`let`", "`for`", "`}`"],
             ItemKind::Seed(_) => &[
                 "a seed such as `A at (0, 0)`",
@@ -84,10 +84,12 @@ pub fn beginnings(frame: Option<&Frame>) -> &'static [&'static str] {
                 "`}`",
             ],
         },
-        Content::Scene(..) | Content::SceneBlock(_) => &["a name", "a value", "`}`"],
-        Content::Shape(_) => &["`layer`", "`}`"],
-        Content::Layer(_) => &["a row of `#` and `.`", "`}`"],
-        Content::Broken(_) => &["a statement", "`}`"],
+        OpenBlockContent::Scene(..) | OpenBlockContent::SceneBlock(_) => {
+            &["a name", "a value", "`}`"]
+        }
+        OpenBlockContent::Shape(_) => &["`layer`", "`}`"],
+        OpenBlockContent::Layer(_) => &["a row of `#` and `.`", "`}`"],
+        OpenBlockContent::Broken(_) => &["a statement", "`}`"],
     }
 }
 

@@ -2,10 +2,10 @@
 use proptest::prelude::*;
 use proptest::sample::select;
 use stochc_grammar::tree::{
-    Aggregate, Argument, Arrow, Assembly, Chain, Docs, Entry, Expr, ExprKind, For, Import,
-    Instance, Item, ItemKind, Layer, Let, Level, Link, Name, Operator, Pattern, Phase, Place,
-    Quantity, Release, Row, Scene, Seat, Seed, Segment, Shape, Subject, Term, Tree, UnitFactor,
-    Verdict,
+    Aggregate, Argument, Arrow, Assembly, Chain, Docs, EventReference, Expr, ExprKind, For, Import,
+    Instance, Item, ItemKind, Layer, LayerRow, Let, Link, LintDirective, LintDirectiveKind, Name,
+    Operator, Pattern, PhaseDeclaration, Place, Quantity, Release, SceneDeclaration, Seat, Seed,
+    Segment, Shape, Subscript, Term, Tree, UnitFactor,
 };
 use stochc_grammar::{Span, Symbols};
 use stochc_ir::Face;
@@ -82,10 +82,10 @@ fn range() -> impl Strategy<Value = (Expr, Expr)> {
     (expr(), expr())
 }
 
-fn entry() -> impl Strategy<Value = Entry> {
+fn entry() -> impl Strategy<Value = Subscript> {
     prop_oneof![
-        expr().prop_map(Entry::One),
-        range().prop_map(|(first, last)| Entry::Range(first, last)),
+        expr().prop_map(Subscript::One),
+        range().prop_map(|(first, last)| Subscript::Range(first, last)),
     ]
 }
 
@@ -111,8 +111,9 @@ fn place() -> impl Strategy<Value = Place> {
     (block(), face()).prop_map(|(place, face)| Place { face, ..place })
 }
 
-fn after() -> impl Strategy<Value = Vec<Subject>> {
-    let subject = (any::<bool>(), block()).prop_map(|(release, place)| Subject { release, place });
+fn after() -> impl Strategy<Value = Vec<EventReference>> {
+    let subject =
+        (any::<bool>(), block()).prop_map(|(release, place)| EventReference { release, place });
     prop::collection::vec(subject, 0..3)
 }
 
@@ -228,10 +229,10 @@ fn let_() -> BoxedStrategy<Item> {
 }
 
 fn level() -> BoxedStrategy<Item> {
-    let verdict = select(vec![Verdict::Allow, Verdict::Deny]);
+    let verdict = select(vec![LintDirectiveKind::Allow, LintDirectiveKind::Deny]);
     let level = (verdict, select(&CODES[..]), "[ -!#-~µ/]{0,12}[!-~&&[^\"]]");
     item(level.prop_map(|(verdict, code, reason)| {
-        ItemKind::Level(Box::new(Level {
+        ItemKind::Level(Box::new(LintDirective {
             verdict,
             code: named(code),
             reason,
@@ -255,7 +256,7 @@ fn repeated(inner: BoxedStrategy<Item>) -> BoxedStrategy<Item> {
         .boxed()
 }
 
-fn chain(after: impl Strategy<Value = Vec<Subject>>) -> impl Strategy<Value = ItemKind> {
+fn chain(after: impl Strategy<Value = Vec<EventReference>>) -> impl Strategy<Value = ItemKind> {
     let arrow = select(vec![Arrow::One, Arrow::Row]);
     let links = prop::collection::vec(
         (arrow, place()).prop_map(|(arrow, place)| Link { arrow, place }),
@@ -305,7 +306,7 @@ fn pattern() -> BoxedStrategy<Item> {
 }
 
 fn shape() -> BoxedStrategy<Item> {
-    let row = prop::collection::vec(any::<bool>(), 1..6).prop_map(|cells| Row {
+    let row = prop::collection::vec(any::<bool>(), 1..6).prop_map(|cells| LayerRow {
         cells,
         span: Span::default(),
     });
@@ -336,7 +337,7 @@ fn assembly() -> BoxedStrategy<Item> {
     let body = prop::collection::vec(prop_oneof![4 => growth(), 1 => claim], 0..4);
     let phase = item((block(), prop::option::of(quantity()), body).prop_map(
         |(name, timeout, body)| {
-            ItemKind::Phase(Box::new(Phase {
+            ItemKind::Phase(Box::new(PhaseDeclaration {
                 name,
                 timeout,
                 body,
@@ -361,10 +362,9 @@ fn assembly() -> BoxedStrategy<Item> {
 
 /// A whole file.
 pub fn tree() -> impl Strategy<Value = Tree> {
-    let scene = item(
-        (name(), prop::option::of(name()), terms())
-            .prop_map(|(name, base, terms)| ItemKind::Scene(Box::new(Scene { name, base, terms }))),
-    );
+    let scene = item((name(), prop::option::of(name()), terms()).prop_map(
+        |(name, base, terms)| ItemKind::Scene(Box::new(SceneDeclaration { name, base, terms })),
+    ));
     let import = item("[ -!#-~µ/]{0,12}".prop_map(|path| {
         ItemKind::Import(Box::new(Import {
             path,

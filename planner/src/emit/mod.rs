@@ -7,7 +7,7 @@ mod tests;
 
 use std::fmt::Write as _;
 
-use stochc_grammar::{Refusal as Unreadable, format};
+use stochc_grammar::{FormatError as Unreadable, format};
 
 use crate::plan::{Capture, Plan};
 use crate::target::Target;

@@ -1,5 +1,5 @@
 //! The numbers of scenes, as they are written, read and changed.
-use stochc_grammar::tree::{ItemKind, Scene as Tree, Term};
+use stochc_grammar::tree::{ItemKind, SceneDeclaration, Term};
 use stochc_grammar::{Symbols, parse};
 
 use stochc_ir::scene::describe::terms;
@@ -58,7 +58,7 @@ const FULL: [&str; 4] = [
 
 /// A scene's text as a tree.
 struct Text {
-    tree: Tree,
+    tree: SceneDeclaration,
     symbols: Symbols,
     file: FileId,
 }
