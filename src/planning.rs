@@ -2,7 +2,7 @@
 use std::collections::BTreeSet;
 
 use stochc_compiler::diagnostic::{Code, Diagnostic};
-use stochc_compiler::plan::{Plan as WrittenOut, Seed};
+use stochc_compiler::plan::{PlanSeed, ProgramPlan};
 use stochc_compiler::scene::DEFAULT;
 use stochc_compiler::{Checked, FileId, LintLevels, cost, shape_cells};
 use stochc_grammar::print;
@@ -108,7 +108,7 @@ impl Goal {
     /// If it has no such shape, in words.
     pub fn of_program(checked: &Checked, name: Option<&str>) -> Result<Goal, String> {
         let symbols = &checked.symbols;
-        let claims = |plan: &WrittenOut| -> Vec<&str> {
+        let claims = |plan: &ProgramPlan| -> Vec<&str> {
             let claims = plan.phases.iter().flat_map(|phase| &phase.claims);
             let names = claims.map(|&(name, _)| symbols.word(name));
             // The words live as long as the file.
@@ -160,8 +160,8 @@ impl Goal {
         let claiming = programs().find(|program| claims(&program.plan).contains(&wanted));
         let only = || programs().next().filter(|_| programs().count() == 1);
         let assembly = claiming.or_else(only);
-        let seats = |plan: &WrittenOut| -> Option<Vec<(i32, i32)>> {
-            let place = |seed: &Seed| (seed.cell.x, seed.cell.y);
+        let seats = |plan: &ProgramPlan| -> Option<Vec<(i32, i32)>> {
+            let place = |seed: &PlanSeed| (seed.cell.x, seed.cell.y);
             (!plan.seeds.is_empty()).then(|| plan.seeds.iter().map(place).collect())
         };
         let scene = assembly.and_then(|program| program.scene.as_ref());

@@ -3,10 +3,10 @@ use stochc_ir::scene::{BondKind, Scene};
 
 use crate::diagnostic::{Code, Diagnostic};
 use crate::layout::Layout;
-use crate::plan::{EventKind, Plan};
+use crate::plan::{EventKind, ProgramPlan};
 
 /// Compares an aggregate with its scene: blocks have to bond to each other unasked, and there have to be enough.
-pub fn check_aggregate(plan: &Plan, scene: &Scene, diagnostics: &mut Vec<Diagnostic>) {
+pub fn check_aggregate(plan: &ProgramPlan, scene: &Scene, diagnostics: &mut Vec<Diagnostic>) {
     if !BondKind::of(scene).is_passive() {
         let (said, what) = match &scene.bond {
             Some(bond) => (
@@ -52,7 +52,12 @@ pub fn check_aggregate(plan: &Plan, scene: &Scene, diagnostics: &mut Vec<Diagnos
 }
 
 /// Compares a program with its scene.
-pub fn check(plan: &Plan, layout: &Layout, scene: &Scene, diagnostics: &mut Vec<Diagnostic>) {
+pub fn check(
+    plan: &ProgramPlan,
+    layout: &Layout,
+    scene: &Scene,
+    diagnostics: &mut Vec<Diagnostic>,
+) {
     let free = scene.free.count;
     let needed = layout
         .sizes
@@ -76,7 +81,8 @@ pub fn check(plan: &Plan, layout: &Layout, scene: &Scene, diagnostics: &mut Vec<
             )),
         );
     }
-    let captures = |event: &&crate::plan::Event| matches!(event.kind, EventKind::Capture { .. });
+    let captures =
+        |event: &&crate::plan::PlanEvent| matches!(event.kind, EventKind::Capture { .. });
     if let (None, Some(first)) = (&scene.bond, plan.events.iter().find(captures)) {
         let title = format!("the scene `{}` has no `bond`", scene.name);
         diagnostics.push(

@@ -3,7 +3,7 @@ use stochc_ir::Executable;
 use stochc_ir::graph::{self, Edge, EventGraph};
 
 use crate::Program;
-use crate::graph::Dependency;
+use crate::graph::LocatedDependency;
 
 impl Program {
     /// The dependency graph without its text; it has no chains if there is a cycle.
@@ -45,15 +45,15 @@ impl Program {
     }
 }
 
-impl From<Dependency> for graph::Dependency {
-    fn from(why: Dependency) -> graph::Dependency {
+impl From<LocatedDependency> for graph::Dependency {
+    fn from(why: LocatedDependency) -> graph::Dependency {
         match why {
-            Dependency::Anchored => graph::Dependency::Anchored,
-            Dependency::Face { needed, of } => graph::Dependency::Face { needed, of },
-            Dependency::After(_) => graph::Dependency::After,
-            Dependency::Emptied => graph::Dependency::Emptied,
-            Dependency::Vacated => graph::Dependency::Vacated,
-            Dependency::Freed => graph::Dependency::Freed,
+            LocatedDependency::Anchored => graph::Dependency::Anchored,
+            LocatedDependency::Face { needed, of } => graph::Dependency::Face { needed, of },
+            LocatedDependency::After(_) => graph::Dependency::After,
+            LocatedDependency::Emptied => graph::Dependency::Emptied,
+            LocatedDependency::Vacated => graph::Dependency::Vacated,
+            LocatedDependency::Freed => graph::Dependency::Freed,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! A program with all its safe fixes.
 use std::sync::Arc;
 
-use crate::diagnostic::Change;
+use crate::diagnostic::TextChange;
 use crate::lint_levels::LintLevels;
 use crate::load::Reader;
 use crate::program::{Checked, check_with};
@@ -59,7 +59,7 @@ fn round(
     let safe: Vec<usize> = (0..now.diagnostics.len()).filter(is_safe).collect();
     let mut most = safe.len();
     while most > 0 {
-        let mut change = Change::new(OWN, text);
+        let mut change = TextChange::new(OWN, text);
         let fits = |number: &usize| fix(*number).is_some_and(|fix| change.add(fix));
         let fixed: Vec<usize> = safe[..most].iter().copied().filter(fits).collect();
         if fixed.is_empty() {

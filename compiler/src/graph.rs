@@ -5,17 +5,17 @@ use stochc_grammar::{Cancellation, Cancelled};
 use crate::Site;
 use crate::layout::Layout;
 use crate::liveness::Liveness;
-use crate::plan::{EventId, EventKind, Plan};
+use crate::plan::{EventId, EventKind, ProgramPlan};
 
 /// Captures and releases, and what each waits for.
 ///
 /// Node `i` is event `i` of the plan. An edge runs from what comes first to what waits. Edges stay
 /// within a phase: a phase begins when the one before has ended.
-pub type DependencyGraph = DiGraph<EventId, Dependency, u32>;
+pub type DependencyGraph = DiGraph<EventId, LocatedDependency, u32>;
 
 /// Why an event waits for another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Dependency {
+pub enum LocatedDependency {
     /// A block captures, or is released, only once it is anchored.
     Anchored,
     /// A block magnetizes so many faces at a time, in source order: of the `of` edges of this kind that lead to a capture,
@@ -36,7 +36,7 @@ pub enum Dependency {
     Freed,
 }
 
-impl Dependency {
+impl LocatedDependency {
     /// Whether others will do as well.
     pub fn is_choice(self) -> bool {
         stochc_ir::graph::Dependency::from(self).is_choice()
@@ -49,7 +49,7 @@ impl Dependency {
 ///
 /// [`Cancelled`] if nobody waits for it.
 pub fn build(
-    plan: &Plan,
+    plan: &ProgramPlan,
     liveness: &Liveness,
     layout: &Layout,
     faces: u8,
@@ -62,7 +62,7 @@ pub fn build(
     }
     let node = |id: EventId| NodeIndex::new(id.0 as usize);
     let sound = |id: EventId| plan.event(id).sound;
-    let mut add = |first: EventId, then: EventId, why: Dependency| {
+    let mut add = |first: EventId, then: EventId, why: LocatedDependency| {
         if sound(first) && sound(then) {
             graph.add_edge(node(first), node(then), why);
         }
@@ -71,10 +71,10 @@ pub fn build(
         cancellation.check()?;
         let context = liveness.contexts[id.0 as usize];
         if let Some(first) = context.anchored_by {
-            add(first, id, Dependency::Anchored);
+            add(first, id, LocatedDependency::Anchored);
         }
         if let Some(first) = context.freed_by {
-            add(first, id, Dependency::Freed);
+            add(first, id, LocatedDependency::Freed);
         }
     }
     for (first, then, why) in face_turns(plan, faces, cancellation)? {
@@ -82,14 +82,14 @@ pub fn build(
     }
     for (after, subject) in plan.afters.iter().zip(&liveness.subjects) {
         if let Some(first) = *subject {
-            add(first, after.event, Dependency::After(after.site));
+            add(first, after.event, LocatedDependency::After(after.site));
         }
     }
     for &(first, then) in &layout.emptied {
-        add(first, then, Dependency::Emptied);
+        add(first, then, LocatedDependency::Emptied);
     }
     for &(first, then) in &layout.vacated {
-        add(first, then, Dependency::Vacated);
+        add(first, then, LocatedDependency::Vacated);
     }
     Ok(graph)
 }
@@ -97,10 +97,10 @@ pub fn build(
 /// Captures of one block that wait for those written before them: each until fewer than `faces` of these are
 /// still to come.
 fn face_turns(
-    plan: &Plan,
+    plan: &ProgramPlan,
     faces: u8,
     cancellation: Cancellation<'_>,
-) -> Result<Vec<(EventId, EventId, Dependency)>, Cancelled> {
+) -> Result<Vec<(EventId, EventId, LocatedDependency)>, Cancelled> {
     let mut turns = Vec::new();
     let faces = faces.max(1);
     // The last capture of each block, with the phase, from 1, and the one before each capture.
@@ -132,10 +132,10 @@ fn face_turns(
             let needed = of + 1 - faces;
             if needed == of {
                 // The one before has waited for all the others.
-                let why = Dependency::Face { needed: 1, of: 1 };
+                let why = LocatedDependency::Face { needed: 1, of: 1 };
                 turns.extend(before.take(1).map(|first| (first, id, why)));
             } else {
-                let why = Dependency::Face { needed, of };
+                let why = LocatedDependency::Face { needed, of };
                 turns.extend(before.map(|first| (first, id, why)));
             }
         }

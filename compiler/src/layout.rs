@@ -6,7 +6,7 @@ use stochc_ir::{Cell, Face};
 
 use crate::diagnostic::{Code, Diagnostic, tell};
 use crate::liveness::{Holder, Liveness};
-use crate::plan::{EventId, EventKind, Plan};
+use crate::plan::{EventId, EventKind, ProgramPlan};
 
 /// The geometry of a program.
 #[derive(Clone, Debug)]
@@ -51,7 +51,7 @@ struct Seat {
 ///
 /// [`Cancelled`] if nobody waits for it.
 pub fn lay_out(
-    plan: &mut Plan,
+    plan: &mut ProgramPlan,
     liveness: &Liveness,
     symbols: &Symbols,
     cancellation: Cancellation<'_>,
@@ -101,7 +101,7 @@ pub fn lay_out(
 }
 
 struct Surveyor<'a> {
-    plan: &'a mut Plan,
+    plan: &'a mut ProgramPlan,
     liveness: &'a Liveness,
     symbols: &'a Symbols,
     cancellation: Cancellation<'a>,

@@ -54,7 +54,7 @@ pub struct Allowed {
 pub struct FileLevels {
     statements: Vec<Set>,
     /// The blocks of each file that hold such statements, by their first byte.
-    scopes: FxHashMap<FileId, Vec<Scope>>,
+    scopes: FxHashMap<FileId, Vec<LintScope>>,
 }
 
 /// A statement that sets a level.
@@ -76,7 +76,7 @@ struct Set {
 
 /// A block that holds such statements.
 #[derive(Debug)]
-struct Scope {
+struct LintScope {
     span: Span,
     /// The nearest one around it.
     outer: Option<usize>,
@@ -157,7 +157,7 @@ impl FileLevels {
         if !set.is_empty() {
             let scopes = self.scopes.entry(place.file).or_default();
             let outer = place.outer.replace(scopes.len());
-            scopes.push(Scope { span, outer, set });
+            scopes.push(LintScope { span, outer, set });
         }
         for item in items {
             let mut inner = place;

@@ -8,21 +8,21 @@ use crate::diagnostic::{
     Code, Diagnostic, Fix, MOST_FINDINGS, entry, hand_in, is_repeated, named, removal, tell,
 };
 use crate::members::members;
-use crate::plan::{EventId, EventKind, Grown, Key, Plan};
+use crate::plan::{EventId, EventKind, Key, PatternInstance, ProgramPlan};
 use crate::{Site, Sources};
 
 /// Who holds the names, and what becomes of them in each phase.
 #[derive(Clone, Debug)]
 pub struct Liveness {
     /// For every event, what its names mean.
-    pub contexts: Vec<Context>,
+    pub contexts: Vec<EventContext>,
     /// For every `after`, the event that is waited for; `None`: it has already happened.
     pub subjects: Vec<Option<EventId>>,
 }
 
 /// What the names of an event mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub struct Context {
+pub struct EventContext {
     /// The capture in this phase that anchors the parent of a capture, or the block of a release.
     pub anchored_by: Option<EventId>,
     /// Of a capture: the release in this phase that frees the name.
@@ -62,7 +62,7 @@ impl Holder {
 
 impl Liveness {
     /// The block that an event is up to: the one that captures, or the one that asks to be let go.
-    pub fn actor(&self, plan: &Plan, id: EventId) -> Holder {
+    pub fn actor(&self, plan: &ProgramPlan, id: EventId) -> Holder {
         let event = plan.event(id);
         let role = match event.kind {
             EventKind::Capture { parent, .. } => parent,
@@ -75,7 +75,7 @@ impl Liveness {
 
 /// What is known of a name.
 #[derive(Clone, Copy, Default)]
-struct State {
+struct RoleLiveness {
     /// What anchored the block that has it; `None`: nobody has it.
     holder: Option<Origin>,
     /// The phase that the two fields below speak of, from 1.
@@ -98,7 +98,7 @@ enum Origin {
 ///
 /// [`Cancelled`] if nobody waits for it.
 pub fn check(
-    plan: &mut Plan,
+    plan: &mut ProgramPlan,
     sources: &Sources,
     symbols: &Symbols,
     doubtful: &FxHashSet<Symbol>,
@@ -106,10 +106,10 @@ pub fn check(
     diagnostics: &mut Vec<Diagnostic>,
 ) -> Result<Liveness, Cancelled> {
     let mut checker = Checker {
-        states: vec![State::default(); plan.roles.count()],
+        states: vec![RoleLiveness::default(); plan.roles.count()],
         used: vec![false; plan.seeds.len()],
         liveness: Liveness {
-            contexts: vec![Context::default(); plan.events.len()],
+            contexts: vec![EventContext::default(); plan.events.len()],
             subjects: vec![None; plan.afters.len()],
         },
         sources,
@@ -124,8 +124,8 @@ pub fn check(
 }
 
 struct Checker<'a> {
-    plan: &'a mut Plan,
-    states: Vec<State>,
+    plan: &'a mut ProgramPlan,
+    states: Vec<RoleLiveness>,
     /// Seeds that have been spoken of.
     used: Vec<bool>,
     liveness: Liveness,
@@ -217,7 +217,7 @@ impl Checker<'_> {
         }
     }
 
-    fn state(&mut self, role: RoleId, stamp: u32) -> &mut State {
+    fn state(&mut self, role: RoleId, stamp: u32) -> &mut RoleLiveness {
         let state = &mut self.states[role.0 as usize];
         if state.phase != stamp {
             state.phase = stamp;
@@ -295,7 +295,7 @@ impl Checker<'_> {
                 if parent_state.holder.is_none() && parent_state.captured.is_none() {
                     return self.absent(id, parent, parent_state, "it cannot capture");
                 }
-                Context {
+                EventContext {
                     anchored_by: parent_state.captured,
                     freed_by,
                 }
@@ -308,7 +308,7 @@ impl Checker<'_> {
                     Some(_) => None,
                     None => state.captured,
                 };
-                Context {
+                EventContext {
                     anchored_by,
                     freed_by: None,
                 }
@@ -436,7 +436,7 @@ impl Checker<'_> {
     }
 
     /// A block that would have to be there, and is not.
-    fn absent(&mut self, id: EventId, role: RoleId, state: State, consequence: &str) {
+    fn absent(&mut self, id: EventId, role: RoleId, state: RoleLiveness, consequence: &str) {
         self.plan.events[id.0 as usize].sound = false;
         if self.diagnostics.len() > MOST_FINDINGS {
             return;
@@ -467,7 +467,7 @@ impl Checker<'_> {
             || scopes.any(|scope| self.grown(scope).is_some_and(|grown| grown.is_doubtful))
     }
 
-    fn grown(&self, scope: u32) -> Option<Grown> {
+    fn grown(&self, scope: u32) -> Option<PatternInstance> {
         let number = (scope as usize).checked_sub(1)?;
         self.plan.grown.get(number).copied()
     }
@@ -490,7 +490,7 @@ impl Checker<'_> {
         &mut self,
         role: RoleId,
         site: Site,
-        state: State,
+        state: RoleLiveness,
         mut diagnostic: Diagnostic,
     ) -> Option<Diagnostic> {
         if let Some(release) = state.last_release {

@@ -82,7 +82,7 @@ const MOST_BYTES: u64 = 1 << 32;
 
 /// How far a file has come.
 #[derive(Clone, Copy, PartialEq)]
-enum State {
+enum LoadState {
     /// Its imports are being read; the file, and where the next one is imported.
     Open(Site),
     Done,
@@ -94,7 +94,7 @@ struct Loader<'a> {
     cancellation: Cancellation<'a>,
     diagnostics: &'a mut Vec<Diagnostic>,
     loaded: Loaded,
-    state: FxHashMap<String, State>,
+    state: FxHashMap<String, LoadState>,
     /// Of all files so far.
     bytes: u64,
     /// More have been asked for, which has been told.
@@ -117,7 +117,7 @@ impl Loader<'_> {
         while let Some(top) = stack.last_mut() {
             let Some((import, span, statement)) = top.imports.next() else {
                 if let Some(done) = stack.pop() {
-                    self.state.insert(done.path, State::Done);
+                    self.state.insert(done.path, LoadState::Done);
                     self.loaded.modules.push(done.module);
                 }
                 continue;
@@ -125,14 +125,14 @@ impl Loader<'_> {
             let file = top.module.file;
             let path = join(&top.path, &import);
             self.state
-                .insert(top.path.clone(), State::Open(Site { file, span }));
+                .insert(top.path.clone(), LoadState::Open(Site { file, span }));
             match self.state.get(&path) {
                 None if self.state.len() >= MOST_FILES || self.bytes >= MOST_BYTES => {
                     self.too_many(Site { file, span });
                 }
                 None => stack.extend(self.open(path, Some(Site { file, span }))?),
-                Some(State::Done) => {}
-                Some(State::Open(_)) => {
+                Some(LoadState::Done) => {}
+                Some(LoadState::Open(_)) => {
                     let statement = statement.map(|span| Site { file, span });
                     self.cycle(&path, &stack, statement);
                 }
@@ -161,13 +161,13 @@ impl Loader<'_> {
             && let Some(folder) = self.reader.outside(&path)
         {
             self.outside(&path, &folder, site);
-            self.state.insert(path, State::Done);
+            self.state.insert(path, LoadState::Done);
             return Ok(None);
         }
         let bytes = match self.reader.read(&path) {
             Ok(bytes) => bytes,
             Err(reason) => {
-                self.state.insert(path.clone(), State::Done);
+                self.state.insert(path.clone(), LoadState::Done);
                 let diagnostic = Diagnostic::new(
                     Code::ImportMissing,
                     format!("cannot read `{}`", visible(&path)),
@@ -193,7 +193,7 @@ impl Loader<'_> {
                     .label(Site { file, span }, "the first byte that is not")
                     .help("save the file as UTF-8"),
             );
-            self.state.insert(path, State::Done);
+            self.state.insert(path, LoadState::Done);
             return Ok(None);
         }
         let file = self.sources.add(path.clone(), text);
@@ -216,7 +216,7 @@ impl Loader<'_> {
             file,
             span: Span::default(),
         };
-        self.state.insert(path.clone(), State::Open(site));
+        self.state.insert(path.clone(), LoadState::Open(site));
         Ok(Some(Pending {
             path,
             module: Module {
@@ -256,7 +256,7 @@ impl Loader<'_> {
         };
         let mut diagnostic = Diagnostic::new(Code::ImportCycle, title);
         for pending in circle.iter().take(MOST) {
-            if let Some(State::Open(site)) = self.state.get(&pending.path) {
+            if let Some(LoadState::Open(site)) = self.state.get(&pending.path) {
                 let import = self.sources.text(*site).to_owned();
                 diagnostic = diagnostic.label(
                     *site,

@@ -6,10 +6,10 @@ use stochc_grammar::{Cancellation, Cancelled, Symbols};
 use stochc_ir::scene::{BondKind, Scene};
 use stochc_ir::table::{Action, Condition, News, Phase, PhaseId, Role, RoleId, Tables, Trigger};
 
-use crate::graph::{Dependency, DependencyGraph};
+use crate::graph::{DependencyGraph, LocatedDependency};
 use crate::layout::Layout;
 use crate::liveness::{Holder, Liveness};
-use crate::plan::{EventId, EventKind, Plan};
+use crate::plan::{EventId, EventKind, ProgramPlan};
 
 /// Lowers a program in which nothing is wrong.
 ///
@@ -17,7 +17,7 @@ use crate::plan::{EventId, EventKind, Plan};
 ///
 /// [`Cancelled`] if nobody waits for it.
 pub fn lower(
-    plan: &Plan,
+    plan: &ProgramPlan,
     liveness: &Liveness,
     layout: &Layout,
     graph: &DependencyGraph,
@@ -46,10 +46,10 @@ pub fn lower(
 }
 
 /// For every event, whether the block it anchors has more to do in the same phase.
-fn busy(plan: &Plan, graph: &DependencyGraph) -> Vec<bool> {
+fn busy(plan: &ProgramPlan, graph: &DependencyGraph) -> Vec<bool> {
     let mut busy = vec![false; plan.events.len()];
     for edge in graph.raw_edges() {
-        if edge.weight == Dependency::Anchored {
+        if edge.weight == LocatedDependency::Anchored {
             busy[edge.source().index()] = true;
         }
     }
@@ -67,7 +67,7 @@ struct Loose {
 }
 
 struct Lowering<'a> {
-    plan: &'a Plan,
+    plan: &'a ProgramPlan,
     liveness: &'a Liveness,
     layout: &'a Layout,
     graph: &'a DependencyGraph,
@@ -115,7 +115,7 @@ impl Lowering<'_> {
                 self.push(parent, phase, [Condition::Asked(event.role)], off);
                 let node = NodeIndex::new(id.0 as usize);
                 let goes_on = (self.graph.edges_directed(node, Outgoing))
-                    .any(|edge| *edge.weight() == Dependency::Emptied);
+                    .any(|edge| *edge.weight() == LocatedDependency::Emptied);
                 if !goes_on {
                     self.reports[phase.0 as usize] += 1;
                     self.push(parent, phase, [self.seen(id)], Action::Report);
@@ -133,18 +133,24 @@ impl Lowering<'_> {
                 let first = self.graph[edge.source()];
                 match edge.weight() {
                     // The duty begins with it.
-                    Dependency::Anchored => None,
+                    LocatedDependency::Anchored => None,
                     // The world sees to it, but for a face that has to be switched off before it
                     // can be switched on again.
-                    Dependency::Vacated => (self.witness(first) == actor).then(|| self.seen(first)),
-                    Dependency::Face { needed, of } if needed < of => {
+                    LocatedDependency::Vacated => {
+                        (self.witness(first) == actor).then(|| self.seen(first))
+                    }
+                    LocatedDependency::Face { needed, of } if needed < of => {
                         Some(Condition::Turn(*needed))
                     }
-                    Dependency::Face { .. } | Dependency::Emptied => Some(self.seen(first)),
-                    Dependency::After(_) | Dependency::Freed if self.witness(first) == actor => {
+                    LocatedDependency::Face { .. } | LocatedDependency::Emptied => {
                         Some(self.seen(first))
                     }
-                    Dependency::After(_) | Dependency::Freed => {
+                    LocatedDependency::After(_) | LocatedDependency::Freed
+                        if self.witness(first) == actor =>
+                    {
+                        Some(self.seen(first))
+                    }
+                    LocatedDependency::After(_) | LocatedDependency::Freed => {
                         (actor.since != Some(first)).then(|| Condition::Heard(self.news(first)))
                     }
                 }
@@ -192,7 +198,12 @@ impl Lowering<'_> {
         let node = NodeIndex::new(id.0 as usize);
         let witness = self.witness(id);
         let mut receivers: Vec<RoleId> = (self.graph.edges_directed(node, Outgoing))
-            .filter(|edge| matches!(edge.weight(), Dependency::After(_) | Dependency::Freed))
+            .filter(|edge| {
+                matches!(
+                    edge.weight(),
+                    LocatedDependency::After(_) | LocatedDependency::Freed
+                )
+            })
             .map(|edge| self.liveness.actor(self.plan, self.graph[edge.target()]))
             // A block knows of its own anchoring.
             .filter(|actor| *actor != witness && actor.since != Some(id))

@@ -34,14 +34,14 @@ pub(crate) fn members(
     roles: &Roles,
     symbols: &Symbols,
 ) -> Option<Members> {
-    let mut boxes: Vec<Bounds> = keys
+    let mut boxes: Vec<IndexBounds> = keys
         .filter(|key| key.scope == wanted.scope && key.word == wanted.word)
-        .map(Bounds::of)
+        .map(IndexBounds::of)
         .collect();
     boxes.sort_unstable();
     boxes.dedup();
     // Those of the same number of indices are what was meant.
-    let arity = |arity: u8| move |one: &Bounds| one.arity == arity;
+    let arity = |arity: u8| move |one: &IndexBounds| one.arity == arity;
     if boxes.iter().any(arity(wanted.arity)) {
         boxes.retain(arity(wanted.arity));
     }
@@ -71,14 +71,14 @@ pub(crate) fn members(
 
 /// Names whose indices lie between two bounds each, both included.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Bounds {
+struct IndexBounds {
     arity: u8,
     bounds: [(i32, i32); Key::MAX_INDICES],
 }
 
-impl Bounds {
-    fn of(key: Key) -> Bounds {
-        Bounds {
+impl IndexBounds {
+    fn of(key: Key) -> IndexBounds {
+        IndexBounds {
             arity: key.arity,
             bounds: key.index.map(|index| (index, index)),
         }
@@ -101,14 +101,14 @@ impl Bounds {
 }
 
 /// Joins neighbours along one index.
-fn joined(mut boxes: Vec<Bounds>, dimension: usize) -> Vec<Bounds> {
-    let others = |one: &Bounds| {
+fn joined(mut boxes: Vec<IndexBounds>, dimension: usize) -> Vec<IndexBounds> {
+    let others = |one: &IndexBounds| {
         let mut rest = one.bounds;
         rest[dimension] = (0, 0);
         (one.arity, rest)
     };
     boxes.sort_unstable_by_key(|one| (others(one), one.bounds[dimension]));
-    let mut out: Vec<Bounds> = Vec::new();
+    let mut out: Vec<IndexBounds> = Vec::new();
     for one in boxes {
         match out.last_mut() {
             Some(last)

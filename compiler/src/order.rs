@@ -7,8 +7,8 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use stochc_grammar::{Cancellation, Cancelled, Symbols};
 
 use crate::diagnostic::{Code, Diagnostic};
-use crate::graph::{Dependency, DependencyGraph};
-use crate::plan::{EventId, EventKind, Plan};
+use crate::graph::{DependencyGraph, LocatedDependency};
+use crate::plan::{EventId, EventKind, ProgramPlan};
 use crate::turns;
 
 /// An order in which everything can happen, and how much of it one after the other.
@@ -27,12 +27,12 @@ pub struct Order {
 
 impl Order {
     /// Captures in a chain.
-    pub fn length(plan: &Plan, chain: &[EventId]) -> usize {
+    pub fn length(plan: &ProgramPlan, chain: &[EventId]) -> usize {
         chain.iter().filter(|id| is_capture(plan, **id)).count()
     }
 
     /// The phase with the longest chain of the program, and that chain.
-    pub fn longest(&self, plan: &Plan) -> Option<(usize, &[EventId])> {
+    pub fn longest(&self, plan: &ProgramPlan) -> Option<(usize, &[EventId])> {
         (self.chains.iter().enumerate())
             .max_by_key(|(number, chain)| (Order::length(plan, chain), std::cmp::Reverse(*number)))
             .map(|(number, chain)| (number, chain.as_slice()))
@@ -48,7 +48,7 @@ const MOST_CYCLES: usize = 10;
 ///
 /// [`Cancelled`] if nobody waits for it.
 pub fn sort(
-    plan: &Plan,
+    plan: &ProgramPlan,
     graph: &DependencyGraph,
     symbols: &Symbols,
     cancellation: Cancellation<'_>,
@@ -116,16 +116,20 @@ pub(crate) fn needed<'a>(
     unneeded: &'a FxHashSet<EdgeIndex>,
     node: NodeIndex,
     way: Direction,
-) -> impl Iterator<Item = EdgeReference<'a, Dependency>> {
+) -> impl Iterator<Item = EdgeReference<'a, LocatedDependency>> {
     let edges = graph.edges_directed(node, way);
     edges.filter(|edge| !unneeded.contains(&edge.id()))
 }
 
-fn is_capture(plan: &Plan, id: EventId) -> bool {
+fn is_capture(plan: &ProgramPlan, id: EventId) -> bool {
     matches!(plan.event(id).kind, EventKind::Capture { .. })
 }
 
-fn longest_chain(events: std::ops::Range<u32>, plan: &Plan, best: &[(u32, u32)]) -> Vec<EventId> {
+fn longest_chain(
+    events: std::ops::Range<u32>,
+    plan: &ProgramPlan,
+    best: &[(u32, u32)],
+) -> Vec<EventId> {
     let last = events
         .filter(|&id| plan.event(EventId(id)).sound)
         .max_by_key(|&id| (best[id as usize].0, std::cmp::Reverse(id)));
@@ -141,7 +145,7 @@ fn longest_chain(events: std::ops::Range<u32>, plan: &Plan, best: &[(u32, u32)])
 
 /// Tells of the circles in what is left of a graph when all that can happen has.
 fn tell_cycles(
-    plan: &Plan,
+    plan: &ProgramPlan,
     rest: &DependencyGraph,
     symbols: &Symbols,
     diagnostics: &mut Vec<Diagnostic>,
@@ -162,10 +166,10 @@ fn tell_cycles(
 fn shortest_cycle(
     graph: &DependencyGraph,
     knot: &[NodeIndex],
-) -> Vec<(NodeIndex, NodeIndex, Dependency)> {
+) -> Vec<(NodeIndex, NodeIndex, LocatedDependency)> {
     let start = knot[0];
     let inside: FxHashSet<NodeIndex> = knot.iter().copied().collect();
-    let mut from: FxHashMap<NodeIndex, (NodeIndex, Dependency)> = FxHashMap::default();
+    let mut from: FxHashMap<NodeIndex, (NodeIndex, LocatedDependency)> = FxHashMap::default();
     let mut queue = std::collections::VecDeque::from([start]);
     'search: while let Some(node) = queue.pop_front() {
         for edge in graph.edges_directed(node, Outgoing) {
@@ -193,9 +197,9 @@ fn shortest_cycle(
 }
 
 fn describe(
-    plan: &Plan,
+    plan: &ProgramPlan,
     graph: &DependencyGraph,
-    cycle: &[(NodeIndex, NodeIndex, Dependency)],
+    cycle: &[(NodeIndex, NodeIndex, LocatedDependency)],
     symbols: &Symbols,
 ) -> Diagnostic {
     /// Edges that are labelled; a longer cycle says how many it leaves out.
@@ -212,7 +216,7 @@ fn describe(
         let waits = plan.describe(then, symbols);
         let before = plan.describe(first, symbols);
         let (site, text) = match why {
-            Dependency::Anchored => {
+            LocatedDependency::Anchored => {
                 let name = match event.kind {
                     EventKind::Capture { parent, .. } => plan.roles.name(parent, symbols),
                     EventKind::Release => plan.roles.name(event.role, symbols),
@@ -222,37 +226,39 @@ fn describe(
                     format!("`{waits}` needs `{name}`, which `{before}` anchors"),
                 )
             }
-            Dependency::Face { .. } => (
+            LocatedDependency::Face { .. } => (
                 event.site,
                 format!("`{waits}` waits for a free face: `{before}` is written before it"),
             ),
-            Dependency::After(site) => (site, format!("`{waits}` is told to wait for `{before}`")),
-            Dependency::Emptied => (
+            LocatedDependency::After(site) => {
+                (site, format!("`{waits}` is told to wait for `{before}`"))
+            }
+            LocatedDependency::Emptied => (
                 event.site,
                 format!("`{waits}` waits until its child has gone: `{before}`"),
             ),
-            Dependency::Vacated => (
+            LocatedDependency::Vacated => (
                 event.site,
                 format!("`{waits}` needs the cell that `{before}` empties"),
             ),
-            Dependency::Freed => (
+            LocatedDependency::Freed => (
                 event.site,
                 format!("`{waits}` needs the name that `{before}` frees"),
             ),
         };
         diagnostic = diagnostic.label(site, text);
     }
-    let why = |kind: fn(&Dependency) -> bool| cycle.iter().any(|(_, _, why)| kind(why));
+    let why = |kind: fn(&LocatedDependency) -> bool| cycle.iter().any(|(_, _, why)| kind(why));
     let help = if count > MOST_LABELS {
         format!(
             "{} more are not shown; break the circle in one place",
             count - MOST_LABELS
         )
-    } else if why(|why| matches!(why, Dependency::Face { .. })) {
+    } else if why(|why| matches!(why, LocatedDependency::Face { .. })) {
         "a block captures in the order in which its captures are written: swap the two, or drop \
          the `after`"
             .to_owned()
-    } else if why(|why| matches!(why, Dependency::After(_))) {
+    } else if why(|why| matches!(why, LocatedDependency::After(_))) {
         "drop one `after`, or move one of the two into a later phase".to_owned()
     } else {
         "begin with a block that is already there: a seed, or one captured before".to_owned()

@@ -13,7 +13,7 @@ use crate::scene::to_si;
 
 /// A program, written out.
 #[derive(Clone, Debug)]
-pub struct Plan {
+pub struct ProgramPlan {
     /// Its name.
     pub name: String,
     /// Where that stands.
@@ -21,23 +21,23 @@ pub struct Plan {
     /// The seed plate.
     pub plate: Plate,
     /// The seeds, in source order.
-    pub seeds: Vec<Seed>,
+    pub seeds: Vec<PlanSeed>,
     /// Every name of a block.
     pub roles: Roles,
     /// The phases, in order.
     pub phases: Vec<PlanPhase>,
     /// Captures and releases in source order, phase by phase.
-    pub events: Vec<Event>,
+    pub events: Vec<PlanEvent>,
     /// The orders that `after` adds, sorted by the event that waits.
-    pub afters: Vec<After>,
+    pub afters: Vec<AfterConstraint>,
     /// Of an aggregate, the blocks of a group with which it is complete. It has no plate, no seeds and
     /// no events, and a phase for each size from two on.
     pub aggregate: Option<u32>,
     /// The instances of patterns, by their scope: that of [`Key::scope`] 1 comes first.
-    pub grown: Vec<Grown>,
+    pub grown: Vec<PatternInstance>,
 }
 
-impl Plan {
+impl ProgramPlan {
     /// The number of the phase that an event belongs to; `None`: it stands where it does not belong, in none.
     pub fn phase_of(&self, event: EventId) -> Option<usize> {
         let ended = |phase: &PlanPhase| phase.events.end <= event.0;
@@ -49,7 +49,7 @@ impl Plan {
 
 /// An instance of a pattern.
 #[derive(Clone, Copy, Debug)]
-pub struct Grown {
+pub struct PatternInstance {
     /// The name of the pattern.
     pub pattern: Symbol,
     /// Where that is declared.
@@ -62,7 +62,7 @@ pub struct Grown {
 
 /// A block of the plate that has a name.
 #[derive(Clone, Copy, Debug)]
-pub struct Seed {
+pub struct PlanSeed {
     /// Its name.
     pub role: RoleId,
     /// Its cell, with z = 0.
@@ -82,7 +82,7 @@ pub struct PlanPhase {
     pub site: Site,
     /// Ticks or seconds after which it has failed.
     pub timeout: Option<Timeout>,
-    /// Its events, a range of [`Plan::events`].
+    /// Its events, a range of [`ProgramPlan::events`].
     pub events: std::ops::Range<u32>,
     /// Whether its blocks are attached by hand before anything moves; only the first phase may be.
     pub planted: bool,
@@ -125,7 +125,7 @@ impl Timeout {
 
 /// A capture or a release.
 #[derive(Clone, Copy, Debug)]
-pub struct Event {
+pub struct PlanEvent {
     /// Which of the two.
     pub kind: EventKind,
     /// The block that is captured or released.
@@ -152,7 +152,7 @@ pub enum EventKind {
 
 /// An order that the program adds.
 #[derive(Clone, Copy, Debug)]
-pub struct After {
+pub struct AfterConstraint {
     /// What waits.
     pub event: EventId,
     /// For whom.
@@ -293,7 +293,7 @@ impl Roles {
     }
 }
 
-impl Event {
+impl PlanEvent {
     /// What happens, without its text.
     pub fn action(&self) -> EventAction {
         let child = self.role;
@@ -308,7 +308,7 @@ impl Event {
     }
 }
 
-impl Plan {
+impl ProgramPlan {
     /// Forgets what has been written out, and keeps the plate.
     pub(crate) fn clear(&mut self) {
         self.seeds = Vec::new();
@@ -319,7 +319,7 @@ impl Plan {
     }
 
     /// An event.
-    pub fn event(&self, id: EventId) -> &Event {
+    pub fn event(&self, id: EventId) -> &PlanEvent {
         &self.events[id.0 as usize]
     }
 

@@ -6,15 +6,15 @@ use stochc_ir::scene::scalars::{self, ScalarChange};
 use stochc_ir::scene::{BondKind, Scene};
 use stochc_ir::table::Tables;
 
-use crate::diagnostic::{Change as TextChange, Code, Diagnostic, Fix, fold, tell};
-use crate::expand::{Bounds, Declarations, Limits, duplicate, expand, expand_aggregate};
+use crate::diagnostic::{Code, Diagnostic, Fix, TextChange, fold, tell};
+use crate::expand::{Declarations, ExpansionBounds, Limits, duplicate, expand, expand_aggregate};
 use crate::graph::{self, DependencyGraph};
 use crate::layout::Layout;
 use crate::lint_levels::{Allowed, FileLevels, LintLevels};
 use crate::load::{Loaded, Module, Reader, load};
 use crate::names::{Keep, Names};
 use crate::order::{self, Order};
-use crate::plan::Plan;
+use crate::plan::ProgramPlan;
 use crate::scenes::Scenes;
 use crate::{
     FileId, Site, Sources, capacity, layout, liveness, lower, reach, scene, shape, trial, turns,
@@ -44,7 +44,7 @@ pub struct Checked {
 #[derive(Debug)]
 pub struct Program {
     /// Written out.
-    pub plan: Plan,
+    pub plan: ProgramPlan,
     /// The world it runs in; `None` if that is wrong.
     pub scene: Option<Scene>,
     /// Where every block sits.
@@ -138,7 +138,7 @@ pub fn check_cancellable(
     limits: Limits,
     cancellation: Cancellation<'_>,
 ) -> Result<Checked, Cancelled> {
-    let bounds = Bounds {
+    let bounds = ExpansionBounds {
         limits,
         cancellation,
     };
@@ -146,8 +146,8 @@ pub fn check_cancellable(
 }
 
 /// Bounds for somebody who waits.
-fn unhurried(limits: Limits) -> Bounds<'static> {
-    Bounds {
+fn unhurried(limits: Limits) -> ExpansionBounds<'static> {
+    ExpansionBounds {
         limits,
         cancellation: Cancellation::NEVER,
     }
@@ -165,7 +165,7 @@ fn to_its_end<T>(result: Result<T, Cancelled>) -> T {
 fn judged(
     path: &str,
     reader: &mut dyn Reader,
-    bounds: Bounds<'_>,
+    bounds: ExpansionBounds<'_>,
     levels: &LintLevels,
     changes: (&str, &[ScalarChange]),
 ) -> Result<Checked, Cancelled> {
@@ -203,7 +203,7 @@ pub fn check_observed(
 fn check_all(
     path: &str,
     reader: &mut dyn Reader,
-    bounds: Bounds<'_>,
+    bounds: ExpansionBounds<'_>,
     levels: &LintLevels,
     changes: (&str, &[ScalarChange]),
     is_trial: bool,
@@ -292,7 +292,7 @@ struct About<'a> {
     sources: &'a Sources,
     /// All files could be read.
     readable: bool,
-    bounds: Bounds<'a>,
+    bounds: ExpansionBounds<'a>,
     /// Other numbers for the scene of the one of this name.
     changes: (&'a str, &'a [ScalarChange]),
     /// A change is tried: only what is wrong and where matters, not what helps.
@@ -392,7 +392,7 @@ fn programs(
             }
             _ => continue,
         };
-        let input = Input {
+        let input = AssemblyInput {
             declarations: &declarations,
             file: own.file,
             assembly,
@@ -408,7 +408,7 @@ fn programs(
 
 /// An aggregate: most of the pipeline has nothing to do.
 fn compile_aggregate(
-    mut plan: Plan,
+    mut plan: ProgramPlan,
     scene: Option<Scene>,
     wrong: bool,
     (symbols, sources): (&Symbols, &Sources),
@@ -490,19 +490,19 @@ pub(crate) fn declarations<'a>(
     declarations
 }
 
-struct Input<'a> {
+struct AssemblyInput<'a> {
     declarations: &'a Declarations<'a>,
     file: FileId,
     assembly: &'a Assembly,
     sources: &'a Sources,
-    bounds: Bounds<'a>,
+    bounds: ExpansionBounds<'a>,
     /// All files could be read: what is missing is not missing for that reason.
     readable: bool,
     /// Checks the files again with a change; `None` in such a check.
     trial: Option<&'a reach::Trial<'a>>,
 }
 
-impl<'a> Input<'a> {
+impl<'a> AssemblyInput<'a> {
     fn compile(
         &self,
         scene: Option<Scene>,
@@ -511,7 +511,7 @@ impl<'a> Input<'a> {
         diagnostics: &mut Vec<Diagnostic>,
         done: &mut dyn FnMut(Stage),
     ) -> Result<Program, Cancelled> {
-        let Bounds {
+        let ExpansionBounds {
             limits,
             cancellation,
         } = self.bounds;
@@ -574,7 +574,7 @@ impl<'a> Input<'a> {
         if let (Some(order), true) = (&order, is_whole) {
             let has_choice = !order.unneeded.is_empty();
             let certain = has_choice.then(|| turns::certain(&graph, &order.events));
-            let subject = reach::Subject {
+            let subject = reach::SoundProgram {
                 plan: &plan,
                 liveness: &liveness,
                 layout: &layout,

@@ -7,7 +7,7 @@ use stochc_ir::suggest::nearest;
 
 use crate::diagnostic::{Code, Diagnostic, MOST_FINDINGS, tell};
 use crate::layout::Layout;
-use crate::plan::Plan;
+use crate::plan::ProgramPlan;
 use crate::{FileId, Site};
 
 /// Cells of a shape, at most.
@@ -19,7 +19,7 @@ pub(crate) const MOST_CELLS: usize = 50_000_000;
 ///
 /// [`Cancelled`] if nobody waits for it.
 pub fn check(
-    plan: &Plan,
+    plan: &ProgramPlan,
     layout: &Layout,
     shapes: &FxHashMap<Symbol, (FileId, &Shape)>,
     symbols: &Symbols,

@@ -7,8 +7,8 @@ use stochc_grammar::tree::ItemKind;
 use stochc_grammar::{Cancellation, Cancelled};
 use stochc_ir::table::RoleId;
 
-use crate::expand::{Bounds, Limits, Probe, expand_probed};
-use crate::graph::Dependency;
+use crate::expand::{ExpansionBounds, Limits, Probe, expand_probed};
+use crate::graph::LocatedDependency;
 use crate::names::{Keep, Names};
 use crate::plan::{EventId, EventKind};
 use crate::program::declarations;
@@ -67,7 +67,7 @@ pub fn blocks_at(
             (known.plan.site.file, assembly),
             &checked.sources,
             &mut symbols,
-            Bounds {
+            ExpansionBounds {
                 limits,
                 cancellation,
             },
@@ -134,7 +134,7 @@ impl<'a> Ancestry<'a> {
         let graph = &self.program.graph;
         let node = NodeIndex::new(capture.0 as usize);
         let here = (graph.edges_directed(node, Incoming))
-            .find(|edge| *edge.weight() == Dependency::Anchored);
+            .find(|edge| *edge.weight() == LocatedDependency::Anchored);
         if let Some(edge) = here {
             return Some(graph[edge.source()]);
         }

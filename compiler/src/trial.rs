@@ -8,7 +8,7 @@ use std::collections::{BTreeSet, VecDeque};
 use rustc_hash::FxHashMap;
 use stochc_grammar::Cancelled;
 
-use crate::diagnostic::{Change, Code, Diagnostic, Severity};
+use crate::diagnostic::{Code, Diagnostic, Severity, TextChange};
 use crate::load::Reader;
 use crate::program::Checked;
 use crate::{FileId, Sources};
@@ -110,7 +110,7 @@ fn try_together(
     let Some(file) = first.map(|edit| edit.site.file) else {
         return Ok((false, Vec::new()));
     };
-    let mut change = Change::new(file, &checked.sources.file(file).text);
+    let mut change = TextChange::new(file, &checked.sources.file(file).text);
     let (fit, unfit): (Vec<usize>, Vec<usize>) =
         (group.iter()).partition(|number| fix(number).is_some_and(|fix| change.add(fix)));
     let mut texts = change.over(&checked.sources, reader);
@@ -128,7 +128,7 @@ fn try_together(
 pub(crate) fn cures(
     before: &Checked,
     mended: &[usize],
-    change: &Change<'_>,
+    change: &TextChange<'_>,
     after: &Checked,
 ) -> bool {
     let mut is_mended = vec![false; before.diagnostics.len()];
@@ -194,7 +194,7 @@ impl<'a> Places<'a> {
     fn of(
         sources: &'a Sources,
         diagnostics: impl Iterator<Item = &'a Diagnostic>,
-        change: Option<&Change<'_>>,
+        change: Option<&TextChange<'_>>,
     ) -> Places<'a> {
         let mut by_file: FxHashMap<(Code, Option<FileId>), Vec<usize>> = FxHashMap::default();
         for diagnostic in diagnostics {

@@ -1,7 +1,7 @@
 //! Faces in turn: where a block magnetizes several at a time, a capture waits for *some* of those before it.
 //!
 //! An edge of the dependency graph is met when its first event has happened. An event needs all edges into it
-//! met, but for its edges from captures of the same block, of which so many are enough ([`Dependency::Face`]). Here
+//! met, but for its edges from captures of the same block, of which so many are enough ([`LocatedDependency::Face`]). Here
 //! such a graph becomes one in which all edges are needed: [`straight`], one way in which everything can happen
 //! as early as can be, and [`certain`], what holds in every order.
 use std::cmp::Reverse;
@@ -12,7 +12,7 @@ use petgraph::graph::{EdgeIndex, NodeIndex};
 use petgraph::visit::EdgeRef;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use crate::graph::{Dependency, DependencyGraph};
+use crate::graph::{DependencyGraph, LocatedDependency};
 use crate::plan::EventId;
 
 /// Whether enough of the edges into an event are met, if those are from events that `has` says have happened.
@@ -21,7 +21,7 @@ pub fn is_ready(graph: &DependencyGraph, event: EventId, has: impl Fn(EventId) -
     for edge in graph.edges_directed(NodeIndex::new(event.0 as usize), Incoming) {
         let is_met = has(graph[edge.source()]);
         match edge.weight() {
-            Dependency::Face {
+            LocatedDependency::Face {
                 needed: so_many, ..
             } => {
                 needed = *so_many;
@@ -64,7 +64,7 @@ pub fn earliest(graph: &DependencyGraph, length: impl Fn(usize) -> f64) -> Earli
     for edge in graph.raw_edges() {
         let missing = &mut missing[edge.target().index()];
         match edge.weight {
-            Dependency::Face { needed, .. } => missing.1 = u32::from(needed),
+            LocatedDependency::Face { needed, .. } => missing.1 = u32::from(needed),
             _ => missing.0 += 1,
         }
     }
@@ -81,7 +81,7 @@ pub fn earliest(graph: &DependencyGraph, length: impl Fn(usize) -> f64) -> Earli
             let next = edge.target().index();
             let missing = &mut missing[next];
             let left = match edge.weight() {
-                Dependency::Face { .. } => &mut missing.1,
+                LocatedDependency::Face { .. } => &mut missing.1,
                 _ => &mut missing.0,
             };
             if *left == 0 {
@@ -107,7 +107,7 @@ pub fn unneeded(graph: &DependencyGraph, earliest: &Earliest) -> FxHashSet<EdgeI
     }
     let mut choices: FxHashMap<NodeIndex, Vec<(u32, EdgeIndex, u8)>> = FxHashMap::default();
     for edge in graph.edge_references() {
-        if let Dependency::Face { needed, of } = *edge.weight()
+        if let LocatedDependency::Face { needed, of } = *edge.weight()
             && needed < of
         {
             let choice = choices.entry(edge.target()).or_default();
@@ -159,7 +159,7 @@ pub fn certain(graph: &DependencyGraph, order: &[EventId]) -> DependencyGraph {
         let mut counts: FxHashMap<NodeIndex, u8> = FxHashMap::default();
         let (mut captures, mut needed) = (0, 0);
         for edge in graph.edges_directed(node, Incoming) {
-            let Dependency::Face {
+            let LocatedDependency::Face {
                 needed: so_many, ..
             } = *edge.weight()
             else {
@@ -192,7 +192,7 @@ pub fn certain(graph: &DependencyGraph, order: &[EventId]) -> DependencyGraph {
                 return certain;
             };
             covered.extend(before);
-            certain.add_edge(first, node, Dependency::Face { needed: 1, of: 1 });
+            certain.add_edge(first, node, LocatedDependency::Face { needed: 1, of: 1 });
         }
     }
     certain

@@ -8,7 +8,7 @@ use stochc_ir::{Cell, Face};
 use crate::diagnostic::{Code, Diagnostic, tell};
 use crate::layout::Layout;
 use crate::order::Order;
-use crate::plan::{EventId, EventKind, Plan};
+use crate::plan::{EventId, EventKind, ProgramPlan};
 
 /// Faces that a message names.
 const NAMED: usize = 3;
@@ -23,7 +23,7 @@ const NAMED: usize = 3;
 ///
 /// [`Cancelled`] if nobody waits for it.
 pub fn check(
-    plan: &Plan,
+    plan: &ProgramPlan,
     layout: &Layout,
     order: &Order,
     symbols: &Symbols,
@@ -31,12 +31,12 @@ pub fn check(
     diagnostics: &mut Vec<Diagnostic>,
 ) -> Result<(), Cancelled> {
     let last = last_captures(plan, order);
-    let survey = Survey {
+    let survey = UnplannedBondAnalysis {
         plan,
         layout,
         last: &last,
     };
-    let mut standing = Standing::of_seeds(plan);
+    let mut standing = StructureModules::of_seeds(plan);
     // The first of the phases with the most.
     let mut worst: Option<(usize, usize)> = None;
     for number in 0..plan.phases.len() {
@@ -55,7 +55,7 @@ pub fn check(
 }
 
 /// For every phase, the capture that comes last in an order of the program; `None`: it has none.
-fn last_captures(plan: &Plan, order: &Order) -> Vec<Option<EventId>> {
+fn last_captures(plan: &ProgramPlan, order: &Order) -> Vec<Option<EventId>> {
     let mut place = vec![usize::MAX; plan.events.len()];
     for (i, id) in order.events.iter().enumerate() {
         place[id.0 as usize] = i;
@@ -69,16 +69,16 @@ fn last_captures(plan: &Plan, order: &Order) -> Vec<Option<EventId>> {
         .collect()
 }
 
-struct Survey<'a> {
-    plan: &'a Plan,
+struct UnplannedBondAnalysis<'a> {
+    plan: &'a ProgramPlan,
     layout: &'a Layout,
     last: &'a [Option<EventId>],
 }
 
-impl Survey<'_> {
+impl UnplannedBondAnalysis<'_> {
     /// Brings all of a phase about but its last capture, and counts the exposed faces; 0 if the
     /// phase has no captures to wait for.
-    fn before_last(&self, number: usize, standing: &mut Standing) -> usize {
+    fn before_last(&self, number: usize, standing: &mut StructureModules) -> usize {
         let (emptied, _) = &self.layout.changes[number];
         for cell in emptied {
             standing.leave(*cell);
@@ -111,7 +111,7 @@ impl Survey<'_> {
     }
 
     /// Brings the last capture of a phase about.
-    fn end(&self, number: usize, standing: &mut Standing) {
+    fn end(&self, number: usize, standing: &mut StructureModules) {
         let last = self.last[number];
         let cell = last.and_then(|id| self.layout.cells[id.0 as usize]);
         if let (Some(last), Some(cell)) = (last, cell)
@@ -122,7 +122,7 @@ impl Survey<'_> {
     }
 
     /// Adds the block of a capture.
-    fn settle(&self, id: EventId, standing: &mut Standing) {
+    fn settle(&self, id: EventId, standing: &mut StructureModules) {
         let event = self.plan.event(id);
         let (Some(cell), Some(on)) = (
             self.layout.cells[id.0 as usize],
@@ -139,7 +139,7 @@ impl Survey<'_> {
     fn blocked(
         &self,
         number: usize,
-        standing: &Standing,
+        standing: &StructureModules,
         symbols: &Symbols,
         diagnostics: &mut Vec<Diagnostic>,
     ) {
@@ -184,7 +184,7 @@ impl Survey<'_> {
     }
 
     fn tell(&self, number: usize, exposed: usize, symbols: &Symbols) -> Diagnostic {
-        let mut standing = Standing::of_seeds(self.plan);
+        let mut standing = StructureModules::of_seeds(self.plan);
         for earlier in 0..number {
             self.before_last(earlier, &mut standing);
             self.end(earlier, &mut standing);
@@ -243,16 +243,16 @@ fn towards(face: Face) -> String {
 }
 
 /// The modules of a structure, and how many of their faces are exposed.
-struct Standing {
+struct StructureModules {
     /// Who is where, and by which of its faces it is anchored.
     blocks: FxHashMap<Cell, (RoleId, Option<Face>)>,
     exposed: usize,
 }
 
-impl Standing {
+impl StructureModules {
     /// Blocks of the plate without a name are no modules: nothing docks on them.
-    fn of_seeds(plan: &Plan) -> Standing {
-        let mut standing = Standing {
+    fn of_seeds(plan: &ProgramPlan) -> StructureModules {
+        let mut standing = StructureModules {
             blocks: FxHashMap::default(),
             exposed: 0,
         };

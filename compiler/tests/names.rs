@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use proptest::prelude::*;
 use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
-use stochc_compiler::names::{Kind, Names, Thing};
+use stochc_compiler::names::{NameKind, Names, Thing};
 use stochc_compiler::plan::EventKind;
 use stochc_compiler::source_map::blocks_at;
 use stochc_compiler::{Cancellation, Checked, Limits, LintLevels, check_observed};
@@ -251,14 +251,14 @@ fn a_name_of_blocks_is_written_out_to_blocks_of_that_thing() {
                     let block = plan.roles.name(role, &checked.symbols);
                     let stem = block.rsplit('.').next().unwrap_or_default();
                     match kind {
-                        Kind::Block => {
+                        NameKind::Block => {
                             prop_assert_eq!(stem.split('[').next(), Some(word), "{}", text);
                             let known = things.entry((located.program, role)).or_insert(name.thing);
                             prop_assert_eq!(*known, name.thing, "{} of {}", block, text);
                             count += 1;
                         }
                         // It stands for the block that is given for it.
-                        Kind::Parameter => count += 1,
+                        NameKind::Parameter => count += 1,
                         kind => prop_assert!(false, "{kind:?} `{word}` stands for {block}: {text}"),
                     }
                 }

@@ -5,8 +5,8 @@ use std::fmt::Write as _;
 use petgraph::Direction::Incoming;
 use petgraph::graph::NodeIndex;
 use proptest::prelude::*;
-use stochc_compiler::diagnostic::{Change, Code, Diagnostic, Fix};
-use stochc_compiler::plan::{Event, EventId, EventKind};
+use stochc_compiler::diagnostic::{Code, Diagnostic, Fix, TextChange};
+use stochc_compiler::plan::{EventId, EventKind, PlanEvent};
 use stochc_compiler::turns::is_ready;
 use stochc_compiler::{Checked, FileId, Limits, Program, check};
 use stochc_ir::{Cell, Face};
@@ -650,7 +650,7 @@ fn cures_cure_in(text: &str) -> Cures {
 }
 
 fn changed(text: &str, fix: &Fix) -> String {
-    let mut change = Change::new(FileId(0), text);
+    let mut change = TextChange::new(FileId(0), text);
     assert!(change.add(fix), "{fix:?}");
     change.text()
 }
@@ -692,7 +692,7 @@ fn checked_plain(text: &str) -> BTreeSet<u32> {
 fn diagnostic_named(checked: &Checked, diagnostic: &Diagnostic) -> u32 {
     let plan = &checked.programs[0].plan;
     let name = diagnostic.title.split('`').nth(1).unwrap();
-    let is_it = |event: &Event| plan.roles.name(event.role, &checked.symbols) == name;
+    let is_it = |event: &PlanEvent| plan.roles.name(event.role, &checked.symbols) == name;
     plan.events.iter().position(is_it).unwrap() as u32
 }
 
@@ -732,7 +732,8 @@ fn written_out(checked: &Checked, added: &BTreeMap<String, String>) -> String {
                 })
                 .collect();
             if let Some(name) = added.get(&plan.describe(id, &checked.symbols)) {
-                let is_it = |event: &&Event| plan.roles.name(event.role, &checked.symbols) == *name;
+                let is_it =
+                    |event: &&PlanEvent| plan.roles.name(event.role, &checked.symbols) == *name;
                 waits.push(format!(
                     "N{}",
                     plan.events.iter().find(is_it).unwrap().role.0

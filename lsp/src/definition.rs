@@ -2,7 +2,7 @@
 use std::collections::BTreeSet;
 
 use gen_lsp_types::Range;
-use stochc_compiler::names::{Kind, Occurrence};
+use stochc_compiler::names::{NameKind, Occurrence};
 use stochc_compiler::source_map::{Ancestry, blocks_at};
 use stochc_compiler::{Cancellation, Cancelled, FileId, Limits, Site};
 use stochc_grammar::tree::ItemKind;
@@ -27,7 +27,7 @@ pub fn definitions(
         .filter(|occurrence| occurrence.declares)
         .map(|occurrence| occurrence.site)
         .collect();
-    if names.kind(name.thing) != Kind::Block {
+    if names.kind(name.thing) != NameKind::Block {
         return Ok(declarations);
     }
     // Of all blocks with this word, the very ones that are meant here.

@@ -2,7 +2,7 @@
 use std::fmt::Write as _;
 
 use stochc_compiler::cost::{Cost, estimate};
-use stochc_compiler::names::{Kind, Occurrence};
+use stochc_compiler::names::{NameKind, Occurrence};
 use stochc_compiler::order::Order;
 use stochc_compiler::plan::{EventId, EventKind, PlanPhase};
 use stochc_compiler::source_map::{Ancestry, Located, blocks_at};
@@ -37,7 +37,7 @@ pub fn hover(
     };
     let kind = analysis.names.kind(name.thing);
     // A parameter may stand for a block.
-    if matches!(kind, Kind::Block | Kind::Parameter) {
+    if matches!(kind, NameKind::Block | NameKind::Parameter) {
         let place = (FileId(0), at as u32);
         let located = blocks_at(&analysis.checked, place, Limits::EDITOR, cancellation)?;
         if !located.is_empty() {
@@ -47,7 +47,7 @@ pub fn hover(
         }
     }
     let mut text = declaration(analysis, name, kind);
-    if kind == Kind::Phase {
+    if kind == NameKind::Phase {
         text.push_str(&phases(analysis, name.site));
     }
     Ok(Some((text, name.site)))
@@ -157,7 +157,7 @@ fn phase_of(program: &Program, event: EventId) -> Option<&PlanPhase> {
 }
 
 /// What is written where a thing is declared.
-fn declaration(analysis: &Analysis, name: &Occurrence, kind: Kind) -> String {
+fn declaration(analysis: &Analysis, name: &Occurrence, kind: NameKind) -> String {
     let names = &analysis.names;
     let word = analysis.checked.symbols.word(names.word(name.thing));
     let mut text = format!("**`{word}`**, {}\n", kind.noun());
@@ -168,7 +168,7 @@ fn declaration(analysis: &Analysis, name: &Occurrence, kind: Kind) -> String {
         let scene = stochc_compiler::scene::BUILT_IN
             .iter()
             .find(|(known, _)| *known == word);
-        if let (Kind::Scene, Some((_, built_in))) = (kind, scene) {
+        if let (NameKind::Scene, Some((_, built_in))) = (kind, scene) {
             let _ = writeln!(text, "\nbuilt in:\n```sa\n{}\n```", built_in.trim_end());
         }
         return text;

@@ -3,7 +3,7 @@ use std::collections::{BTreeMap, HashMap};
 
 use gen_lsp_types::{TextEdit, Uri, WorkspaceEdit};
 use stochc_compiler::diagnostic::Code;
-use stochc_compiler::names::{Kind, Names, Thing};
+use stochc_compiler::names::{NameKind, Names, Thing};
 use stochc_compiler::{Cancellation, Checked, Limits, Site, check_cancellable};
 use stochc_grammar::{Symbols, parse_cancellable};
 
@@ -28,7 +28,7 @@ pub fn renameable(analysis: &Analysis, at: usize) -> Result<Site, Failure> {
     if !declared {
         let word = analysis.checked.symbols.word(names.word(name.thing));
         return Err(Failure::refusal(match names.kind(name.thing) {
-            Kind::Scene => format!("the scene `{word}` is built in"),
+            NameKind::Scene => format!("the scene `{word}` is built in"),
             kind => format!("no {} is called `{word}`", kind.noun()),
         }));
     }

@@ -7,17 +7,17 @@ use crate::{FileId, Sources};
 
 /// Fixes of one file that fit together.
 #[derive(Clone, Debug)]
-pub struct Change<'a> {
+pub struct TextChange<'a> {
     file: FileId,
     text: &'a str,
     /// By the first byte that goes: the one past the last, and what comes.
     edits: BTreeMap<usize, (usize, &'a str)>,
 }
 
-impl<'a> Change<'a> {
+impl<'a> TextChange<'a> {
     /// No change yet of a file and its text.
-    pub fn new(file: FileId, text: &'a str) -> Change<'a> {
-        Change {
+    pub fn new(file: FileId, text: &'a str) -> TextChange<'a> {
+        TextChange {
             file,
             text,
             edits: BTreeMap::new(),
@@ -118,9 +118,9 @@ fn is_free(edits: &BTreeMap<usize, (usize, &str)>, start: usize, end: usize) -> 
         && behind.is_none_or(|(&at, _)| at >= end)
 }
 
-/// See [`Change::over`].
+/// See [`TextChange::over`].
 struct Over<'r, 't> {
-    change: &'r Change<'t>,
+    change: &'r TextChange<'t>,
     sources: &'r Sources,
     reader: &'r mut dyn Reader,
 }
@@ -170,7 +170,7 @@ mod tests {
         file: FileId,
         fixes: impl IntoIterator<Item = &'a Fix>,
     ) -> (String, usize) {
-        let mut change = Change::new(file, text);
+        let mut change = TextChange::new(file, text);
         let fitting = fixes.into_iter().filter(|fix| change.add(fix)).count();
         (change.text(), fitting)
     }
@@ -229,7 +229,7 @@ mod tests {
             fix(&[(5, 5, "xy")]),
             fix(&[(7, 9, "")]),
         ];
-        let mut change = Change::new(FileId(0), "0123456789");
+        let mut change = TextChange::new(FileId(0), "0123456789");
         assert!(fixes.iter().all(|fix| change.add(fix)));
         assert_eq!(change.text(), "0abcd34xy569");
         let places = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10];
@@ -284,7 +284,7 @@ mod tests {
         for (name, count) in [("own.sa", 3), ("b.sa", 1)] {
             let before = read(name, &mut disk);
             assert_eq!(before.files().len(), count);
-            let none = Change::new(FileId(0), &before.files()[0].text);
+            let none = TextChange::new(FileId(0), &before.files()[0].text);
             let again = read(name, &mut none.over(&before, &mut disk));
             assert_eq!(told(&again), told(&before));
         }

@@ -1,10 +1,15 @@
 //! How a pattern is given what it does not see.
 use super::LONG;
 use crate::Sources;
-use crate::plan::Grown;
+use crate::plan::PatternInstance;
 
 /// Advises to give an instance one argument more: `name`, written `argument` where it grows.
-pub(crate) fn hand_in(sources: &Sources, grown: &Grown, name: &str, argument: &str) -> String {
+pub(crate) fn hand_in(
+    sources: &Sources,
+    grown: &PatternInstance,
+    name: &str,
+    argument: &str,
+) -> String {
     let declared = sources
         .file(grown.declared.file)
         .text

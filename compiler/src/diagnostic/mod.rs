@@ -8,7 +8,7 @@ mod repeat;
 mod syntax;
 mod syntax_hints;
 
-pub use change::Change;
+pub use change::TextChange;
 pub use code::{Code, Severity};
 pub(crate) use fix::{LONG, entry, named, removal};
 pub use graphical::{Renderer, visible};

@@ -10,12 +10,12 @@ use stochc_ir::table::RoleId;
 use stochc_ir::{Cell, Json};
 
 use crate::layout::Layout;
-use crate::plan::{EventKind, Plan};
+use crate::plan::{EventKind, ProgramPlan};
 use crate::shape::MOST_CELLS;
 
 /// A block of the structure.
 #[derive(Clone, Copy)]
-struct Standing {
+struct PlacedBlock {
     cell: Cell,
     role: RoleId,
     /// The phase that captured it.
@@ -24,9 +24,9 @@ struct Standing {
 
 /// The blocks above the plate at the end of one phase after the other, sorted by cell.
 fn structures<'a>(
-    plan: &'a Plan,
+    plan: &'a ProgramPlan,
     layout: &'a Layout,
-) -> impl Iterator<Item = Vec<Standing>> + use<'a> {
+) -> impl Iterator<Item = Vec<PlacedBlock>> + use<'a> {
     // Of each capture, the phase of a block that still stands.
     let mut standing: Vec<Option<u32>> = vec![None; plan.events.len()];
     plan.phases.iter().enumerate().map(move |(since, phase)| {
@@ -44,26 +44,26 @@ fn structures<'a>(
         let captures = standing.iter().zip(&plan.events).zip(&layout.cells);
         let blocks = captures.filter_map(|((since, event), cell)| {
             let (role, since, cell) = (event.role, (*since)?, (*cell)?);
-            Some(Standing { cell, role, since })
+            Some(PlacedBlock { cell, role, since })
         });
-        let mut blocks: Vec<Standing> = blocks.collect();
+        let mut blocks: Vec<PlacedBlock> = blocks.collect();
         blocks.sort_by_key(|block| block.cell);
         blocks
     })
 }
 
 /// The block in a cell.
-fn find(blocks: &[Standing], cell: Cell) -> Option<&Standing> {
+fn find(blocks: &[PlacedBlock], cell: Cell) -> Option<&PlacedBlock> {
     let at = blocks.binary_search_by_key(&cell, |block| block.cell);
     at.ok().map(|at| &blocks[at])
 }
 
 /// The structure after each phase in the syntax of a `shape`, the cells in use only.
-pub fn structure_text(plan: &Plan, layout: &Layout) -> impl Display {
+pub fn structure_text(plan: &ProgramPlan, layout: &Layout) -> impl Display {
     Text(move |out: &mut Formatter<'_>| write_layers(out, plan, layout))
 }
 
-fn write_layers(out: &mut Formatter<'_>, plan: &Plan, layout: &Layout) -> fmt::Result {
+fn write_layers(out: &mut Formatter<'_>, plan: &ProgramPlan, layout: &Layout) -> fmt::Result {
     if plan.aggregate.is_some() {
         return writeln!(
             out,
@@ -115,8 +115,12 @@ fn write_layers(out: &mut Formatter<'_>, plan: &Plan, layout: &Layout) -> fmt::R
 }
 
 /// `{ assembly, phases: [{ name, blocks: [{ name, cell, captured_in }] }] }`
-pub fn structure_json<'a>(plan: &'a Plan, layout: &'a Layout, symbols: &'a Symbols) -> Json<'a> {
-    let block = move |block: Standing| {
+pub fn structure_json<'a>(
+    plan: &'a ProgramPlan,
+    layout: &'a Layout,
+    symbols: &'a Symbols,
+) -> Json<'a> {
+    let block = move |block: PlacedBlock| {
         Json::from(json!({
             "name": plan.roles.name(block.role, symbols),
             "cell": block.cell,
@@ -150,7 +154,7 @@ const MOST_BLOCKS: usize = 20_000;
 
 /// A picture of each phase's end side by side, seen from the south-east; blocks have the colour of the phase that captured
 /// them, and dark edges at the end of that phase. `None`: too many blocks for a picture.
-pub fn structure_svg(plan: &Plan, layout: &Layout, symbols: &Symbols) -> Option<String> {
+pub fn structure_svg(plan: &ProgramPlan, layout: &Layout, symbols: &Symbols) -> Option<String> {
     let plate = plan.plate.width as usize * plan.plate.depth as usize;
     let most = structures(plan, layout)
         .map(|blocks| blocks.len() + plate)

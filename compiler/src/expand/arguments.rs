@@ -5,11 +5,11 @@ use stochc_ir::suggest::nearest;
 
 use super::Expander;
 use super::place::face_meant;
-use super::scope::Value;
+use super::scope::BoundValue;
 use super::uses::Uses;
 use crate::diagnostic::{Code, Diagnostic, Edit, Fix};
 use crate::names::ValueKind;
-use crate::plan::{Grown, Key};
+use crate::plan::{Key, PatternInstance};
 use crate::{FileId, Site};
 
 /// An argument of the wrong kind.
@@ -28,9 +28,9 @@ impl<'a> Expander<'a, '_> {
         &mut self,
         instance: &'a Instance,
         (file, pattern): (FileId, &'a Pattern),
-    ) -> Vec<Value> {
+    ) -> Vec<BoundValue> {
         self.steps = self.steps.saturating_add(instance.arguments.len());
-        let mut values: Vec<Value> = (instance.arguments.iter())
+        let mut values: Vec<BoundValue> = (instance.arguments.iter())
             .map(|argument| self.argument(argument))
             .collect();
         let uses = (self.known).uses((file, pattern), &self.patterns, self.names);
@@ -56,7 +56,7 @@ impl<'a> Expander<'a, '_> {
             }
         }
         for misfit in &misfits {
-            values[misfit.number] = Value::Unknown;
+            values[misfit.number] = BoundValue::Unknown;
         }
         values
     }
@@ -76,7 +76,7 @@ impl<'a> Expander<'a, '_> {
             return;
         }
         let end = (instance.alias.as_ref()).map_or(span.end, |alias| alias.span.start);
-        grown.push(Grown {
+        grown.push(PatternInstance {
             pattern: pattern.name.symbol,
             declared: Site {
                 file,
@@ -90,11 +90,11 @@ impl<'a> Expander<'a, '_> {
         });
     }
 
-    fn argument(&mut self, argument: &'a Argument) -> Value {
+    fn argument(&mut self, argument: &'a Argument) -> BoundValue {
         match argument {
             Argument::Place(place) => {
                 if let (Some((face, _)), true) = (place.face, place.path.is_empty()) {
-                    return Value::Face(face);
+                    return BoundValue::Face(face);
                 }
                 if let Some((_, span)) = place.face {
                     self.diagnostics.push(
@@ -102,7 +102,7 @@ impl<'a> Expander<'a, '_> {
                             .label(self.site(span), "this is a block with its face")
                             .help("give them as two arguments"),
                     );
-                    return Value::Unknown;
+                    return BoundValue::Unknown;
                 }
                 self.single_block(place)
             }
@@ -113,29 +113,30 @@ impl<'a> Expander<'a, '_> {
                         symbol: word,
                         span: expr.span,
                     };
-                    let value = self.value(name).unwrap_or(Value::Block(Key {
+                    let value = self.value(name).unwrap_or(BoundValue::Block(Key {
                         scope: self.scope.instance,
                         word,
                         arity: 0,
                         index: [0; Key::MAX_INDICES],
                     }));
-                    if let Value::Block(key) = value {
+                    if let BoundValue::Block(key) = value {
                         self.probe
                             .note_span(self.file, expr.span, [key].into_iter());
                     }
                     return value;
                 }
-                self.evaluate(expr).map_or(Value::Unknown, Value::Number)
+                self.evaluate(expr)
+                    .map_or(BoundValue::Unknown, BoundValue::Number)
             }
         }
     }
 
-    fn single_block(&mut self, place: &'a Place) -> Value {
+    fn single_block(&mut self, place: &'a Place) -> BoundValue {
         let Some((key, _)) = self.single(place) else {
-            return Value::Unknown;
+            return BoundValue::Unknown;
         };
         self.role(key);
-        Value::Block(key)
+        BoundValue::Block(key)
     }
 
     /// Tells of an argument of the wrong kind.
@@ -144,7 +145,7 @@ impl<'a> Expander<'a, '_> {
         instance: &'a Instance,
         pattern: &'a Pattern,
         misfit: &Misfit,
-        value: Value,
+        value: BoundValue,
     ) {
         let argument = &instance.arguments[misfit.number];
         let (needed, used) = misfit.needed;
@@ -158,7 +159,7 @@ impl<'a> Expander<'a, '_> {
         );
         // A bare name that nothing has is only taken for a block because nothing else is known of it.
         let unknown = match (argument, value) {
-            (Argument::Expr(expr), Value::Block(key))
+            (Argument::Expr(expr), BoundValue::Block(key))
                 if self.plan.roles.get(&key).is_none()
                     && self.names.value(self.file, expr.span).is_none() =>
             {
@@ -259,7 +260,11 @@ impl<'a> Expander<'a, '_> {
 }
 
 /// Which argument belongs in which place, if there is one way only to have all of them fit.
-fn right_order(misfits: &[Misfit], values: &[Value], uses: &[Uses]) -> Option<Vec<(usize, usize)>> {
+fn right_order(
+    misfits: &[Misfit],
+    values: &[BoundValue],
+    uses: &[Uses],
+) -> Option<Vec<(usize, usize)>> {
     if let [only] = misfits {
         // An argument whose parameter is not used is right anywhere.
         let mut others = (values.iter().zip(uses).enumerate())

@@ -2,7 +2,7 @@
 use stochc_grammar::tree::{Expr, ExprKind, Name, Operator};
 
 use super::Expander;
-use super::scope::Value;
+use super::scope::BoundValue;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::names::ValueKind;
 
@@ -17,8 +17,8 @@ impl Expander<'_, '_> {
                     span: expr.span,
                 };
                 match self.value(name) {
-                    Some(Value::Number(value)) => return Some(value),
-                    Some(Value::Unknown) => {}
+                    Some(BoundValue::Number(value)) => return Some(value),
+                    Some(BoundValue::Unknown) => {}
                     Some(value) => self.wrong_kind(name, value, ValueKind::Number),
                     None => self.unknown_number(name.symbol, name.span),
                 }

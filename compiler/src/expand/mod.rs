@@ -18,10 +18,12 @@ use stochc_grammar::{Cancellation, Cancelled, Span, Symbol, Symbols};
 
 use crate::diagnostic::{Code, Diagnostic, Fix, LONG, MOST_FINDINGS, removal, tell};
 use crate::names::{Names, Thing};
-use crate::plan::{After, Event, EventId, Key, Plan, PlanPhase, Roles, Timeout};
+use crate::plan::{
+    AfterConstraint, EventId, Key, PlanEvent, PlanPhase, ProgramPlan, Roles, Timeout,
+};
 use crate::{FileId, Site, Sources};
 pub use probe::Probe;
-use scope::{Scope, Value};
+use scope::{BoundValue, Scope};
 use stochc_ir::table::{Plate, RoleId};
 
 /// How large a program may grow when it is written out.
@@ -68,7 +70,7 @@ impl Default for Limits {
 
 /// How far a program is followed, and for how long.
 #[derive(Clone, Copy, Debug)]
-pub struct Bounds<'c> {
+pub struct ExpansionBounds<'c> {
     /// How large it may grow.
     pub limits: Limits,
     /// Whether anybody still waits for it.
@@ -95,7 +97,7 @@ pub struct Declarations<'a> {
 }
 
 /// What a program is written out to, and the shapes that it knows.
-pub type Expanded<'a> = (Plan, FxHashMap<Symbol, (FileId, &'a Shape)>);
+pub type Expanded<'a> = (ProgramPlan, FxHashMap<Symbol, (FileId, &'a Shape)>);
 
 /// Writes a program out.
 ///
@@ -107,7 +109,7 @@ pub fn expand<'a>(
     assembly: (FileId, &'a Assembly),
     sources: &Sources,
     symbols: &mut Symbols,
-    bounds: Bounds<'_>,
+    bounds: ExpansionBounds<'_>,
     diagnostics: &mut Vec<Diagnostic>,
 ) -> Result<Expanded<'a>, Cancelled> {
     let mut nowhere = Probe::default();
@@ -128,11 +130,11 @@ pub fn expand_probed<'a>(
     (file, assembly): (FileId, &'a Assembly),
     sources: &Sources,
     symbols: &mut Symbols,
-    bounds: Bounds<'_>,
+    bounds: ExpansionBounds<'_>,
     diagnostics: &mut Vec<Diagnostic>,
     probe: &mut Probe,
 ) -> Result<Expanded<'a>, Cancelled> {
-    let Bounds {
+    let ExpansionBounds {
         limits,
         cancellation,
     } = bounds;
@@ -143,7 +145,7 @@ pub fn expand_probed<'a>(
             (file, assembly.name),
             sources,
             symbols,
-            Bounds { limits, ..bounds },
+            ExpansionBounds { limits, ..bounds },
             &mut told,
             probe,
         );
@@ -177,8 +179,8 @@ pub fn expand_aggregate(
     sources: &Sources,
     symbols: &mut Symbols,
     diagnostics: &mut Vec<Diagnostic>,
-) -> Plan {
-    let bounds = Bounds {
+) -> ProgramPlan {
+    let bounds = ExpansionBounds {
         limits: Limits::default(),
         cancellation: Cancellation::NEVER,
     };
@@ -207,7 +209,7 @@ enum Pass {
 
 /// How much a program has grown by being written out.
 #[derive(Clone, Copy, Debug, Default)]
-struct Grown {
+struct ExpansionSize {
     seeds: usize,
     events: usize,
     afters: usize,
@@ -216,10 +218,10 @@ struct Grown {
     claims: usize,
 }
 
-impl Grown {
+impl ExpansionSize {
     /// The most of anything.
     fn most(self) -> usize {
-        let Grown {
+        let ExpansionSize {
             seeds,
             events,
             afters,
@@ -243,7 +245,7 @@ enum Seeding {
 }
 
 struct Expander<'a, 'f> {
-    plan: Plan,
+    plan: ProgramPlan,
     patterns: FxHashMap<Symbol, (FileId, &'a Pattern)>,
     shapes: FxHashMap<Symbol, (FileId, &'a Shape)>,
     /// What the names of the files refer to.
@@ -267,7 +269,7 @@ struct Expander<'a, 'f> {
     limits: Limits,
     cancellation: Cancellation<'f>,
     pass: Pass,
-    grown: Grown,
+    grown: ExpansionSize,
     /// A limit has been reached: nothing more is written out.
     exhausted: bool,
     /// It was that of [`Limits::events`].
@@ -290,12 +292,12 @@ impl<'a, 'f> Expander<'a, 'f> {
         (file, name): (FileId, Name),
         sources: &'f Sources,
         symbols: &'f mut Symbols,
-        bounds: Bounds<'f>,
+        bounds: ExpansionBounds<'f>,
         diagnostics: &'f mut Vec<Diagnostic>,
         probe: &'f mut Probe,
     ) -> Expander<'a, 'f> {
         let mut expander = Expander {
-            plan: Plan {
+            plan: ProgramPlan {
                 name: symbols.word(name.symbol).to_owned(),
                 site: Site {
                     file,
@@ -325,7 +327,7 @@ impl<'a, 'f> Expander<'a, 'f> {
             limits: bounds.limits,
             cancellation: bounds.cancellation,
             pass: Pass::Writing,
-            grown: Grown::default(),
+            grown: ExpansionSize::default(),
             exhausted: false,
             outgrown: false,
             plate: None,
@@ -515,12 +517,12 @@ impl<'a> Expander<'a, '_> {
         // Where its value is in doubt, so is the name: it is declared all the same.
         let value = self
             .evaluate(&let_.value)
-            .map_or(Value::Unknown, Value::Number);
+            .map_or(BoundValue::Unknown, BoundValue::Number);
         self.define(let_.name, value);
     }
 
     /// Gives a name a value, unless it has one in the same block.
-    fn define(&mut self, name: Name, value: Value) {
+    fn define(&mut self, name: Name, value: BoundValue) {
         let site = self.site(name.span);
         if let Some(old) = self.scope.define(self.named(name), value, site) {
             let diagnostic = duplicate(self.symbols.word(name.symbol), old, site, "a `let`");
@@ -534,7 +536,7 @@ impl<'a> Expander<'a, '_> {
     }
 
     /// The value of what a name of the file at hand stands for, if it has one yet.
-    fn value(&self, name: Name) -> Option<Value> {
+    fn value(&self, name: Name) -> Option<BoundValue> {
         let (word, thing) = self.named(name);
         self.scope.get(word, thing?).map(|(value, _)| value)
     }
@@ -605,7 +607,7 @@ impl<'a> Expander<'a, '_> {
         }
     }
 
-    fn push_event(&mut self, event: Event) -> EventId {
+    fn push_event(&mut self, event: PlanEvent) -> EventId {
         let id = EventId(self.grown.events as u32);
         self.grown.events += 1;
         if self.pass == Pass::Writing {
@@ -614,7 +616,7 @@ impl<'a> Expander<'a, '_> {
         id
     }
 
-    fn push_after(&mut self, after: After) {
+    fn push_after(&mut self, after: AfterConstraint) {
         self.grown.afters += 1;
         if self.pass == Pass::Writing {
             self.plan.afters.push(after);

@@ -3,7 +3,7 @@ use stochc_grammar::tree::{Place, Segment, Subscript};
 use stochc_ir::Face;
 use stochc_ir::suggest::{Suggestion, nearest};
 
-use super::scope::Value;
+use super::scope::BoundValue;
 use super::{Expander, Pass};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::members::members;
@@ -11,7 +11,7 @@ use crate::names::ValueKind;
 use crate::plan::Key;
 
 /// A place, worked out.
-pub struct Blocks {
+pub struct ResolvedPlace {
     /// The blocks it names.
     pub keys: Keys,
     /// Whether one of its indices is a range.
@@ -64,17 +64,17 @@ impl Keys {
 
 impl Expander<'_, '_> {
     /// Works a place out; what is wrong with it is told of.
-    pub fn place(&mut self, place: &Place) -> Option<Blocks> {
+    pub fn place(&mut self, place: &Place) -> Option<ResolvedPlace> {
         let mut path = &place.path[..];
         let mut face = place.face.map(|(face, _)| face);
         // A parameter may stand for the face: `base.side -> T`.
         if let (None, [_, .., last]) = (face, path) {
             match self.value(last.name) {
-                Some(Value::Face(value)) => {
+                Some(BoundValue::Face(value)) => {
                     face = Some(value);
                     path = &path[..path.len() - 1];
                 }
-                Some(Value::Unknown) => return None,
+                Some(BoundValue::Unknown) => return None,
                 _ => {}
             }
         }
@@ -87,15 +87,15 @@ impl Expander<'_, '_> {
             && let Some(value) = self.value(last.name)
         {
             let keys = match value {
-                Value::Block(key) if last.index.is_none() => Keys::one(key),
-                Value::Unknown => return None,
+                BoundValue::Block(key) if last.index.is_none() => Keys::one(key),
+                BoundValue::Unknown => return None,
                 value => {
                     self.wrong_kind(last.name, value, ValueKind::Block);
                     return None;
                 }
             };
             self.probe.note(self.file, path, keys.iter());
-            return Some(Blocks {
+            return Some(ResolvedPlace {
                 keys,
                 ranged: false,
                 face,
@@ -103,7 +103,7 @@ impl Expander<'_, '_> {
         }
         let (keys, ranged) = self.keys(scope, last)?;
         self.probe.note(self.file, path, keys.iter());
-        Some(Blocks { keys, ranged, face })
+        Some(ResolvedPlace { keys, ranged, face })
     }
 
     /// A place that names exactly one block, with its face if it has one.

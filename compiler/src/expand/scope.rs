@@ -10,7 +10,7 @@ use crate::plan::Key;
 
 /// What a word stands for, other than a block of its own name.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Value {
+pub enum BoundValue {
     /// A number.
     Number(i64),
     /// A block given to a pattern.
@@ -21,14 +21,14 @@ pub enum Value {
     Unknown,
 }
 
-impl Value {
+impl BoundValue {
     /// Its kind, if it could be worked out.
     pub fn kind(self) -> Option<ValueKind> {
         match self {
-            Value::Block(_) => Some(ValueKind::Block),
-            Value::Number(_) => Some(ValueKind::Number),
-            Value::Face(_) => Some(ValueKind::Face),
-            Value::Unknown => None,
+            BoundValue::Block(_) => Some(ValueKind::Block),
+            BoundValue::Number(_) => Some(ValueKind::Number),
+            BoundValue::Face(_) => Some(ValueKind::Face),
+            BoundValue::Unknown => None,
         }
     }
 }
@@ -37,7 +37,7 @@ impl Value {
 struct Binding {
     /// What has the value.
     thing: Option<Thing>,
-    value: Value,
+    value: BoundValue,
     site: Site,
     /// How many blocks were open when it was made.
     level: u32,
@@ -102,7 +102,7 @@ impl Scope {
     pub fn define(
         &mut self,
         (word, thing): (Symbol, Option<Thing>),
-        value: Value,
+        value: BoundValue,
         site: Site,
     ) -> Option<Site> {
         let bindings = self.words.entry(word).or_default();
@@ -124,12 +124,12 @@ impl Scope {
         let bindings = self.words.get_mut(&word).into_iter().flatten();
         let last = bindings.rev().find(|it| it.thing == Some(thing));
         if let Some(binding) = last.filter(|binding| binding.level >= floor && floor > 0) {
-            binding.value = Value::Unknown;
+            binding.value = BoundValue::Unknown;
         }
     }
 
     /// The value of a thing with this word, and where it has got it.
-    pub fn get(&self, word: Symbol, thing: Thing) -> Option<(Value, Site)> {
+    pub fn get(&self, word: Symbol, thing: Thing) -> Option<(BoundValue, Site)> {
         let mut bindings = self.words.get(&word)?.iter().rev();
         let binding = bindings.find(|it| it.thing == Some(thing))?;
         Some((binding.value, binding.site))

@@ -7,7 +7,7 @@ use stochc_ir::table::{PLANTED, Plate};
 use super::{Expander, Pass, Seeding, duplicate};
 use crate::Site;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::plan::{PlanPhase, Seed};
+use crate::plan::{PlanPhase, PlanSeed};
 
 /// Whether anything is attached by hand; loops are as deep as the parser lets them be.
 fn has_captures(items: &[Item]) -> bool {
@@ -148,7 +148,7 @@ impl<'a> Expander<'a, '_> {
         // Unless a statement that does not belong in a plate came first; that has been told of.
         if role.0 as usize == self.plan.seeds.len() {
             let statement = item.docs.0.is_none().then(|| self.site(item.span));
-            self.plan.seeds.push(Seed {
+            self.plan.seeds.push(PlanSeed {
                 role,
                 cell,
                 site,

@@ -5,11 +5,11 @@ use stochc_ir::Face;
 use stochc_ir::suggest::nearest;
 use stochc_ir::table::RoleId;
 
-use super::scope::Value;
+use super::scope::BoundValue;
 use super::{Expander, Pass};
 use crate::Site;
 use crate::diagnostic::{Code, Diagnostic, Fix};
-use crate::plan::{After, Event, EventId, EventKind, Key};
+use crate::plan::{AfterConstraint, EventId, EventKind, Key, PlanEvent};
 
 impl<'a> Expander<'a, '_> {
     /// Captures, one after the other.
@@ -119,7 +119,7 @@ impl<'a> Expander<'a, '_> {
     }
 
     fn capture(&mut self, parent: RoleId, face: Face, role: RoleId, site: Site) {
-        self.push_event(Event {
+        self.push_event(PlanEvent {
             kind: EventKind::Capture { parent, face },
             role,
             site,
@@ -141,7 +141,7 @@ impl<'a> Expander<'a, '_> {
             };
             for key in blocks.keys.iter() {
                 let role = self.role(key);
-                self.push_after(After {
+                self.push_after(AfterConstraint {
                     event,
                     role,
                     release: subject.release,
@@ -163,7 +163,7 @@ impl<'a> Expander<'a, '_> {
             };
             for key in blocks.keys.iter() {
                 let role = self.role(key);
-                let event = self.push_event(Event {
+                let event = self.push_event(PlanEvent {
                     kind: EventKind::Release,
                     role,
                     site,
@@ -191,7 +191,7 @@ impl<'a> Expander<'a, '_> {
             }
             let mark = self.scope.mark();
             let counter = self.named(block.counter);
-            self.scope.define(counter, Value::Number(value), site);
+            self.scope.define(counter, BoundValue::Number(value), site);
             self.items(&block.body);
             self.scope.restore(mark);
         }
@@ -240,7 +240,7 @@ impl<'a> Expander<'a, '_> {
                 .label(self.site(span), format!("gives {given}"))
                 .label(parameters, format!("takes {needed}")),
             );
-            vec![Value::Unknown; needed]
+            vec![BoundValue::Unknown; needed]
         };
         let key = match &instance.alias {
             Some(alias) => self.single_key(alias),
@@ -252,7 +252,7 @@ impl<'a> Expander<'a, '_> {
         let Some(key) = key else { return };
         let inside = self.instance_of(key);
         if self.pass == Pass::Writing {
-            let is_doubtful = values.contains(&Value::Unknown);
+            let is_doubtful = values.contains(&BoundValue::Unknown);
             self.note_instance(inside, instance, span, (file, pattern), is_doubtful);
         }
         let mark = self.scope.enter_instance(inside);

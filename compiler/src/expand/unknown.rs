@@ -4,14 +4,14 @@ use stochc_grammar::{Span, Symbol};
 use stochc_ir::suggest::nearest;
 
 use super::Expander;
-use super::scope::Value;
+use super::scope::BoundValue;
 use crate::Site;
 use crate::diagnostic::{Code, Diagnostic, hand_in};
 use crate::names::ValueKind;
 
 impl Expander<'_, '_> {
     /// Tells of a name that stands for something else than what is needed.
-    pub(super) fn wrong_kind(&mut self, named: Name, value: Value, needed: ValueKind) {
+    pub(super) fn wrong_kind(&mut self, named: Name, value: BoundValue, needed: ValueKind) {
         let name = self.symbols.word(named.symbol);
         let given = value.kind().map_or("something else", ValueKind::noun);
         let (title, label) = match value.kind() == Some(needed) {
@@ -79,7 +79,7 @@ impl Expander<'_, '_> {
     }
 
     /// The instance that is being written out.
-    pub(super) fn grown(&self) -> Option<crate::plan::Grown> {
+    pub(super) fn grown(&self) -> Option<crate::plan::PatternInstance> {
         let number = (self.scope.instance as usize).checked_sub(1)?;
         self.plan.grown.get(number).copied()
     }

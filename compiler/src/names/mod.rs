@@ -21,7 +21,7 @@ use crate::{Checked, FileId, Site};
 pub struct Names {
     /// By file and place.
     occurrences: Vec<Occurrence>,
-    kinds: Vec<(Kind, Symbol)>,
+    kinds: Vec<(NameKind, Symbol)>,
     /// What has a value, by the file and the first byte of each of its names.
     values: FxHashMap<(FileId, u32), Thing>,
     /// What each parameter is used as, in source order.
@@ -88,7 +88,7 @@ pub struct Thing(u32);
 
 /// What has a name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Kind {
+pub enum NameKind {
     /// Blocks of an assembly or a pattern.
     Block,
     /// Named instances of patterns.
@@ -113,26 +113,29 @@ pub enum Kind {
     Phase,
 }
 
-impl Kind {
+impl NameKind {
     /// Whether it stands for a number, or for whatever a pattern is given.
     const fn has_value(self) -> bool {
-        matches!(self, Kind::Number | Kind::Counter | Kind::Parameter)
+        matches!(
+            self,
+            NameKind::Number | NameKind::Counter | NameKind::Parameter
+        )
     }
 
     /// What messages call it.
     pub const fn noun(self) -> &'static str {
         match self {
-            Kind::Block => "block",
-            Kind::Instance => "instance of a pattern",
-            Kind::Number => "number",
-            Kind::Counter => "counter",
-            Kind::Parameter => "parameter",
-            Kind::Pattern => "pattern",
-            Kind::Shape => "shape",
-            Kind::Scene => "scene",
-            Kind::Assembly => "assembly",
-            Kind::Aggregate => "aggregate",
-            Kind::Phase => "phase",
+            NameKind::Block => "block",
+            NameKind::Instance => "instance of a pattern",
+            NameKind::Number => "number",
+            NameKind::Counter => "counter",
+            NameKind::Parameter => "parameter",
+            NameKind::Pattern => "pattern",
+            NameKind::Shape => "shape",
+            NameKind::Scene => "scene",
+            NameKind::Assembly => "assembly",
+            NameKind::Aggregate => "aggregate",
+            NameKind::Phase => "phase",
         }
     }
 }
@@ -193,7 +196,7 @@ impl Names {
     }
 
     /// What a thing is.
-    pub fn kind(&self, thing: Thing) -> Kind {
+    pub fn kind(&self, thing: Thing) -> NameKind {
         self.kinds[thing.0 as usize].0
     }
 

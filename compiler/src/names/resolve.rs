@@ -7,7 +7,7 @@ use stochc_grammar::tree::{
 use stochc_grammar::{Cancellation, Cancelled, Span, Symbol};
 
 use super::things::{Bindings, Things};
-use super::{Keep, Kind, Names, Thing, Use, ValueKind};
+use super::{Keep, NameKind, Names, Thing, Use, ValueKind};
 use crate::{FileId, Site};
 
 /// Resolves every name of a program's files.
@@ -76,7 +76,7 @@ struct Own {
     numbers: FxHashMap<Symbol, Vec<Thing>>,
     /// The same, by the place of their names.
     lets: FxHashMap<u32, Thing>,
-    named: FxHashMap<(Kind, Symbol), Thing>,
+    named: FxHashMap<(NameKind, Symbol), Thing>,
 }
 
 struct Resolver<'c> {
@@ -85,14 +85,14 @@ struct Resolver<'c> {
     bindings: Bindings,
     file_numbers: FxHashMap<Symbol, Thing>,
     /// Patterns, shapes and scenes of all files.
-    shared: FxHashMap<(Kind, Symbol), Thing>,
+    shared: FxHashMap<(NameKind, Symbol), Thing>,
     /// For every pattern, whose names it has.
     realms: FxHashMap<Thing, Realm>,
     realm_count: u32,
     /// The words that are captured in each pattern.
     captured: FxHashSet<(Realm, Symbol)>,
     /// Blocks, instances and phases.
-    blocks: FxHashMap<(Realm, Kind, Symbol), Thing>,
+    blocks: FxHashMap<(Realm, NameKind, Symbol), Thing>,
     /// The patterns that the instances of a name have grown from.
     grown: FxHashMap<Thing, Vec<Realm>>,
     assemblies: Vec<Own>,
@@ -113,7 +113,7 @@ impl Resolver<'_> {
                 }
                 ItemKind::Let(let_) => {
                     self.expr(&let_.value);
-                    let thing = self.bind(Kind::Number, let_.name);
+                    let thing = self.bind(NameKind::Number, let_.name);
                     self.file_numbers.insert(let_.name.symbol, thing);
                 }
                 ItemKind::Assembly(assembly) => {
@@ -124,7 +124,7 @@ impl Resolver<'_> {
                     for item in &assembly.body {
                         if let ItemKind::Let(let_) = &item.kind {
                             let word = let_.name.symbol;
-                            let thing = self.things.new_thing(Kind::Number, word);
+                            let thing = self.things.new_thing(NameKind::Number, word);
                             own.numbers.entry(word).or_default().push(thing);
                             own.lets.insert(let_.name.span.start, thing);
                         }
@@ -137,12 +137,12 @@ impl Resolver<'_> {
     }
 
     /// Patterns and shapes, which may stand behind their use.
-    fn declare(&mut self, items: &[Item]) -> FxHashMap<(Kind, Symbol), Thing> {
+    fn declare(&mut self, items: &[Item]) -> FxHashMap<(NameKind, Symbol), Thing> {
         let mut named = FxHashMap::default();
         for item in items {
             let (kind, name) = match &item.kind {
-                ItemKind::Pattern(pattern) => (Kind::Pattern, pattern.name),
-                ItemKind::Shape(shape) => (Kind::Shape, shape.name),
+                ItemKind::Pattern(pattern) => (NameKind::Pattern, pattern.name),
+                ItemKind::Shape(shape) => (NameKind::Shape, shape.name),
                 _ => continue,
             };
             let thing = self.things.new_thing(kind, name.symbol);
@@ -182,7 +182,9 @@ impl Resolver<'_> {
         self.within = Within::File;
         match &item.kind {
             ItemKind::Assembly(assembly) => {
-                let thing = self.things.new_thing(Kind::Assembly, assembly.name.symbol);
+                let thing = self
+                    .things
+                    .new_thing(NameKind::Assembly, assembly.name.symbol);
                 self.occur(thing, assembly.name.span, true);
                 if let Some(scene) = assembly.scene {
                     let thing = self.scene(scene);
@@ -194,7 +196,7 @@ impl Resolver<'_> {
                 self.items(&assembly.body);
             }
             ItemKind::Aggregate(aggregate) => {
-                let thing = (self.things).new_thing(Kind::Aggregate, aggregate.name.symbol);
+                let thing = (self.things).new_thing(NameKind::Aggregate, aggregate.name.symbol);
                 self.occur(thing, aggregate.name.span, true);
                 if let Some(scene) = aggregate.scene {
                     let thing = self.scene(scene);
@@ -215,17 +217,17 @@ impl Resolver<'_> {
 
     /// A scene, declared or built in.
     fn scene(&mut self, name: Name) -> Thing {
-        let key = (Kind::Scene, name.symbol);
+        let key = (NameKind::Scene, name.symbol);
         if let Some(&thing) = self.shared.get(&key) {
             return thing;
         }
-        let thing = self.things.new_thing(Kind::Scene, name.symbol);
+        let thing = self.things.new_thing(NameKind::Scene, name.symbol);
         self.shared.insert(key, thing);
         thing
     }
 
     fn pattern(&mut self, pattern: &Pattern, within: Within) {
-        let Some(&realm) = (self.named(Kind::Pattern, pattern.name.symbol))
+        let Some(&realm) = (self.named(NameKind::Pattern, pattern.name.symbol))
             .and_then(|thing| self.realms.get(&thing))
         else {
             return;
@@ -233,7 +235,7 @@ impl Resolver<'_> {
         let outer = (self.within, self.realm, std::mem::take(&mut self.bindings));
         (self.within, self.realm) = (within, realm);
         for &parameter in &pattern.parameters {
-            self.bind(Kind::Parameter, parameter);
+            self.bind(NameKind::Parameter, parameter);
         }
         self.items(&pattern.body);
         (self.within, self.realm, self.bindings) = outer;
@@ -269,7 +271,7 @@ impl Resolver<'_> {
             }
             ItemKind::Instance(instance) => self.instance(instance),
             ItemKind::Seat(seat) => {
-                self.new_name(Kind::Block, &seat.place);
+                self.new_name(NameKind::Block, &seat.place);
                 self.expr(&seat.at.0);
                 self.expr(&seat.at.1);
             }
@@ -277,17 +279,17 @@ impl Resolver<'_> {
                 self.expr(&block.range.0);
                 self.expr(&block.range.1);
                 let mark = self.bindings.mark();
-                self.bind(Kind::Counter, block.counter);
+                self.bind(NameKind::Counter, block.counter);
                 self.items(&block.body);
                 self.bindings.restore(mark);
             }
             ItemKind::Let(let_) => {
                 self.expr(&let_.value);
-                self.bind(Kind::Number, let_.name);
+                self.bind(NameKind::Number, let_.name);
             }
-            ItemKind::Yields(name) => self.refer(Kind::Shape, *name),
+            ItemKind::Yields(name) => self.refer(NameKind::Shape, *name),
             ItemKind::Phase(phase) => {
-                self.new_name(Kind::Phase, &phase.name);
+                self.new_name(NameKind::Phase, &phase.name);
                 self.items(&phase.body);
             }
             ItemKind::Seed(seed) => {
@@ -311,7 +313,7 @@ impl Resolver<'_> {
     }
 
     fn instance(&mut self, instance: &Instance) {
-        self.refer(Kind::Pattern, instance.pattern);
+        self.refer(NameKind::Pattern, instance.pattern);
         for (number, argument) in instance.arguments.iter().enumerate() {
             match argument {
                 Argument::Expr(expr) => match expr.kind {
@@ -330,9 +332,9 @@ impl Resolver<'_> {
             }
         }
         let Some(alias) = &instance.alias else { return };
-        let realm = (self.named(Kind::Pattern, instance.pattern.symbol))
+        let realm = (self.named(NameKind::Pattern, instance.pattern.symbol))
             .and_then(|thing| self.realms.get(&thing).copied());
-        if let (Some(thing), Some(realm)) = (self.new_name(Kind::Instance, alias), realm) {
+        if let (Some(thing), Some(realm)) = (self.new_name(NameKind::Instance, alias), realm) {
             let realms = self.grown.entry(thing).or_default();
             if !realms.contains(&realm) {
                 realms.push(realm);
@@ -341,13 +343,13 @@ impl Resolver<'_> {
     }
 
     /// The name of something new in this realm.
-    fn new_name(&mut self, kind: Kind, place: &Place) -> Option<Thing> {
+    fn new_name(&mut self, kind: NameKind, place: &Place) -> Option<Thing> {
         let [segment] = &place.path[..] else {
             return None;
         };
         self.indices(segment);
         // What is inside of an instance is asked for whether its name is kept or not.
-        if kind != Kind::Instance && !self.things.keeps(kind) {
+        if kind != NameKind::Instance && !self.things.keeps(kind) {
             return None;
         }
         let thing = self.block(self.realm, kind, segment.name.symbol);
@@ -403,7 +405,7 @@ impl Resolver<'_> {
             return;
         };
         self.occur_instances(instances);
-        if !self.things.keeps(Kind::Block) {
+        if !self.things.keeps(NameKind::Block) {
             return;
         }
         if realms
@@ -413,7 +415,7 @@ impl Resolver<'_> {
             realms.retain(|&realm| self.captured.contains(&(realm, word)));
         }
         let things: Vec<Thing> = (realms.into_iter())
-            .map(|realm| self.block(realm, Kind::Block, word))
+            .map(|realm| self.block(realm, NameKind::Block, word))
             .collect();
         if let Some(thing) = self.things.unite(things) {
             self.occur(thing, last.name.span, captures);
@@ -423,7 +425,7 @@ impl Resolver<'_> {
     /// The parameter that a word stands for.
     fn parameter(&self, word: Symbol) -> Option<Thing> {
         let thing = self.bindings.get(word)?;
-        (self.things.kind(thing) == Kind::Parameter).then_some(thing)
+        (self.things.kind(thing) == NameKind::Parameter).then_some(thing)
     }
 
     fn used_as(&mut self, thing: Thing, kind: ValueKind, span: Span) {
@@ -433,8 +435,8 @@ impl Resolver<'_> {
 
     /// The name of a block of a realm.
     fn occur_block(&mut self, realm: Realm, word: Symbol, span: Span, declares: bool) {
-        if self.things.keeps(Kind::Block) {
-            let thing = self.block(realm, Kind::Block, word);
+        if self.things.keeps(NameKind::Block) {
+            let thing = self.block(realm, NameKind::Block, word);
             self.occur(thing, span, declares);
         }
     }
@@ -443,7 +445,7 @@ impl Resolver<'_> {
     fn inside(&self, instances: &[Segment]) -> Option<Vec<Realm>> {
         let mut realms = vec![self.realm];
         for segment in instances {
-            let key = |realm| (realm, Kind::Instance, segment.name.symbol);
+            let key = |realm| (realm, NameKind::Instance, segment.name.symbol);
             let things = realms
                 .iter()
                 .filter_map(|&realm| self.blocks.get(&key(realm)));
@@ -465,7 +467,7 @@ impl Resolver<'_> {
     fn occur_instances(&mut self, instances: &[Segment]) {
         for (i, segment) in instances.iter().enumerate() {
             let realms = self.inside(&instances[..i]).unwrap_or_default();
-            let key = |realm| (realm, Kind::Instance, segment.name.symbol);
+            let key = |realm| (realm, NameKind::Instance, segment.name.symbol);
             let known = realms
                 .into_iter()
                 .filter_map(|realm| self.blocks.get(&key(realm)));
@@ -521,7 +523,7 @@ impl Resolver<'_> {
     }
 
     /// The pattern or shape of a word.
-    fn named(&mut self, kind: Kind, word: Symbol) -> Option<Thing> {
+    fn named(&mut self, kind: NameKind, word: Symbol) -> Option<Thing> {
         let own = |own: &Own| own.named.get(&(kind, word)).copied();
         let mut things: Vec<Thing> = match self.within {
             Within::Assembly(number) | Within::OwnPattern(number) => self
@@ -543,13 +545,13 @@ impl Resolver<'_> {
         things.first().copied()
     }
 
-    fn refer(&mut self, kind: Kind, name: Name) {
+    fn refer(&mut self, kind: NameKind, name: Name) {
         if let Some(thing) = self.named(kind, name.symbol) {
             self.occur(thing, name.span, false);
         }
     }
 
-    fn bind(&mut self, kind: Kind, name: Name) -> Thing {
+    fn bind(&mut self, kind: NameKind, name: Name) -> Thing {
         let own = match self.within {
             Within::Assembly(number) => self.assemblies.get(number),
             _ => None,
@@ -561,7 +563,7 @@ impl Resolver<'_> {
         thing
     }
 
-    fn block(&mut self, realm: Realm, kind: Kind, word: Symbol) -> Thing {
+    fn block(&mut self, realm: Realm, kind: NameKind, word: Symbol) -> Thing {
         let things = &mut self.things;
         *(self.blocks)
             .entry((realm, kind, word))

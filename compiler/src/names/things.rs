@@ -2,13 +2,13 @@
 use rustc_hash::FxHashMap;
 use stochc_grammar::Symbol;
 
-use super::{Keep, Kind, Names, Occurrence, Thing, Use};
+use super::{Keep, NameKind, Names, Occurrence, Thing, Use};
 use crate::Site;
 
 /// Things, found one after the other.
 pub struct Things {
     keep: Keep,
-    kinds: Vec<(Kind, Symbol)>,
+    kinds: Vec<(NameKind, Symbol)>,
     /// For every thing, another one that it is the same as, or itself.
     same: Vec<u32>,
     occurrences: Vec<Occurrence>,
@@ -27,24 +27,25 @@ impl Things {
     }
 
     /// Whether the names of things of a kind are kept.
-    pub fn keeps(&self, kind: Kind) -> bool {
-        self.keep == Keep::All || !matches!(kind, Kind::Block | Kind::Instance | Kind::Phase)
+    pub fn keeps(&self, kind: NameKind) -> bool {
+        self.keep == Keep::All
+            || !matches!(kind, NameKind::Block | NameKind::Instance | NameKind::Phase)
     }
 
-    pub fn new_thing(&mut self, kind: Kind, word: Symbol) -> Thing {
+    pub fn new_thing(&mut self, kind: NameKind, word: Symbol) -> Thing {
         let thing = Thing(self.kinds.len() as u32);
         self.kinds.push((kind, word));
         self.same.push(thing.0);
         thing
     }
 
-    pub fn kind(&self, thing: Thing) -> Kind {
+    pub fn kind(&self, thing: Thing) -> NameKind {
         self.kinds[thing.0 as usize].0
     }
 
     /// Notes what a parameter is used as; other things may be used as they like.
     pub fn used(&mut self, thing: Thing, used: Use) {
-        if self.kind(thing) == Kind::Parameter {
+        if self.kind(thing) == NameKind::Parameter {
             self.uses.entry(thing).or_default().push(used);
         }
     }

@@ -5,8 +5,8 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use stochc_ir::Face;
 
 use super::descendants::{DescendantIndex, Descendants};
-use super::path_search::{Search, SearchOutcome, offset};
-use super::{Cell, EventId, Survey};
+use super::path_search::{PathSearch, SearchOutcome, offset};
+use super::{Cell, EventId, ReachAnalysis};
 use crate::plan::EventKind;
 
 /// A capture whose block has to come through a gap one cell wide.
@@ -33,7 +33,7 @@ const MOST_SHOWN: usize = 5;
 /// Cells looked at to measure one gap.
 const FARTHEST: usize = 20_000;
 
-impl Survey<'_> {
+impl ReachAnalysis<'_> {
     /// The captures of a phase that come in through a gap, in their worst case.
     pub fn tight(&mut self, events: &[EventId], descent: &DescendantIndex) -> NarrowCaptures {
         let first = events.iter().map(|id| id.0).min().unwrap_or(0);
@@ -98,7 +98,7 @@ impl Survey<'_> {
     /// The open sides of a cell that a cube of two cannot bring a block to; `None`: it can.
     fn tightness(&mut self, cell: Cell, following: &Descendants<'_>) -> Option<u32> {
         let has = |other: EventId| !following.contains(other);
-        let search = Search {
+        let search = PathSearch {
             occupancy: &self.occupancy,
             has: &has,
             size: 2,
@@ -126,7 +126,7 @@ impl Survey<'_> {
         let start = self.cell(id)?;
         let following = descent.of(id, &mut self.warning.steps);
         let has = |other: EventId| !following.contains(other);
-        let wide = Search {
+        let wide = PathSearch {
             occupancy: &self.occupancy,
             has: &has,
             size: 2,

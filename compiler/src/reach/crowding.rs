@@ -3,7 +3,7 @@ use petgraph::graph::NodeIndex;
 use rustc_hash::FxHashMap;
 use stochc_ir::Cell;
 
-use super::Survey;
+use super::ReachAnalysis;
 use super::descendants::DescendantIndex;
 use crate::diagnostic::{Code, Diagnostic, tell};
 use crate::plan::EventId;
@@ -14,7 +14,7 @@ const MOST_SHOWN: usize = 5;
 /// Squares of four cells that are looked at in a phase, at most: what is crowded in more is crowded enough.
 const MOST_SQUARES: usize = 10_000;
 
-impl Survey<'_> {
+impl ReachAnalysis<'_> {
     /// Tells of three or more faces that may be open at the same time towards cells of one square of four.
     pub fn tell_crowded(
         &mut self,

@@ -7,7 +7,7 @@ use petgraph::Direction::Incoming;
 use petgraph::graph::NodeIndex;
 use petgraph::visit::EdgeRef;
 
-use super::Effort;
+use super::SearchEffort;
 use crate::graph::DependencyGraph;
 use crate::plan::EventId;
 
@@ -107,7 +107,7 @@ impl DescendantIndex {
     }
 
     /// The same, if the work is not too much.
-    pub fn within(&self, id: EventId, effort: &mut Effort<'_>) -> Option<Descendants<'_>> {
+    pub fn within(&self, id: EventId, effort: &mut SearchEffort<'_>) -> Option<Descendants<'_>> {
         let mut intervals = vec![self.interval(id)];
         self.add_cross(&mut intervals, &mut effort.steps, effort.budget);
         (!effort.is_spent()).then_some(Descendants {

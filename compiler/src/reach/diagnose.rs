@@ -10,7 +10,7 @@ use super::path_search::SearchOutcome;
 use super::reachable::Dismantled;
 use super::sealed::Stuck;
 use super::trial::Proposal;
-use super::{Cell, EventId, Survey, all_before, before, picture};
+use super::{Cell, EventId, ReachAnalysis, all_before, before, picture};
 use crate::diagnostic::{Code, Diagnostic, Fix, tell};
 use crate::graph::DependencyGraph;
 
@@ -25,7 +25,7 @@ const MOST_TOLD: usize = 100;
 /// What becomes of a capture that can be closed in.
 enum Fate {
     /// No order reaches it, and this is why.
-    Never(Why),
+    Never(UnreachableCause),
     /// Some orders reach it, and one closes it in: that in which all the walls come first.
     Walled(Vec<EventId>),
     /// It has no way out when all stands that need not wait for it; whether that can come about is not known, because of
@@ -34,7 +34,7 @@ enum Fate {
 }
 
 /// Why no order reaches a capture.
-enum Why {
+enum UnreachableCause {
     /// It is closed in by what it waits for, and by earlier phases.
     Walls,
     /// It waits for a capture that no order reaches.
@@ -64,7 +64,7 @@ impl Case<'_> {
     }
 }
 
-impl Survey<'_> {
+impl ReachAnalysis<'_> {
     /// Tells of stuck captures.
     pub fn tell_sealed(
         &mut self,
@@ -146,15 +146,19 @@ impl Survey<'_> {
             return Some(diagnostic.label(event.site, ""));
         }
         let what = match &fate {
-            Fate::Never(Why::Walls) => format!("its cell {cell} has no way out"),
-            Fate::Never(Why::Waits(_)) => "it waits for another one that cannot be reached".into(),
-            Fate::Never(Why::Together) => "what it waits for cannot be built together".into(),
+            Fate::Never(UnreachableCause::Walls) => format!("its cell {cell} has no way out"),
+            Fate::Never(UnreachableCause::Waits(_)) => {
+                "it waits for another one that cannot be reached".into()
+            }
+            Fate::Never(UnreachableCause::Together) => {
+                "what it waits for cannot be built together".into()
+            }
             _ => format!("its cell {cell} has no way out once its walls stand"),
         };
         diagnostic = diagnostic.label(event.site, what);
         let mut help = String::new();
         match fate {
-            Fate::Never(Why::Waits(first)) => {
+            Fate::Never(UnreachableCause::Waits(first)) => {
                 let is_sure = own.contains(&first);
                 let first = plan.describe(first, subject.symbols);
                 return Some(diagnostic.help(match is_sure {
@@ -162,13 +166,13 @@ impl Survey<'_> {
                     false => format!("too many of those that it waits for never can come: `{first}` is one"),
                 }));
             }
-            Fate::Never(Why::Together) => {
+            Fate::Never(UnreachableCause::Together) => {
                 return Some(diagnostic.help("no order of the phase reaches all of it: leave an opening"));
             }
-            Fate::Never(Why::Walls) if walls.is_empty() => help.push_str(
+            Fate::Never(UnreachableCause::Walls) if walls.is_empty() => help.push_str(
                 "the blocks of earlier phases close it: it has to come before them, or they leave an opening\n",
             ),
-            Fate::Never(Why::Walls) => {
+            Fate::Never(UnreachableCause::Walls) => {
                 let needed = all_before(subject.certain, walls.iter().copied());
                 let order = case.events.iter().filter(|id| needed.contains(id));
                 let order = self.story(order.copied());
@@ -271,7 +275,7 @@ impl Survey<'_> {
         if never.contains(&id) {
             let unreached = |id: EventId| before(straight, id).find(|first| never.contains(first));
             let first = std::iter::successors(unreached(id), |&first| unreached(first)).last();
-            return Fate::Never(first.map_or(Why::Walls, Why::Waits));
+            return Fate::Never(first.map_or(UnreachableCause::Walls, UnreachableCause::Waits));
         }
         let Some(apart) = &case.apart else {
             return Fate::Doubtful;
@@ -280,7 +284,7 @@ impl Survey<'_> {
             let own = all_before(straight, [id]);
             match self.dismantle(straight, events, descent, &|other| own.contains(&other)) {
                 Some(own) if own.is_whole => {}
-                Some(_) if !self.has_choice() => return Fate::Never(Why::Together),
+                Some(_) if !self.has_choice() => return Fate::Never(UnreachableCause::Together),
                 _ => return Fate::Doubtful,
             }
         }

@@ -3,21 +3,21 @@ use stochc_grammar::tree::{Chain, Expr, ExprKind, Item, ItemKind, Operator, Plac
 use stochc_grammar::{Span, Symbol};
 use stochc_ir::table::RoleId;
 
-use super::{EventId, Subject};
+use super::{EventId, SoundProgram};
 use crate::diagnostic::Edit;
 use crate::plan::{EventKind, Key};
 use crate::{FileId, Site};
 
 /// One arrow of a chain, with what it captures: in a row, a loop or a pattern, many times.
 #[derive(Clone, Copy)]
-pub struct Statement<'a> {
+pub struct CaptureStatement<'a> {
     chain: &'a Chain,
     link: usize,
 }
 
-impl<'a> Statement<'a> {
+impl<'a> CaptureStatement<'a> {
     /// The statement of the program's own file that a capture comes from.
-    pub fn of(subject: &Subject<'a>, capture: EventId) -> Option<Statement<'a>> {
+    pub fn of(subject: &SoundProgram<'a>, capture: EventId) -> Option<CaptureStatement<'a>> {
         let Site { file, span } = subject.plan.event(capture).site;
         if file != subject.file {
             return None;
@@ -33,7 +33,7 @@ impl<'a> Statement<'a> {
 
     /// The block with the face that captures, and what it captures.
     fn places(&self) -> (&'a Place, &'a Place) {
-        let Statement { chain, link } = *self;
+        let CaptureStatement { chain, link } = *self;
         let parent = link
             .checked_sub(1)
             .map_or(&chain.head, |link| &chain.links[link].place);
@@ -41,7 +41,7 @@ impl<'a> Statement<'a> {
     }
 
     /// As it is written.
-    pub fn text(&self, subject: &Subject<'a>) -> &'a str {
+    pub fn text(&self, subject: &SoundProgram<'a>) -> &'a str {
         let (parent, child) = self.places();
         let place = site(subject.file, parent.span.start, child.span.end);
         subject.sources.text(place)
@@ -50,7 +50,7 @@ impl<'a> Statement<'a> {
     /// The ways to write the name of a block where this statement makes `capture`: first as the counters
     /// of its loops give it, so that it is another one each time, then as it is; the likeliest first. Empty: the
     /// block has no name there.
-    pub fn names(&self, subject: &Subject, capture: EventId, role: RoleId) -> Vec<String> {
+    pub fn names(&self, subject: &SoundProgram, capture: EventId, role: RoleId) -> Vec<String> {
         let roles = &subject.plan.roles;
         let (parent, child) = self.places();
         let event = subject.plan.event(capture);
@@ -105,8 +105,8 @@ impl<'a> Statement<'a> {
     }
 
     /// Makes what the statement captures wait for a block of this name.
-    pub fn wait(&self, subject: &Subject, name: &str) -> Vec<Edit> {
-        let Statement { chain, link } = *self;
+    pub fn wait(&self, subject: &SoundProgram, name: &str) -> Vec<Edit> {
+        let CaptureStatement { chain, link } = *self;
         let at = |start: u32, end: u32, text: String| Edit {
             site: site(subject.file, start, end),
             text,
@@ -170,10 +170,10 @@ impl<'a> Statement<'a> {
 const MOST_NAMES: usize = 64;
 
 /// The link of a chain that stands in a place.
-fn find(items: &[Item], span: Span) -> Option<Statement<'_>> {
+fn find(items: &[Item], span: Span) -> Option<CaptureStatement<'_>> {
     items.iter().find_map(|item| match &item.kind {
         ItemKind::Chain(chain) => (0..chain.links.len())
-            .map(|link| Statement { chain, link })
+            .map(|link| CaptureStatement { chain, link })
             .find(|statement| {
                 let (parent, child) = statement.places();
                 (parent.span.start, child.span.end) == (span.start, span.end)
@@ -232,7 +232,7 @@ fn counter(expr: &Expr, value: i64) -> Option<(Symbol, i64)> {
 }
 
 /// The ways to write an index, with how unlikely each is.
-fn indices(index: i64, counters: &[(Symbol, i64)], subject: &Subject) -> Vec<(u64, String)> {
+fn indices(index: i64, counters: &[(Symbol, i64)], subject: &SoundProgram) -> Vec<(u64, String)> {
     let mut written: Vec<(u64, String)> = (counters.iter())
         .map(|&(name, value)| {
             let name = subject.symbols.word(name);

@@ -49,7 +49,7 @@ use std::borrow::Cow;
 
 use descendants::DescendantIndex;
 use known_paths::KnownPaths;
-use occupancy::Occupancy;
+use occupancy::OccupiedCells;
 use petgraph::Direction::{Incoming, Outgoing};
 use petgraph::graph::NodeIndex;
 use petgraph::visit::EdgeRef;
@@ -63,7 +63,7 @@ use crate::graph::DependencyGraph;
 use crate::layout::Layout;
 use crate::liveness::Liveness;
 use crate::order::Order;
-use crate::plan::{EventId, EventKind, Plan};
+use crate::plan::{EventId, EventKind, ProgramPlan};
 use crate::{FileId, Sources, turns};
 pub use trial::Trial;
 
@@ -75,9 +75,9 @@ const TRIED: u64 = 100;
 
 /// A program in which nothing else is wrong.
 #[derive(Clone, Copy)]
-pub struct Subject<'a> {
+pub struct SoundProgram<'a> {
     /// Written out.
-    pub plan: &'a Plan,
+    pub plan: &'a ProgramPlan,
     /// Who is anchored when.
     pub liveness: &'a Liveness,
     /// Where every block sits.
@@ -113,27 +113,27 @@ pub struct Subject<'a> {
 ///
 /// [`Cancelled`] if nobody waits for it.
 pub fn check(
-    subject: Subject,
+    subject: SoundProgram,
     search: u64,
     diagnostics: &mut Vec<Diagnostic>,
 ) -> Result<(), Cancelled> {
     let plan = subject.plan;
     let count = plan.events.len();
     let cancellation = subject.cancellation;
-    let effort = |share| Effort {
+    let effort = |share| SearchEffort {
         steps: 0,
         budget: search / share + STEPS_PER_EVENT * count as u64 * u64::from(search > 0),
         cancellation,
     };
-    let mut survey = Survey {
+    let mut survey = ReachAnalysis {
         subject,
-        occupancy: Occupancy::with_capacity(count + plan.seeds.len()),
+        occupancy: OccupiedCells::with_capacity(count + plan.seeds.len()),
         is_safe: vec![false; count],
         known_paths: Default::default(),
         proof: effort(1),
         warning: effort(10),
         cures: effort(1),
-        trials: Effort {
+        trials: SearchEffort {
             steps: 0,
             budget: search / TRIED,
             cancellation,
@@ -152,7 +152,7 @@ pub fn check(
 }
 
 /// The events of each phase, each behind all it waits for.
-fn events_by_phase(plan: &Plan, order: &Order) -> Vec<Vec<EventId>> {
+fn events_by_phase(plan: &ProgramPlan, order: &Order) -> Vec<Vec<EventId>> {
     let mut events = vec![Vec::new(); plan.phases.len()];
     for &id in &order.events {
         if let Some(phase) = plan.phase_of(id) {
@@ -162,20 +162,20 @@ fn events_by_phase(plan: &Plan, order: &Order) -> Vec<Vec<EventId>> {
     events
 }
 
-struct Survey<'a> {
-    subject: Subject<'a>,
+struct ReachAnalysis<'a> {
+    subject: SoundProgram<'a>,
     /// What stands in the worst case of the phase at hand.
-    occupancy: Occupancy,
+    occupancy: OccupiedCells,
     /// Captures that have a way out in every order.
     is_safe: Vec<bool>,
     /// Known ways out, of a cube of one cell and of one of two.
     known_paths: [KnownPaths; 2],
     /// Work done and work allowed, for the proof and for the warning.
-    proof: Effort<'a>,
-    warning: Effort<'a>,
+    proof: SearchEffort<'a>,
+    warning: SearchEffort<'a>,
     /// The same for saying what is wrong and what helps, and events that are written out again to try it.
-    cures: Effort<'a>,
-    trials: Effort<'a>,
+    cures: SearchEffort<'a>,
+    trials: SearchEffort<'a>,
     /// The errors of the files as they are, once a cure has been tried.
     untouched: Option<Vec<Told>>,
 }
@@ -184,20 +184,20 @@ struct Survey<'a> {
 pub type Told = (Code, String);
 
 /// Places searched, and how many may be.
-struct Effort<'a> {
+struct SearchEffort<'a> {
     steps: u64,
     budget: u64,
     cancellation: Cancellation<'a>,
 }
 
-impl Effort<'_> {
+impl SearchEffort<'_> {
     /// Whether no more is allowed, or nobody waits for it.
     fn is_spent(&self) -> bool {
         self.steps > self.budget || self.cancellation.is_cancelled()
     }
 }
 
-impl Survey<'_> {
+impl ReachAnalysis<'_> {
     fn phase(
         &mut self,
         number: usize,
@@ -254,7 +254,7 @@ impl Survey<'_> {
     }
 }
 
-impl<'a> Survey<'a> {
+impl<'a> ReachAnalysis<'a> {
     /// The graph with every choice made: one way in which everything can happen, with as little as can be behind
     /// the events that are `late`. What does not wait for any of these in every order does not here.
     fn straight(&self, is_late: impl Fn(EventId) -> bool) -> Cow<'a, DependencyGraph> {

@@ -11,7 +11,7 @@ pub type Has<'a> = &'a dyn Fn(EventId) -> bool;
 
 /// The structure, with the captures of the phase at hand.
 #[derive(Clone, Default)]
-pub struct Occupancy {
+pub struct OccupiedCells {
     /// The capture that fills a cell.
     cells: FxHashMap<Cell, EventId>,
     /// Cells that a capture of the phase fills, and that the block before may not have left.
@@ -24,12 +24,12 @@ pub struct Occupancy {
     passed: std::cell::Cell<u64>,
 }
 
-impl Occupancy {
+impl OccupiedCells {
     /// Room for so many blocks.
-    pub fn with_capacity(count: usize) -> Occupancy {
-        Occupancy {
+    pub fn with_capacity(count: usize) -> OccupiedCells {
+        OccupiedCells {
             cells: FxHashMap::with_capacity_and_hasher(count, Default::default()),
-            ..Occupancy::default()
+            ..OccupiedCells::default()
         }
     }
 
@@ -82,7 +82,7 @@ impl Occupancy {
         self.tops.get(&(cell.x, cell.y)).copied()
     }
 
-    /// Makes [`Occupancy::is_blocked`] and [`Occupancy::ceiling`] possible.
+    /// Makes [`OccupiedCells::is_blocked`] and [`OccupiedCells::ceiling`] possible.
     pub fn sort(&mut self) {
         let cells = &self.cells;
         self.sorted
@@ -100,7 +100,7 @@ impl Occupancy {
         !self.held_over.is_empty() && self.held_over.contains(&cell)
     }
 
-    /// The height of the lowest blocked cell of a column from `z` on; needs [`Occupancy::sort`].
+    /// The height of the lowest blocked cell of a column from `z` on; needs [`OccupiedCells::sort`].
     pub fn ceiling(&self, x: i32, y: i32, z: i32, has: Has) -> Option<i32> {
         if self.is_clear(x, y, z) {
             return None;
@@ -113,7 +113,7 @@ impl Occupancy {
             .map(|cell| cell.z)
     }
 
-    /// Blocks passed by in [`Occupancy::ceiling`] since the last call.
+    /// Blocks passed by in [`OccupiedCells::ceiling`] since the last call.
     pub fn take_passed(&self) -> u64 {
         self.passed.take()
     }

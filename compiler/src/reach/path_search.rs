@@ -12,15 +12,15 @@ use std::collections::hash_map::Entry;
 use rustc_hash::FxHashMap;
 use stochc_ir::{Cell, Face};
 
-use super::Effort;
+use super::SearchEffort;
 use super::known_paths::KnownPaths;
-use super::occupancy::{Has, Occupancy};
+use super::occupancy::{Has, OccupiedCells};
 use crate::plan::EventId;
 
 /// What a search looks at.
-pub struct Search<'a> {
+pub struct PathSearch<'a> {
     /// The structure, sorted.
-    pub occupancy: &'a Occupancy,
+    pub occupancy: &'a OccupiedCells,
     /// Which of its captures have happened.
     pub has: Has<'a>,
     /// Edge of the cube that has to get through, in cells: 1 or 2.
@@ -37,7 +37,7 @@ pub enum SearchOutcome {
     Unknown,
 }
 
-impl Search<'_> {
+impl PathSearch<'_> {
     /// Whether a cube with its low corner at `at` meets a blocked cell.
     pub fn is_blocked(&self, at: Cell) -> bool {
         self.meets(at, 0, self.size)
@@ -103,7 +103,7 @@ impl Search<'_> {
         starts: impl IntoIterator<Item = Cell>,
         is_out: &dyn Fn(EventId) -> bool,
         known: &mut KnownPaths,
-        effort: &mut Effort<'_>,
+        effort: &mut SearchEffort<'_>,
     ) -> SearchOutcome {
         // Where each place was reached from.
         let mut found: FxHashMap<Cell, Cell> = FxHashMap::default();

@@ -3,8 +3,8 @@ use rustc_hash::FxHashSet;
 
 use super::descendants::DescendantIndex;
 use super::occupancy::Has;
-use super::path_search::{Search, SearchOutcome};
-use super::{EventId, Survey, after, all_before, before};
+use super::path_search::{PathSearch, SearchOutcome};
+use super::{EventId, ReachAnalysis, after, all_before, before};
 use crate::graph::DependencyGraph;
 use crate::turns::is_ready;
 
@@ -35,14 +35,14 @@ impl Dismantled {
     }
 }
 
-impl Survey<'_> {
+impl ReachAnalysis<'_> {
     /// The way out of the cell of a capture.
     pub fn way_out(&mut self, id: EventId, has: Has) -> SearchOutcome {
         let Some(cell) = self.cell(id) else {
             return SearchOutcome::Out;
         };
         self.occupancy.sort();
-        let search = Search {
+        let search = PathSearch {
             occupancy: &self.occupancy,
             has,
             size: 1,

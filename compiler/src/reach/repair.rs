@@ -6,15 +6,15 @@ use stochc_ir::Face;
 
 use super::descendants::{DescendantIndex, Descendants};
 use super::diagnose::Case;
-use super::path_search::{Search, SearchOutcome};
+use super::path_search::{PathSearch, SearchOutcome};
 use super::reachable::Dismantled;
-use super::{Cell, EventId, Survey};
+use super::{Cell, EventId, ReachAnalysis};
 use crate::Site;
 
 /// Cells looked at on the way out of one pocket.
 const FARTHEST: usize = 20_000;
 
-impl Survey<'_> {
+impl ReachAnalysis<'_> {
     /// Captures of a phase that leave `id` a way out if they come after it; none of them can be left out.
     ///
     /// They have gone before it where the phase is taken apart, so that all that is found in this way for one
@@ -79,7 +79,7 @@ impl Survey<'_> {
     ) -> Option<Vec<EventId>> {
         let start = self.cell(id)?;
         self.occupancy.sort();
-        let worst = Search {
+        let worst = PathSearch {
             occupancy: &self.occupancy,
             has: at_worst,
             size: 1,

@@ -2,8 +2,8 @@
 use stochc_ir::Face;
 
 use super::descendants::DescendantIndex;
-use super::path_search::{Search, SearchOutcome};
-use super::{Cell, EventId, Survey, after};
+use super::path_search::{PathSearch, SearchOutcome};
+use super::{Cell, EventId, ReachAnalysis, after};
 use crate::turns::is_ready;
 
 /// A capture that may wait for ever.
@@ -14,7 +14,7 @@ pub struct Stuck {
     pub is_shown: bool,
 }
 
-impl Survey<'_> {
+impl ReachAnalysis<'_> {
     /// The captures of a phase without a way out in their worst case, in source order.
     pub fn stuck(&mut self, events: &[EventId], descent: &DescendantIndex) -> Vec<Stuck> {
         let mut open: Vec<EventId> = (events.iter().copied())
@@ -98,7 +98,7 @@ impl Survey<'_> {
             });
             return false;
         };
-        let search = Search {
+        let search = PathSearch {
             occupancy: &self.occupancy,
             has: &|other| !following.contains(other),
             size: 1,

@@ -1,7 +1,7 @@
 //! Cures as changes of the text, each of them tried.
 use super::diagnose::Case;
-use super::edit::Statement;
-use super::{EventId, Survey, Told};
+use super::edit::CaptureStatement;
+use super::{EventId, ReachAnalysis, Told};
 use crate::Site;
 use crate::diagnostic::{Code, Fix};
 
@@ -20,7 +20,7 @@ pub struct Proposal {
 /// A statement that has to wait.
 #[derive(Clone)]
 struct Late<'a> {
-    statement: Statement<'a>,
+    statement: CaptureStatement<'a>,
     /// Where it stands.
     site: Site,
     /// The name that it has to wait for.
@@ -34,7 +34,7 @@ const MOST_WRITINGS: usize = 16;
 /// Events that a trial counts for, besides those of the program.
 const OVERHEAD: u64 = 250;
 
-impl<'a> Survey<'a> {
+impl<'a> ReachAnalysis<'a> {
     /// A change of the text that takes the error of this title away, which speaks of capture `id`, and brings no
     /// other; none of its parts can be left out. `first`: captures that may help if they come later.
     pub fn proposal(
@@ -78,13 +78,13 @@ impl<'a> Survey<'a> {
     fn writings(&self, id: EventId, later: &[EventId]) -> Vec<Vec<Late<'a>>> {
         let plan = self.subject.plan;
         let role = plan.event(id).role;
-        let mut statements: Vec<(Statement<'a>, Site, Vec<String>)> = Vec::new();
+        let mut statements: Vec<(CaptureStatement<'a>, Site, Vec<String>)> = Vec::new();
         for &other in later {
             let site = plan.event(other).site;
             if statements.iter().any(|(_, known, _)| *known == site) {
                 continue;
             }
-            let Some(statement) = Statement::of(&self.subject, other) else {
+            let Some(statement) = CaptureStatement::of(&self.subject, other) else {
                 return Vec::new();
             };
             let names = statement.names(&self.subject, other, role);
@@ -96,11 +96,12 @@ impl<'a> Survey<'a> {
         let most = statements.iter().map(|(.., names)| names.len()).max();
         (0..most.unwrap_or(0).min(MOST_WRITINGS))
             .map(|choice| {
-                let late = |(statement, site, names): &(Statement<'a>, Site, Vec<String>)| Late {
-                    statement: *statement,
-                    site: *site,
-                    name: names[choice.min(names.len() - 1)].clone(),
-                };
+                let late =
+                    |(statement, site, names): &(CaptureStatement<'a>, Site, Vec<String>)| Late {
+                        statement: *statement,
+                        site: *site,
+                        name: names[choice.min(names.len() - 1)].clone(),
+                    };
                 statements.iter().map(late).collect()
             })
             .collect()

@@ -30,7 +30,7 @@ pub fn read(
     let is_derived = base.is_some();
     let mut draft = base.unwrap_or_else(schema::unsaid);
     symbols.word(scene.name.symbol).clone_into(&mut draft.name);
-    let mut reader = Reader {
+    let mut reader = SceneReader {
         terms: scene.terms.iter().peekable(),
         place: scene.name.span,
         file,
@@ -41,7 +41,7 @@ pub fn read(
     let mut wrong: Vec<&str> = Vec::new();
     while let Some((name, clause)) = reader.head(&CLAUSES, "clause of a scene", &seen) {
         reader.once(&mut seen, name);
-        let mut said = Said::default();
+        let mut said = ClauseContent::default();
         match reader.entry(name, clause, &mut said) {
             Some(()) => said.put(&mut draft),
             None => wrong.push(clause.word),
@@ -66,12 +66,12 @@ pub fn read(
 
 /// What a clause says, before it is known which kind of term all of it belongs to.
 #[derive(Default)]
-struct Said {
+struct ClauseContent {
     makes: Vec<fn(&mut Scene)>,
     numbers: Vec<(&'static SchemaNumber, f64)>,
 }
 
-impl Said {
+impl ClauseContent {
     fn put(self, scene: &mut Scene) {
         for make in self.makes {
             make(scene);
@@ -82,7 +82,7 @@ impl Said {
     }
 }
 
-struct Reader<'a, 'f> {
+struct SceneReader<'a, 'f> {
     terms: std::iter::Peekable<std::slice::Iter<'a, Term>>,
     /// The last thing read, for messages about what is missing behind it.
     place: Span,
@@ -91,9 +91,14 @@ struct Reader<'a, 'f> {
     diagnostics: &'f mut Vec<Diagnostic>,
 }
 
-impl<'a> Reader<'a, '_> {
+impl<'a> SceneReader<'a, '_> {
     /// What stands behind the word of an entry in `clause`; `None`: something of it is wrong, which has been told.
-    fn entry(&mut self, clause: Name, entry: &'static SchemaEntry, said: &mut Said) -> Option<()> {
+    fn entry(
+        &mut self,
+        clause: Name,
+        entry: &'static SchemaEntry,
+        said: &mut ClauseContent,
+    ) -> Option<()> {
         said.makes.push(entry.make);
         let mut sound = Some(());
         for part in entry.parts {
@@ -128,7 +133,12 @@ impl<'a> Reader<'a, '_> {
     }
 
     /// A further word, which stands next if it is there.
-    fn then(&mut self, clause: Name, then: &'static SchemaEntry, said: &mut Said) -> Option<()> {
+    fn then(
+        &mut self,
+        clause: Name,
+        then: &'static SchemaEntry,
+        said: &mut ClauseContent,
+    ) -> Option<()> {
         if self.next_is(then.word) {
             return self.entry(clause, then, said);
         }
@@ -152,7 +162,7 @@ impl<'a> Reader<'a, '_> {
         clause: Name,
         fields: &'static [SchemaEntry],
         group: &'static FieldGroup,
-        said: &mut Said,
+        said: &mut ClauseContent,
     ) -> Option<()> {
         let Some(Term::Block(terms, span)) = self.terms.peek() else {
             self.without_braces(clause, fields, group);
@@ -160,7 +170,7 @@ impl<'a> Reader<'a, '_> {
         };
         self.terms.next();
         let before = self.diagnostics.len();
-        let mut inner = Reader {
+        let mut inner = SceneReader {
             terms: terms.iter().peekable(),
             place: *span,
             file: self.file,
@@ -171,7 +181,7 @@ impl<'a> Reader<'a, '_> {
         let mut sound: Vec<&str> = Vec::new();
         while let Some((name, field)) = inner.head(fields, "field", &seen) {
             inner.once(&mut seen, name);
-            let mut own = Said::default();
+            let mut own = ClauseContent::default();
             if inner.entry(name, field, &mut own).is_some() {
                 sound.push(field.word);
                 said.makes.append(&mut own.makes);

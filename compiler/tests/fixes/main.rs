@@ -14,7 +14,7 @@ pub use stochc_compiler as compiler;
 pub use stochc_ir as ir;
 
 use proptest::prelude::*;
-use stochc_compiler::diagnostic::{Change, Code, Diagnostic, Fix};
+use stochc_compiler::diagnostic::{Code, Diagnostic, Fix, TextChange};
 use stochc_compiler::{Checked, FileId, Fixed, Limits, LintLevels, check};
 
 /// Reads a text as `a.sa`, beside those that the fixtures import.
@@ -424,7 +424,7 @@ fn every_fixture_and_page_is_only_bettered() {
 
 /// A change takes its finding away and, if it is safe, brings no error and keeps all comments.
 fn one_change(text: &str, before: &Checked, diagnostic: &Diagnostic, fix: &Fix) {
-    let mut change = Change::new(FileId(0), text);
+    let mut change = TextChange::new(FileId(0), text);
     assert!(change.add(fix), "{fix:?}");
     let new = change.text();
     let after = checked(&new);

@@ -5,12 +5,16 @@ use stochc_ir::scene::schema::{self, SchemaNumber};
 use stochc_ir::scene::units::Dimension;
 
 use super::super::{to_si, unit_meant};
-use super::{Reader, Said, span};
+use super::{ClauseContent, SceneReader, span};
 use crate::diagnostic::{Code, Diagnostic, tell};
 
-impl<'a> Reader<'a, '_> {
+impl<'a> SceneReader<'a, '_> {
     /// A value for a number.
-    pub(super) fn number(&mut self, number: &'static SchemaNumber, said: &mut Said) -> Option<()> {
+    pub(super) fn number(
+        &mut self,
+        number: &'static SchemaNumber,
+        said: &mut ClauseContent,
+    ) -> Option<()> {
         let quantity = self.quantity(number.kind.dimension)?;
         let value = self.value(quantity, number.kind.dimension)?;
         if number.range.contains(value) {
@@ -29,7 +33,7 @@ impl<'a> Reader<'a, '_> {
         &mut self,
         low: &'static SchemaNumber,
         high: &'static SchemaNumber,
-        said: &mut Said,
+        said: &mut ClauseContent,
     ) -> Option<()> {
         let Some(Term::Range(first, last)) = self.terms.peek() else {
             return self.number(high, said);

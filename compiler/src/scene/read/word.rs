@@ -3,10 +3,10 @@ use stochc_grammar::tree::{Name, Term};
 use stochc_ir::scene::schema::SchemaEntry;
 use stochc_ir::suggest::nearest;
 
-use super::{Reader, named, span, words};
+use super::{SceneReader, named, span, words};
 use crate::diagnostic::{Code, Diagnostic, Fix, tell};
 
-impl Reader<'_, '_> {
+impl SceneReader<'_, '_> {
     /// The next word, which has to be one of `known`; skips what is none, and tells of it once.
     pub(super) fn head(
         &mut self,
