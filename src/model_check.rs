@@ -8,13 +8,15 @@ use stochc_compiler::diagnostic::{Code, Diagnostic};
 use stochc_compiler::{Checked, Program};
 use stochc_ir::graph::{Dependency, EventGraph, EventId};
 use stochc_ir::table::Tables;
-use stochc_protocol::explore::{Bounds, Expected, Exploration, Faults, Meant, Violation};
+use stochc_protocol::explore::{
+    Exploration, ExplorationBounds, Faults, Meant, ProgramGoals, Violation,
+};
 
 /// Captures and releases of a program that is explored on every check, at most.
 const MOST_EVENTS: usize = 500;
 
 /// How far every check goes: 25 to 60 ms where it ends here. It is counted, so that the answer is the same on every machine.
-const BOUNDS: Bounds = Bounds {
+const BOUNDS: ExplorationBounds = ExplorationBounds {
     states: 1_000,
     memory: 100_000_000,
     work: 100_000,
@@ -62,7 +64,7 @@ fn fault(program: &Program) -> Option<Diagnostic> {
 }
 
 /// What tables are meant to do, by the dependency graph: it does not matter how they say it.
-pub fn expected(graph: &EventGraph, tables: &Tables) -> Expected {
+pub fn expected(graph: &EventGraph, tables: &Tables) -> ProgramGoals {
     let meant = (0..graph.events.len() as u32).map(EventId).map(|id| {
         let event = graph.event(id);
         let mut meant = Meant {
@@ -84,7 +86,7 @@ pub fn expected(graph: &EventGraph, tables: &Tables) -> Expected {
         }
         meant
     });
-    Expected::meant(tables, meant)
+    ProgramGoals::meant(tables, meant)
 }
 
 /// The shortest way to go wrong, if it can be found, or else the one that was.

@@ -13,7 +13,9 @@ use stochc::compiler::scene::built_in;
 use stochc::ir::Cell;
 use stochc::ir::scene::Messages;
 use stochc::ir::table::Tables;
-use stochc::protocol::explore::{Bound, Bounds, Faults, Verdict, explore};
+use stochc::protocol::explore::{
+    ExceededBound, ExplorationBounds, ExplorationVerdict, Faults, explore,
+};
 use stochc::runtime::control::Controller;
 use stochc::runtime::drive;
 use stochc::runtime::world::World;
@@ -103,10 +105,10 @@ fn reuse_holds_in_every_order() {
         failure_persistence: None,
         ..ProptestConfig::default()
     };
-    let bounds = Bounds {
+    let bounds = ExplorationBounds {
         states: 3_000,
         work: 3_000_000,
-        ..Bounds::default()
+        ..ExplorationBounds::default()
     };
     let random = TestRng::deterministic_rng(RngAlgorithm::ChaCha);
     let mut runner = TestRunner::new_with_rng(config, random);
@@ -119,8 +121,8 @@ fn reuse_holds_in_every_order() {
             let tables = declared.tables();
             let report = explore(&tables, &bounds, &Faults::default());
             match report.verdict {
-                Verdict::Holds => in_full.set(in_full.get() + 1),
-                Verdict::Unfinished(Bound::States | Bound::Work) => {}
+                ExplorationVerdict::Holds => in_full.set(in_full.get() + 1),
+                ExplorationVerdict::Unfinished(ExceededBound::States | ExceededBound::Work) => {}
                 verdict => prop_assert!(false, "{}\n{verdict:#?}", declared.text),
             }
             for hop in [0, 1] {

@@ -12,7 +12,10 @@ use stochc::compiler::diagnostic::{Code, Diagnostic};
 use stochc::compiler::{Checked, Limits, check};
 use stochc::ir::table::Tables;
 use stochc::ir::{Cell, Face};
-use stochc::protocol::explore::{Bounds, Expected, Exploration, Faults, Property, Report, Verdict};
+use stochc::protocol::explore::{
+    Exploration, ExplorationBounds, ExplorationReport, ExplorationVerdict, Faults, ProgramGoals,
+    Property,
+};
 
 const PAGE: &str = "docs/verification.md";
 
@@ -76,11 +79,15 @@ impl Case {
             .unwrap_or_else(|| panic!("{}: {:#?}", self.name, self.checked.diagnostics))
     }
 
-    fn execute(&self) -> Report {
+    fn execute(&self) -> ExplorationReport {
         let tables = self.tables();
-        let expected = Expected::of(tables);
-        let mut exploration =
-            Exploration::new(tables, &expected, Bounds::default(), Faults::default());
+        let expected = ProgramGoals::of(tables);
+        let mut exploration = Exploration::new(
+            tables,
+            &expected,
+            ExplorationBounds::default(),
+            Faults::default(),
+        );
         exploration.reach = Some(&is_open);
         exploration.run()
     }
@@ -132,7 +139,7 @@ fn proof_and_execution_agree_on_every_program() {
             }
             Some(_) => {
                 wrong += 1;
-                let Verdict::Violated(violation) = &report.verdict else {
+                let ExplorationVerdict::Violated(violation) = &report.verdict else {
                     panic!("{}: {errors:#?}\n{report:#?}", case.name);
                 };
                 assert_eq!(violation.property, Property::NoHang, "{}", case.name);
@@ -191,8 +198,13 @@ fn execution_without_walls_does_not_see_what_the_check_sees() {
     assert!(sealed.len() >= 8);
     for case in sealed {
         let tables = case.tables();
-        let expected = Expected::of(tables);
-        let exploration = Exploration::new(tables, &expected, Bounds::default(), Faults::default());
+        let expected = ProgramGoals::of(tables);
+        let exploration = Exploration::new(
+            tables,
+            &expected,
+            ExplorationBounds::default(),
+            Faults::default(),
+        );
         // Only the protocol: it does its part, and cannot know that no block will come.
         assert!(exploration.run().holds(), "{}", case.name);
     }
@@ -277,7 +289,7 @@ fn never_means_in_no_order() {
         programs += 1;
         let program = &checked.programs[0];
         let tables = program.stuck.as_ref().unwrap();
-        let expected = Expected::of(tables);
+        let expected = ProgramGoals::of(tables);
         // Every cell that is full in some order: all of them are visited, and asked for the next one.
         let seen = RefCell::new(BTreeSet::new());
         let reach = |full: &BTreeSet<Cell>, target: Cell| {
@@ -288,8 +300,12 @@ fn never_means_in_no_order() {
             }
             open
         };
-        let mut exploration =
-            Exploration::new(tables, &expected, Bounds::default(), Faults::default());
+        let mut exploration = Exploration::new(
+            tables,
+            &expected,
+            ExplorationBounds::default(),
+            Faults::default(),
+        );
         exploration.reach = Some(&reach);
         exploration.reduce = false;
         exploration.hangs_allowed = true;

@@ -5,7 +5,8 @@ use std::collections::BTreeSet;
 use proptest::prelude::*;
 use stochc::ir::table::Tables;
 use stochc::protocol::explore::{
-    Bounds, Expected, Exploration, Faults, Property, Report, Verdict, Violation,
+    Exploration, ExplorationBounds, ExplorationReport, ExplorationVerdict, Faults, ProgramGoals,
+    Property, Violation,
 };
 use stochc::runtime::counter_rng::schedules;
 
@@ -36,12 +37,12 @@ fn small() -> Vec<Tables> {
     programs
 }
 
-fn with(tables: &Tables, faults: Faults) -> Report {
+fn with(tables: &Tables, faults: Faults) -> ExplorationReport {
     explore_as(tables, |all| all.faults = faults)
 }
 
 /// Explores, and takes a hang for an end like any other.
-fn with_hangs(tables: &Tables, faults: Faults) -> Report {
+fn with_hangs(tables: &Tables, faults: Faults) -> ExplorationReport {
     explore_as(tables, |all| {
         all.faults = faults;
         all.hangs_allowed = true;
@@ -53,7 +54,12 @@ fn lost_messages_are_survived() {
     for tables in programs() {
         for lost in [1, 2] {
             let report = with(&tables, Faults { lost, ..NONE });
-            assert_eq!(report.verdict, Verdict::Holds, "{}", tables.assembly);
+            assert_eq!(
+                report.verdict,
+                ExplorationVerdict::Holds,
+                "{}",
+                tables.assembly
+            );
         }
     }
 }
@@ -72,7 +78,7 @@ fn where_nothing_is_sent_again_a_lost_message_is_a_hang_and_nothing_worse() {
         assert!(violation.trace.iter().any(|line| line.contains(" is lost")));
     }
     let report = with_hangs(&tables(BUSY), faults);
-    assert_eq!(report.verdict, Verdict::Holds);
+    assert_eq!(report.verdict, ExplorationVerdict::Holds);
     assert!(report.hangs > 0);
 }
 
@@ -82,7 +88,12 @@ fn a_dead_block_is_a_hang_and_nothing_worse() {
     // Where blocks die all orders are tried: too many for the others, which are tried by chance.
     for tables in small() {
         let report = with_hangs(&tables, dead);
-        assert_eq!(report.verdict, Verdict::Holds, "{}", tables.assembly);
+        assert_eq!(
+            report.verdict,
+            ExplorationVerdict::Holds,
+            "{}",
+            tables.assembly
+        );
         assert!(report.hangs > 0);
         let report = with(&tables, dead);
         let violation = report.violation().expect("a death that matters");
@@ -90,16 +101,22 @@ fn a_dead_block_is_a_hang_and_nothing_worse() {
         assert!(violation.trace.iter().any(|line| line.ends_with(" dies")));
     }
     for tables in programs() {
-        let expected = Expected::of(&tables);
-        let mut exploration = Exploration::new(&tables, &expected, Bounds::default(), dead);
+        let expected = ProgramGoals::of(&tables);
+        let mut exploration =
+            Exploration::new(&tables, &expected, ExplorationBounds::default(), dead);
         exploration.hangs_allowed = true;
         let report = exploration.sample(500, &mut schedules(1));
-        assert_eq!(report.verdict, Verdict::Sampled, "{}", tables.assembly);
+        assert_eq!(
+            report.verdict,
+            ExplorationVerdict::Sampled,
+            "{}",
+            tables.assembly
+        );
         assert!(report.hangs > 0);
     }
     let two = Faults { dead: 2, ..NONE };
     let report = with_hangs(&tables_of("tests/fixtures/tower.sa")[0], two);
-    assert_eq!(report.verdict, Verdict::Holds);
+    assert_eq!(report.verdict, ExplorationVerdict::Holds);
 }
 
 #[test]
@@ -109,7 +126,10 @@ fn a_block_that_dies_when_its_work_is_done_is_survived() {
     let dead = Faults { dead: 1, ..NONE };
     let report = with_hangs(&tables, dead);
     // A reports in the moment of its capture; from then on it may die.
-    assert_eq!((report.verdict, report.hangs), (Verdict::Holds, 0));
+    assert_eq!(
+        (report.verdict, report.hangs),
+        (ExplorationVerdict::Holds, 0)
+    );
 }
 
 #[test]
@@ -118,7 +138,12 @@ fn a_stray_that_can_be_shaken_off_is_survived() {
     // As long as the stray is still to come all orders are tried: too many for the others.
     for tables in small() {
         let report = with(&tables, stray);
-        assert_eq!(report.verdict, Verdict::Holds, "{}", tables.assembly);
+        assert_eq!(
+            report.verdict,
+            ExplorationVerdict::Holds,
+            "{}",
+            tables.assembly
+        );
         assert!(report.choices > 10);
     }
 }
@@ -137,7 +162,7 @@ fn a_stray_that_sticks_stands_in_the_way_or_stays() {
             phase only { M.up -> A.up -> B  A.east -> C }
         }",
     );
-    let (expected, bounds) = (Expected::of(&corner), Bounds::default());
+    let (expected, bounds) = (ProgramGoals::of(&corner), ExplorationBounds::default());
     let exploration = Exploration::new(&corner, &expected, bounds, stuck);
     let violations: Vec<Violation> = (0..200)
         .filter_map(|seed| {
@@ -173,7 +198,7 @@ fn a_block_that_is_mistaken_about_how_it_sits_builds_something_else() {
     insta::assert_snapshot!(violation);
     // Who captures nothing has no use for it.
     let one = tables("assembly one { seed plate 1 x 1 { M at (0, 0) } phase only { M.up -> A } }");
-    assert_eq!(with(&one, mistaken).verdict, Verdict::Holds);
+    assert_eq!(with(&one, mistaken).verdict, ExplorationVerdict::Holds);
 }
 
 proptest! {
@@ -189,7 +214,7 @@ proptest! {
             let report = explore_as(&tables, |all| {
                 all.faults = faults;
                 all.hangs_allowed = faults.dead > 0;
-                all.bounds = Bounds { states: 5_000, ..Bounds::default() };
+                all.bounds = ExplorationBounds { states: 5_000, ..ExplorationBounds::default() };
             });
             if let Some(violation) = report.violation() {
                 prop_assert!(false, "{faults:?}\n{violation}");
@@ -219,7 +244,7 @@ fn fewer_orders_find_the_same_with_losses() {
             })
         });
         let [full, reduced] = &explored;
-        if !matches!(full.verdict, Verdict::Unfinished(_)) {
+        if !matches!(full.verdict, ExplorationVerdict::Unfinished(_)) {
             prop_assert_eq!(&full.verdict, &reduced.verdict);
             prop_assert_eq!(full.hangs, reduced.hangs);
             compared.set(compared.get() + 1);

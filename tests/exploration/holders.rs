@@ -1,7 +1,7 @@
 //! What hangs on what is a matter of blocks, not of their names.
 use stochc::compiler::check;
 use stochc::compiler::diagnostic::Code;
-use stochc::protocol::explore::Verdict;
+use stochc::protocol::explore::ExplorationVerdict;
 
 use crate::programs::{explore, tables};
 
@@ -44,6 +44,10 @@ fn a_block_waits_for_all_that_hang_on_it_one_after_the_other() {
         "release B, A  M.up -> B after release B  B.up -> A after release A",
     ] {
         let tables = tables(&program(phase));
-        assert_eq!(explore(&tables).verdict, Verdict::Holds, "{phase}");
+        assert_eq!(
+            explore(&tables).verdict,
+            ExplorationVerdict::Holds,
+            "{phase}"
+        );
     }
 }

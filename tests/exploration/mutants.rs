@@ -3,7 +3,9 @@ use std::collections::BTreeMap;
 
 use stochc::compiler::diagnostic::Code;
 use stochc::ir::table::{Action, Condition, LooseDuty, News, Tables};
-use stochc::protocol::explore::{Bounds, Expected, Exploration, Faults, Property, Report};
+use stochc::protocol::explore::{
+    Exploration, ExplorationBounds, ExplorationReport, Faults, ProgramGoals, Property,
+};
 
 use crate::programs::{BUSY, tables, tables_of};
 
@@ -28,8 +30,8 @@ fn assemble(tables: &Tables, duties: Vec<LooseDuty>) -> Tables {
 }
 
 /// Explores tables that are meant to do what others do, in full and reduced.
-fn judge(mutant: &Tables, original: &Tables) -> [Report; 2] {
-    let (expected, bounds) = (Expected::of(original), Bounds::default());
+fn judge(mutant: &Tables, original: &Tables) -> [ExplorationReport; 2] {
+    let (expected, bounds) = (ProgramGoals::of(original), ExplorationBounds::default());
     let faults = Faults::default();
     [true, false].map(|reduce| {
         let mut exploration = Exploration::new(mutant, &expected, bounds, faults);

@@ -3,7 +3,9 @@ use std::cell::Cell;
 
 use proptest::prelude::*;
 use stochc::ir::table::PhaseId;
-use stochc::protocol::explore::{Bound, Bounds, Expected, Exploration, Faults, Verdict};
+use stochc::protocol::explore::{
+    ExceededBound, Exploration, ExplorationBounds, ExplorationVerdict, Faults, ProgramGoals,
+};
 use stochc::runtime::counter_rng::schedules;
 
 use crate::programs::{BUSY, explore, explore_as, fixed_cases, tables, tables_of};
@@ -20,7 +22,11 @@ fn every_example_and_fixture_holds() {
                 continue;
             }
             for tables in tables_of(path) {
-                assert_eq!(explore(&tables).verdict, Verdict::Holds, "{path}");
+                assert_eq!(
+                    explore(&tables).verdict,
+                    ExplorationVerdict::Holds,
+                    "{path}"
+                );
                 count += 1;
             }
         }
@@ -35,8 +41,8 @@ fn all_orders_of_the_five_towers_are_tried() {
     };
     let full = explore_as(tables, |all| all.reduce = false);
     let reduced = explore(tables);
-    assert_eq!(full.verdict, Verdict::Holds);
-    assert_eq!(reduced.verdict, Verdict::Holds);
+    assert_eq!(full.verdict, ExplorationVerdict::Holds);
+    assert_eq!(reduced.verdict, ExplorationVerdict::Holds);
     // Four towers, each in one of five states (waiting for either block, a report with two hops to
     // make, one, none), then one that passes through five such states, and the end.
     assert_eq!(full.states, 5_u64.pow(4) + 5 + 1);
@@ -65,9 +71,9 @@ fn states_and_transitions_with_and_without_the_reduction() {
             all.bounds.states = 20_000;
         });
         let reduced = explore(tables);
-        assert_eq!(reduced.verdict, Verdict::Holds);
+        assert_eq!(reduced.verdict, ExplorationVerdict::Holds);
         let counts = match full.verdict {
-            Verdict::Holds => format!("{}, {}", full.states, full.transitions),
+            ExplorationVerdict::Holds => format!("{}, {}", full.states, full.transitions),
             _ => format!("more than {}", full.states - 1),
         };
         table.push_str(&format!(
@@ -91,18 +97,21 @@ fn twenty_captures_at_once_are_no_matter() {
         }";
     let tables = tables(text);
     let reduced = explore(&tables);
-    assert_eq!(reduced.verdict, Verdict::Holds);
+    assert_eq!(reduced.verdict, ExplorationVerdict::Holds);
     assert_eq!(reduced.transitions, 20 * 2 + 1);
     // All 3^20 states are too many.
-    let bounds = Bounds {
+    let bounds = ExplorationBounds {
         states: 10_000,
-        ..Bounds::default()
+        ..ExplorationBounds::default()
     };
     let full = explore_as(&tables, |all| {
         all.reduce = false;
         all.bounds = bounds;
     });
-    assert_eq!(full.verdict, Verdict::Unfinished(Bound::States));
+    assert_eq!(
+        full.verdict,
+        ExplorationVerdict::Unfinished(ExceededBound::States)
+    );
     assert_eq!(full.states, 10_001);
 }
 
@@ -111,39 +120,43 @@ fn bounds_are_kept() {
     let tables = tables(BUSY);
     for (bounds, bound) in [
         (
-            Bounds {
+            ExplorationBounds {
                 states: 5,
-                ..Bounds::default()
+                ..ExplorationBounds::default()
             },
-            Bound::States,
+            ExceededBound::States,
         ),
         (
-            Bounds {
+            ExplorationBounds {
                 memory: 20_000,
-                ..Bounds::default()
+                ..ExplorationBounds::default()
             },
-            Bound::Memory,
+            ExceededBound::Memory,
         ),
         (
-            Bounds {
+            ExplorationBounds {
                 work: 50,
-                ..Bounds::default()
+                ..ExplorationBounds::default()
             },
-            Bound::Work,
+            ExceededBound::Work,
         ),
     ] {
         let report = explore_as(&tables, |all| all.bounds = bounds);
-        assert_eq!(report.verdict, Verdict::Unfinished(bound));
+        assert_eq!(report.verdict, ExplorationVerdict::Unfinished(bound));
     }
 }
 
 #[test]
 fn chance_tries_what_is_too_much() {
     let tables = tables(BUSY);
-    let (expected, bounds, faults) = (Expected::of(&tables), Bounds::default(), Faults::default());
+    let (expected, bounds, faults) = (
+        ProgramGoals::of(&tables),
+        ExplorationBounds::default(),
+        Faults::default(),
+    );
     let exploration = Exploration::new(&tables, &expected, bounds, faults);
     let report = exploration.sample(500, &mut schedules(3));
-    assert_eq!(report.verdict, Verdict::Sampled);
+    assert_eq!(report.verdict, ExplorationVerdict::Sampled);
     assert_eq!(report.schedules, 500);
     assert_eq!(report, exploration.sample(500, &mut schedules(3)));
 }
@@ -158,22 +171,22 @@ proptest! {
     ) {
         let declared = declare(choices, faces);
         let tables = declared.tables();
-        let expected = Expected::of(&tables);
+        let expected = ProgramGoals::of(&tables);
         let built: std::collections::BTreeMap<_, _> = expected
             .structure(PhaseId(tables.phases.len() as u32 - 1))
             .iter()
             .map(|(&role, &cell)| (tables.name(role).to_owned(), cell))
             .collect();
         prop_assert_eq!(built, declared.structure);
-        let bounds = Bounds { states: 3_000, ..Bounds::default() };
+        let bounds = ExplorationBounds { states: 3_000, ..ExplorationBounds::default() };
         let report = stochc::protocol::explore::explore(&tables, &bounds, &Faults::default());
         match report.verdict {
-            Verdict::Holds | Verdict::Unfinished(Bound::States) => {}
+            ExplorationVerdict::Holds | ExplorationVerdict::Unfinished(ExceededBound::States) => {}
             verdict => prop_assert!(false, "{}\n{verdict:#?}", declared.text),
         }
         let faults = Faults::default();
         let sampled = Exploration::new(&tables, &expected, bounds, faults).sample(20, &mut schedules(1));
-        prop_assert_eq!(sampled.verdict, Verdict::Sampled);
+        prop_assert_eq!(sampled.verdict, ExplorationVerdict::Sampled);
     }
 }
 
@@ -183,9 +196,9 @@ fn fewer_orders_find_the_same() {
     let [full_states, reduced_states, compared] = [(); 3].map(|()| Cell::new(0));
     let mut runner = fixed_cases(300);
     let choices = prop::collection::vec(any::<u32>(), 0..40);
-    let bounds = Bounds {
+    let bounds = ExplorationBounds {
         states: 20_000,
-        ..Bounds::default()
+        ..ExplorationBounds::default()
     };
     let done = runner.run(&(choices, 1u8..=3), |(choices, faces)| {
         let tables = declare(choices, faces).tables();
@@ -197,7 +210,7 @@ fn fewer_orders_find_the_same() {
             })
         };
         let (full, reduced) = (with(false), with(true));
-        if matches!(full.verdict, Verdict::Unfinished(_)) {
+        if matches!(full.verdict, ExplorationVerdict::Unfinished(_)) {
             return Ok(());
         }
         prop_assert_eq!(&full.verdict, &reduced.verdict);

@@ -1,6 +1,6 @@
 //! Hardware whose faces always attract, and blocks that are attached by hand.
 use stochc::ir::scene::BondKind;
-use stochc::protocol::explore::{Faults, Property, Verdict};
+use stochc::protocol::explore::{ExplorationVerdict, Faults, Property};
 
 use crate::programs::{BUSY, explore, explore_as, tables, tables_of};
 
@@ -25,7 +25,7 @@ fn an_unplanned_bond_changes_nothing_at_any_moment() {
     for tables in passive() {
         assert_eq!(
             explore(&tables).verdict,
-            Verdict::Holds,
+            ExplorationVerdict::Holds,
             "{}",
             tables.assembly
         );
@@ -54,7 +54,7 @@ fn one_that_cannot_be_undone_is_found() {
 fn what_is_attached_by_hand_is_there_before_anything_happens() {
     for tables in tables_of("tests/fixtures/attached.sa") {
         assert!(tables.phases[0].planted);
-        assert_eq!(explore(&tables).verdict, Verdict::Holds);
+        assert_eq!(explore(&tables).verdict, ExplorationVerdict::Holds);
         // The first thing that can happen is the first capture of the first ordinary phase.
         let mut early = tables.clone();
         early.phases[1].reports = 0;

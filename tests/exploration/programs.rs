@@ -1,7 +1,9 @@
 //! Programs to explore, and ways to explore them.
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use stochc::ir::table::Tables;
-use stochc::protocol::explore::{Bounds, Expected, Exploration, Faults, Report};
+use stochc::protocol::explore::{
+    Exploration, ExplorationBounds, ExplorationReport, Faults, ProgramGoals,
+};
 
 /// The tables of the one assembly of a text.
 pub fn tables(text: &str) -> Tables {
@@ -22,8 +24,8 @@ pub fn tables_of(path: &str) -> Vec<Tables> {
 }
 
 /// Explores tables with the default bounds and without faults.
-pub fn explore(tables: &Tables) -> Report {
-    stochc::protocol::explore::explore(tables, &Bounds::default(), &Faults::default())
+pub fn explore(tables: &Tables) -> ExplorationReport {
+    stochc::protocol::explore::explore(tables, &ExplorationBounds::default(), &Faults::default())
 }
 
 /// Random programs that are the same in every run of the test, for sums over all of them.
@@ -33,9 +35,9 @@ pub fn fixed_cases(number: u32) -> TestRunner {
 }
 
 /// Explores tables, after something about the exploration has been changed.
-pub fn explore_as(tables: &Tables, change: impl Fn(&mut Exploration)) -> Report {
-    let expected = Expected::of(tables);
-    let (bounds, faults) = (Bounds::default(), Faults::default());
+pub fn explore_as(tables: &Tables, change: impl Fn(&mut Exploration)) -> ExplorationReport {
+    let expected = ProgramGoals::of(tables);
+    let (bounds, faults) = (ExplorationBounds::default(), Faults::default());
     let mut exploration = Exploration::new(tables, &expected, bounds, faults);
     change(&mut exploration);
     exploration.run()

@@ -3,7 +3,7 @@ use std::collections::BTreeSet;
 
 use proptest::prelude::*;
 use stochc::ir::{Cell, Face};
-use stochc::protocol::explore::{Property, Verdict};
+use stochc::protocol::explore::{ExplorationVerdict, Property};
 
 use crate::programs::{explore, explore_as, fixed_cases, tables};
 use crate::random::declare;
@@ -44,7 +44,7 @@ fn can_come(occupied: &BTreeSet<Cell>, cell: Cell) -> bool {
 #[test]
 fn a_cell_that_is_closed_in_one_order_is_a_hang() {
     let well = tables(WELL);
-    assert_eq!(explore(&well).verdict, Verdict::Holds);
+    assert_eq!(explore(&well).verdict, ExplorationVerdict::Holds);
     for reduce in [true, false] {
         let report = explore_as(&well, |all| {
             all.reach = Some(&can_come);
@@ -84,7 +84,7 @@ fn an_order_that_keeps_the_way_open_holds() {
     assert!(
         explored
             .iter()
-            .all(|report| report.verdict == Verdict::Holds)
+            .all(|report| report.verdict == ExplorationVerdict::Holds)
     );
     assert!(explored[0].states * 10 < explored[1].states, "{explored:?}");
 }
@@ -111,7 +111,7 @@ fn fewer_orders_find_the_same_closed_cells() {
                 all.reach = Some(&can_fit);
             })
         });
-        if !matches!(full.verdict, Verdict::Unfinished(_)) {
+        if !matches!(full.verdict, ExplorationVerdict::Unfinished(_)) {
             prop_assert_eq!(&full.verdict, &reduced.verdict);
             prop_assert_eq!(full.hangs, reduced.hangs);
             hangs.set(hangs.get() + full.hangs);

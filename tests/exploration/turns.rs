@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use stochc::compiler::diagnostic::Code;
 use stochc::compiler::order::Order;
 use stochc::compiler::{Checked, check};
-use stochc::protocol::explore::Verdict;
+use stochc::protocol::explore::ExplorationVerdict;
 
 use crate::programs::explore;
 
@@ -91,7 +91,7 @@ proptest! {
             prop_assert_eq!(Order::length(&program.plan, &order.chains[1]), rounds, "{}", text);
         }
         let tables = program.tables.as_ref().or(program.stuck.as_ref()).unwrap();
-        let holds = explore(tables).verdict == Verdict::Holds;
+        let holds = explore(tables).verdict == ExplorationVerdict::Holds;
         prop_assert_eq!(holds, rounds.is_some(), "{}", text);
     }
 }
@@ -124,5 +124,5 @@ fn a_capture_waits_for_any_of_those_before_it() {
             "once 2 of B[0], B[1], B[2] have docked: magnetize south for B[3] at (0, -1, 2)",
         ]
     );
-    assert_eq!(explore(tables).verdict, Verdict::Holds);
+    assert_eq!(explore(tables).verdict, ExplorationVerdict::Holds);
 }

@@ -3,17 +3,20 @@ use std::collections::{HashSet, VecDeque};
 
 use super::Exploration;
 use super::checker::Breach;
-use super::context::Context;
+use super::context::ExplorationContext;
 use super::faults::FaultChoice;
 use super::fingerprint::fingerprint;
 use super::persistent::PersistentSets;
-use super::report::Verdict;
+use super::report::ExplorationVerdict;
 use super::state::ProgramState;
 use super::transition::Transition;
 
-/// Looks for it; [`Verdict::Holds`]: nothing goes wrong in as many states as may be visited.
-pub(super) fn shortest<'t>(exploration: &Exploration<'t>, struck: &'t FaultChoice) -> Verdict {
-    let context = Context::new(exploration, struck);
+/// Looks for it; [`ExplorationVerdict::Holds`]: nothing goes wrong in as many states as may be visited.
+pub(super) fn shortest<'t>(
+    exploration: &Exploration<'t>,
+    struck: &'t FaultChoice,
+) -> ExplorationVerdict {
+    let context = ExplorationContext::new(exploration, struck);
     let checker = exploration.checker();
     let mut persistent = exploration.reduce.then(|| PersistentSets::new(context));
     // How each state was come to first: from which, and by which transition.
@@ -70,5 +73,5 @@ pub(super) fn shortest<'t>(exploration: &Exploration<'t>, struck: &'t FaultChoic
             break;
         }
     }
-    Verdict::Holds
+    ExplorationVerdict::Holds
 }

@@ -4,11 +4,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use stochc_ir::Cell;
 use stochc_ir::table::{PhaseId, RoleId};
 
-use super::context::Context;
+use super::context::ExplorationContext;
 use super::describe::Describer;
 use super::effects::Effects;
-use super::expected::{Expected, PhaseGoal};
-use super::report::{Property, Verdict, Violation};
+use super::expected::{PhaseGoal, ProgramGoals};
+use super::report::{ExplorationVerdict, Property, Violation};
 use super::state::ProgramState;
 use super::transition::Transition;
 use crate::Reporter;
@@ -19,7 +19,7 @@ pub(super) type Breach = (Property, String);
 /// Judges by what is expected.
 #[derive(Clone, Copy)]
 pub(super) struct PropertyChecker<'a> {
-    pub expected: &'a Expected,
+    pub expected: &'a ProgramGoals,
     pub describer: Describer<'a>,
 }
 
@@ -59,7 +59,11 @@ impl PropertyChecker<'_> {
     }
 
     /// What is wrong with a state in which a block may dock where nobody expects it.
-    pub fn unplanned(&self, context: &Context<'_>, state: &ProgramState<'_>) -> Option<Breach> {
+    pub fn unplanned(
+        &self,
+        context: &ExplorationContext<'_>,
+        state: &ProgramState<'_>,
+    ) -> Option<Breach> {
         // Faults bring strays of their own.
         if !context.tables.bond.is_passive() || !context.faults.is_none() {
             return None;
@@ -73,12 +77,12 @@ impl PropertyChecker<'_> {
     /// The verdict on something wrong, with the transitions that led there.
     pub fn violated(
         &self,
-        context: &Context<'_>,
+        context: &ExplorationContext<'_>,
         (property, what): Breach,
         phase: Option<PhaseId>,
         transitions: &[Transition],
-    ) -> Verdict {
-        Verdict::Violated(Box::new(Violation {
+    ) -> ExplorationVerdict {
+        ExplorationVerdict::Violated(Box::new(Violation {
             property,
             phase: phase.unwrap_or(PhaseId(0)),
             what,

@@ -3,11 +3,11 @@ use std::collections::HashSet;
 
 use super::Exploration;
 use super::checker::{Breach, PropertyChecker};
-use super::context::Context;
+use super::context::ExplorationContext;
 use super::faults::FaultChoice;
 use super::fingerprint::fingerprint;
 use super::persistent::PersistentSets;
-use super::report::{Bound, Report, Verdict};
+use super::report::{ExceededBound, ExplorationReport, ExplorationVerdict};
 use super::state::ProgramState;
 use super::transition::Transition;
 
@@ -25,7 +25,7 @@ struct Visit<'t> {
 /// Everything about one search.
 pub(super) struct DepthFirst<'s, 't> {
     exploration: &'s Exploration<'t>,
-    context: Context<'t>,
+    context: ExplorationContext<'t>,
     checker: PropertyChecker<'t>,
     persistent: Option<PersistentSets<'t>>,
     visited: HashSet<u128>,
@@ -38,7 +38,7 @@ pub(super) struct DepthFirst<'s, 't> {
 
 impl<'s, 't> DepthFirst<'s, 't> {
     pub fn new(exploration: &'s Exploration<'t>, struck: &'t FaultChoice) -> DepthFirst<'s, 't> {
-        let context = Context::new(exploration, struck);
+        let context = ExplorationContext::new(exploration, struck);
         DepthFirst {
             exploration,
             context,
@@ -54,7 +54,7 @@ impl<'s, 't> DepthFirst<'s, 't> {
     }
 
     /// Goes through all states, and adds what it finds to a report.
-    pub fn run(mut self, report: &mut Report) {
+    pub fn run(mut self, report: &mut ExplorationReport) {
         report.verdict = self.verdict();
         report.states += self.visited.len() as u64;
         report.transitions += self.transitions;
@@ -62,7 +62,7 @@ impl<'s, 't> DepthFirst<'s, 't> {
         report.work += self.work;
     }
 
-    fn verdict(&mut self) -> Verdict {
+    fn verdict(&mut self) -> ExplorationVerdict {
         let (first, effects) = ProgramState::first(&self.context);
         if let Some(wrong) = self.checker.effects(&effects) {
             return self.violated(wrong);
@@ -87,24 +87,24 @@ impl<'s, 't> DepthFirst<'s, 't> {
                 return verdict;
             }
         }
-        Verdict::Holds
+        ExplorationVerdict::Holds
     }
 
     /// Takes a state up, unless it has been before; says when that ends the search.
-    fn enter(&mut self, state: ProgramState<'t>) -> Option<Verdict> {
+    fn enter(&mut self, state: ProgramState<'t>) -> Option<ExplorationVerdict> {
         if !self.visited.insert(fingerprint(&state)) {
             return None;
         }
         let bounds = &self.exploration.bounds;
         if self.visited.len() as u64 > bounds.states {
-            return Some(Verdict::Unfinished(Bound::States));
+            return Some(ExplorationVerdict::Unfinished(ExceededBound::States));
         }
         self.weight += state.weight();
         if self.weight + self.visited.len() * ENTRY > bounds.memory {
-            return Some(Verdict::Unfinished(Bound::Memory));
+            return Some(ExplorationVerdict::Unfinished(ExceededBound::Memory));
         }
         if self.work > bounds.work {
-            return Some(Verdict::Unfinished(Bound::Work));
+            return Some(ExplorationVerdict::Unfinished(ExceededBound::Work));
         }
         let unplanned = self.checker.unplanned(&self.context, &state);
         let mut todo = state.transitions(&self.context);
@@ -137,7 +137,7 @@ impl<'s, 't> DepthFirst<'s, 't> {
         None
     }
 
-    fn violated(&self, wrong: Breach) -> Verdict {
+    fn violated(&self, wrong: Breach) -> ExplorationVerdict {
         let transitions: Vec<Transition> =
             self.way.iter().filter_map(|visit| visit.tried).collect();
         let phase = (self.way.last()).and_then(|visit| visit.state.structure.phase());

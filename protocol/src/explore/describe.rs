@@ -1,11 +1,11 @@
 //! Steps in the program's own words.
 use stochc_ir::table::{News, RoleId, Tables};
 
-use super::context::Context;
+use super::context::ExplorationContext;
 use super::effects::{Effects, Mistake};
 use super::state::ProgramState;
 use super::transition::{InTransit, Transition};
-use crate::{BlockFace, Body, Message, Payload, Target};
+use crate::{BlockFace, Body, Message, Payload, Recipient};
 
 /// Tells of one program.
 #[derive(Clone, Copy)]
@@ -15,7 +15,11 @@ pub(super) struct Describer<'t> {
 
 impl Describer<'_> {
     /// Steps from the beginning, one line each.
-    pub fn trace(&self, context: &Context<'_>, transitions: &[Transition]) -> Vec<String> {
+    pub fn trace(
+        &self,
+        context: &ExplorationContext<'_>,
+        transitions: &[Transition],
+    ) -> Vec<String> {
         let (mut state, _) = ProgramState::first(context);
         let mut lines = Vec::new();
         for &transition in transitions {
@@ -140,7 +144,7 @@ impl Describer<'_> {
         match (message.payload, message.target) {
             (Payload::Report(by), _) => format!("the report of {}", self.name(by.role)),
             (Payload::Ask(role), _) => format!("the request of {} to be let go", self.name(role)),
-            (Payload::Tell(what), Target::Role(to)) => {
+            (Payload::Tell(what), Recipient::Role(to)) => {
                 format!("the news for {} that {}", self.name(to), news(what))
             }
             (Payload::Tell(what), _) => format!("the news that {}", news(what)),

@@ -4,7 +4,7 @@ use stochc_ir::table::{News, RoleId};
 use super::effects::{Effects, Mistake};
 use super::expected::PhaseGoal;
 use super::faults::Faults;
-use super::progress::Progress;
+use super::progress::PhaseProgress;
 use super::report::Property;
 use super::transition::{Ignored, InTransit};
 use crate::{
@@ -22,7 +22,7 @@ pub(super) struct StateEnvironment<'a> {
     pub lattice: &'a mut Lattice,
     pub under_way: &'a mut Vec<InTransit>,
     pub channels: &'a mut Channels,
-    pub done: &'a mut Progress,
+    pub done: &'a mut PhaseProgress,
     pub effects: &'a mut Effects,
 }
 

@@ -8,7 +8,7 @@ use crate::Reporter;
 
 /// What each phase of a program has to do, and what it leaves.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Expected {
+pub struct ProgramGoals {
     /// One entry per phase.
     pub(super) phases: Vec<PhaseGoal>,
 }
@@ -47,9 +47,9 @@ pub struct Meant {
     pub turn: (usize, Vec<News>),
 }
 
-impl Expected {
+impl ProgramGoals {
     /// Reads tables as a list of captures and releases that wait for whatever their conditions say.
-    pub fn of(tables: &Tables) -> Expected {
+    pub fn of(tables: &Tables) -> ProgramGoals {
         let mut events = Vec::new();
         for duty in tables.duties() {
             for (place, rule) in duty.rules().enumerate() {
@@ -76,14 +76,14 @@ impl Expected {
                 });
             }
         }
-        Expected::meant(tables, events)
+        ProgramGoals::meant(tables, events)
     }
 
     /// What somebody else says that tables are meant to do; only who reports is read off them.
     ///
     /// A name that is held when a phase begins is released before it is captured again; one that
     /// nobody holds is captured first.
-    pub fn meant(tables: &Tables, events: impl IntoIterator<Item = Meant>) -> Expected {
+    pub fn meant(tables: &Tables, events: impl IntoIterator<Item = Meant>) -> ProgramGoals {
         let mut phases = vec![PhaseGoal::default(); tables.phases.len()];
         let mut cells: BTreeMap<(PhaseId, RoleId), Cell> = BTreeMap::new();
         for meant in events {
@@ -126,7 +126,7 @@ impl Expected {
             }
             stage.structure = structure.clone();
         }
-        Expected { phases }
+        ProgramGoals { phases }
     }
 
     /// Who sits where when a phase has ended, seeds included.

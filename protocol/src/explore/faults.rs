@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use stochc_ir::table::{RoleId, Tables};
 use stochc_ir::{Cell, Face};
 
-use super::expected::Expected;
+use super::expected::ProgramGoals;
 
 /// Faults that an exploration brings about, in every place and at every time; default: none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,7 +58,7 @@ impl Faults {
     }
 
     /// Every choice of those who are struck: in turn, so that few have to be kept.
-    pub(super) fn choices(&self, tables: &Tables, expected: &Expected) -> Vec<FaultChoice> {
+    pub(super) fn choices(&self, tables: &Tables, expected: &ProgramGoals) -> Vec<FaultChoice> {
         // The plate is one solid body; only what is captured can be struck.
         let roles: Vec<RoleId> = (0..tables.roles.len() as u32)
             .map(RoleId)
@@ -86,7 +86,7 @@ impl Faults {
 }
 
 /// The cells above the plate where a block may sit at some time, or beside which one may.
-fn around(tables: &Tables, expected: &Expected) -> Vec<Cell> {
+fn around(tables: &Tables, expected: &ProgramGoals) -> Vec<Cell> {
     let seeds = tables.seeds().map(|(_, cell)| cell);
     let built = expected.phases.iter().flat_map(|stage| stage.cells.iter());
     let own: BTreeSet<Cell> = seeds.chain(built.copied()).collect();

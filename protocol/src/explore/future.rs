@@ -8,11 +8,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use stochc_ir::Cell;
 use stochc_ir::table::{Action, Condition, Duty, News, PhaseId, RoleId, Tables, Trigger};
 
-use super::context::Context;
+use super::context::ExplorationContext;
 use super::roles::RoleSet;
 use super::state::ProgramState;
 use super::transition::Transition;
-use crate::{Block, BlockFace, Message, Payload, Target};
+use crate::{BlockFace, Message, Payload, Recipient, StructureBlock};
 
 /// Who may capture whom in a phase, whatever else happens.
 #[derive(Clone, Debug, Default)]
@@ -51,7 +51,7 @@ impl Captors {
             open.extend(self.of.get(&role).into_iter().flatten());
             let block = state.structure.holder(role);
             let parent = block.and_then(|block| state.structure.parent(block));
-            open.extend(parent.map(Block::role));
+            open.extend(parent.map(StructureBlock::role));
         }
     }
 
@@ -65,13 +65,13 @@ impl Captors {
     ) {
         self.add_lineage(state, at, to);
         match message.target {
-            Target::Plate => {}
-            Target::Block(body) => {
+            Recipient::Plate => {}
+            Recipient::Block(body) => {
                 if let Some(role) = state.role(body) {
                     self.add_lineage(state, role, to);
                 }
             }
-            Target::Role(role) => self.add_lineage(state, role, to),
+            Recipient::Role(role) => self.add_lineage(state, role, to),
         }
     }
 }
@@ -116,7 +116,7 @@ struct Forecast<'a, 't> {
 impl Future {
     /// What may happen in the phase that is running if none of `without` does.
     pub fn of<'t>(
-        context: &Context<'t>,
+        context: &ExplorationContext<'t>,
         captors: &Captors,
         state: &ProgramState<'t>,
         without: &[Transition],
@@ -283,7 +283,7 @@ impl<'t> Forecast<'_, 't> {
             (Payload::Ask(child), _) => {
                 self.asked.insert(child);
             }
-            (Payload::Tell(news), Target::Role(role)) => {
+            (Payload::Tell(news), Recipient::Role(role)) => {
                 self.hear(role, news);
             }
             (Payload::Tell(_), _) => {}

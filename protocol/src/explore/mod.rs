@@ -37,10 +37,10 @@ use std::collections::BTreeSet;
 use stochc_ir::Cell;
 use stochc_ir::table::Tables;
 
-pub use expected::{Expected, Meant};
+pub use expected::{Meant, ProgramGoals};
 pub use faults::Faults;
 pub use random_walk::{Choose, Draw};
-pub use report::{Bound, Property, Report, Verdict, Violation};
+pub use report::{ExceededBound, ExplorationReport, ExplorationVerdict, Property, Violation};
 
 /// Whether a free block can come to a cell while others are occupied (those of the plate, at
 /// z = 0, are not listed).
@@ -51,7 +51,7 @@ pub type CanReach<'a> = dyn Fn(&BTreeSet<Cell>, Cell) -> bool + 'a;
 
 /// How far an exploration goes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Bounds {
+pub struct ExplorationBounds {
     /// States visited, at most; default 1,000,000.
     pub states: u64,
     /// Bytes that the visited states and the way to the present one may take, about; default 1 GB.
@@ -60,9 +60,9 @@ pub struct Bounds {
     pub work: u64,
 }
 
-impl Default for Bounds {
-    fn default() -> Bounds {
-        Bounds {
+impl Default for ExplorationBounds {
+    fn default() -> ExplorationBounds {
+        ExplorationBounds {
             states: 1_000_000,
             memory: 1_000_000_000,
             work: 2_000_000_000,
@@ -75,10 +75,10 @@ impl Default for Bounds {
 pub struct Exploration<'a> {
     /// The tables that run.
     pub tables: &'a Tables,
-    /// What they are meant to do; [`Expected::of`] the tables, unless these are in doubt.
-    pub expected: &'a Expected,
+    /// What they are meant to do; [`ProgramGoals::of`] the tables, unless these are in doubt.
+    pub expected: &'a ProgramGoals,
     /// How far to go.
-    pub bounds: Bounds,
+    pub bounds: ExplorationBounds,
     /// What may go wrong.
     pub faults: Faults,
     /// Which cells a free block can come to; `None`: every empty one.
@@ -93,8 +93,8 @@ impl<'a> Exploration<'a> {
     /// Every order, with nothing in the way.
     pub fn new(
         tables: &'a Tables,
-        expected: &'a Expected,
-        bounds: Bounds,
+        expected: &'a ProgramGoals,
+        bounds: ExplorationBounds,
         faults: Faults,
     ) -> Exploration<'a> {
         Exploration {
@@ -109,10 +109,10 @@ impl<'a> Exploration<'a> {
     }
 
     /// Explores; the bounds hold for all together.
-    pub fn run(&self) -> Report {
-        let mut report = Report::empty(Verdict::Holds);
+    pub fn run(&self) -> ExplorationReport {
+        let mut report = ExplorationReport::empty(ExplorationVerdict::Holds);
         for struck in self.faults.choices(self.tables, self.expected) {
-            let left = Bounds {
+            let left = ExplorationBounds {
                 states: self.bounds.states - report.states.min(self.bounds.states),
                 work: self.bounds.work - report.work.min(self.bounds.work),
                 ..self.bounds
@@ -123,7 +123,7 @@ impl<'a> Exploration<'a> {
             };
             depth_first::DepthFirst::new(&exploration, &struck).run(&mut report);
             report.choices += 1;
-            if report.verdict != Verdict::Holds {
+            if report.verdict != ExplorationVerdict::Holds {
                 break;
             }
         }
@@ -134,14 +134,14 @@ impl<'a> Exploration<'a> {
     /// within as many states and as much memory as the bounds allow.
     pub fn shortest(&self) -> Option<Violation> {
         match breadth_first::shortest(self, &faults::FaultChoice::default()) {
-            Verdict::Violated(violation) => Some(*violation),
+            ExplorationVerdict::Violated(violation) => Some(*violation),
             _ => None,
         }
     }
 
     /// Tries `schedules` orders that `choose` draws by chance instead of all; each choice of those whom
     /// faults strike is drawn as well.
-    pub fn sample(&self, schedules: u64, choose: &mut Choose<'_>) -> Report {
+    pub fn sample(&self, schedules: u64, choose: &mut Choose<'_>) -> ExplorationReport {
         random_walk::sample(self, schedules, choose)
     }
 
@@ -156,7 +156,7 @@ impl<'a> Exploration<'a> {
 }
 
 /// Explores tables in every order of events.
-pub fn explore(tables: &Tables, bounds: &Bounds, faults: &Faults) -> Report {
-    let expected = Expected::of(tables);
+pub fn explore(tables: &Tables, bounds: &ExplorationBounds, faults: &Faults) -> ExplorationReport {
+    let expected = ProgramGoals::of(tables);
     Exploration::new(tables, &expected, *bounds, *faults).run()
 }

@@ -46,7 +46,7 @@ use stochc_ir::Cell;
 use stochc_ir::table::News;
 
 use super::CanReach;
-use super::context::Context;
+use super::context::ExplorationContext;
 use super::effects::Effects;
 use super::future::{Captors, Future};
 use super::roles::RoleSet;
@@ -58,7 +58,7 @@ const CANDIDATES: usize = 64;
 
 /// Chooses transitions.
 pub(super) struct PersistentSets<'t> {
-    context: Context<'t>,
+    context: ExplorationContext<'t>,
     /// Rules looked at and blocks copied, for bounding the work.
     pub work: u64,
     /// By phase.
@@ -78,7 +78,7 @@ struct Footprint {
 }
 
 impl<'t> PersistentSets<'t> {
-    pub fn new(context: Context<'t>) -> PersistentSets<'t> {
+    pub fn new(context: ExplorationContext<'t>) -> PersistentSets<'t> {
         let captors = Captors::by_phase(context.tables);
         PersistentSets {
             captors: captors.into_iter().map(Rc::new).collect(),

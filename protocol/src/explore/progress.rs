@@ -7,14 +7,14 @@ use crate::Reporter;
 
 /// What has happened in a phase.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
-pub(super) struct Progress {
+pub(super) struct PhaseProgress {
     pub captures: BTreeSet<RoleId>,
     pub releases: BTreeSet<RoleId>,
     /// Sorted; a report that came twice is there twice.
     pub reports: Vec<Reporter>,
 }
 
-impl Progress {
+impl PhaseProgress {
     /// Whether an event has happened in this phase.
     pub fn has(&self, event: News) -> bool {
         match event {

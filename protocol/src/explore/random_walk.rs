@@ -1,8 +1,8 @@
 //! Some orders, drawn by chance, where there are too many to try them all.
 use super::Exploration;
-use super::context::Context;
+use super::context::ExplorationContext;
 use super::faults::FaultChoice;
-use super::report::{Bound, Report, Verdict};
+use super::report::{ExceededBound, ExplorationReport, ExplorationVerdict};
 use super::state::ProgramState;
 use super::transition::Transition;
 
@@ -29,8 +29,8 @@ pub(super) fn sample(
     exploration: &Exploration<'_>,
     schedules: u64,
     choose: &mut Choose<'_>,
-) -> Report {
-    let mut report = Report::empty(Verdict::Sampled);
+) -> ExplorationReport {
+    let mut report = ExplorationReport::empty(ExplorationVerdict::Sampled);
     let choices = exploration
         .faults
         .choices(exploration.tables, exploration.expected);
@@ -46,7 +46,8 @@ pub(super) fn sample(
         let struck = &choices[choose(0, 0, choices.len() as u32) as usize];
         if let Some(verdict) = follow(exploration, struck, &mut choose, &mut report) {
             // What was followed to its end counts, even if the work ran out in the next.
-            let enough = matches!(verdict, Verdict::Unfinished(_)) && report.schedules > 0;
+            let enough =
+                matches!(verdict, ExplorationVerdict::Unfinished(_)) && report.schedules > 0;
             if !enough {
                 report.verdict = verdict;
             }
@@ -62,9 +63,9 @@ fn follow(
     exploration: &Exploration<'_>,
     struck: &FaultChoice,
     choose: &mut impl FnMut(u64, u32, u32) -> u32,
-    report: &mut Report,
-) -> Option<Verdict> {
-    let context = Context::new(exploration, struck);
+    report: &mut ExplorationReport,
+) -> Option<ExplorationVerdict> {
+    let context = ExplorationContext::new(exploration, struck);
     let checker = exploration.checker();
     let (mut state, effects) = ProgramState::first(&context);
     let mut made: Vec<Transition> = Vec::new();
@@ -78,7 +79,7 @@ fn follow(
         report.work += looked_at;
         let Some(transition) = transition else { break };
         if report.work > exploration.bounds.work {
-            return Some(Verdict::Unfinished(Bound::Work));
+            return Some(ExplorationVerdict::Unfinished(ExceededBound::Work));
         }
         // Only the end of a phase is judged by the state before it.
         let before = (transition == Transition::EndPhase).then(|| state.clone());
@@ -106,7 +107,7 @@ fn follow(
 /// One of the possible transitions, each as likely as another, and how many were looked at.
 fn draw(
     state: &ProgramState<'_>,
-    context: &Context<'_>,
+    context: &ExplorationContext<'_>,
     choose: &mut impl FnMut(u32, u32) -> u32,
 ) -> (Option<Transition>, u64) {
     let (transits, faces) = (state.under_way.len(), state.lattice.active().len());

@@ -3,7 +3,7 @@ use stochc_ir::table::PhaseId;
 
 /// What came of an exploration.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Report {
+pub struct ExplorationReport {
     /// Different states visited.
     pub states: u64,
     /// Steps made from one state to another.
@@ -18,12 +18,12 @@ pub struct Report {
     /// Steps and rules looked at, and blocks copied.
     pub work: u64,
     /// What it means.
-    pub verdict: Verdict,
+    pub verdict: ExplorationVerdict,
 }
 
 /// What an exploration means.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Verdict {
+pub enum ExplorationVerdict {
     /// Every property holds in every order of events.
     Holds,
     /// Every property holds in all schedules that were tried.
@@ -31,17 +31,17 @@ pub enum Verdict {
     /// A property is violated.
     Violated(Box<Violation>),
     /// Nothing was found until a bound was reached.
-    Unfinished(Bound),
+    Unfinished(ExceededBound),
 }
 
 /// Why an exploration was given up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Bound {
-    /// [`Bounds::states`](super::Bounds).
+pub enum ExceededBound {
+    /// [`ExplorationBounds::states`](super::ExplorationBounds).
     States,
-    /// [`Bounds::memory`](super::Bounds).
+    /// [`ExplorationBounds::memory`](super::ExplorationBounds).
     Memory,
-    /// [`Bounds::work`](super::Bounds).
+    /// [`ExplorationBounds::work`](super::ExplorationBounds).
     Work,
 }
 
@@ -99,10 +99,10 @@ impl Property {
     }
 }
 
-impl Report {
+impl ExplorationReport {
     /// Nothing explored yet.
-    pub(super) fn empty(verdict: Verdict) -> Report {
-        Report {
+    pub(super) fn empty(verdict: ExplorationVerdict) -> ExplorationReport {
+        ExplorationReport {
             states: 0,
             transitions: 0,
             choices: 0,
@@ -116,14 +116,14 @@ impl Report {
     /// The violation that was found, if any.
     pub fn violation(&self) -> Option<&Violation> {
         match &self.verdict {
-            Verdict::Violated(violation) => Some(violation),
+            ExplorationVerdict::Violated(violation) => Some(violation),
             _ => None,
         }
     }
 
     /// Whether every property holds in every order of events.
     pub fn holds(&self) -> bool {
-        self.verdict == Verdict::Holds
+        self.verdict == ExplorationVerdict::Holds
     }
 }
 

@@ -4,14 +4,14 @@ use std::collections::BTreeSet;
 use stochc_ir::table::RoleId;
 use stochc_ir::{Cell, Face};
 
-use super::context::Context;
+use super::context::ExplorationContext;
 use super::effects::{Effects, Mistake};
 use super::environment::StateEnvironment;
-use super::expected::{Expected, PhaseGoal};
-use super::progress::Progress;
+use super::expected::{PhaseGoal, ProgramGoals};
+use super::progress::PhaseProgress;
 use super::report::Property;
 use super::transition::{Ignored, InTransit, Transition};
-use crate::{Block, BlockFace, Body, Channels, Docking, Lattice, Structure};
+use crate::{BlockFace, Body, Channels, Docking, Lattice, Structure, StructureBlock};
 
 /// A state. Equal states have the same future.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -23,20 +23,20 @@ pub(super) struct ProgramState<'t> {
     /// Numbers of transfers, where they may be lost; what they mean is written in the transits.
     pub channels: Ignored<Channels>,
     /// What has happened in this phase, for judging its end.
-    pub done: Progress,
+    pub done: PhaseProgress,
     /// The cells where strays have been.
     pub strayed: BTreeSet<Cell>,
 }
 
 impl<'t> ProgramState<'t> {
     /// The beginning of the first phase.
-    pub fn first(context: &Context<'t>) -> (ProgramState<'t>, Effects) {
+    pub fn first(context: &ExplorationContext<'t>) -> (ProgramState<'t>, Effects) {
         let mut state = ProgramState {
             structure: Structure::new(context.tables),
             lattice: Lattice::default(),
             under_way: Vec::new(),
             channels: Ignored(Channels::default()),
-            done: Progress::default(),
+            done: PhaseProgress::default(),
             strayed: BTreeSet::new(),
         };
         let mut effects = state.carry_out(context, |structure, environment| {
@@ -59,7 +59,7 @@ impl<'t> ProgramState<'t> {
     /// nobody expects, it is rejected, and everything is as it was.
     ///
     /// Every exposed face is tried, one after the other.
-    pub fn unsettled(&self, context: &Context<'t>) -> Option<BlockFace> {
+    pub fn unsettled(&self, context: &ExplorationContext<'t>) -> Option<BlockFace> {
         let mut state = self.clone();
         let mut first = None;
         for block in self.structure.blocks() {
@@ -94,7 +94,7 @@ impl<'t> ProgramState<'t> {
     }
 
     /// What can happen next: first what messages do, then captures, the end of the phase last.
-    pub fn transitions(&self, context: &Context<'t>) -> Vec<Transition> {
+    pub fn transitions(&self, context: &ExplorationContext<'t>) -> Vec<Transition> {
         let mut transitions = Vec::new();
         if self.is_complete() {
             return transitions;
@@ -126,7 +126,7 @@ impl<'t> ProgramState<'t> {
         transitions
     }
 
-    fn add_captures(&self, context: &Context<'t>, transitions: &mut Vec<Transition>) {
+    fn add_captures(&self, context: &ExplorationContext<'t>, transitions: &mut Vec<Transition>) {
         let occupied = context.reach.map(|_| self.occupied());
         let can_come = |cell| match (context.reach, &occupied) {
             (Some(reach), Some(occupied)) => reach(occupied, cell),
@@ -168,7 +168,7 @@ impl<'t> ProgramState<'t> {
     }
 
     /// Makes a transition that [`ProgramState::transitions`] offers.
-    pub fn make(&mut self, context: &Context<'t>, transition: Transition) -> Effects {
+    pub fn make(&mut self, context: &ExplorationContext<'t>, transition: Transition) -> Effects {
         match transition {
             Transition::Arrive(transit) => self.arrive(context, transit, true),
             Transition::LoseAnswer(transit) => self.arrive(context, transit, false),
@@ -209,13 +209,13 @@ impl<'t> ProgramState<'t> {
                 })
             }
             Transition::Die(role) => {
-                if let Some(body) = self.structure.holder(role).map(Block::body) {
+                if let Some(body) = self.structure.holder(role).map(StructureBlock::body) {
                     self.structure.kill(body);
                 }
                 Effects::default()
             }
             Transition::EndPhase => {
-                self.done = Progress::default();
+                self.done = PhaseProgress::default();
                 let phase = self.structure.phase();
                 let next = phase.map(|phase| phase.0 as usize + 1);
                 self.carry_out_in(context, next, |structure, environment| {
@@ -225,7 +225,12 @@ impl<'t> ProgramState<'t> {
         }
     }
 
-    fn arrive(&mut self, context: &Context<'t>, transit: InTransit, is_answered: bool) -> Effects {
+    fn arrive(
+        &mut self,
+        context: &ExplorationContext<'t>,
+        transit: InTransit,
+        is_answered: bool,
+    ) -> Effects {
         self.remove(&transit);
         let InTransit { from, to, .. } = transit;
         let number = transit.number.0;
@@ -270,7 +275,7 @@ impl<'t> ProgramState<'t> {
 
     /// A block docks on a face that is on. It gets the number of its role, so that equal
     /// structures are equal states.
-    fn capture(&mut self, context: &Context<'t>, site: BlockFace, how: u8) -> Effects {
+    fn capture(&mut self, context: &ExplorationContext<'t>, site: BlockFace, how: u8) -> Effects {
         let child = self.opened(site);
         let truth = docking(site, child.map_or(u32::MAX, |child| child.0), 0);
         let belief = docking(site, truth.child, how);
@@ -295,7 +300,7 @@ impl<'t> ProgramState<'t> {
 
     fn carry_out(
         &mut self,
-        context: &Context<'t>,
+        context: &ExplorationContext<'t>,
         act: impl FnOnce(&mut Structure<'t>, &mut StateEnvironment<'_>),
     ) -> Effects {
         let phase = self.structure.phase();
@@ -306,7 +311,7 @@ impl<'t> ProgramState<'t> {
     /// The same in another phase: that of the events which the act brings.
     fn carry_out_in(
         &mut self,
-        context: &Context<'t>,
+        context: &ExplorationContext<'t>,
         phase: Option<usize>,
         act: impl FnOnce(&mut Structure<'t>, &mut StateEnvironment<'_>),
     ) -> Effects {
@@ -339,7 +344,7 @@ impl<'t> ProgramState<'t> {
     }
 
     /// What the phase that is running has to do.
-    pub fn stage<'e>(&self, expected: &'e Expected) -> Option<&'e PhaseGoal> {
+    pub fn stage<'e>(&self, expected: &'e ProgramGoals) -> Option<&'e PhaseGoal> {
         expected.phases.get(self.structure.phase()?.0 as usize)
     }
 

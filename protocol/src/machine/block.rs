@@ -13,7 +13,7 @@ use crate::orientation::Orientation;
 ///
 /// Its lists are sorted: what a block knows does not depend on the order in which it came to know.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Block<M = ()> {
+pub struct StructureBlock<M = ()> {
     pub(super) body: Body,
     pub(super) role: RoleId,
     pub(super) orientation: Orientation,
@@ -63,9 +63,9 @@ pub struct Open<M = ()> {
     pub mark: M,
 }
 
-impl<M: Copy> Block<M> {
-    pub(super) fn new(body: Body, role: RoleId, orientation: Orientation) -> Block<M> {
-        Block {
+impl<M: Copy> StructureBlock<M> {
+    pub(super) fn new(body: Body, role: RoleId, orientation: Orientation) -> StructureBlock<M> {
+        StructureBlock {
             body,
             role,
             orientation,
@@ -190,7 +190,7 @@ impl<M: Copy> Block<M> {
     }
 }
 
-impl<M> Block<M> {
+impl<M> StructureBlock<M> {
     /// Which it is.
     pub fn body(&self) -> Body {
         self.body

@@ -8,14 +8,14 @@ use crate::body::Body;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Message {
     /// For whom.
-    pub target: Target,
+    pub target: Recipient,
     /// What it says.
     pub payload: Payload,
 }
 
 /// For whom a message is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
-pub enum Target {
+pub enum Recipient {
     /// Any block of the plate.
     Plate,
     /// One block.
@@ -50,7 +50,7 @@ impl Message {
     /// News for whoever holds a role, or will.
     pub fn tell(to: RoleId, news: News) -> Message {
         Message {
-            target: Target::Role(to),
+            target: Recipient::Role(to),
             payload: Payload::Tell(news),
         }
     }

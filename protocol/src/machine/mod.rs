@@ -7,7 +7,7 @@ mod routing;
 mod slots;
 mod structure;
 
-pub use block::{Block, Open};
+pub use block::{Open, StructureBlock};
 pub use environment::{Environment, PlannedCapture, Recalled};
-pub use message::{Message, Payload, Reporter, Target};
+pub use message::{Message, Payload, Recipient, Reporter};
 pub use structure::Structure;

@@ -7,7 +7,7 @@
 use stochc_ir::table::RoleId;
 
 use super::environment::Environment;
-use super::message::{Message, Target};
+use super::message::{Message, Recipient};
 use super::slots::BlockSlot;
 use super::structure::Structure;
 
@@ -25,10 +25,10 @@ impl<M: Copy> Structure<'_, M> {
         };
         let parent = block.parent;
         let goal = match message.target {
-            Target::Plate if parent == BlockSlot::NONE => Some(at),
-            Target::Plate => return self.send_up(at, message, environment),
-            Target::Block(body) => self.slots.find(&self.index, body),
-            Target::Role(role) => self.nearest_holder(role),
+            Recipient::Plate if parent == BlockSlot::NONE => Some(at),
+            Recipient::Plate => return self.send_up(at, message, environment),
+            Recipient::Block(body) => self.slots.find(&self.index, body),
+            Recipient::Role(role) => self.nearest_holder(role),
         };
         let Some(goal) = goal else { return };
         if goal == at {

@@ -1,7 +1,7 @@
 //! Anchored blocks side by side in memory, found by their bodies.
 use serde::{Deserialize, Serialize};
 
-use super::block::Block;
+use super::block::StructureBlock;
 use super::index::Index;
 use crate::body::Body;
 
@@ -17,7 +17,7 @@ impl BlockSlot {
 /// The anchored blocks: first those of the plate in the order of their cells, which stay.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Slots<M> {
-    blocks: Vec<Option<Block<M>>>,
+    blocks: Vec<Option<StructureBlock<M>>>,
     vacant: Vec<BlockSlot>,
     seeds: usize,
     /// Of each block that was free once, by number; those that never were anchored may be left out.
@@ -26,7 +26,7 @@ pub(super) struct Slots<M> {
 
 impl<M> Slots<M> {
     /// The blocks of the plate, in the order of their cells.
-    pub fn new(seeds: impl Iterator<Item = Block<M>>) -> Slots<M> {
+    pub fn new(seeds: impl Iterator<Item = StructureBlock<M>>) -> Slots<M> {
         let blocks: Vec<_> = seeds.map(Some).collect();
         Slots {
             seeds: blocks.len(),
@@ -53,7 +53,7 @@ impl<M> Slots<M> {
     }
 
     /// Keeps a block that was free. One in the same body is kept no longer.
-    pub fn insert(&mut self, id: u32, block: Block<M>) -> BlockSlot {
+    pub fn insert(&mut self, id: u32, block: StructureBlock<M>) -> BlockSlot {
         if self.of_free.len() <= id as usize {
             self.of_free.resize(id as usize + 1, BlockSlot::NONE);
         }
@@ -72,7 +72,7 @@ impl<M> Slots<M> {
     }
 
     /// Takes out a block that was free once.
-    pub fn remove(&mut self, slot: BlockSlot) -> Option<Block<M>> {
+    pub fn remove(&mut self, slot: BlockSlot) -> Option<StructureBlock<M>> {
         let block = self.blocks.get_mut(slot.0 as usize)?.take()?;
         if let Body::Free(id) = block.body {
             self.of_free[id as usize] = BlockSlot::NONE;
@@ -81,16 +81,16 @@ impl<M> Slots<M> {
         Some(block)
     }
 
-    pub fn get(&self, slot: BlockSlot) -> Option<&Block<M>> {
+    pub fn get(&self, slot: BlockSlot) -> Option<&StructureBlock<M>> {
         self.blocks.get(slot.0 as usize)?.as_ref()
     }
 
-    pub fn get_mut(&mut self, slot: BlockSlot) -> Option<&mut Block<M>> {
+    pub fn get_mut(&mut self, slot: BlockSlot) -> Option<&mut StructureBlock<M>> {
         self.blocks.get_mut(slot.0 as usize)?.as_mut()
     }
 
     /// All of them, in the order of their bodies.
-    pub fn iter(&self) -> impl Iterator<Item = &Block<M>> {
+    pub fn iter(&self) -> impl Iterator<Item = &StructureBlock<M>> {
         let free = (self.of_free.iter()).filter_map(|slot| self.get(*slot));
         self.blocks[..self.seeds].iter().flatten().chain(free)
     }

@@ -9,10 +9,10 @@ use serde::de::DeserializeOwned;
 use stochc_ir::Face;
 use stochc_ir::table::{Action, Condition, PhaseId, RoleId, Tables, Trigger};
 
-use super::block::{Block, Open};
+use super::block::{Open, StructureBlock};
 use super::environment::{Environment, PlannedCapture};
 use super::index::Index;
-use super::message::{Message, Payload, Reporter, Target};
+use super::message::{Message, Payload, Recipient, Reporter};
 use super::slots::{BlockSlot, Slots};
 use crate::body::{BlockFace, Body, Docking};
 use crate::orientation::Orientation;
@@ -61,10 +61,9 @@ impl<'t, M: Copy> Structure<'t, M> {
             index: Arc::new(Index::new(tables, &cells)),
             phase: 0,
             reports: 0,
-            slots: Slots::new(
-                blocks
-                    .map(|(cell, role)| Block::new(Body::Seed(cell), role, Orientation::IDENTITY)),
-            ),
+            slots: Slots::new(blocks.map(|(cell, role)| {
+                StructureBlock::new(Body::Seed(cell), role, Orientation::IDENTITY)
+            })),
             holders,
             changed: Vec::new(),
             to_plant: BTreeSet::new(),
@@ -88,7 +87,7 @@ impl<'t, M: Copy> Structure<'t, M> {
     }
 
     /// The anchored blocks that have a role, in the order of their bodies.
-    pub fn blocks(&self) -> impl Iterator<Item = &Block<M>> {
+    pub fn blocks(&self) -> impl Iterator<Item = &StructureBlock<M>> {
         self.slots.iter()
     }
 
@@ -98,17 +97,17 @@ impl<'t, M: Copy> Structure<'t, M> {
     }
 
     /// One of them.
-    pub fn block(&self, body: Body) -> Option<&Block<M>> {
+    pub fn block(&self, body: Body) -> Option<&StructureBlock<M>> {
         self.slots.get(self.slots.find(&self.index, body)?)
     }
 
     /// The block that has a role.
-    pub fn holder(&self, role: RoleId) -> Option<&Block<M>> {
+    pub fn holder(&self, role: RoleId) -> Option<&StructureBlock<M>> {
         self.slots.get(self.holders[role.0 as usize])
     }
 
     /// The block that captured another one; `None`: that is one of the plate.
-    pub fn parent(&self, block: &Block<M>) -> Option<&Block<M>> {
+    pub fn parent(&self, block: &StructureBlock<M>) -> Option<&StructureBlock<M>> {
         self.slots.get(block.parent)
     }
 
@@ -196,7 +195,7 @@ impl<'t, M: Copy> Structure<'t, M> {
             cell: open.cell,
         };
         environment.captured(&capture, docking, open.mark);
-        let mut block = Block::new(Body::Free(docking.child), open.child, orientation);
+        let mut block = StructureBlock::new(Body::Free(docking.child), open.child, orientation);
         block.parent = at;
         block.depth = depth + 1;
         block.jump = self.jump_from(at, depth, jump);
@@ -270,7 +269,11 @@ impl<'t, M: Copy> Structure<'t, M> {
     }
 
     /// Changes a block, which is not as a phase finds it any more.
-    fn change<R>(&mut self, slot: BlockSlot, change: impl FnOnce(&mut Block<M>) -> R) -> Option<R> {
+    fn change<R>(
+        &mut self,
+        slot: BlockSlot,
+        change: impl FnOnce(&mut StructureBlock<M>) -> R,
+    ) -> Option<R> {
         let block = self.slots.get_mut(slot)?;
         if !block.is_changed {
             block.is_changed = true;
@@ -291,7 +294,7 @@ impl<'t, M: Copy> Structure<'t, M> {
                 self.reports += 1;
                 return environment.reported(by);
             }
-            (Payload::Tell(news), Target::Role(role)) => {
+            (Payload::Tell(news), Recipient::Role(role)) => {
                 if self.slots.get(at).is_some_and(|block| block.role != role) {
                     self.change(at, |block| block.keep(message));
                     return;
@@ -355,18 +358,18 @@ impl<'t, M: Copy> Structure<'t, M> {
                 let own = block.orientation.to_own(face);
                 return self.let_go(at, own, child, environment);
             }
-            Action::AskRelease => match self.slots.get(parent).map(Block::body) {
-                Some(parent) => (Target::Block(parent), Payload::Ask(role)),
+            Action::AskRelease => match self.slots.get(parent).map(StructureBlock::body) {
+                Some(parent) => (Recipient::Block(parent), Payload::Ask(role)),
                 None => return,
             },
-            Action::Tell { to, news } => (Target::Role(to), Payload::Tell(news)),
+            Action::Tell { to, news } => (Recipient::Role(to), Payload::Tell(news)),
             Action::Report => {
                 let by = Reporter {
                     role,
                     trigger,
                     rule,
                 };
-                (Target::Plate, Payload::Report(by))
+                (Recipient::Plate, Payload::Report(by))
             }
         };
         self.forward(at, Message { target, payload }, environment);
@@ -445,7 +448,7 @@ impl<'t, M: Copy> Structure<'t, M> {
         M: Hash + Eq,
     {
         self.blocks().map(|block| {
-            let parent = self.parent(block).map(Block::body);
+            let parent = self.parent(block).map(StructureBlock::body);
             let is = (
                 block.body,
                 block.role,

@@ -19,7 +19,7 @@ use stochc_ir::Cell;
 use stochc_ir::record::{BondRecord, Outcome, RunRecord, WaitRecord};
 use stochc_ir::scene::Messages;
 use stochc_ir::table::{PhaseId, RoleId, Tables};
-use stochc_protocol::{Block, BlockFace, Body, Docking, Orientation, Structure};
+use stochc_protocol::{BlockFace, Body, Docking, Orientation, Structure, StructureBlock};
 
 use crate::observe::{Event, Log};
 use crate::world::World;
@@ -252,7 +252,7 @@ impl<'t> Controller<'t> {
 
     /// The cell that a role's block is meant to sit in, for tools and tests.
     pub fn cell(&self, role: RoleId) -> Option<Cell> {
-        match self.structure.holder(role).map(Block::body)? {
+        match self.structure.holder(role).map(StructureBlock::body)? {
             Body::Seed(cell) => Some(cell),
             Body::Free(id) => (self.recorder.bonds.iter().rev())
                 .find(|bond| bond.body == id)

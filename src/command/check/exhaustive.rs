@@ -4,7 +4,9 @@ use std::fmt::Write as _;
 use stochc_compiler::Checked;
 use stochc_ir::table::Tables;
 use stochc_ir::visible;
-use stochc_protocol::explore::{Bound, Bounds, Exploration, Faults, Report, Verdict};
+use stochc_protocol::explore::{
+    ExceededBound, Exploration, ExplorationBounds, ExplorationReport, ExplorationVerdict, Faults,
+};
 use stochc_runtime::counter_rng::schedules;
 
 use super::super::terminal::warn;
@@ -38,22 +40,22 @@ pub fn explore(file: &str, checked: &Checked, states: u64) -> (String, Exit) {
             continue;
         }
         let expected = expected(&program.event_graph(), tables);
-        let bounds = Bounds {
+        let bounds = ExplorationBounds {
             states,
-            ..Bounds::default()
+            ..ExplorationBounds::default()
         };
         let mut exploration = Exploration::new(tables, &expected, bounds, Faults::default());
         let mut reports = vec![exploration.run()];
-        if let Verdict::Violated(found) = &mut reports[0].verdict {
+        if let ExplorationVerdict::Violated(found) = &mut reports[0].verdict {
             **found = shortest(&exploration, found);
         }
-        if let Verdict::Unfinished(_) = reports[0].verdict {
+        if let ExplorationVerdict::Unfinished(_) = reports[0].verdict {
             exploration.bounds.work = SAMPLED;
             reports.push(exploration.sample(SCHEDULES, &mut schedules(SEED)));
         }
         let _ = write!(told, "{file}: assembly {}: ", tables.assembly);
         told.push_str(&describe(&reports, &bounds));
-        let holds = reports[0].verdict == Verdict::Holds;
+        let holds = reports[0].verdict == ExplorationVerdict::Holds;
         if holds && tables.bond.is_passive() {
             told.push_str(
                 "  and a block that docks where nobody expects it changes nothing, at any moment\n",
@@ -70,7 +72,7 @@ pub fn explore(file: &str, checked: &Checked, states: u64) -> (String, Exit) {
     (told, exit)
 }
 
-fn describe(reports: &[Report], bounds: &Bounds) -> String {
+fn describe(reports: &[ExplorationReport], bounds: &ExplorationBounds) -> String {
     let mut out = String::new();
     for report in reports {
         let visited = format!(
@@ -79,26 +81,26 @@ fn describe(reports: &[Report], bounds: &Bounds) -> String {
         );
         // Writing to a string cannot fail.
         let _ = match &report.verdict {
-            Verdict::Holds => writeln!(out, "holds in every order of events; {visited}"),
-            Verdict::Violated(violation) if report.schedules > 0 => writeln!(
+            ExplorationVerdict::Holds => writeln!(out, "holds in every order of events; {visited}"),
+            ExplorationVerdict::Violated(violation) if report.schedules > 0 => writeln!(
                 out,
                 "goes wrong in order {} of those drawn by chance: {}",
                 report.schedules + 1,
                 violation.what
             ),
-            Verdict::Violated(violation) => {
+            ExplorationVerdict::Violated(violation) => {
                 writeln!(out, "goes wrong: {}; {visited}", violation.what)
             }
-            Verdict::Sampled => writeln!(
+            ExplorationVerdict::Sampled => writeln!(
                 out,
                 "  instead, nothing is wrong in {} orders drawn by chance; {} transitions",
                 report.schedules, report.transitions
             ),
-            Verdict::Unfinished(bound) if out.is_empty() => {
+            ExplorationVerdict::Unfinished(bound) if out.is_empty() => {
                 let reached = match bound {
-                    Bound::States => format!("{} states", bounds.states),
-                    Bound::Memory => format!("{} MB", bounds.memory / 1_000_000),
-                    Bound::Work => "the bound of work".to_owned(),
+                    ExceededBound::States => format!("{} states", bounds.states),
+                    ExceededBound::Memory => format!("{} MB", bounds.memory / 1_000_000),
+                    ExceededBound::Work => "the bound of work".to_owned(),
                 };
                 writeln!(
                     out,
@@ -106,14 +108,16 @@ fn describe(reports: &[Report], bounds: &Bounds) -> String {
                      found anything wrong"
                 )
             }
-            Verdict::Unfinished(_) => writeln!(out, "  and too long to follow one to its end"),
+            ExplorationVerdict::Unfinished(_) => {
+                writeln!(out, "  and too long to follow one to its end")
+            }
         };
     }
     out
 }
 
 /// How a program goes wrong, as a message.
-fn go_wrong(file: &str, tables: &Tables, report: &Report) -> Option<String> {
+fn go_wrong(file: &str, tables: &Tables, report: &ExplorationReport) -> Option<String> {
     let violation = report.violation()?;
     Some(format!(
         "error: the event tables of `{}` in {file} go wrong in some order of events\n{violation}help: {MISTAKE}\n",
