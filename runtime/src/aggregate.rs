@@ -2,7 +2,7 @@
 use stochc_ir::record::{Limit, Outcome, RunRecord};
 use stochc_ir::table::{PhaseId, Tables};
 
-use crate::observe::{Event, Look};
+use crate::observe::{Look, ObservedEvent};
 use crate::run::{RunError, Watch, resume, tell};
 use crate::world::World;
 
@@ -15,7 +15,7 @@ struct Growth {
     /// The size of the largest group so far.
     largest: u32,
     /// Phases that have begun since they were last told of.
-    events: Vec<Event>,
+    events: Vec<ObservedEvent>,
 }
 
 stochc_ir::state! {
@@ -47,7 +47,7 @@ pub(crate) fn gather<W: World>(
         phase_ticks: Vec::new(),
         began: world.tick(),
         largest: 1,
-        events: vec![Event::Phase(PhaseId(0))],
+        events: vec![ObservedEvent::Phase(PhaseId(0))],
     };
     let mut is_told = resume(watch, &mut [&mut growth, world, &mut look])?;
     let outcome = loop {
@@ -100,7 +100,7 @@ impl Growth {
             self.began = tick;
             if self.phase_ticks.len() < phases {
                 let next = PhaseId(self.phase_ticks.len() as u32);
-                self.events.push(Event::Phase(next));
+                self.events.push(ObservedEvent::Phase(next));
             }
         }
     }

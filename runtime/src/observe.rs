@@ -13,7 +13,7 @@ pub trait Observer {
     ///
     /// `arena` is at that [tick](crate::world::World::tick); `events` are what happened since the
     /// last call, in their order: all of them at that tick.
-    fn look(&mut self, arena: &impl Arena, events: &[Event]);
+    fn look(&mut self, arena: &impl Arena, events: &[ObservedEvent]);
 
     /// Writes down how far it is, for [`Observer::restore`]: see [`State::save`].
     ///
@@ -39,7 +39,7 @@ impl State for Unknown {}
 
 /// What happens in a structure. Faces are in the structure's frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Event {
+pub enum ObservedEvent {
     /// A phase begins.
     Phase(PhaseId),
     /// A block switches a face on.
@@ -148,7 +148,7 @@ impl From<Payload> for Said {
 
 /// Where the control writes down what happens; `None`: nobody looks on.
 #[derive(Debug, Default)]
-pub(crate) struct Log(Option<Vec<Event>>);
+pub(crate) struct Log(Option<Vec<ObservedEvent>>);
 
 impl Log {
     /// A log that somebody reads.
@@ -157,14 +157,14 @@ impl Log {
     }
 
     /// Writes an event down.
-    pub fn note(&mut self, event: impl FnOnce() -> Event) {
+    pub fn note(&mut self, event: impl FnOnce() -> ObservedEvent) {
         if let Some(events) = &mut self.0 {
             events.push(event());
         }
     }
 
     /// Takes out all that has been written down.
-    pub fn take(&mut self) -> Vec<Event> {
+    pub fn take(&mut self) -> Vec<ObservedEvent> {
         self.0.as_mut().map(std::mem::take).unwrap_or_default()
     }
 }
@@ -172,12 +172,12 @@ impl Log {
 /// Is shown a run, tick by tick.
 pub(crate) trait Look<W>: State {
     /// `log` is what the structure has done since the last time.
-    fn look(&mut self, world: &W, log: Vec<Event>);
+    fn look(&mut self, world: &W, log: Vec<ObservedEvent>);
 }
 
 /// Nobody looks on.
 impl<W> Look<W> for () {
-    fn look(&mut self, _world: &W, _log: Vec<Event>) {}
+    fn look(&mut self, _world: &W, _log: Vec<ObservedEvent>) {}
 }
 
 /// Shows an [`Observer`] a run, and keeps in mind who is in the reach of which face.
@@ -207,7 +207,7 @@ impl<O: Observer> State for Lookout<'_, O> {
 }
 
 impl<A: Arena, O: Observer> Look<A> for Lookout<'_, O> {
-    fn look(&mut self, arena: &A, log: Vec<Event>) {
+    fn look(&mut self, arena: &A, log: Vec<ObservedEvent>) {
         let mut inside: Vec<_> = (arena.in_reach().into_iter())
             .filter_map(|(site, body, entered)| {
                 let sits = match site.body {
@@ -219,14 +219,15 @@ impl<A: Arena, O: Observer> Look<A> for Lookout<'_, O> {
             .collect();
         inside.sort_unstable();
         let was_captured = |id: u32| {
-            (log.iter()).any(|event| matches!(event, Event::Captured { body, .. } if *body == id))
+            (log.iter())
+                .any(|event| matches!(event, ObservedEvent::Captured { body, .. } if *body == id))
         };
         // What the world did in the step comes before what the structure made of it.
         let mut events = Vec::with_capacity(log.len());
         for &(body, of, face, entered) in &self.inside {
             let stays = inside.binary_search(&(body, of, face, entered)).is_ok();
             if !stays && !was_captured(body) {
-                events.push(Event::Left { body, of, face });
+                events.push(ObservedEvent::Left { body, of, face });
             }
         }
         for &(body, of, face, entered) in &inside {
@@ -235,7 +236,7 @@ impl<A: Arena, O: Observer> Look<A> for Lookout<'_, O> {
                 .binary_search(&(body, of, face, entered))
                 .is_err()
             {
-                events.push(Event::Entered { body, of, face });
+                events.push(ObservedEvent::Entered { body, of, face });
             }
         }
         events.extend(log);

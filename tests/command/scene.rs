@@ -3,7 +3,7 @@ use std::ops::ControlFlow;
 
 use serde_json::Value;
 use stochc::ir::table::PhaseId;
-use stochc::runtime::observe::{Event, Observer};
+use stochc::runtime::observe::{ObservedEvent, Observer};
 use stochc::runtime::world::Arena;
 use stochc::runtime::{Model, Settings, observe};
 
@@ -260,7 +260,7 @@ fn walls_that_cannot_hold_what_floats_or_sinks_are_told_of() {
 struct Last(Vec<f64>);
 
 impl Observer for Last {
-    fn look(&mut self, arena: &impl Arena, _: &[Event]) {
+    fn look(&mut self, arena: &impl Arena, _: &[ObservedEvent]) {
         self.0 = arena.state(0).position.iter().copied().collect();
     }
 }

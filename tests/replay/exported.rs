@@ -6,7 +6,7 @@ use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use parquet::record::{Field, RowAccessor as _};
 use serde_json::Value;
 use stochc::ensemble::recording::Frame;
-use stochc::runtime::observe::Event;
+use stochc::runtime::observe::ObservedEvent;
 
 use crate::folder::{PROGRAM, Results, stochc};
 
@@ -72,10 +72,10 @@ fn a_table_has_every_block_at_every_tick() {
         let last = (recording.events().iter().rev())
             .filter(|happening| happening.tick <= tick as u64)
             .find_map(|happening| match happening.event {
-                Event::Captured {
+                ObservedEvent::Captured {
                     body: who, role, ..
                 } if who as i32 == body => Some(Some(role)),
-                Event::Released { body: who, .. } if who as i32 == body => Some(None),
+                ObservedEvent::Released { body: who, .. } if who as i32 == body => Some(None),
                 _ => None,
             })
             .flatten();

@@ -3,7 +3,7 @@ use std::ops::ControlFlow;
 
 use stochc::ir::record::{BondRecord, RunRecord};
 use stochc::ir::table::PhaseId;
-use stochc::runtime::observe::{Event, Observer};
+use stochc::runtime::observe::{ObservedEvent, Observer};
 use stochc::runtime::world::{Arena, Body};
 use stochc::runtime::{Model, RunError, Settings, observe, run};
 
@@ -11,18 +11,18 @@ use stochc::runtime::{Model, RunError, Settings, observe, run};
 #[derive(Default)]
 struct Notes {
     ticks: Vec<u64>,
-    events: Vec<(u64, Event)>,
+    events: Vec<(u64, ObservedEvent)>,
     /// For every capture, how far the block is from the cell that the event names.
     misplaced: Vec<f64>,
 }
 
 impl Observer for Notes {
-    fn look(&mut self, arena: &impl Arena, events: &[Event]) {
+    fn look(&mut self, arena: &impl Arena, events: &[ObservedEvent]) {
         let tick = arena.tick();
         self.ticks.push(tick);
         for &event in events {
             self.events.push((tick, event));
-            if let Event::Captured { body, cell, .. } = event {
+            if let ObservedEvent::Captured { body, cell, .. } = event {
                 let place = arena.state(body).position;
                 self.misplaced.push((place - arena.centre(cell)).norm());
             }
@@ -54,7 +54,7 @@ fn a_run_is_the_same_whether_somebody_looks_on_or_not() {
 #[test]
 fn the_events_tell_what_the_record_counts() {
     let (record, _, notes) = observed("examples/five_tower_reconfigured.sa", Model::Rigid);
-    let count = |wanted: fn(&Event) -> bool| {
+    let count = |wanted: fn(&ObservedEvent) -> bool| {
         notes
             .events
             .iter()
@@ -62,17 +62,17 @@ fn the_events_tell_what_the_record_counts() {
             .count()
     };
     assert_eq!(
-        count(|event| matches!(event, Event::Sent { .. })) as u64,
+        count(|event| matches!(event, ObservedEvent::Sent { .. })) as u64,
         record.hops
     );
     assert_eq!(
-        count(|event| matches!(event, Event::Phase(_))),
+        count(|event| matches!(event, ObservedEvent::Phase(_))),
         record.phase_ticks.len()
     );
-    assert!(count(|event| matches!(event, Event::Released { .. })) > 0);
+    assert!(count(|event| matches!(event, ObservedEvent::Released { .. })) > 0);
     let captures: Vec<_> = (notes.events.iter())
         .filter_map(|&(tick, event)| match event {
-            Event::Captured {
+            ObservedEvent::Captured {
                 body,
                 role,
                 face,
@@ -108,14 +108,14 @@ fn entries(notes: &Notes, bond: &BondRecord) -> u32 {
     let mut entries = 0;
     for (tick, event) in &notes.events {
         match *event {
-            Event::Magnetized {
+            ObservedEvent::Magnetized {
                 body, child, face, ..
             } if (*tick, child, face) == (bond.magnetized, bond.child, bond.face) => {
                 open = Some((body, face));
                 entries = 0;
             }
-            Event::Entered { of, face, .. } if open == Some((of, face)) => entries += 1,
-            Event::Captured { body, on, face, .. }
+            ObservedEvent::Entered { of, face, .. } if open == Some((of, face)) => entries += 1,
+            ObservedEvent::Captured { body, on, face, .. }
                 if (*tick, body) == (bond.docked, bond.body) && open == Some((on, face)) =>
             {
                 return entries;
@@ -133,16 +133,16 @@ fn whoever_leaves_had_entered() {
     let mut left = 0;
     for (_, event) in &notes.events {
         match *event {
-            Event::Entered { body, of, .. } => {
+            ObservedEvent::Entered { body, of, .. } => {
                 assert!(!inside.contains(&(body, of)));
                 inside.push((body, of));
             }
-            Event::Left { body, of, .. } => {
+            ObservedEvent::Left { body, of, .. } => {
                 left += 1;
                 let at = inside.iter().position(|pair| *pair == (body, of));
                 inside.remove(at.expect("it had entered"));
             }
-            Event::Captured { body, .. } => inside.retain(|(who, _)| *who != body),
+            ObservedEvent::Captured { body, .. } => inside.retain(|(who, _)| *who != body),
             _ => {}
         }
     }

@@ -17,12 +17,12 @@ fn numbers(value: &Value) -> Vec<f64> {
 
 /// Who is part of the structure at a tick: body and role.
 fn structure(recording: &Recording, tick: u64) -> Vec<(u32, u32)> {
-    use stochc::runtime::observe::Event;
+    use stochc::runtime::observe::ObservedEvent;
     let mut structure = std::collections::BTreeMap::new();
     for happening in recording.events().iter().filter(|event| event.tick <= tick) {
         match happening.event {
-            Event::Captured { body, role, .. } => drop(structure.insert(body, role.0)),
-            Event::Released { body, .. } => drop(structure.remove(&body)),
+            ObservedEvent::Captured { body, role, .. } => drop(structure.insert(body, role.0)),
+            ObservedEvent::Released { body, .. } => drop(structure.remove(&body)),
             _ => {}
         }
     }
@@ -170,7 +170,7 @@ fn a_block_is_drawn_where_it_is_and_found_by_a_click() {
 
 #[test]
 fn faces_and_pulled_blocks_are_those_of_the_recording() {
-    use stochc::runtime::observe::Event;
+    use stochc::runtime::observe::ObservedEvent;
     let Some(mut browser) = browser(&[]) else {
         return;
     };
@@ -183,17 +183,22 @@ fn faces_and_pulled_blocks_are_those_of_the_recording() {
     let mut events = recording.events().iter().peekable();
     while let Some(happening) = events.next() {
         match happening.event {
-            Event::Magnetized { body, face, .. } => drop(lit.insert((body, face), ())),
-            Event::Entered { body, of, face } => drop(pulled.insert((body, of, face))),
-            Event::Left { body, of, face } => drop(pulled.remove(&(body, of, face))),
-            Event::Captured { body, on, face, .. } => {
+            ObservedEvent::Magnetized { body, face, .. } => drop(lit.insert((body, face), ())),
+            ObservedEvent::Entered { body, of, face } => drop(pulled.insert((body, of, face))),
+            ObservedEvent::Left { body, of, face } => drop(pulled.remove(&(body, of, face))),
+            ObservedEvent::Captured { body, on, face, .. } => {
                 lit.remove(&(on, face));
                 pulled.retain(|&(who, of, which)| who != body && (of, which) != (on, face));
             }
             _ => {}
         }
         let is_last = events.peek().is_none_or(|next| next.tick > happening.tick);
-        if is_last && matches!(happening.event, Event::Entered { .. } | Event::Left { .. }) {
+        if is_last
+            && matches!(
+                happening.event,
+                ObservedEvent::Entered { .. } | ObservedEvent::Left { .. }
+            )
+        {
             let state = seek(&mut browser, happening.tick);
             assert_eq!(
                 state["lit"].as_array().unwrap().len(),
@@ -236,15 +241,15 @@ fn keys_links_and_fingers_move_it() {
         assert_eq!(now(&mut browser)["tick"], tick, "{key}");
     }
     // From event to event of the structure, there and back.
-    use stochc::runtime::observe::Event;
+    use stochc::runtime::observe::ObservedEvent;
     let mut ticks: Vec<u64> = (recording.events().iter())
         .filter(|happening| {
             matches!(
                 happening.event,
-                Event::Phase(_)
-                    | Event::Magnetized { .. }
-                    | Event::Captured { .. }
-                    | Event::Released { .. }
+                ObservedEvent::Phase(_)
+                    | ObservedEvent::Magnetized { .. }
+                    | ObservedEvent::Captured { .. }
+                    | ObservedEvent::Released { .. }
             )
         })
         .map(|happening| happening.tick)

@@ -3,7 +3,7 @@ use std::fs;
 
 use stochc::ensemble::recording::{Happening, Recording};
 use stochc::files::checksum::sealed;
-use stochc::runtime::observe::Event;
+use stochc::runtime::observe::ObservedEvent;
 
 use crate::folder::{PROGRAM, Results, stochc};
 
@@ -52,7 +52,9 @@ fn a_recording_holds_every_tick_of_note() {
         .filter(|Happening { event, .. }| {
             matches!(
                 event,
-                Event::Captured { .. } | Event::Released { .. } | Event::Reported { .. }
+                ObservedEvent::Captured { .. }
+                    | ObservedEvent::Released { .. }
+                    | ObservedEvent::Reported { .. }
             )
         })
         .map(|happening| happening.tick)
@@ -63,7 +65,7 @@ fn a_recording_holds_every_tick_of_note() {
     assert_eq!(ticks, wanted);
     assert_eq!(ticks.last(), Some(&recording.record().ticks));
     let captured = (recording.events().iter())
-        .filter(|happening| matches!(happening.event, Event::Captured { .. }));
+        .filter(|happening| matches!(happening.event, ObservedEvent::Captured { .. }));
     assert_eq!(captured.count(), recording.record().bonds.len());
 }
 

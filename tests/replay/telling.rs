@@ -11,9 +11,9 @@ fn number(value: &Value) -> f64 {
 
 /// The ticks at which phases begin.
 fn begins(recording: &Recording) -> Vec<u64> {
-    use stochc::runtime::observe::Event;
+    use stochc::runtime::observe::ObservedEvent;
     let events = recording.events().iter();
-    let phases = events.filter(|happening| matches!(happening.event, Event::Phase(_)));
+    let phases = events.filter(|happening| matches!(happening.event, ObservedEvent::Phase(_)));
     phases.map(|happening| happening.tick).collect()
 }
 

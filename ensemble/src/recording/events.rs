@@ -7,7 +7,7 @@ use serde_json::value::RawValue;
 use serde_json::{Value, json};
 use stochc_ir::table::{PhaseId, RoleId, Tables};
 use stochc_ir::{Cell, Face};
-use stochc_runtime::observe::{Event, Said};
+use stochc_runtime::observe::{ObservedEvent, Said};
 use stochc_runtime::world::Body;
 
 /// An event and its tick.
@@ -16,7 +16,7 @@ pub struct Happening {
     /// When.
     pub tick: u64,
     /// What.
-    pub event: Event,
+    pub event: ObservedEvent,
 }
 
 /// The seeds of a program, by number and by cell.
@@ -52,29 +52,31 @@ impl Seeds {
     }
 
     /// The row of an event.
-    pub fn row(&self, tick: u64, event: &Event) -> Value {
+    pub fn row(&self, tick: u64, event: &ObservedEvent) -> Value {
         let n = |body: Body| self.number(body);
         match *event {
-            Event::Phase(phase) => json!([tick, "phase", phase]),
-            Event::Magnetized {
+            ObservedEvent::Phase(phase) => json!([tick, "phase", phase]),
+            ObservedEvent::Magnetized {
                 body,
                 by,
                 face,
                 child,
                 cell,
             } => json!([tick, "on", n(body), face, by, child, cell]),
-            Event::Entered { body, of, face } => json!([tick, "in", body, n(of), face]),
-            Event::Left { body, of, face } => json!([tick, "out", body, n(of), face]),
-            Event::Captured {
+            ObservedEvent::Entered { body, of, face } => json!([tick, "in", body, n(of), face]),
+            ObservedEvent::Left { body, of, face } => json!([tick, "out", body, n(of), face]),
+            ObservedEvent::Captured {
                 body,
                 on,
                 face,
                 role,
                 cell,
             } => json!([tick, "dock", body, n(on), face, role, cell]),
-            Event::Unplanned { body, on, face, by } => json!([tick, "shed", body, n(on), face, by]),
-            Event::Released { body, role, by } => json!([tick, "free", body, role, by]),
-            Event::Sent { from, to, said } => {
+            ObservedEvent::Unplanned { body, on, face, by } => {
+                json!([tick, "shed", body, n(on), face, by])
+            }
+            ObservedEvent::Released { body, role, by } => json!([tick, "free", body, role, by]),
+            ObservedEvent::Sent { from, to, said } => {
                 let (what, role) = match said {
                     Said::Report(role) => ("report", role),
                     Said::Ask(role) => ("ask", role),
@@ -83,7 +85,7 @@ impl Seeds {
                 };
                 json!([tick, "say", n(from), n(to), what, role])
             }
-            Event::Reported { by } => json!([tick, "report", by]),
+            ObservedEvent::Reported { by } => json!([tick, "report", by]),
         }
     }
 
@@ -97,45 +99,45 @@ impl Seeds {
         let face = |i: usize| serde_json::from_value::<Face>(row.get(i)?.clone()).ok();
         let cell = |i: usize| serde_json::from_value::<Cell>(row.get(i)?.clone()).ok();
         let event = match row.get(1)?.as_str()? {
-            "phase" => Event::Phase(PhaseId(number(2)?)),
-            "on" => Event::Magnetized {
+            "phase" => ObservedEvent::Phase(PhaseId(number(2)?)),
+            "on" => ObservedEvent::Magnetized {
                 body: body(2)?,
                 face: face(3)?,
                 by: role(4)?,
                 child: role(5)?,
                 cell: cell(6)?,
             },
-            "in" => Event::Entered {
+            "in" => ObservedEvent::Entered {
                 body: number(2)?,
                 of: body(3)?,
                 face: face(4)?,
             },
-            "out" => Event::Left {
+            "out" => ObservedEvent::Left {
                 body: number(2)?,
                 of: body(3)?,
                 face: face(4)?,
             },
-            "dock" => Event::Captured {
+            "dock" => ObservedEvent::Captured {
                 body: number(2)?,
                 on: body(3)?,
                 face: face(4)?,
                 role: role(5)?,
                 cell: cell(6)?,
             },
-            "shed" => Event::Unplanned {
+            "shed" => ObservedEvent::Unplanned {
                 body: number(2)?,
                 on: body(3)?,
                 face: face(4)?,
                 by: role(5)?,
             },
-            "free" => Event::Released {
+            "free" => ObservedEvent::Released {
                 body: number(2)?,
                 role: role(3)?,
                 by: role(4)?,
             },
             "say" => {
                 let role = role(5)?;
-                Event::Sent {
+                ObservedEvent::Sent {
                     from: body(2)?,
                     to: body(3)?,
                     said: match row.get(4)?.as_str()? {
@@ -147,7 +149,7 @@ impl Seeds {
                     },
                 }
             }
-            "report" => Event::Reported { by: role(2)? },
+            "report" => ObservedEvent::Reported { by: role(2)? },
             _ => return None,
         };
         Some(Happening { tick, event })

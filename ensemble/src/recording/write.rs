@@ -6,7 +6,7 @@ use stochc_files::budget::RECORDING_PART;
 use stochc_ir::record::RunRecord;
 use stochc_ir::state::{StateError, StateReader, StateWriter};
 use stochc_ir::table::Tables;
-use stochc_runtime::observe::{Event, Observer};
+use stochc_runtime::observe::{ObservedEvent, Observer};
 use stochc_runtime::world::Arena;
 
 use super::chunk::{Chunk, NUMBERS, unpacked};
@@ -132,7 +132,7 @@ impl<W: Output> Recorder<W> {
 }
 
 impl<W: Output> Observer for Recorder<W> {
-    fn look(&mut self, arena: &impl Arena, events: &[Event]) {
+    fn look(&mut self, arena: &impl Arena, events: &[ObservedEvent]) {
         if self.broken.is_some() {
             return;
         }
@@ -143,10 +143,10 @@ impl<W: Output> Observer for Recorder<W> {
         let is_notable = events.iter().any(|event| {
             matches!(
                 event,
-                Event::Captured { .. }
-                    | Event::Unplanned { .. }
-                    | Event::Released { .. }
-                    | Event::Reported { .. }
+                ObservedEvent::Captured { .. }
+                    | ObservedEvent::Unplanned { .. }
+                    | ObservedEvent::Released { .. }
+                    | ObservedEvent::Reported { .. }
             )
         });
         if !is_notable && !tick.is_multiple_of(self.every) {

@@ -7,7 +7,7 @@ use stochc_ir::palette::{DARK, PHASES, Rgb};
 use stochc_ir::scene::Scene;
 use stochc_ir::table::{PhaseId, Tables};
 use stochc_ir::{Cell, Face};
-use stochc_runtime::observe::{Event, Observer};
+use stochc_runtime::observe::{ObservedEvent, Observer};
 use stochc_runtime::world::Arena;
 
 /// More than this does not fit into a file, whose lengths have 32 bits.
@@ -179,18 +179,18 @@ impl Gltf {
 }
 
 impl Observer for Gltf {
-    fn look(&mut self, arena: &impl Arena, events: &[Event]) {
+    fn look(&mut self, arena: &impl Arena, events: &[ObservedEvent]) {
         let mut is_notable = false;
         for event in events {
             match *event {
-                Event::Phase(phase) => self.phase = phase,
-                Event::Captured { body, role, .. } => {
+                ObservedEvent::Phase(phase) => self.phase = phase,
+                ObservedEvent::Captured { body, role, .. } => {
                     let (name, phase) = (self.names[role.0 as usize].clone(), self.phase);
                     let entry = self.roles.entry(body).or_insert((String::new(), phase));
                     entry.0 = name;
                     is_notable = true;
                 }
-                Event::Released { .. } => is_notable = true,
+                ObservedEvent::Released { .. } => is_notable = true,
                 _ => {}
             }
         }

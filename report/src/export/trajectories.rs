@@ -12,7 +12,7 @@ use ::parquet::file::writer::SerializedFileWriter;
 use ::parquet::schema::parser::parse_message_type;
 use ::parquet::schema::types::ColumnPath;
 use stochc_ir::table::Tables;
-use stochc_runtime::observe::{Event, Observer};
+use stochc_runtime::observe::{ObservedEvent, Observer};
 use stochc_runtime::world::Arena;
 
 /// Rows of a group: some 30 MB in memory.
@@ -168,13 +168,13 @@ impl Rows {
 }
 
 impl<W: Write + Send> Observer for Trajectories<W> {
-    fn look(&mut self, arena: &impl Arena, events: &[Event]) {
+    fn look(&mut self, arena: &impl Arena, events: &[ObservedEvent]) {
         for event in events {
             match *event {
-                Event::Captured { body, role, .. } => {
+                ObservedEvent::Captured { body, role, .. } => {
                     self.roles.insert(body, role.0 as usize);
                 }
-                Event::Released { body, .. } => {
+                ObservedEvent::Released { body, .. } => {
                     self.roles.remove(&body);
                 }
                 _ => {}

@@ -21,7 +21,7 @@ use stochc_ir::scene::Messages;
 use stochc_ir::table::{PhaseId, RoleId, Tables};
 use stochc_protocol::{BlockFace, Body, Docking, Orientation, Structure, StructureBlock};
 
-use crate::observe::{Event, Log};
+use crate::observe::{Log, ObservedEvent};
 use crate::world::World;
 
 /// Runs event tables in a world.
@@ -70,7 +70,7 @@ impl<'t> Controller<'t> {
     }
 
     /// Takes out what has happened since the last time.
-    pub(crate) fn take_log(&mut self) -> Vec<Event> {
+    pub(crate) fn take_log(&mut self) -> Vec<ObservedEvent> {
         self.recorder.log.take()
     }
 

@@ -12,7 +12,7 @@ use stochc_ir::scene::Messages;
 use stochc_protocol::{Body, Channels, Message, Recalled};
 
 use crate::counter_rng::{Draws, Stream, unit};
-use crate::observe::{Event, Log};
+use crate::observe::{Log, ObservedEvent};
 
 /// The messages that are under way.
 #[derive(Debug)]
@@ -165,7 +165,7 @@ impl Network {
     }
 
     fn depart(&mut self, tick: u64, transfer: Transfer, log: &mut Log) {
-        log.note(|| Event::Sent {
+        log.note(|| ObservedEvent::Sent {
             from: transfer.from,
             to: transfer.to,
             said: transfer.message.payload.into(),

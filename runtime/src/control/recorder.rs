@@ -8,7 +8,7 @@ use stochc_protocol::{
 };
 
 use super::network::Network;
-use crate::observe::{Event, Log};
+use crate::observe::{Log, ObservedEvent};
 use crate::world::World;
 
 /// The clock, the messages under way, and the record so far.
@@ -58,7 +58,7 @@ impl RunRecorder {
     pub fn note_phase(&mut self, phase: Option<PhaseId>) {
         if let Some(phase) = phase {
             self.phase = phase;
-            self.log.note(|| Event::Phase(phase));
+            self.log.note(|| ObservedEvent::Phase(phase));
         }
     }
 
@@ -82,7 +82,7 @@ impl<W: World> Environment for RecordedWorld<'_, W> {
     type Mark = u64;
 
     fn magnetize(&mut self, site: BlockFace, capture: &PlannedCapture) -> u64 {
-        self.recorder.log.note(|| Event::Magnetized {
+        self.recorder.log.note(|| ObservedEvent::Magnetized {
             body: site.body,
             by: capture.parent,
             face: capture.face,
@@ -120,7 +120,7 @@ impl<W: World> Environment for RecordedWorld<'_, W> {
             log,
             ..
         } = self.recorder;
-        log.note(|| Event::Captured {
+        log.note(|| ObservedEvent::Captured {
             body: docking.child,
             on: docking.site.body,
             face: capture.face,
@@ -150,7 +150,7 @@ impl<W: World> Environment for RecordedWorld<'_, W> {
             tick: self.recorder.tick,
             body: docking.child,
         });
-        self.recorder.log.note(|| Event::Unplanned {
+        self.recorder.log.note(|| ObservedEvent::Unplanned {
             body: docking.child,
             on: docking.site.body,
             face,
@@ -162,7 +162,7 @@ impl<W: World> Environment for RecordedWorld<'_, W> {
         if let Body::Free(body) = body {
             self.recorder
                 .log
-                .note(|| Event::Released { body, role, by });
+                .note(|| ObservedEvent::Released { body, role, by });
             let tick = self.recorder.tick;
             self.recorder.releases.push(ReleaseRecord {
                 phase: self.recorder.phase,
@@ -177,6 +177,8 @@ impl<W: World> Environment for RecordedWorld<'_, W> {
     }
 
     fn reported(&mut self, by: Reporter) {
-        self.recorder.log.note(|| Event::Reported { by: by.role });
+        self.recorder
+            .log
+            .note(|| ObservedEvent::Reported { by: by.role });
     }
 }

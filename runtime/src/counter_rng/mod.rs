@@ -50,10 +50,10 @@ impl Draws {
     }
 
     /// The draws of one step, from block 0 on.
-    pub fn step(&mut self, step: u64) -> Step<'_> {
+    pub fn step(&mut self, step: u64) -> StepDraws<'_> {
         self.keystream.set_stream(step);
         self.keystream.set_word_pos(0);
-        Step {
+        StepDraws {
             keystream: &mut self.keystream,
             next: 0,
         }
@@ -71,12 +71,12 @@ fn key(seed: u64, run: u64, stream: Stream) -> [u8; 32] {
 
 /// The draws of one step, cheapest in rising order of blocks.
 #[derive(Debug)]
-pub struct Step<'a> {
+pub struct StepDraws<'a> {
     keystream: &'a mut ChaCha8Rng,
     next: u32,
 }
 
-impl Step<'_> {
+impl StepDraws<'_> {
     /// The words of one block.
     pub fn block(&mut self, block: u32) -> [u32; WORDS as usize] {
         if block != self.next {

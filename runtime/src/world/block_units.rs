@@ -8,14 +8,14 @@ use stochc_ir::table::Plate;
 
 use super::SceneError;
 use super::parameters::{
-    Attraction, Contact, Eddies, Kicks, Magnet, MeanFlow, Parameters, Passive, Pull, Resistance,
-    Shell, Suction, built,
+    Attraction, ContactParameters, Eddies, Kicks, Magnet, MeanFlow, Passive, Pull, Resistance,
+    Shell, Suction, WorldParameters, built,
 };
 use crate::settings::takes_local_steps;
 
-impl Parameters {
+impl WorldParameters {
     /// The terms of a scene around a plate.
-    pub fn new(scene: &Scene, plate: &Plate) -> Result<Parameters, SceneError> {
+    pub fn new(scene: &Scene, plate: &Plate) -> Result<WorldParameters, SceneError> {
         let fluid = scene.fluid.is_some() || scene.flow.is_some();
         for (term, declared, built) in [
             ("agitation", scene.agitation.is_some(), built::AGITATION),
@@ -46,7 +46,7 @@ impl Parameters {
             _ => {}
         }
         let weight = |&gravity: &f64| units.weight(gravity, scene.fluid.as_ref());
-        Ok(Parameters {
+        Ok(WorldParameters {
             local: takes_local_steps(scene),
             shell,
             kicks,
@@ -204,8 +204,8 @@ impl Units {
         }))
     }
 
-    fn contact(self, contact: &stochc_ir::scene::Contact) -> Made<Contact> {
-        Ok(Contact {
+    fn contact(self, contact: &stochc_ir::scene::Contact) -> Made<ContactParameters> {
+        Ok(ContactParameters {
             law: match contact.law {
                 ContactLaw::Rigid { restitution } => ContactLaw::Rigid {
                     restitution: number("the restitution", restitution)?,

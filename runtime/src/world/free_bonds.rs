@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use super::blocks::{Blocks, Motion, Pose};
 use super::bonding::pair_attraction::{close, energy, meet, seat};
 use super::external_forces::Response;
-use super::groups::{Groups, lost};
+use super::groups::{BlockGroups, lost};
 use super::parameters::{Attraction, Magnet, Passive};
 
 /// Bonds without a structure.
@@ -14,7 +14,7 @@ use super::parameters::{Attraction, Magnet, Passive};
 pub(crate) struct FreeBonds {
     magnet: Magnet,
     passive: Passive,
-    pub groups: Groups,
+    pub groups: BlockGroups,
 }
 
 stochc_ir::state! {
@@ -33,7 +33,7 @@ impl FreeBonds {
         Some(FreeBonds {
             magnet: *magnet,
             passive,
-            groups: Groups::default(),
+            groups: BlockGroups::default(),
         })
     }
 

@@ -3,7 +3,7 @@ use nalgebra::Vector3;
 use stochc_ir::scene::{Arrangement, Scene};
 use stochc_ir::table::Plate;
 
-use super::parameters::{Parameters, Shell};
+use super::parameters::{Shell, WorldParameters};
 use super::{BodyState, SceneError};
 
 /// Least distance of a centre from the ground and from the shell \[side\].
@@ -14,7 +14,7 @@ const LEAST_SPACING: f64 = 1.1;
 
 /// The free blocks of a scene at tick 0.
 pub(super) fn blocks(scene: &Scene, plate: &Plate) -> Result<Vec<BodyState>, SceneError> {
-    let parameters = Parameters::new(scene, plate)?;
+    let parameters = WorldParameters::new(scene, plate)?;
     let count = scene.free.count;
     if count == 0 {
         return Ok(Vec::new());

@@ -15,7 +15,7 @@ pub(crate) mod built {
 
 /// The terms in force; `None` is a term that does not exist.
 #[derive(Clone, Debug)]
-pub(crate) struct Parameters {
+pub(crate) struct WorldParameters {
     /// Whether blocks may take steps of different lengths.
     pub local: bool,
     pub shell: Option<Shell>,
@@ -29,7 +29,7 @@ pub(crate) struct Parameters {
     pub eddies: Option<Eddies>,
     /// Of a degree of freedom, k T \[side^2 / tick^2\].
     pub thermal: Option<f64>,
-    pub contact: Option<Contact>,
+    pub contact: Option<ContactParameters>,
     pub bond: Option<Magnet>,
 }
 
@@ -111,7 +111,7 @@ pub(crate) struct Kicks {
 }
 
 #[derive(Clone, Debug)]
-pub(crate) struct Contact {
+pub(crate) struct ContactParameters {
     /// In block units: stiffness \[1 / tick^2\] and damping \[1 / tick\] for a mass of 1.
     pub law: ContactLaw,
     pub friction: f64,
@@ -196,7 +196,7 @@ pub(crate) struct Pull {
     pub within: f64,
 }
 
-impl Parameters {
+impl WorldParameters {
     /// How many steps a tick blocks take away from magnetized faces and near them.
     pub fn rates(&self, settings: &Settings) -> [u32; 2] {
         let short = settings.substeps.max(1);
@@ -210,14 +210,14 @@ impl Parameters {
     /// there to be parted.
     ///
     /// `dt`: length of a step \[tick\].
-    pub fn weakened(mut self, response: f64, dt: f64) -> Parameters {
+    pub fn weakened(mut self, response: f64, dt: f64) -> WorldParameters {
         if let Some(magnet) = &mut self.bond {
             magnet.square_of_step = dt * dt * response;
         }
         if let Some(shell) = &mut self.shell {
             shell.stiffness *= response;
         }
-        if let Some(Contact {
+        if let Some(ContactParameters {
             law: ContactLaw::Compliant { stiffness, damping },
             ..
         }) = &mut self.contact

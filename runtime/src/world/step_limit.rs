@@ -1,10 +1,10 @@
 //! Whether the steps are short enough for the springs of a scene.
 use super::SceneError;
 use super::external_forces::response;
-use super::parameters::Parameters;
+use super::parameters::WorldParameters;
 use crate::settings::Settings;
 
-impl Parameters {
+impl WorldParameters {
     /// Whether the steps are short enough.
     ///
     /// # Errors

@@ -11,14 +11,14 @@ use stochc_ir::{Cell, Face};
 use stochc_protocol::Orientation;
 
 use super::blocks::Blocks;
-use super::bonding::{Anchored, Faces, Release};
+use super::bonding::{Anchored, Faces, ReleasedBlock};
 use super::cell_centres::CellCentres;
 use super::external_forces::{ExternalForces, Response};
 use super::free_bonds::FreeBonds;
-use super::parameters::{Kicks, Parameters, built};
+use super::parameters::{Kicks, WorldParameters, built};
 use super::real::{Real, cast};
 use super::{Arena, BlockFace, Body, BodyState, Docking, Fault, SceneError, World};
-use crate::counter_rng::{Draws, Step, Stream};
+use crate::counter_rng::{Draws, StepDraws, Stream};
 use crate::settings::{Reduction, Settings};
 
 /// Who moves in a short step.
@@ -36,7 +36,7 @@ pub(crate) trait Integrator: Sized + State {
     type Blocks: Blocks<Real = Self::Real> + State;
 
     /// How many long steps and short steps a tick has.
-    fn rates(_parameters: &Parameters, settings: &Settings) -> [u32; 2] {
+    fn rates(_parameters: &WorldParameters, settings: &Settings) -> [u32; 2] {
         [settings.substeps.max(1); 2]
     }
 
@@ -45,7 +45,7 @@ pub(crate) trait Integrator: Sized + State {
     /// # Errors
     /// If there is a term or a setting that it cannot compute.
     fn new(
-        parameters: &Parameters,
+        parameters: &WorldParameters,
         plate: &Plate,
         settings: &Settings,
         blocks: &[BodyState],
@@ -109,7 +109,7 @@ pub(crate) trait Integrator: Sized + State {
     fn advance(
         &mut self,
         blocks: &mut Self::Blocks,
-        kicks: Option<(&Kicks, Step<'_>)>,
+        kicks: Option<(&Kicks, StepDraws<'_>)>,
         bonds: Option<&mut FreeBonds>,
         who: Moving,
     ) -> Result<(), Fault>;
@@ -352,7 +352,7 @@ impl<I: Integrator> Arena for Stepper<I> {
         run: u64,
         blocks: &[BodyState],
     ) -> Result<Stepper<I>, SceneError> {
-        let parameters = Parameters::new(scene, plate)?;
+        let parameters = WorldParameters::new(scene, plate)?;
         parameters.check(settings)?;
         let rates = I::rates(&parameters, settings);
         let substeps = rates[1];
@@ -448,7 +448,7 @@ impl<I: Integrator> World for Stepper<I> {
         let Some(faces) = &mut self.faces else {
             return;
         };
-        if let Some(Release { body: id, velocity }) = faces.switch_off(site) {
+        if let Some(ReleasedBlock { body: id, velocity }) = faces.switch_off(site) {
             self.blocks.release(id, velocity);
             self.integrator.released();
             self.disturb();

@@ -10,7 +10,7 @@ use stochc_ir::record::RunRecord;
 use stochc_ir::scene::{Contact, ContactLaw, Messages};
 use stochc_ir::state::{StateError, StateReader, StateWriter};
 use stochc_ir::table::PhaseId;
-use stochc_runtime::observe::{Event, Observer};
+use stochc_runtime::observe::{ObservedEvent, Observer};
 use stochc_runtime::world::Arena;
 use stochc_runtime::{
     Model, Precision, Reduction, RunError, Save, Settings, Substeps, Watch, observe, run,
@@ -70,7 +70,7 @@ impl Watch for Keeper {
 struct Digests(BTreeMap<u64, u64>);
 
 impl Observer for Digests {
-    fn look(&mut self, arena: &impl Arena, events: &[Event]) {
+    fn look(&mut self, arena: &impl Arena, events: &[ObservedEvent]) {
         let mut hasher = DefaultHasher::new();
         for id in 0..arena.count() {
             let state = arena.state(id);

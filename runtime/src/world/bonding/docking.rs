@@ -8,7 +8,7 @@ use stochc_protocol::Orientation;
 use super::face_attraction::{AttractingFace, Near, Push, best_turn};
 use super::hydraulic_network::Pressures;
 use super::open_faces::PlacedBlocks;
-use super::swept_docking::Sweep;
+use super::swept_docking::FaceSweep;
 use crate::world::blocks::Blocks;
 use crate::world::external_forces::Sink;
 use crate::world::parameters::{Attraction, Magnet};
@@ -40,7 +40,7 @@ pub(crate) struct Faces<R: Real> {
 
 /// A block that a face lets go.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Release<R: Real> {
+pub(crate) struct ReleasedBlock<R: Real> {
     pub body: u32,
     /// What it leaves with.
     pub velocity: Vector3<R>,
@@ -211,13 +211,13 @@ impl<R: Real> Faces<R> {
 
     /// Switches a face off: what it held, if it held something. A face that attracts by itself stays on, and
     /// rejects what it held.
-    pub fn switch_off(&mut self, site: BlockFace) -> Option<Release<R>> {
+    pub fn switch_off(&mut self, site: BlockFace) -> Option<ReleasedBlock<R>> {
         self.change();
         let Attraction::Passive(passive) = self.magnet.law else {
             if let Ok(at) = self.active.binary_search_by_key(&site, |on| on.site) {
                 self.active.remove(at);
             }
-            return Some(Release {
+            return Some(ReleasedBlock {
                 body: self.holds.remove(&site)?,
                 velocity: Vector3::zeros(),
             });
@@ -227,7 +227,7 @@ impl<R: Real> Faces<R> {
         let out = self.placed.outward(site);
         self.rejected.push(body);
         self.expose();
-        Some(Release {
+        Some(ReleasedBlock {
             body,
             velocity: out * R::of(passive.impulse),
         })
@@ -384,7 +384,7 @@ impl<R: Real> Faces<R> {
         let mut ready: Vec<Sighting<R>> = Vec::new();
         for &Sighting { active, body, near } in &self.sightings {
             let motion = [blocks.velocity(body), blocks.spin(body)];
-            let sweep = Sweep::of_step(&near, blocks.position(body), motion, dt);
+            let sweep = FaceSweep::of_step(&near, blocks.position(body), motion, dt);
             if let Some(distance) = sweep.docks(&self.active[active].target, &self.magnet) {
                 let near = Near { distance, ..near };
                 ready.push(Sighting { active, body, near });

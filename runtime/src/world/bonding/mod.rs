@@ -6,5 +6,5 @@ mod open_faces;
 pub(crate) mod pair_attraction;
 mod swept_docking;
 
-pub(crate) use docking::{Anchored, Faces, Release};
+pub(crate) use docking::{Anchored, Faces, ReleasedBlock};
 pub(crate) use face_attraction::INVERSE_INERTIA;

@@ -4,7 +4,7 @@ use stochc_ir::Face;
 use stochc_protocol::Orientation;
 
 use super::face_attraction::{AttractingFace, Push, best_turn};
-use super::swept_docking::Sweep;
+use super::swept_docking::FaceSweep;
 use crate::world::blocks::Pose;
 use crate::world::parameters::{Attraction, Magnet, Passive};
 use crate::world::real::normal;
@@ -74,7 +74,7 @@ pub(crate) fn meet(magnet: &Magnet, first: &Pose, second: &Pose) -> Option<Meeti
     Some(Meeting {
         face,
         other,
-        bonds: Sweep::resting(&near, second.position)
+        bonds: FaceSweep::resting(&near, second.position)
             .docks(&target, magnet)
             .is_some(),
         pushes: [first_push, second_push],

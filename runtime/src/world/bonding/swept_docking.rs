@@ -9,18 +9,18 @@ use crate::world::real::Real;
 
 /// The way of a block's face past a magnetized one: at the beginning of a step and at its end.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Sweep<R: Real> {
+pub(crate) struct FaceSweep<R: Real> {
     /// Of the centre of the face.
     pub centre: [Vector3<R>; 2],
     /// Outward.
     pub normal: [Vector3<R>; 2],
 }
 
-impl<R: Real> Sweep<R> {
+impl<R: Real> FaceSweep<R> {
     /// Of a face that is where it is.
-    pub fn resting(near: &Near<R>, position: Vector3<R>) -> Sweep<R> {
+    pub fn resting(near: &Near<R>, position: Vector3<R>) -> FaceSweep<R> {
         let normal = (near.centre - position) * R::of(2.0);
-        Sweep {
+        FaceSweep {
             centre: [near.centre; 2],
             normal: [normal; 2],
         }
@@ -32,11 +32,11 @@ impl<R: Real> Sweep<R> {
         position: Vector3<R>,
         [velocity, spin]: [Vector3<R>; 2],
         dt: R,
-    ) -> Sweep<R> {
+    ) -> FaceSweep<R> {
         let after = (near.centre - position) * R::of(2.0);
         let before = (after - (spin * dt).cross(&after)).normalize();
         let centre = position - velocity * dt + before * R::of(0.5);
-        Sweep {
+        FaceSweep {
             centre: [centre, near.centre],
             normal: [before, after],
         }
@@ -119,7 +119,7 @@ mod tests {
         let position = end + Vector3::z() * 0.5;
         let near = target.at(position, UnitQuaternion::identity(), Face::Down);
         let motion = [velocity, Vector3::x() * spin];
-        let sweep = Sweep::of_step(&near, position, motion, 1.0);
+        let sweep = FaceSweep::of_step(&near, position, motion, 1.0);
         sweep.docks(&target, &magnet(measure)).is_some()
     }
 

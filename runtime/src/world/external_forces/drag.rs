@@ -21,7 +21,7 @@ impl Response {
 
 /// The drag of a step.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Drag {
+pub(super) struct StepDrag {
     linear: Decay,
     angular: Decay,
     dt: f64,
@@ -62,9 +62,9 @@ pub(crate) fn mean(x: f64) -> f64 {
     }
 }
 
-impl Drag {
-    pub fn new(fluid: &Resistance, dt: f64) -> Drag {
-        Drag {
+impl StepDrag {
+    pub fn new(fluid: &Resistance, dt: f64) -> StepDrag {
+        StepDrag {
             linear: Decay::new(fluid.viscous.0, fluid.wake.0, dt),
             angular: Decay::new(fluid.viscous.1, fluid.wake.1, dt),
             dt,

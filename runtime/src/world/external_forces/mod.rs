@@ -12,12 +12,12 @@ mod turbulence;
 use nalgebra::Vector3;
 
 use brownian::Brownian;
-use drag::Drag;
+use drag::StepDrag;
 pub(crate) use drag::{Response, mean as response};
-use turbulence::Turbulence;
+use turbulence::TurbulenceField;
 
 use super::blocks::Motion;
-use super::parameters::{MeanFlow, Parameters, built};
+use super::parameters::{MeanFlow, WorldParameters, built};
 
 /// How a fluid moves at a place.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -44,9 +44,9 @@ pub(crate) struct Sink {
 #[derive(Debug)]
 pub(crate) struct ExternalForces {
     weight: Option<f64>,
-    drag: Option<Drag>,
+    drag: Option<StepDrag>,
     mean_flow: Option<MeanFlow>,
-    eddies: Option<Turbulence>,
+    eddies: Option<TurbulenceField>,
     heat: Option<Brownian>,
     displaced: f64,
     /// Length of a step \[tick\].
@@ -63,7 +63,7 @@ stochc_ir::state! {
 impl ExternalForces {
     /// `None` where nothing is around the blocks.
     pub fn new(
-        parameters: &Parameters,
+        parameters: &WorldParameters,
         substeps: u32,
         seed: u64,
         run: u64,
@@ -76,11 +76,11 @@ impl ExternalForces {
         let dt = 1.0 / f64::from(substeps);
         Some(ExternalForces {
             weight,
-            drag: fluid.map(|fluid| Drag::new(&fluid, dt)),
+            drag: fluid.map(|fluid| StepDrag::new(&fluid, dt)),
             mean_flow: parameters.flow.filter(|_| fluid.is_some()),
             eddies: (parameters.eddies)
                 .filter(|_| fluid.is_some())
-                .map(|eddies| Turbulence::new(&eddies, seed, run)),
+                .map(|eddies| TurbulenceField::new(&eddies, seed, run)),
             heat: fluid
                 .zip(parameters.thermal)
                 .map(|(fluid, energy)| Brownian::new(&fluid, energy, dt, seed, run)),
@@ -91,7 +91,9 @@ impl ExternalForces {
 
     /// How much of a force's effect is left in a step.
     pub fn response(&self) -> Response {
-        self.drag.as_ref().map_or(Response::FREE, Drag::response)
+        self.drag
+            .as_ref()
+            .map_or(Response::FREE, StepDrag::response)
     }
 
     /// Begins a tick, or goes on in it; steps are counted from the beginning of the run.

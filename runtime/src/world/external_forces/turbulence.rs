@@ -17,7 +17,7 @@ const WAVES: usize = 31;
 const BEGINNING: u64 = u64::MAX;
 
 #[derive(Debug)]
-pub(super) struct Turbulence {
+pub(super) struct TurbulenceField {
     waves: Vec<Wave>,
     /// Part of an amplitude that is left after a tick.
     left: f64,
@@ -38,14 +38,14 @@ struct Wave {
 }
 
 stochc_ir::state! {
-    () Turbulence;
+    () TurbulenceField;
     values: waves;
     parts: ;
     same: left, rms, vertical, draws
 }
 
-impl Turbulence {
-    pub fn new(eddies: &Eddies, seed: u64, run: u64) -> Turbulence {
+impl TurbulenceField {
+    pub fn new(eddies: &Eddies, seed: u64, run: u64) -> TurbulenceField {
         let waves = axes().map(|axis| {
             let other = if axis.x.abs() < 0.6 {
                 Vector3::x()
@@ -59,7 +59,7 @@ impl Turbulence {
                 amplitudes: [0.0; 4],
             }
         });
-        let mut field = Turbulence {
+        let mut field = TurbulenceField {
             waves: waves.collect(),
             left: eddies.left,
             // A wave has two directions, each a third of three components.
@@ -149,7 +149,7 @@ mod tests {
         }
     }
 
-    fn wind(field: &Turbulence, place: Vector3<f64>) -> LocalFlow {
+    fn wind(field: &TurbulenceField, place: Vector3<f64>) -> LocalFlow {
         let mut wind = LocalFlow::default();
         field.add(place, &mut wind);
         wind
@@ -171,7 +171,7 @@ mod tests {
     fn there_are_no_sources_and_the_spin_is_half_the_curl() {
         let h = 1e-5;
         for vertical in [1.0, 0.4, 2.5] {
-            let field = Turbulence::new(&eddies(vertical), 3, 5);
+            let field = TurbulenceField::new(&eddies(vertical), 3, 5);
             for place in [Vector3::new(1.0, -2.0, 3.0), Vector3::new(7.0, 0.3, 0.1)] {
                 let slope = |axis: Vector3<f64>| {
                     let (more, less) = (
@@ -198,7 +198,7 @@ mod tests {
     #[test]
     fn speed_memory_and_anisotropy_are_those_asked_for() {
         let (mut field, place) = (
-            Turbulence::new(&eddies(0.5), 1, 2),
+            TurbulenceField::new(&eddies(0.5), 1, 2),
             Vector3::new(2.0, 1.0, 4.0),
         );
         let ticks = 40_000;

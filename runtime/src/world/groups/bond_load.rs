@@ -2,7 +2,7 @@
 use nalgebra::Vector3;
 
 use super::rigid_motion::RigidMotion;
-use super::{Group, connected};
+use super::{BlockGroup, connected};
 use crate::world::blocks::Motion;
 use crate::world::bonding::INVERSE_INERTIA;
 use crate::world::external_forces::Response;
@@ -13,7 +13,7 @@ use crate::world::external_forces::Response;
 /// attract each other with a force F part when the tension, together with a moment over half a side that
 /// tips one about the other's edge, is more than F. The pattern of the faces holds what would shift or twist them.
 pub(super) fn worst(
-    group: &Group,
+    group: &BlockGroup,
     before: &[Motion],
     compound: &RigidMotion,
     response: Response,
@@ -50,7 +50,7 @@ pub(super) fn worst(
 }
 
 /// The members on the second block's side of a bond.
-fn behind(group: &Group, bond: usize) -> Vec<u32> {
+fn behind(group: &BlockGroup, bond: usize) -> Vec<u32> {
     let mut others = group.bonds.clone();
     let (_, second) = others.remove(bond);
     connected(second, &others)

@@ -18,17 +18,17 @@ use serde::{Deserialize, Serialize};
 
 /// All groups.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub(crate) struct Groups {
+pub(crate) struct BlockGroups {
     /// The key of the group that a block is in.
     of: BTreeMap<u32, u32>,
     /// By key: a number that some member has, or had.
-    groups: BTreeMap<u32, Group>,
+    groups: BTreeMap<u32, BlockGroup>,
     /// Pairs that have been torn, and are on the way apart.
     parted: BTreeSet<(u32, u32)>,
 }
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
-struct Group {
+struct BlockGroup {
     /// In rising order.
     members: Vec<Member>,
     bonds: Vec<(u32, u32)>,
@@ -45,10 +45,10 @@ struct Member {
     turn: UnitQuaternion<f64>,
 }
 
-impl Groups {
+impl BlockGroups {
     /// The members of every group, by their lowest number.
     pub fn list(&self) -> Vec<Vec<u32>> {
-        let ids = |group: &Group| group.members.iter().map(|member| member.id).collect();
+        let ids = |group: &BlockGroup| group.members.iter().map(|member| member.id).collect();
         let mut all: Vec<Vec<u32>> = self.groups.values().map(ids).collect();
         all.sort_unstable();
         all
@@ -233,7 +233,7 @@ impl Groups {
                 turn: pose.rotation,
             }
         });
-        let group = Group {
+        let group = BlockGroup {
             members: members.collect(),
             bonds,
             rotation: UnitQuaternion::identity(),
@@ -246,7 +246,7 @@ impl Groups {
     }
 }
 
-impl Group {
+impl BlockGroup {
     /// How its members move, in their order.
     fn motions(&self, blocks: &impl Blocks) -> Vec<Motion> {
         let motion = |member: &Member| blocks.motion(member.id);

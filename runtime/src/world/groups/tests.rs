@@ -27,9 +27,9 @@ fn fly(blocks: &mut Bodies<f64>, dt: f64) {
 }
 
 /// Blocks side by side along x, bonded in a row.
-fn row(count: u32) -> (Groups, Bodies<f64>) {
+fn row(count: u32) -> (BlockGroups, Bodies<f64>) {
     let places: Vec<[f64; 3]> = (0..count).map(|i| [f64::from(i), 0.0, 0.0]).collect();
-    let (mut groups, mut blocks) = (Groups::default(), at(&places));
+    let (mut groups, mut blocks) = (BlockGroups::default(), at(&places));
     for b in 1..count {
         let seat = blocks.pose(b);
         groups.join(b - 1, b, &seat, &mut blocks);
@@ -59,7 +59,7 @@ fn a_group_moves_as_one_and_keeps_its_momenta() {
 
 #[test]
 fn what_bonds_moves_as_one_at_once() {
-    let (mut groups, mut blocks) = (Groups::default(), at(&[[0.0; 3], [1.0, 0.0, 0.0]]));
+    let (mut groups, mut blocks) = (BlockGroups::default(), at(&[[0.0; 3], [1.0, 0.0, 0.0]]));
     blocks.set_velocity(1, Vector3::new(-0.4, 0.2, 0.0), Vector3::z() * 0.1);
     let before = momenta(&blocks);
     let seat = blocks.pose(1);
@@ -165,7 +165,7 @@ fn a_group_that_joins_another_comes_along_as_it_is() {
         [2.02, 0.0, 0.0],
         [2.02, 1.0, 0.0],
     ];
-    let (mut groups, mut blocks) = (Groups::default(), at(&places));
+    let (mut groups, mut blocks) = (BlockGroups::default(), at(&places));
     let seat = blocks.pose(1);
     groups.join(0, 1, &seat, &mut blocks);
     let seat = blocks.pose(3);

@@ -8,17 +8,17 @@ const SIDE: i32 = 4;
 
 /// A value for every cell, kept in cubes of cells.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct Grid<T> {
+pub(super) struct ChunkedGrid<T> {
     /// Where the chunk of a corner begins.
     chunks: FxHashMap<[i32; 3], u32>,
     cells: Vec<T>,
     default: T,
 }
 
-impl<T: Copy> Grid<T> {
+impl<T: Copy> ChunkedGrid<T> {
     /// Every cell has the same value.
-    pub fn new(default: T) -> Grid<T> {
-        Grid {
+    pub fn new(default: T) -> ChunkedGrid<T> {
+        ChunkedGrid {
             chunks: FxHashMap::default(),
             cells: Vec::new(),
             default,

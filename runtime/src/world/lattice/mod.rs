@@ -8,28 +8,28 @@ use stochc_ir::{Cell, Face};
 use stochc_protocol::{BlockFace, Body, Docking, Orientation};
 
 use super::ranked::RankedSet;
-use grid::Grid;
+use grid::ChunkedGrid;
 
 /// The structure, and the blocks that are free.
 ///
 /// A *seat* is a block's number: first those of the plate, then those that were free at the beginning. A face has the number
 /// [`number`]`(seat, face)`. A face is *open* if it is on and there is room before it.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct Lattice {
+pub(super) struct LatticeStructure {
     /// Blocks that were free at the beginning.
     pub count: u32,
     /// The cells of the blocks of the plate, sorted.
     pub seeds: Vec<Cell>,
     /// Where each block is, while it is anchored.
     pub seats: Vec<AnchoredBlock>,
-    grid: Grid<CellContent>,
+    grid: ChunkedGrid<CellContent>,
     /// The blocks that are free, by number.
     pub free: RankedSet,
 }
 
 /// What happened to a face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Change {
+pub(super) enum FaceChange {
     /// It can capture from now on.
     Opened(usize),
     /// It cannot any more.
@@ -37,7 +37,7 @@ pub(super) enum Change {
 }
 
 /// What happened to the faces, in order.
-pub(super) type Changes = SmallVec<[Change; 4]>;
+pub(super) type Changes = SmallVec<[FaceChange; 4]>;
 
 /// Where an anchored block is. Faces are its own, one bit each.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
@@ -89,12 +89,12 @@ impl AnchoredBlock {
     }
 }
 
-impl Lattice {
+impl LatticeStructure {
     /// `count` free blocks around the blocks of the plate that have a name in these tables.
-    pub fn new(tables: &Tables, count: u32) -> Lattice {
+    pub fn new(tables: &Tables, count: u32) -> LatticeStructure {
         let mut seeds: Vec<Cell> = tables.seeds().map(|(_, cell)| cell).collect();
         seeds.sort_unstable();
-        let mut grid = Grid::new(CellContent {
+        let mut grid = ChunkedGrid::new(CellContent {
             block: NOBODY,
             aimed: 0,
         });
@@ -109,7 +109,7 @@ impl Lattice {
         };
         let mut seats: Vec<AnchoredBlock> = seeds.iter().map(|cell| seat(*cell)).collect();
         seats.resize(seeds.len() + count as usize, seat(Cell::default()));
-        Lattice {
+        LatticeStructure {
             count,
             free: RankedSet::full(count as usize),
             seeds,
@@ -174,7 +174,7 @@ impl Lattice {
             let content = self.grid.get_mut(cell);
             content.aimed |= bit(way);
             if content.block == NOBODY {
-                changes.push(Change::Opened(number(seat, face)));
+                changes.push(FaceChange::Opened(number(seat, face)));
             }
         }
         changes
@@ -228,16 +228,16 @@ impl Lattice {
         let content = self.grid.get_mut(cell);
         content.block = child as u32;
         content.aimed &= !bit(way);
-        let mut changes: Changes = smallvec![Change::Closed(on)];
+        let mut changes: Changes = smallvec![FaceChange::Closed(on)];
         if content.aimed != 0 {
             let blocked = self.aimed(cell);
-            changes.extend(blocked.map(|(seat, face)| Change::Closed(number(seat, face))));
+            changes.extend(blocked.map(|(seat, face)| FaceChange::Closed(number(seat, face))));
         }
         changes
     }
 
     /// Switches a face off, if it was on and held nothing.
-    pub fn close(&mut self, seat: usize, face: Face) -> Option<Change> {
+    pub fn close(&mut self, seat: usize, face: Face) -> Option<FaceChange> {
         let of = &mut self.seats[seat];
         if of.on & bit(face) == 0 {
             return None;
@@ -246,7 +246,7 @@ impl Lattice {
         let way = of.orientation.to_structure(face);
         let cell = of.across(face)?;
         self.grid.get_mut(cell).aimed &= !bit(way);
-        Some(Change::Closed(number(seat, face)))
+        Some(FaceChange::Closed(number(seat, face)))
     }
 
     /// Takes the block that a face holds out of its cell: its seat.
@@ -261,7 +261,7 @@ impl Lattice {
         self.grid.get_mut(cell).block = NOBODY;
         self.free.insert(child - self.seeds.len());
         let opened = self.aimed(cell);
-        let changes = opened.map(|(seat, face)| Change::Opened(number(seat, face)));
+        let changes = opened.map(|(seat, face)| FaceChange::Opened(number(seat, face)));
         Some((child, changes.collect()))
     }
 }

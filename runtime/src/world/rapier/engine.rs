@@ -12,7 +12,7 @@ use stochc_ir::table::Plate;
 use super::convert::{pose3, vec3};
 use crate::settings::Settings;
 use crate::world::bonding::INVERSE_INERTIA;
-use crate::world::parameters::{Contact, Parameters, Shell};
+use crate::world::parameters::{ContactParameters, Shell, WorldParameters};
 use crate::world::real::cast;
 use crate::world::{BodyState, SceneError};
 
@@ -50,7 +50,7 @@ fn contact_settings(settings: &Settings) -> IntegrationParameters {
 
 /// An engine with ground and blocks, and the handles of the blocks by their numbers.
 pub(super) fn engine(
-    parameters: &Parameters,
+    parameters: &WorldParameters,
     plate: &Plate,
     settings: &Settings,
     blocks: &[BodyState],
@@ -102,7 +102,7 @@ struct Surface {
 
 /// # Errors
 /// The engine's contacts give way as its solver makes them, not by a stated law.
-fn surface(contact: &Contact) -> Result<Surface, SceneError> {
+fn surface(contact: &ContactParameters) -> Result<Surface, SceneError> {
     match contact.law {
         ContactLaw::Rigid { restitution } => Ok(Surface {
             restitution: restitution as f32,

@@ -5,12 +5,12 @@ use stochc_ir::table::Plate;
 use super::bodies::EngineBodies;
 use super::engine::{engine, ground_reach};
 use super::joints::Joints;
-use crate::counter_rng::{Step, direction, unit};
+use crate::counter_rng::{StepDraws, direction, unit};
 use crate::settings::{Precision, Settings};
 use crate::world::blocks::Blocks;
 use crate::world::free_bonds::FreeBonds;
 use crate::world::motion_limits::MotionLimits;
-use crate::world::parameters::{Kicks, Parameters, Shell};
+use crate::world::parameters::{Kicks, Shell, WorldParameters};
 use crate::world::stepper::{Integrator, Moving};
 use crate::world::{BodyState, Fault, SceneError};
 
@@ -37,7 +37,7 @@ impl Integrator for Rapier {
     type Blocks = EngineBodies;
 
     fn new(
-        parameters: &Parameters,
+        parameters: &WorldParameters,
         plate: &Plate,
         settings: &Settings,
         blocks: &[BodyState],
@@ -80,7 +80,7 @@ impl Integrator for Rapier {
     fn advance(
         &mut self,
         bodies: &mut EngineBodies,
-        mut kicks: Option<(&Kicks, Step<'_>)>,
+        mut kicks: Option<(&Kicks, StepDraws<'_>)>,
         bonds: Option<&mut FreeBonds>,
         _who: Moving,
     ) -> Result<(), Fault> {

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// Something that may happen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) struct Entry {
+pub(super) struct ScheduledCapture {
     /// The face that captures.
     pub face: usize,
     /// The opening of the face that it was meant for.
@@ -17,7 +17,7 @@ pub(super) struct Entry {
 
 /// Entries by time, and of one time by their order; those that no longer hold are left in until they come first.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub(super) struct Agenda {
+pub(super) struct CaptureQueue {
     heap: BinaryHeap<Timed>,
     pushed: u64,
 }
@@ -26,12 +26,12 @@ pub(super) struct Agenda {
 struct Timed {
     time: f64,
     order: u64,
-    entry: Entry,
+    entry: ScheduledCapture,
 }
 
-impl Agenda {
+impl CaptureQueue {
     /// Notes an entry for a time, unless that never comes.
-    pub fn push(&mut self, time: f64, entry: Entry) {
+    pub fn push(&mut self, time: f64, entry: ScheduledCapture) {
         if time.is_finite() {
             let order = self.pushed;
             self.pushed += 1;
@@ -40,7 +40,7 @@ impl Agenda {
     }
 
     /// The earliest entry, with its time.
-    pub fn first(&self) -> Option<(f64, Entry)> {
+    pub fn first(&self) -> Option<(f64, ScheduledCapture)> {
         self.heap.peek().map(|timed| (timed.time, timed.entry))
     }
 

@@ -12,20 +12,20 @@ use stochc_ir::table::Tables;
 use stochc_protocol::{BlockFace, Docking};
 use stochc_rates::{FORGOTTEN, Rates};
 
-use super::lattice::{Change, Changes, Lattice, site};
+use super::lattice::{Changes, FaceChange, LatticeStructure, site};
 use super::{Fault, SceneError, World};
 use crate::counter_rng::{DrawsAhead, Stream, below, unit};
-use agenda::{Agenda, Entry};
-use race::{Face as Racer, Race};
+use agenda::{CaptureQueue, ScheduledCapture};
+use race::{OpenFace, Race};
 
 /// A world of cells in which waits are drawn.
 #[derive(Clone, Debug)]
 pub struct RateWorld<'r> {
     tick: u64,
     rates: &'r Rates,
-    lattice: Lattice,
+    lattice: LatticeStructure,
     race: Race,
-    agenda: Agenda,
+    agenda: CaptureQueue,
     /// Blocks released lately: when, from which cell, and which.
     released: Vec<(u64, Cell, u32)>,
     draws: DrawsAhead,
@@ -63,9 +63,9 @@ impl<'r> RateWorld<'r> {
         let count = scene.free.count;
         Ok(RateWorld {
             tick: 0,
-            lattice: Lattice::new(tables, count),
+            lattice: LatticeStructure::new(tables, count),
             race: Race::new(count),
-            agenda: Agenda::default(),
+            agenda: CaptureQueue::default(),
             released: Vec::new(),
             rates,
             draws: DrawsAhead::new(seed, run, Stream::Rate),
@@ -96,12 +96,12 @@ impl<'r> RateWorld<'r> {
     fn note(&mut self, changes: &Changes, around: Option<Cell>) {
         for change in changes {
             match *change {
-                Change::Opened(face) => self.open(face),
-                Change::Closed(face) => self.race.close(face),
+                FaceChange::Opened(face) => self.open(face),
+                FaceChange::Closed(face) => self.race.close(face),
             }
         }
         let targets = changes.iter().filter_map(|change| {
-            let (Change::Opened(face) | Change::Closed(face)) = *change;
+            let (FaceChange::Opened(face) | FaceChange::Closed(face)) = *change;
             let (seat, face) = site(face);
             self.lattice.seats[seat].across(face)
         });
@@ -122,7 +122,7 @@ impl<'r> RateWorld<'r> {
         let [threshold, ..] = self.draw();
         let opening = self.race.open(
             face,
-            Racer::new(cell, way, self.tick, exponential(threshold)),
+            OpenFace::new(cell, way, self.tick, exponential(threshold)),
         );
         // Those who were let go near it are still there.
         let tick = self.tick;
@@ -152,7 +152,7 @@ impl<'r> RateWorld<'r> {
             let time = self.tick as f64 + start.ticks * exponential(when);
             self.agenda.push(
                 time,
-                Entry {
+                ScheduledCapture {
                     face,
                     opening,
                     block: Some(block),
@@ -182,7 +182,7 @@ impl<'r> RateWorld<'r> {
         if let Some((time, opening)) = self.race.update(face, self.tick, wait) {
             self.agenda.push(
                 time,
-                Entry {
+                ScheduledCapture {
                     face,
                     opening,
                     block: None,
@@ -201,7 +201,7 @@ impl<'r> RateWorld<'r> {
     }
 
     /// The next entry of the agenda that still holds, and its tick: the first boundary at or after its time.
-    fn next(&mut self) -> Option<(u64, Entry)> {
+    fn next(&mut self) -> Option<(u64, ScheduledCapture)> {
         loop {
             let (time, entry) = self.agenda.first()?;
             let holds = match entry.block {
@@ -219,7 +219,7 @@ impl<'r> RateWorld<'r> {
     }
 
     /// Docks a block on an open face, unless by chance there is none.
-    fn capture(&mut self, entry: Entry, dockings: &mut Vec<Docking>) {
+    fn capture(&mut self, entry: ScheduledCapture, dockings: &mut Vec<Docking>) {
         let [who, how, whether, threshold] = self.draw();
         let free = self.lattice.free.len();
         let (seat, face) = site(entry.face);

@@ -2,7 +2,7 @@
 use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
-use stochc_ir::Cell;
+use stochc_ir::{Cell, Face};
 use stochc_rates::{SIGHT, Wait, sees};
 
 /// Sides of the cubes of cells by which open faces are found.
@@ -10,11 +10,11 @@ const CUBE: i32 = 4;
 
 /// A face that is open.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub(super) struct Face {
+pub(super) struct OpenFace {
     /// Where the captured block will sit.
     pub cell: Cell,
     /// The way there from the block that captures.
-    pub way: stochc_ir::Face,
+    pub way: Face,
     /// The tick since when it is open.
     pub since: u64,
     /// The hazard that it may still sum up before it captures.
@@ -29,7 +29,7 @@ pub(super) struct Face {
 /// All of them.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Race {
-    faces: FxHashMap<usize, Face>,
+    faces: FxHashMap<usize, OpenFace>,
     /// The open faces of each cube of cells.
     cubes: FxHashMap<[i32; 3], SmallVec<[usize; 4]>>,
     /// Openings so far.
@@ -40,10 +40,10 @@ pub(super) struct Race {
     meant_for: u32,
 }
 
-impl Face {
+impl OpenFace {
     /// A face that begins to wait, and captures when its hazard has summed up to `left`.
-    pub fn new(cell: Cell, way: stochc_ir::Face, since: u64, left: f64) -> Face {
-        Face {
+    pub fn new(cell: Cell, way: Face, since: u64, left: f64) -> OpenFace {
+        OpenFace {
             cell,
             way,
             since,
@@ -68,11 +68,11 @@ impl Race {
     }
 
     /// Adds a face: the number of its opening.
-    pub fn open(&mut self, number: usize, face: Face) -> u64 {
+    pub fn open(&mut self, number: usize, face: OpenFace) -> u64 {
         self.opened += 1;
         let opening = self.opened;
         self.cubes.entry(cube(face.cell)).or_default().push(number);
-        self.faces.insert(number, Face { opening, ..face });
+        self.faces.insert(number, OpenFace { opening, ..face });
         opening
     }
 
@@ -87,7 +87,7 @@ impl Race {
         }
     }
 
-    pub fn face(&self, number: usize) -> Option<&Face> {
+    pub fn face(&self, number: usize) -> Option<&OpenFace> {
         self.faces.get(&number)
     }
 
@@ -134,7 +134,7 @@ impl Race {
     }
 
     /// Whether a face is open towards a cell in a direction.
-    pub fn is_open(&self, cell: Cell, way: stochc_ir::Face) -> bool {
+    pub fn is_open(&self, cell: Cell, way: Face) -> bool {
         let there = self.cubes.get(&cube(cell)).into_iter().flatten();
         there
             .filter_map(|number| self.faces.get(number))

@@ -15,12 +15,12 @@ use super::solver::{Law, Solver};
 use crate::settings::{ROUNDS, Reduction, Settings};
 use crate::world::blocks::Blocks;
 use crate::world::free_bonds::FreeBonds;
-use crate::world::parameters::Contact;
+use crate::world::parameters::ContactParameters;
 use crate::world::real::Real;
 
 /// What blocks and ground look like to each other.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Shape<R: Real> {
+pub(super) struct CollisionShape<R: Real> {
     spheres: bool,
     /// A contact acts at one point of a patch, and not at all corners of a block.
     compliant: bool,
@@ -35,9 +35,9 @@ enum Ground<R: Real> {
     Plate(Cuboid<R>),
 }
 
-impl<R: Lane> Shape<R> {
+impl<R: Lane> CollisionShape<R> {
     /// Without an enclosure there is no floor.
-    pub fn new(floor: bool, plate: &Plate, spheres: bool, compliant: bool) -> Shape<R> {
+    pub fn new(floor: bool, plate: &Plate, spheres: bool, compliant: bool) -> CollisionShape<R> {
         let half = |blocks: u32| R::of(f64::from(blocks) / 2.0);
         let ground = if floor {
             Ground::Plane
@@ -48,7 +48,7 @@ impl<R: Lane> Shape<R> {
                 half: Vector3::new(half(plate.width), half(plate.depth), R::of(0.5)),
             })
         };
-        Shape {
+        CollisionShape {
             spheres,
             compliant,
             ground,
@@ -91,7 +91,7 @@ fn cube<R: Lane>(bodies: &Bodies<R>, id: u32) -> Cuboid<R> {
 /// Who can touch what, and who does.
 #[derive(Clone, Debug)]
 pub(super) struct Contacts<R: Lane> {
-    shape: Shape<R>,
+    shape: CollisionShape<R>,
     pub solver: Solver<R>,
     /// Free blocks touch each other, and not only what does not move.
     mutual: bool,
@@ -102,7 +102,7 @@ pub(super) struct Contacts<R: Lane> {
 
 impl<R: Lane> Contacts<R> {
     pub fn new(
-        contact: &Contact,
+        contact: &ContactParameters,
         floor: bool,
         plate: &Plate,
         settings: &Settings,
@@ -120,7 +120,7 @@ impl<R: Lane> Contacts<R> {
         let turns = !without(Reduction::NoRotation);
         let rounds = settings.solver_iterations.unwrap_or(ROUNDS);
         Contacts {
-            shape: Shape::new(
+            shape: CollisionShape::new(
                 floor,
                 plate,
                 without(Reduction::Spheres),

@@ -3,7 +3,7 @@ use nalgebra::Vector3;
 
 use super::bodies::{Bodies, add};
 use super::simd::{LANES, Lane, Wide, square};
-use crate::counter_rng::{Step, WORDS};
+use crate::counter_rng::{StepDraws, WORDS};
 use crate::world::blocks::Blocks;
 use crate::world::motion_limits::MotionLimits;
 use crate::world::parameters::{self, Kicks, built};
@@ -56,7 +56,7 @@ impl<R: Lane> FreeFlight<R> {
     pub fn fly(
         &self,
         bodies: &mut Bodies<R>,
-        kicks: Option<(&Kicks, Step<'_>)>,
+        kicks: Option<(&Kicks, StepDraws<'_>)>,
         draws: &mut Vec<u8>,
     ) -> bool {
         let kicks = kicks.filter(|_| built::AGITATION).map(|(kicks, step)| {

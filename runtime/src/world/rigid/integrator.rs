@@ -8,12 +8,12 @@ use super::free_flight::FreeFlight;
 use super::local_steps::LocalSteps;
 use super::neighbour_list::NeighbourList;
 use super::simd::Lane;
-use crate::counter_rng::Step;
+use crate::counter_rng::StepDraws;
 use crate::settings::Settings;
 use crate::world::blocks::Blocks;
 use crate::world::free_bonds::FreeBonds;
 use crate::world::motion_limits::MotionLimits;
-use crate::world::parameters::{Kicks, Parameters, built};
+use crate::world::parameters::{Kicks, WorldParameters, built};
 use crate::world::stepper::{Integrator, Moving};
 use crate::world::{BodyState, Fault, SceneError};
 
@@ -42,7 +42,7 @@ impl<R: Lane> Integrator for Kernel<R> {
     type Real = R;
     type Blocks = Bodies<R>;
 
-    fn rates(parameters: &Parameters, settings: &Settings) -> [u32; 2] {
+    fn rates(parameters: &WorldParameters, settings: &Settings) -> [u32; 2] {
         parameters.rates(settings)
     }
 
@@ -54,7 +54,7 @@ impl<R: Lane> Integrator for Kernel<R> {
     }
 
     fn new(
-        parameters: &Parameters,
+        parameters: &WorldParameters,
         plate: &Plate,
         settings: &Settings,
         blocks: &[BodyState],
@@ -130,7 +130,7 @@ impl<R: Lane> Integrator for Kernel<R> {
     fn advance(
         &mut self,
         bodies: &mut Bodies<R>,
-        kicks: Option<(&Kicks, Step<'_>)>,
+        kicks: Option<(&Kicks, StepDraws<'_>)>,
         bonds: Option<&mut FreeBonds>,
         who: Moving,
     ) -> Result<(), Fault> {

@@ -4,12 +4,12 @@ use std::ops::{Add, Mul, Sub};
 use crate::world::real::Real;
 
 /// What can be computed with: a number, or several.
-pub(super) trait Number:
+pub(super) trait Arithmetic:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
 {
 }
 
-impl<N: Copy + Add<Output = N> + Sub<Output = N> + Mul<Output = N>> Number for N {}
+impl<N: Copy + Add<Output = N> + Sub<Output = N> + Mul<Output = N>> Arithmetic for N {}
 
 /// For quarters of squared angles below this, [`small`] is right.
 pub(super) const SMALL: f64 = 0.04;
@@ -17,7 +17,7 @@ pub(super) const SMALL: f64 = 0.04;
 /// Of a quarter of a squared angle: the cosine of half of the angle, and the sine of that over the
 /// angle itself.
 #[inline(always)]
-pub(super) fn small<N: Number>(s: N, of: impl Fn(f64) -> N) -> (N, N) {
+pub(super) fn small<N: Arithmetic>(s: N, of: impl Fn(f64) -> N) -> (N, N) {
     // Both series are cut where the next term is below 1e-10.
     let nest = |by: [f64; 4]| {
         let term = |sum, &by: &f64| of(1.0) - s * of(1.0 / by) * sum;
@@ -37,7 +37,7 @@ pub(super) fn large<R: Real>(s: R) -> (R, R) {
 
 /// A quaternion (x, y, z, w), turned by a rotation vector whose cosine and sine are these.
 #[inline(always)]
-pub(super) fn turned<N: Number>(
+pub(super) fn turned<N: Arithmetic>(
     [x, y, z, w]: [N; 4],
     angle: [N; 3],
     (cos, over): (N, N),
@@ -58,7 +58,7 @@ pub(super) fn turned<N: Number>(
 
 /// The columns of the matrix of a unit quaternion.
 #[inline(always)]
-pub(super) fn columns<N: Number>([i, j, k, w]: [N; 4], of: impl Fn(f64) -> N) -> [[N; 3]; 3] {
+pub(super) fn columns<N: Arithmetic>([i, j, k, w]: [N; 4], of: impl Fn(f64) -> N) -> [[N; 3]; 3] {
     let (ww, ii, jj, kk) = (w * w, i * i, j * j, k * k);
     let (ij, wk, wj) = (i * j * of(2.0), w * k * of(2.0), w * j * of(2.0));
     let (ik, jk, wi) = (i * k * of(2.0), j * k * of(2.0), w * i * of(2.0));

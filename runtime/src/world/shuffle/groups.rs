@@ -3,7 +3,7 @@ use serde::{Deserialize, Serialize};
 
 /// Sets of blocks that only grow together, and the size of the largest.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct Groups {
+pub(super) struct DisjointSets {
     /// Of each block another one of its set, or itself: one for all.
     towards: Vec<u32>,
     /// Blocks in the set of such a one.
@@ -11,10 +11,10 @@ pub(super) struct Groups {
     largest: u32,
 }
 
-impl Groups {
+impl DisjointSets {
     /// Blocks of which none are bonded.
-    pub fn new(count: u32) -> Groups {
-        Groups {
+    pub fn new(count: u32) -> DisjointSets {
+        DisjointSets {
             towards: (0..count).collect(),
             sizes: vec![1; count as usize],
             largest: 1,

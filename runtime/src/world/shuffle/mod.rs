@@ -12,12 +12,12 @@ use stochc_ir::table::Tables;
 use stochc_ir::{Cell, Face};
 use stochc_protocol::{BlockFace, Body, Docking, Orientation};
 
-use super::lattice::{Change, Changes, Lattice, NOBODY, WORKED, bit, site};
+use super::lattice::{Changes, FaceChange, LatticeStructure, NOBODY, WORKED, bit, site};
 use super::ranked::RankedSet;
 use super::{Fault, World};
 use crate::counter_rng::{DrawsAhead, Stream, below, unit};
 use exposed::ExposedFaces;
-use groups::Groups;
+use groups::DisjointSets;
 
 /// A world of cells. A tick takes about the same time however many blocks there are.
 #[derive(Clone, Debug)]
@@ -27,8 +27,8 @@ pub struct ShuffleWorld {
     /// Chance per tick that a block docks on a face that is off.
     strays: f64,
     /// `None`: free blocks do not bond.
-    groups: Option<Groups>,
-    lattice: Lattice,
+    groups: Option<DisjointSets>,
+    lattice: LatticeStructure,
     /// The faces that are on and to which a block can come: six numbers for each seat.
     open: RankedSet,
     /// Where there are strays: the faces of the plate, and of blocks above it, that are off and to which a block can
@@ -47,7 +47,7 @@ impl ShuffleWorld {
     /// A world of `count` free blocks around the blocks of the plate that have a name in these tables; its
     /// chance is that of (`seed`, `run`).
     pub fn new(tables: &Tables, count: u32, seed: u64, run: u64) -> ShuffleWorld {
-        let lattice = Lattice::new(tables, count);
+        let lattice = LatticeStructure::new(tables, count);
         ShuffleWorld {
             tick: 0,
             draws: DrawsAhead::new(seed, run, Stream::Shuffle),
@@ -62,7 +62,7 @@ impl ShuffleWorld {
     /// The same, where in about every other tick two free blocks drawn at random bond to each other.
     pub fn with_groups(self) -> ShuffleWorld {
         ShuffleWorld {
-            groups: Some(Groups::new(self.lattice.count)),
+            groups: Some(DisjointSets::new(self.lattice.count)),
             ..self
         }
     }
@@ -98,8 +98,8 @@ impl ShuffleWorld {
     fn note(&mut self, changes: Changes) {
         for change in changes {
             match change {
-                Change::Opened(face) => self.open.insert(face),
-                Change::Closed(face) => self.open.remove(face),
+                FaceChange::Opened(face) => self.open.insert(face),
+                FaceChange::Closed(face) => self.open.remove(face),
             }
         }
     }
@@ -231,7 +231,7 @@ impl World for ShuffleWorld {
     }
 
     fn largest_group(&self) -> u32 {
-        self.groups.as_ref().map_or(1, Groups::largest)
+        self.groups.as_ref().map_or(1, DisjointSets::largest)
     }
 
     fn step(&mut self, dockings: &mut Vec<Docking>) -> Result<(), Fault> {

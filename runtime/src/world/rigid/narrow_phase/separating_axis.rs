@@ -39,7 +39,7 @@ struct Boxes<R: Lane> {
 }
 
 /// What has been found so far.
-struct Search<R: Lane> {
+struct SeparatingAxisSearch<R: Lane> {
     /// The pairs that no axis separates.
     meet: R::Quad,
     /// The least depth, and the number of its axis.
@@ -59,7 +59,7 @@ pub(super) fn least<R: Lane>(
     let column = |of: &LaneMatrix<R>, j: usize| [0, 1, 2].map(|i| of[i][j]);
     let in_b = [0, 1, 2].map(|j| dot(&column(&turn, j), &in_a));
     let size = turn.map(|row| row.map(Wide::abs));
-    let mut search = Search::<R>::new(pairs.len());
+    let mut search = SeparatingAxisSearch::<R>::new(pairs.len());
     for axis in 0..3 {
         let reach = a.half[axis] + dot(&size[axis], &b.half);
         search.face(axis, reach - in_a[axis].abs());
@@ -88,9 +88,9 @@ pub(super) fn least<R: Lane>(
     search.found()
 }
 
-impl<R: Lane> Search<R> {
-    fn new(pairs: usize) -> Search<R> {
-        Search {
+impl<R: Lane> SeparatingAxisSearch<R> {
+    fn new(pairs: usize) -> SeparatingAxisSearch<R> {
+        SeparatingAxisSearch {
             meet: first::<R>(pairs),
             depth: R::Quad::splat(R::of(f64::from(f32::MAX))),
             axis: R::Quad::splat(R::zero()),

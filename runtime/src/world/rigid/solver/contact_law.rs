@@ -1,7 +1,7 @@
 //! What a contact does.
 use stochc_ir::scene::ContactLaw;
 
-use crate::world::parameters::Contact;
+use crate::world::parameters::ContactParameters;
 use crate::world::real::Real;
 use crate::world::rigid::simd::{Lane, Quad};
 
@@ -37,7 +37,7 @@ pub enum LawKind<R> {
 }
 
 impl<R: Real> Law<R> {
-    pub fn new(contact: &Contact) -> Law<R> {
+    pub fn new(contact: &ContactParameters) -> Law<R> {
         Law {
             friction: R::of(contact.friction),
             kind: match contact.law {

@@ -159,14 +159,14 @@ mod tests {
 
     use super::*;
     use crate::world::BodyState;
-    use crate::world::parameters::Contact;
+    use crate::world::parameters::ContactParameters;
     use crate::world::rigid::narrow_phase::ManifoldPoint;
 
     const BLOCKS: u32 = 41;
 
     /// What becomes of blocks that hit the ground or another block, all at once, at random points;
     /// solved side by side, or one after the other.
-    fn collide(contact: &Contact, side_by_side: bool) -> Vec<[Vector3<f32>; 4]> {
+    fn collide(contact: &ContactParameters, side_by_side: bool) -> Vec<[Vector3<f32>; 4]> {
         let mut dice = ChaCha8Rng::seed_from_u64(1);
         let mut vector = |size: f32| Vector3::from_fn(|_, _| dice.random_range(-size..size));
         let blocks: Vec<BodyState> = (0..BLOCKS)
@@ -226,7 +226,7 @@ mod tests {
         };
         for law in [rigid(0.0), rigid(0.7), compliant] {
             for friction in [0.0, 0.2, 3.0] {
-                let contact = Contact {
+                let contact = ContactParameters {
                     law: law.clone(),
                     friction,
                 };

@@ -42,14 +42,14 @@ struct PointConstraint<R: Lane> {
     softness: R,
     /// Motion per tick that undoes the overlap.
     recovery: R,
-    along: Row<R>,
-    across: [Row<R>; 2],
+    along: ConstraintRow<R>,
+    across: [ConstraintRow<R>; 2],
     shift: R,
 }
 
 /// A direction at a point, in which the bodies can push each other.
 #[derive(Clone, Copy, Debug)]
-struct Row<R: Lane> {
+struct ConstraintRow<R: Lane> {
     direction: R::Quad,
     /// Torque of a unit impulse about the centres of the two bodies.
     torques: [R::Quad; 2],
@@ -189,7 +189,7 @@ impl<R: Lane> SequentialContacts<R> {
 
 impl<R: Lane> PointConstraint<R> {
     fn new(touch: &TouchingBodies<R>, point: &ContactPoint<R>) -> PointConstraint<R> {
-        let [along, one, two] = touch.frame.map(|direction| Row {
+        let [along, one, two] = touch.frame.map(|direction| ConstraintRow {
             direction: R::Quad::pack(direction),
             torques: point.arms.map(|arm| R::Quad::pack(arm.cross(&direction))),
             mass: R::zero(),
@@ -312,9 +312,9 @@ impl SequentialContact {
     }
 }
 
-impl<R: Lane> Row<R> {
+impl<R: Lane> ConstraintRow<R> {
     /// How much the velocity in this direction changes by a unit impulse in the other.
-    fn yields(&self, other: &Row<R>, a: &SolverBody<R>, b: &SolverBody<R>) -> R {
+    fn yields(&self, other: &ConstraintRow<R>, a: &SolverBody<R>, b: &SolverBody<R>) -> R {
         let turned = |i: usize| self.torques[i] * other.torques[i];
         let moved = self.direction * other.direction;
         (moved.scaled(a.inverse_mass + b.inverse_mass)

@@ -38,7 +38,7 @@ pub(super) struct SolverBodies<R: Lane> {
 
 /// What contacts have done to a block.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Change<R: Lane> {
+pub(super) struct SolverBodyChange<R: Lane> {
     /// By how much its velocity is another.
     pub velocity: Vector3<R>,
     /// Its spin now.
@@ -125,11 +125,11 @@ impl<R: Lane> SolverBodies<R> {
     }
 
     /// What has become of each block.
-    pub fn changes(&self) -> impl Iterator<Item = (u32, Change<R>)> + '_ {
+    pub fn changes(&self) -> impl Iterator<Item = (u32, SolverBodyChange<R>)> + '_ {
         let places = self.blocks.iter().enumerate().skip(1);
         places.map(|(place, &id)| {
             let motion = &self.motions[place];
-            let change = Change {
+            let change = SolverBodyChange {
                 velocity: (motion.velocity - self.before[place].velocity).unpack(),
                 spin: motion.spin.unpack(),
                 shift: self.shifts[place],
