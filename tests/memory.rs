@@ -10,7 +10,8 @@ use stochc::compiler::diagnostic::Code;
 use stochc::compiler::emit::{structure_json, structure_text};
 use stochc::compiler::{Checked, Limits, check};
 use stochc::ensemble::{
-    Cancelled, ComparisonTally, Destination, Folder, Manifest, Program, Progress, Watch, run,
+    ComparisonTally, Destination, EnsembleProgram, Folder, Manifest, Progress, RunCancelled,
+    RunWatch, run,
 };
 use stochc::ir::Json;
 use stochc::ir::emit::{graph_dot, graph_json, graph_text, table_json, table_text};
@@ -164,7 +165,7 @@ fn of_ensemble(runs: u64) -> usize {
     let mut checked = check("line.sa", &mut reader, Limits::default());
     let executable = checked.programs.remove(0).into_executable().unwrap();
     let settings = Settings::of(Model::Shuffle, 1);
-    let program = Program::new("line", Vec::new(), executable);
+    let program = EnsembleProgram::new("line", Vec::new(), executable);
     let manifest = Manifest::new(settings, 1, runs, vec![program]);
     let place = tempfile::tempdir().unwrap();
     let (_, bytes) = peak(|| {
@@ -172,12 +173,12 @@ fn of_ensemble(runs: u64) -> usize {
         let progress = Progress::new(&manifest, NonZeroUsize::MIN);
         let never = AtomicBool::new(false);
         let program = &manifest.programs[0];
-        let simulate = |_: usize, run, watch: &Watch| {
+        let simulate = |_: usize, run, watch: &RunWatch| {
             let mut told = |tick, phase| watch.tick(tick, phase);
             let (tables, scene) = (program.tables(), &program.scene);
             let (settings, seed) = (&manifest.settings, manifest.seed);
             let record = stochc_runtime::run(tables, scene, settings, seed, run, &mut told);
-            record.map_err(|_| Cancelled)
+            record.map_err(|_| RunCancelled)
         };
         let results = run(Destination::Folder(folder), &progress, &never, simulate);
         assert!(results.unwrap().complete);

@@ -1,5 +1,5 @@
 //! What a trade says of settings that were made up: numbers, order, choice, text and picture.
-use stochc::ensemble::Program;
+use stochc::ensemble::EnsembleProgram;
 use stochc::ensemble::statistics::Relative;
 use stochc::ensemble::trade::{
     Conditions, Convergence, End, Measured, Outcome, Sample, Trade, base, choose, note,
@@ -61,7 +61,7 @@ fn trade() -> Trade {
         .programs
         .remove(0);
     let executable = program.into_executable().unwrap();
-    let program = |name: &str| Program::new(name, Vec::new(), executable.clone());
+    let program = |name: &str| EnsembleProgram::new(name, Vec::new(), executable.clone());
     let means = Conditions {
         seed: 1,
         threads: 1,

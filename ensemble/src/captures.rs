@@ -9,8 +9,8 @@ use stochc_ir::Face;
 use stochc_ir::record::{BondRecord, Origin, Outcome, RunRecord, WaitRecord};
 use stochc_ir::table::{PhaseId, RoleId};
 
-use super::{Program, Time};
-use crate::statistics::{Mean, Observation, Sample, quantile};
+use super::{EnsembleProgram, Time};
+use crate::statistics::{Mean, Observation, TimeSample, quantile};
 
 /// Which capture of a program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -76,8 +76,8 @@ pub struct Waits {
 
 /// The waits for a capture while they are collected.
 #[derive(Clone, Debug, Default)]
-struct Tally {
-    times: Sample,
+struct CaptureTally {
+    times: TimeSample,
     entries: Mean,
     docking: Mean,
     /// Entries in all waits, also in those that led to nothing.
@@ -86,7 +86,7 @@ struct Tally {
     released: BTreeMap<RoleId, usize>,
 }
 
-impl Tally {
+impl CaptureTally {
     fn add(&mut self, bond: &BondRecord) {
         let wait = bond.docked.saturating_sub(bond.magnetized);
         self.times.push(Observation::completed(wait as f64));
@@ -129,7 +129,7 @@ impl Tally {
 
 /// The waits for each capture while runs of one program are told, of which failed ones count nothing.
 #[derive(Clone, Debug, Default)]
-pub struct WaitsTally(BTreeMap<CaptureKey, Tally>);
+pub struct WaitsTally(BTreeMap<CaptureKey, CaptureTally>);
 
 impl WaitsTally {
     /// Adds a run.
@@ -160,7 +160,7 @@ impl WaitsTally {
 
 /// A capture of a program, in all runs that did not fail; times are in ticks.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Capture {
+pub struct CaptureSummary {
     /// The phase's name.
     pub phase: String,
     /// The phase's index, from 0.
@@ -186,11 +186,11 @@ pub struct Capture {
 }
 
 /// The captures of a program, sorted by phase and roles.
-pub fn captures(program: &Program, tally: WaitsTally) -> Vec<Capture> {
+pub fn captures(program: &EnsembleProgram, tally: WaitsTally) -> Vec<CaptureSummary> {
     (tally.finish().into_iter())
         // What is attached by hand was not waited for.
         .filter(|(key, _)| !program.is_planted(key.phase))
-        .map(|(key, waits)| Capture {
+        .map(|(key, waits)| CaptureSummary {
             phase: program.phase(key.phase).to_owned(),
             phase_number: key.phase.0,
             parent: program.role(key.parent).to_owned(),
@@ -208,7 +208,7 @@ pub fn captures(program: &Program, tally: WaitsTally) -> Vec<Capture> {
         .collect()
 }
 
-impl Capture {
+impl CaptureSummary {
     /// The capture as one names it: `grow: A.up -> B`.
     pub fn label(&self) -> String {
         let again = match self.repetition {

@@ -102,7 +102,7 @@ type Key = (usize, u64);
 
 /// The first line of a file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-struct Header {
+struct CheckpointHeader {
     checkpoint: u32,
     ensemble: String,
     build: String,
@@ -112,7 +112,7 @@ struct Header {
 }
 
 /// What a file is.
-enum Found {
+enum CheckpointFile {
     /// A state of this ensemble by this build: its tick, and where the state begins and ends.
     Sound(u64, [u64; 2]),
     /// A state of something else; what.
@@ -164,14 +164,14 @@ impl Checkpoints {
             }
             let run = checkpoints.shown(key);
             match checkpoints.identify(key, &opened(&file)?)? {
-                Found::Sound(tick, _) => {
+                CheckpointFile::Sound(tick, _) => {
                     checkpoints.there().insert(key);
                     checkpoints.note(format!("{run} goes on from its checkpoint at tick {tick}"));
                 }
-                Found::Foreign(what) => checkpoints.note(format!(
+                CheckpointFile::Foreign(what) => checkpoints.note(format!(
                     "the checkpoint of {run} is not used, for it is {what}; the run begins anew"
                 )),
-                Found::Damaged(why) => checkpoints.refuse(key, &why)?,
+                CheckpointFile::Damaged(why) => checkpoints.refuse(key, &why)?,
             }
         }
         Ok(checkpoints)
@@ -249,10 +249,10 @@ impl Checkpoints {
         }
     }
 
-    fn identify(&self, (program, run): Key, file: &File) -> io::Result<Found> {
+    fn identify(&self, (program, run): Key, file: &File) -> io::Result<CheckpointFile> {
         let found = match read(file)? {
             Ok(found) => found,
-            Err(why) => return Ok(Found::Damaged(why.to_owned())),
+            Err(why) => return Ok(CheckpointFile::Damaged(why.to_owned())),
         };
         let (header, place) = found;
         let foreign = if header.checkpoint != VERSION {
@@ -266,11 +266,11 @@ impl Checkpoints {
         } else {
             let key = SecretKey::of_user()?;
             match is_signed(key, file, place[1])? {
-                true => return Ok(Found::Sound(header.tick, place)),
+                true => return Ok(CheckpointFile::Sound(header.tick, place)),
                 false => "not signed by this user on this machine",
             }
         };
-        Ok(Found::Foreign(foreign))
+        Ok(CheckpointFile::Foreign(foreign))
     }
 
     /// Writes a file whole, or leaves the one that is there.
@@ -280,7 +280,7 @@ impl Checkpoints {
         // Several machines may make one piece: what each writes is a state of the same run.
         let draft = Draft::new(&self.file((program, run)), Replaces::Same)?;
         let mut draft = Signed::new(Summed::new(draft), key);
-        let header = Header {
+        let header = CheckpointHeader {
             checkpoint: VERSION,
             ensemble: self.ensemble.clone(),
             build: self.build.clone(),
@@ -359,7 +359,7 @@ impl RunCheckpoints<'_> {
         }
         let opened = opened(&self.all.file(self.key)).and_then(|mut file| {
             let found = self.all.identify(self.key, &file)?;
-            let Found::Sound(tick, [begins, ends]) = found else {
+            let CheckpointFile::Sound(tick, [begins, ends]) = found else {
                 return Err(io::ErrorKind::InvalidData.into());
             };
             file.seek(SeekFrom::Start(begins))?;
@@ -473,7 +473,7 @@ pub(super) fn health(path: &Path) -> io::Result<Vec<FileHealth>> {
 }
 
 /// Reads the first line of a file and holds all of it against its checksum; or what is wrong with it.
-fn read(file: &File) -> io::Result<Result<(Header, [u64; 2]), &'static str>> {
+fn read(file: &File) -> io::Result<Result<(CheckpointHeader, [u64; 2]), &'static str>> {
     let damaged = Ok(Err("is damaged"));
     let bytes = file.metadata()?.len();
     if budget::CHECKPOINT.admits(bytes).is_err() {

@@ -3,16 +3,16 @@ use serde::Serialize;
 use stochc_ir::record::{Limit, Outcome};
 use stochc_ir::table::PhaseId;
 
-use super::pairwise::{Group, TimeUnit, Verdict, pairwise_tests};
+use super::pairwise::{ComparedProgram, PairwiseResult, TimeUnit, pairwise_tests};
 use super::times::{completion_time, phase_time};
-use super::{Finished, Manifest, Program};
-use crate::statistics::{Difference, KaplanMeier, Mean, Observation, Runs, Sample, Summary};
+use super::{EnsembleProgram, Finished, Manifest};
+use crate::statistics::{Difference, KaplanMeier, Mean, Observation, Runs, Summary, TimeSample};
 
 /// An ensemble in figures; times are in ticks.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Comparison {
     /// One for each program, in the order of the manifest.
-    pub programs: Vec<Column>,
+    pub programs: Vec<ProgramSummary>,
     /// One for each pair of programs, in the same order; of a sweep, only for different programs at
     /// the same values.
     pub pairs: Vec<Pair>,
@@ -23,7 +23,7 @@ pub struct Comparison {
 
 /// The figures of one program.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Column {
+pub struct ProgramSummary {
     /// The program's name in the manifest.
     pub name: String,
     /// Length of a tick \[s\].
@@ -120,12 +120,12 @@ impl Comparison {
 pub struct ComparisonTally<'a> {
     manifest: &'a Manifest,
     clock: TimeUnit,
-    programs: Vec<Tally>,
+    programs: Vec<ProgramTally>,
 }
 
 /// What the runs of a program have told.
 #[derive(Clone, Debug, Default)]
-struct Tally {
+struct ProgramTally {
     finished: u64,
     completed: u64,
     timed_out: u64,
@@ -135,15 +135,15 @@ struct Tally {
     is_any_unplanned: bool,
     /// By their numbers, in ticks.
     times: Vec<(u64, Observation)>,
-    phase_times: Vec<Sample>,
+    phase_times: Vec<TimeSample>,
 }
 
 impl<'a> ComparisonTally<'a> {
     /// Before the first run.
     pub fn new(manifest: &'a Manifest) -> ComparisonTally<'a> {
-        let tally = |program: &Program| Tally {
-            phase_times: vec![Sample::default(); program.phases().len()],
-            ..Tally::default()
+        let tally = |program: &EnsembleProgram| ProgramTally {
+            phase_times: vec![TimeSample::default(); program.phases().len()],
+            ..ProgramTally::default()
         };
         ComparisonTally {
             manifest,
@@ -185,8 +185,8 @@ impl<'a> ComparisonTally<'a> {
         let columns = programs.map(|(program, tally)| tally.column(manifest, program));
         let columns = columns.collect();
         let programs = manifest.programs.iter().zip(self.programs);
-        let sides: Vec<Group> = programs
-            .map(|(program, tally)| Group {
+        let sides: Vec<ComparedProgram> = programs
+            .map(|(program, tally)| ComparedProgram {
                 varied: &program.varied,
                 runs: Runs::of(manifest.seed, tally.times, self.clock.tick(program)),
             })
@@ -200,8 +200,8 @@ impl<'a> ComparisonTally<'a> {
                     first: name(contrast.first),
                     second: name(contrast.second),
                     difference: match contrast.verdict {
-                        Verdict::Known(difference) => Some(difference),
-                        Verdict::Same | Verdict::Unknown => None,
+                        PairwiseResult::Known(difference) => Some(difference),
+                        PairwiseResult::Same | PairwiseResult::Unknown => None,
                     },
                 })
                 .collect(),
@@ -252,8 +252,8 @@ impl Time {
     }
 }
 
-impl Tally {
-    fn column(&self, manifest: &Manifest, program: &Program) -> Column {
+impl ProgramTally {
+    fn column(&self, manifest: &Manifest, program: &EnsembleProgram) -> ProgramSummary {
         let times: Vec<Observation> = self.times.iter().map(|&(_, time)| time).collect();
         let time = Time::of(&times);
         drop(times);
@@ -262,7 +262,7 @@ impl Tally {
         let waited = |(i, _): &(usize, _)| !program.is_planted(PhaseId(*i as u32));
         let phases: Vec<_> = phases.filter(waited).collect();
         let known = self.completed + self.timed_out + self.stopped;
-        Column {
+        ProgramSummary {
             name: program.name.clone(),
             tick: program.scene.tick,
             phases: phases.len(),

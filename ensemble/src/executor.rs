@@ -8,7 +8,7 @@ use stochc_ir::table::PhaseId;
 
 /// A run was told to stop, and leaves nothing behind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Cancelled;
+pub struct RunCancelled;
 
 /// Has each of so many threads do one job after the other, until `next` has none left or `stop` is set. One of them is
 /// that of the caller, and fewer have to do where the system has no more.
@@ -51,7 +51,7 @@ pub(crate) fn is_panic(record: &RunRecord) -> bool {
 /// Makes a run; `None`: it was stopped. A panic in it makes it [`Outcome::Failed`], where `last` says that it was.
 pub(crate) fn attempt(
     run: u64,
-    simulate: impl FnOnce() -> Result<RunRecord, Cancelled>,
+    simulate: impl FnOnce() -> Result<RunRecord, RunCancelled>,
     last: impl FnOnce() -> (u64, PhaseId),
 ) -> Option<RunRecord> {
     // What the run was working on is dropped with it, so that nobody sees it half done.
@@ -64,7 +64,7 @@ pub(crate) fn attempt(
     }));
     match result {
         Ok(Ok(record)) => Some(record),
-        Ok(Err(Cancelled)) => None,
+        Ok(Err(RunCancelled)) => None,
         Err(panic) => {
             let text = panic
                 .downcast_ref::<String>()

@@ -27,10 +27,10 @@ use stochc_files::disk::Lock;
 use super::build::{UNKNOWN, other_build};
 use super::checkpoint::{self, CHECKPOINTS, Checkpoints, Interval};
 use super::folder_error::FolderError;
-use super::journal::{self, Finished, Header, Journal, JournalError};
+use super::journal::{self, Finished, Journal, JournalError, JournalHeader};
 use super::manifest::{Manifest, OLDEST};
 use super::parquet;
-use super::records::{Place, Records};
+use super::records::{LineLocation, Records};
 use super::seal::{SEAL, Seal};
 use super::shards::SHARDS_FILE;
 
@@ -49,7 +49,7 @@ pub struct Folder {
     builds: Vec<String>,
     /// Whether its manifest is not yet the one that it has been opened for.
     is_changed: bool,
-    state: State,
+    state: FolderState,
     kept: Records,
     shortest: Option<Finished>,
     whole: u64,
@@ -96,7 +96,7 @@ impl From<bool> for Resume {
 
 /// What an opened folder is good for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum State {
+pub enum FolderState {
     /// It was empty or absent.
     New,
     /// Some runs are done, and some are not.
@@ -141,7 +141,7 @@ impl Folder {
                 path: path.to_owned(),
                 manifest: manifest.clone(),
                 builds: manifest.builds.clone(),
-                state: State::New,
+                state: FolderState::New,
                 is_changed: false,
                 kept: Records::default(),
                 shortest: None,
@@ -200,9 +200,9 @@ impl Folder {
             manifest,
             builds: stored.builds,
             state: if done == total {
-                State::Finished
+                FolderState::Finished
             } else {
-                State::Resumed
+                FolderState::Resumed
             },
             kept,
             shortest: journal.shortest,
@@ -299,7 +299,7 @@ impl Folder {
     }
 
     /// What is left to do.
-    pub fn state(&self) -> State {
+    pub fn state(&self) -> FolderState {
         self.state
     }
 
@@ -325,7 +325,7 @@ impl Folder {
     /// Those of the file system.
     pub(super) fn journal(&self) -> Result<Journal, FolderError> {
         self.write_manifest()?;
-        let header = Header::of(&self.manifest.identity());
+        let header = JournalHeader::of(&self.manifest.identity());
         let journal = Journal::open(&self.path.join(JOURNAL), &header, self.whole)?;
         atomic::sync_folder(&self.path).map_err(JournalError::Io)?;
         Ok(journal)
@@ -335,7 +335,7 @@ impl Folder {
     ///
     /// # Errors
     /// Those of the file system.
-    pub(super) fn records(&self, places: Vec<Place>) -> Result<Records, JournalError> {
+    pub(super) fn records(&self, places: Vec<LineLocation>) -> Result<Records, JournalError> {
         let file = files::open(&self.path.join(JOURNAL))?;
         let most = journal::most_line(&self.manifest);
         Ok(Records::at(places, vec![file], most))

@@ -20,8 +20,8 @@ use stochc_files::checksum::{self, LineIntegrity};
 use stochc_ir::record::{Outcome, RunRecord};
 
 use super::plausible::impossible;
-use super::records::{Place, Records};
-use super::{Manifest, Program, clock};
+use super::records::{LineLocation, Records};
+use super::{EnsembleProgram, Manifest, clock};
 
 /// What a loss of power may cost: the runs finished during this time. A kill costs none.
 const SYNC_EVERY: Duration = Duration::from_millis(500);
@@ -36,8 +36,8 @@ pub struct Finished {
 }
 
 impl Finished {
-    pub(crate) fn at(&self, file: u32, at: u64) -> Place {
-        Place {
+    pub(crate) fn at(&self, file: u32, at: u64) -> LineLocation {
+        LineLocation {
             program: u32::try_from(self.program).expect("a manifest has few programs"),
             run: self.record.run,
             file,
@@ -52,20 +52,20 @@ const JOURNAL: u32 = 2;
 /// The first line. Another field would be another header, so that no damage makes it an older one.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Header {
+pub(super) struct JournalHeader {
     pub ensemble: String,
     #[serde(default)]
     journal: Option<u32>,
     /// `None`: it is the journal of a whole ensemble.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub piece: Option<Piece>,
+    pub piece: Option<PieceHeader>,
     #[serde(default, skip_serializing)]
     crc: Option<String>,
 }
 
-impl Header {
-    pub fn of(identity: &str) -> Header {
-        Header {
+impl JournalHeader {
+    pub fn of(identity: &str) -> JournalHeader {
+        JournalHeader {
             ensemble: identity.to_owned(),
             journal: Some(JOURNAL),
             piece: None,
@@ -74,10 +74,10 @@ impl Header {
     }
 
     /// Of the runs of a piece alone.
-    pub fn of_piece(identity: &str, piece: Piece) -> Header {
-        Header {
+    pub fn of_piece(identity: &str, piece: PieceHeader) -> JournalHeader {
+        JournalHeader {
             piece: Some(piece),
-            ..Header::of(identity)
+            ..JournalHeader::of(identity)
         }
     }
 }
@@ -85,7 +85,7 @@ impl Header {
 /// What the runs of a file are a part of.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Piece {
+pub(super) struct PieceHeader {
     /// Its number, from 0.
     pub number: u64,
     /// How many there are.
@@ -127,7 +127,7 @@ pub(super) struct Journal {
 
 /// What a journal holds.
 #[derive(Debug, Default)]
-pub(super) struct Stored {
+pub(super) struct StoredJournal {
     /// Its runs.
     pub finished: Records,
     /// The shortest of them that did not fail.
@@ -150,25 +150,26 @@ pub(super) fn read(
     path: &Path,
     manifest: &Manifest,
     identity: &str,
-) -> Result<Stored, JournalError> {
-    let mut stored = Stored::default();
+) -> Result<StoredJournal, JournalError> {
+    let mut stored = StoredJournal::default();
     let mut places = Vec::new();
     let (mut shortest, mut damage) = (Shortest::default(), Vec::new());
     let most = most_line(manifest);
-    (stored.whole, stored.is_sealed) = read_lines(path, &Header::of(identity), most, |line| {
-        match run(line.text, line.is_sealed, manifest) {
-            Ok(finished) => {
-                places.push(finished.at(0, line.at));
-                shortest.offer(finished);
+    (stored.whole, stored.is_sealed) =
+        read_lines(path, &JournalHeader::of(identity), most, |line| {
+            match run(line.text, line.is_sealed, manifest) {
+                Ok(finished) => {
+                    places.push(finished.at(0, line.at));
+                    shortest.offer(finished);
+                }
+                Err(reason) => {
+                    let number = line.number;
+                    damage.push(format!(
+                        "line {number} of `journal.jsonl` {reason}, and is left out"
+                    ));
+                }
             }
-            Err(reason) => {
-                let number = line.number;
-                damage.push(format!(
-                    "line {number} of `journal.jsonl` {reason}, and is left out"
-                ));
-            }
-        }
-    })?;
+        })?;
     let files = match places.is_empty() {
         true => Vec::new(),
         false => vec![files::open(path)?],
@@ -211,7 +212,7 @@ pub(super) struct JournalLine<'a> {
 /// [`JournalError::Foreign`] where it does not begin with `expected`.
 pub(super) fn read_lines(
     path: &Path,
-    expected: &Header,
+    expected: &JournalHeader,
     most: u64,
     mut each: impl FnMut(JournalLine),
 ) -> Result<(u64, bool), JournalError> {
@@ -227,7 +228,7 @@ pub(super) fn read_lines(
     let Some(first) = line.strip_suffix(b"\n") else {
         return Ok((0, true));
     };
-    let header: Header = serde_json::from_slice(first).map_err(|_| JournalError::Foreign)?;
+    let header: JournalHeader = serde_json::from_slice(first).map_err(|_| JournalError::Foreign)?;
     let sound = checksum::check(first) == LineIntegrity::Sound;
     let is_sealed = match (header.journal, header.crc) {
         (Some(JOURNAL), Some(_)) if sound => true,
@@ -256,7 +257,7 @@ pub(super) fn read_lines(
 }
 
 /// The first line of a file of runs; `None`: it is damaged, or not there as a whole.
-pub(super) fn read_header(path: &Path) -> io::Result<Option<Header>> {
+pub(super) fn read_header(path: &Path) -> io::Result<Option<JournalHeader>> {
     /// Bytes of such a line, fewer than which it has.
     const MOST: u64 = 1 << 12;
     let mut line = Vec::new();
@@ -313,12 +314,12 @@ pub(super) fn salvaged(
     identity: &str,
 ) -> io::Result<Option<Vec<u8>>> {
     let mut file = BufReader::new(files::open(path)?);
-    let mut text = line(&Header::of(identity)).into_bytes();
+    let mut text = line(&JournalHeader::of(identity)).into_bytes();
     let mut next = Vec::new();
     // Where the first line is sound, it says whose the others are; where it is not, nobody says.
     let most = most_line(manifest);
     read_line(&mut file, most, &mut next)?;
-    if let Ok(header) = serde_json::from_slice::<Header>(&next) {
+    if let Ok(header) = serde_json::from_slice::<JournalHeader>(&next) {
         let first = next.strip_suffix(b"\n").unwrap_or(&next);
         let sound = match header.journal {
             Some(_) => checksum::check(first) == LineIntegrity::Sound,
@@ -343,7 +344,7 @@ pub(super) fn salvaged(
 
 /// Bytes of a line of the journal of an ensemble, fewer than which it has.
 pub(super) fn most_line(manifest: &Manifest) -> u64 {
-    let captures = manifest.programs.iter().map(Program::captures);
+    let captures = manifest.programs.iter().map(EnsembleProgram::captures);
     budget::record(captures.max().unwrap_or(0))
 }
 
@@ -367,7 +368,7 @@ impl Journal {
     ///
     /// # Errors
     /// Those of the file system.
-    pub fn open(path: &Path, header: &Header, whole: u64) -> Result<Journal, JournalError> {
+    pub fn open(path: &Path, header: &JournalHeader, whole: u64) -> Result<Journal, JournalError> {
         let mut options = OpenOptions::new();
         let options = options.create(true).truncate(false).write(true);
         let mut file = files::open_own(path, options)?;

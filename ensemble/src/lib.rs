@@ -8,7 +8,7 @@
 //! use std::sync::atomic::AtomicBool;
 //!
 //! use stochc_ensemble::{
-//!     Cancelled, Comparison, Destination, Manifest, Program, Progress, run,
+//!     Comparison, Destination, EnsembleProgram, Manifest, Progress, RunCancelled, run,
 //! };
 //! use stochc_runtime::{Model, Settings};
 //!
@@ -17,7 +17,7 @@
 //! let mut reader = |_: &str| Ok(text.as_bytes().to_vec());
 //! let mut checked = stochc_compiler::check("pair.sa", &mut reader, Default::default());
 //! let executable = checked.programs.remove(0).into_executable().ok_or("it is wrong")?;
-//! let program = Program::new("pair", Vec::new(), executable);
+//! let program = EnsembleProgram::new("pair", Vec::new(), executable);
 //!
 //! let settings = Settings::of(Model::Shuffle, /* substeps */ 1);
 //! let manifest = Manifest::new(settings, /* seed */ 1, /* runs */ 10, vec![program]);
@@ -28,7 +28,7 @@
 //!     let mut told = |tick, phase| watch.tick(tick, phase);
 //!     let (tables, scene) = (program.tables(), &program.scene);
 //!     stochc_runtime::run(tables, scene, &manifest.settings, manifest.seed, number, &mut told)
-//!         .map_err(|_| Cancelled)
+//!         .map_err(|_| RunCancelled)
 //! })?;
 //! let comparison = Comparison::of(&manifest, &results.finished.to_vec()?);
 //! assert_eq!(comparison.programs[0].completed, 10);
@@ -67,21 +67,23 @@ pub mod trade;
 pub mod verify;
 
 pub use build::{other_build, this_build};
-pub use captures::{Capture, CaptureKey, Repetitions, Waits, WaitsTally, captures};
+pub use captures::{CaptureKey, CaptureSummary, Repetitions, Waits, WaitsTally, captures};
 pub use checkpoint::{CHECKPOINTS, Checkpoints, Interval};
-pub use comparison::{Column, Comparison, ComparisonTally, Pair, PhaseTime, Time};
-pub use executor::Cancelled;
-pub use folder::{Contents, Folder, Further, RECORDINGS, Resume, State};
+pub use comparison::{Comparison, ComparisonTally, Pair, PhaseTime, ProgramSummary, Time};
+pub use executor::RunCancelled;
+pub use folder::{Contents, Folder, FolderState, Further, RECORDINGS, Resume};
 pub use folder_error::FolderError;
 pub use journal::{Finished, JournalError};
-pub use manifest::{Compiled, FORMAT, MOST_RUNS, Manifest, OLDEST, Program, Source, Varied};
+pub use manifest::{
+    Compiled, EnsembleProgram, FORMAT, MOST_RUNS, Manifest, OLDEST, Source, Varied,
+};
 pub use named::named;
-pub use pairwise::{Group, PairwiseTest, TimeUnit, Verdict, pairwise_tests};
+pub use pairwise::{ComparedProgram, PairwiseResult, PairwiseTest, TimeUnit, pairwise_tests};
 pub use parquet::{
     ColumnShape, ColumnValues, TableShape, each_row_group, table_metadata, tables, tables_of,
 };
-pub use progress::{ProgramProgress, Progress, Snapshot, Totals, Watch};
+pub use progress::{ProgramProgress, Progress, RunWatch, Snapshot, Totals};
 pub use records::Records;
-pub use run::{Destination, Results, RunError, check_stored, run};
+pub use run::{Destination, EnsembleError, Results, check_stored, run};
 pub use time_left::time_left;
 pub use times::{completion_time, phase_time};

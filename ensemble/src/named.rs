@@ -3,11 +3,11 @@ use serde_json::{Value, json};
 use stochc_ir::record::RunRecord;
 use stochc_ir::table::{PhaseId, RoleId};
 
-use super::Program;
+use super::EnsembleProgram;
 
 /// A record with the names of its program: beside each index of a phase or a role stands its name, as
 /// `phase_name`, `parent_name`, `child_name` or `role_name`.
-pub fn named(record: &RunRecord, program: &Program) -> Value {
+pub fn named(record: &RunRecord, program: &EnsembleProgram) -> Value {
     let mut value = serde_json::to_value(record).expect("a record is plain data");
     name(&mut value, program);
     value["program"] = json!(program.name);
@@ -23,7 +23,7 @@ pub fn named(record: &RunRecord, program: &Program) -> Value {
     value
 }
 
-fn name(value: &mut Value, program: &Program) {
+fn name(value: &mut Value, program: &EnsembleProgram) {
     match value {
         Value::Array(values) => values.iter_mut().for_each(|value| name(value, program)),
         Value::Object(fields) => {

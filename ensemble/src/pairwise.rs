@@ -1,6 +1,6 @@
 //! Tests of every pair of programs: one for tables, sweeps, reports and trades.
 
-use super::manifest::{Program, Varied};
+use super::manifest::{EnsembleProgram, Varied};
 use crate::statistics::{Difference, Runs, compare, correct};
 
 /// The unit of times where programs are compared.
@@ -14,7 +14,7 @@ pub enum TimeUnit {
 
 /// A program that is compared with others.
 #[derive(Clone, Debug)]
-pub struct Group<'a> {
+pub struct ComparedProgram<'a> {
     /// The numbers that a sweep has chosen for it.
     pub varied: &'a [Varied],
     /// Its runs, in the unit of a [`TimeUnit`].
@@ -29,12 +29,12 @@ pub struct PairwiseTest {
     /// See `first`.
     pub second: usize,
     /// What is known of their difference.
-    pub verdict: Verdict,
+    pub verdict: PairwiseResult,
 }
 
 /// What is known of a difference.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Verdict {
+pub enum PairwiseResult {
     /// Both are the same runs of the same program.
     Same,
     /// Too few runs, or no spread.
@@ -45,7 +45,7 @@ pub enum Verdict {
 
 impl TimeUnit {
     /// The unit that all of these programs have in common.
-    pub fn of<'a>(programs: impl Iterator<Item = &'a Program>) -> TimeUnit {
+    pub fn of<'a>(programs: impl Iterator<Item = &'a EnsembleProgram>) -> TimeUnit {
         let mut ticks = programs.map(|program| program.scene.tick);
         let first = ticks.next();
         match ticks.all(|tick| Some(tick) == first) {
@@ -55,7 +55,7 @@ impl TimeUnit {
     }
 
     /// One tick of a program in this unit.
-    pub fn tick(self, program: &Program) -> f64 {
+    pub fn tick(self, program: &EnsembleProgram) -> f64 {
         match self {
             TimeUnit::Ticks => 1.0,
             TimeUnit::Seconds => program.scene.tick,
@@ -76,7 +76,7 @@ impl TimeUnit {
 /// `is_same` says of two places whether they hold the same runs, which are not compared. Each p is
 /// also corrected for the number of pairs, and conclusions are drawn from that.
 pub fn pairwise_tests(
-    groups: &[Group],
+    groups: &[ComparedProgram],
     is_same: impl Fn(usize, usize) -> bool,
 ) -> Vec<PairwiseTest> {
     let mut found = Vec::new();
@@ -84,10 +84,9 @@ pub fn pairwise_tests(
         let others = groups.iter().enumerate().skip(i + 1);
         for (j, second) in others.filter(|(_, it)| it.varied == first.varied) {
             let verdict = match is_same(i, j) {
-                true => Verdict::Same,
-                false => {
-                    compare(&first.runs, &second.runs).map_or(Verdict::Unknown, Verdict::Known)
-                }
+                true => PairwiseResult::Same,
+                false => compare(&first.runs, &second.runs)
+                    .map_or(PairwiseResult::Unknown, PairwiseResult::Known),
             };
             found.push(PairwiseTest {
                 first: i,
@@ -97,7 +96,7 @@ pub fn pairwise_tests(
         }
     }
     correct(found.iter_mut().filter_map(|it| match &mut it.verdict {
-        Verdict::Known(difference) => Some(difference),
+        PairwiseResult::Known(difference) => Some(difference),
         _ => None,
     }));
     found

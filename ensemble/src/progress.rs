@@ -11,7 +11,7 @@ use stochc_runtime::Save;
 
 use super::checkpoint::RunCheckpoints;
 use super::executor::is_panic;
-use super::run::Job;
+use super::run::PendingRun;
 use super::{Checkpoints, Finished, JournalError, Manifest, Records};
 
 /// In place of a program: the worker has nothing to do.
@@ -73,7 +73,7 @@ pub struct Snapshot {
 }
 
 /// A run's line to the outside, which it calls once a tick.
-pub struct Watch<'a> {
+pub struct RunWatch<'a> {
     worker: &'a Worker,
     /// Set by somebody else, and where runs cannot be kept any more.
     stops: [&'a AtomicBool; 2],
@@ -81,7 +81,7 @@ pub struct Watch<'a> {
     checkpoints: Option<RunCheckpoints<'a>>,
 }
 
-impl Watch<'_> {
+impl RunWatch<'_> {
     /// Says how far the run is; breaks when it should stop at once, and be forgotten.
     pub fn tick(&self, tick: u64, phase: PhaseId) -> ControlFlow<()> {
         // Each of these stands for itself, so that no order among them is needed.
@@ -114,9 +114,9 @@ impl Watch<'_> {
     }
 }
 
-impl stochc_runtime::Watch for &Watch<'_> {
+impl stochc_runtime::Watch for &RunWatch<'_> {
     fn tick(&mut self, tick: u64, phase: PhaseId) -> ControlFlow<()> {
-        Watch::tick(self, tick, phase)
+        RunWatch::tick(self, tick, phase)
     }
 
     fn kept(&mut self) -> Option<Box<dyn Read>> {
@@ -189,15 +189,15 @@ impl Progress {
     pub(crate) fn begin<'a>(
         &'a self,
         worker: usize,
-        Job { program, run }: Job,
+        PendingRun { program, run }: PendingRun,
         stops: [&'a AtomicBool; 2],
         checkpoints: Option<&'a Checkpoints>,
-    ) -> Watch<'a> {
+    ) -> RunWatch<'a> {
         let slot = &self.workers[worker];
         slot.tick.store(0, Ordering::Relaxed);
         slot.phase.store(0, Ordering::Relaxed);
         slot.program.store(program, Ordering::Relaxed);
-        Watch {
+        RunWatch {
             worker: slot,
             stops,
             checkpoints: checkpoints.map(|all| all.of_run(program, run)),

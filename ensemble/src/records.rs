@@ -23,7 +23,7 @@ enum Store {
 #[derive(Debug)]
 struct Lines {
     /// Sorted.
-    places: Vec<Place>,
+    places: Vec<LineLocation>,
     files: Mutex<Vec<BufReader<File>>>,
     /// Bytes of a line, fewer than which it has.
     most: u64,
@@ -31,7 +31,7 @@ struct Lines {
 
 /// Where the line of a run is. The order is that of [`Records`]; of two lines for one run, the first counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct Place {
+pub(crate) struct LineLocation {
     pub program: u32,
     pub run: u64,
     /// Its number among the files.
@@ -40,7 +40,7 @@ pub(crate) struct Place {
     pub at: u64,
 }
 
-impl Place {
+impl LineLocation {
     fn key(&self) -> (usize, u64) {
         (self.program as usize, self.run)
     }
@@ -62,7 +62,7 @@ impl From<Vec<Finished>> for Records {
 
 impl Records {
     /// The runs at places in any order, in files whose lines have fewer bytes than `most`.
-    pub(crate) fn at(mut places: Vec<Place>, files: Vec<File>, most: u64) -> Records {
+    pub(crate) fn at(mut places: Vec<LineLocation>, files: Vec<File>, most: u64) -> Records {
         /// Bytes that are read at once: runs that finished one after the other are seldom far apart.
         const PIECE: usize = 1 << 14;
         places.sort_unstable();
@@ -91,12 +91,12 @@ impl Records {
 
     /// The program and the number of each.
     pub fn keys(&self) -> impl Iterator<Item = (usize, u64)> {
-        let (finished, places): (&[Finished], &[Place]) = match &*self.0 {
+        let (finished, places): (&[Finished], &[LineLocation]) = match &*self.0 {
             Store::Memory(finished) => (finished, &[]),
             Store::Lines(lines) => (&[], &lines.places),
         };
         let finished = finished.iter().map(|it| (it.program, it.record.run));
-        finished.chain(places.iter().map(Place::key))
+        finished.chain(places.iter().map(LineLocation::key))
     }
 
     /// Whether a run is among them.
@@ -172,7 +172,7 @@ impl Records {
     ///
     /// # Errors
     /// Those of the file system.
-    pub(crate) fn and(&self, more: &[Place], file: File, most: u64) -> io::Result<Records> {
+    pub(crate) fn and(&self, more: &[LineLocation], file: File, most: u64) -> io::Result<Records> {
         let mut files = Vec::new();
         if let Store::Lines(lines) = &*self.0 {
             let open = lines.files.lock().expect("nobody panics while it is held");
@@ -206,7 +206,7 @@ impl Records {
     }
 
     /// Where they are, if that is in files.
-    pub(crate) fn places(&self) -> &[Place] {
+    pub(crate) fn places(&self) -> &[LineLocation] {
         match &*self.0 {
             Store::Memory(_) => &[],
             Store::Lines(lines) => &lines.places,
@@ -217,14 +217,14 @@ impl Records {
         let key = (program, run);
         match &*self.0 {
             Store::Memory(all) => all.binary_search_by_key(&key, |it| (it.program, it.record.run)),
-            Store::Lines(lines) => lines.places.binary_search_by_key(&key, Place::key),
+            Store::Lines(lines) => lines.places.binary_search_by_key(&key, LineLocation::key),
         }
         .ok()
     }
 }
 
 /// Reads lines anew.
-struct Reader<'a> {
+struct LineReader<'a> {
     files: MutexGuard<'a, Vec<BufReader<File>>>,
     /// Where each file stands; `None`: nobody knows.
     at: Vec<Option<u64>>,
@@ -233,9 +233,9 @@ struct Reader<'a> {
 }
 
 impl Lines {
-    fn reader(&self) -> Reader<'_> {
+    fn reader(&self) -> LineReader<'_> {
         let files = self.files.lock().expect("nobody panics while it is held");
-        Reader {
+        LineReader {
             at: vec![None; files.len()],
             files,
             line: Vec::new(),
@@ -244,8 +244,8 @@ impl Lines {
     }
 }
 
-impl Reader<'_> {
-    fn read(&mut self, place: Place) -> Result<Finished, JournalError> {
+impl LineReader<'_> {
+    fn read(&mut self, place: LineLocation) -> Result<Finished, JournalError> {
         let number = place.file as usize;
         let (file, at) = (&mut self.files[number], &mut self.at[number]);
         match at.take() {

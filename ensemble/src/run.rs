@@ -6,10 +6,10 @@ use std::sync::{Arc, Mutex};
 
 use stochc_ir::record::RunRecord;
 
-use super::executor::{Cancelled, attempt, execute};
+use super::executor::{RunCancelled, attempt, execute};
 use super::journal::Journal;
-use super::progress::{Progress, Watch};
-use super::records::Place;
+use super::progress::{Progress, RunWatch};
+use super::records::LineLocation;
 use super::{Checkpoints, Finished, Folder, FolderError, JournalError, Manifest, Records};
 
 /// Where the runs of an ensemble go.
@@ -46,7 +46,7 @@ pub struct Results {
 
 /// Why an ensemble came to no end.
 #[derive(Debug, thiserror::Error)]
-pub enum RunError {
+pub enum EnsembleError {
     /// Finished runs cannot be kept; what the journal holds is safe.
     #[error(transparent)]
     Journal(#[from] JournalError),
@@ -70,11 +70,11 @@ pub enum RunError {
 /// came before.
 ///
 /// # Errors
-/// [`RunError::Differs`]; the folder is as it was then.
+/// [`EnsembleError::Differs`]; the folder is as it was then.
 pub fn check_stored(
     folder: &Folder,
-    simulate: impl FnOnce(usize, u64) -> Result<RunRecord, Cancelled>,
-) -> Result<(), RunError> {
+    simulate: impl FnOnce(usize, u64) -> Result<RunRecord, RunCancelled>,
+) -> Result<(), EnsembleError> {
     check_again(folder.manifest(), folder.shortest(), simulate)
 }
 
@@ -82,13 +82,13 @@ pub fn check_stored(
 pub(super) fn check_again(
     manifest: &Manifest,
     known: Option<&Finished>,
-    simulate: impl FnOnce(usize, u64) -> Result<RunRecord, Cancelled>,
-) -> Result<(), RunError> {
+    simulate: impl FnOnce(usize, u64) -> Result<RunRecord, RunCancelled>,
+) -> Result<(), EnsembleError> {
     let Some(known) = known else {
         return Ok(());
     };
     match simulate(known.program, known.record.run) {
-        Ok(record) if record != known.record => Err(RunError::Differs {
+        Ok(record) if record != known.record => Err(EnsembleError::Differs {
             program: manifest.programs[known.program].name.clone(),
             run: record.run,
         }),
@@ -98,14 +98,14 @@ pub(super) fn check_again(
 
 /// A run that is to be done.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Job {
+pub(super) struct PendingRun {
     pub program: usize,
     pub run: u64,
 }
 
 /// Does the runs of an ensemble that are not done yet, and writes its tables.
 ///
-/// `simulate` gets the index of a program, the number of a run, and a [`Watch`] to call once a
+/// `simulate` gets the index of a program, the number of a run, and a [`RunWatch`] to call once a
 /// tick. It has to be a pure function of the first two, so that neither threads nor interruptions
 /// nor their order change a byte of the tables. A panic in it fails that one run. `progress` is to be a new one of
 /// the same manifest, and says how many threads there are; `stop` is set by somebody else to stop at the next tick.
@@ -116,8 +116,8 @@ pub fn run(
     destination: Destination,
     progress: &Progress,
     stop: &AtomicBool,
-    simulate: impl Fn(usize, u64, &Watch) -> Result<RunRecord, Cancelled> + Sync,
-) -> Result<Results, RunError> {
+    simulate: impl Fn(usize, u64, &RunWatch) -> Result<RunRecord, RunCancelled> + Sync,
+) -> Result<Results, EnsembleError> {
     match destination {
         Destination::Memory(manifest) => {
             let all = Mutex::new(Vec::new());
@@ -186,7 +186,7 @@ impl<'a> Todo<'a> {
     }
 
     /// Nobody says that they can all be counted, let alone kept.
-    fn iter(self) -> impl Iterator<Item = Job> + use<'a> {
+    fn iter(self) -> impl Iterator<Item = PendingRun> + use<'a> {
         let jobs = self.jobs.map(move |number| job(number, self.programs));
         jobs.filter(move |job| !(self.kept).is_some_and(|it| it.contains(job.program, job.run)))
     }
@@ -194,8 +194,8 @@ impl<'a> Todo<'a> {
 
 /// A job by its number: the first run of each program, then the second, and so on, so that a table compares the programs
 /// fairly at any time.
-pub(super) fn job(number: u64, programs: u64) -> Job {
-    Job {
+pub(super) fn job(number: u64, programs: u64) -> PendingRun {
+    PendingRun {
         program: (number % programs) as usize,
         run: number / programs,
     }
@@ -207,8 +207,8 @@ pub(super) fn journaled(
     (journal, file): (Journal, u32),
     (progress, checkpoints): (&Progress, Option<&Checkpoints>),
     stop: &AtomicBool,
-    simulate: impl Fn(usize, u64, &Watch) -> Result<RunRecord, Cancelled> + Sync,
-) -> Result<Vec<Place>, JournalError> {
+    simulate: impl Fn(usize, u64, &RunWatch) -> Result<RunRecord, RunCancelled> + Sync,
+) -> Result<Vec<LineLocation>, JournalError> {
     let places = Mutex::new(Vec::new());
     let keep = |done: Finished| {
         let place = done.at(file, journal.append(&done)?);
@@ -232,7 +232,7 @@ fn new_runs<E: Send>(
     todo: Todo,
     (progress, checkpoints): (&Progress, Option<&Checkpoints>),
     stop: &AtomicBool,
-    simulate: impl Fn(usize, u64, &Watch) -> Result<RunRecord, Cancelled> + Sync,
+    simulate: impl Fn(usize, u64, &RunWatch) -> Result<RunRecord, RunCancelled> + Sync,
     keep: impl Fn(Finished) -> Result<(), E> + Sync,
 ) -> Result<(), E> {
     let left = todo.left;
@@ -245,7 +245,7 @@ fn new_runs<E: Send>(
         if broken.load(Ordering::Relaxed) {
             return ControlFlow::Break(());
         }
-        let Job { program, run } = job;
+        let PendingRun { program, run } = job;
         let watch = progress.begin(thread, job, [stop, &broken], checkpoints);
         let make = || attempt(run, || simulate(program, run, &watch), || watch.last());
         let mut record = make();

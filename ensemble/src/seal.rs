@@ -15,11 +15,11 @@ pub(super) const SEAL: &str = "checksums.json";
 /// Checksums of files.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Seal {
-    files: Vec<Entry>,
+    files: Vec<FileChecksum>,
 }
 
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-struct Entry {
+struct FileChecksum {
     name: String,
     bytes: u64,
     /// CRC-32 of them, in hexadecimal.
@@ -29,7 +29,7 @@ struct Entry {
 impl Seal {
     /// Notes a file.
     pub fn note(&mut self, name: &str, sum: Sum) {
-        self.files.push(Entry {
+        self.files.push(FileChecksum {
             name: name.to_owned(),
             bytes: sum.bytes,
             crc32: format!("{:08x}", sum.crc32),
@@ -64,7 +64,7 @@ impl Seal {
         self.entry(name).is_some()
     }
 
-    fn entry(&self, name: &str) -> Option<&Entry> {
+    fn entry(&self, name: &str) -> Option<&FileChecksum> {
         self.files.iter().find(|entry| entry.name == name)
     }
 

@@ -29,7 +29,7 @@ fn program() -> Executable {
 
 /// An ensemble of it.
 fn ensemble() -> Manifest {
-    let program = stochc_ensemble::Program::new("a", Vec::new(), program());
+    let program = stochc_ensemble::EnsembleProgram::new("a", Vec::new(), program());
     let settings = Settings {
         max_ticks: Some(1000),
         ..Settings::default()

@@ -7,7 +7,7 @@ use stochc::ensemble::recording::Selection;
 use stochc::ensemble::shards::{prepare as cut, status as status_of};
 use stochc::ensemble::sweep::Axis;
 use stochc::ensemble::{
-    Interval, JournalError, Manifest, Program as Entry, Records, Resume, each_row_group, named,
+    EnsembleProgram, Interval, JournalError, Manifest, Records, Resume, each_row_group, named,
     table_metadata, tables_of,
 };
 use stochc::exit::{Exit, Failure};
@@ -54,7 +54,7 @@ pub struct Kept {
 /// The same without the interpreter.
 struct Detached {
     asked: Asked,
-    programs: Vec<Entry>,
+    programs: Vec<EnsembleProgram>,
 }
 
 impl Asked {

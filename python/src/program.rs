@@ -7,7 +7,7 @@ use pyo3::types::PyBytes;
 use stochc::compiler::emit::{structure_svg, structure_text};
 use stochc::compiler::{Checked, LintLevels, Program as CompiledProgram};
 use stochc::diagnostics::{drawn, values};
-use stochc::ensemble::{Manifest, Program as Entry, Source};
+use stochc::ensemble::{EnsembleProgram, Manifest, Source};
 use stochc::exit::Failure;
 use stochc::ir::Executable;
 use stochc::ir::emit::{graph_text, table_text};
@@ -22,10 +22,10 @@ use super::settings::{Said, folders, levels};
 /// A program that is ready to run.
 #[pyclass(frozen, module = "stochc._native")]
 #[derive(Clone)]
-pub struct Program(pub Arc<Entry>);
+pub struct Program(pub Arc<EnsembleProgram>);
 
-impl From<Entry> for Program {
-    fn from(entry: Entry) -> Program {
+impl From<EnsembleProgram> for Program {
+    fn from(entry: EnsembleProgram) -> Program {
         Program(Arc::new(entry))
     }
 }

@@ -3,7 +3,7 @@ use std::path::PathBuf;
 
 use pyo3::prelude::*;
 use stochc::compiler::{Level, LintLevels};
-use stochc::ensemble::Program;
+use stochc::ensemble::EnsembleProgram;
 use stochc::exit::Failure;
 use stochc::files::bound::folder;
 use stochc::host::Host;
@@ -51,7 +51,7 @@ impl Computed {
     /// If a word is none, or there are no rates and they cannot be measured.
     pub fn settings(
         &self,
-        programs: &[Program],
+        programs: &[EnsembleProgram],
         threads: Option<u16>,
         host: &dyn Host,
     ) -> Result<Settings, Failure> {

@@ -1,7 +1,7 @@
 //! When a program will be complete, from runs by rates.
 use serde::Serialize;
 use stochc_ensemble::statistics::quantile;
-use stochc_ensemble::{Program, completion_time};
+use stochc_ensemble::{EnsembleProgram, completion_time};
 use stochc_ir::record::RunRecord;
 
 use crate::analysis::critical_path::{chain, moments};
@@ -74,7 +74,7 @@ impl Times {
 
 impl Estimate {
     /// From the records of a program's runs by rates.
-    pub fn of(program: &Program, records: &[&RunRecord]) -> Estimate {
+    pub fn of(program: &EnsembleProgram, records: &[&RunRecord]) -> Estimate {
         let times: Vec<f64> = (records.iter())
             .filter_map(|record| completion_time(record))
             .filter(|time| time.completed)
@@ -108,7 +108,7 @@ impl Estimate {
 }
 
 /// Who was waited for along the critical paths.
-fn shares(program: &Program, records: &[&RunRecord]) -> Vec<Share> {
+fn shares(program: &EnsembleProgram, records: &[&RunRecord]) -> Vec<Share> {
     let events = Events::of(program);
     let mut ticks = vec![0_u64; events.events.len()];
     for record in records {

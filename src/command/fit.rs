@@ -3,9 +3,9 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use stochc_ensemble::fit::{
-    Design, Emulator, Fit, Measured, Observed, Posterior, Prior, Simulated, Unit,
+    Design, Emulator, Fit, MeasuredProgram, Observed, Posterior, Prior, Simulated, Unit,
 };
-use stochc_ensemble::{Manifest, Program, completion_time};
+use stochc_ensemble::{EnsembleProgram, Manifest, completion_time};
 use stochc_files::atomic::Replaces;
 use stochc_files::budget::TIMES;
 use stochc_files::read_file;
@@ -111,7 +111,7 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
 }
 
 /// A program, and what was measured of it; whether that is used.
-type Known = (Program, (Observed, bool));
+type Known = (EnsembleProgram, (Observed, bool));
 
 fn data(path: &Path) -> Result<(Unit, Vec<Observed>), Failure> {
     let shown = path.display();
@@ -122,7 +122,7 @@ fn data(path: &Path) -> Result<(Unit, Vec<Observed>), Failure> {
 
 /// Holds names against names: everything that was measured has a program, and the other way round.
 fn matched(
-    programs: Vec<Program>,
+    programs: Vec<EnsembleProgram>,
     mut observed: Vec<Observed>,
     held_out: &[String],
 ) -> Result<Vec<Known>, Failure> {
@@ -220,8 +220,8 @@ fn rounds(
             ));
         };
         let known = emulators.iter().zip(measured);
-        let known: Vec<Measured> = known
-            .map(|(emulator, (_, (observed, is_fitted)))| Measured {
+        let known: Vec<MeasuredProgram> = known
+            .map(|(emulator, (_, (observed, is_fitted)))| MeasuredProgram {
                 observed,
                 is_fitted: *is_fitted,
                 emulator,
@@ -295,7 +295,7 @@ fn at_points(
     measured: &[Known],
     design: &Design,
     host: &Terminal,
-) -> Result<Vec<Program>, Failure> {
+) -> Result<Vec<EnsembleProgram>, Failure> {
     let mut entries = Vec::new();
     for (program, _) in measured {
         for point in &design.points {

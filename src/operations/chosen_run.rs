@@ -2,8 +2,8 @@
 use std::io::{BufReader, ErrorKind, Read, Seek as _};
 use std::path::{Path, PathBuf};
 
-use stochc_ensemble::recording::{EVERY, Header, Outline, Recorder, RecordingError, path};
-use stochc_ensemble::{Finished, Manifest, Program, Records};
+use stochc_ensemble::recording::{EVERY, Outline, Recorder, RecordingError, RecordingHeader, path};
+use stochc_ensemble::{EnsembleProgram, Finished, Manifest, Records};
 use stochc_files as files;
 use stochc_files::File;
 use stochc_files::atomic::Draft;
@@ -81,7 +81,7 @@ fn index(manifest: &Manifest, name: Option<&str>) -> Result<usize, String> {
 
 impl ChosenRun {
     /// The program.
-    pub fn entry(&self) -> &Program {
+    pub fn entry(&self) -> &EnsembleProgram {
         &self.manifest.programs[self.program]
     }
 
@@ -159,7 +159,7 @@ impl ChosenRun {
                 Err(error) => return Err(useless(path, &error.to_string())),
             }
         }
-        let header = Header {
+        let header = RecordingHeader {
             stochc: self.manifest.stochc.clone(),
             ensemble: self.manifest.identity(),
             program: self.program,

@@ -3,8 +3,8 @@ use std::path::Path;
 
 use stochc_ensemble::recording::Selection;
 use stochc_ensemble::{
-    Cancelled, Destination, Folder, Interval, Manifest, Progress, Results, Resume, State, Watch,
-    check_stored, run as run_all,
+    Destination, Folder, FolderState, Interval, Manifest, Progress, Results, Resume, RunCancelled,
+    RunWatch, check_stored, run as run_all,
 };
 use stochc_ir::table::{Action, Tables};
 use stochc_ir::visible;
@@ -123,15 +123,15 @@ pub fn make(manifest: &Manifest, how: &Making<'_>, host: &dyn Host) -> Result<Ma
             let folder = Folder::open(out, manifest, how.resume).map_err(Failure::usage)?;
             tell_of_damage(out, folder.damage(), host);
             match folder.state() {
-                State::New => {}
-                State::Finished => host.warn(&format!(
+                FolderState::New => {}
+                FolderState::Finished => host.warn(&format!(
                     "`{}` is finished already\n",
                     visible(&out.to_string_lossy())
                 )),
-                State::Resumed if how.is_told_of_build => {}
-                State::Resumed => tell_of_build(folder.builds(), host),
+                FolderState::Resumed if how.is_told_of_build => {}
+                FolderState::Resumed => tell_of_build(folder.builds(), host),
             }
-            if folder.state() == State::Resumed {
+            if folder.state() == FolderState::Resumed {
                 check_stored(&folder, made_again(manifest, stop)).map_err(Failure::usage)?;
             }
             let folder = folder.with_checkpoints(how.checkpoints);
@@ -144,14 +144,14 @@ pub fn make(manifest: &Manifest, how: &Making<'_>, host: &dyn Host) -> Result<Ma
     let progress = Progress::new(manifest, at_once);
     let recordings = Recordings::new(how.out.zip(how.record), how.record_every, manifest);
     let unrecorded = made_by(manifest);
-    let simulate = |program: usize, number, mut watch: &Watch| match recordings.of(program, number)
-    {
-        Some(place) => {
-            let record = place.record(&manifest.programs[program], &mut watch);
-            record.map_err(|_| Cancelled)
-        }
-        None => unrecorded(program, number, watch),
-    };
+    let simulate =
+        |program: usize, number, mut watch: &RunWatch| match recordings.of(program, number) {
+            Some(place) => {
+                let record = place.record(&manifest.programs[program], &mut watch);
+                record.map_err(|_| RunCancelled)
+            }
+            None => unrecorded(program, number, watch),
+        };
     let is_all_there = destination.kept() == manifest.total();
     let state = |elapsed| of_ensemble(manifest, &progress, elapsed);
     let work = || run_all(destination, &progress, stop, simulate);

@@ -1,7 +1,7 @@
 //! When programs will be complete, by rates.
 use std::path::PathBuf;
 
-use stochc_ensemble::{Manifest, Program};
+use stochc_ensemble::{EnsembleProgram, Manifest};
 use stochc_report::estimate::Estimate;
 use stochc_runtime::{Model, Settings};
 
@@ -38,7 +38,7 @@ pub struct Estimating<'a> {
 /// # Errors
 /// If the rates of a scene cannot be had, a scene cannot be set up, or it is stopped.
 pub fn estimates(
-    programs: Vec<Program>,
+    programs: Vec<EnsembleProgram>,
     how: &Estimating<'_>,
     host: &dyn Host,
 ) -> Result<Vec<Estimate>, Failure> {

@@ -1,5 +1,7 @@
 //! Ensembles that are made for what they say, and kept nowhere.
-use stochc_ensemble::{Cancelled, Destination, Manifest, Progress, Results, Watch, run as run_all};
+use stochc_ensemble::{
+    Destination, Manifest, Progress, Results, RunCancelled, RunWatch, run as run_all,
+};
 use stochc_runtime::run as run_once;
 
 use super::runs::threads as default_threads;
@@ -18,13 +20,13 @@ pub fn all_runs(
     host: &dyn Host,
 ) -> Result<Results, Failure> {
     let progress = Progress::new(manifest, default_threads(threads));
-    let simulate = |entry: usize, number, watch: &Watch| {
+    let simulate = |entry: usize, number, watch: &RunWatch| {
         let program = &manifest.programs[entry];
         let mut told = |tick, phase| watch.tick(tick, phase);
         let seed = manifest.seed.wrapping_add(entry as u64);
         let (tables, scene) = (program.tables(), &program.scene);
         let record = run_once(tables, scene, &manifest.settings, seed, number, &mut told);
-        record.map_err(|_| Cancelled)
+        record.map_err(|_| RunCancelled)
     };
     let state = |elapsed| of_ensemble(manifest, &progress, elapsed);
     let destination = Destination::Memory(manifest);

@@ -3,7 +3,7 @@ use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use stochc_ensemble::{Manifest, Program};
+use stochc_ensemble::{EnsembleProgram, Manifest};
 use stochc_files::budget::size;
 use stochc_runtime::{Settings, run as run_once};
 
@@ -30,7 +30,7 @@ pub enum Kept {
 
 impl Kept {
     fn bytes(self, manifest: &Manifest) -> u64 {
-        let of_each = |program: &Program| {
+        let of_each = |program: &EnsembleProgram| {
             let phases = program.phases().len() as u64;
             OF_A_RUN + OF_A_PHASE * phases
         };
@@ -88,7 +88,7 @@ pub fn threads(
 
 /// Bytes by which the largest run of any program makes more than is `taken`, with its thread; it is begun for that.
 fn of_a_run(manifest: &Manifest, taken: u64, stop: &AtomicBool) -> u64 {
-    let of = |program: &Program| of_one(program, &manifest.settings, stop);
+    let of = |program: &EnsembleProgram| of_one(program, &manifest.settings, stop);
     let most = || manifest.programs.iter().map(of).max();
     std::thread::scope(|scope| {
         // In this thread it might find what was taken before and is free again.
@@ -98,7 +98,7 @@ fn of_a_run(manifest: &Manifest, taken: u64, stop: &AtomicBool) -> u64 {
     })
 }
 
-fn of_one(program: &Program, settings: &Settings, stop: &AtomicBool) -> u64 {
+fn of_one(program: &EnsembleProgram, settings: &Settings, stop: &AtomicBool) -> u64 {
     let mut most = 0;
     let mut watch = |tick, _| {
         most = most.max(taken().unwrap_or(0));

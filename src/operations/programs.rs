@@ -2,7 +2,7 @@
 use std::path::PathBuf;
 
 use stochc_compiler::{Checked, LintLevels};
-use stochc_ensemble::{Program, Source, Varied};
+use stochc_ensemble::{EnsembleProgram, Source, Varied};
 use stochc_files::programs::{executables, refusal};
 use stochc_ir::Executable;
 use stochc_ir::scene::scalars::ScalarChange;
@@ -19,7 +19,7 @@ pub fn programs(
     levels: &LintLevels,
     imports: &[PathBuf],
     host: &dyn Host,
-) -> Result<Vec<Program>, Failure> {
+) -> Result<Vec<EnsembleProgram>, Failure> {
     let mut programs = Vec::new();
     let mut wrong = None;
     for file in files {
@@ -39,7 +39,7 @@ fn read(
     levels: &LintLevels,
     imports: &[PathBuf],
     host: &dyn Host,
-) -> Result<Vec<Program>, Failure> {
+) -> Result<Vec<EnsembleProgram>, Failure> {
     if let Some(reason) = refusal(file) {
         return Err(Failure::usage(reason));
     }
@@ -51,10 +51,10 @@ fn read(
 }
 
 /// Programs that were compiled elsewhere.
-fn compiled(executables: Vec<Executable>) -> Vec<Program> {
+fn compiled(executables: Vec<Executable>) -> Vec<EnsembleProgram> {
     let programs = executables.into_iter().map(|executable| {
         let name = executable.tables.assembly.clone();
-        Program::new(&name, Vec::new(), executable)
+        EnsembleProgram::new(&name, Vec::new(), executable)
     });
     programs.collect()
 }
@@ -63,7 +63,11 @@ fn compiled(executables: Vec<Executable>) -> Vec<Program> {
 ///
 /// # Errors
 /// If it has errors, or nothing to run.
-pub fn accept(file: &str, checked: Checked, host: &dyn Host) -> Result<Vec<Program>, Failure> {
+pub fn accept(
+    file: &str,
+    checked: Checked,
+    host: &dyn Host,
+) -> Result<Vec<EnsembleProgram>, Failure> {
     host.tell_findings(&checked);
     if checked.has_errors() {
         return Err(Failure::silent(verdict(&checked)));
@@ -82,7 +86,7 @@ pub fn accept(file: &str, checked: Checked, host: &dyn Host) -> Result<Vec<Progr
     let complete = checked.programs.into_iter().filter_map(|program| {
         let executable = program.into_executable()?;
         let name = executable.tables.assembly.clone();
-        Some(Program::new(&name, sources.clone(), executable))
+        Some(EnsembleProgram::new(&name, sources.clone(), executable))
     });
     Ok(complete.collect())
 }

@@ -3,7 +3,7 @@ use std::path::{Path, PathBuf};
 
 use stochc_compiler::LintLevels;
 use stochc_ensemble::calibration::{Calibration, PROGRAMS, profile};
-use stochc_ensemble::{Manifest, Program};
+use stochc_ensemble::{EnsembleProgram, Manifest};
 use stochc_files::budget::RATES;
 use stochc_files::read_file;
 use stochc_ir::scene::Scene;
@@ -31,7 +31,7 @@ pub const SEED: u64 = 0x5ca1_e000;
 /// If a file cannot be read, or what has to be measured cannot be.
 pub fn of_scenes(
     files: &[PathBuf],
-    programs: &[Program],
+    programs: &[EnsembleProgram],
     threads: Option<u16>,
     host: &dyn Host,
 ) -> Result<Vec<Rates>, Failure> {
@@ -109,7 +109,7 @@ pub fn measure(scene: &Scene, effort: &Effort, host: &dyn Host) -> Result<Rates,
     if let Some(error) = RateWorld::refusal(scene) {
         return Err(Failure::wrong_program(error.to_string()));
     }
-    let mut observed: Vec<Program> = Vec::new();
+    let mut observed: Vec<EnsembleProgram> = Vec::new();
     for (name, text) in PROGRAMS {
         let checked = check_texts(&[(name, text)], &LintLevels::default(), "", &[]);
         let executables = compile(checked).map_err(|wrong| Failure::usage(wrong.to_string()))?;
@@ -117,7 +117,7 @@ pub fn measure(scene: &Scene, effort: &Effort, host: &dyn Host) -> Result<Rates,
             // Blocks that are not there cannot be waited for.
             if executable.tables.captures() as u64 <= u64::from(scene.free.count) {
                 executable.scene = scene.clone();
-                observed.push(Program::new(name, Vec::new(), executable));
+                observed.push(EnsembleProgram::new(name, Vec::new(), executable));
             }
         }
     }

@@ -3,8 +3,8 @@ use std::io;
 use std::path::Path;
 use std::sync::Mutex;
 
-use stochc_ensemble::recording::{self, Header, Recorder, Selection, path};
-use stochc_ensemble::{Manifest, Program, Records};
+use stochc_ensemble::recording::{self, Recorder, RecordingHeader, Selection, path};
+use stochc_ensemble::{EnsembleProgram, Manifest, Records};
 use stochc_files::atomic::{Draft, Replaces, make_own_folder};
 use stochc_ir::record::RunRecord;
 use stochc_runtime::{RunError, Watch, observe};
@@ -85,7 +85,11 @@ impl RecordingOfRun<'_> {
     /// Makes the run and records it.
     ///
     /// A recording that cannot be written costs the recording, not the run.
-    pub fn record(&self, program: &Program, watch: &mut impl Watch) -> Result<RunRecord, RunError> {
+    pub fn record(
+        &self,
+        program: &EnsembleProgram,
+        watch: &mut impl Watch,
+    ) -> Result<RunRecord, RunError> {
         let (tables, scene) = (program.tables(), &program.scene);
         let (settings, seed) = (&self.all.manifest.settings, self.all.manifest.seed);
         let (header, path) = (
@@ -115,8 +119,8 @@ impl RecordingOfRun<'_> {
         }
     }
 
-    fn header(&self, program: &Program) -> Header {
-        Header {
+    fn header(&self, program: &EnsembleProgram) -> RecordingHeader {
+        RecordingHeader {
             stochc: self.all.manifest.stochc.clone(),
             ensemble: self.all.identity.clone(),
             program: self.program,
@@ -136,8 +140,8 @@ impl RecordingOfRun<'_> {
 /// Begins the recording that will be at `path` in a folder of results, and makes the folder for it.
 pub(super) fn begin(
     path: &Path,
-    header: &Header,
-    program: &Program,
+    header: &RecordingHeader,
+    program: &EnsembleProgram,
 ) -> io::Result<Recorder<Draft>> {
     make_own_folder(path.parent().unwrap_or(Path::new(".")))?;
     let file = Draft::new(path, Replaces::Ours(recording::is_file))?;

@@ -3,7 +3,7 @@ use std::io::{self, Seek as _, Write};
 use std::path::Path;
 
 use stochc_compiler::LintLevels;
-use stochc_ensemble::Program;
+use stochc_ensemble::EnsembleProgram;
 use stochc_ensemble::recording::Outline;
 use stochc_ensemble::text::visible;
 use stochc_files::atomic::{Draft, Replaces, begins_with};
@@ -75,7 +75,7 @@ fn to(
 const MOST_STATEMENTS: usize = 50_000;
 
 /// Where each event of the graph is written; nothing, if the texts of the program are not here, or another compiler's.
-fn statements(program: &Program) -> Vec<Statement> {
+fn statements(program: &EnsembleProgram) -> Vec<Statement> {
     let texts: Vec<(&str, &str)> = (program.sources.iter())
         .map(|source| (source.path.as_str(), source.text.as_str()))
         .collect();

@@ -3,7 +3,9 @@ use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use stochc_ensemble::{Cancelled, Checkpoints, Manifest, Program, Watch, other_build};
+use stochc_ensemble::{
+    Checkpoints, EnsembleProgram, Manifest, RunCancelled, RunWatch, other_build,
+};
 use stochc_ir::record::RunRecord;
 use stochc_runtime::{RunError, Settings, run as run_once};
 
@@ -13,7 +15,7 @@ use crate::host::Host;
 /// Makes runs of an ensemble, as [`stochc_ensemble::run`] asks for them.
 pub fn made_by(
     manifest: &Manifest,
-) -> impl Fn(usize, u64, &Watch) -> Result<RunRecord, Cancelled> + Sync {
+) -> impl Fn(usize, u64, &RunWatch) -> Result<RunRecord, RunCancelled> + Sync {
     |program, number, mut watch| made(manifest, (program, number), &mut watch)
 }
 
@@ -21,7 +23,7 @@ pub fn made_by(
 pub fn made_again(
     manifest: &Manifest,
     stop: &AtomicBool,
-) -> impl FnOnce(usize, u64) -> Result<RunRecord, Cancelled> {
+) -> impl FnOnce(usize, u64) -> Result<RunRecord, RunCancelled> {
     |program, number| made(manifest, (program, number), &mut until(stop))
 }
 
@@ -37,11 +39,11 @@ fn made(
     manifest: &Manifest,
     (program, number): (usize, u64),
     watch: &mut impl stochc_runtime::Watch,
-) -> Result<RunRecord, Cancelled> {
+) -> Result<RunRecord, RunCancelled> {
     let of = &manifest.programs[program];
     let (settings, seed) = (&manifest.settings, manifest.seed);
     // The scene has been tried out, so only a cancelled run leaves no record.
-    run_once(of.tables(), &of.scene, settings, seed, number, watch).map_err(|_| Cancelled)
+    run_once(of.tables(), &of.scene, settings, seed, number, watch).map_err(|_| RunCancelled)
 }
 
 /// Sets the scenes of programs up once, so that one that cannot be is told of before the first run.
@@ -56,7 +58,7 @@ pub fn try_out_all(manifest: &Manifest) -> Result<(), Failure> {
     })
 }
 
-fn try_out(program: &Program, settings: &Settings) -> Result<(), RunError> {
+fn try_out(program: &EnsembleProgram, settings: &Settings) -> Result<(), RunError> {
     let mut stop = |_, _| ControlFlow::Break(());
     match run_once(program.tables(), &program.scene, settings, 0, 0, &mut stop) {
         Err(RunError::Scene(error)) => Err(error.into()),

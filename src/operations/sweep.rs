@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use stochc_compiler::LintLevels;
 use stochc_ensemble::sweep::{Axis, MOST_POINTS, Sweep, points as combine};
-use stochc_ensemble::{Compiled, JournalError, MOST_RUNS, Manifest, Program, Records};
+use stochc_ensemble::{Compiled, EnsembleProgram, JournalError, MOST_RUNS, Manifest, Records};
 use stochc_ir::Executable;
 use stochc_ir::visible;
 use stochc_report::figures::sweep as pictures;
@@ -22,10 +22,10 @@ use crate::host::Host;
 pub fn points(
     axes: &[Axis],
     runs: u64,
-    programs: &[Program],
+    programs: &[EnsembleProgram],
     levels: &LintLevels,
     host: &dyn Host,
-) -> Result<Vec<Program>, Failure> {
+) -> Result<Vec<EnsembleProgram>, Failure> {
     let mut at_points = Vec::new();
     for program in programs {
         if program.sources.is_empty() {
@@ -81,7 +81,11 @@ pub fn points(
 ///
 /// # Errors
 /// If it cannot be run there.
-pub fn at_point(entry: &mut Program, levels: &LintLevels, host: &dyn Host) -> Result<(), Failure> {
+pub fn at_point(
+    entry: &mut EnsembleProgram,
+    levels: &LintLevels,
+    host: &dyn Host,
+) -> Result<(), Failure> {
     let checked = recompile(&entry.sources, &entry.varied, entry.assembly(), levels);
     if checked.has_errors() {
         let name = visible(&entry.name);
@@ -108,7 +112,7 @@ pub fn at_point(entry: &mut Program, levels: &LintLevels, host: &dyn Host) -> Re
 }
 
 /// Keeps what is the same at many points once.
-pub fn share_tables(programs: &mut [Program]) {
+pub fn share_tables(programs: &mut [EnsembleProgram]) {
     let mut known: HashMap<String, Arc<Compiled>> = HashMap::new();
     for program in programs {
         let digest = program.compiled.digest().to_owned();

@@ -2,7 +2,7 @@
 use std::path::Path;
 
 use stochc_ensemble::trade::{MEMORY, Memory, Progress, Setup, Trade, measure};
-use stochc_ensemble::{FolderError, JournalError, Program};
+use stochc_ensemble::{EnsembleProgram, FolderError, JournalError};
 use stochc_files::atomic::{self, Replaces};
 use stochc_report::figures::trade as trade_figure;
 
@@ -14,7 +14,11 @@ use crate::progress::of_trade;
 ///
 /// # Errors
 /// If the scene of one cannot be set up.
-pub fn measured(programs: &[Program], setup: &Setup, host: &dyn Host) -> Result<Trade, Failure> {
+pub fn measured(
+    programs: &[EnsembleProgram],
+    setup: &Setup,
+    host: &dyn Host,
+) -> Result<Trade, Failure> {
     let progress = Progress::default();
     let state = |elapsed| of_trade(setup.extent, &progress, elapsed);
     let trade = during(host, state, || measure(programs, setup, &progress));
@@ -30,7 +34,7 @@ pub fn measured(programs: &[Program], setup: &Setup, host: &dyn Host) -> Result<
 pub fn memory(
     out: Option<&Path>,
     resume: bool,
-    programs: &[Program],
+    programs: &[EnsembleProgram],
     seed: u64,
 ) -> Result<Option<Memory>, Failure> {
     let Some(out) = out else { return Ok(None) };

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use stochc::ensemble::shards::{Piece, merge, prepare};
 use stochc::ensemble::verify::{repair, verify};
 use stochc::ensemble::{
-    CHECKPOINTS, Cancelled, Destination, Folder, Interval, Manifest, Progress, Watch,
+    CHECKPOINTS, Destination, Folder, Interval, Manifest, Progress, RunCancelled, RunWatch,
 };
 use stochc_files::key::{SecretKey, Signed};
 use stochc_ir::record::RunRecord;
@@ -24,7 +24,7 @@ fn stopped(root: &Path, manifest: &Manifest) {
     let folder = Folder::open(root, manifest, false).unwrap();
     let folder = folder.with_checkpoints(EVERY).unwrap();
     let stop = AtomicBool::new(false);
-    let simulate = |program, run, watch: &Watch| {
+    let simulate = |program, run, watch: &RunWatch| {
         if (program, run) == LAST {
             // Where it begins, so that its first state is that of the next tick.
             stop.store(true, Ordering::Relaxed);
@@ -37,11 +37,11 @@ fn stopped(root: &Path, manifest: &Manifest) {
 }
 
 /// A run that is told to stop at its tick 70.
-fn stopped_run(mut watch: &Watch) -> Result<RunRecord, Cancelled> {
+fn stopped_run(mut watch: &RunWatch) -> Result<RunRecord, RunCancelled> {
     let flow = watch.tick(70, stochc_ir::table::PhaseId(0));
     assert!(flow.is_break() && watch.wants_state());
     watch.keep(&mut |to| to.put(&70u64));
-    Err(Cancelled)
+    Err(RunCancelled)
 }
 
 fn checkpoint(root: &Path) -> PathBuf {
@@ -237,13 +237,14 @@ fn a_piece_goes_on_from_the_checkpoint_of_whoever_was_stopped() {
         let piece = Piece::open(root, number).unwrap();
         piece.with_checkpoints(EVERY).unwrap()
     };
-    let make =
-        |piece: &Piece,
-         simulate: &(dyn Fn(usize, u64, &Watch) -> Result<RunRecord, Cancelled> + Sync)| {
-            let progress: Progress = piece.progress(std::num::NonZeroUsize::MIN);
-            piece.make(&progress, &stop, simulate).unwrap()
-        };
-    let told = |program, run, watch: &Watch| {
+    let make = |piece: &Piece,
+                simulate: &(
+                     dyn Fn(usize, u64, &RunWatch) -> Result<RunRecord, RunCancelled> + Sync
+                 )| {
+        let progress: Progress = piece.progress(std::num::NonZeroUsize::MIN);
+        piece.make(&progress, &stop, simulate).unwrap()
+    };
+    let told = |program, run, watch: &RunWatch| {
         if (program, run) == LAST {
             stop.store(true, Ordering::Relaxed);
             return stopped_run(watch);

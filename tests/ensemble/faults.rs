@@ -15,7 +15,9 @@ use std::sync::{Arc, Mutex};
 
 use stochc::ensemble::shards::{Piece, ShardError, merge, prepare};
 use stochc::ensemble::verify::repair;
-use stochc::ensemble::{Cancelled, Destination, Folder, FolderError, Manifest, Records, Watch};
+use stochc::ensemble::{
+    Destination, Folder, FolderError, Manifest, Records, RunCancelled, RunWatch,
+};
 use stochc_files::disk::{Call, CallDecision, Double, replace_by, restore};
 use stochc_ir::record::RunRecord;
 
@@ -292,7 +294,7 @@ impl Double for Faulty {
 /// Makes the runs of an ensemble, which are others for each seed; none that the test double has go wrong.
 fn runs_of(
     manifest: &Manifest,
-) -> impl Fn(usize, u64, &Watch) -> Result<RunRecord, Cancelled> + Sync {
+) -> impl Fn(usize, u64, &RunWatch) -> Result<RunRecord, RunCancelled> + Sync {
     let first = 16 * manifest.seed;
     move |program, run, watch| {
         let record = simulate(program, first + run, watch)?;

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use stochc::ensemble::{Destination, Folder, State};
+use stochc::ensemble::{Destination, Folder, FolderState};
 use stochc_ir::record::Outcome;
 
 use crate::world::{bytes, complete, manifest, put, run_on, simulate};
@@ -90,7 +90,7 @@ fn stopping_keeps_what_is_finished() {
     complete(other.path(), &manifest(12), 1);
     let (stop, begun) = (AtomicBool::new(false), AtomicU64::new(0));
     let opened = Folder::open(folder.path(), &manifest(12), false).unwrap();
-    assert_eq!(opened.state(), State::New);
+    assert_eq!(opened.state(), FolderState::New);
     let results = run_on(
         2,
         Destination::Folder(opened),
@@ -139,7 +139,7 @@ fn more_runs_extend_an_ensemble() {
     let [folder, other] = [(); 2].map(|()| tempfile::tempdir().unwrap());
     complete(folder.path(), &manifest(5), 2);
     let opened = Folder::open(folder.path(), &manifest(5), false).unwrap();
-    assert_eq!(opened.state(), State::Finished);
+    assert_eq!(opened.state(), FolderState::Finished);
     drop(opened);
     complete(folder.path(), &manifest(9), 2);
     complete(other.path(), &manifest(9), 1);

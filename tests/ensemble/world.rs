@@ -4,8 +4,8 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use stochc::ensemble::{
-    Cancelled, Destination, Folder, Interval, Manifest, Program, Progress, Results, RunError,
-    Source, Watch, run,
+    Destination, EnsembleError, EnsembleProgram, Folder, Interval, Manifest, Progress, Results,
+    RunCancelled, RunWatch, Source, run,
 };
 use stochc_ir::graph::{EventAction, EventGraph, EventId, GraphEvent};
 use stochc_ir::record::{
@@ -47,7 +47,7 @@ pub fn scene() -> Scene {
 }
 
 /// A catches B, which catches C in a second phase.
-pub fn program(name: &str) -> Program {
+pub fn program(name: &str) -> EnsembleProgram {
     let role = |name: &str, seed| Role {
         name: name.into(),
         seed,
@@ -98,7 +98,7 @@ pub fn program(name: &str) -> Program {
         scene,
         graph,
     };
-    Program::new(name, vec![source], executable)
+    EnsembleProgram::new(name, vec![source], executable)
 }
 
 pub fn manifest(runs: u64) -> Manifest {
@@ -137,7 +137,7 @@ fn draw(program: usize, run: u64, what: u64) -> u64 {
 pub const EVERY: Interval = Interval::Ticks(300);
 
 /// A run that waits for one block, and most times for a second one. Its state is its tick.
-pub fn simulate(program: usize, run: u64, mut watch: &Watch) -> Result<RunRecord, Cancelled> {
+pub fn simulate(program: usize, run: u64, mut watch: &RunWatch) -> Result<RunRecord, RunCancelled> {
     let waits = [draw(program, run, 0) % 500, draw(program, run, 1) % 500];
     let bond = |phase: usize, magnetized, origin| BondRecord {
         phase: PhaseId(phase as u32),
@@ -157,7 +157,7 @@ pub fn simulate(program: usize, run: u64, mut watch: &Watch) -> Result<RunRecord
         Some(mut state) => {
             let tick: u64 = StateReader::new(&mut *state)
                 .take()
-                .map_err(|_| Cancelled)?;
+                .map_err(|_| RunCancelled)?;
             assert!(tick < total, "there is no such tick");
             tick
         }
@@ -170,7 +170,7 @@ pub fn simulate(program: usize, run: u64, mut watch: &Watch) -> Result<RunRecord
             watch.keep(&mut |to| to.put(&tick));
         }
         if flow.is_break() {
-            return Err(Cancelled);
+            return Err(RunCancelled);
         }
     }
     let late = total > 800;
@@ -253,8 +253,8 @@ pub fn run_on(
     threads: usize,
     destination: Destination,
     stop: &AtomicBool,
-    simulate: impl Fn(usize, u64, &Watch) -> Result<RunRecord, Cancelled> + Sync,
-) -> Result<Results, RunError> {
+    simulate: impl Fn(usize, u64, &RunWatch) -> Result<RunRecord, RunCancelled> + Sync,
+) -> Result<Results, EnsembleError> {
     let manifest = match &destination {
         Destination::Memory(manifest) => (*manifest).clone(),
         Destination::Folder(folder) => folder.manifest().clone(),

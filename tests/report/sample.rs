@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 
 use roxmltree::{Document, ParsingOptions};
 use stochc::compiler::{Limits, LintLevels};
-use stochc::ensemble::{Finished, Manifest, Program, Source};
+use stochc::ensemble::{EnsembleProgram, Finished, Manifest, Source};
 use stochc::ir::record::{
     BondRecord, Limit, Origin, Outcome, ReleaseRecord, RunRecord, WaitRecord,
 };
@@ -62,7 +62,7 @@ pub fn manifest(friction: f64, runs: u64) -> Manifest {
         scene,
         graph: program.event_graph(),
     };
-    let program = Program::new("pair", vec![source], executable);
+    let program = EnsembleProgram::new("pair", vec![source], executable);
     Manifest::new(Settings::of(Model::Rigid, 1), 7, runs, vec![program])
 }
 

@@ -95,7 +95,7 @@ impl WaitingFace {
 
 /// A piece of a wait in which nothing around it changed.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Piece {
+pub(super) struct WaitInterval {
     pub surroundings: Surroundings,
     /// Ticks since the face was switched on, at the beginning and at the end.
     pub from: f64,
@@ -107,7 +107,7 @@ pub(super) struct Piece {
 /// All that was seen.
 #[derive(Debug)]
 pub(super) struct Observations {
-    pub pieces: Vec<Piece>,
+    pub pieces: Vec<WaitInterval>,
     pub highest: i32,
     pub least_open: f64,
     pub least_free: f64,
@@ -192,7 +192,7 @@ impl Observations {
                 self.least_open = self.least_open.min(surroundings.open);
                 self.least_free = self.least_free.min(surroundings.free);
             }
-            self.pieces.push(Piece {
+            self.pieces.push(WaitInterval {
                 surroundings,
                 from: (from - wait.since) as f64,
                 to: (to - wait.since) as f64,

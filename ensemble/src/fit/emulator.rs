@@ -28,7 +28,7 @@ struct Logarithms {
 
 /// What an [`Emulator`] says of a point: logarithms of the mean and of the standard deviation.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Estimate {
+pub struct EmulatorPrediction {
     /// The two.
     pub of: [f64; 2],
     /// Variances of their errors.
@@ -107,12 +107,12 @@ impl Emulator {
     }
 
     /// What is to be expected at a point.
-    pub fn estimate(&self, at: &[f64]) -> Estimate {
+    pub fn estimate(&self, at: &[f64]) -> EmulatorPrediction {
         let features = DVector::from_vec(features(at, &self.scale));
         let leverage = features.dot(&(&self.inverse * &features));
         let of = |which: usize| self.coefficients[which].dot(&features);
         let variance = |which: usize| self.residual[which] * leverage + self.lack_of_fit[which];
-        Estimate {
+        EmulatorPrediction {
             of: [of(0), of(1)],
             variance: [variance(0), variance(1)],
         }

@@ -14,7 +14,7 @@ mod result;
 
 pub use data::{DataError, Observed, Unit};
 pub use design::Design;
-pub use emulator::{Emulator, Estimate, Simulated};
+pub use emulator::{Emulator, EmulatorPrediction, Simulated};
 pub use posterior::{Marginal, Posterior};
 pub use prior::Prior;
-pub use result::{Fit, Measured, Prediction};
+pub use result::{Fit, MeasuredProgram, Prediction};

@@ -58,7 +58,7 @@ impl Prediction {
 }
 
 /// A program that was measured, with its emulator.
-pub struct Measured<'a> {
+pub struct MeasuredProgram<'a> {
     /// What was measured.
     pub observed: &'a Observed,
     /// Whether the fit uses it.
@@ -69,10 +69,10 @@ pub struct Measured<'a> {
 
 impl Posterior {
     /// The posterior of numbers by the programs that are fitted.
-    pub fn of(numbers: usize, programs: &[Measured], seed: u64) -> Posterior {
+    pub fn of(numbers: usize, programs: &[MeasuredProgram], seed: u64) -> Posterior {
         let fitted = || programs.iter().filter(|program| program.is_fitted);
         let likelihood = |at: &[f64]| {
-            let of = |program: &Measured| {
+            let of = |program: &MeasuredProgram| {
                 let Observed { n, mean, sd, .. } = *program.observed;
                 program.emulator.log_likelihood(at, n, mean, sd)
             };
@@ -82,7 +82,7 @@ impl Posterior {
     }
 
     /// What it predicts for a measurement like the one of a program.
-    pub fn predict(&self, program: &Measured) -> Prediction {
+    pub fn predict(&self, program: &MeasuredProgram) -> Prediction {
         let chance = program.emulator.sampling_variance(program.observed.n);
         let spread = |which: usize| {
             let draws = self.draws.iter().enumerate();
@@ -187,7 +187,7 @@ mod tests {
                 let near = points.iter().filter(|point| point.is_within(&ends));
                 let near: Vec<Simulated> = near.cloned().collect();
                 let emulator = Emulator::of(&near).unwrap();
-                let measured = Measured {
+                let measured = MeasuredProgram {
                     observed: &observed,
                     is_fitted: true,
                     emulator: &emulator,

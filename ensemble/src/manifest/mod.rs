@@ -40,12 +40,12 @@ pub struct Manifest {
     /// such notes. No part of the identity.
     pub builds: Vec<String>,
     /// The programs, in the order of the command line.
-    pub programs: Vec<Program>,
+    pub programs: Vec<EnsembleProgram>,
 }
 
 /// One program of an ensemble.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Program {
+pub struct EnsembleProgram {
     /// What tables call it; unique within its manifest.
     pub name: String,
     /// What its blocks know; the points of a sweep may share it.
@@ -121,7 +121,12 @@ impl Manifest {
     /// A manifest of this version and build of `stochc`.
     ///
     /// Programs of the same name are told apart by a number: `tower`, `tower (2)`.
-    pub fn new(settings: Settings, seed: u64, runs: u64, programs: Vec<Program>) -> Manifest {
+    pub fn new(
+        settings: Settings,
+        seed: u64,
+        runs: u64,
+        programs: Vec<EnsembleProgram>,
+    ) -> Manifest {
         let mut manifest = Manifest {
             stochc: env!("CARGO_PKG_VERSION").to_owned(),
             settings,
@@ -165,7 +170,11 @@ impl Manifest {
             stochc: &self.stochc,
             settings: self.settings.resolved(),
             seed: self.seed,
-            programs: self.programs.iter().map(Program::identity).collect(),
+            programs: self
+                .programs
+                .iter()
+                .map(EnsembleProgram::identity)
+                .collect(),
         };
         sha256(&identity)
     }
@@ -247,7 +256,7 @@ impl Varied {
     }
 }
 
-impl Program {
+impl EnsembleProgram {
     /// What a sweep has chosen, as it is told behind the program's name: ` [free=50, tick=10 ms]`.
     pub fn point(&self) -> String {
         let values: Vec<String> = self.varied.iter().map(Varied::text).collect();
@@ -258,13 +267,13 @@ impl Program {
     }
 
     /// A compiled program, whose texts are its file and then all that it imports.
-    pub fn new(name: &str, sources: Vec<Source>, executable: Executable) -> Program {
+    pub fn new(name: &str, sources: Vec<Source>, executable: Executable) -> EnsembleProgram {
         let Executable {
             tables,
             scene,
             graph,
         } = executable;
-        Program {
+        EnsembleProgram {
             name: name.to_owned(),
             compiled: Arc::new(Compiled::new(tables, graph)),
             scene,
@@ -339,7 +348,7 @@ impl Program {
         }
     }
 
-    fn difference(&self, other: &Program) -> Option<String> {
+    fn difference(&self, other: &EnsembleProgram) -> Option<String> {
         let (there, here) = (self.identity(), other.identity());
         let what = if there.texts != here.texts {
             "the text"

@@ -9,10 +9,10 @@ use stochc_ir::scene::Scene;
 use stochc_ir::table::Tables;
 use stochc_runtime::Settings;
 
-use super::{Compiled, FORMAT, Manifest, OLDEST, Program, Source, Varied};
+use super::{Compiled, EnsembleProgram, FORMAT, Manifest, OLDEST, Source, Varied};
 
 #[derive(Serialize, Deserialize)]
-struct Stored {
+struct StoredManifest {
     format: u32,
     stochc: String,
     #[serde(default)]
@@ -85,7 +85,7 @@ impl Manifest {
             }
         });
         let programs = programs.collect();
-        let stored = Stored {
+        let stored = StoredManifest {
             format: FORMAT,
             stochc: self.stochc.clone(),
             builds: self.builds.clone(),
@@ -111,7 +111,7 @@ impl Manifest {
             return Err(format!("its format is {format}, and this is {FORMAT}"));
         }
         let damaged = |error: &dyn std::fmt::Display| format!("it is damaged, {error}");
-        let stored: Stored = serde_json::from_str(json).map_err(|error| damaged(&error))?;
+        let stored: StoredManifest = serde_json::from_str(json).map_err(|error| damaged(&error))?;
         if !stored.settings.steps().are_sound() || stored.settings.solver_iterations == Some(0) {
             return Err(damaged(&"it has no steps"));
         }
@@ -128,7 +128,7 @@ impl Manifest {
             let sources = sources.map(|&place| stored.sources.get(place).cloned());
             let (scene, name) = (program.scene, program.name);
             scene.validate().map_err(|reason| damaged(&reason))?;
-            Ok(Program {
+            Ok(EnsembleProgram {
                 name,
                 compiled: (compiled.get(program.compiled).cloned()).ok_or_else(missing)?,
                 scene,
@@ -153,10 +153,10 @@ impl Manifest {
     /// In words, when it is no manifest.
     pub fn format(json: &str) -> Result<u32, String> {
         #[derive(Deserialize)]
-        struct Version {
+        struct ManifestVersion {
             format: u32,
         }
-        let version: Version =
+        let version: ManifestVersion =
             serde_json::from_str(json).map_err(|_| "it is not the manifest of an ensemble")?;
         Ok(version.format)
     }

@@ -1,7 +1,7 @@
 //! What a Parquet file says of its ensemble, as pairs of keys and values.
 use serde_json::json;
 
-use crate::{Manifest, Program};
+use crate::{EnsembleProgram, Manifest};
 
 /// The metadata that all tables of an ensemble have.
 pub(super) fn about(manifest: &Manifest) -> Vec<(&'static str, String)> {
@@ -20,7 +20,7 @@ pub(super) fn about(manifest: &Manifest) -> Vec<(&'static str, String)> {
         about.push(("stochc.max_ticks", limit.to_string()));
     }
     // What is not the same in all programs is said of each of them alone.
-    let mut shared = |key, of: fn(&Program) -> f64| {
+    let mut shared = |key, of: fn(&EnsembleProgram) -> f64| {
         let mut values = manifest.programs.iter().map(of);
         if let Some(first) = values.next()
             && values.all(|value| value == first)
@@ -33,7 +33,7 @@ pub(super) fn about(manifest: &Manifest) -> Vec<(&'static str, String)> {
     about
 }
 
-fn program(program: &Program) -> serde_json::Value {
+fn program(program: &EnsembleProgram) -> serde_json::Value {
     let phases = (program.phases().iter())
         .map(|phase| json!({ "name": phase.name, "by_hand": phase.planted }));
     let phases: Vec<_> = phases.collect();

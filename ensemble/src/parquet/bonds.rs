@@ -3,8 +3,8 @@ use stochc_ir::Cell;
 use stochc_ir::record::{BondRecord, Origin, WaitRecord};
 use stochc_ir::table::{PhaseId, RoleId};
 
-use super::column::{Column, Table, integer, small, text, truth};
-use super::row::{Row, Run, key, phase};
+use super::column::{ColumnDefinition, TableDefinition, integer, small, text, truth};
+use super::row::{RunContext, RunRow, key, phase};
 use crate::Varied;
 
 /// When what a row says of the captured block is null.
@@ -12,28 +12,28 @@ const CENSORED: &str = "the wait is censored";
 
 /// A capture, or one that was waited for when the run ended.
 #[derive(Clone, Copy)]
-pub(super) enum Bond<'a> {
+pub(super) enum BondRow<'a> {
     Docked(&'a BondRecord),
     Waiting(&'a WaitRecord),
 }
 
 /// The captures of a run in the order of docking, then what was under way.
-pub(super) fn bonds(run: Run<'_>) -> impl Iterator<Item = Bond<'_>> {
-    let docked = run.record.bonds.iter().map(Bond::Docked);
-    docked.chain(run.record.waiting.iter().map(Bond::Waiting))
+pub(super) fn bonds(run: RunContext<'_>) -> impl Iterator<Item = BondRow<'_>> {
+    let docked = run.record.bonds.iter().map(BondRow::Docked);
+    docked.chain(run.record.waiting.iter().map(BondRow::Waiting))
 }
 
 /// What both kinds have.
 macro_rules! both {
     ($bond:expr, $field:ident) => {
         match $bond {
-            Bond::Docked(bond) => bond.$field,
-            Bond::Waiting(wait) => wait.$field,
+            BondRow::Docked(bond) => bond.$field,
+            BondRow::Waiting(wait) => wait.$field,
         }
     };
 }
 
-impl<'a> Bond<'a> {
+impl<'a> BondRow<'a> {
     fn phase(self) -> PhaseId {
         both!(self, phase)
     }
@@ -52,8 +52,8 @@ impl<'a> Bond<'a> {
 
     fn docked(self) -> Option<&'a BondRecord> {
         match self {
-            Bond::Docked(bond) => Some(bond),
-            Bond::Waiting(_) => None,
+            BondRow::Docked(bond) => Some(bond),
+            BondRow::Waiting(_) => None,
         }
     }
 
@@ -66,46 +66,46 @@ impl<'a> Bond<'a> {
     }
 }
 
-pub(super) fn table<'a>(axes: &[Varied]) -> Table<'a, Row<'a, Bond<'a>>> {
-    type R<'a> = Row<'a, Bond<'a>>;
+pub(super) fn table<'a>(axes: &[Varied]) -> TableDefinition<'a, RunRow<'a, BondRow<'a>>> {
+    type R<'a> = RunRow<'a, BondRow<'a>>;
     let mut columns = key(axes);
-    columns.extend(phase(|bond: &Bond<'a>| bond.phase()));
+    columns.extend(phase(|bond: &BondRow<'a>| bond.phase()));
     columns.extend([
-        Column::new(
+        ColumnDefinition::new(
             "parent",
             "",
             "role of the block that magnetized a face",
             text(|row: &R<'a>| row.run.program.role(row.of.parent())),
         ),
-        Column::new(
+        ColumnDefinition::new(
             "face",
             "",
             "which of its faces, in the structure's frame: `up`, `down`, `north`, `south`, `east` or `west`",
             text(|row: &R<'a>| both!(row.of, face).word()),
         ),
-        Column::new(
+        ColumnDefinition::new(
             "child",
             "",
             "role that the captured block is given",
             text(|row: &R<'a>| row.run.program.role(row.of.child())),
         ),
-        Column::new("x", "sides", "cell of the child, to the east", small(|row: &R<'a>| row.of.cell().x)),
-        Column::new("y", "sides", "to the north", small(|row: &R<'a>| row.of.cell().y)),
-        Column::new("z", "sides", "up; the plate is at 0", small(|row: &R<'a>| row.of.cell().z)),
-        Column::new(
+        ColumnDefinition::new("x", "sides", "cell of the child, to the east", small(|row: &R<'a>| row.of.cell().x)),
+        ColumnDefinition::new("y", "sides", "to the north", small(|row: &R<'a>| row.of.cell().y)),
+        ColumnDefinition::new("z", "sides", "up; the plate is at 0", small(|row: &R<'a>| row.of.cell().z)),
+        ColumnDefinition::new(
             "magnetized",
             "ticks",
             "when the face was magnetized, from the beginning of the run",
             integer(|row: &R<'a>| both!(row.of, magnetized)),
         ),
-        Column::new(
+        ColumnDefinition::new(
             "docked",
             "ticks",
             "when the block docked",
             integer(|row: &R<'a>| row.of.docked().map(|bond| bond.docked)),
         )
         .null(CENSORED),
-        Column::new(
+        ColumnDefinition::new(
             "wait",
             "ticks",
             "from `magnetized` to `docked`; of a censored wait, to the end of the run",
@@ -115,33 +115,33 @@ pub(super) fn table<'a>(axes: &[Varied]) -> Table<'a, Row<'a, Bond<'a>>> {
                 end.saturating_sub(both!(row.of, magnetized))
             }),
         ),
-        Column::new(
+        ColumnDefinition::new(
             "censored",
             "",
             "whether the run ended during the wait: it would have been longer, nobody knows by how much",
             truth(|row: &R<'a>| row.of.docked().is_none()),
         ),
-        Column::new(
+        ColumnDefinition::new(
             "entries",
             "",
             "times that a free block came into the reach of the pull, re-entries included",
             integer(|row: &R<'a>| u64::from(both!(row.of, entries))),
         ),
-        Column::new(
+        ColumnDefinition::new(
             "docking",
             "ticks",
             "from the captured block's last entry to its docking",
             integer(|row: &R<'a>| row.of.docked().map(|bond| bond.docking)),
         )
         .null(CENSORED),
-        Column::new(
+        ColumnDefinition::new(
             "body",
             "",
             "number of the captured block, from 0",
             integer(|row: &R<'a>| row.of.docked().map(|bond| bond.body.into())),
         )
         .null(CENSORED),
-        Column::new(
+        ColumnDefinition::new(
             "origin",
             "",
             "`free`: the captured block had never been captured; `released`: it had been part of the \
@@ -154,7 +154,7 @@ pub(super) fn table<'a>(axes: &[Varied]) -> Table<'a, Row<'a, Bond<'a>>> {
             }),
         )
         .null(CENSORED),
-        Column::new(
+        ColumnDefinition::new(
             "origin_role",
             "",
             "role that the captured block had last",
@@ -164,7 +164,7 @@ pub(super) fn table<'a>(axes: &[Varied]) -> Table<'a, Row<'a, Bond<'a>>> {
             }),
         )
         .null("it had none, or the wait is censored"),
-        Column::new(
+        ColumnDefinition::new(
             "released_at",
             "ticks",
             "when it lost that role",
@@ -172,7 +172,7 @@ pub(super) fn table<'a>(axes: &[Varied]) -> Table<'a, Row<'a, Bond<'a>>> {
         )
         .null("it had none, or the wait is censored"),
     ]);
-    Table {
+    TableDefinition {
         name: "bonds",
         row: "a capture, or a face that waited for one when the run ended",
         columns,

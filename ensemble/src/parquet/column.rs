@@ -14,30 +14,30 @@ use ::parquet::schema::parser::parse_message_type;
 use serde::Serialize;
 
 /// A table of rows `R`.
-pub(super) struct Table<'a, R> {
+pub(super) struct TableDefinition<'a, R> {
     /// Its file is `NAME.parquet`.
     pub name: &'static str,
     /// What a row is.
     pub row: &'static str,
-    pub columns: Vec<Column<'a, R>>,
+    pub columns: Vec<ColumnDefinition<'a, R>>,
 }
 
 /// A column of a table of rows `R`, whose texts live for `'a`.
-pub(super) struct Column<'a, R> {
+pub(super) struct ColumnDefinition<'a, R> {
     name: Cow<'static, str>,
     /// Of its values; empty: they have none.
     unit: Cow<'static, str>,
     meaning: Cow<'static, str>,
     /// When a value is null; `None`: never.
     null: Option<&'static str>,
-    values: Values<'a, R>,
+    values: ColumnGetter<'a, R>,
 }
 
 /// The value of a column in a row; `None` is null.
 type Get<'a, R, T> = Box<dyn Fn(&R) -> Option<T> + 'a>;
 
 /// What a column holds, by its type.
-pub(super) enum Values<'a, R> {
+pub(super) enum ColumnGetter<'a, R> {
     Bool(Get<'a, R, bool>),
     /// 32 bit integers, for coordinates.
     Small(Get<'a, R, i32>),
@@ -73,13 +73,13 @@ pub enum ColumnValues<'a> {
     TextLists(Vec<Vec<&'a str>>),
 }
 
-/// A constructor of [`Values`] from a function that gives a value, or `None` for null.
+/// A constructor of [`ColumnGetter`] from a function that gives a value, or `None` for null.
 macro_rules! of {
     ($($name:ident: $value:ty => $variant:ident;)*) => {
         $(pub(super) fn $name<'a, R, V: Into<Option<$value>>>(
             get: impl Fn(&R) -> V + 'a,
-        ) -> Values<'a, R> {
-            Values::$variant(Box::new(move |row| get(row).into()))
+        ) -> ColumnGetter<'a, R> {
+            ColumnGetter::$variant(Box::new(move |row| get(row).into()))
         })*
     };
 }
@@ -95,9 +95,11 @@ of! {
 }
 
 /// As the others; counts and ticks, which are far below 2^63.
-pub(super) fn integer<'a, R, V: Into<Option<u64>>>(get: impl Fn(&R) -> V + 'a) -> Values<'a, R> {
+pub(super) fn integer<'a, R, V: Into<Option<u64>>>(
+    get: impl Fn(&R) -> V + 'a,
+) -> ColumnGetter<'a, R> {
     let signed = |value| i64::try_from(value).unwrap_or(i64::MAX);
-    Values::Integer(Box::new(move |row| get(row).into().map(signed)))
+    ColumnGetter::Integer(Box::new(move |row| get(row).into().map(signed)))
 }
 
 /// What a table is, for its documentation and its metadata.
@@ -127,12 +129,12 @@ pub struct ColumnShape {
     pub null: Option<String>,
 }
 
-impl<R> Table<'_, R> {
+impl<R> TableDefinition<'_, R> {
     pub fn shape(&self) -> TableShape {
         TableShape {
             name: self.name.to_owned(),
             row: self.row.to_owned(),
-            columns: self.columns.iter().map(Column::shape).collect(),
+            columns: self.columns.iter().map(ColumnDefinition::shape).collect(),
         }
     }
 
@@ -173,7 +175,7 @@ pub(super) struct TableFile<W: Write>(SerializedFileWriter<W>);
 
 impl<W: Write + Send> TableFile<W> {
     /// Adds the next rows of its `table`, as a row group.
-    pub fn add<R>(&mut self, table: &Table<R>, rows: &[R]) -> Result<(), ParquetError> {
+    pub fn add<R>(&mut self, table: &TableDefinition<R>, rows: &[R]) -> Result<(), ParquetError> {
         let mut group = self.0.next_row_group()?;
         for column in &table.columns {
             let mut writer = (group.next_column()?).expect("one writer for each declaration");
@@ -194,15 +196,15 @@ impl<W: Write + Send> TableFile<W> {
     }
 }
 
-impl<'a, R> Column<'a, R> {
+impl<'a, R> ColumnDefinition<'a, R> {
     /// A column that is never null.
     pub fn new(
         name: impl Into<Cow<'static, str>>,
         unit: impl Into<Cow<'static, str>>,
         meaning: impl Into<Cow<'static, str>>,
-        values: Values<'a, R>,
-    ) -> Column<'a, R> {
-        Column {
+        values: ColumnGetter<'a, R>,
+    ) -> ColumnDefinition<'a, R> {
+        ColumnDefinition {
             name: name.into(),
             unit: unit.into(),
             meaning: meaning.into(),
@@ -212,8 +214,8 @@ impl<'a, R> Column<'a, R> {
     }
 
     /// The same, null `when`.
-    pub fn null(self, when: &'static str) -> Column<'a, R> {
-        Column {
+    pub fn null(self, when: &'static str) -> ColumnDefinition<'a, R> {
+        ColumnDefinition {
             null: Some(when),
             ..self
         }
@@ -223,14 +225,14 @@ impl<'a, R> Column<'a, R> {
         ColumnShape {
             name: self.name.to_string(),
             kind: match self.values {
-                Values::Bool(_) => "bool",
-                Values::Small(_) => "int32",
-                Values::Integer(_) => "int64",
-                Values::Unsigned(_) => "uint64",
-                Values::Real(_) => "float64",
-                Values::Text(_) => "text",
-                Values::Integers(_) => "list of int64",
-                Values::Texts(_) => "list of text",
+                ColumnGetter::Bool(_) => "bool",
+                ColumnGetter::Small(_) => "int32",
+                ColumnGetter::Integer(_) => "int64",
+                ColumnGetter::Unsigned(_) => "uint64",
+                ColumnGetter::Real(_) => "float64",
+                ColumnGetter::Text(_) => "text",
+                ColumnGetter::Integers(_) => "list of int64",
+                ColumnGetter::Texts(_) => "list of text",
             },
             unit: self.unit.to_string(),
             meaning: self.meaning.to_string(),
@@ -253,14 +255,14 @@ impl<'a, R> Column<'a, R> {
             )
         };
         match self.values {
-            Values::Bool(_) => format!("  {is} BOOLEAN {name};\n"),
-            Values::Small(_) => format!("  {is} INT32 {name};\n"),
-            Values::Integer(_) => format!("  {is} INT64 {name};\n"),
-            Values::Unsigned(_) => format!("  {is} INT64 {name} (INTEGER(64,false));\n"),
-            Values::Real(_) => format!("  {is} DOUBLE {name};\n"),
-            Values::Text(_) => format!("  {is} BYTE_ARRAY {name} (STRING);\n"),
-            Values::Integers(_) => list("INT64 element"),
-            Values::Texts(_) => list("BYTE_ARRAY element (STRING)"),
+            ColumnGetter::Bool(_) => format!("  {is} BOOLEAN {name};\n"),
+            ColumnGetter::Small(_) => format!("  {is} INT32 {name};\n"),
+            ColumnGetter::Integer(_) => format!("  {is} INT64 {name};\n"),
+            ColumnGetter::Unsigned(_) => format!("  {is} INT64 {name} (INTEGER(64,false));\n"),
+            ColumnGetter::Real(_) => format!("  {is} DOUBLE {name};\n"),
+            ColumnGetter::Text(_) => format!("  {is} BYTE_ARRAY {name} (STRING);\n"),
+            ColumnGetter::Integers(_) => list("INT64 element"),
+            ColumnGetter::Texts(_) => list("BYTE_ARRAY element (STRING)"),
         }
     }
 
@@ -270,18 +272,18 @@ impl<'a, R> Column<'a, R> {
             rows.iter().map(get).collect()
         }
         match &self.values {
-            Values::Bool(get) => ColumnValues::Bool(each(rows, get)),
-            Values::Small(get) => ColumnValues::Int32(each(rows, get)),
-            Values::Integer(get) => ColumnValues::Int64(each(rows, get)),
-            Values::Unsigned(get) => ColumnValues::UInt64(each(rows, get)),
-            Values::Real(get) => ColumnValues::Float64(each(rows, get)),
-            Values::Text(get) => ColumnValues::Text(each(rows, get)),
-            Values::Integers(get) => {
+            ColumnGetter::Bool(get) => ColumnValues::Bool(each(rows, get)),
+            ColumnGetter::Small(get) => ColumnValues::Int32(each(rows, get)),
+            ColumnGetter::Integer(get) => ColumnValues::Int64(each(rows, get)),
+            ColumnGetter::Unsigned(get) => ColumnValues::UInt64(each(rows, get)),
+            ColumnGetter::Real(get) => ColumnValues::Float64(each(rows, get)),
+            ColumnGetter::Text(get) => ColumnValues::Text(each(rows, get)),
+            ColumnGetter::Integers(get) => {
                 let signed = |&value: &u64| i64::try_from(value).unwrap_or(i64::MAX);
                 let list = |row| get(row).unwrap_or_default().iter().map(signed).collect();
                 ColumnValues::Int64Lists(rows.iter().map(list).collect())
             }
-            Values::Texts(get) => {
+            ColumnGetter::Texts(get) => {
                 let list = |row| get(row).unwrap_or_default();
                 ColumnValues::TextLists(rows.iter().map(list).collect())
             }

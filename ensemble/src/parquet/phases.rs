@@ -1,8 +1,8 @@
 //! `phases.parquet`.
 use stochc_ir::table::PhaseId;
 
-use super::column::{Column, Table, integer, text};
-use super::row::{Row, Run, key, outcome, phase};
+use super::column::{ColumnDefinition, TableDefinition, integer, text};
+use super::row::{RunContext, RunRow, key, outcome, phase};
 use crate::Varied;
 
 /// A phase that a run has reached.
@@ -14,7 +14,7 @@ pub(super) struct Reached {
 }
 
 /// The phases that a run has reached, in their order.
-pub(super) fn reached(run: Run) -> Vec<Reached> {
+pub(super) fn reached(run: RunContext) -> Vec<Reached> {
     let mut began = 0u64;
     let mut phases = Vec::new();
     let all = 0..run.program.phases().len() as u32;
@@ -39,12 +39,12 @@ pub(super) fn reached(run: Run) -> Vec<Reached> {
     phases
 }
 
-pub(super) fn table<'a>(axes: &[Varied]) -> Table<'a, Row<'a, Reached>> {
-    type R<'a> = Row<'a, Reached>;
+pub(super) fn table<'a>(axes: &[Varied]) -> TableDefinition<'a, RunRow<'a, Reached>> {
+    type R<'a> = RunRow<'a, Reached>;
     let mut columns = key(axes);
     columns.extend(phase(|reached: &Reached| reached.phase));
     columns.extend([
-        Column::new(
+        ColumnDefinition::new(
             "outcome",
             "",
             "`completed`, or that of the run, which ended in this phase: `timed_out`, `max_ticks` (the time \
@@ -54,20 +54,20 @@ pub(super) fn table<'a>(axes: &[Varied]) -> Table<'a, Row<'a, Reached>> {
                 None => outcome(&row.run.record.outcome),
             }),
         ),
-        Column::new(
+        ColumnDefinition::new(
             "began",
             "ticks",
             "when it began, from the beginning of the run",
             integer(|row: &R<'a>| row.of.began),
         ),
-        Column::new(
+        ColumnDefinition::new(
             "ended",
             "ticks",
             "when it was complete",
             integer(|row: &R<'a>| row.of.ended),
         )
         .null("the run ended before"),
-        Column::new(
+        ColumnDefinition::new(
             "ticks",
             "ticks",
             "how long it took, or had taken when the run ended",
@@ -77,7 +77,7 @@ pub(super) fn table<'a>(axes: &[Varied]) -> Table<'a, Row<'a, Reached>> {
             }),
         ),
     ]);
-    Table {
+    TableDefinition {
         name: "phases",
         row: "a phase that a run has reached",
         columns,

@@ -1,41 +1,41 @@
 //! `releases.parquet`.
 use stochc_ir::record::ReleaseRecord;
 
-use super::column::{Column, Table, integer, text};
-use super::row::{Row, key, phase};
+use super::column::{ColumnDefinition, TableDefinition, integer, text};
+use super::row::{RunRow, key, phase};
 use crate::Varied;
 
-pub(super) fn table<'a>(axes: &[Varied]) -> Table<'a, Row<'a, &'a ReleaseRecord>> {
-    type R<'a> = Row<'a, &'a ReleaseRecord>;
+pub(super) fn table<'a>(axes: &[Varied]) -> TableDefinition<'a, RunRow<'a, &'a ReleaseRecord>> {
+    type R<'a> = RunRow<'a, &'a ReleaseRecord>;
     let mut columns = key(axes);
     columns.extend(phase(|release: &&ReleaseRecord| release.phase));
     columns.extend([
-        Column::new(
+        ColumnDefinition::new(
             "tick",
             "ticks",
             "when, from the beginning of the run",
             integer(|row: &R<'a>| row.of.tick),
         ),
-        Column::new(
+        ColumnDefinition::new(
             "parent",
             "",
             "role of the block that let it go",
             text(|row: &R<'a>| row.run.program.role(row.of.parent)),
         ),
-        Column::new(
+        ColumnDefinition::new(
             "child",
             "",
             "role that the released block had",
             text(|row: &R<'a>| row.run.program.role(row.of.child)),
         ),
-        Column::new(
+        ColumnDefinition::new(
             "body",
             "",
             "number of the released block, from 0",
             integer(|row: &R<'a>| u64::from(row.of.body)),
         ),
     ]);
-    Table {
+    TableDefinition {
         name: "releases",
         row: "a block that was released",
         columns,

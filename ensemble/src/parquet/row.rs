@@ -2,20 +2,20 @@
 use stochc_ir::record::{Limit, Outcome, RunRecord};
 use stochc_ir::table::PhaseId;
 
-use super::column::{Column, integer, real, text, truth};
-use crate::{Finished, Manifest, Program, Varied};
+use super::column::{ColumnDefinition, integer, real, text, truth};
+use crate::{EnsembleProgram, Finished, Manifest, Varied};
 
 /// The run that a row belongs to.
 #[derive(Clone, Copy)]
-pub(super) struct Run<'a> {
+pub(super) struct RunContext<'a> {
     pub manifest: &'a Manifest,
-    pub program: &'a Program,
+    pub program: &'a EnsembleProgram,
     pub record: &'a RunRecord,
 }
 
 /// Something in a run.
-pub(super) struct Row<'a, T> {
-    pub run: Run<'a>,
+pub(super) struct RunRow<'a, T> {
+    pub run: RunContext<'a>,
     pub of: T,
 }
 
@@ -23,41 +23,41 @@ pub(super) struct Row<'a, T> {
 pub(super) fn rows<'a, T, I: IntoIterator<Item = T>>(
     manifest: &'a Manifest,
     finished: &'a [Finished],
-    of: impl Fn(Run<'a>) -> I,
-) -> Vec<Row<'a, T>> {
-    let runs = finished.iter().map(|done| Run {
+    of: impl Fn(RunContext<'a>) -> I,
+) -> Vec<RunRow<'a, T>> {
+    let runs = finished.iter().map(|done| RunContext {
         manifest,
         program: &manifest.programs[done.program],
         record: &done.record,
     });
-    let rows = runs.flat_map(|run| of(run).into_iter().map(move |of| Row { run, of }));
+    let rows = runs.flat_map(|run| of(run).into_iter().map(move |of| RunRow { run, of }));
     rows.collect()
 }
 
 /// Which run it is, and the numbers of the scene in which the ensemble is swept.
-pub(super) fn key<'a, T: 'a>(axes: &[Varied]) -> Vec<Column<'a, Row<'a, T>>> {
+pub(super) fn key<'a, T: 'a>(axes: &[Varied]) -> Vec<ColumnDefinition<'a, RunRow<'a, T>>> {
     let mut columns = vec![
-        Column::new(
+        ColumnDefinition::new(
             "program",
             "",
             "name of the program in the ensemble; of a sweep with its values",
-            text(|row: &Row<'a, T>| row.run.program.name.as_str()),
+            text(|row: &RunRow<'a, T>| row.run.program.name.as_str()),
         ),
-        Column::new(
+        ColumnDefinition::new(
             "run",
             "",
             "number of the run, from 0; runs of one number have the same draws in all programs",
-            integer(|row: &Row<'a, T>| row.run.record.run),
+            integer(|row: &RunRow<'a, T>| row.run.record.run),
         ),
     ];
     columns.extend(axes.iter().map(|axis| {
         let (of, unit) = (axis.of.clone(), axis.unit.clone());
-        let value = move |row: &Row<'a, T>| {
+        let value = move |row: &RunRow<'a, T>| {
             let mut varied = row.run.program.varied.iter();
             let here = varied.find(|varied| varied.of == of && varied.unit == unit);
             here.map(|varied| varied.said)
         };
-        Column::new(
+        ColumnDefinition::new(
             format!("scene_{}", axis.of.replace('.', "_")),
             axis.unit.clone(),
             format!("`{}` of the scene, which the sweep varies", axis.of),
@@ -71,25 +71,25 @@ pub(super) fn key<'a, T: 'a>(axes: &[Varied]) -> Vec<Column<'a, Row<'a, T>>> {
 /// In which phase it is.
 pub(super) fn phase<'a, T: 'a>(
     of: impl Fn(&T) -> PhaseId + Copy + 'a,
-) -> [Column<'a, Row<'a, T>>; 3] {
+) -> [ColumnDefinition<'a, RunRow<'a, T>>; 3] {
     [
-        Column::new(
+        ColumnDefinition::new(
             "phase",
             "",
             "name of the phase",
-            text(move |row: &Row<'a, T>| row.run.program.phase(of(&row.of))),
+            text(move |row: &RunRow<'a, T>| row.run.program.phase(of(&row.of))),
         ),
-        Column::new(
+        ColumnDefinition::new(
             "phase_number",
             "",
             "index of the phase in the program, from 0",
-            integer(move |row: &Row<'a, T>| u64::from(of(&row.of).0)),
+            integer(move |row: &RunRow<'a, T>| u64::from(of(&row.of).0)),
         ),
-        Column::new(
+        ColumnDefinition::new(
             "by_hand",
             "",
             "whether the blocks of this phase are attached by hand before the first tick",
-            truth(move |row: &Row<'a, T>| row.run.program.is_planted(of(&row.of))),
+            truth(move |row: &RunRow<'a, T>| row.run.program.is_planted(of(&row.of))),
         ),
     ]
 }

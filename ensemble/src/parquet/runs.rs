@@ -2,8 +2,10 @@
 use stochc_ir::record::{Outcome, RunRecord};
 use stochc_ir::table::PhaseId;
 
-use super::column::{Column, Table, integer, integers, real, text, texts, unsigned};
-use super::row::{Row, key, outcome};
+use super::column::{
+    ColumnDefinition, TableDefinition, integer, integers, real, text, texts, unsigned,
+};
+use super::row::{RunRow, key, outcome};
 use crate::Varied;
 
 /// The phase in which a run ended without being complete.
@@ -14,23 +16,23 @@ pub(super) fn unfinished(record: &RunRecord) -> Option<PhaseId> {
     }
 }
 
-pub(super) fn table<'a>(axes: &[Varied]) -> Table<'a, Row<'a, ()>> {
-    type R<'a> = Row<'a, ()>;
+pub(super) fn table<'a>(axes: &[Varied]) -> TableDefinition<'a, RunRow<'a, ()>> {
+    type R<'a> = RunRow<'a, ()>;
     let mut columns = key(axes);
     columns.extend([
-        Column::new(
+        ColumnDefinition::new(
             "assembly",
             "",
             "name of the assembly or aggregate",
             text(|row: &R<'a>| row.run.program.assembly()),
         ),
-        Column::new(
+        ColumnDefinition::new(
             "scene",
             "",
             "name of the scene",
             text(|row: &R<'a>| row.run.program.scene.name.as_str()),
         ),
-        Column::new(
+        ColumnDefinition::new(
             "outcome",
             "",
             "`completed`; `timed_out`: stopped by the timeout of a phase; `max_ticks`: stopped by the \
@@ -38,7 +40,7 @@ pub(super) fn table<'a>(axes: &[Varied]) -> Table<'a, Row<'a, ()>> {
              stopped runs are censored, those of failed ones mean nothing",
             text(|row: &R<'a>| outcome(&row.run.record.outcome)),
         ),
-        Column::new(
+        ColumnDefinition::new(
             "failed_phase",
             "",
             "name of the phase in which it was stopped or failed",
@@ -48,14 +50,14 @@ pub(super) fn table<'a>(axes: &[Varied]) -> Table<'a, Row<'a, ()>> {
             }),
         )
         .null("it completed"),
-        Column::new(
+        ColumnDefinition::new(
             "failed_phase_number",
             "",
             "index of that phase, from 0",
             integer(|row: &R<'a>| unfinished(row.run.record).map(|phase| phase.0.into())),
         )
         .null("it completed"),
-        Column::new(
+        ColumnDefinition::new(
             "reason",
             "",
             "why it failed",
@@ -65,25 +67,25 @@ pub(super) fn table<'a>(axes: &[Varied]) -> Table<'a, Row<'a, ()>> {
             }),
         )
         .null("it did not fail"),
-        Column::new(
+        ColumnDefinition::new(
             "ticks",
             "ticks",
             "time until its end",
             integer(|row: &R<'a>| row.run.record.ticks),
         ),
-        Column::new(
+        ColumnDefinition::new(
             "seconds",
             "s",
             "the same in seconds of the scene",
             real(|row: &R<'a>| row.run.record.ticks as f64 * row.run.program.scene.tick),
         ),
-        Column::new(
+        ColumnDefinition::new(
             "tick_seconds",
             "s",
             "length of a tick",
             real(|row: &R<'a>| row.run.program.scene.tick),
         ),
-        Column::new(
+        ColumnDefinition::new(
             "phase_names",
             "",
             "names of all phases, by their index",
@@ -92,56 +94,56 @@ pub(super) fn table<'a>(axes: &[Varied]) -> Table<'a, Row<'a, ()>> {
                 phases.map(|phase| phase.name.as_str()).collect::<Vec<_>>()
             }),
         ),
-        Column::new(
+        ColumnDefinition::new(
             "phase_ticks",
             "ticks",
             "time that each phase took which was completed, by its index; `phases.parquet` has the others as well",
             integers(|row: &R<'a>| row.run.record.phase_ticks.as_slice()),
         ),
-        Column::new(
+        ColumnDefinition::new(
             "blocks_used",
             "",
             "different blocks that were captured; of an aggregate, blocks of the largest group",
             integer(|row: &R<'a>| u64::from(row.run.record.blocks_used)),
         ),
-        Column::new(
+        ColumnDefinition::new(
             "captures",
             "",
             "rows of `bonds.parquet` that are not censored",
             integer(|row: &R<'a>| row.run.record.bonds.len() as u64),
         ),
-        Column::new(
+        ColumnDefinition::new(
             "under_way",
             "",
             "rows of `bonds.parquet` that are censored",
             integer(|row: &R<'a>| row.run.record.waiting.len() as u64),
         ),
-        Column::new(
+        ColumnDefinition::new(
             "releases",
             "",
             "rows of `releases.parquet`",
             integer(|row: &R<'a>| row.run.record.releases.len() as u64),
         ),
-        Column::new(
+        ColumnDefinition::new(
             "unplanned",
             "",
             "rows of `unplanned.parquet`",
             integer(|row: &R<'a>| row.run.record.unplanned_bonds.len() as u64),
         ),
-        Column::new(
+        ColumnDefinition::new(
             "hops",
             "",
             "hops of messages from a block to its parent or child",
             integer(|row: &R<'a>| row.run.record.hops),
         ),
-        Column::new(
+        ColumnDefinition::new(
             "seed",
             "",
             "seed of the ensemble",
             unsigned(|row: &R<'a>| row.run.manifest.seed),
         ),
     ]);
-    Table {
+    TableDefinition {
         name: "runs",
         row: "a finished run",
         columns,

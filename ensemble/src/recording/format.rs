@@ -24,7 +24,7 @@ pub(super) const DONE: [u8; 4] = *b"DONE";
 
 /// What a recording is of.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Header {
+pub struct RecordingHeader {
     /// Version of the `stochc` that recorded.
     pub stochc: String,
     /// Identity of the ensemble's manifest.
@@ -73,7 +73,7 @@ pub fn is_file(file: &mut std::fs::File) -> io::Result<bool> {
 }
 
 /// Writes the beginning of a file.
-pub(super) fn write_header(out: &mut impl Write, header: &Header) -> io::Result<()> {
+pub(super) fn write_header(out: &mut impl Write, header: &RecordingHeader) -> io::Result<()> {
     let json = serde_json::to_vec(header)?;
     let length = json.len() as u32;
     let numbers = [VERSION.to_le_bytes(), length.to_le_bytes()].concat();
@@ -88,12 +88,12 @@ fn write_sealed(out: &mut impl Write, parts: &[&[u8]]) -> io::Result<()> {
 }
 
 /// A part of a file that has been read, and is to be held against its checksum.
-struct Part<R> {
+struct ChecksummedSection<R> {
     from: R,
     bytes: Vec<u8>,
 }
 
-impl<R: Read> Part<R> {
+impl<R: Read> ChecksummedSection<R> {
     /// The next bytes, or what there is of them.
     fn take(&mut self, count: u64) -> io::Result<&[u8]> {
         let at = self.bytes.len();
@@ -117,9 +117,9 @@ impl<R: Read> Part<R> {
 }
 
 /// Reads the beginning of a file; tells its version as well.
-pub(super) fn read_header(from: &mut impl Read) -> Result<(Header, u32), RecordingError> {
+pub(super) fn read_header(from: &mut impl Read) -> Result<(RecordingHeader, u32), RecordingError> {
     let short = || RecordingError::CutShort(None);
-    let mut part = Part {
+    let mut part = ChecksummedSection {
         from,
         bytes: Vec::new(),
     };
@@ -163,7 +163,7 @@ pub(super) fn read_section(
     version: u32,
     most: u64,
 ) -> Result<Option<Section>, RecordingError> {
-    let mut part = Part {
+    let mut part = ChecksummedSection {
         from,
         bytes: Vec::new(),
     };

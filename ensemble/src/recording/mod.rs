@@ -12,7 +12,7 @@ mod selection;
 mod write;
 
 pub use events::Happening;
-pub use format::{Header, RecordingError, VERSION, is_file};
+pub use format::{RecordingError, RecordingHeader, VERSION, is_file};
 pub use read::{Frame, Outline, Recording};
 pub use selection::Selection;
 pub use write::Recorder;

@@ -11,14 +11,14 @@ use stochc_ir::table::Tables;
 use super::chunk::Chunk;
 use super::events::{Happening, Seeds};
 use super::format::{
-    DONE, EVENTS, Header, POSES, RecordingError, inflate, read_header, read_section,
+    DONE, EVENTS, POSES, RecordingError, RecordingHeader, inflate, read_header, read_section,
 };
 use crate::{Finished, Manifest};
 
 /// What a recording is of, and what came of the run.
 #[derive(Clone, Debug)]
 pub struct Outline {
-    header: Header,
+    header: RecordingHeader,
     version: u32,
     record: RunRecord,
 }
@@ -116,7 +116,7 @@ fn walk(
                 };
                 let mut rows = serde_json::Deserializer::from_slice(&json);
                 let read = rows
-                    .deserialize_seq(Rows(&mut row))
+                    .deserialize_seq(EventListVisitor(&mut row))
                     .and_then(|()| rows.end());
                 match (read, broken) {
                     (Ok(()), _) => {}
@@ -146,9 +146,9 @@ fn walk(
 }
 
 /// Takes the rows of a list one by one; `None`: one does not make sense.
-struct Rows<'a>(&'a mut dyn FnMut(&RawValue) -> Option<()>);
+struct EventListVisitor<'a>(&'a mut dyn FnMut(&RawValue) -> Option<()>);
 
-impl<'de> Visitor<'de> for Rows<'_> {
+impl<'de> Visitor<'de> for EventListVisitor<'_> {
     type Value = ();
 
     fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -192,7 +192,7 @@ impl Recording {
     }
 
     /// What it is of.
-    pub fn header(&self) -> &Header {
+    pub fn header(&self) -> &RecordingHeader {
         &self.outline.header
     }
 

@@ -11,7 +11,7 @@ use stochc_runtime::world::Arena;
 
 use super::chunk::{Chunk, NUMBERS, unpacked};
 use super::events::Seeds;
-use super::format::{DONE, EVENTS, Header, POSES, deflate, write_header, write_section};
+use super::format::{DONE, EVENTS, POSES, RecordingHeader, deflate, write_header, write_section};
 
 /// Numbers to collect before they are written: some 2 MB.
 const ENOUGH: usize = 1 << 19;
@@ -74,7 +74,7 @@ impl<W: Output> Recorder<W> {
     ///
     /// # Errors
     /// Those of `out`.
-    pub fn new(mut out: W, header: &Header, tables: &Tables) -> io::Result<Recorder<W>> {
+    pub fn new(mut out: W, header: &RecordingHeader, tables: &Tables) -> io::Result<Recorder<W>> {
         write_header(&mut out, header)?;
         out.flush()?;
         Ok(Recorder {

@@ -12,7 +12,7 @@ use stochc_files::read_file;
 use super::ShardError;
 use crate::build::other_build;
 use crate::folder::{JOURNAL, replace, seal, survey};
-use crate::journal::{self, Header, Piece as PieceOf};
+use crate::journal::{self, JournalHeader, PieceHeader};
 use crate::{Folder, FolderError, Manifest, Resume, this_build};
 
 /// Pieces of an ensemble, at most: each is a file.
@@ -162,14 +162,14 @@ impl Cut {
     }
 
     /// The first line of a piece that this build makes.
-    pub(super) fn header(&self, build: &str, number: u64) -> Header {
-        let piece = PieceOf {
+    pub(super) fn header(&self, build: &str, number: u64) -> JournalHeader {
+        let piece = PieceHeader {
             number,
             of: self.shards,
             runs: self.runs,
             build: build.to_owned(),
         };
-        Header::of_piece(&self.ensemble, piece)
+        JournalHeader::of_piece(&self.ensemble, piece)
     }
 }
 

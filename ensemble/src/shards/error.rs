@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use stochc_files::shell::file as shell_file;
 
 use super::cut::MOST_SHARDS;
-use crate::{FolderError, JournalError, RunError};
+use crate::{EnsembleError, FolderError, JournalError};
 
 /// Why something was refused; whatever was there is as it was.
 #[derive(Debug, thiserror::Error)]
@@ -104,7 +104,7 @@ pub enum ShardError {
     },
     /// A run could not be made or kept.
     #[error(transparent)]
-    Run(#[from] RunError),
+    Run(#[from] EnsembleError),
     /// The folder cannot be used.
     #[error(transparent)]
     Folder(#[from] FolderError),

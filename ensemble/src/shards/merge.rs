@@ -7,10 +7,10 @@ use stochc_files::disk;
 
 use super::ShardError;
 use super::cut::{Cut, SHARDS, SHARDS_FILE, build, piece_file};
-use super::piece::{Found, in_folder, read};
+use super::piece::{PieceFile, in_folder, read};
 use crate::checkpoint;
 use crate::folder::{JOURNAL, lock};
-use crate::journal::{self, Header};
+use crate::journal::{self, JournalHeader};
 use crate::{Folder, FolderError, Further, Manifest, Resume, slurm};
 
 /// Puts the pieces of a folder together, and gives how many runs they have: it is then as if it had never been cut.
@@ -48,7 +48,7 @@ fn join(path: &Path, manifest: &Manifest, cut: &Cut) -> Result<(), ShardError> {
         source,
     };
     let mut draft = Draft::new(&path.join(JOURNAL), Replaces::Ordinary).map_err(io)?;
-    let header = Header::of(&manifest.identity());
+    let header = JournalHeader::of(&manifest.identity());
     draft
         .write_all(journal::line(&header).as_bytes())
         .map_err(io)?;
@@ -69,9 +69,9 @@ fn join(path: &Path, manifest: &Manifest, cut: &Cut) -> Result<(), ShardError> {
             false => Ok(()),
         })?;
         match found {
-            Found::Whole => {}
-            Found::Nothing | Found::Damaged(_) => missing.push(number),
-            Found::Foreign(what) => foreign.push((number, what)),
+            PieceFile::Whole => {}
+            PieceFile::Nothing | PieceFile::Damaged(_) => missing.push(number),
+            PieceFile::Foreign(what) => foreign.push((number, what)),
         }
     }
     let path = path.to_owned();

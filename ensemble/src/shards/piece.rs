@@ -13,13 +13,13 @@ use stochc_ir::record::RunRecord;
 use super::ShardError;
 use super::cut::{Cut, SHARDS, piece_file, same_build};
 use super::merge::is_joined;
-use crate::journal::{self, Header, Journal, JournalError, Shortest};
-use crate::records::{Place, Records};
+use crate::journal::{self, Journal, JournalError, JournalHeader, Shortest};
+use crate::records::{LineLocation, Records};
 use crate::run::{Todo, check_again, job, journaled};
 use crate::verify::DAMAGED;
 use crate::{
-    CHECKPOINTS, Cancelled, Checkpoints, Finished, FolderError, Interval, Manifest, Progress,
-    RunError, Watch, this_build,
+    CHECKPOINTS, Checkpoints, EnsembleError, Finished, FolderError, Interval, Manifest, Progress,
+    RunCancelled, RunWatch, this_build,
 };
 
 /// A piece that this process makes.
@@ -28,7 +28,7 @@ pub struct Piece {
     path: PathBuf,
     manifest: Manifest,
     number: u64,
-    header: Header,
+    header: JournalHeader,
     jobs: Range<u64>,
     is_made: bool,
     /// Runs of it that others have made who did not come to its end.
@@ -39,7 +39,7 @@ pub struct Piece {
 
 /// What the file of a piece is.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum Found {
+pub(super) enum PieceFile {
     Nothing,
     Whole,
     /// Why, in words that go on with the name of the piece.
@@ -66,15 +66,15 @@ impl Piece {
         );
         let file = piece_file(path, number);
         let found = read(&file, &header, &manifest, &jobs, |_| Ok(()))?;
-        if let Found::Foreign(what) = found {
+        if let PieceFile::Foreign(what) = found {
             return Err(ShardError::Foreign {
                 path: path.to_owned(),
                 pieces: vec![(number, what)],
             });
         }
         // `merge` may have been stopped when it had begun to remove them.
-        let is_made = found == Found::Whole || is_joined(path, &manifest)?;
-        if let (Found::Damaged(_), false) = (found, is_made) {
+        let is_made = found == PieceFile::Whole || is_joined(path, &manifest)?;
+        if let (PieceFile::Damaged(_), false) = (found, is_made) {
             let moved = move_aside(&file, &path.join(DAMAGED));
             moved.map_err(|source| in_folder(path, source))?;
         }
@@ -149,11 +149,11 @@ impl Piece {
     /// Makes the shortest run that there is of it again, as [`check_stored`](crate::check_stored) does.
     ///
     /// # Errors
-    /// [`RunError::Differs`].
+    /// [`EnsembleError::Differs`].
     pub fn check_stored(
         &self,
-        simulate: impl FnOnce(usize, u64) -> Result<RunRecord, Cancelled>,
-    ) -> Result<(), RunError> {
+        simulate: impl FnOnce(usize, u64) -> Result<RunRecord, RunCancelled>,
+    ) -> Result<(), EnsembleError> {
         check_again(&self.manifest, self.shortest.as_ref(), simulate)
     }
 
@@ -165,7 +165,7 @@ impl Piece {
         &self,
         progress: &Progress,
         stop: &AtomicBool,
-        simulate: impl Fn(usize, u64, &Watch) -> Result<RunRecord, Cancelled> + Sync,
+        simulate: impl Fn(usize, u64, &RunWatch) -> Result<RunRecord, RunCancelled> + Sync,
     ) -> Result<bool, ShardError> {
         if self.is_made {
             return Ok(true);
@@ -240,7 +240,7 @@ impl Piece {
             match read {
                 Ok(opened) => parts.push(opened),
                 // It is of something else, or gone: its owner has come to the end of the piece.
-                Err(_) => places.retain(|place: &Place| place.file != number),
+                Err(_) => places.retain(|place: &LineLocation| place.file != number),
             }
         }
         self.shortest = shortest.0;
@@ -255,13 +255,13 @@ impl Piece {
 /// Those of `each`.
 pub(super) fn read(
     file: &Path,
-    header: &Header,
+    header: &JournalHeader,
     manifest: &Manifest,
     jobs: &Range<u64>,
     mut each: impl FnMut(&[u8]) -> io::Result<()>,
-) -> Result<Found, ShardError> {
+) -> Result<PieceFile, ShardError> {
     match identify(file, header)? {
-        Found::Whole => {}
+        PieceFile::Whole => {}
         other => return Ok(other),
     }
     let programs = manifest.programs.len() as u64;
@@ -291,14 +291,14 @@ pub(super) fn read(
     }
     Ok(match (lines, wrong) {
         (Err(JournalError::Io(error)), _) => unreadable(error)?,
-        (Err(error), _) => Found::Damaged(format!("cannot be read: {error}")),
-        (_, Some(wrong)) => Found::Damaged(wrong),
-        _ if next < jobs.end => Found::Damaged(format!(
+        (Err(error), _) => PieceFile::Damaged(format!("cannot be read: {error}")),
+        (_, Some(wrong)) => PieceFile::Damaged(wrong),
+        _ if next < jobs.end => PieceFile::Damaged(format!(
             "is damaged: it has {} of {} runs",
             next - jobs.start,
             jobs.end - jobs.start
         )),
-        _ => Found::Whole,
+        _ => PieceFile::Whole,
     })
 }
 
@@ -306,42 +306,42 @@ pub(super) fn read(
 ///
 /// # Errors
 /// Those of the file system, which may be others the next time.
-pub(super) fn identify(file: &Path, header: &Header) -> Result<Found, JournalError> {
+pub(super) fn identify(file: &Path, header: &JournalHeader) -> Result<PieceFile, JournalError> {
     let found = match journal::read_header(file) {
         Ok(Some(found)) => found,
         Ok(None) => {
             let what = "is damaged: its first line is not what was written";
-            return Ok(Found::Damaged(what.to_owned()));
+            return Ok(PieceFile::Damaged(what.to_owned()));
         }
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Found::Nothing),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(PieceFile::Nothing),
         Err(error) => return unreadable(error),
     };
     if found.ensemble != header.ensemble {
-        return Ok(Found::Foreign("belongs to another manifest".to_owned()));
+        return Ok(PieceFile::Foreign("belongs to another manifest".to_owned()));
     }
     Ok(match (&found.piece, &header.piece) {
-        (Some(there), Some(here)) if there == here => Found::Whole,
+        (Some(there), Some(here)) if there == here => PieceFile::Whole,
         (Some(there), Some(here))
             if (there.number, there.of, there.runs) == (here.number, here.of, here.runs) =>
         {
-            Found::Foreign(format!(
+            PieceFile::Foreign(format!(
                 "was made by another build of `stochc` ({}, and that of the manifest is {})",
                 there.build, here.build
             ))
         }
-        (Some(there), _) => Found::Foreign(format!(
+        (Some(there), _) => PieceFile::Foreign(format!(
             "is in fact piece {} of {}, for {} runs of each program",
             there.number, there.of, there.runs
         )),
-        (None, _) => Found::Foreign("is in fact the journal of a whole ensemble".to_owned()),
+        (None, _) => PieceFile::Foreign("is in fact the journal of a whole ensemble".to_owned()),
     })
 }
 
 /// What cannot be read, unless it is the system that says so.
-fn unreadable(error: io::Error) -> Result<Found, JournalError> {
+fn unreadable(error: io::Error) -> Result<PieceFile, JournalError> {
     match error.raw_os_error() {
         Some(_) => Err(error.into()),
-        None => Ok(Found::Damaged(format!("cannot be read: {error}"))),
+        None => Ok(PieceFile::Damaged(format!("cannot be read: {error}"))),
     }
 }
 

@@ -11,9 +11,9 @@ use stochc_files::disk;
 use super::ShardError;
 use super::cut::{Cut, SHARDS, build, piece_file};
 use super::merge::is_joined;
-use super::piece::{Found, identify, in_folder, read};
+use super::piece::{PieceFile, identify, in_folder, read};
 use crate::Manifest;
-use crate::journal::Header;
+use crate::journal::JournalHeader;
 use crate::verify::{FileHealth, Health};
 
 /// All pieces of an ensemble.
@@ -81,7 +81,7 @@ pub fn thorough_status(path: &Path) -> Result<Status, ShardError> {
 
 fn status_by(
     path: &Path,
-    look: impl Fn(&Path, &Header, &Manifest, &Range<u64>) -> Result<Found, ShardError>,
+    look: impl Fn(&Path, &JournalHeader, &Manifest, &Range<u64>) -> Result<PieceFile, ShardError>,
 ) -> Result<Status, ShardError> {
     let (manifest, cut) = Cut::of(path)?;
     let begun = begun(path).map_err(|source| in_folder(path, source))?;
@@ -97,10 +97,10 @@ fn status_by(
         );
         let found = look(&piece_file(path, number), &header, &manifest, &jobs)?;
         Ok(match found {
-            Found::Whole => PieceState::Whole,
-            Found::Damaged(reason) => PieceState::Damaged { reason },
-            Found::Foreign(reason) => PieceState::Foreign { reason },
-            Found::Nothing => match begun.get(&number) {
+            PieceFile::Whole => PieceState::Whole,
+            PieceFile::Damaged(reason) => PieceState::Damaged { reason },
+            PieceFile::Foreign(reason) => PieceState::Foreign { reason },
+            PieceFile::Nothing => match begun.get(&number) {
                 Some(&runs) => PieceState::Begun { runs },
                 None => PieceState::Missing,
             },
@@ -170,9 +170,11 @@ pub(crate) fn health(path: &Path, manifest: &Manifest, cut: &Cut) -> Vec<FileHea
         let header = cut.header(build(manifest), number);
         let jobs = cut.jobs(manifest.total(), number);
         let health = match read(&file, &header, manifest, &jobs, |_| Ok(())) {
-            Ok(Found::Nothing) => return None,
-            Ok(Found::Whole) => Health::Sound,
-            Ok(Found::Damaged(reason) | Found::Foreign(reason)) => Health::Damaged(vec![reason]),
+            Ok(PieceFile::Nothing) => return None,
+            Ok(PieceFile::Whole) => Health::Sound,
+            Ok(PieceFile::Damaged(reason) | PieceFile::Foreign(reason)) => {
+                Health::Damaged(vec![reason])
+            }
             Err(error) => Health::Damaged(vec![error.to_string()]),
         };
         let name = format!("{SHARDS}/{number}.jsonl");

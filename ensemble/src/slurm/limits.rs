@@ -2,7 +2,7 @@
 
 /// How many jobs a site allows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Limits {
+pub struct SlurmLimits {
     /// Tasks of a job array (`MaxArraySize`).
     pub array: u64,
     /// Jobs of all users at the same time (`MaxJobCount`).
@@ -11,10 +11,10 @@ pub struct Limits {
     pub submitted: Option<u64>,
 }
 
-impl Default for Limits {
+impl Default for SlurmLimits {
     /// Those of Slurm where a site says nothing.
-    fn default() -> Limits {
-        Limits {
+    fn default() -> SlurmLimits {
+        SlurmLimits {
             array: 1001,
             jobs: 10_000,
             submitted: None,
@@ -22,16 +22,16 @@ impl Default for Limits {
     }
 }
 
-impl Limits {
+impl SlurmLimits {
     /// Reads what `scontrol show config` has said.
-    pub fn of_config(config: &str) -> Limits {
-        let default = Limits::default();
+    pub fn of_config(config: &str) -> SlurmLimits {
+        let default = SlurmLimits::default();
         let number = |name: &str| {
             let mut lines = config.lines().filter_map(|line| line.split_once('='));
             let value = lines.find(|(it, _)| it.trim() == name)?.1;
             value.trim().parse().ok()
         };
-        Limits {
+        SlurmLimits {
             array: number("MaxArraySize").unwrap_or(default.array),
             jobs: number("MaxJobCount").unwrap_or(default.jobs),
             ..default
@@ -40,14 +40,14 @@ impl Limits {
 
     /// Also heeds what `sacctmgr --noheader --parsable2 show associations format=MaxSubmitJobs` has said: a line for each
     /// account of the user, empty where there is no limit.
-    pub fn and_associations(self, said: &str) -> Limits {
+    pub fn and_associations(self, said: &str) -> SlurmLimits {
         // Which of them the jobs will belong to is not known.
         let least = said
             .lines()
             .filter_map(|line| line.trim().parse().ok())
             .min();
         let submitted = least.or(self.submitted);
-        Limits { submitted, ..self }
+        SlurmLimits { submitted, ..self }
     }
 
     /// Tasks that an array may have beside the job that waits for it; `None`: there are no arrays.
@@ -73,7 +73,7 @@ mod tests {
 
     #[test]
     fn more_pieces_than_tasks_go_several_to_a_task() {
-        let limits = Limits::of_config(CONFIG);
+        let limits = SlurmLimits::of_config(CONFIG);
         assert_eq!((limits.array, limits.jobs), (501, 10_000));
         assert_eq!(limits.per_task(501, 1), Some(1));
         assert_eq!(limits.per_task(502, 1), Some(2));
@@ -87,7 +87,10 @@ mod tests {
 
     #[test]
     fn a_site_may_have_no_arrays() {
-        assert_eq!(Limits::of_config("MaxArraySize = 0\n").per_task(1, 1), None);
-        assert_eq!(Limits::of_config("nothing"), Limits::default());
+        assert_eq!(
+            SlurmLimits::of_config("MaxArraySize = 0\n").per_task(1, 1),
+            None
+        );
+        assert_eq!(SlurmLimits::of_config("nothing"), SlurmLimits::default());
     }
 }

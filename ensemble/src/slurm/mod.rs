@@ -22,12 +22,12 @@ mod workflow;
 
 pub use answer::is_passing;
 pub use array::JobArray;
-pub use limits::Limits;
+pub use limits::SlurmLimits;
 pub use log::last_lines;
-pub use queue::{FORMAT, Job, Queue};
+pub use queue::{FORMAT, Queue, SlurmJob};
 pub use script::{merge_script, pieces_script};
-pub use submission::{Ensemble, Found, Opened, Submission, Submitting};
-pub use workflow::{Step, Stop, Workflow};
+pub use submission::{FoundPieces, Opened, SlurmEnsemble, Submission, Submitting};
+pub use workflow::{Stop, Workflow, WorkflowStep};
 
 pub(super) use submission::clear;
 

@@ -8,14 +8,14 @@ pub const FORMAT: &str = "%F|%K|%j|%T|%r";
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Queue {
     /// Tasks that make pieces.
-    pub pieces: Vec<Job>,
+    pub pieces: Vec<SlurmJob>,
     /// Jobs that put them together.
-    pub merges: Vec<Job>,
+    pub merges: Vec<SlurmJob>,
 }
 
 /// A job, or tasks of a job array that are in the same state.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Job {
+pub struct SlurmJob {
     /// Its number; of a task, that of its array.
     pub number: u64,
     /// Of an array, the tasks, as `3` or `5-9,12`.
@@ -35,7 +35,7 @@ impl Queue {
             let mut next = || fields.next().unwrap_or_default();
             let [number, tasks, of, state, reason] = [next(), next(), next(), next(), next()];
             let Ok(number) = number.parse() else { continue };
-            let job = Job {
+            let job = SlurmJob {
                 number,
                 // A site may say how many of them run at the same time.
                 tasks: tasks.split('%').next().unwrap_or_default().to_owned(),
@@ -57,15 +57,16 @@ impl Queue {
     }
 
     /// All jobs.
-    pub fn jobs(&self) -> impl Iterator<Item = &Job> {
+    pub fn jobs(&self) -> impl Iterator<Item = &SlurmJob> {
         self.pieces.iter().chain(&self.merges)
     }
 
     /// How many tasks run and how many wait, and what becomes of the pieces after them, in a few words.
     pub fn told(&self) -> String {
         let active = self.pieces.iter().filter(|job| job.is_active());
-        let (wait, run): (Vec<&Job>, Vec<&Job>) = active.partition(|job| job.is_pending());
-        let count = |jobs: &[&Job]| jobs.iter().map(|job| job.count()).sum::<u64>();
+        let (wait, run): (Vec<&SlurmJob>, Vec<&SlurmJob>) =
+            active.partition(|job| job.is_pending());
+        let count = |jobs: &[&SlurmJob]| jobs.iter().map(|job| job.count()).sum::<u64>();
         let mut told = Vec::new();
         match count(&run) {
             0 => {}
@@ -89,7 +90,7 @@ impl Queue {
 }
 
 /// The numbers of those jobs that have not ended, each once.
-pub(super) fn active<'a>(jobs: impl IntoIterator<Item = &'a Job>) -> Vec<u64> {
+pub(super) fn active<'a>(jobs: impl IntoIterator<Item = &'a SlurmJob>) -> Vec<u64> {
     let active = jobs.into_iter().filter(|job| job.is_active());
     let numbers: BTreeSet<u64> = active.map(|job| job.number).collect();
     numbers.into_iter().collect()
@@ -98,7 +99,7 @@ pub(super) fn active<'a>(jobs: impl IntoIterator<Item = &'a Job>) -> Vec<u64> {
 /// How the name of a job that puts pieces together ends.
 pub(super) const MERGE: &str = "-merge";
 
-impl Job {
+impl SlurmJob {
     /// Whether it has not ended.
     pub fn is_active(&self) -> bool {
         /// States in which nothing more comes of a job.

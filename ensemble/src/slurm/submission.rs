@@ -21,7 +21,7 @@ const MERGE_SCRIPT: &str = "merge.sh";
 
 /// An ensemble in pieces, in a folder that all nodes see under the same name.
 #[derive(Clone, Debug)]
-pub struct Ensemble {
+pub struct SlurmEnsemble {
     /// The folder, as a whole path.
     pub path: PathBuf,
     /// Pieces that there are to be.
@@ -36,7 +36,7 @@ pub struct Ensemble {
 #[derive(Clone, Debug)]
 pub enum Opened {
     /// An ensemble in pieces.
-    Cut(Ensemble),
+    Cut(SlurmEnsemble),
     /// One that has been put together, of so many runs.
     Merged(u64),
 }
@@ -54,7 +54,7 @@ pub struct Submission {
 
 /// What there is of the pieces.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Found {
+pub enum FoundPieces {
     /// They are put together.
     Merged,
     /// All but these.
@@ -70,11 +70,11 @@ pub struct Submitting {
 }
 
 #[derive(Serialize, Deserialize)]
-struct File {
+struct SubmissionFile {
     submissions: Vec<Submission>,
 }
 
-impl Ensemble {
+impl SlurmEnsemble {
     /// The ensemble in a folder, given as a whole path.
     ///
     /// # Errors
@@ -89,7 +89,7 @@ impl Ensemble {
         same_build(path, &manifest)?;
         let identity = manifest.identity();
         let place = crc32(path.as_os_str().as_encoded_bytes());
-        Ok(Opened::Cut(Ensemble {
+        Ok(Opened::Cut(SlurmEnsemble {
             path: path.to_owned(),
             pieces: cut.shards,
             runs: manifest.total(),
@@ -106,14 +106,14 @@ impl Ensemble {
     ///
     /// # Errors
     /// When a file in the place of a piece is of something else, which no job would replace.
-    pub fn look(&self, is_thorough: bool) -> Result<Found, ShardError> {
+    pub fn look(&self, is_thorough: bool) -> Result<FoundPieces, ShardError> {
         let status = match is_thorough {
             true => thorough_status(&self.path),
             false => status(&self.path),
         };
         let status = match status {
             Err(ShardError::NotCut { done, total, .. }) if done == total => {
-                return Ok(Found::Merged);
+                return Ok(FoundPieces::Merged);
             }
             status => status?,
         };
@@ -125,7 +125,7 @@ impl Ensemble {
             });
         let pieces: Vec<_> = foreign.collect();
         match pieces.is_empty() {
-            true => Ok(Found::AllBut(status.missing().collect())),
+            true => Ok(FoundPieces::AllBut(status.missing().collect())),
             false => Err(ShardError::Foreign {
                 path: self.path.clone(),
                 pieces,
@@ -195,7 +195,10 @@ impl Ensemble {
             bytes => bytes.map_err(self.io(FILE))?,
         };
         let line = bytes.strip_suffix(b"\n").unwrap_or_default();
-        match (checksum::check(line), serde_json::from_slice::<File>(line)) {
+        match (
+            checksum::check(line),
+            serde_json::from_slice::<SubmissionFile>(line),
+        ) {
             (LineIntegrity::Sound, Ok(file)) => Ok(file.submissions),
             _ => {
                 let damaged =
@@ -217,7 +220,7 @@ impl Ensemble {
             Some(last) => *last = submission,
             None => submissions.push(submission),
         }
-        let text = journal::line(&File { submissions });
+        let text = journal::line(&SubmissionFile { submissions });
         let file = self.file(FILE);
         Ok(replace(&file, text.as_bytes(), Replaces::Ordinary).map_err(self.io(FILE))?)
     }

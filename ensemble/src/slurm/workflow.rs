@@ -2,7 +2,7 @@
 use std::collections::BTreeSet;
 
 use super::queue::active;
-use super::{Found, Job, Queue};
+use super::{FoundPieces, Queue, SlurmJob};
 
 /// What whoever follows an ensemble knows of it; the rest is asked for each time.
 #[derive(Clone, Debug)]
@@ -23,7 +23,7 @@ pub struct Workflow {
 
 /// What is to be done next.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Step {
+pub enum WorkflowStep {
     /// To ask again later.
     Wait,
     /// To submit an array that makes these pieces, and a job after it; jobs that wait to put together what is not there are
@@ -94,48 +94,50 @@ impl Workflow {
     pub fn next<E>(
         &mut self,
         queue: &Queue,
-        look: impl FnOnce(/* is_thorough */ bool) -> Result<Found, E>,
-    ) -> Result<Step, E> {
+        look: impl FnOnce(/* is_thorough */ bool) -> Result<FoundPieces, E>,
+    ) -> Result<WorkflowStep, E> {
         let (making, merging) = (active(&queue.pieces), active(&queue.merges));
         self.arrays.extend(&making);
         self.merges.extend(&merging);
         let is_known =
-            |job: &Job| self.arrays.contains(&job.number) || self.merges.contains(&job.number);
+            |job: &SlurmJob| self.arrays.contains(&job.number) || self.merges.contains(&job.number);
         self.cancelled |= queue.jobs().any(|job| job.is_cancelled() && is_known(job));
         if !making.is_empty() {
             return Ok(match merging.is_empty() {
-                true => Step::Merge { after: making },
-                false => Step::Wait,
+                true => WorkflowStep::Merge { after: making },
+                false => WorkflowStep::Wait,
             });
         }
         // Pieces are gone while they are put together.
-        let runs = |job: &Job| job.is_active() && !job.is_pending();
+        let runs = |job: &SlurmJob| job.is_active() && !job.is_pending();
         if queue.merges.iter().any(runs) || self.is_complete && !merging.is_empty() {
-            return Ok(Step::Wait);
+            return Ok(WorkflowStep::Wait);
         }
         // Whoever puts them together reads all of them, and may have found one damaged.
         let is_thorough = self.is_complete;
         Ok(match look(is_thorough)? {
-            Found::Merged => Step::Done,
-            Found::AllBut(missing) if missing.is_empty() => {
+            FoundPieces::Merged => WorkflowStep::Done,
+            FoundPieces::AllBut(missing) if missing.is_empty() => {
                 self.is_complete = true;
                 match () {
-                    () if !merging.is_empty() => Step::Wait,
-                    () if self.cancelled => Step::Stop(Stop::Cancelled(missing)),
-                    () if self.tries >= self.attempts => Step::Stop(Stop::Unmerged),
-                    () => Step::Merge { after: Vec::new() },
+                    () if !merging.is_empty() => WorkflowStep::Wait,
+                    () if self.cancelled => WorkflowStep::Stop(Stop::Cancelled(missing)),
+                    () if self.tries >= self.attempts => WorkflowStep::Stop(Stop::Unmerged),
+                    () => WorkflowStep::Merge { after: Vec::new() },
                 }
             }
-            Found::AllBut(missing) if self.cancelled => Step::Stop(Stop::Cancelled(missing)),
-            Found::AllBut(missing) if self.attempts() >= self.attempts => {
-                Step::Stop(Stop::Missing(missing))
+            FoundPieces::AllBut(missing) if self.cancelled => {
+                WorkflowStep::Stop(Stop::Cancelled(missing))
             }
-            Found::AllBut(missing) => {
+            FoundPieces::AllBut(missing) if self.attempts() >= self.attempts => {
+                WorkflowStep::Stop(Stop::Missing(missing))
+            }
+            FoundPieces::AllBut(missing) => {
                 self.is_complete = false;
                 // It is not somebody else who cancels these.
                 self.merges.clear();
                 let cancel = merging;
-                Step::Pieces { missing, cancel }
+                WorkflowStep::Pieces { missing, cancel }
             }
         })
     }
@@ -150,14 +152,14 @@ mod tests {
     }
 
     /// What is done next, where the pieces that are missing are these.
-    fn next(workflow: &mut Workflow, lines: &[&str], missing: &[u64]) -> Step {
-        let found = |_| Ok::<_, ()>(Found::AllBut(missing.to_vec()));
+    fn next(workflow: &mut Workflow, lines: &[&str], missing: &[u64]) -> WorkflowStep {
+        let found = |_| Ok::<_, ()>(FoundPieces::AllBut(missing.to_vec()));
         workflow.next(&queue(lines), found).unwrap()
     }
 
-    fn pieces(missing: &[u64], cancel: &[u64]) -> Step {
+    fn pieces(missing: &[u64], cancel: &[u64]) -> WorkflowStep {
         let (missing, cancel) = (missing.to_vec(), cancel.to_vec());
-        Step::Pieces { missing, cancel }
+        WorkflowStep::Pieces { missing, cancel }
     }
 
     #[test]
@@ -167,8 +169,11 @@ mod tests {
         assert_eq!(step, pieces(&[0, 1, 2], &[]));
         workflow.submitted(Some(1), Some(2));
         let running = ["1|0-2|a|RUNNING|None", "2|N/A|a-merge|PENDING|Dependency"];
-        let look = |_| -> Result<Found, ()> { panic!("nobody looks while pieces are made") };
-        assert_eq!(workflow.next(&queue(&running), look), Ok(Step::Wait));
+        let look = |_| -> Result<FoundPieces, ()> { panic!("nobody looks while pieces are made") };
+        assert_eq!(
+            workflow.next(&queue(&running), look),
+            Ok(WorkflowStep::Wait)
+        );
         let over = [
             "1|0-2|a|FAILED|NonZeroExitCode",
             "2|N/A|a-merge|PENDING|Priority",
@@ -181,7 +186,7 @@ mod tests {
             "3|1|a|FAILED|NonZeroExitCode",
         ];
         let step = next(&mut workflow, &over, &[1]);
-        assert_eq!(step, Step::Stop(Stop::Missing(vec![1])));
+        assert_eq!(step, WorkflowStep::Stop(Stop::Missing(vec![1])));
     }
 
     #[test]
@@ -191,48 +196,51 @@ mod tests {
             "7|0-2|a|PENDING|Resources",
             "8|N/A|a-merge|PENDING|Dependency",
         ];
-        assert_eq!(next(&mut workflow, &waiting, &[0]), Step::Wait);
+        assert_eq!(next(&mut workflow, &waiting, &[0]), WorkflowStep::Wait);
         assert_eq!(workflow.attempts(), 1);
         let after = vec![7];
         assert_eq!(
             next(&mut workflow, &waiting[..1], &[0]),
-            Step::Merge { after }
+            WorkflowStep::Merge { after }
         );
         let step = next(&mut workflow, &[], &[0]);
-        assert_eq!(step, Step::Stop(Stop::Missing(vec![0])));
-        let merged = workflow.next(&Queue::default(), |_| Ok::<_, ()>(Found::Merged));
-        assert_eq!(merged, Ok(Step::Done));
+        assert_eq!(step, WorkflowStep::Stop(Stop::Missing(vec![0])));
+        let merged = workflow.next(&Queue::default(), |_| Ok::<_, ()>(FoundPieces::Merged));
+        assert_eq!(merged, Ok(WorkflowStep::Done));
     }
 
     #[test]
     fn nobody_looks_while_pieces_are_put_together() {
         let mut workflow = Workflow::new(1);
         let merging = ["8|N/A|a-merge|RUNNING|None"];
-        let look = |_| -> Result<Found, ()> { panic!("they are being removed") };
-        assert_eq!(workflow.next(&queue(&merging), look), Ok(Step::Wait));
+        let look = |_| -> Result<FoundPieces, ()> { panic!("they are being removed") };
+        assert_eq!(
+            workflow.next(&queue(&merging), look),
+            Ok(WorkflowStep::Wait)
+        );
     }
 
     #[test]
     fn a_merge_that_fails_is_tried_again_after_a_thorough_look() {
         let mut workflow = Workflow::new(2);
         let after = vec![];
-        assert_eq!(next(&mut workflow, &[], &[]), Step::Merge { after });
+        assert_eq!(next(&mut workflow, &[], &[]), WorkflowStep::Merge { after });
         workflow.submitted(None, Some(5));
         let failed = queue(&["5|N/A|a-merge|FAILED|NonZeroExitCode"]);
         let damaged = |is_thorough: bool| match is_thorough {
-            true => Ok::<_, ()>(Found::AllBut(vec![3])),
+            true => Ok::<_, ()>(FoundPieces::AllBut(vec![3])),
             false => panic!("the first lines have been looked at"),
         };
         let step = workflow.clone().next(&failed, damaged).unwrap();
         assert_eq!(step, pieces(&[3], &[]));
-        let sound = |_| Ok::<_, ()>(Found::AllBut(vec![]));
+        let sound = |_| Ok::<_, ()>(FoundPieces::AllBut(vec![]));
         assert!(matches!(
             workflow.next(&failed, sound),
-            Ok(Step::Merge { .. })
+            Ok(WorkflowStep::Merge { .. })
         ));
         workflow.submitted(None, Some(6));
         let step = workflow.next(&failed, sound);
-        assert_eq!(step, Ok(Step::Stop(Stop::Unmerged)));
+        assert_eq!(step, Ok(WorkflowStep::Stop(Stop::Unmerged)));
     }
 
     #[test]
@@ -242,6 +250,6 @@ mod tests {
         assert_eq!(next(&mut workflow, &old, &[0]), pieces(&[0], &[]));
         workflow.submitted(Some(3), Some(4));
         let step = next(&mut workflow, &["3|0|a|CANCELLED|None"], &[0]);
-        assert_eq!(step, Step::Stop(Stop::Cancelled(vec![0])));
+        assert_eq!(step, WorkflowStep::Stop(Stop::Cancelled(vec![0])));
     }
 }

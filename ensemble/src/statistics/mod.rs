@@ -24,10 +24,10 @@ pub use mean::Mean;
 pub use quantile::quantile;
 pub use ratio::{Relative, relative};
 pub use runs::Runs;
-pub use sample::Sample;
+pub use sample::TimeSample;
 pub use share::share_interval;
 pub use summary::{Summary, median};
-pub use survival::{KaplanMeier, Point, RestrictedMean};
+pub use survival::{KaplanMeier, RestrictedMean, SurvivalPoint};
 
 /// A time, known or cut short.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -15,7 +15,7 @@ pub struct Relative {
 }
 
 /// A mean with what its interval needs.
-struct Mean {
+struct MeanEstimate {
     mean: f64,
     /// `None`: of a single run.
     error: Option<f64>,
@@ -28,7 +28,7 @@ struct Mean {
 /// degrees of freedom of Welch and Satterthwaite. Where anything is censored, both means are
 /// restricted to the last time up to which both are known, and the ratio is that of the parts.
 pub fn relative(first: &[Observation], second: &[Observation]) -> Option<Relative> {
-    let [a, b] = comparable(first, second)?.values.map(Mean::of);
+    let [a, b] = comparable(first, second)?.values.map(MeanEstimate::of);
     let (a, b) = (a?, b?);
     let ratio = a.mean / b.mean;
     if !ratio.is_finite() {
@@ -51,10 +51,10 @@ pub fn relative(first: &[Observation], second: &[Observation]) -> Option<Relativ
     })
 }
 
-impl Mean {
-    fn of(values: Vec<f64>) -> Option<Mean> {
+impl MeanEstimate {
+    fn of(values: Vec<f64>) -> Option<MeanEstimate> {
         let summary = Summary::of(&values)?;
-        Some(Mean {
+        Some(MeanEstimate {
             mean: summary.mean,
             error: summary.sd.map(|sd| sd / (summary.n as f64).sqrt()),
             freedom: (summary.n - 1) as f64,

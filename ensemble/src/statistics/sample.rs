@@ -3,33 +3,33 @@ use super::Observation;
 
 /// Times in the order in which they were told: 4 bytes for each while all of them are whole and short, as ticks mostly are.
 #[derive(Clone, Debug)]
-pub struct Sample(Times);
+pub struct TimeSample(StoredTimes);
 
 #[derive(Clone, Debug)]
-enum Times {
+enum StoredTimes {
     /// Twice the time, and one more if it is censored.
     Short(Vec<u32>),
     /// The time, with a minus if it is censored.
     Any(Vec<f64>),
 }
 
-impl Default for Sample {
-    fn default() -> Sample {
-        Sample(Times::Short(Vec::new()))
+impl Default for TimeSample {
+    fn default() -> TimeSample {
+        TimeSample(StoredTimes::Short(Vec::new()))
     }
 }
 
-impl Sample {
+impl TimeSample {
     /// Adds a time.
     pub fn push(&mut self, observation: Observation) {
-        if let Times::Short(times) = &mut self.0 {
+        if let StoredTimes::Short(times) = &mut self.0 {
             if let Some(short) = short(observation) {
                 times.push(short);
                 return;
             }
-            self.0 = Times::Any(times.iter().map(|&short| signed(long(short))).collect());
+            self.0 = StoredTimes::Any(times.iter().map(|&short| signed(long(short))).collect());
         }
-        if let Times::Any(times) = &mut self.0 {
+        if let StoredTimes::Any(times) = &mut self.0 {
             times.push(signed(observation));
         }
     }
@@ -37,8 +37,8 @@ impl Sample {
     /// How many there are.
     pub fn len(&self) -> usize {
         match &self.0 {
-            Times::Short(times) => times.len(),
-            Times::Any(times) => times.len(),
+            StoredTimes::Short(times) => times.len(),
+            StoredTimes::Any(times) => times.len(),
         }
     }
 
@@ -50,8 +50,8 @@ impl Sample {
     /// Each time.
     pub fn iter(&self) -> impl Iterator<Item = Observation> {
         let (shorts, others): (&[u32], &[f64]) = match &self.0 {
-            Times::Short(times) => (times, &[]),
-            Times::Any(times) => (&[], times),
+            StoredTimes::Short(times) => (times, &[]),
+            StoredTimes::Any(times) => (&[], times),
         };
         let others = others.iter().map(|&time| Observation {
             time: time.abs(),
@@ -101,7 +101,7 @@ mod tests {
     proptest! {
         #[test]
         fn what_goes_in_comes_out(times in prop::collection::vec(observation(), 0..40)) {
-            let mut sample = Sample::default();
+            let mut sample = TimeSample::default();
             for &time in &times {
                 sample.push(time);
             }

@@ -11,13 +11,13 @@ use super::distribution::normal_quantile;
 /// since its clock starts when the earlier phases end.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KaplanMeier {
-    steps: Vec<Step>,
+    steps: Vec<SurvivalStep>,
     last: f64,
 }
 
 /// A time at which runs completed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Step {
+struct SurvivalStep {
     time: f64,
     at_risk: usize,
     completed: usize,
@@ -27,7 +27,7 @@ struct Step {
 
 /// The share of incomplete runs right after a time at which some completed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Point {
+pub struct SurvivalPoint {
     /// The time, in the unit of the observations.
     pub time: f64,
     /// Runs that were still under observation just before it.
@@ -74,7 +74,7 @@ impl KaplanMeier {
             let completed = same_time.iter().filter(|o| o.completed).count();
             if completed > 0 {
                 share *= (at_risk - completed) as f64 / at_risk as f64;
-                steps.push(Step {
+                steps.push(SurvivalStep {
                     time: same_time[0].time,
                     at_risk,
                     completed,
@@ -103,9 +103,9 @@ impl KaplanMeier {
     /// exp(± 1.96 e), where e = sqrt(G) / |log S| and G is Greenwood's sum of d / (n (n - d))
     /// (J. D. Kalbfleisch and R. L. Prentice, The Statistical Analysis of Failure Time Data, 2nd
     /// ed. 2002, section 1.4).
-    pub fn curve(&self) -> Vec<Point> {
+    pub fn curve(&self) -> Vec<SurvivalPoint> {
         let mut greenwood = 0.0;
-        let point = |step: &Step| {
+        let point = |step: &SurvivalStep| {
             let left = step.at_risk - step.completed;
             let interval = (left > 0).then(|| {
                 greenwood += step.completed as f64 / (step.at_risk as f64 * left as f64);
@@ -113,7 +113,7 @@ impl KaplanMeier {
                 let by = (normal_quantile() * error).exp();
                 (step.after.powf(by), step.after.powf(1.0 / by))
             });
-            Point {
+            SurvivalPoint {
                 time: step.time,
                 at_risk: step.at_risk,
                 completed: step.completed,

@@ -12,13 +12,13 @@ const MOST: u32 = 400;
 pub struct Axis {
     /// The name of the number, as it was given.
     pub name: String,
-    values: Values,
+    values: AxisValues,
     /// Of all values; empty: none.
     unit: String,
 }
 
 #[derive(Clone, Debug, PartialEq)]
-enum Values {
+enum AxisValues {
     /// `50,100,300`, or a single one.
     List(Vec<f64>),
     /// `50..600/6`: evenly spaced, both ends included.
@@ -75,8 +75,8 @@ impl Axis {
 
     fn said(&self, number: &SchemaNumber) -> Result<Vec<f64>, String> {
         Ok(match self.values {
-            Values::List(ref values) => values.clone(),
-            Values::Even { from, to, n } => {
+            AxisValues::List(ref values) => values.clone(),
+            AxisValues::Even { from, to, n } => {
                 let values: Vec<f64> = (0..n).map(|i| even(from, to, n, i)).collect();
                 let broken = values.iter().find(|value| value.fract() != 0.0);
                 if let (true, Some(broken)) = (number.is_whole(), broken) {
@@ -84,7 +84,7 @@ impl Axis {
                 }
                 values
             }
-            Values::Geometric { from, to, n } => {
+            AxisValues::Geometric { from, to, n } => {
                 let round = |value: f64| match number.is_whole() {
                     true => value.round(),
                     false => digits(value, 4),
@@ -162,7 +162,7 @@ fn not_whole(name: &str, (from, to, n): (f64, f64, u32), broken: f64) -> String 
 }
 
 /// `50..600/6`, split at its dots.
-fn range(from: &str, rest: &str, is_geometric: bool) -> Result<(Values, String), String> {
+fn range(from: &str, rest: &str, is_geometric: bool) -> Result<(AxisValues, String), String> {
     let count = rest.rsplit_once('/').and_then(|(to, n)| {
         let n = n.trim();
         let is_number = !n.is_empty() && n.chars().all(|c| c.is_ascii_digit());
@@ -182,19 +182,19 @@ fn range(from: &str, rest: &str, is_geometric: bool) -> Result<(Values, String),
     let unit = common(&[first.clone(), last.clone()])?;
     let (from, to) = (first.0, last.0);
     if !is_geometric {
-        return Ok((Values::Even { from, to, n }, unit));
+        return Ok((AxisValues::Even { from, to, n }, unit));
     }
     match from > 0.0 && to > 0.0 {
-        true => Ok((Values::Geometric { from, to, n }, unit)),
+        true => Ok((AxisValues::Geometric { from, to, n }, unit)),
         false => Err("a range with `log` is of values above 0".into()),
     }
 }
 
-fn list(text: &str) -> Result<(Values, String), String> {
+fn list(text: &str) -> Result<(AxisValues, String), String> {
     let values: Vec<_> = text.split(',').map(value).collect::<Result<_, _>>()?;
     let unit = common(&values)?;
     let values = values.into_iter().map(|(number, _)| number);
-    Ok((Values::List(values.collect()), unit))
+    Ok((AxisValues::List(values.collect()), unit))
 }
 
 /// A number, and its unit as text.

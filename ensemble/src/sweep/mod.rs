@@ -9,6 +9,6 @@ mod points;
 
 pub use axis::Axis;
 pub(crate) use axis::{common, digits, logarithmic, value, varied};
-pub use outcome::{Point, PointTally, Sweep, SweepTally, SweptNumber, Value};
+pub use outcome::{PointTally, Sweep, SweepPoint, SweepTally, SweptNumber, SweptValue};
 pub(crate) use points::number;
 pub use points::{MOST_POINTS, points};

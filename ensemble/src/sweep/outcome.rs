@@ -2,9 +2,11 @@
 use serde::Serialize;
 use stochc_ir::record::{Origin, RunRecord};
 
-use crate::statistics::{Sample, share_interval};
+use crate::statistics::{TimeSample, share_interval};
 use crate::text::Tick;
-use crate::{Finished, JournalError, Manifest, Program, Records, Time, Varied, completion_time};
+use crate::{
+    EnsembleProgram, Finished, JournalError, Manifest, Records, Time, Varied, completion_time,
+};
 
 /// The unit of times where all scenes have ticks of one length.
 const TICKS: &str = "ticks";
@@ -17,7 +19,7 @@ pub struct Sweep {
     /// The unit of all times: ticks, or seconds where the points differ in the length of a tick.
     pub unit: &'static str,
     /// In the order of the manifest.
-    pub points: Vec<Point>,
+    pub points: Vec<SweepPoint>,
 }
 
 /// A number that was varied.
@@ -31,13 +33,13 @@ pub struct SweptNumber {
 
 /// A program at one value of each number.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Point {
+pub struct SweepPoint {
     /// The program's name in the manifest, such as `line [free=50]`.
     pub name: String,
     /// The name without the values.
     pub program: String,
     /// One for each axis.
-    pub values: Vec<Value>,
+    pub values: Vec<SweptValue>,
     /// Length of a tick of its scene \[s\].
     pub tick: f64,
     /// Runs asked for.
@@ -64,7 +66,7 @@ pub struct Point {
 
 /// A value of a number that was varied.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Value {
+pub struct SweptValue {
     /// In the unit of its axis.
     pub value: f64,
     /// In SI units.
@@ -81,7 +83,7 @@ impl SweptNumber {
     }
 
     /// One of its values, such as `bond.pull=4.5 N`.
-    pub fn at(&self, value: Value) -> String {
+    pub fn at(&self, value: SweptValue) -> String {
         let varied = Varied {
             of: self.of.clone(),
             value: value.si,
@@ -111,7 +113,7 @@ impl<'a> SweepTally<'a> {
         }
         let mut ticks = manifest.programs.iter().map(|program| program.scene.tick);
         let is_one = ticks.next().is_some_and(|tick| ticks.all(|it| it == tick));
-        let unit = |program: &Program| if is_one { 1.0 } else { program.scene.tick };
+        let unit = |program: &EnsembleProgram| if is_one { 1.0 } else { program.scene.tick };
         let programs = manifest.programs.iter();
         Some(SweepTally {
             manifest,
@@ -133,8 +135,8 @@ impl<'a> SweepTally<'a> {
         // A manifest that somebody has edited may hold others.
         let same = programs
             .filter(|(program, _)| program.varied.iter().map(dial).eq(axes.iter().cloned()));
-        let point = |(program, tally): (&Program, PointTally)| {
-            let values = program.varied.iter().map(|varied| Value {
+        let point = |(program, tally): (&EnsembleProgram, PointTally)| {
+            let values = program.varied.iter().map(|varied| SweptValue {
                 value: varied.said,
                 si: varied.value,
             });
@@ -178,7 +180,7 @@ impl Sweep {
     }
 
     /// The clock of a point, where times are in ticks; `None`: they are in seconds.
-    pub fn tick(&self, point: &Point) -> Option<Tick> {
+    pub fn tick(&self, point: &SweepPoint) -> Option<Tick> {
         (self.unit == TICKS).then_some(Tick(point.tick))
     }
 
@@ -200,7 +202,7 @@ pub struct PointTally {
     /// Of a tick in the unit of the sweep.
     unit: f64,
     finished: usize,
-    times: Sample,
+    times: TimeSample,
     captures: u64,
     released: usize,
     spent: f64,
@@ -238,15 +240,15 @@ impl PointTally {
     pub fn finish(
         self,
         (name, program): (String, String),
-        values: Vec<Value>,
+        values: Vec<SweptValue>,
         runs: u64,
         tick: f64,
-    ) -> Point {
+    ) -> SweepPoint {
         let times = self.times.to_vec();
         let completed = times.iter().filter(|time| time.completed).count();
         let any = (self.captures > 0).then_some(self.captures as f64);
         let finished = self.finished;
-        Point {
+        SweepPoint {
             name,
             program,
             values,
@@ -265,7 +267,7 @@ impl PointTally {
     }
 }
 
-impl Point {
+impl SweepPoint {
     /// Finished runs.
     pub fn finished(&self) -> usize {
         self.completed + self.stopped + self.failed

@@ -28,7 +28,7 @@ pub struct Conditions {
 impl Trade {
     /// Draws it up; `limits` are the ticks after which runs of each program were given up.
     pub fn of(
-        programs: &[crate::Program],
+        programs: &[crate::EnsembleProgram],
         outcomes: &[Outcome],
         limits: &[u64],
         means: Conditions,

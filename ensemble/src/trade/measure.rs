@@ -17,8 +17,8 @@ use super::result::Trade;
 use super::sample::Measured;
 use super::thread_time::thread_time;
 use crate::clock::now;
-use crate::executor::{Cancelled, attempt, execute};
-use crate::manifest::Program;
+use crate::executor::{RunCancelled, attempt, execute};
+use crate::manifest::EnsembleProgram;
 
 /// How far a measurement is, for whoever shows it.
 #[derive(Debug, Default)]
@@ -69,7 +69,7 @@ pub struct Setup<'a> {
 /// # Errors
 /// When a scene cannot be set up at all.
 pub fn measure(
-    programs: &[Program],
+    programs: &[EnsembleProgram],
     setup: &Setup,
     progress: &Progress,
 ) -> Result<Trade, (usize, SceneError)> {
@@ -77,7 +77,7 @@ pub fn measure(
         try_out(program, &base()).map_err(|error| (i, error))?;
     }
     let cannot = |settings: &Settings| {
-        let refused = |program: &Program| try_out(program, settings).err();
+        let refused = |program: &EnsembleProgram| try_out(program, settings).err();
         programs
             .iter()
             .find_map(refused)
@@ -112,7 +112,7 @@ pub fn measure(
 }
 
 /// Sets a scene up, and no more.
-fn try_out(program: &Program, settings: &Settings) -> Result<(), SceneError> {
+fn try_out(program: &EnsembleProgram, settings: &Settings) -> Result<(), SceneError> {
     let mut stop = |_, _| ControlFlow::Break(());
     match run_once(program.tables(), &program.scene, settings, 0, 0, &mut stop) {
         Err(RunError::Scene(error)) => Err(error),
@@ -120,7 +120,7 @@ fn try_out(program: &Program, settings: &Settings) -> Result<(), SceneError> {
     }
 }
 
-fn carry_out(plan: Plan, programs: &[Program], setup: &Setup, progress: &Progress) -> Plan {
+fn carry_out(plan: Plan, programs: &[EnsembleProgram], setup: &Setup, progress: &Progress) -> Plan {
     let start = now();
     let before = setup.memory.map_or(Duration::ZERO, Memory::elapsed);
     let elapsed = || before + start.elapsed();
@@ -175,7 +175,12 @@ fn carry_out(plan: Plan, programs: &[Program], setup: &Setup, progress: &Progres
 }
 
 /// One run; `None`: it was interrupted.
-fn one(job: &Job, settings: &Settings, program: &Program, setup: &Setup) -> Option<Measured> {
+fn one(
+    job: &Job,
+    settings: &Settings,
+    program: &EnsembleProgram,
+    setup: &Setup,
+) -> Option<Measured> {
     let (wall, cpu) = (now(), thread_time());
     let last = Cell::new((0, PhaseId(0)));
     let mut watch = |tick, phase| {
@@ -189,7 +194,7 @@ fn one(job: &Job, settings: &Settings, program: &Program, setup: &Setup) -> Opti
     let simulate = || {
         let record = run_once(tables, scene, settings, setup.seed, job.run, &mut watch);
         // The scene has been tried out, so only an interrupted run leaves no record.
-        record.map_err(|_| Cancelled)
+        record.map_err(|_| RunCancelled)
     };
     let record = attempt(job.run, simulate, || last.get())?;
     let (cpu, wall) = (thread_time().saturating_sub(cpu), wall.elapsed());

@@ -13,8 +13,8 @@ use stochc_runtime::Settings;
 use super::plan::Job;
 use super::sample::Measured;
 use crate::folder::lock;
-use crate::journal::{Header, Journal, JournalError, read_lines};
-use crate::{FolderError, Program, this_build};
+use crate::journal::{Journal, JournalError, JournalHeader, read_lines};
+use crate::{EnsembleProgram, FolderError, this_build};
 
 /// Its name in the folder of a trade.
 pub const MEMORY: &str = "trade.jsonl";
@@ -45,12 +45,20 @@ impl Memory {
     ///
     /// # Errors
     /// When it is of another measurement, another process writes it, or the file system refuses.
-    pub fn open(folder: &Path, programs: &[Program], seed: u64) -> Result<Memory, FolderError> {
+    pub fn open(
+        folder: &Path,
+        programs: &[EnsembleProgram],
+        seed: u64,
+    ) -> Result<Memory, FolderError> {
         let lock = lock(folder)?;
         let path = folder.join(MEMORY);
-        let most = programs.iter().map(Program::captures).max().unwrap_or(0);
+        let most = programs
+            .iter()
+            .map(EnsembleProgram::captures)
+            .max()
+            .unwrap_or(0);
         let programs: Vec<_> = programs.iter().map(|it| (&it.name, it.hash())).collect();
-        let header = Header::of(&sha256(&("trade", this_build(), seed, programs)));
+        let header = JournalHeader::of(&sha256(&("trade", this_build(), seed, programs)));
         let (mut known, mut elapsed) = (BTreeMap::new(), Duration::ZERO);
         let (whole, _) = read_lines(&path, &header, budget::record(most), |line| {
             // A damaged line costs its run, which is measured again.

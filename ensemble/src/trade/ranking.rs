@@ -2,7 +2,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::statistics::{Longer, Runs};
-use crate::{Group, Verdict as Known, pairwise_tests};
+use crate::{ComparedProgram, PairwiseResult as Known, pairwise_tests};
 
 /// Two programs, the one that the reference finds faster first where it finds one.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -56,8 +56,8 @@ pub fn rank(reference: &[Runs], rung: &[Runs]) -> Vec<Ranked> {
 
 /// Which of each pair of programs takes longer, in the order of the pairs.
 fn orders(programs: &[Runs]) -> impl Iterator<Item = (usize, usize, Longer)> {
-    let sides: Vec<Group> = (programs.iter())
-        .map(|runs| Group {
+    let sides: Vec<ComparedProgram> = (programs.iter())
+        .map(|runs| ComparedProgram {
             varied: &[],
             runs: runs.clone(),
         })

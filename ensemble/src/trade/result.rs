@@ -205,7 +205,7 @@ impl Setting {
 /// # Errors
 /// In words, when it does not know one of them as it is now.
 pub fn known(trade: &Trade, manifest: &Manifest) -> Result<Vec<usize>, String> {
-    let find = |program: &crate::Program| {
+    let find = |program: &crate::EnsembleProgram| {
         let hash = program.hash();
         let known = trade.programs.iter().position(|known| known.hash == hash);
         known.ok_or_else(|| {

@@ -1,7 +1,7 @@
 //! Tables that sum runs up.
-use stochc::ensemble::statistics::{KaplanMeier, Sample};
+use stochc::ensemble::statistics::{KaplanMeier, TimeSample};
 use stochc::ensemble::{
-    Column as Figures, ColumnShape, ColumnValues, Comparison, Manifest, Records, TableShape, Time,
+    ColumnShape, ColumnValues, Comparison, Manifest, ProgramSummary, Records, TableShape, Time,
     completion_time,
 };
 use stochc::exit::Failure;
@@ -41,7 +41,7 @@ fn table(name: &str, row: &str, columns: Vec<Column<'_>>) -> Result<Table, Strin
 /// The figures of each program, and the numbers of the scene that a sweep has chosen for it.
 pub(super) fn summary(manifest: &Manifest, comparison: &Comparison) -> Result<Table, String> {
     let programs = &comparison.programs;
-    let count = |of: fn(&Figures) -> u64| {
+    let count = |of: fn(&ProgramSummary) -> u64| {
         let values = programs.iter().map(|it| i64::try_from(of(it)).ok());
         ColumnValues::Int64(values.collect())
     };
@@ -121,7 +121,7 @@ pub(super) fn summary(manifest: &Manifest, comparison: &Comparison) -> Result<Ta
 
 /// Shares of runs that are not complete, at each time at which one completed.
 pub(super) fn survival(manifest: &Manifest, finished: &Records) -> Result<Table, Failure> {
-    let mut times = vec![Sample::default(); manifest.programs.len()];
+    let mut times = vec![TimeSample::default(); manifest.programs.len()];
     let read = finished.each(|done| {
         let time = completion_time(&done.record).into_iter();
         time.for_each(|it| times[done.program].push(it));

@@ -1,5 +1,5 @@
 //! The captures and releases of a program, in the order of its dependency graph.
-use stochc_ensemble::Program;
+use stochc_ensemble::EnsembleProgram;
 use stochc_ir::graph::{Dependency, EventAction, EventGraph, EventId};
 use stochc_ir::record::{BondRecord, WaitRecord};
 use stochc_ir::table::PhaseId;
@@ -22,7 +22,7 @@ pub(crate) struct Event {
 
 impl Event {
     /// As the program writes it: `M.up -> N`.
-    pub fn text(&self, program: &Program) -> String {
+    pub fn text(&self, program: &EnsembleProgram) -> String {
         self.action.describe(|role| program.role(role).to_owned())
     }
 }
@@ -47,7 +47,7 @@ pub(crate) fn awaited(wait: &WaitRecord) -> EventAction {
 
 impl Events {
     /// The events of a program.
-    pub fn of(program: &Program) -> Events {
+    pub fn of(program: &EnsembleProgram) -> Events {
         let graph = &program.compiled.graph;
         let mut order = side_by_side(graph);
         order.retain(|&id| !program.is_planted(graph.event(EventId(id)).phase));

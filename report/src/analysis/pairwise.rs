@@ -1,6 +1,6 @@
 //! Whether two programs take the same time, for every pair of a report.
 use stochc_ensemble::statistics::Runs;
-use stochc_ensemble::{Group, PairwiseTest, TimeUnit, pairwise_tests as compare};
+use stochc_ensemble::{ComparedProgram, PairwiseTest, TimeUnit, pairwise_tests as compare};
 
 use super::subject::Subject;
 
@@ -11,8 +11,8 @@ pub(crate) fn pairwise_tests(subjects: &[Subject], clock: TimeUnit) -> Vec<Pairw
         let tick = clock.tick(subject.program);
         Runs::of(subject.manifest.seed, subject.times.clone(), tick)
     };
-    let sides: Vec<Group> = (subjects.iter())
-        .map(|subject| Group {
+    let sides: Vec<ComparedProgram> = (subjects.iter())
+        .map(|subject| ComparedProgram {
             varied: &subject.program.varied,
             runs: side(subject),
         })

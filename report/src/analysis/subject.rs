@@ -1,11 +1,12 @@
 //! One program of one folder, and what its runs tell, one after the other.
 use std::io;
 
-use stochc_ensemble::statistics::{Observation, Sample};
+use stochc_ensemble::statistics::{Observation, TimeSample};
 use stochc_ensemble::sweep::{PointTally, Sweep, SweepTally};
 use stochc_ensemble::text::Tick;
 use stochc_ensemble::{
-    JournalError, Manifest, Program, Records, TimeUnit, WaitsTally, completion_time, phase_time,
+    EnsembleProgram, JournalError, Manifest, Records, TimeUnit, WaitsTally, completion_time,
+    phase_time,
 };
 use stochc_ir::record::{Outcome, RunRecord};
 use stochc_ir::table::PhaseId;
@@ -46,7 +47,7 @@ pub(crate) struct Subject<'a> {
     /// Its number in the folder's manifest.
     pub number: usize,
     pub manifest: &'a Manifest,
-    pub program: &'a Program,
+    pub program: &'a EnsembleProgram,
     pub events: Events,
     /// Finished runs.
     pub runs: usize,
@@ -63,7 +64,7 @@ pub(crate) struct Subject<'a> {
     pub point: PointTally,
     pub waits: WaitsTally,
     pub decisive: Decisive,
-    phase_times: Vec<Sample>,
+    phase_times: Vec<TimeSample>,
     /// The runs that are told one by one, and what they are.
     told: Vec<(&'static str, Run)>,
 }
@@ -162,7 +163,7 @@ impl<'a> Subject<'a> {
             point: PointTally::new(clock.tick(program)),
             waits: WaitsTally::default(),
             decisive: Decisive::of(&events),
-            phase_times: vec![Sample::default(); program.phases().len()],
+            phase_times: vec![TimeSample::default(); program.phases().len()],
             told: Vec::new(),
             events,
         }

@@ -3,7 +3,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::{Value as Json, json};
 use stochc_ensemble::TimeUnit;
-use stochc_ensemble::sweep::{Point, Sweep, SweptNumber, Value};
+use stochc_ensemble::sweep::{Sweep, SweepPoint, SweptNumber, SweptValue};
 use stochc_ir::scene::scalars::scalars;
 
 use super::subject::Subject;
@@ -43,7 +43,7 @@ pub(crate) fn found(subjects: &[Subject], clock: TimeUnit) -> Vec<Sweep> {
         let member = (i, numbers.collect());
         groups.entry(kind).or_default().push(member);
     }
-    let mut sweeps: BTreeMap<&'static str, Vec<Point>> = BTreeMap::new();
+    let mut sweeps: BTreeMap<&'static str, Vec<SweepPoint>> = BTreeMap::new();
     for group in groups.values() {
         let Some(of) = difference(group) else {
             continue;
@@ -53,16 +53,16 @@ pub(crate) fn found(subjects: &[Subject], clock: TimeUnit) -> Vec<Sweep> {
             let (subject, value) = (&subjects[*i], *numbers.get(of)?);
             Some(subject.point.clone().finish(
                 (subject.label.clone(), program.clone()),
-                vec![Value { value, si: value }],
+                vec![SweptValue { value, si: value }],
                 subject.manifest.runs,
                 subject.program.scene.tick,
             ))
         };
-        let mut points: Vec<Point> = group.iter().filter_map(point).collect();
+        let mut points: Vec<SweepPoint> = group.iter().filter_map(point).collect();
         points.sort_by(|a, b| a.values[0].si.total_cmp(&b.values[0].si));
         sweeps.entry(of).or_default().extend(points);
     }
-    let sweep = |(of, points): (&str, Vec<Point>)| Sweep {
+    let sweep = |(of, points): (&str, Vec<SweepPoint>)| Sweep {
         axes: vec![SweptNumber {
             of: of.to_owned(),
             unit: "SI".to_owned(),

@@ -1,7 +1,7 @@
 //! The figures as tables of comma-separated values, for other programs.
 use stochc_ensemble::statistics::{KaplanMeier, Observation, Test};
 use stochc_ensemble::sweep::Sweep;
-use stochc_ensemble::{PairwiseTest, Time, TimeUnit, Verdict};
+use stochc_ensemble::{PairwiseResult, PairwiseTest, Time, TimeUnit};
 use stochc_files::csv::CsvTable;
 
 use crate::analysis::subject::{Run, Subject};
@@ -232,9 +232,9 @@ fn differences(subjects: &[Subject], pairwise_tests: &[PairwiseTest], clock: Tim
     for contrast in pairwise_tests {
         let names = [contrast.first, contrast.second].map(|i| subjects[i].label.clone());
         let (test, figures) = match &contrast.verdict {
-            Verdict::Same => ("same runs", [const { String::new() }; 4]),
-            Verdict::Unknown => ("none", [const { String::new() }; 4]),
-            Verdict::Known(found) => {
+            PairwiseResult::Same => ("same runs", [const { String::new() }; 4]),
+            PairwiseResult::Unknown => ("none", [const { String::new() }; 4]),
+            PairwiseResult::Known(found) => {
                 let test = match found.test {
                     Test::Paired { .. } => "paired t",
                     Test::Welch { .. } => "Welch t",

@@ -1,5 +1,5 @@
 //! A run in words: the chain of events that decided how long it took.
-use stochc_ensemble::Program;
+use stochc_ensemble::EnsembleProgram;
 use stochc_ensemble::text::{Tick, escaped, number};
 use stochc_ir::graph::Dependency;
 use stochc_ir::record::{Limit, Origin, Outcome};
@@ -11,7 +11,7 @@ use crate::analysis::subject::Run;
 
 /// What a run is told of.
 pub(crate) struct Telling<'a> {
-    pub program: &'a Program,
+    pub program: &'a EnsembleProgram,
     /// The program's.
     pub events: &'a Events,
     /// The address of the replay of the run that is told.

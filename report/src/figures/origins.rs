@@ -1,7 +1,7 @@
 //! Where captured blocks came from.
 use std::collections::BTreeMap;
 
-use stochc_ensemble::Program;
+use stochc_ensemble::EnsembleProgram;
 use stochc_ir::table::RoleId;
 
 use super::{WIDTH, short};
@@ -12,7 +12,7 @@ use crate::svg::{Drawing, Scale, class};
 pub(crate) fn origins(
     number: usize,
     label: &str,
-    program: &Program,
+    program: &EnsembleProgram,
     waits: &[Wait],
 ) -> Option<Drawing> {
     const LEFT: f64 = 190.0;
@@ -112,7 +112,7 @@ pub(crate) fn origins(
     Some(out)
 }
 
-fn told(program: &Program, rows: &[&Wait]) -> String {
+fn told(program: &EnsembleProgram, rows: &[&Wait]) -> String {
     let row = |wait: &&Wait| {
         let total = wait.free() + wait.released().iter().map(|(_, n)| n).sum::<usize>();
         let each = wait.released().iter();

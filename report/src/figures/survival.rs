@@ -1,5 +1,5 @@
 //! Shares of runs that are not complete, over time.
-use stochc_ensemble::statistics::{KaplanMeier, Observation, Point};
+use stochc_ensemble::statistics::{KaplanMeier, Observation, SurvivalPoint};
 use stochc_ensemble::text::number;
 
 use super::{WIDTH, short};
@@ -120,8 +120,8 @@ pub(crate) fn survival(
 }
 
 /// The steps that can be told apart: of those in a third of a unit, the last.
-fn thinned(estimate: &KaplanMeier, x: &Scale) -> Vec<Point> {
-    let mut kept: Vec<Point> = Vec::new();
+fn thinned(estimate: &KaplanMeier, x: &Scale) -> Vec<SurvivalPoint> {
+    let mut kept: Vec<SurvivalPoint> = Vec::new();
     for point in estimate.curve() {
         if kept
             .last()

@@ -1,7 +1,7 @@
 //! What a page has to know besides the recording.
 use serde_json::{Value, json};
 use stochc_ensemble::text::visible;
-use stochc_ensemble::{Manifest, Program};
+use stochc_ensemble::{EnsembleProgram, Manifest};
 use stochc_ir::emit::{graph_json, table_json};
 use stochc_runtime::Substeps;
 
@@ -13,7 +13,7 @@ use super::program_text::{Statement, program_text};
 /// of the run, and whether the page begins with it.
 pub fn about(
     manifest: &Manifest,
-    program: &Program,
+    program: &EnsembleProgram,
     statements: &[Statement],
     tour: Value,
     guided: bool,

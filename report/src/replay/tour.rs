@@ -1,6 +1,6 @@
 //! What decided how long a run took, as steps that a page goes through.
 use serde_json::{Value, json};
-use stochc_ensemble::Program;
+use stochc_ensemble::EnsembleProgram;
 use stochc_ir::record::RunRecord;
 
 use crate::analysis::events::Events;
@@ -12,7 +12,7 @@ const MOST: usize = 200;
 
 /// `[{ from, to, cell, html }]`: the waits that met end to end, in ticks, where each happened, and the sentence of a report that tells
 /// it.
-pub fn tour(program: &Program, record: &RunRecord) -> Value {
+pub fn tour(program: &EnsembleProgram, record: &RunRecord) -> Value {
     let events = Events::of(program);
     let run = Run::of(&events, record);
     let telling = Telling {

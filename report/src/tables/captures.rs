@@ -1,5 +1,5 @@
 //! The captures of a program as text, a row for each.
-use stochc_ensemble::Capture;
+use stochc_ensemble::CaptureSummary;
 use stochc_ensemble::text::{Tick, percent};
 
 use super::comparison::{mean, ticks};
@@ -7,10 +7,10 @@ use crate::text::{Column, Table, paragraph};
 
 /// The captures as a table of plain text, in a scene with ticks of this length \[s\]; `width` is that of
 /// the terminal, in characters.
-pub fn captures_to_text(captures: &[Capture], tick: f64, width: usize) -> String {
+pub fn captures_to_text(captures: &[CaptureSummary], tick: f64, width: usize) -> String {
     const NONE: &str = "-";
     let tick = Tick(tick);
-    let column = |header: &str, cell: &dyn Fn(&Capture) -> String| {
+    let column = |header: &str, cell: &dyn Fn(&CaptureSummary) -> String| {
         Column::figures(header, captures.iter().map(cell).collect())
     };
     let or_none = |text: Option<String>| text.unwrap_or(NONE.to_owned());
@@ -37,11 +37,11 @@ pub fn captures_to_text(captures: &[Capture], tick: f64, width: usize) -> String
     ];
     let is_censored = captures.iter().any(|capture| capture.wait.censored > 0);
     if is_censored {
-        let cell = |capture: &Capture| capture.wait.censored.to_string();
+        let cell = |capture: &CaptureSummary| capture.wait.censored.to_string();
         columns.insert(1, column("under way", &cell));
     }
     let table = Table {
-        labels: captures.iter().map(Capture::label).collect(),
+        labels: captures.iter().map(CaptureSummary::label).collect(),
         columns,
         ..Table::default()
     };

@@ -1,6 +1,6 @@
 //! A comparison as text, in the layout of the paper's Tables I and II.
 use stochc_ensemble::text::Tick;
-use stochc_ensemble::{Column, Comparison, Pair, Time, Verdict};
+use stochc_ensemble::{Comparison, Pair, PairwiseResult, ProgramSummary, Time};
 
 use crate::text::{self, Table, paragraph, sentence};
 
@@ -79,7 +79,7 @@ pub fn comparison_to_text(comparison: &Comparison, width: usize) -> String {
 pub fn pairs_to_text(comparison: &Comparison, width: usize) -> String {
     let told = |pair: &Pair| {
         let verdict = pair.difference.clone();
-        let verdict = verdict.map_or(Verdict::Unknown, Verdict::Known);
+        let verdict = verdict.map_or(PairwiseResult::Unknown, PairwiseResult::Known);
         let names = [&*pair.first, &*pair.second];
         paragraph(
             &sentence(names, &verdict, comparison.unit, comparison.pairs.len()),
@@ -109,7 +109,7 @@ fn notes(comparison: &Comparison) -> Vec<String> {
                     times are too short.";
         notes.push(note.to_owned());
     }
-    let censored = |c: &Column| c.timed_out + c.stopped > 0;
+    let censored = |c: &ProgramSummary| c.timed_out + c.stopped > 0;
     if comparison.programs.iter().any(censored) {
         let note = "≥: some runs were stopped before they completed, so that the mean is one \
                     of min(time, horizon), a lower bound; the median is Kaplan and Meier's, \
@@ -121,12 +121,12 @@ fn notes(comparison: &Comparison) -> Vec<String> {
 
 /// The table while it grows.
 struct Rows<'a> {
-    programs: &'a [Column],
+    programs: &'a [ProgramSummary],
     table: Table,
 }
 
 impl<'a> Rows<'a> {
-    fn new(programs: &'a [Column]) -> Rows<'a> {
+    fn new(programs: &'a [ProgramSummary]) -> Rows<'a> {
         let columns = (programs.iter()).map(|c| text::Column::figures(&c.name, Vec::new()));
         Rows {
             programs,
@@ -137,7 +137,7 @@ impl<'a> Rows<'a> {
         }
     }
 
-    fn add(&mut self, label: &str, cell: impl Fn(&Column) -> String) {
+    fn add(&mut self, label: &str, cell: impl Fn(&ProgramSummary) -> String) {
         self.table.labels.push(label.to_owned());
         for (program, column) in self.programs.iter().zip(&mut self.table.columns) {
             column.cells.push(cell(program));
@@ -163,14 +163,14 @@ fn in_ticks(time: &Time, beside: &str) -> String {
 }
 
 /// The same in seconds; empty without a mean.
-fn in_seconds(column: &Column, time: Option<&Time>) -> String {
+fn in_seconds(column: &ProgramSummary, time: Option<&Time>) -> String {
     time.map_or(String::new(), |time| {
         let bound = if time.horizon.is_some() { "≥ " } else { "" };
         bound.to_owned() + &Tick(column.tick).interval(time.mean, time.half_width)
     })
 }
 
-fn figure(column: &Column, of: impl Fn(&Time) -> Option<f64>) -> String {
+fn figure(column: &ProgramSummary, of: impl Fn(&Time) -> Option<f64>) -> String {
     let figure = column.time.as_ref().and_then(of);
     figure.map_or(NONE.to_owned(), |figure| {
         ticks(figure) + &Tick(column.tick).beside(figure)

@@ -1,5 +1,5 @@
 //! A sweep as text, a row for each point.
-use stochc_ensemble::sweep::{Point, Sweep};
+use stochc_ensemble::sweep::{Sweep, SweepPoint};
 use stochc_ensemble::text::{number, percent};
 
 use super::comparison::{mean, ticks};
@@ -11,11 +11,11 @@ const NONE: &str = "-";
 /// The table, and what its figures mean; `width` is that of the terminal, in characters.
 pub fn sweep_to_text(sweep: &Sweep, width: usize) -> String {
     // A time of a point in the unit of the sweep, and in seconds beside ticks.
-    let time = |point: &Point, value: f64| match sweep.tick(point) {
+    let time = |point: &SweepPoint, value: f64| match sweep.tick(point) {
         Some(tick) => ticks(value) + &tick.beside(value),
         None => number(value),
     };
-    let column = |header: &str, cell: &dyn Fn(&Point) -> String| {
+    let column = |header: &str, cell: &dyn Fn(&SweepPoint) -> String| {
         Column::figures(header, sweep.points.iter().map(cell).collect())
     };
     let maybe = |value: Option<String>| value.unwrap_or(NONE.to_owned());

@@ -1,21 +1,21 @@
 //! What a test of two programs found, in words.
-use stochc_ensemble::Verdict;
+use stochc_ensemble::PairwiseResult;
 use stochc_ensemble::statistics::{Difference, Longer, Test};
 use stochc_ensemble::text::number;
 
 /// The sentence on two programs; `names` as they are to stand in it.
 ///
 /// `pairs` is how many differences are told together.
-pub fn sentence(names: [&str; 2], verdict: &Verdict, unit: &str, pairs: usize) -> String {
+pub fn sentence(names: [&str; 2], verdict: &PairwiseResult, unit: &str, pairs: usize) -> String {
     let [first, second] = names;
     let found = match verdict {
-        Verdict::Same => return format!("{first} and {second} are the same runs."),
-        Verdict::Unknown => {
+        PairwiseResult::Same => return format!("{first} and {second} are the same runs."),
+        PairwiseResult::Unknown => {
             return format!(
                 "{first} and {second}: undecided; there are too few runs, or no spread, to tell."
             );
         }
-        Verdict::Known(found) => found,
+        PairwiseResult::Known(found) => found,
     };
     let conclusion = match found.longer {
         Longer::First => format!("{first} takes longer"),

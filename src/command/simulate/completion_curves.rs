@@ -1,7 +1,7 @@
 //! What `simulate` ends with where somebody watches: a small picture, and where there is more.
-use stochc_ensemble::statistics::{KaplanMeier, Sample};
+use stochc_ensemble::statistics::{KaplanMeier, TimeSample};
 use stochc_ensemble::text::{Tick, visible};
-use stochc_ensemble::{JournalError, Manifest, Program, Records, completion_time};
+use stochc_ensemble::{EnsembleProgram, JournalError, Manifest, Records, completion_time};
 use stochc_files::shell::file as shell_file;
 use stochc_report::text::{Strip, strips};
 
@@ -35,13 +35,13 @@ pub fn close(options: &Options, manifest: &Manifest, finished: &Records) -> Resu
 /// that programs of different clocks are not drawn together.
 fn curves(manifest: &Manifest, finished: &Records) -> Result<Vec<Strip>, JournalError> {
     let first = manifest.programs.first().map(|program| program.scene.tick);
-    let mut times = vec![Sample::default(); manifest.programs.len()];
+    let mut times = vec![TimeSample::default(); manifest.programs.len()];
     finished.each(|done| {
         let program = &manifest.programs[done.program];
         let time = completion_time(&done.record).filter(|_| Some(program.scene.tick) == first);
         time.into_iter().for_each(|it| times[done.program].push(it));
     })?;
-    let strip = |(program, times): (&Program, &Sample)| {
+    let strip = |(program, times): (&EnsembleProgram, &TimeSample)| {
         let estimate = KaplanMeier::of(&times.to_vec())?;
         let steps = estimate.curve().into_iter();
         Some(Strip {

@@ -3,7 +3,7 @@ use std::fmt::Write as _;
 use std::sync::atomic::AtomicBool;
 
 use stochc_ensemble::text::{Tick, seconds, visible};
-use stochc_ensemble::{Manifest, Program, named};
+use stochc_ensemble::{EnsembleProgram, Manifest, named};
 use stochc_ir::record::{BondRecord, Limit, Origin, Outcome, ReleaseRecord, RunRecord, WaitRecord};
 use stochc_ir::table::{PhaseId, RoleId};
 use stochc_runtime::run as run_once;
@@ -49,7 +49,7 @@ pub fn run(
 }
 
 /// A run in lines: a phase, what happened in it, its end.
-fn story(record: &RunRecord, program: &Program) -> String {
+fn story(record: &RunRecord, program: &EnsembleProgram) -> String {
     let teller = Teller { record, program };
     let mut out = String::new();
     // Writing to a string cannot fail.
@@ -84,7 +84,7 @@ fn story(record: &RunRecord, program: &Program) -> String {
 /// Tells of a run.
 struct Teller<'a> {
     record: &'a RunRecord,
-    program: &'a Program,
+    program: &'a EnsembleProgram,
 }
 
 impl Teller<'_> {

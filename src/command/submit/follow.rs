@@ -7,7 +7,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use stochc_ensemble::shards::listed;
-use stochc_ensemble::slurm::{Job, JobArray, Queue, Step, Stop, Submission, Workflow, last_lines};
+use stochc_ensemble::slurm::{
+    JobArray, Queue, SlurmJob, Stop, Submission, Workflow, WorkflowStep, last_lines,
+};
 use stochc_ensemble::text::{ranges, visible, words};
 use stochc_files::shell::file as shell_file;
 use stochc_ir::visible_lines;
@@ -30,7 +32,7 @@ struct Follower<'a> {
     /// Whether Slurm has answered, and there is a folder for what is submitted.
     is_prepared: bool,
     /// Tasks that have ended; Slurm forgets them after a while.
-    ended: BTreeSet<Job>,
+    ended: BTreeSet<SlurmJob>,
     /// What is shown.
     state: &'a Mutex<State>,
 }
@@ -155,14 +157,14 @@ impl Follower<'_> {
             return Ok(Next::Wait);
         }
         match step {
-            Step::Wait => {}
-            Step::Done => return Ok(Next::Done),
-            Step::Stop(reason) => return Ok(Next::Stop(reason)),
-            Step::Pieces { missing, cancel } => {
+            WorkflowStep::Wait => {}
+            WorkflowStep::Done => return Ok(Next::Done),
+            WorkflowStep::Stop(reason) => return Ok(Next::Stop(reason)),
+            WorkflowStep::Pieces { missing, cancel } => {
                 slurm::cancel(&cancel).map_err(|it| self.unanswered(it))?;
                 self.submit(Some(&missing), &[])?;
             }
-            Step::Merge { after } => self.submit(None, &after)?,
+            WorkflowStep::Merge { after } => self.submit(None, &after)?,
         }
         Ok(Next::Wait)
     }

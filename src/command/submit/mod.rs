@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use clap::Args;
 use stochc_ensemble::slurm::{
-    Ensemble, Found, JobArray, Limits, Opened, merge_script, pieces_script,
+    FoundPieces, JobArray, Opened, SlurmEnsemble, SlurmLimits, merge_script, pieces_script,
 };
 
 use super::interrupt::stop_on_interrupt;
@@ -72,7 +72,7 @@ fn sbatch_option(option: &str) -> Result<String, String> {
 /// What is submitted: commands and scripts.
 struct Jobs<'a> {
     options: &'a Options,
-    ensemble: &'a Ensemble,
+    ensemble: &'a SlurmEnsemble,
     stochc: String,
     folder: String,
 }
@@ -83,7 +83,7 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
     let shown = options.folder.to_string_lossy();
     let path = options.folder.canonicalize();
     let path = path.map_err(|error| Failure::usage(format!("cannot use `{shown}`: {error}")))?;
-    let ensemble = match Ensemble::open(&path).map_err(Failure::usage)? {
+    let ensemble = match SlurmEnsemble::open(&path).map_err(Failure::usage)? {
         Opened::Cut(ensemble) => ensemble,
         Opened::Merged(runs) => {
             if !options.quiet {
@@ -100,7 +100,7 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
 }
 
 impl Jobs<'_> {
-    fn new<'a>(options: &'a Options, ensemble: &'a Ensemble) -> Result<Jobs<'a>, Failure> {
+    fn new<'a>(options: &'a Options, ensemble: &'a SlurmEnsemble) -> Result<Jobs<'a>, Failure> {
         let text = |path: PathBuf| match path.into_os_string().into_string() {
             Ok(text) => Ok(text),
             Err(path) => Err(Failure::usage(format!(
@@ -121,7 +121,7 @@ impl Jobs<'_> {
     }
 
     /// How many pieces a task makes.
-    fn per_task(&self, limits: Limits) -> Result<u64, Failure> {
+    fn per_task(&self, limits: SlurmLimits) -> Result<u64, Failure> {
         let per_task = limits.per_task(self.ensemble.pieces, self.options.per_task);
         per_task.ok_or_else(|| {
             Failure::usage(
@@ -174,7 +174,8 @@ impl Jobs<'_> {
 
     /// Prints what would be submitted if nothing were queued.
     fn show(&self) -> Result<Exit, Failure> {
-        let Found::AllBut(missing) = self.ensemble.look(false).map_err(Failure::usage)? else {
+        let FoundPieces::AllBut(missing) = self.ensemble.look(false).map_err(Failure::usage)?
+        else {
             return Ok(Exit::Success);
         };
         // Without Slurm there is something to see as well.

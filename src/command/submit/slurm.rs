@@ -3,7 +3,7 @@ use std::ffi::OsString;
 use std::io::ErrorKind;
 use std::process::{Command, Stdio};
 
-use stochc_ensemble::slurm::{Ensemble, FORMAT, Limits, Queue, is_passing};
+use stochc_ensemble::slurm::{FORMAT, Queue, SlurmEnsemble, SlurmLimits, is_passing};
 use stochc_files::shell::quoted;
 
 /// Why there is no answer.
@@ -18,7 +18,7 @@ pub enum Unanswered {
 }
 
 /// What Slurm knows of the jobs of an ensemble.
-pub fn queue(ensemble: &Ensemble) -> Result<Queue, Unanswered> {
+pub fn queue(ensemble: &SlurmEnsemble) -> Result<Queue, Unanswered> {
     let names = format!("--name={},{}", ensemble.name, ensemble.merge_name());
     let format = format!("--format={FORMAT}");
     let printed = ask("squeue", &["--noheader", "--states=all", &names, &format]);
@@ -31,8 +31,8 @@ pub fn queue(ensemble: &Ensemble) -> Result<Queue, Unanswered> {
 }
 
 /// How many jobs the site allows.
-pub fn limits() -> Result<Limits, Unanswered> {
-    let limits = Limits::of_config(&ask("scontrol", &["show", "config"])?);
+pub fn limits() -> Result<SlurmLimits, Unanswered> {
+    let limits = SlurmLimits::of_config(&ask("scontrol", &["show", "config"])?);
     let user = format!("user={}", std::env::var("USER").unwrap_or_default());
     let associations = [
         "--noheader",

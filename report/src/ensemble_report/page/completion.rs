@@ -1,6 +1,6 @@
 //! When runs completed: curves, means, differences.
 use stochc_ensemble::text::number;
-use stochc_ensemble::{PairwiseTest, Time, Verdict};
+use stochc_ensemble::{PairwiseResult, PairwiseTest, Time};
 use stochc_ir::table::PhaseId;
 
 use super::common::{figures, show, tick};
@@ -104,7 +104,7 @@ pub(super) fn differences(parts: &Parts, out: &mut Html) {
     out.heading(2, "differences", "Differences");
     let mut rows: Vec<&PairwiseTest> = parts.pairwise_tests.iter().collect();
     let p = |contrast: &PairwiseTest| match contrast.verdict {
-        Verdict::Known(ref found) => found.p,
+        PairwiseResult::Known(ref found) => found.p,
         _ => 2.0,
     };
     if rows.len() > ROWS {
@@ -121,15 +121,15 @@ pub(super) fn differences(parts: &Parts, out: &mut Html) {
         let mut cells = vec![Cell::Marked(pair)];
         let none = || Cell::Number("–".into());
         match &contrast.verdict {
-            Verdict::Same => {
+            PairwiseResult::Same => {
                 cells.extend([none(), none(), none()]);
                 cells.push(Cell::Plain("the same runs".into()));
             }
-            Verdict::Unknown => {
+            PairwiseResult::Unknown => {
                 cells.extend([none(), none(), none()]);
                 cells.push(Cell::Plain("too few runs, or no spread, to tell".into()));
             }
-            Verdict::Known(found) => {
+            PairwiseResult::Known(found) => {
                 let [difference, half] = [found.difference, found.half_width].map(number);
                 cells.push(Cell::Number(format!("{difference} ± {half}")));
                 cells.push(Cell::Number(probability(found.p)));

@@ -1,5 +1,5 @@
 //! What was run, how to run it again, and how to read the page.
-use stochc_ensemble::Program;
+use stochc_ensemble::EnsembleProgram;
 use stochc_ensemble::text::number;
 use stochc_files::shell;
 use stochc_ir::scene::describe;
@@ -48,7 +48,7 @@ pub(super) fn origin(parts: &Parts, out: &mut Html) {
         out.raw(&command(&simulate(manifest)));
         let programs = manifest.programs.iter().enumerate();
         // The points of a sweep have one text, and its table has their values.
-        let first = |(number, program): &(usize, &Program)| {
+        let first = |(number, program): &(usize, &EnsembleProgram)| {
             let before = &manifest.programs[..*number];
             program.varied.is_empty()
                 || !(before.iter())

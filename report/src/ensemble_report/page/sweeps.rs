@@ -1,5 +1,5 @@
 //! What was varied, and what became of the times.
-use stochc_ensemble::sweep::{Point, Sweep};
+use stochc_ensemble::sweep::{Sweep, SweepPoint};
 use stochc_ensemble::text::{number, percent};
 
 use super::common::{figure, mean_cell, show};
@@ -34,7 +34,7 @@ pub(super) fn sweeps(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawing>)
 }
 
 fn table(sweep: &Sweep, out: &mut Html) {
-    let row = |point: &Point| {
+    let row = |point: &SweepPoint| {
         let mut cells = vec![Cell::Marked(name(&point.program))];
         let values = point.values.iter();
         cells.extend(values.map(|value| Cell::Number(number(value.value))));

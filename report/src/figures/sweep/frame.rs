@@ -1,5 +1,5 @@
 //! What figures over a number that was varied have in common.
-use stochc_ensemble::sweep::{Point, Sweep, Value};
+use stochc_ensemble::sweep::{Sweep, SweepPoint, SweptValue};
 use stochc_ensemble::text::number;
 
 use super::WIDTH;
@@ -21,35 +21,35 @@ pub(super) fn aside(i: usize, n: usize) -> f64 {
 /// The points of one figure.
 pub(super) struct Panel<'a> {
     pub sweep: &'a Sweep,
-    pub points: Vec<&'a Point>,
+    pub points: Vec<&'a SweepPoint>,
     /// Of its file, without the ending.
     pub name: String,
     /// The values of the third number and those after it, which all its points share.
-    pub rest: &'a [Value],
+    pub rest: &'a [SweptValue],
 }
 
 /// The points that are joined by a line, by value.
 pub(super) struct Curve<'a> {
     pub name: String,
-    pub points: Vec<(f64, &'a Point)>,
+    pub points: Vec<(f64, &'a SweepPoint)>,
 }
 
 impl<'a> Panel<'a> {
     /// A curve for each program and each value of the second number.
     pub fn curves(&self) -> Vec<Curve<'a>> {
         let several = self.sweep.programs().len() > 1;
-        let second = |point: &Point| point.values.get(1).copied();
-        let mut keys: Vec<(&str, Option<Value>)> = Vec::new();
+        let second = |point: &SweepPoint| point.values.get(1).copied();
+        let mut keys: Vec<(&str, Option<SweptValue>)> = Vec::new();
         for point in &self.points {
             let key = (&*point.program, second(point));
             if !keys.contains(&key) {
                 keys.push(key);
             }
         }
-        let curve = |(program, value): (&str, Option<Value>)| {
+        let curve = |(program, value): (&str, Option<SweptValue>)| {
             let own = (self.points.iter())
                 .filter(|point| (&*point.program, second(point)) == (program, value));
-            let mut points: Vec<(f64, &Point)> = own
+            let mut points: Vec<(f64, &SweepPoint)> = own
                 .filter_map(|point| Some((point.values.first()?.value, *point)))
                 .collect();
             points.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -117,7 +117,7 @@ impl<'a> Panel<'a> {
 }
 
 /// One sentence for each curve, of what `each` says of its points.
-pub(super) fn told(curves: &[Curve], each: impl Fn(&Point) -> String) -> String {
+pub(super) fn told(curves: &[Curve], each: impl Fn(&SweepPoint) -> String) -> String {
     let curve = |curve: &Curve| {
         let points = (curve.points.iter())
             .map(|(value, point)| format!("{} at {}", each(point), number(*value)));

@@ -1,5 +1,5 @@
 //! Mean times over two numbers that were varied, as a map.
-use stochc_ensemble::sweep::{Point, Value};
+use stochc_ensemble::sweep::{SweepPoint, SweptValue};
 use stochc_ensemble::text::number;
 
 use super::WIDTH;
@@ -15,7 +15,7 @@ pub(super) fn heat(panel: &Panel, name: &str, program: &str) -> Option<Drawing> 
     const HEIGHT: f64 = 30.0;
     let own = || panel.points.iter().filter(|point| point.program == program);
     let unit = panel.sweep.unit;
-    let mean = |point: &Point| point.time.as_ref().map(|time| time.mean);
+    let mean = |point: &SweepPoint| point.time.as_ref().map(|time| time.mean);
     let most = own().filter_map(|point| mean(point)).fold(0.0, f64::max);
     if most <= 0.0 {
         return None;
@@ -46,7 +46,7 @@ pub(super) fn heat(panel: &Panel, name: &str, program: &str) -> Option<Drawing> 
         out.text_around("dim", (x, bottom + 17.0), &number(value.value));
     }
     for (point, told) in own().zip(&told) {
-        let place = |of: &[Value], i: usize| of.iter().position(|it| *it == point.values[i]);
+        let place = |of: &[SweptValue], i: usize| of.iter().position(|it| *it == point.values[i]);
         let (Some(column), Some(row)) = (place(&across, 0), place(&up, 1)) else {
             continue;
         };
@@ -83,8 +83,8 @@ pub(super) fn heat(panel: &Panel, name: &str, program: &str) -> Option<Drawing> 
 }
 
 /// The values of an axis that points have, each once, the smallest first.
-fn values<'a>(points: impl Iterator<Item = &'a &'a Point>, axis: usize) -> Vec<Value> {
-    let mut found: Vec<Value> = Vec::new();
+fn values<'a>(points: impl Iterator<Item = &'a &'a SweepPoint>, axis: usize) -> Vec<SweptValue> {
+    let mut found: Vec<SweptValue> = Vec::new();
     for point in points {
         if !found.contains(&point.values[axis]) {
             found.push(point.values[axis]);

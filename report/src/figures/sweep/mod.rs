@@ -5,7 +5,7 @@ mod share;
 mod times;
 
 use frame::Panel;
-use stochc_ensemble::sweep::{Point, Sweep, Value};
+use stochc_ensemble::sweep::{Sweep, SweepPoint, SweptValue};
 
 use crate::svg::Drawing;
 
@@ -24,7 +24,7 @@ const PANELS: usize = 6;
 /// The first number is on the axis, and each value of the second has its curve, or its row in a map.
 /// Each combination of values of further numbers has figures of its own; none where these are many.
 pub fn pictures(sweep: &Sweep, prefix: &str) -> Vec<Drawing> {
-    let mut further: Vec<&[Value]> = Vec::new();
+    let mut further: Vec<&[SweptValue]> = Vec::new();
     for point in &sweep.points {
         let rest = point.values.get(2..).unwrap_or_default();
         if !further.contains(&rest) {
@@ -36,7 +36,7 @@ pub fn pictures(sweep: &Sweep, prefix: &str) -> Vec<Drawing> {
     }
     let mut drawings = Vec::new();
     for (i, &rest) in further.iter().enumerate() {
-        let here = |point: &&Point| point.values.get(2..).unwrap_or_default() == rest;
+        let here = |point: &&SweepPoint| point.values.get(2..).unwrap_or_default() == rest;
         let panel = Panel {
             sweep,
             points: sweep.points.iter().filter(here).collect(),

@@ -1,5 +1,5 @@
 //! The share of runs that completed over a number that was varied.
-use stochc_ensemble::sweep::Point;
+use stochc_ensemble::sweep::SweepPoint;
 
 use super::frame::{BOTTOM, LEFT, Panel, RIGHT, TOP, aside, told};
 use crate::svg::{DASHES, Drawing, Scale, class};
@@ -46,6 +46,6 @@ pub(super) fn share(panel: &Panel) -> Option<Drawing> {
     Some(out)
 }
 
-fn described(point: &Point) -> String {
+fn described(point: &SweepPoint) -> String {
     format!("{} of {} completed", point.completed, point.finished())
 }

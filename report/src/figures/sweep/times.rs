@@ -1,6 +1,6 @@
 //! Mean times over a number that was varied.
 use stochc_ensemble::Time;
-use stochc_ensemble::sweep::Point;
+use stochc_ensemble::sweep::SweepPoint;
 use stochc_ensemble::text::number;
 
 use super::frame::{BOTTOM, LEFT, Panel, RIGHT, TOP, aside, told};
@@ -36,7 +36,7 @@ pub(super) fn times(panel: &Panel) -> Option<Drawing> {
     out.upward(&y, (BOTTOM, TOP), LEFT, RIGHT, &axis, number);
     for (i, curve) in curves.iter().enumerate() {
         let place = |value: f64| x.at(value) + aside(i, curves.len());
-        let mean = |(value, point): &(f64, &Point)| {
+        let mean = |(value, point): &(f64, &SweepPoint)| {
             let time = point.time.as_ref()?;
             Some((place(*value), y.at(time.mean)))
         };
@@ -68,7 +68,7 @@ pub(super) fn times(panel: &Panel) -> Option<Drawing> {
     Some(out)
 }
 
-pub(super) fn described(point: &Point, unit: &str) -> String {
+pub(super) fn described(point: &SweepPoint, unit: &str) -> String {
     let Some(time) = &point.time else {
         return "no time".to_owned();
     };
