@@ -15,7 +15,7 @@ use stochc::ensemble::{
 };
 use stochc::ir::Json;
 use stochc::ir::emit::{graph_dot, graph_json, graph_text, table_json, table_text};
-use stochc::report::ensemble_report::{Input, Surroundings, report};
+use stochc::report::ensemble_report::{Input, ReportLocation, report};
 use stochc_grammar::to_json;
 use stochc_runtime::{Model, Settings};
 
@@ -192,7 +192,7 @@ fn of_ensemble(runs: u64) -> usize {
             manifest: contents.manifest,
             finished: contents.finished,
         }];
-        let surroundings = Surroundings {
+        let surroundings = ReportLocation {
             folder: "figures",
             replay: &|_, _, _| None,
         };

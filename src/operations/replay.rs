@@ -7,7 +7,7 @@ use stochc_ensemble::EnsembleProgram;
 use stochc_ensemble::recording::Outline;
 use stochc_ensemble::text::visible;
 use stochc_files::atomic::{Draft, Replaces, begins_with};
-use stochc_report::replay::{MARK, Statement, about, tour, write as write_page};
+use stochc_report::replay::{EventLocation, MARK, about, tour, write as write_page};
 
 use super::chosen_run::ChosenRun;
 use crate::exit::Failure;
@@ -75,7 +75,7 @@ fn to(
 const MOST_STATEMENTS: usize = 50_000;
 
 /// Where each event of the graph is written; nothing, if the texts of the program are not here, or another compiler's.
-fn statements(program: &EnsembleProgram) -> Vec<Statement> {
+fn statements(program: &EnsembleProgram) -> Vec<EventLocation> {
     let texts: Vec<(&str, &str)> = (program.sources.iter())
         .map(|source| (source.path.as_str(), source.text.as_str()))
         .collect();
@@ -93,7 +93,7 @@ fn statements(program: &EnsembleProgram) -> Vec<Statement> {
         .collect();
     let places = (0..).zip(&plan.events).filter_map(|(event, written)| {
         let span = written.site.span;
-        Some(Statement {
+        Some(EventLocation {
             file: files[written.site.file.0 as usize]?,
             bytes: span.start as usize..span.end as usize,
             event,

@@ -7,7 +7,7 @@ use stochc_files::atomic::{self, Draft, Replaces, begins_with};
 use stochc_files::{budget, read_file};
 use stochc_ir::visible;
 use stochc_report::ensemble_report::{
-    CHAINS, Input, MARK, Report, ReportError, Surroundings, address, report,
+    CHAINS, Input, MARK, Report, ReportError, ReportLocation, address, report,
 };
 
 use super::results::read as read_folder;
@@ -35,7 +35,7 @@ pub fn write(folders: &[PathBuf], out: Option<&Path>, host: &dyn Host) -> Result
         .file_name()
         .unwrap_or_default()
         .to_string_lossy();
-    let surroundings = Surroundings {
+    let surroundings = ReportLocation {
         folder: &name,
         replay: &|folder, program, run| {
             let (path, input) = &folders[folder];

@@ -1,7 +1,7 @@
 //! The page as a reader gets it.
 use std::collections::HashSet;
 
-use stochc::report::ensemble_report::{ReportError, Surroundings, report};
+use stochc::report::ensemble_report::{ReportError, ReportLocation, report};
 
 use crate::sample::{five, parsed, told};
 use crate::stochc::{path, stochc_with};
@@ -240,7 +240,7 @@ fn a_long_chain_of_equal_waits_is_told_in_one_sentence() {
 #[test]
 fn sentences_link_to_their_ticks() {
     let input = five(0.2);
-    let surroundings = Surroundings {
+    let surroundings = ReportLocation {
         folder: "report-figures",
         replay: &|_, _, run| Some(format!("replay-{run}.html")),
     };

@@ -9,7 +9,7 @@ use stochc::ir::record::{
 };
 use stochc::ir::table::{PhaseId, RoleId};
 use stochc::ir::{Cell, Executable, Face};
-use stochc::report::ensemble_report::{CHAINS, Input, Report, Surroundings, report};
+use stochc::report::ensemble_report::{CHAINS, Input, Report, ReportLocation, report};
 use stochc::runtime::{Model, Settings};
 
 /// Two towers side by side, then the second block of one is let go and M takes a block.
@@ -183,7 +183,7 @@ pub fn five(friction: f64) -> Input {
 
 /// The report of some folders that have no replays.
 pub fn told(inputs: &[Input]) -> Report {
-    let surroundings = Surroundings {
+    let surroundings = ReportLocation {
         folder: "report-figures",
         replay: &|_, _, _| None,
     };

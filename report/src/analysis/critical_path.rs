@@ -9,11 +9,11 @@ use stochc_ir::graph::{Dependency, EventAction};
 use stochc_ir::record::{Outcome, RunRecord};
 use stochc_ir::table::PhaseId;
 
-use super::events::{Event, Events, awaited, captured};
+use super::events::{Events, OrderedEvent, awaited, captured};
 
 /// A part of a run's time, and what it was spent on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Link {
+pub(crate) struct CriticalPathSegment {
     pub phase: PhaseId,
     pub what: What,
     /// Ticks of the run.
@@ -36,7 +36,7 @@ pub(crate) enum What {
 
 /// When an event of a run could begin, and when it had happened.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Moment {
+pub(crate) struct EventTiming {
     /// When the face was magnetized, or the release was asked for; `None`: never.
     pub ready: Option<u64>,
     /// When the block docked or was let go; `None`: never.
@@ -45,7 +45,7 @@ pub(crate) struct Moment {
     pub bond: Option<usize>,
 }
 
-impl Link {
+impl CriticalPathSegment {
     pub fn ticks(&self) -> u64 {
         self.to.saturating_sub(self.from)
     }
@@ -61,10 +61,10 @@ impl Link {
 
 /// When every event of a run happened, as its record says; a release was ready as soon as what it waits
 /// for had happened.
-pub(crate) fn moments(events: &Events, record: &RunRecord) -> Vec<Moment> {
+pub(crate) fn moments(events: &Events, record: &RunRecord) -> Vec<EventTiming> {
     let mut recorded = recorded(record);
     let begins = begins(record);
-    let mut moments: Vec<Moment> = (events.events.iter())
+    let mut moments: Vec<EventTiming> = (events.events.iter())
         .map(|event| {
             let queue = recorded.get_mut(&(event.phase, event.action));
             queue.and_then(VecDeque::pop_front).unwrap_or_default()
@@ -87,8 +87,8 @@ pub(crate) fn moments(events: &Events, record: &RunRecord) -> Vec<Moment> {
 /// What an event has waited for, and when each was done: of captures among which it has a choice, the one
 /// with which there were enough.
 fn met<'a>(
-    event: &'a Event,
-    moments: &'a [Moment],
+    event: &'a OrderedEvent,
+    moments: &'a [EventTiming],
 ) -> impl Iterator<Item = (usize, Dependency, Option<u64>)> + 'a {
     let done = |first: usize| moments.get(first).and_then(|moment| moment.done);
     let mut faces: Vec<_> = (event.waits_for.iter())
@@ -112,8 +112,8 @@ fn met<'a>(
 }
 
 /// What a record says of each thing that was done in a phase, in the order in which it was repeated.
-fn recorded(record: &RunRecord) -> HashMap<(PhaseId, EventAction), VecDeque<Moment>> {
-    let mut recorded: HashMap<_, VecDeque<Moment>> = HashMap::new();
+fn recorded(record: &RunRecord) -> HashMap<(PhaseId, EventAction), VecDeque<EventTiming>> {
+    let mut recorded: HashMap<_, VecDeque<EventTiming>> = HashMap::new();
     let mut add = |phase, action, moment| {
         recorded
             .entry((phase, action))
@@ -121,7 +121,7 @@ fn recorded(record: &RunRecord) -> HashMap<(PhaseId, EventAction), VecDeque<Mome
             .push_back(moment);
     };
     for (i, bond) in record.bonds.iter().enumerate() {
-        let moment = Moment {
+        let moment = EventTiming {
             ready: Some(bond.magnetized),
             done: Some(bond.docked),
             bond: Some(i),
@@ -129,16 +129,16 @@ fn recorded(record: &RunRecord) -> HashMap<(PhaseId, EventAction), VecDeque<Mome
         add(bond.phase, captured(bond), moment);
     }
     for wait in &record.waiting {
-        let moment = Moment {
+        let moment = EventTiming {
             ready: Some(wait.magnetized),
-            ..Moment::default()
+            ..EventTiming::default()
         };
         add(wait.phase, awaited(wait), moment);
     }
     for release in &record.releases {
-        let moment = Moment {
+        let moment = EventTiming {
             done: Some(release.tick),
-            ..Moment::default()
+            ..EventTiming::default()
         };
         let child = release.child;
         add(release.phase, EventAction::Release { child }, moment);
@@ -158,7 +158,11 @@ fn begins(record: &RunRecord) -> Vec<u64> {
 }
 
 /// The chain of a run, the first link first; empty where the run failed.
-pub(crate) fn chain(events: &Events, record: &RunRecord, moments: &[Moment]) -> Vec<Link> {
+pub(crate) fn chain(
+    events: &Events,
+    record: &RunRecord,
+    moments: &[EventTiming],
+) -> Vec<CriticalPathSegment> {
     if matches!(record.outcome, Outcome::Failed { .. }) {
         return Vec::new();
     }
@@ -179,7 +183,7 @@ pub(crate) fn chain(events: &Events, record: &RunRecord, moments: &[Moment]) -> 
             continue;
         };
         if tick < end {
-            links.push(Link {
+            links.push(CriticalPathSegment {
                 phase: event.phase,
                 what: What::Reports,
                 from: tick,
@@ -198,9 +202,9 @@ pub(crate) fn chain(events: &Events, record: &RunRecord, moments: &[Moment]) -> 
 fn unfinished(
     events: &Events,
     record: &RunRecord,
-    moments: &[Moment],
+    moments: &[EventTiming],
     phase: PhaseId,
-    links: &mut Vec<Link>,
+    links: &mut Vec<CriticalPathSegment>,
 ) {
     let here = || events.of_phase(phase.0 as usize);
     let waiting = here().filter(|(i, event)| {
@@ -209,7 +213,7 @@ fn unfinished(
     match waiting.min_by_key(|&(i, _)| moments[i].ready) {
         Some((event, _)) => {
             let since = since(events, moments, event);
-            links.push(Link {
+            links.push(CriticalPathSegment {
                 phase,
                 what: What::Pending { event },
                 from: moments[event].ready.unwrap_or(0),
@@ -224,7 +228,7 @@ fn unfinished(
         None => {
             let done = here().filter(|&(i, _)| moments[i].done.is_some());
             if let Some((last, _)) = done.max_by_key(|&(i, _)| moments[i].done) {
-                links.push(Link {
+                links.push(CriticalPathSegment {
                     phase,
                     what: What::Reports,
                     from: moments[last].done.unwrap_or(0),
@@ -238,7 +242,12 @@ fn unfinished(
 }
 
 /// Adds an event and all that led to it within its phase, the last first.
-fn back(events: &Events, moments: &[Moment], last: usize, links: &mut Vec<Link>) {
+fn back(
+    events: &Events,
+    moments: &[EventTiming],
+    last: usize,
+    links: &mut Vec<CriticalPathSegment>,
+) {
     let mut next = Some(last);
     // What is waited for was done before, and there are no more events than these.
     for _ in 0..events.events.len() {
@@ -250,7 +259,7 @@ fn back(events: &Events, moments: &[Moment], last: usize, links: &mut Vec<Link>)
         let since = since(events, moments, event);
         // A cell may have been emptied only after the face was magnetized.
         let freed = since.and_then(|(first, _)| moments[first].done);
-        links.push(Link {
+        links.push(CriticalPathSegment {
             phase: events.events[event].phase,
             what: What::Event {
                 event,
@@ -265,7 +274,7 @@ fn back(events: &Events, moments: &[Moment], last: usize, links: &mut Vec<Link>)
 }
 
 /// The dependency of an event that was satisfied last.
-fn since(events: &Events, moments: &[Moment], event: usize) -> Option<(usize, Dependency)> {
+fn since(events: &Events, moments: &[EventTiming], event: usize) -> Option<(usize, Dependency)> {
     let done = met(&events.events[event], moments).filter(|(_, _, done)| done.is_some());
     let last = done.max_by_key(|&(_, _, done)| done);
     last.map(|(first, why, _)| (first, why))
@@ -287,8 +296,8 @@ mod tests {
         }
     }
 
-    fn event(phase: u32, action: EventAction, waits_for: &[(usize, Dependency)]) -> Event {
-        Event {
+    fn event(phase: u32, action: EventAction, waits_for: &[(usize, Dependency)]) -> OrderedEvent {
+        OrderedEvent {
             phase: PhaseId(phase),
             action,
             waits_for: waits_for.to_vec(),
@@ -351,7 +360,7 @@ mod tests {
         }
     }
 
-    fn told(links: &[Link]) -> Vec<(Option<usize>, u64, u64)> {
+    fn told(links: &[CriticalPathSegment]) -> Vec<(Option<usize>, u64, u64)> {
         let told = links.iter().map(|link| (link.event(), link.from, link.to));
         told.collect()
     }
@@ -377,7 +386,10 @@ mod tests {
         assert_eq!(told(&links), expected);
         assert_eq!(links[1].since, Some((0, Dependency::Anchored)));
         // The waits meet end to end and fill the run.
-        assert_eq!(links.iter().map(Link::ticks).sum::<u64>(), record.ticks);
+        assert_eq!(
+            links.iter().map(CriticalPathSegment::ticks).sum::<u64>(),
+            record.ticks
+        );
     }
 
     #[test]

@@ -8,19 +8,19 @@ use stochc_ir::table::PhaseId;
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Events {
     /// Phase by phase; what waits stands behind what it waits for, and next to it where it can.
-    pub events: Vec<Event>,
+    pub events: Vec<OrderedEvent>,
 }
 
 /// A capture or a release.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Event {
+pub(crate) struct OrderedEvent {
     pub phase: PhaseId,
     pub action: EventAction,
     /// Events, and why it waits for them. Those of a [choice](Dependency::Face) may stand behind it, the others before.
     pub waits_for: Vec<(usize, Dependency)>,
 }
 
-impl Event {
+impl OrderedEvent {
     /// As the program writes it: `M.up -> N`.
     pub fn text(&self, program: &EnsembleProgram) -> String {
         self.action.describe(|role| program.role(role).to_owned())
@@ -58,7 +58,7 @@ impl Events {
         let events = order.iter().map(|&id| {
             let event = graph.event(EventId(id));
             let waits_for = graph.waits_for(EventId(id)).iter();
-            Event {
+            OrderedEvent {
                 phase: event.phase,
                 action: event.action,
                 waits_for: waits_for
@@ -72,8 +72,11 @@ impl Events {
     }
 
     /// The events of a phase with their numbers.
-    pub fn of_phase(&self, phase: usize) -> impl DoubleEndedIterator<Item = (usize, &Event)> {
-        let number = |event: &Event| event.phase.0 as usize;
+    pub fn of_phase(
+        &self,
+        phase: usize,
+    ) -> impl DoubleEndedIterator<Item = (usize, &OrderedEvent)> {
+        let number = |event: &OrderedEvent| event.phase.0 as usize;
         let begin = self.events.partition_point(|event| number(event) < phase);
         let end = self.events.partition_point(|event| number(event) <= phase);
         (begin..end).zip(&self.events[begin..end])

@@ -2,12 +2,12 @@
 use stochc_ensemble::statistics::Runs;
 use stochc_ensemble::{ComparedProgram, PairwiseTest, TimeUnit, pairwise_tests as compare};
 
-use super::subject::Subject;
+use super::subject::ReportedProgram;
 
 /// Compares every program with every other one; of a sweep, only different programs at the same
 /// values.
-pub(crate) fn pairwise_tests(subjects: &[Subject], clock: TimeUnit) -> Vec<PairwiseTest> {
-    let side = |subject: &Subject| {
+pub(crate) fn pairwise_tests(subjects: &[ReportedProgram], clock: TimeUnit) -> Vec<PairwiseTest> {
+    let side = |subject: &ReportedProgram| {
         let tick = clock.tick(subject.program);
         Runs::of(subject.manifest.seed, subject.times.clone(), tick)
     };

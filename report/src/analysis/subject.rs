@@ -11,7 +11,7 @@ use stochc_ensemble::{
 use stochc_ir::record::{Outcome, RunRecord};
 use stochc_ir::table::PhaseId;
 
-use super::critical_path::{Link, chain, moments};
+use super::critical_path::{CriticalPathSegment, chain, moments};
 use super::events::Events;
 use super::waits::Decisive;
 
@@ -39,7 +39,7 @@ pub struct Input {
 
 /// A program of a folder, and what its runs have told, of which each leaves a few bytes.
 #[derive(Clone, Debug)]
-pub(crate) struct Subject<'a> {
+pub(crate) struct ReportedProgram<'a> {
     /// What it is called in tables; unique within the report.
     pub label: String,
     /// The number of its folder.
@@ -66,20 +66,20 @@ pub(crate) struct Subject<'a> {
     pub decisive: Decisive,
     phase_times: Vec<TimeSample>,
     /// The runs that are told one by one, and what they are.
-    told: Vec<(&'static str, Run)>,
+    told: Vec<(&'static str, FinishedRun)>,
 }
 
 /// A finished run.
 #[derive(Clone, Debug)]
-pub(crate) struct Run {
+pub(crate) struct FinishedRun {
     pub record: RunRecord,
-    pub chain: Vec<Link>,
+    pub chain: Vec<CriticalPathSegment>,
 }
 
-impl Run {
-    pub fn of(events: &Events, record: &RunRecord) -> Run {
+impl FinishedRun {
+    pub fn of(events: &Events, record: &RunRecord) -> FinishedRun {
         let moments = moments(events, record);
-        Run {
+        FinishedRun {
             chain: chain(events, record, &moments),
             record: record.clone(),
         }
@@ -89,22 +89,24 @@ impl Run {
 /// The programs of all folders, in their order, and the sweeps that the folders were made by; each run is shown to `each`.
 pub(crate) fn subjects<'a>(
     inputs: &'a [Input],
-    each: &mut dyn FnMut(&Subject, &Run) -> io::Result<()>,
-) -> Result<(Vec<Subject<'a>>, Vec<Sweep>), ReportError> {
+    each: &mut dyn FnMut(&ReportedProgram, &FinishedRun) -> io::Result<()>,
+) -> Result<(Vec<ReportedProgram<'a>>, Vec<Sweep>), ReportError> {
     let programs = inputs.iter().flat_map(|input| &input.manifest.programs);
     let clock = TimeUnit::of(programs);
     let (mut subjects, mut sweeps) = (Vec::new(), Vec::new());
     for (folder, input) in inputs.iter().enumerate() {
         let first = subjects.len();
         let programs = input.manifest.programs.iter().enumerate();
-        subjects.extend(programs.map(|(number, _)| Subject::new(inputs, (folder, number), clock)));
+        subjects.extend(
+            programs.map(|(number, _)| ReportedProgram::new(inputs, (folder, number), clock)),
+        );
         let mut sweep = SweepTally::new(&input.manifest);
         input.finished.try_each(|done| {
             if let Some(sweep) = &mut sweep {
                 sweep.add(done);
             }
-            let subject: &mut Subject = &mut subjects[first + done.program];
-            let run = Run::of(&subject.events, &done.record);
+            let subject: &mut ReportedProgram = &mut subjects[first + done.program];
+            let run = FinishedRun::of(&subject.events, &done.record);
             each(subject, &run)?;
             subject.add(&run);
             Ok::<_, ReportError>(())
@@ -134,9 +136,13 @@ fn short_path(inputs: &[Input], folder: usize) -> &str {
     }
 }
 
-impl<'a> Subject<'a> {
+impl<'a> ReportedProgram<'a> {
     /// A program, before its first run.
-    fn new(inputs: &'a [Input], (folder, number): (usize, usize), clock: TimeUnit) -> Subject<'a> {
+    fn new(
+        inputs: &'a [Input],
+        (folder, number): (usize, usize),
+        clock: TimeUnit,
+    ) -> ReportedProgram<'a> {
         let manifest = &inputs[folder].manifest;
         let program = &manifest.programs[number];
         let same = |other: &&Input| {
@@ -145,7 +151,7 @@ impl<'a> Subject<'a> {
         };
         let is_shared = inputs.iter().filter(same).count() > 1;
         let events = Events::of(program);
-        Subject {
+        ReportedProgram {
             label: match is_shared {
                 true => format!("{} ({})", program.name, short_path(inputs, folder)),
                 false => program.name.clone(),
@@ -170,7 +176,7 @@ impl<'a> Subject<'a> {
     }
 
     /// Adds a run.
-    fn add(&mut self, run: &Run) {
+    fn add(&mut self, run: &FinishedRun) {
         /// Failures that are told.
         const TOLD: usize = 5;
         let record = &run.record;
@@ -215,7 +221,8 @@ impl<'a> Subject<'a> {
         };
         for (what, place) in places {
             if let Some(done) = finished.get(self.number, runs[place].0)? {
-                self.told.push((what, Run::of(&self.events, &done.record)));
+                self.told
+                    .push((what, FinishedRun::of(&self.events, &done.record)));
             }
         }
         Ok(())
@@ -252,7 +259,7 @@ impl<'a> Subject<'a> {
     }
 
     /// The fastest run, the one in the middle, and the slowest, each once.
-    pub fn told(&self) -> &[(&'static str, Run)] {
+    pub fn told(&self) -> &[(&'static str, FinishedRun)] {
         &self.told
     }
 }

@@ -6,14 +6,14 @@ use stochc_ensemble::TimeUnit;
 use stochc_ensemble::sweep::{Sweep, SweepPoint, SweptNumber, SweptValue};
 use stochc_ir::scene::scalars::scalars;
 
-use super::subject::Subject;
+use super::subject::ReportedProgram;
 
 /// A program's number in the report, and the numbers of its scene by their names.
 type Member = (usize, BTreeMap<&'static str, f64>);
 
 /// What has to be the same for a number to be all that differs.
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
-struct Kind<'a> {
+struct ComparisonKey<'a> {
     tables: &'a str,
     /// As JSON.
     settings: String,
@@ -22,8 +22,8 @@ struct Kind<'a> {
 
 /// Programs of several folders that are the same but for one number of their scenes, a sweep for each such number; its
 /// values are in SI units.
-pub(crate) fn found(subjects: &[Subject], clock: TimeUnit) -> Vec<Sweep> {
-    let mut groups: BTreeMap<Kind, Vec<Member>> = BTreeMap::new();
+pub(crate) fn found(subjects: &[ReportedProgram], clock: TimeUnit) -> Vec<Sweep> {
+    let mut groups: BTreeMap<ComparisonKey, Vec<Member>> = BTreeMap::new();
     let plain = subjects.iter().enumerate();
     let plain = plain.filter(|(_, subject)| subject.program.varied.is_empty());
     for (i, subject) in plain {
@@ -34,7 +34,7 @@ pub(crate) fn found(subjects: &[Subject], clock: TimeUnit) -> Vec<Sweep> {
         leaves(String::new(), &json, &mut words);
         // What a scene is called makes no difference.
         words.remove("name");
-        let kind = Kind {
+        let kind = ComparisonKey {
             tables,
             settings: json!(subject.manifest.settings).to_string(),
             words,

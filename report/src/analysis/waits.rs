@@ -4,11 +4,11 @@ use stochc_ir::graph::EventAction;
 use stochc_ir::table::{PhaseId, RoleId};
 
 use super::events::Events;
-use super::subject::{Run, Subject};
+use super::subject::{FinishedRun, ReportedProgram};
 
 /// One capture of a program, over all runs that did not fail.
 #[derive(Clone, Debug)]
-pub(crate) struct Wait {
+pub(crate) struct ReportedCapture {
     /// Its number in the program's events.
     pub event: usize,
     pub phase: PhaseId,
@@ -24,7 +24,7 @@ pub(crate) struct Wait {
     pub decided: usize,
 }
 
-impl Wait {
+impl ReportedCapture {
     /// From the magnetizing of the face to the docking \[ticks\]; censored in a run that was
     /// stopped before.
     pub fn time(&self) -> Option<&Time> {
@@ -79,7 +79,7 @@ impl Decisive {
     }
 
     /// Adds a run that did not fail.
-    pub fn add(&mut self, run: &Run) {
+    pub fn add(&mut self, run: &FinishedRun) {
         self.total += run.record.ticks as f64;
         for link in &run.chain {
             if let Some(event) = link.event() {
@@ -91,7 +91,7 @@ impl Decisive {
 }
 
 /// Every capture of a program, in the order of its events; what its runs have told of waits is not kept.
-pub(crate) fn waits(subject: &mut Subject) -> Vec<Wait> {
+pub(crate) fn waits(subject: &mut ReportedProgram) -> Vec<ReportedCapture> {
     let Decisive {
         spent,
         decided,
@@ -99,7 +99,7 @@ pub(crate) fn waits(subject: &mut Subject) -> Vec<Wait> {
     } = &subject.decisive;
     let mut known = std::mem::take(&mut subject.waits).finish();
     let mut done = Repetitions::default();
-    let mut found: Vec<Wait> = Vec::new();
+    let mut found: Vec<ReportedCapture> = Vec::new();
     for (number, event) in subject.events.events.iter().enumerate() {
         let EventAction::Capture {
             parent,
@@ -111,7 +111,7 @@ pub(crate) fn waits(subject: &mut Subject) -> Vec<Wait> {
         };
         let key = done.next(event.phase, (parent, face, child));
         let before = found.last().map(|wait| wait.event);
-        found.push(Wait {
+        found.push(ReportedCapture {
             event: number,
             phase: event.phase,
             text: event.text(subject.program),

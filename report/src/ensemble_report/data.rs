@@ -4,8 +4,8 @@ use stochc_ensemble::sweep::Sweep;
 use stochc_ensemble::{PairwiseResult, PairwiseTest, Time, TimeUnit};
 use stochc_files::csv::CsvTable;
 
-use crate::analysis::subject::{Run, Subject};
-use crate::analysis::waits::Wait;
+use crate::analysis::subject::{FinishedRun, ReportedProgram};
+use crate::analysis::waits::ReportedCapture;
 
 fn maybe(value: Option<f64>) -> String {
     value.map_or(String::new(), |value| value.to_string())
@@ -34,8 +34,8 @@ pub(super) fn names(differences: bool, sweeps: bool) -> Vec<&'static str> {
 
 /// All tables of a report but for [`CHAINS`], in the order of [`names`].
 pub(super) fn files(
-    subjects: &[Subject],
-    waits: &[Vec<Wait>],
+    subjects: &[ReportedProgram],
+    waits: &[Vec<ReportedCapture>],
     pairwise_tests: &[PairwiseTest],
     sweeps: &[Sweep],
     clock: TimeUnit,
@@ -57,7 +57,7 @@ pub(super) fn files(
     names.into_iter().map(str::to_owned).zip(tables).collect()
 }
 
-fn survival(subjects: &[Subject]) -> String {
+fn survival(subjects: &[ReportedProgram]) -> String {
     let mut table = CsvTable::new([
         "program",
         "phase",
@@ -94,7 +94,7 @@ fn survival(subjects: &[Subject]) -> String {
     table.finish()
 }
 
-fn means(subjects: &[Subject]) -> String {
+fn means(subjects: &[ReportedProgram]) -> String {
     let mut table = CsvTable::new([
         "program",
         "phase",
@@ -135,7 +135,7 @@ fn means(subjects: &[Subject]) -> String {
     table.finish()
 }
 
-fn captures(subjects: &[Subject], waits: &[Vec<Wait>]) -> String {
+fn captures(subjects: &[ReportedProgram], waits: &[Vec<ReportedCapture>]) -> String {
     let mut table = CsvTable::new([
         "program",
         "phase",
@@ -174,7 +174,7 @@ fn captures(subjects: &[Subject], waits: &[Vec<Wait>]) -> String {
     table.finish()
 }
 
-fn origins(subjects: &[Subject], waits: &[Vec<Wait>]) -> String {
+fn origins(subjects: &[ReportedProgram], waits: &[Vec<ReportedCapture>]) -> String {
     let mut table = CsvTable::new(["program", "phase", "capture", "origin", "role", "captured"]);
     for (subject, waits) in subjects.iter().zip(waits) {
         for wait in waits {
@@ -202,7 +202,7 @@ pub(super) fn chains_header() -> String {
 }
 
 /// The lines of a run in it.
-pub(super) fn chains(subject: &Subject, run: &Run) -> String {
+pub(super) fn chains(subject: &ReportedProgram, run: &FinishedRun) -> String {
     let mut table = CsvTable::part();
     for link in &run.chain {
         let event = link.event().map(|event| &subject.events.events[event]);
@@ -218,7 +218,11 @@ pub(super) fn chains(subject: &Subject, run: &Run) -> String {
     table.finish()
 }
 
-fn differences(subjects: &[Subject], pairwise_tests: &[PairwiseTest], clock: TimeUnit) -> String {
+fn differences(
+    subjects: &[ReportedProgram],
+    pairwise_tests: &[PairwiseTest],
+    clock: TimeUnit,
+) -> String {
     let mut table = CsvTable::new([
         "first",
         "second",

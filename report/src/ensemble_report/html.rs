@@ -12,7 +12,7 @@ pub(super) struct Html {
 
 /// A place in a table.
 #[derive(Clone, Debug)]
-pub(super) enum Cell {
+pub(super) enum HtmlCell {
     /// Words; already HTML.
     Marked(String),
     /// Words.
@@ -52,12 +52,12 @@ impl Html {
     }
 
     /// A table; the first cell of every row is its name.
-    pub fn table(&mut self, caption: &str, header: &[&str], rows: &[Vec<Cell>]) {
+    pub fn table(&mut self, caption: &str, header: &[&str], rows: &[Vec<HtmlCell>]) {
         self.tables += 1;
         let numeric = |column: usize| {
             let cells = rows.iter().filter_map(|row| row.get(column));
             let mut cells = cells.peekable();
-            cells.peek().is_some() && cells.all(|cell| matches!(cell, Cell::Number(_)))
+            cells.peek().is_some() && cells.all(|cell| matches!(cell, HtmlCell::Number(_)))
         };
         let _ = writeln!(
             self.text,
@@ -81,9 +81,9 @@ impl Html {
                     ("td", "")
                 };
                 let (class, content) = match cell {
-                    Cell::Marked(html) => ("", html.clone()),
-                    Cell::Plain(text) => ("", escaped(text)),
-                    Cell::Number(text) => {
+                    HtmlCell::Marked(html) => ("", html.clone()),
+                    HtmlCell::Plain(text) => ("", escaped(text)),
+                    HtmlCell::Number(text) => {
                         let lines: Vec<_> = text.lines().map(escaped).collect();
                         (" class=\"n\"", lines.join("<br/> "))
                     }

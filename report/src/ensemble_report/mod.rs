@@ -32,7 +32,7 @@ pub struct Report {
 
 /// What a report needs to know about the place that it is written to.
 #[derive(Clone, Copy)]
-pub struct Surroundings<'a> {
+pub struct ReportLocation<'a> {
     /// The name of the folder of figures and tables, which is beside the page.
     pub folder: &'a str,
     /// The address of the replay of a run as seen from the page, from the numbers of its folder, of
@@ -57,7 +57,7 @@ pub fn address(path: &str) -> String {
 /// Where runs cannot be read again, or `chains` cannot be written.
 pub fn report(
     inputs: &[Input],
-    surroundings: &Surroundings,
+    surroundings: &ReportLocation,
     chains: &mut dyn Write,
 ) -> Result<Report, ReportError> {
     chains.write_all(data::chains_header().as_bytes())?;

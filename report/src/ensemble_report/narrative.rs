@@ -5,9 +5,9 @@ use stochc_ir::graph::Dependency;
 use stochc_ir::record::{Limit, Origin, Outcome};
 
 use super::html::{code, name};
-use crate::analysis::critical_path::{Link, What};
+use crate::analysis::critical_path::{CriticalPathSegment, What};
 use crate::analysis::events::Events;
-use crate::analysis::subject::Run;
+use crate::analysis::subject::FinishedRun;
 
 /// What a run is told of.
 pub(crate) struct Telling<'a> {
@@ -37,7 +37,7 @@ impl Telling<'_> {
 const TOLD: usize = 12;
 
 /// A run's heading, in HTML: its number, what it is, how long it took.
-pub(super) fn heading(of: &Telling, what: &str, run: &Run) -> String {
+pub(super) fn heading(of: &Telling, what: &str, run: &FinishedRun) -> String {
     let record = &run.record;
     let end = match &record.outcome {
         Outcome::Completed => String::new(),
@@ -59,19 +59,19 @@ pub(super) fn heading(of: &Telling, what: &str, run: &Run) -> String {
 }
 
 /// Its chain in a few sentences of HTML, each an item of a list.
-pub(super) fn story(of: &Telling, run: &Run) -> Vec<String> {
-    let mut longest: Vec<u64> = run.chain.iter().map(Link::ticks).collect();
+pub(super) fn story(of: &Telling, run: &FinishedRun) -> Vec<String> {
+    let mut longest: Vec<u64> = run.chain.iter().map(CriticalPathSegment::ticks).collect();
     // What took no time needs no room where room is short.
     longest.retain(|&ticks| ticks > 0);
     longest.sort_unstable_by(|a, b| b.cmp(a));
     let least = longest.get(TOLD).copied();
-    let told = |link: &&Link| match least {
+    let told = |link: &&CriticalPathSegment| match least {
         None => true,
         // Of equally long ones all or none: a chain of short waits is told as one.
         Some(least) => link.ticks() > least,
     };
     let mut items = Vec::new();
-    let mut passed: Vec<&Link> = Vec::new();
+    let mut passed: Vec<&CriticalPathSegment> = Vec::new();
     for link in &run.chain {
         if told(&link) {
             items.extend(between(of, &passed));
@@ -86,7 +86,7 @@ pub(super) fn story(of: &Telling, run: &Run) -> Vec<String> {
 }
 
 /// The one wait that took most of a run, in a sentence of HTML.
-pub(super) fn lead(of: &Telling, run: &Run) -> Option<String> {
+pub(super) fn lead(of: &Telling, run: &FinishedRun) -> Option<String> {
     let total = run.record.ticks;
     let longest = run.chain.iter().max_by_key(|link| link.ticks())?;
     let share = 100.0 * longest.ticks() as f64 / total.max(1) as f64;
@@ -94,7 +94,7 @@ pub(super) fn lead(of: &Telling, run: &Run) -> Option<String> {
     (share >= 25.0).then(|| format!("{} alone took {share:.0} % of it.", code(&text)))
 }
 
-fn between(of: &Telling, passed: &[&Link]) -> Option<String> {
+fn between(of: &Telling, passed: &[&CriticalPathSegment]) -> Option<String> {
     let waits: Vec<u64> = passed.iter().map(|link| link.ticks()).collect();
     let spent = waits
         .iter()
@@ -115,7 +115,7 @@ fn between(of: &Telling, passed: &[&Link]) -> Option<String> {
     ))
 }
 
-pub(crate) fn item(of: &Telling, run: &Run, link: &Link) -> String {
+pub(crate) fn item(of: &Telling, run: &FinishedRun, link: &CriticalPathSegment) -> String {
     let share = 100.0 * link.ticks() as f64 / run.record.ticks.max(1) as f64;
     // The time of the link in seconds, and what part of the run's it is.
     let seconds = of.tick().seconds(link.ticks() as f64);
@@ -185,7 +185,7 @@ pub(crate) fn item(of: &Telling, run: &Run, link: &Link) -> String {
 }
 
 /// Why a wait began when it did, as the end of a sentence.
-fn reason(of: &Telling, link: &Link) -> String {
+fn reason(of: &Telling, link: &CriticalPathSegment) -> String {
     let Some((first, why)) = link.since else {
         let phase = name(of.program.phase(link.phase));
         return format!("the beginning of phase <code>{phase}</code>");

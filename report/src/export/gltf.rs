@@ -87,7 +87,7 @@ impl Gltf {
         if self.is_too_large {
             return Err(GltfError::TooLarge);
         }
-        let mut file = Draft::default();
+        let mut file = BinaryBuffer::default();
         let meshes = cubes(&mut file);
         let mut nodes = Vec::new();
         for (name, cell, material) in plate(tables) {
@@ -243,7 +243,7 @@ fn centre(cell: Cell, tables: &Tables) -> [f64; 3] {
 }
 
 /// A cube of side 1: its corners, their normals and its triangles are the first three accessors.
-fn cubes(file: &mut Draft) -> usize {
+fn cubes(file: &mut BinaryBuffer) -> usize {
     let (mut corners, mut normals, mut indices) = (Vec::new(), Vec::new(), Vec::new());
     for (number, face) in (0u16..).zip(Face::ALL) {
         let n = face.normal().map(|x| x as f32);
@@ -292,13 +292,13 @@ fn mesh(material: usize) -> Value {
 
 /// The binary part of a file, and where what is in it.
 #[derive(Default)]
-struct Draft {
+struct BinaryBuffer {
     bytes: Vec<u8>,
     views: Vec<Value>,
     accessors: Vec<Value>,
 }
 
-impl Draft {
+impl BinaryBuffer {
     /// Adds numbers, which `accessor` describes; the index of the accessor.
     fn accessor(&mut self, bytes: &[u8], target: Option<u32>, mut accessor: Value) -> usize {
         let mut view =

@@ -50,12 +50,12 @@ pub struct Trajectories<W: Write + Send> {
     names: Vec<String>,
     /// Who is part of the structure, in which role.
     roles: BTreeMap<u32, usize>,
-    rows: Rows,
+    rows: TrajectoryRows,
     broken: Option<ParquetError>,
 }
 
 #[derive(Default)]
-struct Rows {
+struct TrajectoryRows {
     ticks: Vec<i64>,
     bodies: Vec<i32>,
     numbers: [Vec<f32>; 7],
@@ -94,7 +94,7 @@ impl<W: Write + Send> Trajectories<W> {
             every: every.max(1).into(),
             names: tables.roles.iter().map(|role| role.name.clone()).collect(),
             roles: BTreeMap::new(),
-            rows: Rows::default(),
+            rows: TrajectoryRows::default(),
             broken: None,
         })
     }
@@ -122,7 +122,7 @@ impl<W: Write + Send> Trajectories<W> {
     }
 }
 
-impl Rows {
+impl TrajectoryRows {
     fn write(
         &self,
         names: &[String],

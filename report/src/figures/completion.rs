@@ -2,7 +2,7 @@
 use stochc_ensemble::statistics::Observation;
 use stochc_ensemble::{JournalError, Manifest, Records, TimeUnit, completion_time};
 
-use super::{Curve, survival};
+use super::{SurvivalCurve, survival};
 use crate::svg::{Colours, Drawing};
 
 /// Curves of its programs, in the unit that they share; `None`: nothing has completed or been stopped, or the ensemble is
@@ -18,8 +18,8 @@ pub fn completion(
         return Ok(None);
     }
     let clock = TimeUnit::of(manifest.programs.iter());
-    let mut curves: Vec<Curve> = (manifest.programs.iter())
-        .map(|program| Curve {
+    let mut curves: Vec<SurvivalCurve> = (manifest.programs.iter())
+        .map(|program| SurvivalCurve {
             name: program.name.clone(),
             times: Vec::new(),
         })

@@ -3,12 +3,16 @@ use stochc_ensemble::statistics::quantile;
 use stochc_ensemble::text::number;
 
 use super::{WIDTH, short};
-use crate::analysis::subject::Subject;
-use crate::analysis::waits::Wait;
+use crate::analysis::subject::ReportedProgram;
+use crate::analysis::waits::ReportedCapture;
 use crate::svg::{Drawing, Scale, phase};
 
 /// A disc for each capture at its means, above a dot for every time it happened.
-pub(crate) fn entries(program: usize, subject: &Subject, waits: &[Wait]) -> Option<Drawing> {
+pub(crate) fn entries(
+    program: usize,
+    subject: &ReportedProgram,
+    waits: &[ReportedCapture],
+) -> Option<Drawing> {
     const TOP: f64 = 34.0;
     const BOTTOM: f64 = 330.0;
     const LEFT: f64 = 58.0;
@@ -20,7 +24,7 @@ pub(crate) fn entries(program: usize, subject: &Subject, waits: &[Wait]) -> Opti
     const ROW: f64 = 19.0;
     /// Captures that are named.
     const NAMED: usize = 6;
-    let means: Vec<(&Wait, f64, f64)> = (waits.iter())
+    let means: Vec<(&ReportedCapture, f64, f64)> = (waits.iter())
         .filter_map(|wait| Some((wait, wait.entries()?, wait.docking()?)))
         .collect();
     let bonds = &subject.dots.kept;
@@ -38,7 +42,7 @@ pub(crate) fn entries(program: usize, subject: &Subject, waits: &[Wait]) -> Opti
     let least = means.iter().map(|mean| mean.2).fold(least, f64::min);
     let y = Scale::logarithmic((least.max(0.9), 1.15 * most_docking), (BOTTOM, TOP));
     let mut ranked = means.clone();
-    let wait = |wait: &Wait| wait.time().map_or(0.0, |time| time.mean);
+    let wait = |wait: &ReportedCapture| wait.time().map_or(0.0, |time| time.mean);
     ranked.sort_by(|a, b| wait(b.0).total_cmp(&wait(a.0)));
     ranked.truncate(NAMED);
     let mut phases: Vec<usize> = (means.iter())
@@ -146,7 +150,7 @@ fn around(at: (f64, f64), half: (f64, f64)) -> Vec<(f64, f64)> {
     places
 }
 
-fn told(ranked: &[(&Wait, f64, f64)]) -> String {
+fn told(ranked: &[(&ReportedCapture, f64, f64)]) -> String {
     let each = ranked.iter().map(|(wait, entries, docking)| {
         format!(
             "{}: {} entries, {} ticks to dock",

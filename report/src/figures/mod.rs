@@ -12,7 +12,7 @@ mod waits;
 pub(crate) use entries::entries;
 pub(crate) use means::means;
 pub(crate) use origins::origins;
-pub(crate) use survival::{Curve, survival};
+pub(crate) use survival::{SurvivalCurve, survival};
 pub(crate) use waits::{SHOWN, waits};
 
 pub use completion::completion;

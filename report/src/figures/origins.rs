@@ -5,7 +5,7 @@ use stochc_ensemble::EnsembleProgram;
 use stochc_ir::table::RoleId;
 
 use super::{WIDTH, short};
-use crate::analysis::waits::Wait;
+use crate::analysis::waits::ReportedCapture;
 use crate::svg::{Drawing, Scale, class};
 
 /// A bar for each capture that ever took a block that had been released; `None`: none did.
@@ -13,7 +13,7 @@ pub(crate) fn origins(
     number: usize,
     label: &str,
     program: &EnsembleProgram,
-    waits: &[Wait],
+    waits: &[ReportedCapture],
 ) -> Option<Drawing> {
     const LEFT: f64 = 190.0;
     const RIGHT: f64 = WIDTH - 24.0;
@@ -21,7 +21,7 @@ pub(crate) fn origins(
     const ROW: f64 = 24.0;
     /// Roles that have a colour of their own.
     const ROLES: usize = 6;
-    let mut rows: Vec<&Wait> = waits
+    let mut rows: Vec<&ReportedCapture> = waits
         .iter()
         .filter(|wait| !wait.released().is_empty())
         .collect();
@@ -112,8 +112,8 @@ pub(crate) fn origins(
     Some(out)
 }
 
-fn told(program: &EnsembleProgram, rows: &[&Wait]) -> String {
-    let row = |wait: &&Wait| {
+fn told(program: &EnsembleProgram, rows: &[&ReportedCapture]) -> String {
+    let row = |wait: &&ReportedCapture| {
         let total = wait.free() + wait.released().iter().map(|(_, n)| n).sum::<usize>();
         let each = wait.released().iter();
         let each = each.map(|(role, n)| format!("{n} released as {}", program.role(*role)));

@@ -7,7 +7,7 @@ use crate::svg::{Colours, DASHES, Drawing, Scale};
 
 /// What one curve is of.
 #[derive(Clone, Debug)]
-pub(crate) struct Curve {
+pub(crate) struct SurvivalCurve {
     pub name: String,
     /// In the unit of the axis.
     pub times: Vec<Observation>,
@@ -18,7 +18,7 @@ pub(crate) struct Curve {
 pub(crate) fn survival(
     name: &str,
     title: &str,
-    curves: &[Curve],
+    curves: &[SurvivalCurve],
     axis: &str,
     colours: Colours,
 ) -> Option<Drawing> {
@@ -139,7 +139,7 @@ fn column(x: &Scale, time: f64) -> i64 {
     (3.0 * x.at(time)) as i64
 }
 
-fn legend(curve: &Curve, estimate: &KaplanMeier) -> String {
+fn legend(curve: &SurvivalCurve, estimate: &KaplanMeier) -> String {
     let stopped = curve.times.iter().filter(|time| !time.completed).count();
     let half = match estimate.median() {
         Some(median) => format!("half complete at {}", number(median)),
@@ -156,7 +156,7 @@ fn legend(curve: &Curve, estimate: &KaplanMeier) -> String {
     )
 }
 
-fn told(known: &[(usize, &Curve, KaplanMeier)]) -> String {
+fn told(known: &[(usize, &SurvivalCurve, KaplanMeier)]) -> String {
     let each = known
         .iter()
         .map(|(_, curve, estimate)| legend(curve, estimate));

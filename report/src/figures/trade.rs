@@ -3,7 +3,7 @@ use stochc_ensemble::text::{percent, relative, relative_size, seconds};
 use stochc_ensemble::trade::{CLOSE, Convergence, Setting, Trade};
 use stochc_runtime::{Model, Precision};
 
-use crate::svg::{Drawing, Scale, Symbol};
+use crate::svg::{Drawing, Marker, Scale};
 
 const WIDTH: f64 = 1020.0;
 const LEFT: f64 = 70.0;
@@ -20,7 +20,7 @@ const MARK: f64 = 5.5;
 const ROW: f64 = 19.0;
 
 /// A rung that has a place in the picture.
-struct Point<'a> {
+struct PlottedSetting<'a> {
     /// As in the tables, from 1.
     number: usize,
     rung: &'a Setting,
@@ -91,7 +91,7 @@ fn heading(names: &[&str]) -> String {
     }
 }
 
-fn points(trade: &Trade) -> Vec<Point<'_>> {
+fn points(trade: &Trade) -> Vec<PlottedSetting<'_>> {
     let reference = trade.reference.as_ref().map(|reference| reference.rung);
     let point = |(i, rung): (usize, &'_ _)| {
         let rung: &Setting = rung;
@@ -106,7 +106,7 @@ fn points(trade: &Trade) -> Vec<Point<'_>> {
     };
     let found = trade.rungs.iter().enumerate().filter_map(|(i, rung)| {
         let (number, reference, cost, bias, half_width) = point((i, rung))?;
-        Some(Point {
+        Some(PlottedSetting {
             number,
             rung,
             reference,
@@ -118,7 +118,7 @@ fn points(trade: &Trade) -> Vec<Point<'_>> {
     found.collect()
 }
 
-fn axes(points: &[Point]) -> Axes {
+fn axes(points: &[PlottedSetting]) -> Axes {
     let costs = || points.iter().map(|point| point.cost.log10());
     let (least, most) = (
         costs().fold(f64::INFINITY, f64::min),
@@ -181,10 +181,10 @@ fn plain(cost: f64) -> String {
     format!("{number} {unit}")
 }
 
-fn front(out: &mut Drawing, axes: &Axes, points: &[Point]) {
-    let mut best: Vec<&Point> = points.iter().filter(|point| point.rung.front).collect();
+fn front(out: &mut Drawing, axes: &Axes, points: &[PlottedSetting]) {
+    let mut best: Vec<&PlottedSetting> = points.iter().filter(|point| point.rung.front).collect();
     best.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-    let place = |point: &&Point| (axes.cost.at(point.cost), axes.y(point.bias));
+    let place = |point: &&PlottedSetting| (axes.cost.at(point.cost), axes.y(point.bias));
     let places: Vec<(f64, f64)> = best.iter().map(place).collect();
     if places.len() > 1 {
         out.curve("mark", &places, FRONT);
@@ -192,26 +192,26 @@ fn front(out: &mut Drawing, axes: &Axes, points: &[Point]) {
 }
 
 /// The class and the shape of a setting's mark.
-fn look(point: &Point) -> (&'static str, Symbol) {
+fn look(point: &PlottedSetting) -> (&'static str, Marker) {
     let settings = &point.rung.settings;
     let symbol = match settings.model {
-        _ if point.reference => Symbol::Diamond,
-        _ if point.rung.reduced() => Symbol::Triangle,
-        Model::Rapier => Symbol::Square,
-        _ if settings.precision == Precision::Double => Symbol::Ring,
-        _ => Symbol::Disc,
+        _ if point.reference => Marker::Diamond,
+        _ if point.rung.reduced() => Marker::Triangle,
+        Model::Rapier => Marker::Square,
+        _ if settings.precision == Precision::Double => Marker::Ring,
+        _ => Marker::Disc,
     };
     let class = match symbol {
-        Symbol::Diamond => "reference",
+        Marker::Diamond => "reference",
         _ if point.rung.reversed => "hot",
-        Symbol::Triangle => "s2",
-        Symbol::Square => "s1",
+        Marker::Triangle => "s2",
+        Marker::Square => "s1",
         _ => "s0",
     };
     (class, symbol)
 }
 
-fn draw(out: &mut Drawing, axes: &Axes, point: &Point) {
+fn draw(out: &mut Drawing, axes: &Axes, point: &PlottedSetting) {
     let (x, y) = (axes.cost.at(point.cost), axes.y(point.bias));
     let (class, symbol) = look(point);
     if point.half_width > 0.0 {
@@ -228,7 +228,7 @@ fn draw(out: &mut Drawing, axes: &Axes, point: &Point) {
 }
 
 /// Numbers beside the marks, each where it covers the least.
-fn numbers(out: &mut Drawing, axes: &Axes, points: &[Point]) {
+fn numbers(out: &mut Drawing, axes: &Axes, points: &[PlottedSetting]) {
     /// Of a digit.
     const DIGIT: f64 = 7.0;
     let places: Vec<(f64, f64)> = points
@@ -268,7 +268,7 @@ fn numbers(out: &mut Drawing, axes: &Axes, points: &[Point]) {
 }
 
 /// The settings by their numbers, and what the marks mean.
-fn list(out: &mut Drawing, points: &[Point]) {
+fn list(out: &mut Drawing, points: &[PlottedSetting]) {
     const X: f64 = RIGHT + 30.0;
     let mut y = TOP;
     out.text("dim", (X, y), "setting: model, substeps");
@@ -292,15 +292,15 @@ fn list(out: &mut Drawing, points: &[Point]) {
     }
     y += 1.6 * ROW;
     for (class, symbol, meaning) in [
-        ("s0", Symbol::Disc, "rigid; open: double precision"),
-        ("s1", Symbol::Square, "Rapier"),
-        ("s2", Symbol::Triangle, "reduced model"),
+        ("s0", Marker::Disc, "rigid; open: double precision"),
+        ("s1", Marker::Square, "Rapier"),
+        ("s2", Marker::Triangle, "reduced model"),
         (
             "hot",
-            Symbol::Triangle,
+            Marker::Triangle,
             "red: it reverses an order of programs",
         ),
-        ("reference", Symbol::Diamond, "reference"),
+        ("reference", Marker::Diamond, "reference"),
     ] {
         out.mark(
             &format!("key {class}"),

@@ -2,8 +2,8 @@
 use stochc_ensemble::text::{number, percent};
 
 use super::{WIDTH, short};
-use crate::analysis::subject::Subject;
-use crate::analysis::waits::Wait;
+use crate::analysis::subject::ReportedProgram;
+use crate::analysis::waits::ReportedCapture;
 use crate::svg::{Drawing, Scale};
 
 /// Rows of the figure; of more captures, those that decided most are shown.
@@ -12,7 +12,11 @@ pub(crate) const SHOWN: usize = 60;
 /// A dot for each mean, with its interval, in the order of the dependency graph; bars at the right.
 ///
 /// `number` is that of the program in the report.
-pub(crate) fn waits(program: usize, subject: &Subject, waits: &[Wait]) -> Option<Drawing> {
+pub(crate) fn waits(
+    program: usize,
+    subject: &ReportedProgram,
+    waits: &[ReportedCapture],
+) -> Option<Drawing> {
     const LEFT: f64 = 190.0;
     const RIGHT: f64 = 560.0;
     const BARS: f64 = 590.0;
@@ -124,9 +128,9 @@ pub(crate) fn waits(program: usize, subject: &Subject, waits: &[Wait]) -> Option
 }
 
 /// The captures that fit, in their order.
-fn shown(waits: &[Wait]) -> Vec<&Wait> {
-    let mut ranked: Vec<(usize, &Wait)> = waits.iter().enumerate().collect();
-    let weight = |wait: &Wait| {
+fn shown(waits: &[ReportedCapture]) -> Vec<&ReportedCapture> {
+    let mut ranked: Vec<(usize, &ReportedCapture)> = waits.iter().enumerate().collect();
+    let weight = |wait: &ReportedCapture| {
         let mean = wait.time().map_or(0.0, |time| time.mean);
         (wait.share.unwrap_or(0.0), mean)
     };
@@ -139,10 +143,10 @@ fn shown(waits: &[Wait]) -> Vec<&Wait> {
     ranked.into_iter().map(|(_, wait)| wait).collect()
 }
 
-fn told(shown: &[&Wait]) -> String {
-    let mean = |wait: &&&Wait| wait.time().map_or(0.0, |time| time.mean);
+fn told(shown: &[&ReportedCapture]) -> String {
+    let mean = |wait: &&&ReportedCapture| wait.time().map_or(0.0, |time| time.mean);
     let longest = shown.iter().max_by(|a, b| mean(a).total_cmp(&mean(b)));
-    let share = |wait: &&&Wait| wait.share.unwrap_or(0.0);
+    let share = |wait: &&&ReportedCapture| wait.share.unwrap_or(0.0);
     let most = shown.iter().max_by(|a, b| share(a).total_cmp(&share(b)));
     let mut text = format!("A row for each of {} captures.", shown.len());
     if let Some(wait) = longest {

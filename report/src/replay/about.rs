@@ -5,7 +5,7 @@ use stochc_ensemble::{EnsembleProgram, Manifest};
 use stochc_ir::emit::{graph_json, table_json};
 use stochc_runtime::Substeps;
 
-use super::program_text::{Statement, program_text};
+use super::program_text::{EventLocation, program_text};
 
 /// `{ program, file, seed, model, stochc, scene, radius, lift, tables, graph, text, tour, guided }`: the scene as the
 /// manifest has it, the radius of its shell \[side\] or null and the height of the shell's centre, and tables and
@@ -14,7 +14,7 @@ use super::program_text::{Statement, program_text};
 pub fn about(
     manifest: &Manifest,
     program: &EnsembleProgram,
-    statements: &[Statement],
+    statements: &[EventLocation],
     tour: Value,
     guided: bool,
 ) -> Value {

@@ -16,7 +16,7 @@ use sha2::{Digest as _, Sha256};
 use stochc_ensemble::text::escaped;
 
 pub use about::about;
-pub use program_text::Statement;
+pub use program_text::EventLocation;
 pub use tour::tour;
 
 /// What every such page begins with, but for a few lines.

@@ -7,7 +7,7 @@ use stochc_ensemble::Source;
 
 /// Where an event is written.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Statement {
+pub struct EventLocation {
     /// The file: an index into the program's sources.
     pub file: usize,
     /// Where in it \[bytes\].
@@ -18,7 +18,7 @@ pub struct Statement {
 
 /// `[{ file, pieces: [{ lines, events }] }]`: the lines of all pieces, one after the other, are the text. Files in which
 /// nothing happens are left out, but for the first.
-pub(super) fn program_text(sources: &[Source], statements: &[Statement]) -> Value {
+pub(super) fn program_text(sources: &[Source], statements: &[EventLocation]) -> Value {
     let files = sources.iter().enumerate().filter_map(|(number, source)| {
         let mut events: BTreeMap<(usize, usize), Vec<u32>> = BTreeMap::new();
         for statement in statements.iter().filter(|it| it.file == number) {
@@ -63,7 +63,7 @@ mod tests {
             path: "p.sa".into(),
             text: text.into(),
         };
-        let statement = |bytes: Range<usize>, event| Statement {
+        let statement = |bytes: Range<usize>, event| EventLocation {
             file: 0,
             bytes,
             event,

@@ -4,7 +4,7 @@ use stochc_ensemble::EnsembleProgram;
 use stochc_ir::record::RunRecord;
 
 use crate::analysis::events::Events;
-use crate::analysis::subject::Run;
+use crate::analysis::subject::FinishedRun;
 use crate::ensemble_report::narrative::{Telling, item};
 
 /// Steps of a tour, at most: of a longer chain those that took longest.
@@ -14,7 +14,7 @@ const MOST: usize = 200;
 /// it.
 pub fn tour(program: &EnsembleProgram, record: &RunRecord) -> Value {
     let events = Events::of(program);
-    let run = Run::of(&events, record);
+    let run = FinishedRun::of(&events, record);
     let telling = Telling {
         program,
         events: &events,

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use stochc_ensemble::text::{escaped, number};
 
 use super::element::{line, text};
-use super::{STYLE, Scale, Symbol};
+use super::{Marker, STYLE, Scale};
 
 /// A picture that grows; lengths are in its own units, of which a letter is about 7 wide.
 #[derive(Clone, Debug)]
@@ -100,7 +100,7 @@ impl Drawing {
     pub(crate) fn mark(
         &mut self,
         class: &str,
-        symbol: Symbol,
+        symbol: Marker,
         centre: (f64, f64),
         size: f64,
         told: &str,

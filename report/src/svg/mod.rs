@@ -11,4 +11,4 @@ mod symbol;
 pub use drawing::Drawing;
 pub(crate) use palette::{Colours, DASHES, STYLE, class, phase};
 pub(crate) use scale::Scale;
-pub(crate) use symbol::Symbol;
+pub(crate) use symbol::Marker;

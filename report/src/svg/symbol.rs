@@ -2,7 +2,7 @@
 
 /// A shape around a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Symbol {
+pub(crate) enum Marker {
     Disc,
     /// A disc that is not filled.
     Ring,
@@ -11,7 +11,7 @@ pub(crate) enum Symbol {
     Diamond,
 }
 
-impl Symbol {
+impl Marker {
     /// The element, about `2 size` wide.
     pub fn element(self, (x, y): (f64, f64), size: f64) -> String {
         let m = size;
@@ -23,15 +23,15 @@ impl Symbol {
             )
         };
         match self {
-            Symbol::Disc => format!("<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{m}\"/>"),
-            Symbol::Ring => format!(
+            Marker::Disc => format!("<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{m}\"/>"),
+            Marker::Ring => format!(
                 "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{m}\" fill=\"none\" stroke-width=\"2\"/>"
             ),
-            Symbol::Square => polygon(&[(-m, -m), (m, -m), (m, m), (-m, m)]),
-            Symbol::Triangle => {
+            Marker::Square => polygon(&[(-m, -m), (m, -m), (m, m), (-m, m)]),
+            Marker::Triangle => {
                 polygon(&[(0.0, -1.2 * m), (1.15 * m, 0.9 * m), (-1.15 * m, 0.9 * m)])
             }
-            Symbol::Diamond => polygon(&[
+            Marker::Diamond => polygon(&[
                 (0.0, -1.4 * m),
                 (1.4 * m, 0.0),
                 (0.0, 1.4 * m),

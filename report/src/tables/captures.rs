@@ -3,7 +3,7 @@ use stochc_ensemble::CaptureSummary;
 use stochc_ensemble::text::{Tick, percent};
 
 use super::comparison::{mean, ticks};
-use crate::text::{Column, Table, paragraph};
+use crate::text::{TextColumn, TextTable, paragraph};
 
 /// The captures as a table of plain text, in a scene with ticks of this length \[s\]; `width` is that of
 /// the terminal, in characters.
@@ -11,7 +11,7 @@ pub fn captures_to_text(captures: &[CaptureSummary], tick: f64, width: usize) ->
     const NONE: &str = "-";
     let tick = Tick(tick);
     let column = |header: &str, cell: &dyn Fn(&CaptureSummary) -> String| {
-        Column::figures(header, captures.iter().map(cell).collect())
+        TextColumn::figures(header, captures.iter().map(cell).collect())
     };
     let or_none = |text: Option<String>| text.unwrap_or(NONE.to_owned());
     let mut columns = vec![
@@ -40,10 +40,10 @@ pub fn captures_to_text(captures: &[CaptureSummary], tick: f64, width: usize) ->
         let cell = |capture: &CaptureSummary| capture.wait.censored.to_string();
         columns.insert(1, column("under way", &cell));
     }
-    let table = Table {
+    let table = TextTable {
         labels: captures.iter().map(CaptureSummary::label).collect(),
         columns,
-        ..Table::default()
+        ..TextTable::default()
     };
     let mut text = table.text(width, false);
     if is_censored {

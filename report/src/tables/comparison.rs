@@ -2,7 +2,7 @@
 use stochc_ensemble::text::Tick;
 use stochc_ensemble::{Comparison, Pair, PairwiseResult, ProgramSummary, Time};
 
-use crate::text::{self, Table, paragraph, sentence};
+use crate::text::{self, TextTable, paragraph, sentence};
 
 /// The label of a row that says in seconds what the row above says in ticks: side by side, both would be wide.
 const SECONDS: &str = "  in seconds";
@@ -14,7 +14,7 @@ const NONE: &str = "-";
 ///
 /// `width` is that of the terminal, in characters; columns that do not fit go below.
 pub fn comparison_to_text(comparison: &Comparison, width: usize) -> String {
-    let mut rows = Rows::new(&comparison.programs);
+    let mut rows = ComparisonTableBuilder::new(&comparison.programs);
     rows.add("Construction phases", |c| c.phases.to_string());
     rows.add("Total units involved", |c| c.captures.to_string());
     rows.add("Different blocks used", |c| {
@@ -120,19 +120,19 @@ fn notes(comparison: &Comparison) -> Vec<String> {
 }
 
 /// The table while it grows.
-struct Rows<'a> {
+struct ComparisonTableBuilder<'a> {
     programs: &'a [ProgramSummary],
-    table: Table,
+    table: TextTable,
 }
 
-impl<'a> Rows<'a> {
-    fn new(programs: &'a [ProgramSummary]) -> Rows<'a> {
-        let columns = (programs.iter()).map(|c| text::Column::figures(&c.name, Vec::new()));
-        Rows {
+impl<'a> ComparisonTableBuilder<'a> {
+    fn new(programs: &'a [ProgramSummary]) -> ComparisonTableBuilder<'a> {
+        let columns = (programs.iter()).map(|c| text::TextColumn::figures(&c.name, Vec::new()));
+        ComparisonTableBuilder {
             programs,
-            table: Table {
+            table: TextTable {
                 columns: columns.collect(),
-                ..Table::default()
+                ..TextTable::default()
             },
         }
     }

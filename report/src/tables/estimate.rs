@@ -3,7 +3,7 @@ use stochc_ensemble::text::percent;
 
 use super::rates::KNOWN_BIAS;
 use crate::estimate::{Estimate, Times};
-use crate::text::{Column, Table, paragraph};
+use crate::text::{TextColumn, TextTable, paragraph};
 
 /// The times of programs and of their phases, and the `most` events of each that decide most of them; `width` is that of the
 /// terminal, in characters.
@@ -28,7 +28,7 @@ pub fn estimates_to_text(estimates: &[Estimate], most: usize, width: usize) -> S
     text + "\n" + &paragraph(KNOWN_BIAS, width)
 }
 
-fn times(estimate: &Estimate) -> Table {
+fn times(estimate: &Estimate) -> TextTable {
     let total = std::iter::once((format!("{}, ticks", estimate.program), estimate.total));
     // A program of one phase is that phase.
     let phases = estimate.phases.iter().filter(|_| estimate.phases.len() > 1);
@@ -36,9 +36,9 @@ fn times(estimate: &Estimate) -> Table {
     let rows: Vec<(String, Option<Times>)> = total.chain(phases).collect();
     let column = |header: &str, value: &dyn Fn(&Times) -> String| {
         let cell = |times: &Option<Times>| times.as_ref().map_or("?".to_owned(), value);
-        Column::figures(header, rows.iter().map(|(_, times)| cell(times)).collect())
+        TextColumn::figures(header, rows.iter().map(|(_, times)| cell(times)).collect())
     };
-    Table {
+    TextTable {
         label: "by rates".to_owned(),
         columns: vec![
             column("mean", &|it| {
@@ -49,19 +49,19 @@ fn times(estimate: &Estimate) -> Table {
             column("90 %", &|it| format!("{:.0}", it.p90)),
         ],
         labels: rows.iter().map(|(name, _)| name.clone()).collect(),
-        ..Table::default()
+        ..TextTable::default()
     }
 }
 
-fn shares(estimate: &Estimate, most: usize) -> Table {
+fn shares(estimate: &Estimate, most: usize) -> TextTable {
     let shown = &estimate.shares[..most.min(estimate.shares.len())];
-    Table {
+    TextTable {
         label: "waited for, and for nothing else".to_owned(),
         labels: shown.iter().map(|share| share.event.clone()).collect(),
-        columns: vec![Column::figures(
+        columns: vec![TextColumn::figures(
             "of the time",
             shown.iter().map(|share| percent(share.share)).collect(),
         )],
-        ..Table::default()
+        ..TextTable::default()
     }
 }

@@ -2,7 +2,7 @@
 use stochc_ensemble::fit::{Fit, Marginal, Prediction, Prior, Unit};
 use stochc_ensemble::text::{number, percent};
 
-use crate::text::{Column, Table, paragraph};
+use crate::text::{TextColumn, TextTable, paragraph};
 
 /// Numbers whose interval has lost less than this of the prior's are not known from the data.
 const UNINFORMED: f64 = 0.8;
@@ -17,10 +17,10 @@ pub fn fit_to_text(fit: &Fit, priors: &[Prior], width: usize) -> String {
     text
 }
 
-fn numbers(fit: &Fit, priors: &[Prior]) -> Table {
+fn numbers(fit: &Fit, priors: &[Prior]) -> TextTable {
     let column = |header: &str, cell: &dyn Fn(&Marginal, &Prior) -> String| {
         let pairs = fit.numbers.iter().zip(priors);
-        Column::figures(header, pairs.map(|(it, prior)| cell(it, prior)).collect())
+        TextColumn::figures(header, pairs.map(|(it, prior)| cell(it, prior)).collect())
     };
     let range = |low: f64, high: f64, unit: &str| {
         let text = format!("{} .. {} {unit}", number(low), number(high));
@@ -45,18 +45,18 @@ fn numbers(fit: &Fit, priors: &[Prior]) -> Table {
         };
         remark.to_owned()
     });
-    columns.push(Column::words("", remarks.collect()));
-    Table {
+    columns.push(TextColumn::words("", remarks.collect()));
+    TextTable {
         label: "number".to_owned(),
         labels: fit.numbers.iter().map(|it| it.of.clone()).collect(),
         columns,
-        ..Table::default()
+        ..TextTable::default()
     }
 }
 
-fn predictions(fit: &Fit) -> Table {
+fn predictions(fit: &Fit) -> TextTable {
     let column = |header: &str, cell: &dyn Fn(&Prediction) -> String| {
-        Column::figures(header, fit.predictions.iter().map(cell).collect())
+        TextColumn::figures(header, fit.predictions.iter().map(cell).collect())
     };
     let interval = |(low, high): (f64, f64)| format!("{} .. {}", number(low), number(high));
     let remark = |it: &Prediction| {
@@ -71,7 +71,7 @@ fn predictions(fit: &Fit) -> Table {
         parts.collect::<Vec<_>>().join(", ")
     };
     let remarks = fit.predictions.iter().map(remark).collect();
-    Table {
+    TextTable {
         label: "program".to_owned(),
         labels: (fit.predictions.iter())
             .map(|it| it.observed.program.clone())
@@ -82,9 +82,9 @@ fn predictions(fit: &Fit) -> Table {
             column("predicted", &|it| interval(it.mean_interval)),
             column("SD", &|it| number(it.observed.sd)),
             column("predicted", &|it| interval(it.sd_interval)),
-            Column::words("", remarks),
+            TextColumn::words("", remarks),
         ],
-        ..Table::default()
+        ..TextTable::default()
     }
 }
 

@@ -3,7 +3,7 @@ use stochc_ensemble::text::{number, percent};
 use stochc_ir::{Cell, Face};
 use stochc_runtime::rates::{Parameters, Rates};
 
-use crate::text::{Column, Table};
+use crate::text::{TextColumn, TextTable};
 
 /// What goes with every time by rates.
 pub const KNOWN_BIAS: &str = "Times are by rates: in the default scene, means of other programs were 3 % off those with physics on average and 13 % at most; \
@@ -24,7 +24,7 @@ pub fn rates_to_text(rates: &Rates, width: usize) -> String {
     text
 }
 
-fn numbers(rates: &Rates) -> Table {
+fn numbers(rates: &Rates) -> TextTable {
     let rows = 0..Parameters::COUNT;
     let error = |i: usize| {
         rates.covariance[i * (Parameters::COUNT + 1)]
@@ -36,23 +36,23 @@ fn numbers(rates: &Rates) -> Table {
         .map(|i| format!("{:.3}", rates.parameters.0[i]));
     let errors = rows.map(|i| format!("{:.3}", error(i)));
     let meanings = Parameters::ALL.iter().map(|it| it.meaning.to_owned());
-    Table {
+    TextTable {
         label: "number".to_owned(),
         labels: Parameters::ALL
             .iter()
             .map(|it| it.name.to_owned())
             .collect(),
         columns: vec![
-            Column::figures("value", values.collect()),
-            Column::figures("standard error", errors.collect()),
-            Column::words("", meanings.collect()),
+            TextColumn::figures("value", values.collect()),
+            TextColumn::figures("standard error", errors.collect()),
+            TextColumn::words("", meanings.collect()),
         ],
-        ..Table::default()
+        ..TextTable::default()
     }
 }
 
 /// Surroundings that everybody knows: what is full, and the open cell over or beside it.
-fn examples(rates: &Rates) -> Table {
+fn examples(rates: &Rates) -> TextTable {
     let at = |x, z| Cell::new(x, 0, z);
     let tower = |x: i32, top: i32| move |cell: Cell| (cell.x, cell.y) == (x, 0) && cell.z <= top;
     type IsFull = Box<dyn Fn(Cell) -> bool>;
@@ -95,24 +95,24 @@ fn examples(rates: &Rates) -> Table {
             (mean, variance.max(0.0).sqrt())
         })
         .collect();
-    Table {
+    TextTable {
         label: "an open face".to_owned(),
         labels: rows.iter().map(|(name, ..)| (*name).to_owned()).collect(),
         columns: vec![
-            Column::figures(
+            TextColumn::figures(
                 "mean wait, ticks",
                 waits.iter().map(|it| format!("{:.0}", it.0)).collect(),
             ),
-            Column::figures(
+            TextColumn::figures(
                 "SD",
                 waits.iter().map(|it| format!("{:.0}", it.1)).collect(),
             ),
         ],
-        ..Table::default()
+        ..TextTable::default()
     }
 }
 
-fn head_starts(rates: &Rates) -> Table {
+fn head_starts(rates: &Rates) -> TextTable {
     let all = &rates.head_starts;
     let places = all.iter().map(|it| {
         let distance = number(f64::from(it.squared_distance).sqrt());
@@ -122,19 +122,19 @@ fn head_starts(rates: &Rates) -> Table {
             before => format!("{distance}, {} behind it", -before),
         }
     });
-    Table {
+    TextTable {
         label: "released so many sides from an open cell".to_owned(),
         labels: places.collect(),
         columns: vec![
-            Column::figures(
+            TextColumn::figures(
                 "docks there",
                 all.iter().map(|it| percent(it.probability)).collect(),
             ),
-            Column::figures(
+            TextColumn::figures(
                 "in ticks",
                 all.iter().map(|it| format!("{:.0}", it.ticks)).collect(),
             ),
         ],
-        ..Table::default()
+        ..TextTable::default()
     }
 }

@@ -3,7 +3,7 @@ use stochc_ensemble::sweep::{Sweep, SweepPoint};
 use stochc_ensemble::text::{number, percent};
 
 use super::comparison::{mean, ticks};
-use crate::text::{Column, Table, paragraph};
+use crate::text::{TextColumn, TextTable, paragraph};
 
 /// In place of a figure that does not exist.
 const NONE: &str = "-";
@@ -16,7 +16,7 @@ pub fn sweep_to_text(sweep: &Sweep, width: usize) -> String {
         None => number(value),
     };
     let column = |header: &str, cell: &dyn Fn(&SweepPoint) -> String| {
-        Column::figures(header, sweep.points.iter().map(cell).collect())
+        TextColumn::figures(header, sweep.points.iter().map(cell).collect())
     };
     let maybe = |value: Option<String>| value.unwrap_or(NONE.to_owned());
     let share = |share: Option<f64>| maybe(share.map(percent));
@@ -45,14 +45,14 @@ pub fn sweep_to_text(sweep: &Sweep, width: usize) -> String {
         let failed = column("failed", &|point| point.failed.to_string());
         columns.insert(1, failed);
     }
-    let table = Table {
+    let table = TextTable {
         labels: sweep
             .points
             .iter()
             .map(|point| point.name.clone())
             .collect(),
         columns,
-        ..Table::default()
+        ..TextTable::default()
     };
     let mut text = table.text(width, false);
     text.push('\n');

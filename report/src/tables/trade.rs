@@ -5,7 +5,7 @@ use stochc_ensemble::trade::{
 };
 
 use super::comparison::ticks;
-use crate::text::{Column, Table, paragraph, probability};
+use crate::text::{TextColumn, TextTable, paragraph, probability};
 
 /// In place of a figure that does not exist.
 const NONE: &str = "-";
@@ -16,7 +16,7 @@ const HEADER: [&str; 9] = [
 ];
 
 /// One line of a table.
-struct Line {
+struct TradeRow {
     label: String,
     cells: Vec<String>,
     /// Beside the setting.
@@ -38,7 +38,7 @@ pub fn trade_to_text(trade: &Trade, width: usize, colour: bool) -> String {
         text += &format!("{}\n", visible(&program.name));
         let rungs = trade.rungs.iter().enumerate();
         let run = rungs.filter(|(_, rung)| rung.programs[i].runs > 0);
-        let lines: Vec<Line> = run.map(|(n, rung)| line(trade, n, rung, i)).collect();
+        let lines: Vec<TradeRow> = run.map(|(n, rung)| line(trade, n, rung, i)).collect();
         let header = &HEADER[..HEADER.len() - usize::from(!any_failed)];
         text += &table(header, &lines).text(width, colour);
         text.push('\n');
@@ -56,7 +56,7 @@ pub fn trade_to_text(trade: &Trade, width: usize, colour: bool) -> String {
     text
 }
 
-fn line(trade: &Trade, number: usize, rung: &Setting, program: usize) -> Line {
+fn line(trade: &Trade, number: usize, rung: &Setting, program: usize) -> TradeRow {
     let cell = &rung.programs[program];
     let itself = trade.reference.as_ref().is_some_and(|r| r.rung == number);
     let mark = match rung.reversed {
@@ -65,7 +65,7 @@ fn line(trade: &Trade, number: usize, rung: &Setting, program: usize) -> Line {
         false if rung.front => "front",
         false => "",
     };
-    Line {
+    TradeRow {
         label: label(number, rung),
         mark,
         cells: figures(trade, cell, itself, program).to_vec(),
@@ -167,8 +167,8 @@ fn ranking(trade: &Trade, width: usize, colour: bool) -> String {
         .iter()
         .enumerate()
         .filter(|(_, rung)| !rung.ranking.is_empty());
-    let lines: Vec<Line> = rungs
-        .map(|(number, rung)| Line {
+    let lines: Vec<TradeRow> = rungs
+        .map(|(number, rung)| TradeRow {
             label: label(number, rung),
             cells: vec![
                 count(rung, Verdict::Kept),
@@ -243,20 +243,20 @@ fn notes(trade: &Trade) -> Vec<String> {
 }
 
 /// A table of settings, whose lines may lack their figures.
-fn table(header: &[&str], lines: &[Line]) -> Table {
+fn table(header: &[&str], lines: &[TradeRow]) -> TextTable {
     let columns = header.iter().enumerate().map(|(i, header)| {
-        let cell = |line: &Line| line.cells.get(i).cloned().unwrap_or_default();
-        Column::figures(*header, lines.iter().map(cell).collect())
+        let cell = |line: &TradeRow| line.cells.get(i).cloned().unwrap_or_default();
+        TextColumn::figures(*header, lines.iter().map(cell).collect())
     });
     let marks = lines.iter().map(|line| line.mark.to_owned()).collect();
     let remarks = lines.iter().map(|line| line.remark.clone()).collect();
-    Table {
+    TextTable {
         label: " #  setting".to_owned(),
         labels: lines.iter().map(|line| line.label.clone()).collect(),
-        columns: [Column::words("", marks)]
+        columns: [TextColumn::words("", marks)]
             .into_iter()
             .chain(columns)
-            .chain([Column::words("", remarks)])
+            .chain([TextColumn::words("", remarks)])
             .collect(),
         red: lines.iter().map(|line| line.wrong).collect(),
     }

@@ -9,4 +9,4 @@ pub use pairwise::{method, probability, sentence};
 pub use paragraph::paragraph;
 pub(crate) use short::short;
 pub use strip::{Strip, strips};
-pub use table::{Column, Table};
+pub use table::{TextColumn, TextTable};

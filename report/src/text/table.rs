@@ -11,20 +11,20 @@ const GAP: &str = "  ";
 ///
 /// No library of tables breaks them so: those cut cells, or leave the breaking to the terminal.
 #[derive(Clone, Debug, Default)]
-pub struct Table {
+pub struct TextTable {
     /// What the column on the left is of; it may be empty.
     pub label: String,
     /// The column on the left, which every block of columns repeats.
     pub labels: Vec<String>,
     /// The others.
-    pub columns: Vec<Column>,
+    pub columns: Vec<TextColumn>,
     /// Of the rows, which are red; those beyond its end are not.
     pub red: Vec<bool>,
 }
 
-/// A column of a [`Table`].
+/// A column of a [`TextTable`].
 #[derive(Clone, Debug)]
-pub struct Column {
+pub struct TextColumn {
     /// What it is of; long ones are broken.
     pub header: String,
     /// One for each label.
@@ -33,10 +33,10 @@ pub struct Column {
     pub is_words: bool,
 }
 
-impl Column {
+impl TextColumn {
     /// A column of figures.
-    pub fn figures(header: impl Into<String>, cells: Vec<String>) -> Column {
-        Column {
+    pub fn figures(header: impl Into<String>, cells: Vec<String>) -> TextColumn {
+        TextColumn {
             header: header.into(),
             cells,
             is_words: false,
@@ -44,22 +44,22 @@ impl Column {
     }
 
     /// A column of words.
-    pub fn words(header: impl Into<String>, cells: Vec<String>) -> Column {
-        Column {
+    pub fn words(header: impl Into<String>, cells: Vec<String>) -> TextColumn {
+        TextColumn {
             is_words: true,
-            ..Column::figures(header, cells)
+            ..TextColumn::figures(header, cells)
         }
     }
 }
 
 /// A column with what is known of its place.
 struct Placed<'a> {
-    column: &'a Column,
+    column: &'a TextColumn,
     header: Vec<String>,
     width: usize,
 }
 
-impl Table {
+impl TextTable {
     /// The text, in lines of `width` characters or as many as one column needs; `colour`: red rows are red.
     ///
     /// What is invisible in a name is shown.
@@ -67,14 +67,14 @@ impl Table {
         self.visible().laid_out(width, colour)
     }
 
-    fn visible(&self) -> Table {
+    fn visible(&self) -> TextTable {
         let all = |texts: &[String]| texts.iter().map(|text| visible(text)).collect();
-        let column = |column: &Column| Column {
+        let column = |column: &TextColumn| TextColumn {
             header: visible(&column.header),
             cells: all(&column.cells),
             is_words: column.is_words,
         };
-        Table {
+        TextTable {
             label: visible(&self.label),
             labels: all(&self.labels),
             columns: self.columns.iter().map(column).collect(),

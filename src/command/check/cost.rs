@@ -3,7 +3,7 @@ use stochc_compiler::cost::{Cost, PhaseCost, Times, estimate};
 use stochc_compiler::{Program, Symbols};
 use stochc_ensemble::text::percent;
 use stochc_report::tables::KNOWN_BIAS;
-use stochc_report::text::{Column, Table, paragraph};
+use stochc_report::text::{TextColumn, TextTable, paragraph};
 use stochc_runtime::rates::Rates;
 
 use super::super::terminal::output_width;
@@ -68,12 +68,12 @@ fn table(program: &Program, symbols: &Symbols, cost: &Cost, most: usize) -> Stri
 /// A column of times.
 type Figure = (&'static str, fn(&Times) -> f64);
 
-fn by_phase(program: &Program, cost: &Cost) -> Table {
+fn by_phase(program: &Program, cost: &Cost) -> TextTable {
     let phases = program.plan.phases.iter().zip(&cost.phases);
     let phases: Vec<_> = phases.filter(|(phase, _)| !phase.planted).collect();
     let figures = |header, of: &dyn Fn(&PhaseCost) -> u32| {
         let cells = phases.iter().map(|(_, cost)| of(cost).to_string());
-        Column::figures(header, cells.collect())
+        TextColumn::figures(header, cells.collect())
     };
     let mut labels: Vec<String> = phases.iter().map(|(phase, _)| phase.name.clone()).collect();
     let mut columns = vec![
@@ -97,21 +97,21 @@ fn by_phase(program: &Program, cost: &Cost) -> Table {
         columns.extend(of.map(|(header, of)| {
             let times = phases.iter().filter_map(|(_, cost)| cost.times);
             let times = times.chain(is_many.then_some(total));
-            Column::figures(
+            TextColumn::figures(
                 header,
                 times.map(|times| format!("{:.0}", of(&times))).collect(),
             )
         }));
     }
-    Table {
+    TextTable {
         label: "phase".to_owned(),
         labels,
         columns,
-        ..Table::default()
+        ..TextTable::default()
     }
 }
 
-fn by_capture(program: &Program, symbols: &Symbols, cost: &Cost, most: usize) -> Table {
+fn by_capture(program: &Program, symbols: &Symbols, cost: &Cost, most: usize) -> TextTable {
     let shown = &cost.captures[..cost.captures.len().min(most)];
     let label = |event| program.plan.describe(event, symbols);
     let shares = shown.iter().map(|it| percent(it.share)).collect();
@@ -119,14 +119,14 @@ fn by_capture(program: &Program, symbols: &Symbols, cost: &Cost, most: usize) ->
         .iter()
         .map(|it| format!("{:.0}", it.wait.mean()))
         .collect();
-    Table {
+    TextTable {
         label: "capture".to_owned(),
         labels: shown.iter().map(|it| label(it.event)).collect(),
         columns: vec![
-            Column::figures("of the time", shares),
-            Column::figures("mean wait", waits),
+            TextColumn::figures("of the time", shares),
+            TextColumn::figures("mean wait", waits),
         ],
-        ..Table::default()
+        ..TextTable::default()
     }
 }
 

@@ -4,7 +4,7 @@ use stochc_ensemble::{PairwiseTest, Time, TimeUnit};
 
 use super::Parts;
 use crate::ensemble_report::address;
-use crate::ensemble_report::html::{Cell, Html, name};
+use crate::ensemble_report::html::{Html, HtmlCell, name};
 use crate::svg::Drawing;
 use crate::text::sentence as in_words;
 
@@ -70,32 +70,32 @@ pub(super) fn tick(parts: &Parts) -> Option<Tick> {
 }
 
 /// A figure, and below it the same in seconds where it is in ticks.
-pub(super) fn figure(value: Option<f64>, tick: Option<Tick>) -> Cell {
+pub(super) fn figure(value: Option<f64>, tick: Option<Tick>) -> HtmlCell {
     let Some(value) = value else {
-        return Cell::Number("–".into());
+        return HtmlCell::Number("–".into());
     };
     let seconds = tick.map_or(String::new(), |tick| format!("\n{}", tick.seconds(value)));
-    Cell::Number(number(value) + &seconds)
+    HtmlCell::Number(number(value) + &seconds)
 }
 
 /// A mean with its interval, and below it the same in seconds where it is in ticks.
-pub(super) fn mean_cell(time: Option<&Time>, tick: Option<Tick>) -> Cell {
+pub(super) fn mean_cell(time: Option<&Time>, tick: Option<Tick>) -> HtmlCell {
     let Some(time) = time else {
-        return Cell::Number("–".into());
+        return HtmlCell::Number("–".into());
     };
     let seconds = tick.map(|tick| tick.interval(time.mean, time.half_width));
     let seconds = seconds.map_or(String::new(), |seconds| format!("\n{seconds}"));
-    Cell::Number(mean(time) + &seconds)
+    HtmlCell::Number(mean(time) + &seconds)
 }
 
 /// Mean, median, SD, CV, and the ends; with `tick` in seconds as well.
-pub(super) fn figures(time: Option<&Time>, tick: Option<Tick>) -> Vec<Cell> {
+pub(super) fn figures(time: Option<&Time>, tick: Option<Tick>) -> Vec<HtmlCell> {
     let figure = |of: fn(&Time) -> Option<f64>| figure(time.and_then(of), tick);
     vec![
         mean_cell(time, tick),
         figure(|time| time.median),
         figure(|time| time.sd),
-        Cell::Number(coefficient(time)),
+        HtmlCell::Number(coefficient(time)),
         figure(|time| time.min),
         figure(|time| time.max),
     ]

@@ -5,18 +5,18 @@ use stochc_ir::table::PhaseId;
 
 use super::common::{figures, show, tick};
 use super::{Parts, ROWS};
-use crate::analysis::subject::Subject;
-use crate::ensemble_report::html::{Cell, Html, code, name};
+use crate::analysis::subject::ReportedProgram;
+use crate::ensemble_report::html::{Html, HtmlCell, code, name};
 use crate::figures as picture;
-use crate::figures::Curve;
+use crate::figures::SurvivalCurve;
 use crate::svg::{Colours, Drawing};
 use crate::text::{method, probability};
 
 pub(super) fn completion(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawing>) {
     out.heading(2, "completion", "Time to completion");
     let unit = parts.clock.unit();
-    let curves: Vec<Curve> = (parts.detailed())
-        .map(|(_, subject)| Curve {
+    let curves: Vec<SurvivalCurve> = (parts.detailed())
+        .map(|(_, subject)| SurvivalCurve {
             name: subject.label.clone(),
             times: subject.times_by(parts.clock),
         })
@@ -43,12 +43,12 @@ pub(super) fn completion(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawi
         let figure = picture::means(&times, unit);
         show(parts, out, drawings, figure, caption, &["means.csv"]);
     }
-    let rows: Vec<Vec<Cell>> = (parts.subjects.iter())
+    let rows: Vec<Vec<HtmlCell>> = (parts.subjects.iter())
         .map(|subject| {
             let (completed, stopped, failed) = subject.counts();
             let time = Time::of(&subject.times_by(parts.clock));
-            let mut row = vec![Cell::Marked(name(&subject.label))];
-            row.extend([completed, stopped, failed].map(|n| Cell::Number(n.to_string())));
+            let mut row = vec![HtmlCell::Marked(name(&subject.label))];
+            row.extend([completed, stopped, failed].map(|n| HtmlCell::Number(n.to_string())));
             row.extend(figures(time.as_ref(), tick(parts)));
             row
         })
@@ -77,7 +77,7 @@ pub(super) fn completion(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawi
 }
 
 /// Runs whose physics broke down.
-pub(super) fn failures(subject: &Subject, out: &mut Html) {
+pub(super) fn failures(subject: &ReportedProgram, out: &mut Html) {
     if subject.failed == 0 {
         return;
     }
@@ -118,23 +118,25 @@ pub(super) fn differences(parts: &Parts, out: &mut Html) {
     let row = |contrast: &&PairwiseTest| {
         let label = |i: usize| name(&parts.subjects[i].label);
         let pair = format!("{} − {}", label(contrast.first), label(contrast.second));
-        let mut cells = vec![Cell::Marked(pair)];
-        let none = || Cell::Number("–".into());
+        let mut cells = vec![HtmlCell::Marked(pair)];
+        let none = || HtmlCell::Number("–".into());
         match &contrast.verdict {
             PairwiseResult::Same => {
                 cells.extend([none(), none(), none()]);
-                cells.push(Cell::Plain("the same runs".into()));
+                cells.push(HtmlCell::Plain("the same runs".into()));
             }
             PairwiseResult::Unknown => {
                 cells.extend([none(), none(), none()]);
-                cells.push(Cell::Plain("too few runs, or no spread, to tell".into()));
+                cells.push(HtmlCell::Plain(
+                    "too few runs, or no spread, to tell".into(),
+                ));
             }
             PairwiseResult::Known(found) => {
                 let [difference, half] = [found.difference, found.half_width].map(number);
-                cells.push(Cell::Number(format!("{difference} ± {half}")));
-                cells.push(Cell::Number(probability(found.p)));
-                cells.push(Cell::Number(probability(found.p_holm)));
-                cells.push(Cell::Plain(method(found, parts.clock.unit())));
+                cells.push(HtmlCell::Number(format!("{difference} ± {half}")));
+                cells.push(HtmlCell::Number(probability(found.p)));
+                cells.push(HtmlCell::Number(probability(found.p_holm)));
+                cells.push(HtmlCell::Plain(method(found, parts.clock.unit())));
             }
         }
         cells

@@ -16,10 +16,10 @@ use stochc_ensemble::{PairwiseTest, TimeUnit};
 use summary::in_short;
 use sweeps::sweeps;
 
-use crate::analysis::subject::{Input, Subject};
-use crate::analysis::waits::Wait;
+use crate::analysis::subject::{Input, ReportedProgram};
+use crate::analysis::waits::ReportedCapture;
 use crate::ensemble_report::html::{Html, name};
-use crate::ensemble_report::{MARK, Surroundings};
+use crate::ensemble_report::{MARK, ReportLocation};
 use crate::svg::{Drawing, STYLE};
 
 /// Rows of a table on the page; the data files have all of them.
@@ -31,19 +31,19 @@ const POINTS: usize = 12;
 /// All that a page is made of.
 pub(super) struct Parts<'a> {
     pub inputs: &'a [Input],
-    pub subjects: &'a [Subject<'a>],
+    pub subjects: &'a [ReportedProgram<'a>],
     pub clock: TimeUnit,
-    pub waits: &'a [Vec<Wait>],
+    pub waits: &'a [Vec<ReportedCapture>],
     pub pairwise_tests: &'a [PairwiseTest],
     pub sweeps: &'a [Sweep],
-    pub surroundings: &'a Surroundings<'a>,
+    pub surroundings: &'a ReportLocation<'a>,
 }
 
 impl<'a> Parts<'a> {
     /// The programs that are told of one by one, with their numbers: all but the points of a sweep
     /// with many of them.
-    fn detailed(&self) -> impl Iterator<Item = (usize, &'a Subject<'a>)> {
-        let is_point = |subject: &Subject| !subject.program.varied.is_empty();
+    fn detailed(&self) -> impl Iterator<Item = (usize, &'a ReportedProgram<'a>)> {
+        let is_point = |subject: &ReportedProgram| !subject.program.varied.is_empty();
         let points = self.subjects.iter().filter(|subject| is_point(subject));
         let are_many = points.count() > POINTS;
         let all = self.subjects.iter().enumerate();

@@ -8,7 +8,7 @@ use stochc_runtime::{Precision, Settings};
 use super::Parts;
 use super::common::{inside, lines, link};
 use crate::ensemble_report::data;
-use crate::ensemble_report::html::{Cell, Html, code, command, name};
+use crate::ensemble_report::html::{Html, HtmlCell, code, command, name};
 use crate::svg::Drawing;
 
 /// What was run, and how to run it again.
@@ -24,7 +24,7 @@ pub(super) fn origin(parts: &Parts, out: &mut Html) {
         let settings: Vec<_> = (further(&manifest.settings).into_iter())
             .map(|(option, value)| format!("{option} = {value}"))
             .collect();
-        let rows: Vec<Vec<Cell>> = [
+        let rows: Vec<Vec<HtmlCell>> = [
             ("made by", format!("stochc {}", manifest.stochc)),
             ("model", manifest.settings.model.name().to_owned()),
             ("substeps", manifest.settings.steps().to_string()),
@@ -36,7 +36,7 @@ pub(super) fn origin(parts: &Parts, out: &mut Html) {
         ]
         .into_iter()
         .filter(|(_, value)| !value.is_empty())
-        .map(|(what, value)| vec![Cell::Plain(what.into()), Cell::Marked(name(&value))])
+        .map(|(what, value)| vec![HtmlCell::Plain(what.into()), HtmlCell::Marked(name(&value))])
         .collect();
         out.table("The ensemble", &["", "value"], &rows);
         out.paragraph("The same runs again, bit for bit:");

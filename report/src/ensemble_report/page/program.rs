@@ -5,12 +5,12 @@ use stochc_files::shell;
 
 use super::common::{coefficient, figure, figures, mean_cell, show};
 use super::{Parts, ROWS};
-use crate::analysis::subject::Subject;
-use crate::analysis::waits::Wait;
-use crate::ensemble_report::html::{Cell, Html, code, command, name};
+use crate::analysis::subject::ReportedProgram;
+use crate::analysis::waits::ReportedCapture;
+use crate::ensemble_report::html::{Html, HtmlCell, code, command, name};
 use crate::ensemble_report::narrative::{Telling, heading, lead, story};
 use crate::figures as picture;
-use crate::figures::Curve;
+use crate::figures::SurvivalCurve;
 use crate::svg::{Colours, Drawing};
 
 pub(super) fn program(parts: &Parts, index: usize, out: &mut Html, drawings: &mut Vec<Drawing>) {
@@ -57,15 +57,15 @@ pub(super) fn program(parts: &Parts, index: usize, out: &mut Html, drawings: &mu
 pub(super) fn phases(
     parts: &Parts,
     n: usize,
-    subject: &Subject,
+    subject: &ReportedProgram,
     out: &mut Html,
     drawings: &mut Vec<Drawing>,
 ) {
     let phases = subject.program.phases();
     let times = |phase: usize| subject.phase_times(phase);
     out.heading(3, &format!("phases-of-{n}"), "Phase by phase");
-    let curves: Vec<Curve> = (phases.iter().enumerate())
-        .map(|(number, phase)| Curve {
+    let curves: Vec<SurvivalCurve> = (phases.iter().enumerate())
+        .map(|(number, phase)| SurvivalCurve {
             name: phase.name.clone(),
             times: times(number),
         })
@@ -88,17 +88,17 @@ pub(super) fn phases(
         let observed = times(number);
         let spent: f64 = observed.iter().map(|time| time.time).sum();
         let time = Time::of(&observed);
-        let mut row = vec![Cell::Marked(code(&phase.name))];
+        let mut row = vec![HtmlCell::Marked(code(&phase.name))];
         let count = |completed: bool| {
             let count = observed
                 .iter()
                 .filter(|time| time.completed == completed)
                 .count();
-            Cell::Number(count.to_string())
+            HtmlCell::Number(count.to_string())
         };
         row.extend([count(true), count(false)]);
         row.extend(figures(time.as_ref(), Some(subject.tick())));
-        row.push(Cell::Number(percent(spent / total.max(1.0))));
+        row.push(HtmlCell::Number(percent(spent / total.max(1.0))));
         row
     });
     let rows: Vec<_> = rows.take(ROWS).collect();
@@ -121,10 +121,10 @@ pub(super) fn phases(
     );
 }
 
-pub(super) fn captures(subject: &Subject, waits: &[Wait], out: &mut Html) {
-    let mut shown: Vec<&Wait> = waits.iter().collect();
+pub(super) fn captures(subject: &ReportedProgram, waits: &[ReportedCapture], out: &mut Html) {
+    let mut shown: Vec<&ReportedCapture> = waits.iter().collect();
     if shown.len() > ROWS {
-        let share = |wait: &Wait| wait.share.unwrap_or(0.0);
+        let share = |wait: &ReportedCapture| wait.share.unwrap_or(0.0);
         shown.sort_by(|a, b| share(b).total_cmp(&share(a)));
         shown.truncate(ROWS);
         out.note(&format!(
@@ -133,20 +133,20 @@ pub(super) fn captures(subject: &Subject, waits: &[Wait], out: &mut Html) {
         ));
     }
     let runs = subject.runs;
-    let row = |wait: &&Wait| {
+    let row = |wait: &&ReportedCapture| {
         let tick = Some(subject.tick());
         vec![
-            Cell::Marked(code(&wait.text)),
-            Cell::Marked(code(subject.program.phase(wait.phase))),
+            HtmlCell::Marked(code(&wait.text)),
+            HtmlCell::Marked(code(subject.program.phase(wait.phase))),
             mean_cell(wait.time(), tick),
-            Cell::Number(coefficient(wait.time())),
+            HtmlCell::Number(coefficient(wait.time())),
             figure(wait.entries(), None),
             figure(wait.docking(), tick),
-            Cell::Number(match wait.share {
+            HtmlCell::Number(match wait.share {
                 Some(_) => format!("{} of {runs}", wait.decided),
                 None => "–".into(),
             }),
-            Cell::Number(wait.share.map_or("–".into(), percent)),
+            HtmlCell::Number(wait.share.map_or("–".into(), percent)),
         ]
     };
     let rows: Vec<_> = shown.iter().map(row).collect();
@@ -197,7 +197,7 @@ pub(super) fn origins(parts: &Parts, index: usize, out: &mut Html, drawings: &mu
     show(parts, out, drawings, figure, caption, &["origins.csv"]);
 }
 
-pub(super) fn runs(parts: &Parts, n: usize, subject: &Subject, out: &mut Html) {
+pub(super) fn runs(parts: &Parts, n: usize, subject: &ReportedProgram, out: &mut Html) {
     out.heading(3, &format!("runs-of-{n}"), "What decided single runs");
     out.note(
         "Told from the chain of waits that met end to end: every other wait of the run was over \

@@ -4,7 +4,7 @@ use stochc_ensemble::Time;
 use super::Parts;
 use super::common::{mean, sentence, tick};
 use super::warnings::warnings;
-use crate::analysis::waits::Wait;
+use crate::analysis::waits::ReportedCapture;
 use crate::ensemble_report::html::{Html, code, name};
 
 pub(super) fn in_short(parts: &Parts, out: &mut Html) {
@@ -29,7 +29,7 @@ pub(super) fn in_short(parts: &Parts, out: &mut Html) {
             item += &format!(", in {} {unit}{beside} on average", mean(&time));
         }
         item += ". ";
-        let share = |wait: &&Wait| wait.share.unwrap_or(0.0);
+        let share = |wait: &&ReportedCapture| wait.share.unwrap_or(0.0);
         let most = waits.iter().max_by(|a, b| share(a).total_cmp(&share(b)));
         if let Some(wait) = most.filter(|wait| share(wait) > 0.0) {
             item += &format!(

@@ -4,7 +4,7 @@ use stochc_ensemble::text::{number, percent};
 
 use super::common::{figure, mean_cell, show};
 use super::{Parts, ROWS};
-use crate::ensemble_report::html::{Cell, Html, code, name};
+use crate::ensemble_report::html::{Html, HtmlCell, code, name};
 use crate::figures::sweep as pictures;
 use crate::svg::Drawing;
 
@@ -35,21 +35,21 @@ pub(super) fn sweeps(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawing>)
 
 fn table(sweep: &Sweep, out: &mut Html) {
     let row = |point: &SweepPoint| {
-        let mut cells = vec![Cell::Marked(name(&point.program))];
+        let mut cells = vec![HtmlCell::Marked(name(&point.program))];
         let values = point.values.iter();
-        cells.extend(values.map(|value| Cell::Number(number(value.value))));
+        cells.extend(values.map(|value| HtmlCell::Number(number(value.value))));
         let time = point.time.as_ref();
         let tick = sweep.tick(point);
         cells.push(mean_cell(time, tick));
         cells.push(figure(time.and_then(|time| time.median), tick));
-        cells.push(Cell::Number(format!(
+        cells.push(HtmlCell::Number(format!(
             "{} of {}",
             point.completed,
             point.finished()
         )));
         cells.push(figure(point.time_per_capture, tick));
         let released = point.released.map_or("–".into(), percent);
-        cells.push(Cell::Number(released));
+        cells.push(HtmlCell::Number(released));
         cells
     };
     let rows: Vec<_> = sweep.points.iter().take(ROWS).map(row).collect();

@@ -29,14 +29,14 @@ pub(super) struct Panel<'a> {
 }
 
 /// The points that are joined by a line, by value.
-pub(super) struct Curve<'a> {
+pub(super) struct SweepCurve<'a> {
     pub name: String,
     pub points: Vec<(f64, &'a SweepPoint)>,
 }
 
 impl<'a> Panel<'a> {
     /// A curve for each program and each value of the second number.
-    pub fn curves(&self) -> Vec<Curve<'a>> {
+    pub fn curves(&self) -> Vec<SweepCurve<'a>> {
         let several = self.sweep.programs().len() > 1;
         let second = |point: &SweepPoint| point.values.get(1).copied();
         let mut keys: Vec<(&str, Option<SweptValue>)> = Vec::new();
@@ -59,7 +59,7 @@ impl<'a> Panel<'a> {
                 (false, Some(value)) => value,
                 (true, Some(value)) => format!("{program}, {value}"),
             };
-            Curve { name, points }
+            SweepCurve { name, points }
         };
         keys.into_iter().map(curve).collect()
     }
@@ -80,7 +80,7 @@ impl<'a> Panel<'a> {
         name: &str,
         title: &str,
         told: &str,
-        curves: &[Curve],
+        curves: &[SweepCurve],
         notes: &[&str],
     ) -> (Drawing, Scale) {
         let values = || curves.iter().flat_map(|curve| &curve.points).map(|it| it.0);
@@ -117,8 +117,8 @@ impl<'a> Panel<'a> {
 }
 
 /// One sentence for each curve, of what `each` says of its points.
-pub(super) fn told(curves: &[Curve], each: impl Fn(&SweepPoint) -> String) -> String {
-    let curve = |curve: &Curve| {
+pub(super) fn told(curves: &[SweepCurve], each: impl Fn(&SweepPoint) -> String) -> String {
+    let curve = |curve: &SweepCurve| {
         let points = (curve.points.iter())
             .map(|(value, point)| format!("{} at {}", each(point), number(*value)));
         format!("{}: {}", curve.name, points.collect::<Vec<_>>().join(", "))
