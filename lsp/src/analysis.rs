@@ -6,7 +6,7 @@ use stochc_compiler::{
 };
 
 use super::documents::Documents;
-use super::position::{Encoding, Lines, line_starts};
+use super::position::{Encoding, LineIndex, line_starts};
 
 /// Everything that is known of an open program and the files it imports.
 #[derive(Debug)]
@@ -58,9 +58,9 @@ impl Analysis {
     }
 
     /// The lines of a file.
-    pub fn lines(&self, file: FileId) -> Lines<'_> {
+    pub fn lines(&self, file: FileId) -> LineIndex<'_> {
         let text = &self.checked.sources.file(file).text;
-        Lines::known(text, &self.lines[file.0 as usize], self.encoding)
+        LineIndex::known(text, &self.lines[file.0 as usize], self.encoding)
     }
 
     /// The range of a span in a file.

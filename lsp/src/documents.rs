@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use gen_lsp_types::TextDocumentContentChangeEvent as Change;
 use stochc_files as files;
 
-use super::position::{Encoding, Lines};
+use super::position::{Encoding, LineIndex};
 use super::uri;
 
 /// Open texts, by the paths of their files; all copies are the same ones, which only one thread changes.
@@ -52,7 +52,7 @@ impl Documents {
         for change in changes {
             match change {
                 Change::TextDocumentContentChangePartial(change) => {
-                    let lines = Lines::of(&document.text, encoding);
+                    let lines = LineIndex::of(&document.text, encoding);
                     let (a, b) = (
                         lines.offset(change.range.start),
                         lines.offset(change.range.end),

@@ -4,17 +4,17 @@ use similar::{DiffOp, TextDiff};
 use stochc_compiler::Span;
 use stochc_grammar::{FormatError, format};
 
-use super::position::Lines;
-use super::wire::Failure;
+use super::position::LineIndex;
+use super::wire::RequestFailure;
 
 /// The changes that lay a text out: of the lines that change only, so that the rest keeps its marks.
 ///
 /// # Errors
 ///
 /// If the text has errors of syntax.
-pub fn edits(text: &str, lines: &Lines<'_>) -> Result<Vec<TextEdit>, Failure> {
+pub fn edits(text: &str, lines: &LineIndex<'_>) -> Result<Vec<TextEdit>, RequestFailure> {
     let laid_out = format(text).map_err(|refusal| {
-        Failure::refusal(match refusal {
+        RequestFailure::refusal(match refusal {
             FormatError::Wrong(_) => "the program has errors of syntax: mend them first",
             FormatError::Unfaithful => "the layout would change the program: please report this",
         })

@@ -9,7 +9,7 @@ use std::thread::{self, JoinHandle};
 
 use stochc_compiler::Cancellation;
 
-use super::server::{Done, Event};
+use super::server::{Done, ServerEvent};
 
 /// Jobs that run at once, at most: each may hold a program of the size that [`stochc_compiler::Limits::EDITOR`] allows.
 const MOST: usize = 4;
@@ -35,7 +35,7 @@ pub enum Wanted {
 
 /// The jobs under way.
 pub struct Jobs {
-    events: SyncSender<Event>,
+    events: SyncSender<ServerEvent>,
     running: BTreeMap<JobId, Running>,
     next: u64,
 }
@@ -46,8 +46,8 @@ struct Running {
 }
 
 impl Jobs {
-    /// None yet; their ends will be told as [`Event::Done`].
-    pub fn new(events: SyncSender<Event>) -> Jobs {
+    /// None yet; their ends will be told as [`ServerEvent::Done`].
+    pub fn new(events: SyncSender<ServerEvent>) -> Jobs {
         Jobs {
             events,
             running: BTreeMap::new(),
@@ -82,7 +82,7 @@ impl Jobs {
             // A mistake of the server's costs an answer, not the conversation.
             let done = catch_unwind(AssertUnwindSafe(|| work(Cancellation::new(&ask))));
             // Nobody listens after the end.
-            let _ = events.send(Event::Done(id, done.ok().flatten()));
+            let _ = events.send(ServerEvent::Done(id, done.ok().flatten()));
         })?;
         self.running.insert(
             id,

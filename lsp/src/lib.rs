@@ -25,7 +25,7 @@ mod wire;
 use std::io::{BufReader, Write};
 use std::sync::mpsc;
 
-use server::Event;
+use server::ServerEvent;
 use wire::Incoming;
 
 /// Messages that wait for their turn, at most; then the client has to.
@@ -44,11 +44,11 @@ pub fn serve(
     // It ends with the stream, or with the process.
     let reader = std::thread::Builder::new();
     reader.spawn(move || {
-        let mut messages = wire::Messages::of(BufReader::new(input));
+        let mut messages = wire::MessageStream::of(BufReader::new(input));
         loop {
             let incoming = messages.read();
             let is_end = matches!(incoming, Incoming::End);
-            if sender.send(Event::Incoming(incoming)).is_err() || is_end {
+            if sender.send(ServerEvent::Incoming(incoming)).is_err() || is_end {
                 break;
             }
         }

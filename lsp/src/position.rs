@@ -16,16 +16,16 @@ pub enum Encoding {
 
 /// A text with the places where its lines begin; a line ends with `\n`, `\r\n` or `\r`.
 #[derive(Clone, Debug)]
-pub struct Lines<'t> {
+pub struct LineIndex<'t> {
     text: &'t str,
     starts: Cow<'t, [usize]>,
     encoding: Encoding,
 }
 
-impl<'t> Lines<'t> {
+impl<'t> LineIndex<'t> {
     /// Finds the lines of a text.
-    pub fn of(text: &'t str, encoding: Encoding) -> Lines<'t> {
-        Lines::known(text, line_starts(text), encoding)
+    pub fn of(text: &'t str, encoding: Encoding) -> LineIndex<'t> {
+        LineIndex::known(text, line_starts(text), encoding)
     }
 
     /// The lines of a text, of which [`line_starts`] are known.
@@ -33,8 +33,8 @@ impl<'t> Lines<'t> {
         text: &'t str,
         starts: impl Into<Cow<'t, [usize]>>,
         encoding: Encoding,
-    ) -> Lines<'t> {
-        Lines {
+    ) -> LineIndex<'t> {
+        LineIndex {
             text,
             starts: starts.into(),
             encoding,
@@ -112,7 +112,7 @@ mod tests {
     fn characters_are_counted_as_agreed() {
         let at = |text: &str| TEXT.find(text).unwrap();
         for (encoding, b, x) in [(Encoding::Utf16, 2, 2), (Encoding::Utf8, 3, 4)] {
-            let lines = Lines::of(TEXT, encoding);
+            let lines = LineIndex::of(TEXT, encoding);
             let place = |text| {
                 let position = lines.position(at(text));
                 (position.line, position.character)
@@ -127,7 +127,7 @@ mod tests {
     #[test]
     fn every_byte_is_found_again_and_no_position_is_too_far() {
         for encoding in [Encoding::Utf8, Encoding::Utf16] {
-            let lines = Lines::of(TEXT, encoding);
+            let lines = LineIndex::of(TEXT, encoding);
             for (at, c) in TEXT.char_indices().filter(|(_, c)| !"\r\n".contains(*c)) {
                 assert_eq!(lines.offset(lines.position(at)), at, "{c:?}");
             }

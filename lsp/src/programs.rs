@@ -18,19 +18,19 @@ use super::server::Done;
 pub type Found = BTreeMap<String, Vec<LspDiagnostic>>;
 
 /// A program that has been checked.
-pub struct Checked {
+pub struct CheckedProgram {
     analysis: Arc<Analysis>,
     found: Found,
 }
 
 /// The open programs, by the paths of their files.
 #[derive(Default)]
-pub struct Programs(BTreeMap<String, Program>);
+pub struct Programs(BTreeMap<String, OpenProgram>);
 
 /// An open program.
 #[derive(Default)]
-struct Program {
-    state: State,
+struct OpenProgram {
+    state: AnalysisState,
     /// The files that the last check has asked for.
     reads: Arc<Mutex<Reads>>,
     /// The client has not seen its findings as they are now.
@@ -41,7 +41,7 @@ struct Program {
 
 /// What is known of a program as its texts are now.
 #[derive(Default)]
-enum State {
+enum AnalysisState {
     #[default]
     Unknown,
     UnderWay(JobId),
@@ -110,10 +110,10 @@ impl Programs {
             if !is_outdated(path, &reads) {
                 continue;
             }
-            if let State::UnderWay(job) = program.state {
+            if let AnalysisState::UnderWay(job) = program.state {
                 jobs.cancel(job);
             }
-            program.state = State::Unknown;
+            program.state = AnalysisState::Unknown;
             program.is_unseen = true;
             outdated.insert(path.clone());
         }
@@ -123,9 +123,9 @@ impl Programs {
     /// What is known of a program; `None` if it is not open.
     pub fn known(&self, path: &str) -> Option<Knowledge> {
         Some(match &self.0.get(path)?.state {
-            State::Known(analysis) => Knowledge::Known(analysis.clone()),
-            State::Unknown | State::UnderWay(_) => Knowledge::Waiting,
-            State::Failed => Knowledge::Failed,
+            AnalysisState::Known(analysis) => Knowledge::Known(analysis.clone()),
+            AnalysisState::Unknown | AnalysisState::UnderWay(_) => Knowledge::Waiting,
+            AnalysisState::Failed => Knowledge::Failed,
         })
     }
 
@@ -141,8 +141,9 @@ impl Programs {
 
     /// A program that has changed and waits for its check.
     pub fn unchecked(&self) -> Option<&String> {
-        let is_unchecked =
-            |program: &Program| program.is_unseen && matches!(program.state, State::Unknown);
+        let is_unchecked = |program: &OpenProgram| {
+            program.is_unseen && matches!(program.state, AnalysisState::Unknown)
+        };
         let unchecked = self.0.iter().find(|(_, program)| is_unchecked(program));
         unchecked.map(|(path, _)| path)
     }
@@ -160,7 +161,7 @@ impl Programs {
         let Some(program) = self.0.get_mut(path) else {
             return;
         };
-        if !matches!(program.state, State::Unknown) || !jobs.has_room(wanted) {
+        if !matches!(program.state, AnalysisState::Unknown) || !jobs.has_room(wanted) {
             return;
         }
         program.reads = Arc::default();
@@ -169,13 +170,12 @@ impl Programs {
         let job = jobs.start(move |cancellation| {
             check(&path, &documents, &reads, &folders, encoding, cancellation).map(Done::Checked)
         });
-        program.state = job.map_or(State::Failed, State::UnderWay);
+        program.state = job.map_or(AnalysisState::Failed, AnalysisState::UnderWay);
     }
 
     /// Takes over what a check has found, unless it is out of date; whether it was a check that is still wanted.
-    pub fn checked(&mut self, job: JobId, checked: Option<Checked>) -> bool {
-        let is_it =
-            |program: &&mut Program| matches!(program.state, State::UnderWay(own) if own == job);
+    pub fn checked(&mut self, job: JobId, checked: Option<CheckedProgram>) -> bool {
+        let is_it = |program: &&mut OpenProgram| matches!(program.state, AnalysisState::UnderWay(own) if own == job);
         let Some(program) = self.0.values_mut().find(is_it) else {
             return false;
         };
@@ -183,9 +183,9 @@ impl Programs {
         program.state = match checked {
             Some(checked) => {
                 program.found = checked.found;
-                State::Known(checked.analysis)
+                AnalysisState::Known(checked.analysis)
             }
-            None => State::Failed,
+            None => AnalysisState::Failed,
         };
         true
     }
@@ -220,7 +220,7 @@ fn check(
     folders: &[PathBuf],
     encoding: Encoding,
     cancellation: Cancellation<'_>,
-) -> Option<Checked> {
+) -> Option<CheckedProgram> {
     let bound = ImportFolders::of(path, folders);
     let mut reader = ProgramReader {
         documents,
@@ -228,7 +228,7 @@ fn check(
         bound,
     };
     let analysis = Analysis::of(path, &mut reader, encoding, cancellation).ok()?;
-    Some(Checked {
+    Some(CheckedProgram {
         found: diagnostics::of(&analysis, path, documents),
         analysis: Arc::new(analysis),
     })

@@ -10,16 +10,16 @@ use stochc_grammar::{Symbols, parse_cancellable};
 use super::analysis::Analysis;
 use super::definition::{Place, everywhere};
 use super::documents::Documents;
-use super::wire::Failure;
+use super::wire::RequestFailure;
 
 /// The name at a byte of a program's own file, if it can be changed.
 ///
 /// # Errors
 ///
 /// If there is none, or if it is not the program that gives it.
-pub fn renameable(analysis: &Analysis, at: usize) -> Result<Site, Failure> {
+pub fn renameable(analysis: &Analysis, at: usize) -> Result<Site, RequestFailure> {
     let Some(name) = analysis.name_at(at) else {
-        return Err(Failure::refusal("there is no name here"));
+        return Err(RequestFailure::refusal("there is no name here"));
     };
     let names = &analysis.names;
     let declared = names
@@ -27,7 +27,7 @@ pub fn renameable(analysis: &Analysis, at: usize) -> Result<Site, Failure> {
         .any(|occurrence| occurrence.declares);
     if !declared {
         let word = analysis.checked.symbols.word(names.word(name.thing));
-        return Err(Failure::refusal(match names.kind(name.thing) {
+        return Err(RequestFailure::refusal(match names.kind(name.thing) {
             NameKind::Scene => format!("the scene `{word}` is built in"),
             kind => format!("no {} is called `{word}`", kind.noun()),
         }));
@@ -48,7 +48,7 @@ pub fn rename(
     new_name: &str,
     documents: &Documents,
     cancellation: Cancellation<'_>,
-) -> Result<WorkspaceEdit, Failure> {
+) -> Result<WorkspaceEdit, RequestFailure> {
     let site = renameable(analysis, at)?;
     check_name(new_name)?;
     let path = analysis.path(site.file).to_owned();
@@ -82,17 +82,17 @@ pub fn rename(
     })
 }
 
-fn check_name(name: &str) -> Result<(), Failure> {
+fn check_name(name: &str) -> Result<(), RequestFailure> {
     let is_letter = |c: char| c.is_ascii_alphabetic() || c == '_';
     let rest = |c: char| is_letter(c) || c.is_ascii_digit();
     if !name.starts_with(is_letter) || !name.chars().all(rest) {
-        return Err(Failure::refusal(
+        return Err(RequestFailure::refusal(
             "a name begins with a letter or `_` and goes on with letters, digits and `_`",
         ));
     }
     let symbols = Symbols::new();
     match symbols.get(name) {
-        Some(_) => Err(Failure::refusal(format!(
+        Some(_) => Err(RequestFailure::refusal(format!(
             "`{name}` is a word of the language"
         ))),
         None => Ok(()),
@@ -106,14 +106,14 @@ fn stays_the_same(
     places: &BTreeMap<&str, Vec<&Place>>,
     new_name: &str,
     cancellation: Cancellation<'_>,
-) -> Result<(), Failure> {
+) -> Result<(), RequestFailure> {
     let old = &analysis.checked;
     let mut texts: BTreeMap<&str, String> = BTreeMap::new();
     for file in old.sources.files() {
         let parsed = parse_cancellable(&file.text, &mut Symbols::new(), cancellation)?;
         if !parsed.errors.is_empty() {
             let why = format!("`{}` has errors of syntax: mend them first", file.name);
-            return Err(Failure::refusal(why));
+            return Err(RequestFailure::refusal(why));
         }
         let mut text = String::new();
         let mut done = 0;
@@ -136,7 +136,7 @@ fn stays_the_same(
     let names = Names::of(&new, cancellation)?;
     if !same_structure(&analysis.names, &names) || codes(old) != codes(&new) {
         let why = format!("`{new_name}` already means something where it would stand");
-        return Err(Failure::refusal(why));
+        return Err(RequestFailure::refusal(why));
     }
     Ok(())
 }

@@ -15,18 +15,18 @@ use stochc_compiler::{Cancellation, FileId};
 use super::analysis::Analysis;
 use super::definition::{self, named_at};
 use super::documents::Documents;
-use super::position::{Encoding, Lines};
-use super::wire::{Failure, Reason};
+use super::position::{Encoding, LineIndex};
+use super::wire::{Reason, RequestFailure};
 use super::{actions, formatting, hover, rename, scene, symbols, uri};
 
-fn params<T: DeserializeOwned>(params: Value) -> Result<T, Failure> {
+fn params<T: DeserializeOwned>(params: Value) -> Result<T, RequestFailure> {
     serde_json::from_value(params)
-        .map_err(|error| Failure::new(Reason::InvalidParams, error.to_string()))
+        .map_err(|error| RequestFailure::new(Reason::InvalidParams, error.to_string()))
 }
 
-fn value(result: impl Serialize) -> Result<Value, Failure> {
+fn value(result: impl Serialize) -> Result<Value, RequestFailure> {
     serde_json::to_value(result)
-        .map_err(|error| Failure::new(Reason::InternalError, error.to_string()))
+        .map_err(|error| RequestFailure::new(Reason::InternalError, error.to_string()))
 }
 
 /// What the client lets the server know.
@@ -95,10 +95,10 @@ pub struct Query {
 }
 
 /// Works an answer out.
-pub type Answer = Box<dyn FnOnce(&Context<'_>) -> Result<Value, Failure> + Send>;
+pub type Answer = Box<dyn FnOnce(&RequestContext<'_>) -> Result<Value, RequestFailure> + Send>;
 
 /// What an answer is worked out from.
-pub struct Context<'c> {
+pub struct RequestContext<'c> {
     /// The file that is asked about.
     pub path: String,
     /// What is known of the programs that are needed, the own one first.
@@ -111,18 +111,18 @@ pub struct Context<'c> {
     pub cancellation: Cancellation<'c>,
 }
 
-impl Context<'_> {
+impl RequestContext<'_> {
     /// What is known of the program that is asked about.
-    fn own(&self) -> Result<&Analysis, Failure> {
+    fn own(&self) -> Result<&Analysis, RequestFailure> {
         let own = self.programs.first();
         own.map(|own| &**own).ok_or_else(not_open)
     }
 
     /// The same, and a byte of its file.
-    fn at(&self, position: Position) -> Result<(&Analysis, usize), Failure> {
+    fn at(&self, position: Position) -> Result<(&Analysis, usize), RequestFailure> {
         let analysis = self.own()?;
         if analysis.checked.sources.files().is_empty() {
-            return Err(Failure::refusal("the file cannot be read"));
+            return Err(RequestFailure::refusal("the file cannot be read"));
         }
         let at = analysis.lines(FileId(0)).offset(position);
         Ok((analysis, at))
@@ -134,15 +134,15 @@ impl Context<'_> {
 }
 
 /// Says that a file is not open.
-pub fn not_open() -> Failure {
-    Failure::refusal("the file is not open")
+pub fn not_open() -> RequestFailure {
+    RequestFailure::refusal("the file is not open")
 }
 
 impl Query {
     fn new(
         uri: &str,
         needs: Needs,
-        answer: impl FnOnce(&Context<'_>) -> Result<Value, Failure> + Send + 'static,
+        answer: impl FnOnce(&RequestContext<'_>) -> Result<Value, RequestFailure> + Send + 'static,
     ) -> Query {
         Query {
             path: uri::path(uri),
@@ -155,7 +155,9 @@ impl Query {
     fn at(
         it: TextDocumentPositionParams,
         needs: Needs,
-        answer: impl FnOnce(&Context<'_>, &Analysis, usize) -> Result<Value, Failure> + Send + 'static,
+        answer: impl FnOnce(&RequestContext<'_>, &Analysis, usize) -> Result<Value, RequestFailure>
+        + Send
+        + 'static,
     ) -> Query {
         Query::new(&it.text_document.uri.0, needs, move |context| {
             let (analysis, at) = context.at(it.position)?;
@@ -168,7 +170,7 @@ impl Query {
     /// # Errors
     ///
     /// If that cannot be understood.
-    pub fn of(method: &str, raw: Value) -> Result<Query, Failure> {
+    pub fn of(method: &str, raw: Value) -> Result<Query, RequestFailure> {
         Ok(match method {
             "textDocument/hover" => {
                 let it: HoverParams = params(raw)?;
@@ -263,7 +265,7 @@ impl Query {
                 let it: DocumentFormattingParams = params(raw)?;
                 Query::new(&it.text_document.uri.0, Needs::Text, |context| {
                     let document = context.documents.get(&context.path).ok_or_else(not_open)?;
-                    let lines = Lines::of(&document.text, context.encoding);
+                    let lines = LineIndex::of(&document.text, context.encoding);
                     value(formatting::edits(&document.text, &lines)?)
                 })
             }
@@ -278,7 +280,7 @@ impl Query {
                 })
             }
             _ => {
-                return Err(Failure::new(
+                return Err(RequestFailure::new(
                     Reason::MethodNotFound,
                     format!("`{method}` is not known"),
                 ));
@@ -288,11 +290,11 @@ impl Query {
 }
 
 fn references(
-    context: &Context<'_>,
+    context: &RequestContext<'_>,
     analysis: &Analysis,
     at: usize,
     with_declaration: bool,
-) -> Result<Value, Failure> {
+) -> Result<Value, RequestFailure> {
     let Some(name) = analysis.name_at(at) else {
         return value(json!([]));
     };

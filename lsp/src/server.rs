@@ -14,16 +14,16 @@ use super::analysis::Analysis;
 use super::documents::Documents;
 use super::jobs::{JobId, Jobs, Wanted};
 use super::position::Encoding;
-use super::programs::{Checked, Knowledge, Programs};
-use super::requests::{self, Answer, Context, Needs, Notification, Query};
+use super::programs::{CheckedProgram, Knowledge, Programs};
+use super::requests::{self, Answer, Needs, Notification, Query, RequestContext};
 use super::uri;
-use super::wire::{self, Failure, Incoming, Message, Reason};
+use super::wire::{self, ClientMessage, Incoming, Reason, RequestFailure};
 
 /// How long nothing has to come in before a changed text is checked unasked.
 const PAUSE: Duration = Duration::from_millis(120);
 
 /// What the server waits for.
-pub enum Event {
+pub enum ServerEvent {
     /// Something from the client.
     Incoming(Incoming),
     /// The end of a job; nothing has come out of one that was cancelled or has failed.
@@ -33,14 +33,14 @@ pub enum Event {
 /// What comes out of a job.
 pub enum Done {
     /// A program has been checked.
-    Checked(Checked),
+    Checked(CheckedProgram),
     /// A request has been worked out.
-    Answered(Result<Value, Failure>),
+    Answered(Result<Value, RequestFailure>),
 }
 
 /// How far the conversation is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Stage {
+enum SessionStage {
     Begun,
     Serving,
     /// The client has said that it will leave.
@@ -50,7 +50,7 @@ enum Stage {
 /// A client, and what it has open.
 pub struct Server<W> {
     output: W,
-    stage: Stage,
+    stage: SessionStage,
     jobs: Jobs,
     documents: Documents,
     encoding: Encoding,
@@ -97,10 +97,10 @@ impl Request {
 
 impl<W: Write> Server<W> {
     /// Waits for a client; the ends of jobs come in with its messages.
-    pub fn new(output: W, events: SyncSender<Event>) -> Server<W> {
+    pub fn new(output: W, events: SyncSender<ServerEvent>) -> Server<W> {
         Server {
             output,
-            stage: Stage::Begun,
+            stage: SessionStage::Begun,
             jobs: Jobs::new(events),
             documents: Documents::default(),
             encoding: Encoding::default(),
@@ -113,42 +113,46 @@ impl<W: Write> Server<W> {
     }
 
     /// Answers until the end; whether the client said `shutdown` before it left.
-    pub fn run(mut self, receiver: Receiver<Event>) -> bool {
+    pub fn run(mut self, receiver: Receiver<ServerEvent>) -> bool {
         while !self.gone {
             let event = match self.unchecked() {
                 None => receiver.recv().map_err(|_| RecvTimeoutError::Disconnected),
                 Some(_) => receiver.recv_timeout(PAUSE),
             };
             match event {
-                Ok(Event::Incoming(Incoming::Message(message))) if message.method == "exit" => {
+                Ok(ServerEvent::Incoming(Incoming::Message(message)))
+                    if message.method == "exit" =>
+                {
                     break;
                 }
-                Ok(Event::Incoming(Incoming::Message(message))) => self.message(message),
-                Ok(Event::Incoming(Incoming::Garbage(why))) => {
-                    let failure = Failure::new(Reason::ParseError, why);
+                Ok(ServerEvent::Incoming(Incoming::Message(message))) => self.message(message),
+                Ok(ServerEvent::Incoming(Incoming::Garbage(why))) => {
+                    let failure = RequestFailure::new(Reason::ParseError, why);
                     self.send(&wire::answer(&Value::Null, Err(failure)));
                 }
-                Ok(Event::Done(job, done)) => self.done(job, done),
+                Ok(ServerEvent::Done(job, done)) => self.done(job, done),
                 Err(RecvTimeoutError::Timeout) => {
                     if let Some(path) = self.unchecked() {
                         self.check(&path, Wanted::Unasked);
                     }
                 }
-                Ok(Event::Incoming(Incoming::End)) | Err(RecvTimeoutError::Disconnected) => break,
+                Ok(ServerEvent::Incoming(Incoming::End)) | Err(RecvTimeoutError::Disconnected) => {
+                    break;
+                }
             }
             self.proceed();
         }
         // A job that has ended meanwhile need not wait to be heard.
         drop(receiver);
-        self.stage == Stage::Leaving
+        self.stage == SessionStage::Leaving
     }
 
-    fn message(&mut self, message: Message) {
-        let Message { id, method, params } = message;
+    fn message(&mut self, message: ClientMessage) {
+        let ClientMessage { id, method, params } = message;
         let Some(id) = id else {
             match method.as_str() {
                 "$/cancelRequest" => self.cancel(params.get("id").unwrap_or(&Value::Null)),
-                _ if self.stage == Stage::Serving => self.notification(&method, params),
+                _ if self.stage == SessionStage::Serving => self.notification(&method, params),
                 _ => {}
             }
             return;
@@ -158,23 +162,22 @@ impl<W: Write> Server<W> {
             return;
         }
         let result = match (method.as_str(), self.stage) {
-            ("initialize", Stage::Begun) => Ok(self.initialize(&params)),
-            (_, Stage::Begun) => Err(Failure::new(
+            ("initialize", SessionStage::Begun) => Ok(self.initialize(&params)),
+            (_, SessionStage::Begun) => Err(RequestFailure::new(
                 Reason::ServerNotInitialized,
                 "`initialize` comes first",
             )),
-            ("shutdown", Stage::Serving) => {
-                self.stage = Stage::Leaving;
+            ("shutdown", SessionStage::Serving) => {
+                self.stage = SessionStage::Leaving;
                 self.jobs.cancel_all();
                 self.programs = Programs::default();
-                self.fail(|_| true, &Failure::cancelled());
+                self.fail(|_| true, &RequestFailure::cancelled());
                 Ok(Value::Null)
             }
-            ("initialize", Stage::Serving) | (_, Stage::Leaving) => Err(Failure::new(
-                Reason::InvalidRequest,
-                format!("too late for `{method}`"),
-            )),
-            (_, Stage::Serving) => match self.query(&method, params) {
+            ("initialize", SessionStage::Serving) | (_, SessionStage::Leaving) => Err(
+                RequestFailure::new(Reason::InvalidRequest, format!("too late for `{method}`")),
+            ),
+            (_, SessionStage::Serving) => match self.query(&method, params) {
                 Ok(query) => {
                     self.requests.push(Request {
                         id,
@@ -191,7 +194,7 @@ impl<W: Write> Server<W> {
         self.send(&wire::answer(&id, result));
     }
 
-    fn query(&self, method: &str, params: Value) -> Result<Query, Failure> {
+    fn query(&self, method: &str, params: Value) -> Result<Query, RequestFailure> {
         let query = Query::of(method, params)?;
         match self.documents.get(&query.path) {
             Some(_) => Ok(query),
@@ -216,16 +219,16 @@ impl<W: Write> Server<W> {
                 (path, outdated)
             }
         };
-        let why = Failure::new(Reason::ContentModified, "the text has changed");
+        let why = RequestFailure::new(Reason::ContentModified, "the text has changed");
         self.fail(|request| request.is_about(&path, &outdated), &why);
     }
 
     fn cancel(&mut self, id: &Value) {
-        self.fail(|request| request.id == *id, &Failure::cancelled());
+        self.fail(|request| request.id == *id, &RequestFailure::cancelled());
     }
 
     /// Says of some requests why they are not answered, and lets their work end.
-    fn fail(&mut self, is_meant: impl Fn(&Request) -> bool, why: &Failure) {
+    fn fail(&mut self, is_meant: impl Fn(&Request) -> bool, why: &RequestFailure) {
         let (meant, rest) = std::mem::take(&mut self.requests)
             .into_iter()
             .partition(is_meant);
@@ -327,7 +330,7 @@ impl<W: Write> Server<W> {
     ) -> Option<JobId> {
         let (documents, encoding) = (self.documents.clone(), self.encoding);
         let job = self.jobs.start(move |cancellation| {
-            let context = Context {
+            let context = RequestContext {
                 path,
                 programs,
                 documents,
@@ -363,7 +366,7 @@ impl<W: Write> Server<W> {
             self.encoding = Encoding::Utf8;
         }
         self.folders = folders(params);
-        self.stage = Stage::Serving;
+        self.stage = SessionStage::Serving;
         let encoding = match self.encoding {
             Encoding::Utf8 => "utf-8",
             Encoding::Utf16 => "utf-16",
@@ -439,9 +442,9 @@ impl<W: Write> Server<W> {
 }
 
 /// Says that the server has made a mistake.
-fn failed(method: &str) -> Failure {
+fn failed(method: &str) -> RequestFailure {
     let why = format!("`{method}` failed: please report this with the program");
-    Failure::new(Reason::InternalError, why)
+    RequestFailure::new(Reason::InternalError, why)
 }
 
 /// The folders that a client has open when it introduces itself.

@@ -3,17 +3,17 @@ use gen_lsp_types::{DocumentSymbol, SymbolKind};
 use stochc_compiler::{Span, Symbols};
 use stochc_grammar::tree::{Item, ItemKind};
 
-use super::position::Lines;
+use super::position::LineIndex;
 
 /// The declarations of a file, with what is declared inside them.
-pub fn symbols(items: &[Item], words: &Symbols, lines: &Lines<'_>) -> Vec<DocumentSymbol> {
+pub fn symbols(items: &[Item], words: &Symbols, lines: &LineIndex<'_>) -> Vec<DocumentSymbol> {
     items
         .iter()
         .filter_map(|item| symbol(item, words, lines))
         .collect()
 }
 
-fn symbol(item: &Item, words: &Symbols, lines: &Lines<'_>) -> Option<DocumentSymbol> {
+fn symbol(item: &Item, words: &Symbols, lines: &LineIndex<'_>) -> Option<DocumentSymbol> {
     let word = |name: &stochc_grammar::tree::Name| (words.word(name.symbol).to_owned(), name.span);
     let ((name, span), kind, detail) = match &item.kind {
         ItemKind::Assembly(it) => (word(&it.name), SymbolKind::Module, "assembly"),

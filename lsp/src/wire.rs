@@ -15,7 +15,7 @@ const MOST_HEAD: u64 = 1 << 12;
 
 /// A message from the client.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Message {
+pub struct ClientMessage {
     /// What its answer refers to; a message without it wants none.
     pub id: Option<Value>,
     /// What is wanted; empty: an answer of the client's.
@@ -28,7 +28,7 @@ pub struct Message {
 #[derive(Debug)]
 pub enum Incoming {
     /// A message.
-    Message(Message),
+    Message(ClientMessage),
     /// Bytes that are none, and why.
     Garbage(String),
     /// The stream has ended, or cannot be followed any more.
@@ -37,16 +37,16 @@ pub enum Incoming {
 
 /// The messages of a stream.
 #[derive(Debug)]
-pub struct Messages<R> {
+pub struct MessageStream<R> {
     input: R,
     /// The last message could not be followed, so that what comes next may be the rest of it.
     lost: bool,
 }
 
-impl<R: BufRead> Messages<R> {
+impl<R: BufRead> MessageStream<R> {
     /// Those that come in from now on.
-    pub fn of(input: R) -> Messages<R> {
-        Messages { input, lost: false }
+    pub fn of(input: R) -> MessageStream<R> {
+        MessageStream { input, lost: false }
     }
 
     /// Waits for the next one.
@@ -62,7 +62,7 @@ impl<R: BufRead> Messages<R> {
         let message = serde_json::from_slice(&body);
         self.lost = message.is_err();
         match message {
-            Ok(Value::Object(mut fields)) => Incoming::Message(Message {
+            Ok(Value::Object(mut fields)) => Incoming::Message(ClientMessage {
                 id: fields.remove("id").filter(|id| !id.is_null()),
                 method: match fields.remove("method") {
                     Some(Value::String(method)) => method,
@@ -187,41 +187,41 @@ pub enum Reason {
 
 /// Why a request cannot be answered.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Failure {
+pub struct RequestFailure {
     /// What kind of reason.
     pub reason: Reason,
     /// The reason, for people.
     pub message: String,
 }
 
-impl Failure {
+impl RequestFailure {
     /// A reason of a kind.
-    pub fn new(reason: Reason, message: impl Into<String>) -> Failure {
-        Failure {
+    pub fn new(reason: Reason, message: impl Into<String>) -> RequestFailure {
+        RequestFailure {
             reason,
             message: message.into(),
         }
     }
 
     /// The client does not want the answer any more.
-    pub fn cancelled() -> Failure {
-        Failure::new(Reason::RequestCancelled, "cancelled")
+    pub fn cancelled() -> RequestFailure {
+        RequestFailure::new(Reason::RequestCancelled, "cancelled")
     }
 
     /// What was wanted makes sense, but cannot be done here.
-    pub fn refusal(message: impl Into<String>) -> Failure {
-        Failure::new(Reason::RequestFailed, message)
+    pub fn refusal(message: impl Into<String>) -> RequestFailure {
+        RequestFailure::new(Reason::RequestFailed, message)
     }
 }
 
-impl From<Cancelled> for Failure {
-    fn from(_: Cancelled) -> Failure {
-        Failure::cancelled()
+impl From<Cancelled> for RequestFailure {
+    fn from(_: Cancelled) -> RequestFailure {
+        RequestFailure::cancelled()
     }
 }
 
 /// An answer.
-pub fn answer(id: &Value, result: Result<Value, Failure>) -> Value {
+pub fn answer(id: &Value, result: Result<Value, RequestFailure>) -> Value {
     match result {
         Ok(result) => json!({ "jsonrpc": "2.0", "id": id, "result": result }),
         Err(failure) => {
@@ -236,7 +236,7 @@ mod tests {
     use super::*;
 
     fn all(text: &str) -> Vec<String> {
-        let mut messages = Messages::of(text.as_bytes());
+        let mut messages = MessageStream::of(text.as_bytes());
         let mut seen = Vec::new();
         loop {
             seen.push(match messages.read() {
@@ -316,7 +316,7 @@ mod tests {
         let mut bytes = Vec::new();
         let message = json!({ "id": 3, "method": "m\u{b5}", "params": [1] });
         write(&mut bytes, &message).unwrap();
-        let Incoming::Message(read) = Messages::of(bytes.as_slice()).read() else {
+        let Incoming::Message(read) = MessageStream::of(bytes.as_slice()).read() else {
             panic!();
         };
         assert_eq!((read.id, read.method.as_str()), (Some(json!(3)), "m\u{b5}"));
