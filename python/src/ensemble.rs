@@ -21,9 +21,9 @@ use stochc::report::figures;
 
 use super::call::call;
 use super::host::Caller;
-use super::program::Program;
+use super::program::PythonProgram;
 use super::settings::{Computed, Said, levels, parsed};
-use super::table::Table;
+use super::table::PythonTable;
 
 mod derived;
 
@@ -31,7 +31,7 @@ mod derived;
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct Asked {
-    programs: Vec<Py<Program>>,
+    programs: Vec<Py<PythonProgram>>,
     runs: u64,
     seed: u64,
     sweep: Vec<String>,
@@ -43,7 +43,7 @@ pub struct Asked {
 /// What of it, and where it is kept.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
-pub struct Kept {
+pub struct StorageOptions {
     out: Option<PathBuf>,
     resume: bool,
     mixed_builds: bool,
@@ -97,9 +97,9 @@ impl Detached {
 pub fn simulate(
     py: Python<'_>,
     asked: Asked,
-    kept: Kept,
+    kept: StorageOptions,
     progress: Option<Bound<'_, PyAny>>,
-) -> PyResult<Ensemble> {
+) -> PyResult<PythonEnsemble> {
     let (threads, detached) = (asked.threads, asked.detached());
     call(py, progress.as_ref(), move |host| {
         let record = (kept.record.as_ref())
@@ -124,7 +124,11 @@ pub fn simulate(
             return Err(interrupted());
         }
         made.unrecorded.map_or(Ok(()), Err)?;
-        Ok(Ensemble::new(kept.out, manifest, made.results.finished))
+        Ok(PythonEnsemble::new(
+            kept.out,
+            manifest,
+            made.results.finished,
+        ))
     })
 }
 
@@ -176,17 +180,17 @@ pub fn status(py: Python<'_>, folder: PathBuf) -> PyResult<String> {
 
 /// Puts the pieces of an ensemble together.
 #[pyfunction]
-pub fn merge(py: Python<'_>, folder: PathBuf) -> PyResult<Ensemble> {
+pub fn merge(py: Python<'_>, folder: PathBuf) -> PyResult<PythonEnsemble> {
     call(py, None, move |host| {
         pieces::merge(&folder)?;
-        Ensemble::read(folder, host)
+        PythonEnsemble::read(folder, host)
     })
 }
 
 /// Reads a folder of results.
 #[pyfunction]
-pub fn open(py: Python<'_>, folder: PathBuf) -> PyResult<Ensemble> {
-    call(py, None, move |host| Ensemble::read(folder, host))
+pub fn open(py: Python<'_>, folder: PathBuf) -> PyResult<PythonEnsemble> {
+    call(py, None, move |host| PythonEnsemble::read(folder, host))
 }
 
 /// Writes the report on folders, and says where it is.
@@ -198,8 +202,8 @@ pub fn report(py: Python<'_>, folders: Vec<PathBuf>, out: Option<PathBuf>) -> Py
 }
 
 /// The runs of an ensemble.
-#[pyclass(frozen, module = "stochc._native")]
-pub struct Ensemble(Arc<Inner>);
+#[pyclass(frozen, name = "Ensemble", module = "stochc._native")]
+pub struct PythonEnsemble(Arc<Inner>);
 
 struct Inner {
     folder: Option<PathBuf>,
@@ -208,18 +212,18 @@ struct Inner {
     finished: Mutex<(u32, Records)>,
 }
 
-impl Ensemble {
-    fn new(folder: Option<PathBuf>, manifest: Manifest, finished: Records) -> Ensemble {
-        Ensemble(Arc::new(Inner {
+impl PythonEnsemble {
+    fn new(folder: Option<PathBuf>, manifest: Manifest, finished: Records) -> PythonEnsemble {
+        PythonEnsemble(Arc::new(Inner {
             folder,
             manifest,
             finished: Mutex::new((std::process::id(), finished)),
         }))
     }
 
-    fn read(folder: PathBuf, host: &dyn Host) -> Result<Ensemble, Failure> {
+    fn read(folder: PathBuf, host: &dyn Host) -> Result<PythonEnsemble, Failure> {
         let (manifest, finished) = read(&folder, host)?;
-        Ok(Ensemble::new(Some(folder), manifest, finished))
+        Ok(PythonEnsemble::new(Some(folder), manifest, finished))
     }
 
     /// Asks something of it, without the interpreter's lock.
@@ -274,7 +278,7 @@ impl From<JournalError> for Untold {
 }
 
 #[pymethods]
-impl Ensemble {
+impl PythonEnsemble {
     /// The folder that it was read from, or is kept in.
     #[getter]
     fn folder(&self) -> Option<&Path> {
@@ -301,7 +305,7 @@ impl Ensemble {
 
     /// The programs.
     #[getter]
-    fn programs(&self) -> Vec<Program> {
+    fn programs(&self) -> Vec<PythonProgram> {
         let programs = self.0.manifest.programs.iter();
         programs.map(|program| program.clone().into()).collect()
     }
@@ -320,13 +324,13 @@ impl Ensemble {
     }
 
     /// A table of its folder, by name.
-    fn table(&self, py: Python<'_>, name: String) -> PyResult<Table> {
+    fn table(&self, py: Python<'_>, name: String) -> PyResult<PythonTable> {
         self.ask(py, move |inner, finished, _| {
             let manifest = &inner.manifest;
             let mut shapes = tables_of(manifest).into_iter().enumerate();
             let (number, shape) = (shapes.find(|(_, shape)| shape.name == name))
                 .ok_or_else(|| Failure::usage(format!("there is no table `{name}`")))?;
-            let mut table = Table::new(shape, &table_metadata(manifest));
+            let mut table = PythonTable::new(shape, &table_metadata(manifest));
             let filled = each_row_group((manifest, finished), number, |columns| {
                 table.add(columns).map_err(Untold::Table)
             });
@@ -339,7 +343,7 @@ impl Ensemble {
     }
 
     /// A row for each program.
-    fn summary(&self, py: Python<'_>) -> PyResult<Table> {
+    fn summary(&self, py: Python<'_>) -> PyResult<PythonTable> {
         self.ask(py, |inner, finished, _| {
             let comparison = told(&inner.manifest, finished, false)?.comparison;
             derived::summary(&inner.manifest, &comparison).map_err(Failure::usage)
@@ -347,7 +351,7 @@ impl Ensemble {
     }
 
     /// The curves of Kaplan and Meier.
-    fn survival(&self, py: Python<'_>) -> PyResult<Table> {
+    fn survival(&self, py: Python<'_>) -> PyResult<PythonTable> {
         self.ask(py, |inner, finished, _| {
             derived::survival(&inner.manifest, finished)
         })

@@ -17,11 +17,11 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _native {
     #[pymodule_export]
-    use super::ensemble::{Ensemble, merge, open, prepare, report, shard, simulate, status};
+    use super::ensemble::{PythonEnsemble, merge, open, prepare, report, shard, simulate, status};
     #[pymodule_export]
     use super::measure::{estimate, plan, trade};
     #[pymodule_export]
-    use super::program::{Program, check, explain, load};
+    use super::program::{PythonProgram, check, explain, load};
     #[pymodule_export]
-    use super::table::Table;
+    use super::table::PythonTable;
 }

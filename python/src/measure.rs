@@ -19,14 +19,14 @@ use stochc::runtime::Settings;
 
 use super::call::call;
 use super::host::WIDTH;
-use super::program::Program;
+use super::program::PythonProgram;
 use super::settings::folders;
 
 /// How programs are estimated.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct Estimated {
-    programs: Vec<Py<Program>>,
+    programs: Vec<Py<PythonProgram>>,
     rates: Vec<PathBuf>,
     runs: Option<u64>,
     max_ticks: u64,
@@ -63,7 +63,7 @@ pub fn estimate(
 /// What is to be planned.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
-pub struct Planned {
+pub struct PlanRequest {
     target: String,
     shape: Option<String>,
     seed_plate: Option<String>,
@@ -79,7 +79,7 @@ pub struct Planned {
 #[pyfunction]
 pub fn plan(
     py: Python<'_>,
-    asked: Planned,
+    asked: PlanRequest,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<(String, String, String)> {
     call(py, progress.as_ref(), move |host| {
@@ -112,7 +112,7 @@ pub fn plan(
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct Traded {
-    programs: Vec<Py<Program>>,
+    programs: Vec<Py<PythonProgram>>,
     runs: Option<u64>,
     budget: f64,
     seed: u64,

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use stochc::compiler::emit::{structure_svg, structure_text};
-use stochc::compiler::{Checked, LintLevels, Program as CompiledProgram};
+use stochc::compiler::{Checked, LintLevels, Program};
 use stochc::diagnostics::{drawn, values};
 use stochc::ensemble::{EnsembleProgram, Manifest, Source};
 use stochc::exit::Failure;
@@ -20,18 +20,18 @@ use super::host::WIDTH;
 use super::settings::{Said, folders, levels};
 
 /// A program that is ready to run.
-#[pyclass(frozen, module = "stochc._native")]
+#[pyclass(frozen, name = "Program", module = "stochc._native")]
 #[derive(Clone)]
-pub struct Program(pub Arc<EnsembleProgram>);
+pub struct PythonProgram(pub Arc<EnsembleProgram>);
 
-impl From<EnsembleProgram> for Program {
-    fn from(entry: EnsembleProgram) -> Program {
-        Program(Arc::new(entry))
+impl From<EnsembleProgram> for PythonProgram {
+    fn from(entry: EnsembleProgram) -> PythonProgram {
+        PythonProgram(Arc::new(entry))
     }
 }
 
 /// Findings as JSON and drawn, whether there are errors, and the programs if there are none.
-type Found = (String, String, bool, Vec<Program>);
+type Found = (String, String, bool, Vec<PythonProgram>);
 
 /// Looks for errors in a file, or in a text of a name.
 #[pyfunction]
@@ -60,11 +60,11 @@ pub fn check(
 }
 
 /// The programs of a file without errors.
-fn entries(checked: Checked) -> Vec<Program> {
+fn entries(checked: Checked) -> Vec<PythonProgram> {
     // Hears what has been told already.
     let silent = super::host::Caller::default();
     let found = accept("", checked, &silent).unwrap_or_default();
-    found.into_iter().map(Program::from).collect()
+    found.into_iter().map(PythonProgram::from).collect()
 }
 
 /// The programs of a file, or of a text of a name.
@@ -75,7 +75,7 @@ pub fn load(
     name: Option<String>,
     said: Vec<Said>,
     imports: Vec<PathBuf>,
-) -> PyResult<Vec<Program>> {
+) -> PyResult<Vec<PythonProgram>> {
     call(py, None, move |host| {
         let (levels, imports) = (levels(&said)?, folders(imports)?);
         let found = match name {
@@ -85,7 +85,7 @@ pub fn load(
             }
             None => programs(&[source], &levels, &imports, host),
         }?;
-        Ok(found.into_iter().map(Program::from).collect())
+        Ok(found.into_iter().map(PythonProgram::from).collect())
     })
 }
 
@@ -98,7 +98,7 @@ pub fn explain(py: Python<'_>, code: String) -> PyResult<&'static str> {
 }
 
 #[pymethods]
-impl Program {
+impl PythonProgram {
     /// What tables call it.
     #[getter]
     fn name(&self) -> &str {
@@ -214,24 +214,24 @@ impl Program {
 
     /// The program that such a text is of.
     #[staticmethod]
-    fn from_json(py: Python<'_>, json: String) -> PyResult<Program> {
+    fn from_json(py: Python<'_>, json: String) -> PyResult<PythonProgram> {
         call(py, None, move |_| {
             let manifest = Manifest::from_json(&json);
             let mut programs = manifest.map_err(Failure::usage)?.programs;
             let program = programs.pop();
             program
-                .map(Program::from)
+                .map(PythonProgram::from)
                 .ok_or_else(|| Failure::usage("it holds no program"))
         })
     }
 }
 
-impl Program {
+impl PythonProgram {
     /// What can be said of it with its text; `None`: it was compiled elsewhere.
     fn of_text(
         &self,
         py: Python<'_>,
-        say: impl FnOnce(&CompiledProgram, &Checked) -> Option<String> + Send + 'static,
+        say: impl FnOnce(&Program, &Checked) -> Option<String> + Send + 'static,
     ) -> PyResult<Option<String>> {
         let entry = self.0.clone();
         call(py, None, move |_| {

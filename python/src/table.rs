@@ -17,9 +17,9 @@ use serde_json::{Value, json};
 use stochc::ensemble::{ColumnShape, ColumnValues, TableShape};
 
 /// A table; its rows are in one or more batches.
-#[pyclass(frozen, module = "stochc._native")]
+#[pyclass(frozen, name = "Table", module = "stochc._native")]
 #[derive(Debug)]
-pub struct Table {
+pub struct PythonTable {
     shape: TableShape,
     schema: SchemaRef,
     batches: Vec<RecordBatch>,
@@ -28,9 +28,9 @@ pub struct Table {
 /// What a column is called within lists, in Parquet files as well.
 const ELEMENT: &str = "element";
 
-impl Table {
+impl PythonTable {
     /// An empty one, of which `about` says more.
-    pub fn new(shape: TableShape, about: &[(&str, String)]) -> Table {
+    pub fn new(shape: TableShape, about: &[(&str, String)]) -> PythonTable {
         let own = [
             ("stochc.table", shape.name.clone()),
             ("stochc.row", shape.row.clone()),
@@ -41,7 +41,7 @@ impl Table {
             .collect();
         let fields: Vec<Field> = shape.columns.iter().map(field).collect();
         let schema = Schema::new(fields).with_metadata(metadata).into();
-        Table {
+        PythonTable {
             shape,
             schema,
             batches: Vec::new(),
@@ -138,7 +138,7 @@ fn value(array: &dyn Array, row: usize) -> Value {
 }
 
 #[pymethods]
-impl Table {
+impl PythonTable {
     /// What a table is: name, what a row is, and its columns, in JSON.
     fn shape_json(&self) -> String {
         json!(self.shape).to_string()

@@ -6,15 +6,15 @@ use stochc::ensemble::{
 };
 use stochc::exit::Failure;
 
-use super::super::table::Table;
+use super::super::table::PythonTable;
 
 /// A column and its values: name, unit, meaning.
-struct Column<'a>(&'a str, &'a str, &'a str, ColumnValues<'a>);
+struct DerivedColumn<'a>(&'a str, &'a str, &'a str, ColumnValues<'a>);
 
 /// A table of columns in which everything may be null.
-fn table(name: &str, row: &str, columns: Vec<Column<'_>>) -> Result<Table, String> {
+fn table(name: &str, row: &str, columns: Vec<DerivedColumn<'_>>) -> Result<PythonTable, String> {
     let (mut shapes, mut values) = (Vec::new(), Vec::new());
-    for Column(name, unit, meaning, column) in columns {
+    for DerivedColumn(name, unit, meaning, column) in columns {
         shapes.push(ColumnShape {
             name: name.to_owned(),
             kind: match column {
@@ -33,13 +33,13 @@ fn table(name: &str, row: &str, columns: Vec<Column<'_>>) -> Result<Table, Strin
         row: row.to_owned(),
         columns: shapes,
     };
-    let mut table = Table::new(shape, &[]);
+    let mut table = PythonTable::new(shape, &[]);
     table.add(values)?;
     Ok(table)
 }
 
 /// The figures of each program, and the numbers of the scene that a sweep has chosen for it.
-pub(super) fn summary(manifest: &Manifest, comparison: &Comparison) -> Result<Table, String> {
+pub(super) fn summary(manifest: &Manifest, comparison: &Comparison) -> Result<PythonTable, String> {
     let programs = &comparison.programs;
     let count = |of: fn(&ProgramSummary) -> u64| {
         let values = programs.iter().map(|it| i64::try_from(of(it)).ok());
@@ -52,7 +52,7 @@ pub(super) fn summary(manifest: &Manifest, comparison: &Comparison) -> Result<Ta
     let axes: Vec<String> = (manifest.axes().iter())
         .map(|axis| format!("scene_{}", axis.of.replace('.', "_")))
         .collect();
-    let mut columns = vec![Column(
+    let mut columns = vec![DerivedColumn(
         "program",
         "",
         "name of the program in the ensemble; of a sweep with its values",
@@ -66,7 +66,7 @@ pub(super) fn summary(manifest: &Manifest, comparison: &Comparison) -> Result<Ta
                 .map(|varied| varied.said)
         });
         let values = ColumnValues::Float64(varied.collect());
-        columns.push(Column(
+        columns.push(DerivedColumn(
             name,
             &axis.unit,
             "a number of the scene, which the sweep varies",
@@ -74,53 +74,53 @@ pub(super) fn summary(manifest: &Manifest, comparison: &Comparison) -> Result<Ta
         ));
     }
     columns.extend([
-        Column("runs", "", "runs asked for", count(|it| it.runs)),
-        Column("finished", "", "runs finished", count(|it| it.finished)),
-        Column("completed", "", "runs that completed the structure", count(|it| it.completed)),
-        Column(
+        DerivedColumn("runs", "", "runs asked for", count(|it| it.runs)),
+        DerivedColumn("finished", "", "runs finished", count(|it| it.finished)),
+        DerivedColumn("completed", "", "runs that completed the structure", count(|it| it.completed)),
+        DerivedColumn(
             "timed_out",
             "",
             "runs that the timeout of a phase stopped: their times are censored",
             count(|it| it.timed_out),
         ),
-        Column(
+        DerivedColumn(
             "stopped",
             "",
             "runs that the limit of ticks stopped: their times are censored as well",
             count(|it| it.stopped),
         ),
-        Column("failed", "", "runs whose physics broke down", count(|it| it.failed)),
-        Column("captures", "", "captures that the program makes", count(|it| it.captures)),
-        Column(
+        DerivedColumn("failed", "", "runs whose physics broke down", count(|it| it.failed)),
+        DerivedColumn("captures", "", "captures that the program makes", count(|it| it.captures)),
+        DerivedColumn(
             "blocks_used",
             "",
             "mean number of different blocks that a completed run captured",
             ColumnValues::Float64(programs.iter().map(|it| it.blocks_used).collect()),
         ),
-        Column(
+        DerivedColumn(
             "tick",
             "s",
             "length of a tick",
             ColumnValues::Float64(programs.iter().map(|it| Some(it.tick)).collect()),
         ),
-        Column(
+        DerivedColumn(
             "mean",
             "ticks",
             "mean time to completion; where times are censored, of min(time, horizon): a lower bound",
             time(|it| Some(it.mean)),
         ),
-        Column("half_width", "ticks", "half of the 95 % interval of the mean", time(|it| it.half_width)),
-        Column("horizon", "ticks", "up to here the mean counts, where times are censored", time(|it| it.horizon)),
-        Column("median", "ticks", "median time to completion", time(|it| it.median)),
-        Column("sd", "ticks", "standard deviation", time(|it| it.sd)),
-        Column("min", "ticks", "the shortest time that was completed", time(|it| it.min)),
-        Column("max", "ticks", "the longest time", time(|it| it.max)),
+        DerivedColumn("half_width", "ticks", "half of the 95 % interval of the mean", time(|it| it.half_width)),
+        DerivedColumn("horizon", "ticks", "up to here the mean counts, where times are censored", time(|it| it.horizon)),
+        DerivedColumn("median", "ticks", "median time to completion", time(|it| it.median)),
+        DerivedColumn("sd", "ticks", "standard deviation", time(|it| it.sd)),
+        DerivedColumn("min", "ticks", "the shortest time that was completed", time(|it| it.min)),
+        DerivedColumn("max", "ticks", "the longest time", time(|it| it.max)),
     ]);
     table("summary", "a program of the ensemble", columns)
 }
 
 /// Shares of runs that are not complete, at each time at which one completed.
-pub(super) fn survival(manifest: &Manifest, finished: &Records) -> Result<Table, Failure> {
+pub(super) fn survival(manifest: &Manifest, finished: &Records) -> Result<PythonTable, Failure> {
     let mut times = vec![TimeSample::default(); manifest.programs.len()];
     let read = finished.each(|done| {
         let time = completion_time(&done.record).into_iter();
@@ -140,43 +140,43 @@ pub(super) fn survival(manifest: &Manifest, finished: &Records) -> Result<Table,
     let count = |value: usize| i64::try_from(value).ok();
     let points = || steps.iter().map(|(_, point)| point);
     let columns = vec![
-        Column(
+        DerivedColumn(
             "program",
             "",
             "name of the program in the ensemble",
             ColumnValues::Text(steps.iter().map(|(name, _)| Some(*name)).collect()),
         ),
-        Column(
+        DerivedColumn(
             "time",
             "ticks",
             "when one or more runs completed",
             ColumnValues::Float64(points().map(|it| Some(it.time)).collect()),
         ),
-        Column(
+        DerivedColumn(
             "at_risk",
             "",
             "runs under observation just before",
             ColumnValues::Int64(points().map(|it| count(it.at_risk)).collect()),
         ),
-        Column(
+        DerivedColumn(
             "completed",
             "",
             "runs that completed then",
             ColumnValues::Int64(points().map(|it| count(it.completed)).collect()),
         ),
-        Column(
+        DerivedColumn(
             "incomplete",
             "",
             "the share of runs that is incomplete after it, 0 to 1, by Kaplan and Meier",
             ColumnValues::Float64(points().map(|it| Some(it.incomplete)).collect()),
         ),
-        Column(
+        DerivedColumn(
             "low",
             "",
             "lower end of its 95 % interval",
             ColumnValues::Float64(points().map(|it| it.interval.map(|it| it.0)).collect()),
         ),
-        Column(
+        DerivedColumn(
             "high",
             "",
             "upper end",
