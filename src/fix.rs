@@ -11,7 +11,7 @@ use crate::reader::DiskReader;
 
 /// A file, and what it is with all safe changes.
 #[derive(Debug)]
-pub struct Fixed {
+pub struct FixedFile {
     path: String,
     /// As read, to the byte.
     original: Vec<u8>,
@@ -31,7 +31,7 @@ const MARK: &[u8] = "\u{feff}".as_bytes();
 ///
 /// # Errors
 /// In the system's words, if the file cannot be read.
-pub fn fix(path: &str, levels: &LintLevels, further: &[PathBuf]) -> Result<Fixed, String> {
+pub fn fix(path: &str, levels: &LintLevels, further: &[PathBuf]) -> Result<FixedFile, String> {
     let original = programs::read(path)?;
     let mut reader = DiskReader::new(path, Some(&original), further);
     let compiler::Fixed {
@@ -44,7 +44,7 @@ pub fn fix(path: &str, levels: &LintLevels, further: &[PathBuf]) -> Result<Fixed
     } else {
         b""
     };
-    Ok(Fixed {
+    Ok(FixedFile {
         path: path.to_owned(),
         new: [mark, text.as_bytes()].concat(),
         original,
@@ -53,7 +53,7 @@ pub fn fix(path: &str, levels: &LintLevels, further: &[PathBuf]) -> Result<Fixed
     })
 }
 
-impl Fixed {
+impl FixedFile {
     /// The changes as a unified diff; empty if there is none.
     pub fn diff(&self) -> String {
         if self.changes == 0 {

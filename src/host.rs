@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use stochc_compiler::Checked;
 
-use crate::progress::State;
+use crate::progress::WorkProgress;
 
 /// Hears what is no reason to stop, sees how far the work is, and may stop it.
 pub trait Host: Sync {
@@ -25,13 +25,13 @@ pub trait Host: Sync {
     fn stop(&self) -> &AtomicBool;
 
     /// Shows how far some work is, which `state` says after so much time, until it has `ended`: the channel closes.
-    fn show(&self, state: &dyn Fn(Duration) -> State, ended: &Receiver<()>);
+    fn show(&self, state: &dyn Fn(Duration) -> WorkProgress, ended: &Receiver<()>);
 }
 
 /// Does some work, and has the host show how far it is, which `state` says after so much time.
 pub fn during<R>(
     host: &dyn Host,
-    state: impl Fn(Duration) -> State + Send,
+    state: impl Fn(Duration) -> WorkProgress + Send,
     work: impl FnOnce() -> R,
 ) -> R {
     std::thread::scope(|scope| {

@@ -56,7 +56,7 @@ pub enum Unplanned {
 }
 
 /// A shape that a program declares.
-struct Declared<'a> {
+struct DeclaredShape<'a> {
     file: FileId,
     item: &'a Item,
     shape: &'a Shape,
@@ -139,7 +139,7 @@ impl Goal {
                 .ok_or_else(|| format!("it declares {}: name one with `--shape`", listed()))?,
         };
         let at = known.iter().position(|&known| known == wanted);
-        let Declared { file, item, shape } =
+        let DeclaredShape { file, item, shape } =
             at.map(|at| &declared[at])
                 .ok_or_else(|| match known.len() {
                     0 => format!("it declares no shape `{wanted}`, nor any other"),
@@ -370,7 +370,7 @@ fn estimated(checked: &Checked, law: &RateLaw<'_>) -> Option<Estimate> {
 }
 
 /// The shapes of all files, those within assemblies as well.
-fn shapes(checked: &Checked) -> Vec<Declared<'_>> {
+fn shapes(checked: &Checked) -> Vec<DeclaredShape<'_>> {
     let mut found = Vec::new();
     for (file, tree) in checked.trees() {
         let within = tree.items.iter().flat_map(|item| match &item.kind {
@@ -378,7 +378,7 @@ fn shapes(checked: &Checked) -> Vec<Declared<'_>> {
             _ => [].iter().chain(std::slice::from_ref(item)),
         });
         found.extend(within.filter_map(|item| match &item.kind {
-            ItemKind::Shape(shape) => Some(Declared { file, item, shape }),
+            ItemKind::Shape(shape) => Some(DeclaredShape { file, item, shape }),
             _ => None,
         }));
     }

@@ -8,7 +8,7 @@ use stochc_ensemble::{Manifest, Progress, Snapshot, time_left};
 
 /// How far some work is.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct State {
+pub struct WorkProgress {
     /// The part that is done, 0 to 1.
     pub share: f64,
     /// What is done, as the last line says it too: `3 of 50 runs, 1 failed`.
@@ -18,10 +18,10 @@ pub struct State {
 }
 
 /// How far an ensemble is.
-pub fn of_ensemble(manifest: &Manifest, progress: &Progress, elapsed: Duration) -> State {
+pub fn of_ensemble(manifest: &Manifest, progress: &Progress, elapsed: Duration) -> WorkProgress {
     let snapshot = progress.snapshot();
     let (done, total) = (snapshot.done, snapshot.total);
-    State {
+    WorkProgress {
         share: done as f64 / total.max(1) as f64,
         done: format!("{done} of {total} runs{}", troubles(&snapshot)),
         more: rest(manifest, &snapshot, elapsed),
@@ -29,7 +29,7 @@ pub fn of_ensemble(manifest: &Manifest, progress: &Progress, elapsed: Duration) 
 }
 
 /// How far a trade is.
-pub fn of_trade(extent: Extent, progress: &trade::Progress, elapsed: Duration) -> State {
+pub fn of_trade(extent: Extent, progress: &trade::Progress, elapsed: Duration) -> WorkProgress {
     let runs = progress.runs();
     let share = match (extent, progress.total()) {
         (Extent::Budget(budget), _) => elapsed.as_secs_f64() / budget.as_secs_f64(),
@@ -37,7 +37,7 @@ pub fn of_trade(extent: Extent, progress: &trade::Progress, elapsed: Duration) -
         _ => 0.0,
     };
     let share = share.min(1.0);
-    State {
+    WorkProgress {
         share,
         done: format!("{runs} runs"),
         more: format!("; {:.0} %", (100.0 * share).floor()),

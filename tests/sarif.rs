@@ -2,11 +2,11 @@
 use serde_json::Value;
 use stochc::compiler::diagnostic::Code;
 use stochc::compiler::{Checked, Level, Limits, LintLevels, check_with};
-use stochc::diagnostics::Log;
+use stochc::diagnostics::SarifLog;
 
 /// The report on some files.
 fn report<'a>(checks: impl IntoIterator<Item = (&'a str, Checked)>) -> Value {
-    let mut log = Log::new(Some("/projects/towers".as_ref()));
+    let mut log = SarifLog::new(Some("/projects/towers".as_ref()));
     for (path, checked) in checks {
         log.add(path, &checked);
     }

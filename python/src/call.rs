@@ -41,11 +41,11 @@ pub fn call<T: Send + 'static>(
     let receiver = Mutex::new(receiver);
     let mut interrupt = None;
     let mut shown = None;
-    let mut show = |state: stochc::progress::State| -> PyResult<()> {
+    let mut show = |state: stochc::progress::WorkProgress| -> PyResult<()> {
         let (Some(progress), false) = (progress, shown.as_ref() == Some(&state)) else {
             return Ok(());
         };
-        if state != stochc::progress::State::default() {
+        if state != stochc::progress::WorkProgress::default() {
             progress.call1((state.share, state.done.clone() + &state.more))?;
         }
         shown = Some(state);

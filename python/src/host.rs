@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use stochc::compiler::Checked;
 use stochc::diagnostics::{drawn, values};
 use stochc::host::Host;
-use stochc::progress::State;
+use stochc::progress::WorkProgress;
 
 /// Columns of what is drawn.
 pub const WIDTH: usize = 100;
@@ -17,7 +17,7 @@ pub const WIDTH: usize = 100;
 pub struct Caller {
     stop: AtomicBool,
     heard: Mutex<Heard>,
-    state: Mutex<State>,
+    state: Mutex<WorkProgress>,
 }
 
 /// What it has heard.
@@ -45,7 +45,7 @@ impl Caller {
     }
 
     /// How far the work is.
-    pub fn state(&self) -> State {
+    pub fn state(&self) -> WorkProgress {
         lock(&self.state).clone()
     }
 }
@@ -86,7 +86,7 @@ impl Host for Caller {
         &self.stop
     }
 
-    fn show(&self, state: &dyn Fn(Duration) -> State, ended: &Receiver<()>) {
+    fn show(&self, state: &dyn Fn(Duration) -> WorkProgress, ended: &Receiver<()>) {
         let start = now();
         loop {
             let now = state(start.elapsed());
@@ -97,7 +97,7 @@ impl Host for Caller {
             }
         }
         let last = state(start.elapsed());
-        *lock(&self.state) = State {
+        *lock(&self.state) = WorkProgress {
             more: String::new(),
             ..last
         };

@@ -10,7 +10,7 @@ use crate::operations::results::read;
 
 /// Which run.
 #[derive(Clone, Debug, Args)]
-pub struct Choice {
+pub struct RunSelection {
     /// Results folder of `simulate --out`
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
@@ -23,7 +23,7 @@ pub struct Choice {
 }
 
 /// Finds a run.
-pub fn choose(choice: &Choice, host: &Terminal) -> Result<ChosenRun, Failure> {
+pub fn choose(choice: &RunSelection, host: &Terminal) -> Result<ChosenRun, Failure> {
     let (manifest, finished) = read(&choice.folder, host)?;
     let (folder, program) = (Some(choice.folder.as_path()), choice.program.as_deref());
     chosen_run::choose((manifest, &finished), folder, program, choice.run)

@@ -28,10 +28,10 @@ pub struct Options {
     file: String,
     /// Stage to print
     #[arg(long, value_name = "STAGE", default_value = "table")]
-    emit: Stage,
+    emit: EmittedStage,
     /// Output format; `dot` for the graph only, `svg` for the structure only
     #[arg(long, value_name = "FORM", default_value = "text")]
-    format: Form,
+    format: EmittedFormat,
     /// Write to this file instead of the output
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -43,7 +43,7 @@ pub struct Options {
 
 /// A stage of the compilation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Stage {
+enum EmittedStage {
     /// The syntax tree
     Ast,
     /// The blocks that stand at the end of each phase
@@ -58,7 +58,7 @@ enum Stage {
 
 /// A form to show it in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Form {
+enum EmittedFormat {
     /// For people
     Text,
     /// For programs
@@ -72,9 +72,9 @@ enum Form {
 /// Compiles a file and shows a stage.
 pub fn run(options: &Options) -> Result<Exit, Failure> {
     let only = match options.format {
-        Form::Dot => Some(("dot", Stage::Graph, "graph")),
-        Form::Svg => Some(("svg", Stage::Structure, "structure")),
-        Form::Text | Form::Json => None,
+        EmittedFormat::Dot => Some(("dot", EmittedStage::Graph, "graph")),
+        EmittedFormat::Svg => Some(("svg", EmittedStage::Structure, "structure")),
+        EmittedFormat::Text | EmittedFormat::Json => None,
     };
     if let Some((form, stage, name)) = only
         && stage != options.emit
@@ -102,7 +102,7 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
     };
     // Other stages bear no mark: nobody could tell whose a file is.
     let replaces = match stage {
-        Stage::Executable => Replaces::Ours(is_executable),
+        EmittedStage::Executable => Replaces::Ours(is_executable),
         _ => Replaces::Nothing,
     };
     let written = Draft::new(path, replaces).and_then(|mut file| {
@@ -118,23 +118,28 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
     }
 }
 
-fn emit(checked: Checked, stage: Stage, form: Form, out: &mut dyn Write) -> io::Result<()> {
-    if stage == Stage::Executable {
+fn emit(
+    checked: Checked,
+    stage: EmittedStage,
+    form: EmittedFormat,
+    out: &mut dyn Write,
+) -> io::Result<()> {
+    if stage == EmittedStage::Executable {
         let programs = checked.programs.into_iter();
         let programs: Vec<_> = programs.filter_map(Program::into_executable).collect();
         return Executable::write_all(&programs, out);
     }
     let symbols = &checked.symbols;
-    if stage == Stage::Ast {
+    if stage == EmittedStage::Ast {
         return match form {
-            Form::Json => document(&to_json(&checked.tree, symbols), out),
+            EmittedFormat::Json => document(&to_json(&checked.tree, symbols), out),
             _ => write!(out, "{}", stochc_grammar::print(&checked.tree, symbols)),
         };
     }
-    let graph = |program: &Program| (stage == Stage::Graph).then(|| program.event_graph());
+    let graph = |program: &Program| (stage == EmittedStage::Graph).then(|| program.event_graph());
     let programs = checked.programs.iter().map(|it| (it, graph(it)));
     let programs: Vec<_> = programs.collect();
-    if form == Form::Json {
+    if form == EmittedFormat::Json {
         let programs = || {
             let programs = programs.iter();
             programs.filter_map(|(program, graph)| json(program, graph.as_ref(), stage, symbols))
@@ -159,14 +164,14 @@ fn document(document: &Json<'_>, out: &mut dyn Write) -> io::Result<()> {
 fn json<'a>(
     program: &'a Program,
     graph: Option<&'a EventGraph>,
-    stage: Stage,
+    stage: EmittedStage,
     symbols: &'a Symbols,
 ) -> Option<Json<'a>> {
     let tables = program.tables.as_ref();
     Some(match stage {
-        Stage::Structure => structure_json(&program.plan, &program.layout, symbols),
-        Stage::Graph => graph_json(graph?, tables?),
-        Stage::Table | Stage::Ast | Stage::Executable => table_json(tables?),
+        EmittedStage::Structure => structure_json(&program.plan, &program.layout, symbols),
+        EmittedStage::Graph => graph_json(graph?, tables?),
+        EmittedStage::Table | EmittedStage::Ast | EmittedStage::Executable => table_json(tables?),
     })
 }
 
@@ -174,16 +179,20 @@ fn json<'a>(
 fn text<'a>(
     program: &'a Program,
     graph: Option<&'a EventGraph>,
-    stage: Stage,
-    form: Form,
+    stage: EmittedStage,
+    form: EmittedFormat,
     symbols: &'a Symbols,
 ) -> Option<Box<dyn Display + 'a>> {
     let (plan, layout, tables) = (&program.plan, &program.layout, program.tables.as_ref());
     Some(match (stage, form) {
-        (Stage::Structure, Form::Svg) => Box::new(structure_svg(plan, layout, symbols)?),
-        (Stage::Structure, _) => Box::new(structure_text(plan, layout)),
-        (Stage::Graph, Form::Dot) => Box::new(graph_dot(graph?, tables?)),
-        (Stage::Graph, _) => Box::new(graph_text(graph?, tables?)),
-        (Stage::Table | Stage::Ast | Stage::Executable, _) => Box::new(table_text(tables?)),
+        (EmittedStage::Structure, EmittedFormat::Svg) => {
+            Box::new(structure_svg(plan, layout, symbols)?)
+        }
+        (EmittedStage::Structure, _) => Box::new(structure_text(plan, layout)),
+        (EmittedStage::Graph, EmittedFormat::Dot) => Box::new(graph_dot(graph?, tables?)),
+        (EmittedStage::Graph, _) => Box::new(graph_text(graph?, tables?)),
+        (EmittedStage::Table | EmittedStage::Ast | EmittedStage::Executable, _) => {
+            Box::new(table_text(tables?))
+        }
     })
 }

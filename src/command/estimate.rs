@@ -8,7 +8,7 @@ use stochc_report::tables::estimates_to_text;
 use super::imports::ImportOptions;
 use super::interrupt::stop_on_interrupt;
 use super::levels::LevelOptions;
-use super::results::Form;
+use super::results::ResultsFormat;
 use super::terminal::{Terminal, output_width, print};
 use crate::exit::{Exit, Failure};
 use crate::operations::estimate::{Estimating, estimates};
@@ -40,7 +40,7 @@ pub struct Options {
     threads: Option<u16>,
     /// Output format
     #[arg(long, value_name = "FORM", default_value = "text")]
-    format: Form,
+    format: ResultsFormat,
     /// Do not show progress
     #[arg(long, short)]
     quiet: bool,
@@ -66,12 +66,12 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
     };
     let estimates = estimates(programs, &how, &host)?;
     match options.format {
-        Form::Text => print(&estimates_to_text(
+        ResultsFormat::Text => print(&estimates_to_text(
             &estimates,
             options.captures,
             output_width(),
         ))?,
-        Form::Json => {
+        ResultsFormat::Json => {
             let text = serde_json::to_string_pretty(&estimates).expect("estimates are plain data");
             print(&(text + "\n"))?;
         }

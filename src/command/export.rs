@@ -3,7 +3,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use super::chosen_run::{Choice, choose};
+use super::chosen_run::{RunSelection, choose};
 use super::terminal::{Terminal, print};
 use crate::command::interrupt::stop_on_interrupt;
 use crate::exit::{Exit, Failure};
@@ -13,10 +13,10 @@ use crate::operations::export::{gltf, parquet};
 #[derive(Debug, Args)]
 pub struct Options {
     #[command(flatten)]
-    choice: Choice,
+    choice: RunSelection,
     /// File format
     #[arg(long, value_name = "FORM")]
-    format: Form,
+    format: TrajectoryFormat,
     /// Export positions every so many ticks [default: 1 for parquet, 8 for gltf]
     #[arg(long, value_name = "TICKS", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     every: Option<u32>,
@@ -27,7 +27,7 @@ pub struct Options {
 
 /// A form of trajectories.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Form {
+enum TrajectoryFormat {
     /// A table for DuckDB, Polars or pandas
     Parquet,
     /// An animation for Blender and other 3D programs
@@ -41,8 +41,8 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
     let chosen = choose(&options.choice, &host)?;
     let path = options.out.clone().unwrap_or_else(|| {
         let extension = match options.format {
-            Form::Parquet => "parquet",
-            Form::Gltf => "glb",
+            TrajectoryFormat::Parquet => "parquet",
+            TrajectoryFormat::Gltf => "glb",
         };
         options
             .choice
@@ -50,8 +50,8 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
             .join(chosen.file_name("", &format!(".{extension}")))
     });
     match options.format {
-        Form::Parquet => parquet(&chosen, options.every.unwrap_or(1), &path, &host)?,
-        Form::Gltf => gltf(&chosen, options.every.unwrap_or(8), &path, &host)?,
+        TrajectoryFormat::Parquet => parquet(&chosen, options.every.unwrap_or(1), &path, &host)?,
+        TrajectoryFormat::Gltf => gltf(&chosen, options.every.unwrap_or(8), &path, &host)?,
     }
     print(&format!("{}\n", path.display()))?;
     Ok(Exit::Success)

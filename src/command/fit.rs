@@ -16,7 +16,7 @@ use stochc_runtime::{Settings, Substeps};
 use super::imports::ImportOptions;
 use super::interrupt::stop_on_interrupt;
 use super::levels::LevelOptions;
-use super::results::Form;
+use super::results::ResultsFormat;
 use super::terminal::{Terminal, output_width, print, warn};
 use crate::exit::{Exit, Failure};
 use crate::operations::in_memory::all_runs;
@@ -66,7 +66,7 @@ pub struct Options {
     out: Option<PathBuf>,
     /// Output format of the table
     #[arg(long, value_name = "FORM", default_value = "text")]
-    format: Form,
+    format: ResultsFormat,
     /// Do not show progress
     #[arg(long, short)]
     quiet: bool,
@@ -101,8 +101,8 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
     stop_on_interrupt()?;
     let fit = rounds(options, &measured, unit, &host)?;
     match options.format {
-        Form::Text => print(&fit_to_text(&fit, &options.vary, output_width()))?,
-        Form::Json => print(&json(&fit))?,
+        ResultsFormat::Text => print(&fit_to_text(&fit, &options.vary, output_width()))?,
+        ResultsFormat::Json => print(&json(&fit))?,
     }
     if let Some(out) = &options.out {
         keep(out, &fit, &options.vary)?;

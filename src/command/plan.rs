@@ -9,7 +9,7 @@ use stochc_planner::{Objective, explanation};
 
 use super::imports::ImportOptions;
 use super::interrupt::stop_on_interrupt;
-use super::results::Form;
+use super::results::ResultsFormat;
 use super::terminal::{Terminal, print, warn};
 use crate::exit::{Exit, Failure};
 use crate::operations::plan::{Budget, SeedPlate, Wish, goal, plan};
@@ -52,7 +52,7 @@ pub struct Options {
     explain: bool,
     /// Output format; `json` has the program and its plan in one document
     #[arg(long, value_name = "FORM", default_value = "text")]
-    format: Form,
+    format: ResultsFormat,
     /// Do not show progress
     #[arg(long, short)]
     quiet: bool,
@@ -111,17 +111,17 @@ fn write(planned: &Planned, options: &Options) -> Result<(), Failure> {
         })?;
     }
     match (options.format, &options.out) {
-        (Form::Json, _) => {
+        (ResultsFormat::Json, _) => {
             let document = json!({ "program": text, "plan": plan });
             print(&format!("{document:#}\n"))?;
         }
-        (Form::Text, None) => print(text)?,
-        (Form::Text, Some(_)) => {}
+        (ResultsFormat::Text, None) => print(text)?,
+        (ResultsFormat::Text, Some(_)) => {}
     }
     if options.explain {
         let told = explanation(plan);
         match (options.format, &options.out) {
-            (Form::Text, Some(_)) => print(&told)?,
+            (ResultsFormat::Text, Some(_)) => print(&told)?,
             // Where the program goes, nothing else does.
             _ => warn(&told),
         }

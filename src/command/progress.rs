@@ -7,7 +7,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use stochc_ensemble::text::{visible, words};
 
 use super::terminal::warn;
-use crate::progress::State;
+use crate::progress::WorkProgress;
 
 /// How to show progress on standard error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,7 +39,7 @@ impl Display {
     }
 
     /// Shows how far some work is until it has ended.
-    pub fn show(self, state: &dyn Fn(Duration) -> State, ended: &Receiver<()>) {
+    pub fn show(self, state: &dyn Fn(Duration) -> WorkProgress, ended: &Receiver<()>) {
         match self {
             Display::Bar => bar(state, ended),
             Display::Lines => lines(state, ended),
@@ -56,7 +56,7 @@ fn now() -> Instant {
     Instant::now()
 }
 
-fn bar(state: impl Fn(Duration) -> State, ended: &Receiver<()>) {
+fn bar(state: impl Fn(Duration) -> WorkProgress, ended: &Receiver<()>) {
     const LENGTH: u64 = 1000;
     let start = now();
     let bar = ProgressBar::with_draw_target(Some(LENGTH), ProgressDrawTarget::stderr());
@@ -75,7 +75,7 @@ fn bar(state: impl Fn(Duration) -> State, ended: &Receiver<()>) {
     say_last(&state(start.elapsed()), start.elapsed());
 }
 
-fn lines(state: impl Fn(Duration) -> State, ended: &Receiver<()>) {
+fn lines(state: impl Fn(Duration) -> WorkProgress, ended: &Receiver<()>) {
     let start = now();
     let mut cadence = Cadence::new(&state(Duration::ZERO));
     while let Err(RecvTimeoutError::Timeout) = ended.recv_timeout(Duration::from_secs(1)) {
@@ -87,7 +87,7 @@ fn lines(state: impl Fn(Duration) -> State, ended: &Receiver<()>) {
     say_last(&state(start.elapsed()), start.elapsed());
 }
 
-fn say_last(state: &State, elapsed: Duration) {
+fn say_last(state: &WorkProgress, elapsed: Duration) {
     say(&format!("{}, after {}", state.done, words(elapsed)));
 }
 
@@ -100,7 +100,7 @@ impl Cadence {
     const APART: Duration = Duration::from_secs(10);
     const LONG: Duration = Duration::from_secs(60);
 
-    fn new(state: &State) -> Cadence {
+    fn new(state: &WorkProgress) -> Cadence {
         Cadence {
             at: Duration::ZERO,
             tenth: tenths(state),
@@ -108,7 +108,7 @@ impl Cadence {
     }
 
     /// Whether to write a line now, `elapsed` after the start.
-    fn due(&mut self, elapsed: Duration, state: &State) -> bool {
+    fn due(&mut self, elapsed: Duration, state: &WorkProgress) -> bool {
         let since = elapsed.saturating_sub(self.at);
         let tenth = tenths(state);
         let due = since >= Self::LONG || since >= Self::APART && tenth > self.tenth;
@@ -119,7 +119,7 @@ impl Cadence {
     }
 }
 
-fn tenths(state: &State) -> u32 {
+fn tenths(state: &WorkProgress) -> u32 {
     (10.0 * state.share) as u32
 }
 
@@ -129,9 +129,9 @@ mod tests {
 
     #[test]
     fn lines_are_rare() {
-        let at = |done: u32| State {
+        let at = |done: u32| WorkProgress {
             share: f64::from(done) / 100.0,
-            ..State::default()
+            ..WorkProgress::default()
         };
         let mut cadence = Cadence::new(&at(0));
         let told: Vec<u64> = [

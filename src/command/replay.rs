@@ -3,7 +3,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::chosen_run::{Choice, choose};
+use super::chosen_run::{RunSelection, choose};
 use super::terminal::{Terminal, print};
 use crate::command::interrupt::stop_on_interrupt;
 use crate::exit::{Exit, Failure};
@@ -13,7 +13,7 @@ use crate::operations::replay::{View, write};
 #[derive(Debug, Args)]
 pub struct Options {
     #[command(flatten)]
-    choice: Choice,
+    choice: RunSelection,
     /// Another run of the same program, to be shown beside it
     #[arg(long, value_name = "N")]
     against: Option<u64>,
@@ -35,7 +35,7 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
             return Err(Failure::usage("`--against` needs another run than `--run`"));
         }
         Some(run) => {
-            let choice = Choice {
+            let choice = RunSelection {
                 run,
                 ..options.choice.clone()
             };

@@ -17,7 +17,7 @@ pub struct Options {
     folder: PathBuf,
     /// Output format of the table
     #[arg(long, value_name = "FORM", default_value = "text")]
-    format: Form,
+    format: ResultsFormat,
     /// Also print every capture: waits, entries into the field, origin of the blocks
     #[arg(long)]
     bonds: bool,
@@ -28,7 +28,7 @@ pub struct Options {
 
 /// A form of the table of results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Form {
+pub enum ResultsFormat {
     /// For people
     Text,
     /// For programs
@@ -37,9 +37,9 @@ pub enum Form {
 
 /// What to show of an ensemble.
 #[derive(Clone, Copy, Debug)]
-pub struct Shown {
+pub struct ResultsView {
     /// In which form.
-    pub form: Form,
+    pub form: ResultsFormat,
     /// The captures as well.
     pub bonds: bool,
 }
@@ -58,7 +58,7 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
     show(
         &manifest,
         &finished,
-        &Shown {
+        &ResultsView {
             form: options.format,
             bonds: options.bonds,
         },
@@ -66,15 +66,15 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
 }
 
 /// Prints the comparison of an ensemble's programs; says whether every run was successful.
-pub fn show(manifest: &Manifest, finished: &Records, shown: &Shown) -> Result<Exit, Failure> {
+pub fn show(manifest: &Manifest, finished: &Records, shown: &ResultsView) -> Result<Exit, Failure> {
     let told = told(manifest, finished, shown.bonds)?;
     let exit = match told.are_all_successful() {
         true => Exit::Success,
         false => Exit::UnsuccessfulRun,
     };
     print(&match shown.form {
-        Form::Text => told.text(output_width()),
-        Form::Json => told.json(),
+        ResultsFormat::Text => told.text(output_width()),
+        ResultsFormat::Json => told.json(),
     })?;
     Ok(exit)
 }

@@ -7,7 +7,7 @@ use stochc_ensemble::shards::{PieceState, Status, status};
 use stochc_ensemble::text::{ranges, visible};
 use stochc_files::shell::file as shell_file;
 
-use super::results::Form;
+use super::results::ResultsFormat;
 use super::terminal::print;
 use crate::exit::{Exit, Failure};
 
@@ -22,7 +22,7 @@ pub struct Options {
     missing: bool,
     /// Output format
     #[arg(long, value_name = "FORM", default_value = "text")]
-    format: Form,
+    format: ResultsFormat,
 }
 
 /// Says which pieces of an ensemble are there.
@@ -30,10 +30,10 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
     let status = status(&options.folder).map_err(Failure::usage)?;
     let folder = options.folder.to_string_lossy();
     print(&match (options.format, options.missing) {
-        (Form::Json, true) => format!("{}\n", json!(status.missing().collect::<Vec<_>>())),
-        (Form::Json, false) => format!("{:#}\n", document(&status)),
-        (Form::Text, true) => (status.missing()).map(|it| format!("{it}\n")).collect(),
-        (Form::Text, false) => text(&status, &folder),
+        (ResultsFormat::Json, true) => format!("{}\n", json!(status.missing().collect::<Vec<_>>())),
+        (ResultsFormat::Json, false) => format!("{:#}\n", document(&status)),
+        (ResultsFormat::Text, true) => (status.missing()).map(|it| format!("{it}\n")).collect(),
+        (ResultsFormat::Text, false) => text(&status, &folder),
     })?;
     Ok(Exit::Success)
 }

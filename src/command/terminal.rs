@@ -13,7 +13,7 @@ use super::progress::Display;
 use crate::diagnostics::drawn;
 use crate::exit::{Exit, Failure};
 use crate::host::Host;
-use crate::progress::State;
+use crate::progress::WorkProgress;
 
 /// The terminal of a command, or whatever stands in its place.
 #[derive(Clone, Copy, Debug)]
@@ -51,7 +51,7 @@ impl Host for Terminal {
         &STOP
     }
 
-    fn show(&self, state: &dyn Fn(Duration) -> State, ended: &Receiver<()>) {
+    fn show(&self, state: &dyn Fn(Duration) -> WorkProgress, ended: &Receiver<()>) {
         self.display.show(state, ended);
     }
 }
@@ -66,7 +66,7 @@ pub fn print(text: &str) -> Result<(), Failure> {
 /// [`print`]s what is written to a stream, as it comes.
 pub fn print_with(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Failure> {
     match output_is_watched() {
-        true => print_to(Shown::new(io::stdout().lock()), write),
+        true => print_to(VisibleWriter::new(io::stdout().lock()), write),
         false => print_to(io::stdout().lock(), write),
     }
 }
@@ -91,20 +91,20 @@ fn print_to(
 }
 
 /// UTF-8 for a terminal, with [`visible_lines`] of it.
-struct Shown<W> {
+struct VisibleWriter<W> {
     out: W,
     /// The beginning of a character.
     begun: Vec<u8>,
 }
 
-impl<W: Write> Shown<W> {
-    fn new(out: W) -> Shown<W> {
+impl<W: Write> VisibleWriter<W> {
+    fn new(out: W) -> VisibleWriter<W> {
         let begun = Vec::new();
-        Shown { out, begun }
+        VisibleWriter { out, begun }
     }
 }
 
-impl<W: Write> Write for Shown<W> {
+impl<W: Write> Write for VisibleWriter<W> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         self.begun.extend_from_slice(bytes);
         let whole = match std::str::from_utf8(&self.begun) {
@@ -186,7 +186,7 @@ mod tests {
         let text = "é\u{1b}[2J\u{202e}∞\r\n\tend\n".as_bytes();
         for size in 1..=text.len() {
             let mut out = Vec::new();
-            let mut shown = Shown::new(&mut out);
+            let mut shown = VisibleWriter::new(&mut out);
             for part in text.chunks(size) {
                 shown.write_all(part).unwrap();
             }

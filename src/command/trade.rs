@@ -11,7 +11,7 @@ use stochc_runtime::Settings;
 use super::imports::ImportOptions;
 use super::interrupt::stop_on_interrupt;
 use super::levels::LevelOptions;
-use super::results::Form;
+use super::results::ResultsFormat;
 use super::terminal::{Terminal, output_has_colour, output_width, print, print_drawn};
 use crate::exit::{Exit, Failure};
 use crate::operations::programs::programs;
@@ -53,7 +53,7 @@ pub struct Options {
     resume: bool,
     /// Output format of the table
     #[arg(long, value_name = "FORM", default_value = "text")]
-    format: Form,
+    format: ResultsFormat,
     /// Do not show progress
     #[arg(long, short)]
     quiet: bool,
@@ -98,8 +98,10 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
         keep(out, memory, &trade)?;
     }
     match options.format {
-        Form::Text => print_drawn(&trade_to_text(&trade, output_width(), output_has_colour()))?,
-        Form::Json => print(&trade.to_json())?,
+        ResultsFormat::Text => {
+            print_drawn(&trade_to_text(&trade, output_width(), output_has_colour()))?
+        }
+        ResultsFormat::Json => print(&trade.to_json())?,
     }
     if trade.complete {
         return Ok(Exit::Success);

@@ -25,13 +25,13 @@ pub fn show(checked: &Checked, colour: bool, width: usize) -> String {
 
 /// How many findings there are, for a last line.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Tally {
+pub struct FindingCounts {
     errors: usize,
     warnings: usize,
     fixable: usize,
 }
 
-impl Tally {
+impl FindingCounts {
     /// Counts those of a file, too.
     pub fn add(&mut self, checked: &Checked) {
         for diagnostic in &checked.diagnostics {

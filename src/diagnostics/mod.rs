@@ -6,9 +6,9 @@ mod short;
 
 use stochc_compiler::{Checked, Site, Sources};
 
-pub use graphical::{Tally, count};
+pub use graphical::{FindingCounts, count};
 pub use json::values;
-pub use sarif::Log;
+pub use sarif::SarifLog;
 
 /// How findings are shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,7 +31,7 @@ pub fn show(checked: &Checked, format: Format, colour: bool, width: usize) -> St
         Format::Short => short::show(checked),
         Format::Json => json::document(values(checked).collect()),
         Format::Sarif => {
-            let mut log = Log::new(None);
+            let mut log = SarifLog::new(None);
             log.add("", checked);
             log.document()
         }
@@ -40,7 +40,7 @@ pub fn show(checked: &Checked, format: Format, colour: bool, width: usize) -> St
 
 /// The findings of one file over its text, with how many they are.
 pub fn drawn(checked: &Checked, colour: bool, width: usize) -> String {
-    let mut tally = Tally::default();
+    let mut tally = FindingCounts::default();
     tally.add(checked);
     graphical::show(checked, colour, width) + &tally.line()
 }

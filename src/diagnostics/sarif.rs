@@ -17,7 +17,7 @@ const SCHEMA: &str =
 
 /// The findings of one or more files, as one run of the tool.
 #[derive(Debug)]
-pub struct Log {
+pub struct SarifLog {
     /// The folder that addresses are relative to, with `/` between its parts and at its end.
     folder: Option<String>,
     results: Vec<Value>,
@@ -25,14 +25,14 @@ pub struct Log {
     complete: bool,
 }
 
-impl Log {
+impl SarifLog {
     /// An empty one; files below `folder`, an absolute path, get addresses relative to it.
-    pub fn new(folder: Option<&Path>) -> Log {
+    pub fn new(folder: Option<&Path>) -> SarifLog {
         let folder = folder.and_then(Path::to_str).map(|folder| {
             let folder = slashes(folder);
             format!("{}/", folder.trim_end_matches('/'))
         });
-        Log {
+        SarifLog {
             folder,
             results: Vec::new(),
             complete: true,

@@ -50,7 +50,7 @@ pub fn tell_of_damage(folder: &Path, damage: &[String], host: &dyn Host) {
 
 /// What the runs of an ensemble tell.
 #[derive(Debug)]
-pub struct Told<'a> {
+pub struct EnsembleResults<'a> {
     manifest: &'a Manifest,
     /// Its programs in figures, and against each other.
     pub comparison: Comparison,
@@ -68,7 +68,7 @@ pub fn told<'a>(
     manifest: &'a Manifest,
     finished: &Records,
     bonds: bool,
-) -> Result<Told<'a>, Failure> {
+) -> Result<EnsembleResults<'a>, Failure> {
     let mut comparison = ComparisonTally::new(manifest);
     let mut sweep = SweepTally::new(manifest);
     let mut waits: Vec<WaitsTally> = match bonds {
@@ -83,7 +83,7 @@ pub fn told<'a>(
         }
     });
     told.map_err(Failure::usage)?;
-    Ok(Told {
+    Ok(EnsembleResults {
         manifest,
         comparison: comparison.finish(),
         sweep: sweep.map(SweepTally::finish),
@@ -91,7 +91,7 @@ pub fn told<'a>(
     })
 }
 
-impl Told<'_> {
+impl EnsembleResults<'_> {
     /// As tables of so many columns.
     pub fn text(self, width: usize) -> String {
         let comparison = &self.comparison;

@@ -6,7 +6,7 @@ use super::super::terminal::{print, warn};
 use super::{Options, verdict};
 use crate::diagnostics::{Format, count};
 use crate::exit::{Exit, Failure};
-use crate::fix::{Fixed, fix};
+use crate::fix::{FixedFile, fix};
 
 /// Shows what is changed in a file, and changes it; some exit status if that is all there is to do.
 ///
@@ -57,7 +57,7 @@ pub fn run(
     Ok(None)
 }
 
-fn write(fixed: &Fixed) -> Result<(), String> {
+fn write(fixed: &FixedFile) -> Result<(), String> {
     match fixed.write() {
         Ok(true) => Ok(()),
         Ok(false) => Err("it has changed while it was checked; try again".to_owned()),

@@ -19,7 +19,7 @@ use self::scene::scenes;
 use super::imports::ImportOptions;
 use super::levels::LevelOptions;
 use super::terminal::{has_colour, message_width, print, told, warn, warn_drawn};
-use crate::diagnostics::{Format, Log, Tally, count, json_document, show, values};
+use crate::diagnostics::{FindingCounts, Format, SarifLog, count, json_document, show, values};
 use crate::exit::{Exit, Failure};
 use crate::operations::programs::verdict;
 use crate::operations::rates::of_files;
@@ -88,8 +88,8 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
     let mut exit = Exit::Success;
     let mut document = Vec::new();
     let mut physics = Vec::new();
-    let mut log = Log::new(std::env::current_dir().ok().as_deref());
-    let mut tally = Tally::default();
+    let mut log = SarifLog::new(std::env::current_dir().ok().as_deref());
+    let mut tally = FindingCounts::default();
     for file in programs(&options.files) {
         let file = match &file {
             Ok(file) => file,

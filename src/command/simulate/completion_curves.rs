@@ -5,7 +5,7 @@ use stochc_ensemble::{EnsembleProgram, JournalError, Manifest, Records, completi
 use stochc_files::shell::file as shell_file;
 use stochc_report::text::{Strip, strips};
 
-use super::super::results::Form;
+use super::super::results::ResultsFormat;
 use super::super::terminal::{output_is_watched, output_width, print};
 use super::Options;
 use crate::exit::Failure;
@@ -15,7 +15,7 @@ const SHOWN: usize = 4;
 
 /// Draws curves of the runs, and names the command that tells more; on a terminal only.
 pub fn close(options: &Options, manifest: &Manifest, finished: &Records) -> Result<(), Failure> {
-    if options.quiet || options.format != Form::Text || !output_is_watched() {
+    if options.quiet || options.format != ResultsFormat::Text || !output_is_watched() {
         return Ok(());
     }
     let curves = curves(manifest, finished).map_err(Failure::usage)?;

@@ -13,7 +13,7 @@ use stochc_ir::visible;
 pub use options::Options;
 
 use super::interrupt::stop_on_interrupt;
-use super::results::{Shown, show};
+use super::results::{ResultsView, show};
 use super::terminal::{Terminal, print};
 use crate::exit::{Exit, Failure};
 use crate::operations::ensemble::{Made, Making, can_record, make, tell_of_doubts};
@@ -86,7 +86,7 @@ fn ensemble(options: &Options, manifest: &Manifest, host: &Terminal) -> Result<E
         results,
         unrecorded,
     } = make(manifest, &how, host)?;
-    let shown = Shown {
+    let shown = ResultsView {
         form: options.format,
         bonds: options.bonds,
     };

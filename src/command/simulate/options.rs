@@ -10,7 +10,7 @@ use stochc_runtime::{Model, Precision, Reduction, Substeps};
 use super::super::imports::ImportOptions;
 use super::super::levels::LevelOptions;
 use super::super::memory::MemoryOption;
-use super::super::results::Form;
+use super::super::results::ResultsFormat;
 use super::accuracy::accuracy;
 use crate::operations::time;
 
@@ -99,7 +99,7 @@ pub struct Options {
     pub run: Option<u64>,
     /// Output format of the table
     #[arg(long, value_name = "FORM", default_value = "text")]
-    pub format: Form,
+    pub format: ResultsFormat,
     /// Also print every capture: waits, entries into the field, origin of the blocks
     #[arg(long)]
     pub bonds: bool,

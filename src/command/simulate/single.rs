@@ -8,7 +8,7 @@ use stochc_ir::record::{BondRecord, Limit, Origin, Outcome, ReleaseRecord, RunRe
 use stochc_ir::table::{PhaseId, RoleId};
 use stochc_runtime::run as run_once;
 
-use super::super::results::Form;
+use super::super::results::ResultsFormat;
 use super::super::terminal::print;
 use super::Options;
 use crate::exit::{Exit, Failure};
@@ -35,11 +35,11 @@ pub fn run(
             exit = Exit::UnsuccessfulRun;
         }
         match options.format {
-            Form::Text => print(&story(&record, program))?,
-            Form::Json => records.push(named(&record, program)),
+            ResultsFormat::Text => print(&story(&record, program))?,
+            ResultsFormat::Json => records.push(named(&record, program)),
         }
     }
-    if options.format == Form::Json {
+    if options.format == ResultsFormat::Json {
         match serde_json::to_string_pretty(&records) {
             Ok(text) => print(&format!("{text}\n"))?,
             Err(error) => return Err(Failure::usage(error.to_string())),

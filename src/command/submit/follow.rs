@@ -14,17 +14,17 @@ use stochc_ensemble::text::{ranges, visible, words};
 use stochc_files::shell::file as shell_file;
 use stochc_ir::visible_lines;
 
-use super::Jobs;
+use super::SubmittedJobs;
 use super::slurm::{self, Unanswered};
 use crate::command::merge::is_whole;
 use crate::command::terminal::{Terminal, print, warn};
 use crate::exit::{Exit, Failure};
 use crate::host::during;
-use crate::progress::State;
+use crate::progress::WorkProgress;
 
 /// Who follows.
 struct Follower<'a> {
-    jobs: &'a Jobs<'a>,
+    jobs: &'a SubmittedJobs<'a>,
     stop: &'static AtomicBool,
     workflow: Workflow,
     /// What Slurm said last.
@@ -34,7 +34,7 @@ struct Follower<'a> {
     /// Tasks that have ended; Slurm forgets them after a while.
     ended: BTreeSet<SlurmJob>,
     /// What is shown.
-    state: &'a Mutex<State>,
+    state: &'a Mutex<WorkProgress>,
 }
 
 /// How it goes on.
@@ -58,10 +58,10 @@ impl From<Failure> for Trouble {
 }
 
 /// Submits what is missing, and follows it; what there is to say at the end is said.
-pub fn follow(jobs: &Jobs, stop: &'static AtomicBool) -> Result<Exit, Failure> {
+pub fn follow(jobs: &SubmittedJobs, stop: &'static AtomicBool) -> Result<Exit, Failure> {
     // Before anything is submitted that could not be kept there.
     jobs.ensemble.submissions().map_err(Failure::usage)?;
-    let state = Mutex::new(State::default());
+    let state = Mutex::new(WorkProgress::default());
     let mut follower = Follower {
         jobs,
         stop,
@@ -223,7 +223,7 @@ impl Follower<'_> {
         }
         let told = told.iter().filter(|it| !it.is_empty());
         let mut state = self.state.lock().expect("nobody panics while it is held");
-        *state = State {
+        *state = WorkProgress {
             share: there as f64 / all as f64,
             done: format!("{there} of {all} pieces"),
             more: told.map(|it| format!("; {it}")).collect(),

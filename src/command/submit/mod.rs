@@ -70,7 +70,7 @@ fn sbatch_option(option: &str) -> Result<String, String> {
 }
 
 /// What is submitted: commands and scripts.
-struct Jobs<'a> {
+struct SubmittedJobs<'a> {
     options: &'a Options,
     ensemble: &'a SlurmEnsemble,
     stochc: String,
@@ -92,15 +92,18 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
             return Ok(Exit::Success);
         }
     };
-    let jobs = Jobs::new(options, &ensemble)?;
+    let jobs = SubmittedJobs::new(options, &ensemble)?;
     if options.dry_run {
         return jobs.show();
     }
     follow(&jobs, stop)
 }
 
-impl Jobs<'_> {
-    fn new<'a>(options: &'a Options, ensemble: &'a SlurmEnsemble) -> Result<Jobs<'a>, Failure> {
+impl SubmittedJobs<'_> {
+    fn new<'a>(
+        options: &'a Options,
+        ensemble: &'a SlurmEnsemble,
+    ) -> Result<SubmittedJobs<'a>, Failure> {
         let text = |path: PathBuf| match path.into_os_string().into_string() {
             Ok(text) => Ok(text),
             Err(path) => Err(Failure::usage(format!(
@@ -112,7 +115,7 @@ impl Jobs<'_> {
         let stochc = stochc.map_err(|error| {
             Failure::usage(format!("cannot tell where this command is: {error}"))
         })?;
-        Ok(Jobs {
+        Ok(SubmittedJobs {
             options,
             ensemble,
             stochc: text(stochc)?,

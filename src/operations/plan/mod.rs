@@ -15,7 +15,7 @@ use super::rates::of_files;
 use crate::exit::{Exit, Failure};
 use crate::host::{Host, during};
 use crate::planning::{Goal, Planned, Unplanned};
-use crate::progress::State;
+use crate::progress::WorkProgress;
 
 pub use budget::Budget;
 pub use seed_plate::SeedPlate;
@@ -97,7 +97,7 @@ pub fn plan(goal: &Goal, wish: &Wish<'_>, host: &dyn Host) -> Result<Planned, Fa
     };
     let state = |elapsed| {
         let tried = tried.load(Ordering::Relaxed);
-        State {
+        WorkProgress {
             share: budget.share(tried, elapsed),
             done: format!("{tried} plans tried"),
             more: match best.load(Ordering::Relaxed) {
