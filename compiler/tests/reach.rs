@@ -1305,3 +1305,40 @@ fn two_that_close_each_other_in_are_no_never() {
         now.programs[0].plan.events.len() - 1
     );
 }
+
+/// In the middle of a beam there is no wide way; a block that is handed over there needs none, as long as it is taken as soon as it is let go.
+#[test]
+fn what_is_handed_over_stays_where_it_is() {
+    let codes = |hand_over: &str| {
+        let text = format!(
+            "assembly beam {{
+                seed plate 3 x 1 {{ A at (0, 0)   B at (2, 0) }}
+                phase grow {{
+                    A.up ->> T[1..2].east -> X
+                    B.up -> U[1]
+                    U[1].up -> U[2] after X
+                }}
+                phase hand_over {{ {hand_over} }}
+            }}"
+        );
+        let found = checked(&text).diagnostics;
+        found.iter().map(|it| it.code.name()).collect::<Vec<_>>()
+    };
+    let none: [&str; 0] = [];
+    assert_eq!(codes("release X   U[2].west -> Y"), none);
+    assert_eq!(codes("release X   U[2].west -> X"), none);
+    assert_eq!(
+        codes("T[2].up -> Z   release X after Z   U[2].west -> Y after Z"),
+        none
+    );
+    // Somebody else may have come between, or nobody.
+    assert_eq!(
+        codes("T[2].up -> Z   release X   U[2].west -> Y after Z"),
+        ["tight-approach"]
+    );
+    assert_eq!(
+        codes("U[2].up -> Z   release X   U[2].west -> Y"),
+        ["tight-approach"]
+    );
+    assert_eq!(codes("release X   U[2].west -> Y   U[2].up -> Z"), none);
+}

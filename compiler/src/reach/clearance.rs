@@ -1,12 +1,16 @@
 //! Ways in that leave a hard cube no clearance.
 use std::collections::VecDeque;
 
+use petgraph::Direction::Incoming;
+use petgraph::graph::NodeIndex;
+use petgraph::visit::EdgeRef;
 use rustc_hash::{FxHashMap, FxHashSet};
 use stochc_ir::Face;
 
 use super::descendants::{DescendantIndex, Descendants};
 use super::path_search::{PathSearch, SearchOutcome, offset};
-use super::{Cell, EventId, ReachAnalysis};
+use super::{Cell, EventId, ReachAnalysis, before};
+use crate::graph::LocatedDependency;
 use crate::plan::EventKind;
 
 /// A capture whose block has to come through a gap one cell wide.
@@ -55,6 +59,9 @@ impl ReachAnalysis<'_> {
             if is_clear_above[i] && self.has_open_corner(cell) {
                 continue;
             }
+            if self.is_handed_over(id, descent) {
+                continue;
+            }
             self.occupancy.sort();
             let Some(following) = descent.within(id, &mut self.warning) else {
                 break;
@@ -74,6 +81,22 @@ impl ReachAnalysis<'_> {
             })
             .collect();
         NarrowCaptures { count, worst }
+    }
+
+    /// Whether a capture takes the block that sits in its cell from another one: that is let go in the same phase, and by then nothing
+    /// else is waited for. It stays where it is, and needs no way in.
+    fn is_handed_over(&mut self, id: EventId, descent: &DescendantIndex) -> bool {
+        let graph = self.subject.graph;
+        let mut edges = graph.edges_directed(NodeIndex::new(id.0 as usize), Incoming);
+        let Some(vacated) = edges.find(|edge| *edge.weight() == LocatedDependency::Vacated) else {
+            return false;
+        };
+        let release = graph[vacated.source()];
+        let mut others = before(graph, id).filter(|&first| first != release);
+        others.all(|first| {
+            let following = descent.within(first, &mut self.warning);
+            following.is_some_and(|following| following.contains(release))
+        })
     }
 
     /// The capture of the same phase, by its place in it, whose block holds this one on top.
