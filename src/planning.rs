@@ -263,7 +263,16 @@ impl Goal {
         let target = target.map_err(Unplanned::Refused)?;
         let law = RateLaw::of(&scene, rates);
         let found = plan(&target, hardware, &law, search).map_err(Unplanned::Refused)?;
-        let mut best = self.accepted(&target, found, &law)?;
+        let mut best = self.accepted(&target, found.plain, &law)?;
+        if let Some(scaffolded) = found.scaffolded
+            && let Ok(other) = self.accepted(&target, scaffolded, &law)
+        {
+            let value = |planned: &Planned| planned.plan.estimate.of(search.objective);
+            let tight = |planned: &Planned| planned.text.contains(Code::TightApproach.name());
+            if value(&other) < value(&best) && tight(&other) <= tight(&best) {
+                best = other;
+            }
+        }
         let mut alternatives = Vec::new();
         if self.cells.len() <= MOST_COMPARED {
             let objective = search.objective;
@@ -296,11 +305,18 @@ impl Goal {
         allowed: &[(&str, String)],
         written: impl FnOnce(&Plan, Naming<'_>) -> T,
     ) -> T {
+        let are_kept = plan.dismantling.as_ref().is_some_and(|it| it.are_kept);
+        let with_scaffolds = format!("{}_with_scaffolds", self.name);
+        // What stays is claimed.
+        let (name, shape) = match are_kept {
+            true => (&with_scaffolds, declaration(&with_scaffolds, &plan.cells())),
+            false => (&self.name, self.shape.clone()),
+        };
         let naming = Naming {
             assembly: &format!("build_{}", self.name),
             scene: self.scene.as_deref(),
-            shape: self.shape.as_ref().map(|_| self.name.as_str()),
-            declarations: &(self.needed_scenes() + "\n" + self.shape.as_deref().unwrap_or("")),
+            shape: shape.as_ref().map(|_| name.as_str()),
+            declarations: &(self.needed_scenes() + "\n" + shape.as_deref().unwrap_or("")),
             allowed,
         };
         written(plan, naming)

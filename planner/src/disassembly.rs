@@ -28,6 +28,13 @@ pub struct Disassembly {
     pub spaces: [FreeSpace; 2],
 }
 
+impl Disassembly {
+    /// How many sites have no way in two cells wide.
+    pub fn tight(&self) -> usize {
+        self.is_tight.iter().filter(|is_tight| **is_tight).count()
+    }
+}
+
 /// Sites that may be taken, the most urgent first.
 type Frontier = BinaryHeap<(u32, u32)>;
 

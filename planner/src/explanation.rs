@@ -18,7 +18,8 @@ const MOST_LAYERS: i32 = 12;
 /// What a plan does, in which order, what limits it, and what the alternatives would cost.
 pub fn explanation(plan: &Plan) -> String {
     let mut out = String::new();
-    let captures = &plan.captures;
+    let captures: Vec<Capture> = plan.all_captures().cloned().collect();
+    let captures = &captures;
     // Writing to a string cannot fail.
     let _ = writeln!(
         out,
@@ -56,6 +57,18 @@ pub fn explanation(plan: &Plan) -> String {
             crate::refusal::listed(&tight)
         ),
     };
+    if let Some(dismantling) = &plan.dismantling {
+        let masts = dismantling.masts.iter().map(|mast| {
+            let ((x, y), height) = (mast.foot, mast.height);
+            format!("{height} on ({x}, {y})")
+        });
+        let _ = writeln!(
+            out,
+            "masts: {}; blocks that are handed over from them: {}",
+            masts.collect::<Vec<_>>().join(", "),
+            dismantling.hand_overs.len()
+        );
+    }
     if let Some(naive) = plan.naive {
         let _ = writeln!(out, "needs no thought: {}", naive.words());
     }

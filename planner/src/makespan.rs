@@ -60,9 +60,18 @@ impl Samples {
         let runs = self.runs;
         times.clear();
         times.resize(schedule.order.len() * runs, 0.0);
+        // When the phase before is over.
+        let mut begin = vec![0.0f32; runs];
         for (i, (&site, before)) in schedule.order.iter().zip(&waiting.before).enumerate() {
             let (done, rest) = times.split_at_mut(i * runs);
             let here = &mut rest[..runs];
+            if i == schedule.first_phase {
+                for times in done.chunks_exact(runs) {
+                    let pairs = begin.iter_mut().zip(times);
+                    pairs.for_each(|(begin, &time)| *begin = begin.max(time));
+                }
+            }
+            here.copy_from_slice(&begin);
             for &other in before {
                 let other = &done[other as usize * runs..][..runs];
                 for (here, &other) in here.iter_mut().zip(other) {
@@ -112,8 +121,12 @@ impl Samples {
             let mut next = last;
             while let Some(place) = next {
                 counts[schedule.order[place] as usize] += 1.0 / runs as f32;
+                let later = |a: &usize, b: &usize| at(*a, run).total_cmp(&at(*b, run));
                 let before = waiting.before[place].iter().map(|&other| other as usize);
-                next = before.max_by(|&a, &b| at(a, run).total_cmp(&at(b, run)));
+                next = before.max_by(later);
+                if next.is_none() && place >= schedule.first_phase {
+                    next = (0..schedule.first_phase).max_by(later);
+                }
             }
         }
         counts

@@ -85,10 +85,7 @@ impl Naive {
         let count = sites.len();
         let mut schedule = Schedule {
             order: tree.iter().map(|&(site, ..)| site).collect(),
-            rank: vec![NONE; count],
-            way: vec![Face::Up; count],
-            mean: vec![0.0; count],
-            end: vec![0.0; count],
+            ..Schedule::empty(count)
         };
         let mut before: Vec<Vec<u32>> = vec![Vec::new(); count];
         let (mut first, mut last) = (0, 0..0);

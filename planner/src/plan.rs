@@ -5,6 +5,7 @@ use stochc_ir::{Cell, Face};
 
 use crate::makespan::{Estimate, Samples};
 use crate::naive::Naive;
+use crate::scaffold::{Dismantling, Part, Roles, Scaffolded, has_place, scaffolded};
 use crate::schedule::{Job, Schedule};
 use crate::search::{Search, search};
 use crate::sites::Sites;
@@ -42,8 +43,10 @@ impl Hardware {
 /// An order of captures that builds a target.
 #[derive(Clone, Debug, Serialize)]
 pub struct Plan {
-    /// The captures, in the order in which their faces open if all waits are as long as their means.
+    /// The captures of the first phase, in the order in which their faces open if all waits are as long as their means.
     pub captures: Vec<Capture>,
+    /// The second phase, where far parts of the target grow from scaffolds first.
+    pub dismantling: Option<Dismantling>,
     /// How long it takes, as far as mean waits tell \[ticks\].
     pub estimate: Estimate,
     /// Faces that are open at the same time, at most, if all waits are as long as their means.
@@ -80,6 +83,8 @@ pub struct Capture {
     pub after: Vec<(Cell, Why)>,
     /// Whether no way in two cells wide was found.
     pub is_tight: bool,
+    /// Whether the block belongs to a scaffold.
+    pub is_temporary: bool,
     /// The part of runs in which it is on the chain of captures that decides when the run ends.
     pub decides: f32,
 }
@@ -87,6 +92,15 @@ pub struct Capture {
 /// Runs on which an estimate rests: fewer for what is large.
 fn runs(sites: usize) -> usize {
     (400_000 / sites).clamp(16, 1000)
+}
+
+/// How a target can be built.
+#[derive(Clone, Debug)]
+pub struct Plans {
+    /// In one phase.
+    pub plain: Plan,
+    /// With scaffolds, where they are estimated to pay.
+    pub scaffolded: Option<Plan>,
 }
 
 /// Plans how to build a target.
@@ -98,15 +112,28 @@ pub fn plan(
     hardware: Hardware,
     waits: &RateLaw<'_>,
     how: Search<'_>,
-) -> Result<Plan, Refusal> {
+) -> Result<Plans, Refusal> {
     let sites = Sites::of(target);
-    let found = search(&sites, hardware, waits, how)?;
+    let plain = match has_place(target) {
+        // Half of the time is for them.
+        true => Search {
+            enough: how.halfway,
+            ..how
+        },
+        false => how,
+    };
+    let found = search(&sites, hardware, waits, plain)?;
     let job = Job::new(&sites, &found.apart, &found.corridors, hardware, waits);
     let waiting = Waiting::of(&job, &found.schedule);
     let ways = (&found.corridors.waiting[..], &found.apart.is_tight[..]);
-    Ok(Plan {
+    let plain = Plan {
         rounds: found.rounds,
         ..Plan::of(&sites, hardware, &found.schedule, &waiting, ways, how.seed)
+    };
+    let scaffolded = scaffolded(&sites, &found, hardware, waits, how);
+    Ok(Plans {
+        plain,
+        scaffolded: scaffolded.map(|it| Plan::with_scaffolds(it, hardware, waits, how)),
     })
 }
 
@@ -129,6 +156,52 @@ pub fn naive_plans(
 }
 
 impl Plan {
+    fn with_scaffolds(
+        it: Scaffolded,
+        hardware: Hardware,
+        waits: &RateLaw<'_>,
+        how: Search<'_>,
+    ) -> Plan {
+        let Scaffolded {
+            scaffolding,
+            union,
+            found,
+        } = it;
+        let sites = Sites::of(&union);
+        let roles = Roles::of(&sites, &scaffolding);
+        let job = Job::new(&sites, &found.apart, &found.corridors, hardware, waits);
+        let job = job.with_roles(&roles);
+        let waiting = Waiting::of(&job, &found.schedule);
+        let ways = (&found.corridors.waiting[..], &found.apart.is_tight[..]);
+        let mut plan = Plan::of(&sites, hardware, &found.schedule, &waiting, ways, how.seed);
+        for capture in &mut plan.captures {
+            capture.is_temporary = matches!(roles.part(sites.at(capture.cell)), Part::Mast(_));
+        }
+        let rest = plan.captures.split_off(found.schedule.first_phase);
+        Plan {
+            rounds: found.rounds,
+            dismantling: Some(Dismantling::of(&scaffolding, rest, how.keeps_scaffolds)),
+            ..plan
+        }
+    }
+
+    /// All captures but those of blocks that are handed over: of the first phase and of the second.
+    pub fn all_captures(&self) -> impl Iterator<Item = &Capture> {
+        let rest = self.dismantling.iter().flat_map(|it| &it.captures);
+        self.captures.iter().chain(rest)
+    }
+
+    /// The cells of what stands at the end, sorted.
+    pub fn cells(&self) -> Vec<Cell> {
+        let are_kept = self.dismantling.as_ref().is_some_and(|it| it.are_kept);
+        let stays = |capture: &&Capture| are_kept || !capture.is_temporary;
+        let mut cells: Vec<Cell> = (self.all_captures().filter(stays))
+            .map(|capture| capture.cell)
+            .collect();
+        cells.sort_unstable();
+        cells
+    }
+
     /// A schedule; of its ways in, what lies in that of each site, and whether it is tight.
     fn of(
         sites: &Sites<'_>,
@@ -154,13 +227,15 @@ impl Plan {
                     .map(|after| (sites.cell(after.site), after.why))
                     .collect(),
                 is_tight: is_tight.get(here).copied().unwrap_or(false),
+                is_temporary: false,
                 decides: decides[here],
             }
         });
         Plan {
             captures: captures.collect(),
+            dismantling: None,
             estimate,
-            widest: widest(waiting, &schedule.order, &schedule.mean),
+            widest: widest(waiting, schedule),
             rounds: 0,
             naive: None,
             alternatives: Vec::new(),
@@ -169,12 +244,22 @@ impl Plan {
 }
 
 /// Faces that are open at the same time, at most, if all waits are as long as their means.
-fn widest(waiting: &Waiting, order: &[u32], mean: &[f32]) -> usize {
+fn widest(waiting: &Waiting, schedule: &Schedule) -> usize {
+    let Schedule {
+        order,
+        mean,
+        first_phase,
+        ..
+    } = schedule;
+    let mut begin = 0.0;
     let mut ends: Vec<f32> = Vec::with_capacity(order.len());
     let mut changes = Vec::with_capacity(2 * order.len());
     for (&site, before) in order.iter().zip(&waiting.before) {
+        if ends.len() == *first_phase {
+            begin = ends.iter().copied().fold(0.0, f32::max);
+        }
         let start = before.iter().map(|&other| ends[other as usize]);
-        let start = start.fold(0.0, f32::max);
+        let start = start.fold(begin, f32::max);
         let end = start + mean[site as usize];
         ends.push(end);
         changes.extend([(start, 1i64), (end, -1)]);

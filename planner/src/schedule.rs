@@ -4,6 +4,8 @@
 //! and no face is open towards a cell that shares an edge with it, and no face, around another cell of the target. A block that comes to the
 //! corner of two such cells is held by both, and jams. Faces towards cells side by side, whatever their directions, do not hinder each
 //! other, nor do those of cells that share a corner; three of a square, which jam as well, always have such a pair among them.
+mod phase;
+
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -13,8 +15,13 @@ use stochc_ir::{Cell, Face};
 use crate::Hardware;
 use crate::corridor::Corridors;
 use crate::disassembly::Disassembly;
+use crate::scaffold::{Part, Roles};
 use crate::sites::{NONE, Sites};
 use crate::waits::{Moment, RateLaw, Stand};
+use phase::Phase;
+
+/// Ticks of a wait of which nothing is known yet.
+pub const WAIT: f32 = 650.0;
 
 /// What stays the same from one schedule to the next.
 pub struct Job<'a> {
@@ -26,6 +33,8 @@ pub struct Job<'a> {
     pub hardware: Hardware,
     /// How long faces wait.
     pub waits: &'a RateLaw<'a>,
+    /// What the sites are for, where there are scaffolds.
+    pub roles: Option<&'a Roles>,
     /// Mean ticks from the opening of each site to the end, through all that surely comes after it.
     tail: Vec<f32>,
 }
@@ -43,6 +52,25 @@ pub struct Schedule {
     pub mean: Vec<f32>,
     /// When the block of each site comes, if all waits are as long as their means \[ticks\].
     pub end: Vec<f32>,
+    /// How many sites open before the phase in which blocks are handed over; that many as there are without scaffolds.
+    pub first_phase: usize,
+    /// Of each site that is handed over, the one that has to be there before; empty without scaffolds.
+    pub roots: Vec<u32>,
+}
+
+impl Schedule {
+    /// Nothing of so many sites.
+    pub fn empty(sites: usize) -> Schedule {
+        Schedule {
+            order: Vec::with_capacity(sites),
+            rank: vec![NONE; sites],
+            way: vec![Face::Up; sites],
+            mean: vec![0.0; sites],
+            end: vec![0.0; sites],
+            first_phase: sites,
+            roots: Vec::new(),
+        }
+    }
 }
 
 impl<'a> Job<'a> {
@@ -54,8 +82,6 @@ impl<'a> Job<'a> {
         hardware: Hardware,
         waits: &'a RateLaw<'a>,
     ) -> Job<'a> {
-        /// Ticks of a wait of which nothing is known yet.
-        const WAIT: f32 = 650.0;
         let mut tail = vec![WAIT; sites.len()];
         for &site in apart.order.iter().rev() {
             let here = tail[site as usize];
@@ -80,8 +106,31 @@ impl<'a> Job<'a> {
             corridors,
             hardware,
             waits,
+            roles: None,
             tail,
         }
+    }
+
+    /// The same with scaffolds: the longest way through a mast and its pieces is the most urgent.
+    pub fn with_roles(mut self, roles: &'a Roles) -> Job<'a> {
+        for piece in roles.pieces() {
+            // From the end of the piece to the mast, and down to the plate.
+            let mut rest = 0.0;
+            let mut site = piece.sites[0].0;
+            while site != NONE {
+                rest += WAIT;
+                let tail = &mut self.tail[site as usize];
+                *tail = match roles.part(site) {
+                    Part::Mast(_) => tail.max(rest),
+                    Part::Own | Part::Held(_) => rest,
+                };
+                site = roles
+                    .way(site)
+                    .map_or(NONE, |way| self.sites.next(site, way.opposite()));
+            }
+        }
+        self.roles = Some(roles);
+        self
     }
 
     /// The site that holds another one: across the face opposite to the way; [`NONE`]: a seed does.
@@ -98,31 +147,52 @@ impl<'a> Job<'a> {
         keys: &[f32],
         cancellation: Cancellation<'_>,
     ) -> Result<Schedule, Cancelled> {
-        let count = self.sites.len();
-        let mut missing = vec![0u32; count];
-        for waiting in &self.corridors.waiting {
-            for &site in waiting {
-                missing[site as usize] += 1;
-            }
+        let schedule = self.within(keys, f32::INFINITY, cancellation)?;
+        Ok(schedule.expect("an order that builds it all is known"))
+    }
+
+    /// One of these: with scaffolds there may be none.
+    ///
+    /// # Errors
+    /// [`Cancelled`] if nobody waits for it.
+    pub fn any(
+        &self,
+        keys: &[f32],
+        cancellation: Cancellation<'_>,
+    ) -> Result<Option<Schedule>, Cancelled> {
+        match self.roles {
+            Some(roles) => self.scaffolded(roles, keys, cancellation),
+            None => self.schedule(keys, cancellation).map(Some),
         }
-        let mut state = State {
-            job: self,
-            keys,
-            missing,
-            state: vec![Site::Absent; count],
-            open_faces: vec![0; count],
-            ready: BinaryHeap::new(),
-            is_ready: vec![false; count],
-            opened: BinaryHeap::new(),
-            schedule: Schedule {
-                order: Vec::with_capacity(count),
-                rank: vec![NONE; count],
-                way: vec![Face::Up; count],
-                mean: vec![0.0; count],
-                end: vec![0.0; count],
-            },
-            anchored: 0,
+    }
+
+    /// The same with scaffolds. What need not be there when blocks are handed over opens before only if half of its wait is over by then.
+    /// `None`: the ways in leave no such order.
+    fn scaffolded(
+        &self,
+        roles: &Roles,
+        keys: &[f32],
+        cancellation: Cancellation<'_>,
+    ) -> Result<Option<Schedule>, Cancelled> {
+        let Some(first) = self.within(keys, f32::INFINITY, cancellation)? else {
+            return Ok(None);
         };
+        let needed = (0..self.sites.len() as u32).filter(|&site| roles.part(site) != Part::Own);
+        let ends = needed.map(|site| first.end[site as usize]);
+        let last = ends.fold(0.0, f32::max);
+        Ok(self.within(keys, last, cancellation)?.or(Some(first)))
+    }
+
+    /// A schedule in which nothing opens that is not needed, half of whose wait would be over too late for the first phase.
+    fn within(
+        &self,
+        keys: &[f32],
+        limit: f32,
+        cancellation: Cancellation<'_>,
+    ) -> Result<Option<Schedule>, Cancelled> {
+        let count = self.sites.len();
+        let mut state = self.begin(keys);
+        state.phase = self.roles.map(|roles| Phase::first(roles, limit));
         for site in 0..count as u32 {
             state.consider(site);
         }
@@ -131,13 +201,36 @@ impl<'a> Job<'a> {
             cancellation.check()?;
             state.anchored(site);
             state.open_ready(f32::from_bits(time));
+            if state.opened.is_empty() && state.may_hand_over() {
+                state.begin_second_phase();
+                state.open_ready(f32::from_bits(time));
+            }
         }
-        assert_eq!(
-            state.schedule.order.len(),
-            count,
-            "an order that builds it all is known"
-        );
-        Ok(state.schedule)
+        Ok((state.schedule.order.len() == count).then_some(state.schedule))
+    }
+
+    /// Nothing has been opened yet.
+    fn begin<'b>(&'b self, keys: &'b [f32]) -> State<'b> {
+        let count = self.sites.len();
+        let mut missing = vec![0u32; count];
+        for waiting in &self.corridors.waiting {
+            for &site in waiting {
+                missing[site as usize] += 1;
+            }
+        }
+        State {
+            job: self,
+            keys,
+            missing,
+            state: vec![Site::Absent; count],
+            open_faces: vec![0; count],
+            ready: BinaryHeap::new(),
+            is_ready: vec![false; count],
+            opened: BinaryHeap::new(),
+            schedule: Schedule::empty(count),
+            anchored: 0,
+            phase: None,
+        }
     }
 }
 
@@ -146,6 +239,8 @@ enum Site {
     Absent,
     Open,
     Anchored,
+    /// It was there, and has been taken away.
+    Gone,
 }
 
 struct State<'a> {
@@ -164,6 +259,8 @@ struct State<'a> {
     schedule: Schedule,
     /// How many are anchored.
     anchored: u32,
+    /// `None`: there are no scaffolds.
+    phase: Option<Phase<'a>>,
 }
 
 impl State<'_> {
@@ -192,6 +289,7 @@ impl State<'_> {
             self.is_ready[site as usize] = false;
             if !self.has_open_diagonal(site)
                 && let Some((way, mean)) = self.best_way(site, now)
+                && self.is_its_phase(site, now + 0.5 * mean)
             {
                 self.open(site, way, mean, now);
             }
@@ -205,13 +303,26 @@ impl State<'_> {
 
     /// The way with the shortest wait from a parent that has a face to spare; the straight one of two equal ones.
     fn best_way(&self, site: u32, now: f32) -> Option<(Face, f32)> {
+        let mut best: Option<(Face, f32, f32)> = None;
+        for (way, mean) in self.ways(site, now) {
+            let parent = self.job.parent(site, way);
+            let is_straight = parent == NONE || self.schedule.way[parent as usize] == way;
+            let price = if is_straight { 0.98 * mean } else { mean };
+            if best.is_none_or(|(_, _, least)| price < least) {
+                best = Some((way, mean, price));
+            }
+        }
+        best.map(|(way, mean, _)| (way, mean))
+    }
+
+    /// The ways from parents that have a face to spare, each with its mean wait \[ticks\].
+    fn ways(&self, site: u32, now: f32) -> impl Iterator<Item = (Face, f32)> {
         let job = self.job;
-        let has = |near: u32| self.state[near as usize] == Site::Anchored;
         let cell = job.sites.cell(site);
         let stands = |near: Cell| match job.sites.at(near) {
             NONE => Stand::Empty,
             near => match self.state[near as usize] {
-                Site::Absent => Stand::Empty,
+                Site::Absent | Site::Gone => Stand::Empty,
                 Site::Open => Stand::Awaited(self.schedule.way[near as usize]),
                 Site::Anchored => Stand::Full,
             },
@@ -221,23 +332,22 @@ impl State<'_> {
             free: 1.0 - bound,
             is_first: now == 0.0,
         };
-        let mut best: Option<(Face, f32, f32)> = None;
-        for way in Face::ALL {
-            let parent = job.parent(site, way);
-            let is_straight = match parent {
-                NONE if way == Face::Up && job.sites.is_on_seed(site) => true,
-                NONE => continue,
-                _ if !has(parent) => continue,
-                _ if self.open_faces[parent as usize] >= job.hardware.faces => continue,
-                _ => self.schedule.way[parent as usize] == way,
-            };
-            let mean = job.waits.mean(cell, way, moment, stands) as f32;
-            let price = if is_straight { 0.98 * mean } else { mean };
-            if best.is_none_or(|(_, _, least)| price < least) {
-                best = Some((way, mean, price));
+        let only = job.roles.and_then(|roles| roles.way(site));
+        let is_own = move |parent: u32| match &self.phase {
+            Some(phase) => only.is_some() || phase.is_own(parent),
+            None => true,
+        };
+        let holds = move |way: &Face| match job.parent(site, *way) {
+            _ if only.is_some_and(|only| only != *way) => false,
+            NONE => *way == Face::Up && job.sites.is_on_seed(site),
+            parent => {
+                self.state[parent as usize] == Site::Anchored
+                    && is_own(parent)
+                    && self.open_faces[parent as usize] < job.hardware.faces
             }
-        }
-        best.map(|(way, mean, _)| (way, mean))
+        };
+        let ways = Face::ALL.into_iter().filter(holds);
+        ways.map(move |way| (way, job.waits.mean(cell, way, moment, stands) as f32))
     }
 
     fn open(&mut self, site: u32, way: Face, mean: f32, now: f32) {
@@ -260,6 +370,12 @@ impl State<'_> {
         self.state[site as usize] = Site::Anchored;
         self.anchored += 1;
         let job = self.job;
+        if let Some(phase) = &mut self.phase {
+            phase.missing -= usize::from(phase.roles.part(site) != Part::Own);
+            if phase.is_second {
+                self.hand_over();
+            }
+        }
         let parent = job.parent(site, self.schedule.way[site as usize]);
         if parent != NONE {
             self.open_faces[parent as usize] -= 1;

@@ -23,10 +23,14 @@ pub struct Search<'a> {
     pub rounds: u64,
     /// Seed of the random numbers.
     pub seed: u64,
+    /// Whether it is time to look for scaffolds instead, where there is a place for any.
+    pub halfway: Cancellation<'a>,
     /// Whether the best until now is enough.
     pub enough: Cancellation<'a>,
     /// Whether nobody waits for a plan any more, before there is a first one.
     pub cancellation: Cancellation<'a>,
+    /// Whether scaffolds stay where they are.
+    pub keeps_scaffolds: bool,
     /// Is told how many schedules have been tried, and how long the best takes \[ticks\].
     pub tried: &'a dyn Fn(u64, f64),
 }
@@ -38,8 +42,10 @@ impl Default for Search<'_> {
             objective: Objective::Mean,
             rounds: 1,
             seed: 1,
+            halfway: Cancellation::NEVER,
             enough: Cancellation::NEVER,
             cancellation: Cancellation::NEVER,
+            keeps_scaffolds: false,
             tried: &|_, _| {},
         }
     }
@@ -71,6 +77,9 @@ struct Candidate {
 /// Runs by which schedules are compared.
 const RUNS: usize = 32;
 
+/// What a cell without a wide way costs: it can jam, which no mean tells \[tick\].
+pub const JAMS: f64 = 20_000.0;
+
 /// Ways in are looked for so often, each time in another order, and at most in a quarter of the rounds.
 const VARIANTS: u64 = 8;
 
@@ -95,10 +104,8 @@ pub fn search(
         let keys = vec![0.5; sites.len()];
         let schedule = job.schedule(&keys, wanted)?;
         let estimate = samples.estimate(&schedule, &Waiting::of(&job, &schedule), &mut times);
-        let tight = apart.is_tight.iter().filter(|&&is_tight| is_tight).count();
         Ok(Candidate {
-            // A cell without a wide way can jam, which no mean tells.
-            value: estimate.of(search.objective) + 20_000.0 * tight as f64,
+            value: estimate.of(search.objective) + JAMS * apart.tight() as f64,
             apart,
             corridors,
             keys,
@@ -119,18 +126,39 @@ pub fn search(
         }
     }
     let job = Job::new(sites, &best.apart, &best.corridors, hardware, waits);
-    let mut keys = best.keys;
-    let mut schedule = best.schedule;
-    let mut value = best.estimate.of(search.objective);
-    let mut critical = samples.criticality(&schedule, &Waiting::of(&job, &schedule));
+    let start = (best.keys, best.schedule, best.estimate);
+    let (schedule, rounds) = improved(&job, &samples, start, rounds, search, &mut rng);
+    drop(job);
+    Ok(Found {
+        apart: best.apart,
+        corridors: best.corridors,
+        schedule,
+        rounds,
+    })
+}
+
+/// The best schedule of a job that is found by changing keys, and the rounds that were made by then.
+pub fn improved(
+    job: &Job<'_>,
+    samples: &Samples,
+    (mut keys, mut schedule, estimate): (Vec<f32>, Schedule, Estimate),
+    mut rounds: u64,
+    search: Search<'_>,
+    rng: &mut ChaCha8Rng,
+) -> (Schedule, u64) {
+    let mut times = Vec::new();
+    let mut value = estimate.of(search.objective);
+    let mut critical = samples.criticality(&schedule, &Waiting::of(job, &schedule));
     while rounds < search.rounds && !search.enough.is_cancelled() {
         rounds += 1;
         (search.tried)(rounds, value);
-        let changed = changed(&keys, &critical, &mut rng);
-        let Ok(other) = job.schedule(&changed, search.enough) else {
-            break;
+        let changed = changed(&keys, &critical, rng);
+        let other = match job.any(&changed, search.enough) {
+            Ok(Some(other)) => other,
+            Ok(None) => continue,
+            Err(_) => break,
         };
-        let waiting = Waiting::of(&job, &other);
+        let waiting = Waiting::of(job, &other);
         let estimate = samples.estimate(&other, &waiting, &mut times);
         // Equally good ones as well, to get across plateaus.
         if estimate.of(search.objective) <= value {
@@ -142,13 +170,7 @@ pub fn search(
             schedule = other;
         }
     }
-    drop(job);
-    Ok(Found {
-        apart: best.apart,
-        corridors: best.corridors,
-        schedule,
-        rounds,
-    })
+    (schedule, rounds)
 }
 
 /// Keys of which a few are different: mostly of sites that decide when a run ends.

@@ -72,6 +72,11 @@ impl Target {
         }
     }
 
+    /// The same plate with other cells; `None`: they cannot be built.
+    pub(crate) fn with_cells(&self, cells: Vec<Cell>, free: u32) -> Option<Target> {
+        Target::new(cells, self.plate.clone(), self.seeds.clone(), free).ok()
+    }
+
     /// Its cells, sorted.
     pub fn cells(&self) -> &[Cell] {
         &self.cells

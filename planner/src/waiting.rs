@@ -35,10 +35,19 @@ impl Schedule {
         sites.next(site, self.way[site as usize].opposite())
     }
 
-    /// The place in the order of what holds a site; `None`: a seed does.
+    /// The place in the order of what has to be there in the same phase to hold a site; `None`: it is there before.
     pub fn held(&self, sites: &Sites<'_>, site: u32) -> Option<u32> {
         let parent = self.parent(sites, site);
-        (parent != NONE).then(|| self.rank[parent as usize])
+        let same = |other: u32| (other != NONE && self.is_same_phase(site, other)).then_some(other);
+        let root = self.roots.get(parent as usize);
+        let holder = same(parent).or_else(|| same(*root?));
+        holder.map(|holder| self.rank[holder as usize])
+    }
+
+    /// Whether two sites open in the same phase.
+    pub fn is_same_phase(&self, site: u32, other: u32) -> bool {
+        let is_first = |site: u32| (self.rank[site as usize] as usize) < self.first_phase;
+        is_first(site) == is_first(other)
     }
 
     /// The place in the order of the capture of the same parent that comes just before a site's, where only one face may be open.
@@ -49,7 +58,8 @@ impl Schedule {
         let parent = Some(self.parent(sites, site)).filter(|&parent| parent != NONE)?;
         let siblings = sites
             .adjacent(parent)
-            .filter(|&other| self.parent(sites, other) == parent);
+            .filter(|&other| self.parent(sites, other) == parent)
+            .filter(|&other| self.is_same_phase(site, other));
         let ranks = siblings.map(|other| self.rank[other as usize]);
         ranks.filter(|&rank| rank < self.rank[site as usize]).max()
     }
@@ -71,7 +81,10 @@ impl Waiting {
                 before[rank(waiting) as usize].push(i as u32);
             }
         }
-        for before in &mut before {
+        let first = schedule.first_phase as u32;
+        for (before, i) in before.iter_mut().zip(0..) {
+            // A phase waits for all of the one before.
+            before.retain(|&other| (other < first) == (i < first));
             before.sort_unstable();
             before.dedup();
         }

@@ -100,6 +100,7 @@ pub fn plan(
                 false => Objective::Mean,
             },
             seed: asked.seed,
+            keeps_scaffolds: false,
             rates: &asked.rates,
         };
         let found = plan_goal(&goal(&wish, host)?, &wish, host)?;

@@ -47,6 +47,9 @@ pub struct Options {
     /// What to make small: the mean time to completion, or that in which nine runs of ten are complete
     #[arg(long, value_name = "WHAT", default_value = "mean")]
     minimize: Minimize,
+    /// Leave scaffolds standing, where the plan has any: the program then claims the shape together with them
+    #[arg(long)]
+    keep_scaffolds: bool,
     /// Tell the order in words and as a picture, what limits it, and what alternatives would cost
     #[arg(long)]
     explain: bool,
@@ -84,6 +87,7 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
             Minimize::P90 => Objective::P90,
         },
         seed: options.random_seed,
+        keeps_scaffolds: options.keep_scaffolds,
         rates: &options.rates,
     };
     let goal = goal(&wish, &host)?;

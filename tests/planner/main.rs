@@ -6,6 +6,7 @@
 mod order;
 mod random;
 mod refused;
+mod scaffolds;
 mod shapes;
 
 use std::path::{Path, PathBuf};
@@ -48,7 +49,5 @@ pub fn tried(goal: &Goal, rounds: u64) -> Result<Planned, Unplanned> {
 
 /// The cells of a plan, sorted.
 pub fn cells(plan: &Plan) -> Vec<Cell> {
-    let mut cells: Vec<Cell> = plan.captures.iter().map(|capture| capture.cell).collect();
-    cells.sort_unstable();
-    cells
+    plan.cells()
 }

@@ -1,4 +1,5 @@
 //! The program of a plan, as text.
+mod dismantling;
 mod repetition;
 mod shape;
 mod statement;
@@ -44,8 +45,9 @@ pub fn program(target: &Target, plan: &Plan, naming: Naming<'_>) -> Result<Strin
 
 /// The same without a layout, which takes longer than all the rest.
 pub fn draft(target: &Target, plan: &Plan, naming: Naming<'_>) -> String {
-    let statements = statements(&plan.captures);
-    let repeated = repeated(&statements);
+    let first = statements(&plan.captures);
+    let later = plan.dismantling.as_ref().map(dismantling::captures);
+    let second = later.as_deref().map(statements);
     let mut out = String::new();
     let Naming {
         assembly,
@@ -60,7 +62,7 @@ pub fn draft(target: &Target, plan: &Plan, naming: Naming<'_>) -> String {
         out,
         "/// {} captures, up to {} faces open at the same time: about {:.0} ticks, in nine of ten runs within {:.0}.\n\
          /// A block is called by its cell, and a block of the plate by its place there.",
-        plan.captures.len(),
+        plan.all_captures().count(),
         plan.widest,
         plan.estimate.mean,
         plan.estimate.p90,
@@ -72,7 +74,12 @@ pub fn draft(target: &Target, plan: &Plan, naming: Naming<'_>) -> String {
     }
     let plate = target.plate();
     let _ = writeln!(out, "seed plate {} x {} {{", plate.width, plate.depth);
-    for seat in repetition::seats(&statements) {
+    let all: Vec<Statement> = first
+        .iter()
+        .chain(second.iter().flatten())
+        .cloned()
+        .collect();
+    for seat in repetition::seats(&all) {
         seat.write(&mut out, |out, at| {
             let _ = write!(
                 out,
@@ -85,14 +92,12 @@ pub fn draft(target: &Target, plan: &Plan, naming: Naming<'_>) -> String {
         });
     }
     out.push_str("}\nphase grow {\n");
-    let is_explained = repeated.len() <= MOST_EXPLAINED;
     let mut told = Told::default();
-    for Repeated { first, nest } in &repeated {
-        let first: &Statement = first;
-        if is_explained {
-            told.explain(first, &plan.captures, nest.is_loop(), &mut out);
-        }
-        nest.write(&mut out, |out, at| first.write(out, at));
+    told.write(&first, &plan.captures, &mut out);
+    if let (Some(dismantling), Some(later), Some(second)) = (&plan.dismantling, &later, &second) {
+        out.push_str("}\nphase hand_over {\n");
+        dismantling::write_releases(dismantling, &mut out);
+        told.write(second, later, &mut out);
     }
     if let Some(shape) = shape {
         let _ = writeln!(out, "yields {shape}");
@@ -105,11 +110,25 @@ pub fn draft(target: &Target, plan: &Plan, naming: Naming<'_>) -> String {
 #[derive(Default)]
 struct Told {
     grows: bool,
+    mast: bool,
     near: bool,
     both: bool,
 }
 
 impl Told {
+    /// Writes the statements of a phase, with what they wait for.
+    fn write(&mut self, statements: &[Statement], captures: &[Capture], out: &mut String) {
+        let repeated = repeated(statements);
+        let is_explained = repeated.len() <= MOST_EXPLAINED;
+        for Repeated { first, nest } in &repeated {
+            let first: &Statement = first;
+            if is_explained {
+                self.explain(first, captures, nest.is_loop(), out);
+            }
+            nest.write(out, |out, at| first.write(out, at));
+        }
+    }
+
     /// What a statement waits for, and why.
     fn explain(
         &mut self,
@@ -126,6 +145,12 @@ impl Told {
             .collect();
         let turns = after.len() - ways.len();
         let said = match (ways.len(), turns) {
+            (0, 0) if captures[statement.first()].is_temporary => {
+                if std::mem::replace(&mut self.mast, true) {
+                    return;
+                }
+                "A mast: what hangs on it grows at the same time as the rest.".to_owned()
+            }
             (0, 0) => {
                 if std::mem::replace(&mut self.grows, true) {
                     return;

@@ -108,7 +108,7 @@ impl Indices<'_> {
         }
     }
 
-    /// A block, or a row of them from the first to the last.
+    /// The indices of a block, or of a row of them from the first to the last.
     pub fn block(&self, first: Cell, last: Cell) -> String {
         let (first, last) = (<[i32; 3]>::from(first), <[i32; 3]>::from(last));
         let index = |axis: usize| match first[axis] == last[axis] {
@@ -121,7 +121,7 @@ impl Indices<'_> {
                 )
             }
         };
-        format!("B[{}, {}, {}]", index(0), index(1), index(2))
+        format!("[{}, {}, {}]", index(0), index(1), index(2))
     }
 }
 

@@ -7,6 +7,33 @@ use stochc_ir::{Cell, Face};
 use super::repetition::Indices;
 use crate::plan::Capture;
 
+/// What blocks are called, with their cells as indices.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Called {
+    /// A block of the target.
+    Block,
+    /// One of a scaffold.
+    Scaffold,
+}
+
+impl Called {
+    /// The name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Called::Block => "B",
+            Called::Scaffold => "S",
+        }
+    }
+
+    fn of(capture: &Capture) -> Called {
+        if capture.is_temporary {
+            Called::Scaffold
+        } else {
+            Called::Block
+        }
+    }
+}
+
 /// Captures one after the other, each by the block before.
 #[derive(Clone, Debug)]
 pub struct Statement {
@@ -16,8 +43,10 @@ pub struct Statement {
     base: Cell,
     /// The way into each cell, and how many cells on in one row.
     rows: Vec<(Face, i32)>,
-    /// What the first capture waits for, in rows along an axis: the first cell and the last.
-    after: Vec<(Cell, Cell)>,
+    /// What the first capture waits for, in rows along an axis: what the blocks are called, the first cell and the last.
+    after: Vec<(Called, Cell, Cell)>,
+    /// What the block that captures first is called, and the blocks that are captured.
+    called: [Called; 2],
     /// The place of the statement that has the capture before, of the same parent.
     pub follows: Option<usize>,
 }
@@ -56,7 +85,14 @@ pub fn statements(captures: &[Capture]) -> Vec<Statement> {
             captures: vec![i],
             base: capture.cell,
             rows: vec![(capture.way, 1)],
-            after: rows_of(capture.after.iter().map(|(cell, _)| *cell).collect()),
+            after: after(capture, |cell| {
+                let found = place.get(&cell);
+                found.map_or(Called::Block, |&at| Called::of(&captures[at]))
+            }),
+            called: [
+                parent.map_or(Called::Block, |parent| Called::of(&captures[parent])),
+                Called::of(capture),
+            ],
             follows: before.map(|before| within[before]),
         };
         within[i] = statements.len();
@@ -64,6 +100,7 @@ pub fn statements(captures: &[Capture]) -> Vec<Statement> {
         // Only the first capture of a chain can wait, and only the first one of a block goes on with it.
         while let Some(&next) = children[last].first()
             && captures[next].after.is_empty()
+            && captures[next].is_temporary == capture.is_temporary
         {
             within[next] = statements.len();
             statement.captures.push(next);
@@ -76,6 +113,19 @@ pub fn statements(captures: &[Capture]) -> Vec<Statement> {
         statements.push(statement);
     }
     statements
+}
+
+/// What a capture waits for, in rows of blocks of one name.
+fn after(capture: &Capture, called: impl Fn(Cell) -> Called) -> Vec<(Called, Cell, Cell)> {
+    let rows = [Called::Block, Called::Scaffold]
+        .into_iter()
+        .flat_map(|name| {
+            let cells = capture.after.iter().map(|(cell, _)| *cell);
+            let rows = rows_of(cells.filter(|&cell| called(cell) == name).collect());
+            rows.into_iter()
+                .map(move |(first, last)| (name, first, last))
+        });
+    rows.collect()
 }
 
 /// Cells in rows along the axis that needs the fewest.
@@ -108,7 +158,12 @@ fn rows_of(mut cells: Vec<Cell>) -> Vec<(Cell, Cell)> {
 }
 
 /// Whether a seed captures first, the rows, and what they wait for, seen from the base of a statement.
-pub type Signature<'a> = (bool, &'a [(Face, i32)], Vec<[i32; 6]>);
+pub type Signature<'a> = (
+    bool,
+    [Called; 2],
+    &'a [(Face, i32)],
+    Vec<(Called, [i32; 6])>,
+);
 
 impl Statement {
     /// The place of its first capture in the plan.
@@ -130,17 +185,19 @@ impl Statement {
     /// What it says, seen from its base: equal ones differ in nothing but their place.
     pub fn signature(&self) -> Signature<'_> {
         let Cell { x, y, z } = self.base;
-        let after = self.after.iter().map(|(first, last)| {
-            [
+        let after = self.after.iter().map(|&(called, first, last)| {
+            let ends = [
                 first.x - x,
                 first.y - y,
                 first.z - z,
                 last.x - x,
                 last.y - y,
                 last.z - z,
-            ]
+            ];
+            (called, ends)
         });
-        (self.seed().is_some(), &self.rows, after.collect())
+        let is_on_seed = self.seed().is_some();
+        (is_on_seed, self.called, &self.rows, after.collect())
     }
 
     /// Writes it with indices that count from its base.
@@ -150,8 +207,12 @@ impl Statement {
         // Writing to a string cannot fail.
         let _ = match self.seed() {
             Some(_) => write!(out, "P[{}, {}]", at.x(0), at.y(0)),
-            None => write!(out, "B[{}, {}, {}]", at.x(-dx), at.y(-dy), at.z(-dz)),
+            None => {
+                let name = self.called[0].name();
+                write!(out, "{name}[{}, {}, {}]", at.x(-dx), at.y(-dy), at.z(-dz))
+            }
         };
+        let name = self.called[1].name();
         let mut here = Cell::new(-dx, -dy, -dz);
         for &(way, length) in &self.rows {
             let [dx, dy, dz] = way.normal();
@@ -164,19 +225,20 @@ impl Statement {
             };
             if length > 1 && dx + dy + dz > 0 {
                 let (first, last) = (step(here, 1), step(here, length));
-                let _ = write!(out, ".{way} ->> {}", at.block(first, last));
+                let _ = write!(out, ".{way} ->> {name}{}", at.block(first, last));
                 here = last;
             } else {
                 for _ in 0..length {
                     here = step(here, 1);
-                    let _ = write!(out, ".{way} -> {}", at.block(here, here));
+                    let _ = write!(out, ".{way} -> {name}{}", at.block(here, here));
                 }
             }
         }
         let from = |cell: &Cell| Cell::new(cell.x - x, cell.y - y, cell.z - z);
-        for (i, (first, last)) in self.after.iter().enumerate() {
+        for (i, (called, first, last)) in self.after.iter().enumerate() {
             let sign = if i == 0 { " after " } else { ", " };
-            let _ = write!(out, "{sign}{}", at.block(from(first), from(last)));
+            let name = called.name();
+            let _ = write!(out, "{sign}{name}{}", at.block(from(first), from(last)));
         }
     }
 }

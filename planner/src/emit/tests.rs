@@ -17,7 +17,7 @@ fn written(cells: Vec<Cell>) -> String {
     };
     let declarations = declaration("wanted", &cells).unwrap();
     let target = Target::new(cells, plate, None, hardware.free).unwrap();
-    let plan = plan(&target, hardware, &RateLaw::new(None), Search::default()).unwrap();
+    let plans = plan(&target, hardware, &RateLaw::new(None), Search::default()).unwrap();
     let naming = Naming {
         assembly: "build",
         scene: None,
@@ -25,7 +25,7 @@ fn written(cells: Vec<Cell>) -> String {
         declarations: &declarations,
         allowed: &[],
     };
-    program(&target, &plan, naming).unwrap()
+    program(&target, &plans.plain, naming).unwrap()
 }
 
 /// What stands between the braces of the phase, one blank for any.

@@ -39,6 +39,8 @@ pub struct Wish<'a> {
     pub objective: Objective,
     /// Seed of the random numbers.
     pub seed: u64,
+    /// Whether scaffolds stay where they are.
+    pub keeps_scaffolds: bool,
     /// Files of rates, of scenes that have none built in.
     pub rates: &'a [PathBuf],
 }
@@ -82,6 +84,10 @@ pub fn plan(goal: &Goal, wish: &Wish<'_>, host: &dyn Host) -> Result<Planned, Fa
         let is_late = matches!(budget, Budget::Time(time) if start.elapsed() >= time);
         is_late || stop.load(Ordering::Relaxed)
     };
+    let is_half_over = || {
+        let is_late = matches!(budget, Budget::Time(time) if start.elapsed() >= time / 2);
+        is_late || stop.load(Ordering::Relaxed)
+    };
     let is_stopped = || stop.load(Ordering::Relaxed);
     let count = |rounds: u64, ticks: f64| {
         tried.store(rounds, Ordering::Relaxed);
@@ -91,8 +97,10 @@ pub fn plan(goal: &Goal, wish: &Wish<'_>, host: &dyn Host) -> Result<Planned, Fa
         objective: wish.objective,
         rounds: budget.tries(),
         seed: wish.seed,
+        halfway: Cancellation::new(&is_half_over),
         enough: Cancellation::new(&is_over),
         cancellation: Cancellation::new(&is_stopped),
+        keeps_scaffolds: wish.keeps_scaffolds,
         tried: &count,
     };
     let state = |elapsed| {

@@ -1,0 +1,127 @@
+//! The phase in which blocks are handed over and masts are taken down.
+use std::fmt::Write as _;
+
+use stochc_ir::{Cell, Face};
+
+use super::statement::Called;
+use crate::plan::Capture;
+use crate::scaffold::{Dismantling, HandOver, Mast};
+
+/// Hand-overs in a row that are worth a loop.
+const LEAST: usize = 3;
+
+/// The captures of the phase: those of blocks that are handed over come first, so that no face that another one needs is taken.
+pub fn captures(dismantling: &Dismantling) -> Vec<Capture> {
+    let handed_over = dismantling.hand_overs.iter().map(|it| Capture {
+        cell: it.cell,
+        way: it.way,
+        wait: 0.0,
+        after: Vec::new(),
+        is_tight: false,
+        is_temporary: false,
+        decides: 0.0,
+    });
+    handed_over
+        .chain(dismantling.captures.iter().cloned())
+        .collect()
+}
+
+/// Writes what is let go, and when.
+pub fn write_releases(dismantling: &Dismantling, out: &mut String) {
+    out.push_str("/// What hangs on masts is handed over: a block that is let go beside an open face stays where it is.\n");
+    let mut rest = &dismantling.hand_overs[..];
+    while !rest.is_empty() {
+        let (row, others) = rest.split_at(row(rest));
+        match along(row) {
+            Some(axis) => write_row(row, axis, out),
+            None => row.iter().for_each(|it| {
+                let after = it.after.map(|cell| block(Called::Block, cell));
+                write_release(&block(Called::Block, it.cell), after, out);
+            }),
+        }
+        rest = others;
+    }
+    if dismantling.are_kept {
+        return;
+    }
+    for (
+        i,
+        Mast {
+            foot: (x, y),
+            height,
+            after,
+        },
+    ) in dismantling.masts.iter().enumerate()
+    {
+        if i == 0 {
+            out.push_str("/// Masts go when they hold nothing any more.\n");
+        }
+        let levels = if *height == 1 {
+            "1".to_owned()
+        } else {
+            format!("1..{height}")
+        };
+        let after = after.iter().map(|&cell| block(Called::Block, cell));
+        let name = Called::Scaffold.name();
+        write_release(&format!("{name}[{x}, {y}, {levels}]"), after, out);
+    }
+}
+
+/// How many of the first hand-overs go on in one direction, each behind the one before; 1 if they are too few for a loop.
+fn row(rest: &[HandOver]) -> usize {
+    let goes_on =
+        |two: &&[HandOver]| two[1].way == rest[0].way && two[1].after == Some(two[0].cell);
+    // What the first one waits for has to be the cell before.
+    let begins = rest[0].after == rest[0].cell.across(rest[0].way.opposite());
+    match 1 + rest.windows(2).take_while(goes_on).count() {
+        length if begins && length >= LEAST => length,
+        _ => 1,
+    }
+}
+
+/// The axis of a row.
+fn along(row: &[HandOver]) -> Option<usize> {
+    (row.len() >= LEAST).then(|| match row[0].way {
+        Face::East | Face::West => 0,
+        Face::North | Face::South => 1,
+        Face::Up | Face::Down => 2,
+    })
+}
+
+fn write_row(row: &[HandOver], axis: usize, out: &mut String) {
+    const COUNTERS: [&str; 3] = ["x", "y", "z"];
+    let cells = || row.iter().map(|it| <[i32; 3]>::from(it.cell));
+    let (first, last) = (
+        cells().map(|at| at[axis]).min().unwrap_or(0),
+        cells().map(|at| at[axis]).max().unwrap_or(0),
+    );
+    let step = row[0].way.normal()[axis];
+    let counter = COUNTERS[axis];
+    let indices = |here: String| {
+        let mut at = <[i32; 3]>::from(row[0].cell).map(|at| at.to_string());
+        at[axis] = here;
+        format!("{}[{}]", Called::Block.name(), at.join(", "))
+    };
+    let before = if step > 0 { "- 1" } else { "+ 1" };
+    // Writing to a string cannot fail.
+    let _ = writeln!(out, "for {counter} in {first}..{last} {{");
+    write_release(
+        &indices(counter.to_owned()),
+        [indices(format!("{counter} {before}"))],
+        out,
+    );
+    out.push_str("}\n");
+}
+
+fn block(called: Called, Cell { x, y, z }: Cell) -> String {
+    format!("{}[{x}, {y}, {z}]", called.name())
+}
+
+fn write_release(what: &str, after: impl IntoIterator<Item = String>, out: &mut String) {
+    let after: Vec<String> = after.into_iter().collect();
+    // Writing to a string cannot fail.
+    let _ = match after.is_empty() {
+        true => writeln!(out, "release {what}"),
+        false => writeln!(out, "release {what} after {}", after.join(", ")),
+    };
+}

@@ -1,0 +1,79 @@
+//! Taking a target with its masts apart, from the ends of what hangs on what.
+use std::collections::BinaryHeap;
+
+use crate::disassembly::Disassembly;
+use crate::free_space::FreeSpace;
+use crate::sites::{NONE, Sites};
+
+/// Takes a target apart: of the sites that hold nothing, the one goes first that comes last, and has a wide way if any has one. `holders`:
+/// what holds each site when it comes, [`NONE`] for the plate; `times`: when it comes, about. `None`: nothing that is left may go.
+pub fn take_apart(
+    sites: &Sites<'_>,
+    mut spaces: [FreeSpace; 2],
+    holders: &[u32],
+    times: &[f32],
+) -> Option<Disassembly> {
+    let count = sites.len();
+    let mut holds = vec![0u32; count];
+    for &holder in holders.iter().filter(|&&holder| holder != NONE) {
+        holds[holder as usize] += 1;
+    }
+    // The bits of positive numbers are ordered as they are.
+    let urgency = |site: u32| (times[site as usize].to_bits(), site);
+    let mut ends: BinaryHeap<(u32, u32)> = (0..count as u32)
+        .filter(|&site| holds[site as usize] == 0)
+        .map(urgency)
+        .collect();
+    let mut stands = vec![true; count];
+    let mut order = Vec::with_capacity(count);
+    let mut is_tight = vec![false; count];
+    while order.len() < count {
+        let by_urgency = || {
+            let mut ends = ends.clone().into_sorted_vec();
+            ends.reverse();
+            ends
+        };
+        let stood = |site: u32| stands[site as usize];
+        let may_go = |space: &FreeSpace| {
+            let mut ends = by_urgency().into_iter();
+            ends.find(|&(_, site)| space.has_way(sites, site, &stood))
+        };
+        let (_, site) = may_go(&spaces[0]).or_else(|| {
+            let narrow = may_go(&spaces[1])?;
+            is_tight[narrow.1 as usize] = true;
+            Some(narrow)
+        })?;
+        ends.retain(|&(_, other)| other != site);
+        stands[site as usize] = false;
+        order.push(site);
+        let holder = holders[site as usize];
+        if holder != NONE {
+            holds[holder as usize] -= 1;
+            if holds[holder as usize] == 0 {
+                ends.push(urgency(holder));
+            }
+        }
+        for space in &mut spaces {
+            space.open(sites, site, &|site| stands[site as usize], &mut |_| {});
+        }
+    }
+    order.reverse();
+    let mut rank = vec![0; count];
+    for (i, &site) in order.iter().enumerate() {
+        rank[site as usize] = i as u32;
+    }
+    // As far from the plate as it hangs.
+    let mut level = vec![1; count];
+    for &site in &order {
+        if let Some(&below) = level.get(holders[site as usize] as usize) {
+            level[site as usize] = below + 1;
+        }
+    }
+    Some(Disassembly {
+        order,
+        rank,
+        is_tight,
+        level,
+        spaces,
+    })
+}

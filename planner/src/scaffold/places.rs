@@ -1,0 +1,183 @@
+//! Where masts can stand, and what could grow from them.
+use rustc_hash::FxHashMap;
+use stochc_ir::{Cell, Face};
+
+use super::{Piece, Roles, Scaffolding};
+use crate::Target;
+use crate::schedule::{Schedule, WAIT};
+use crate::sites::{NONE, Sites};
+
+/// What holds each cell of a target in the end, and when it comes to its cell.
+pub struct Grown {
+    /// By cell: what holds it (`None`: a block of the plate), and the mean tick in which it comes.
+    cells: FxHashMap<Cell, (Option<Cell>, f32)>,
+}
+
+/// Later than anything else, in waits.
+const LATE: f32 = 10_000.0;
+
+/// What comes sooner than that needs no mast \[tick\].
+const LEAST: f32 = 3.0 * WAIT;
+
+/// Cells of a piece, at most.
+const LONGEST: usize = 60;
+
+/// Whether a mast could stand beside or under a target.
+pub fn has_place(target: &Target) -> bool {
+    let mut cells = target.cells().iter().flat_map(|&cell| {
+        let foot = Cell::new(cell.x, cell.y, 1);
+        Face::SIDES
+            .into_iter()
+            .filter_map(move |face| foot.across(face))
+            .chain([foot])
+    });
+    let is_full = |cell: &Cell| target.cells().binary_search(cell).is_ok();
+    cells.any(|foot| target.is_on_seed(foot) && !is_full(&foot))
+}
+
+impl Grown {
+    /// By a schedule of a target, with these scaffolds.
+    pub fn of(sites: &Sites<'_>, schedule: &Schedule, scaffolding: &Scaffolding) -> Grown {
+        let pieces = scaffolding.pieces.iter();
+        let in_the_end: FxHashMap<Cell, Face> = pieces.flat_map(Piece::handed_over).collect();
+        let cells = schedule.order.iter().map(|&site| {
+            let cell = sites.cell(site);
+            let way = in_the_end.get(&cell).copied();
+            let way = way.unwrap_or(schedule.way[site as usize]);
+            let holder = cell.across(way.opposite()).filter(|holder| holder.z > 0);
+            (cell, (holder, schedule.end[site as usize]))
+        });
+        Grown {
+            cells: cells.collect(),
+        }
+    }
+
+    /// What holds each site of a target with masts when it comes, [`NONE`] for the plate.
+    pub fn holders(&self, sites: &Sites<'_>, roles: &Roles) -> Vec<u32> {
+        let holder = |site: u32| match roles.way(site) {
+            Some(way) => sites.next(site, way.opposite()),
+            None => {
+                let holder = self
+                    .cells
+                    .get(&sites.cell(site))
+                    .and_then(|&(holder, _)| holder);
+                holder.map_or(NONE, |holder| sites.at(holder))
+            }
+        };
+        (0..sites.len() as u32).map(holder).collect()
+    }
+
+    /// When the block of each site of a target with masts comes, about, in waits of the same length: what hangs on pieces in the end after
+    /// all others.
+    pub fn times(&self, sites: &Sites<'_>, scaffolding: &Scaffolding) -> Vec<f32> {
+        let mut by_mast: FxHashMap<Cell, f32> = FxHashMap::default();
+        for piece in &scaffolding.pieces {
+            let times = piece.cells.iter().zip(1..);
+            by_mast.extend(times.map(|(&cell, i)| (cell, (piece.height + i) as f32)));
+        }
+        let time = |site: u32| {
+            let cell = sites.cell(site);
+            let Some(&(mut holder, end)) = self.cells.get(&cell) else {
+                // Of a mast.
+                return cell.z as f32;
+            };
+            if let Some(&time) = by_mast.get(&cell) {
+                return time;
+            }
+            let mut late = 0.0;
+            while let Some(at) = holder {
+                late = if by_mast.contains_key(&at) {
+                    LATE
+                } else {
+                    late
+                };
+                holder = self.cells.get(&at).and_then(|&(holder, _)| holder);
+            }
+            end / WAIT + late
+        };
+        (0..sites.len() as u32).map(time).collect()
+    }
+
+    /// The same scaffolds with one more piece, which would be there sooner if a mast held it: of all that can be added. One that begins
+    /// within another takes its end over.
+    pub fn extensions(&self, target: &Target, scaffolding: &Scaffolding) -> Vec<Scaffolding> {
+        let mut found = Vec::new();
+        let cells = target.cells();
+        let is_full = |cell: Cell| cells.binary_search(&cell).is_ok();
+        let edges = |axis: fn(&Cell) -> i32| {
+            let values = || cells.iter().map(axis);
+            (values().min().unwrap_or(0), values().max().unwrap_or(0))
+        };
+        let ((west, east), (south, north)) = (edges(|cell| cell.x), edges(|cell| cell.y));
+        let (_, top) = edges(|cell| cell.z);
+        let places =
+            (west - 1..=east + 1).flat_map(|x| (south - 1..=north + 1).map(move |y| (x, y)));
+        for (x, y) in places.filter(|&(x, y)| target.is_on_seed(Cell::new(x, y, 1))) {
+            let column = (1..=top).map(|z| Cell::new(x, y, z));
+            for at in column.take_while(|&at| !is_full(at)) {
+                for way in [Face::SIDES.as_slice(), &[Face::Up]].concat() {
+                    let first = at.across(way).filter(|&cell| is_full(cell));
+                    if let Some(first) = first {
+                        self.extend(at, way, first, scaffolding, &mut found);
+                    }
+                }
+            }
+        }
+        found
+    }
+
+    /// Adds pieces of all lengths that begin at a block of a mast.
+    fn extend(
+        &self,
+        at: Cell,
+        way: Face,
+        first: Cell,
+        scaffolding: &Scaffolding,
+        found: &mut Vec<Scaffolding>,
+    ) {
+        let Some(&(_, end)) = self.cells.get(&first) else {
+            return;
+        };
+        let mut rest = scaffolding.clone();
+        let mut least = 1;
+        let within = |piece: &Piece| piece.cells.iter().position(|&cell| cell == first);
+        for piece in &mut rest.pieces {
+            match within(piece) {
+                None => {}
+                // There is a mast already.
+                Some(0) => return,
+                Some(place) => {
+                    least = piece.cells.len() - place;
+                    piece.cells.truncate(place);
+                    piece.join = first;
+                }
+            }
+        }
+        let mut cells = Vec::new();
+        let mut next = Some(first);
+        while let Some(cell) = next {
+            cells.push(cell);
+            let is_held = rest.pieces.iter().any(|piece| piece.cells.contains(&cell));
+            // As many captures as come one after the other by the mast.
+            let captures = at.z as f32 + cells.len() as f32;
+            let Some(&(Some(join), _)) = self.cells.get(&cell) else {
+                return;
+            };
+            if is_held || cells.len() > LONGEST || captures * WAIT > end.max(LEAST) {
+                return;
+            }
+            if cells.len() >= least {
+                let mut scaffolding = rest.clone();
+                scaffolding.pieces.push(Piece {
+                    foot: (at.x, at.y),
+                    height: at.z,
+                    way,
+                    cells: cells.clone(),
+                    join,
+                });
+                found.push(scaffolding);
+            }
+            next = Some(join);
+        }
+    }
+}

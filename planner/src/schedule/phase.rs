@@ -1,0 +1,104 @@
+//! The two phases of a schedule with scaffolds.
+use super::{Site, State};
+use crate::scaffold::{Part, Roles};
+
+/// How far a schedule with scaffolds is.
+pub struct Phase<'a> {
+    pub roles: &'a Roles,
+    /// When what is not needed has to be there \[ticks\].
+    limit: f32,
+    /// Temporary sites that are not there yet.
+    pub missing: usize,
+    /// Whether blocks may be handed over.
+    pub is_second: bool,
+    /// Of each piece, whether it has been handed over.
+    is_done: Vec<bool>,
+}
+
+impl<'a> Phase<'a> {
+    /// The first one.
+    pub fn first(roles: &'a Roles, limit: f32) -> Phase<'a> {
+        Phase {
+            roles,
+            limit,
+            missing: roles.temporary(),
+            is_second: false,
+            is_done: vec![false; roles.pieces().len()],
+        }
+    }
+
+    /// Whether a site that stands holds others as in the end.
+    pub fn is_own(&self, site: u32) -> bool {
+        match self.roles.part(site) {
+            Part::Own => true,
+            Part::Held(piece) => self.is_done[piece as usize],
+            Part::Mast(_) => false,
+        }
+    }
+
+    /// Whether a site is a mast that holds nothing any more.
+    fn is_spent(&self, site: u32) -> bool {
+        let Part::Mast(number) = self.roles.part(site) else {
+            return false;
+        };
+        let mut pieces = self.roles.pieces().iter().zip(&self.is_done);
+        pieces.all(|(piece, is_done)| piece.mast != number || *is_done)
+    }
+}
+
+impl State<'_> {
+    /// Whether a site whose wait is half over at a time may open: once all that is temporary is there, nothing new does before it is handed
+    /// over.
+    pub(super) fn is_its_phase(&self, site: u32, half: f32) -> bool {
+        match &self.phase {
+            Some(phase) if !phase.is_second && phase.roles.part(site) == Part::Own => {
+                phase.missing > 0 && half <= phase.limit
+            }
+            _ => true,
+        }
+    }
+
+    /// Whether all that is temporary is there.
+    pub(super) fn may_hand_over(&self) -> bool {
+        let phase = self.phase.as_ref();
+        phase.is_some_and(|phase| !phase.is_second && phase.missing == 0)
+    }
+
+    /// Begins to hand over.
+    pub(super) fn begin_second_phase(&mut self) {
+        let Some(phase) = &mut self.phase else { return };
+        phase.is_second = true;
+        self.schedule.first_phase = self.schedule.order.len();
+        self.schedule.roots = phase.roles.roots();
+        self.hand_over();
+        for site in 0..self.state.len() as u32 {
+            self.consider(site);
+        }
+    }
+
+    /// Hands over the pieces whose blocks to hold them are there, and takes masts away that hold no more.
+    pub(super) fn hand_over(&mut self) {
+        let Some(phase) = &mut self.phase else { return };
+        let mut new = Vec::new();
+        while let Some((number, piece)) =
+            phase.roles.pieces().iter().enumerate().find(|(i, piece)| {
+                !phase.is_done[*i]
+                    && self.state[piece.join as usize] == Site::Anchored
+                    && phase.is_own(piece.join)
+            })
+        {
+            phase.is_done[number] = true;
+            new.extend(piece.sites.iter().map(|&(site, _)| site));
+        }
+        for site in 0..self.state.len() as u32 {
+            if phase.is_spent(site) {
+                self.state[site as usize] = Site::Gone;
+            }
+        }
+        for site in new {
+            for next in self.job.sites.adjacent(site) {
+                self.consider(next);
+            }
+        }
+    }
+}
