@@ -86,14 +86,39 @@ impl Samples {
         }
     }
 
-    /// How long a schedule takes; `times` is working space.
-    pub fn estimate(
-        &self,
-        schedule: &Schedule,
-        waiting: &Waiting,
-        times: &mut Vec<f32>,
-    ) -> Estimate {
-        self.times(schedule, waiting, times);
+    /// How many runs.
+    pub fn runs(&self) -> usize {
+        self.runs
+    }
+
+    /// The waits of a site in all runs, of mean 1.
+    pub fn waits(&self, site: u32) -> &[f32] {
+        &self.waits[site as usize * self.runs..][..self.runs]
+    }
+
+    /// Adds the times of one more site, which waits for those at these places.
+    pub fn extend(&self, site: u32, mean: f32, before: &[u32], times: &mut Vec<f32>) {
+        let runs = self.runs;
+        let done = times.len();
+        times.resize(done + runs, 0.0);
+        let (done, here) = times.split_at_mut(done);
+        for &other in before {
+            let other = &done[other as usize * runs..][..runs];
+            for (here, &other) in here.iter_mut().zip(other) {
+                *here = here.max(other);
+            }
+        }
+        for (here, &wait) in here.iter_mut().zip(self.waits(site)) {
+            *here += mean * wait;
+        }
+    }
+
+    /// What matters of the times of some sites in all runs.
+    pub fn value(&self, times: &[f32], objective: Objective) -> f64 {
+        self.summed_up(times).of(objective)
+    }
+
+    fn summed_up(&self, times: &[f32]) -> Estimate {
         let mut ends = vec![0.0f32; self.runs];
         for times in times.chunks_exact(self.runs) {
             for (end, &time) in ends.iter_mut().zip(times) {
@@ -107,6 +132,17 @@ impl Samples {
             mean: sum / self.runs as f64,
             p90: f64::from(ends[place]),
         }
+    }
+
+    /// How long a schedule takes; `times` is working space.
+    pub fn estimate(
+        &self,
+        schedule: &Schedule,
+        waiting: &Waiting,
+        times: &mut Vec<f32>,
+    ) -> Estimate {
+        self.times(schedule, waiting, times);
+        self.summed_up(times)
     }
 
     /// How often each site, by number, decided when a run ended: it is on the chain of what was waited for last.

@@ -117,7 +117,7 @@ impl Naive {
 
 impl Schedule {
     /// Mean waits of sites in the structure as it stands when their turn comes and all captures take equally long.
-    fn set_means(
+    pub fn set_means(
         &mut self,
         sites: &Sites<'_>,
         hardware: Hardware,

@@ -53,6 +53,8 @@ pub struct Plan {
     pub widest: usize,
     /// Schedules that were tried.
     pub rounds: u64,
+    /// Whether all schedules in one phase, with the ways in that were found, have been looked at, and none is better.
+    pub is_best: bool,
     /// The plan that needs no thought which it is; `None`: one that was looked for.
     pub naive: Option<Naive>,
     /// What plans that need no thought would take; none where nobody has looked.
@@ -128,6 +130,7 @@ pub fn plan(
     let ways = (&found.corridors.waiting[..], &found.apart.is_tight[..]);
     let plain = Plan {
         rounds: found.rounds,
+        is_best: found.is_best,
         ..Plan::of(&sites, hardware, &found.schedule, &waiting, ways, how.seed)
     };
     let scaffolded = scaffolded(&sites, &found, hardware, waits, how);
@@ -237,6 +240,7 @@ impl Plan {
             estimate,
             widest: widest(waiting, schedule),
             rounds: 0,
+            is_best: false,
             naive: None,
             alternatives: Vec::new(),
         }

@@ -8,11 +8,11 @@ use crate::corridor::Corridors;
 use crate::disassembly::{Disassembly, disassemble};
 use crate::free_space::FreeSpace;
 use crate::makespan::{Estimate, Objective, Samples};
-use crate::schedule::{Job, Schedule};
+use crate::schedule::{Branching, Job, MOST_SITES, Schedule, settled, value};
 use crate::sites::Sites;
 use crate::waiting::Waiting;
 use crate::waits::RateLaw;
-use crate::{Hardware, Refusal};
+use crate::{Hardware, Refusal, Target};
 
 /// How to look for a plan.
 #[derive(Clone, Copy)]
@@ -52,7 +52,7 @@ impl Default for Search<'_> {
 }
 
 /// The best that was found.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Found {
     /// How ways are kept open.
     pub apart: Disassembly,
@@ -62,6 +62,8 @@ pub struct Found {
     pub schedule: Schedule,
     /// Schedules that were tried.
     pub rounds: u64,
+    /// Whether all schedules with the ways in that were found have been looked at, and none is better by half a percent.
+    pub is_best: bool,
 }
 
 /// Ways and the best schedule with them.
@@ -83,11 +85,41 @@ pub const JAMS: f64 = 20_000.0;
 /// Ways in are looked for so often, each time in another order, and at most in a quarter of the rounds.
 const VARIANTS: u64 = 8;
 
+/// Runs by which schedules of small targets are compared.
+const SMALL_RUNS: usize = 128;
+
+/// Runs by which it is decided whether that schedule is better.
+const OTHER_RUNS: usize = 1000;
+
+/// Ways in of small targets are looked for so often.
+const ALL_VARIANTS: u64 = 24;
+
+/// The part of a time for which no other schedule is taken.
+const WORTH: f64 = 0.005;
+
+/// Faces that are opened to look at all schedules of a small target, for each round and at most.
+const FACES_PER_ROUND: u64 = 30;
+const MOST_FACES: u64 = 2_000_000;
+
 /// The best schedule of a target.
 ///
 /// # Errors
 /// If there is none, or nobody waits for the first one.
 pub fn search(
+    sites: &Sites<'_>,
+    hardware: Hardware,
+    waits: &RateLaw<'_>,
+    how: Search<'_>,
+) -> Result<Found, Refusal> {
+    let mut found = listed(sites, hardware, waits, how)?;
+    if sites.len() <= MOST_SITES && found.rounds >= VARIANTS {
+        found.is_best = branch_and_bound(sites, hardware, waits, how, &mut found)?.is_finished;
+    }
+    Ok(found)
+}
+
+/// The best that list scheduling finds.
+fn listed(
     sites: &Sites<'_>,
     hardware: Hardware,
     waits: &RateLaw<'_>,
@@ -134,6 +166,100 @@ pub fn search(
         corridors: best.corridors,
         schedule,
         rounds,
+        is_best: false,
+    })
+}
+
+/// How far list scheduling is off the best of all schedules.
+#[derive(Clone, Copy, Debug)]
+pub struct Gap {
+    /// How long its schedule takes \[ticks\].
+    pub listed: f64,
+    /// How long the best one takes that is known \[ticks\].
+    pub best: f64,
+    /// Whether all schedules have been looked at.
+    pub is_finished: bool,
+}
+
+/// Compares list scheduling with the best of all schedules; `None`: the target has too many cells.
+///
+/// # Errors
+/// If no order builds it, or nobody waits for it.
+pub fn gap(
+    target: &Target,
+    hardware: Hardware,
+    waits: &RateLaw<'_>,
+    how: Search<'_>,
+) -> Result<Option<Gap>, Refusal> {
+    let sites = Sites::of(target);
+    if sites.len() > MOST_SITES {
+        return Ok(None);
+    }
+    let mut found = listed(&sites, hardware, waits, how)?;
+    branch_and_bound(&sites, hardware, waits, how, &mut found).map(Some)
+}
+
+/// Looks at all schedules of a small target, with several ways in, and keeps the best.
+fn branch_and_bound(
+    sites: &Sites<'_>,
+    hardware: Hardware,
+    waits: &RateLaw<'_>,
+    search: Search<'_>,
+    found: &mut Found,
+) -> Result<Gap, Refusal> {
+    let value = |samples: &Samples, found: &Found| {
+        let job = Job::new(sites, &found.apart, &found.corridors, hardware, waits);
+        let schedule = settled(&job, found.schedule.clone());
+        value(&job, samples, &schedule, search.objective)
+    };
+    let samples = Samples::new(sites.len(), SMALL_RUNS, search.seed);
+    let mut best = found.clone();
+    let mut least = value(&samples, &best);
+    let mut left = (search.rounds.saturating_mul(FACES_PER_ROUND)).min(MOST_FACES);
+    let mut rng = ChaCha8Rng::seed_from_u64(search.seed);
+    let mut tried: Vec<Vec<Vec<u32>>> = Vec::new();
+    for variant in 0..ALL_VARIANTS {
+        let (apart, corridors) = match variant {
+            0 => (found.apart.clone(), found.corridors.clone()),
+            _ => {
+                let spaces = [FreeSpace::of(sites, 2), FreeSpace::of(sites, 1)];
+                let keys: Vec<f32> = (0..sites.len()).map(|_| rng.random()).collect();
+                let apart = disassemble(sites, spaces, &keys, search.cancellation)?;
+                let corridors = Corridors::of(sites, &apart, search.cancellation)?;
+                (apart, corridors)
+            }
+        };
+        if apart.tight() > found.apart.tight() || tried.contains(&corridors.waiting) {
+            continue;
+        }
+        let job = Job::new(sites, &apart, &corridors, hardware, waits);
+        let branching = Branching::new(&job, &samples, search.objective, search.enough);
+        let searched = branching.search(least * (1.0 - WORTH), left);
+        left = searched.left;
+        tried.push(corridors.waiting.clone());
+        if let Some(schedule) = searched.better {
+            least = searched.value;
+            best = Found {
+                apart,
+                corridors,
+                schedule,
+                ..best
+            };
+        }
+        if left == 0 {
+            break;
+        }
+    }
+    // By other chances than those by which it was chosen.
+    let samples = Samples::new(sites.len(), OTHER_RUNS, search.seed ^ 0xbb);
+    let (listed, least) = (value(&samples, found), value(&samples, &best));
+    if least < listed {
+        *found = best;
+    }
+    Ok(Gap {
+        listed,
+        best: least.min(listed),
+        is_finished: left > 0,
     })
 }
 

@@ -235,6 +235,7 @@ impl Study<'_> {
                 apart,
                 corridors,
                 schedule,
+                is_best: false,
             },
             union,
             scaffolding,

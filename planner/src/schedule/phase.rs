@@ -3,6 +3,7 @@ use super::{Site, State};
 use crate::scaffold::{Part, Roles};
 
 /// How far a schedule with scaffolds is.
+#[derive(Clone)]
 pub struct Phase<'a> {
     pub roles: &'a Roles,
     /// When what is not needed has to be there \[ticks\].

@@ -1,0 +1,313 @@
+//! The best of all schedules of a small target, by branch and bound.
+//!
+//! Whenever a block comes, each face that may open either opens or waits for the next block: that is a tree of all schedules with these
+//! ways in. A branch is given up once no schedule in it can be better than the best one known: in each sampled run, a cell comes no sooner
+//! than by the shortest chain of waits from what is open, each wait as short as its cell ever allows.
+use std::cmp::Reverse;
+
+use stochc_grammar::Cancellation;
+use stochc_ir::Face;
+
+use super::{Job, Schedule, Site, State};
+use crate::makespan::{Objective, Samples};
+use crate::sites::NONE;
+use crate::waiting::Waiting;
+use crate::waits::{Moment, Stand};
+
+/// Sites of a target for which all schedules are looked at.
+pub const MOST_SITES: usize = 12;
+
+/// A search through all schedules of a job.
+pub struct Branching<'a> {
+    job: &'a Job<'a>,
+    samples: &'a Samples,
+    objective: Objective,
+    enough: Cancellation<'a>,
+    /// Of each site, the shortest mean wait that there can be \[ticks\].
+    least: Vec<f32>,
+    /// How long the best schedule takes \[ticks\].
+    value: f64,
+    best: Option<Schedule>,
+    /// Faces that may still be opened.
+    left: u64,
+    /// Whether branches are given up; tests look at all of them.
+    prunes: bool,
+    /// Keys that say nothing.
+    keys: Vec<f32>,
+}
+
+/// What came out.
+pub struct Searched {
+    /// A schedule that is better than what was known.
+    pub better: Option<Schedule>,
+    /// How long the best one takes \[ticks\].
+    pub value: f64,
+    /// Faces that may still be opened; 0: the search was not finished.
+    pub left: u64,
+}
+
+impl<'a> Branching<'a> {
+    /// Of a job of no more than [`MOST_SITES`].
+    pub fn new(
+        job: &'a Job<'a>,
+        samples: &'a Samples,
+        objective: Objective,
+        enough: Cancellation<'a>,
+    ) -> Branching<'a> {
+        Branching {
+            job,
+            samples,
+            objective,
+            enough,
+            least: least(job),
+            value: f64::INFINITY,
+            best: None,
+            left: 0,
+            prunes: true,
+            keys: vec![0.5; job.sites.len()],
+        }
+    }
+
+    /// Looks for schedules that are better than a value, opening so many faces at most.
+    pub fn search(mut self, value: f64, left: u64) -> Searched {
+        (self.value, self.left) = (value, left);
+        let job = self.job;
+        let keys = std::mem::take(&mut self.keys);
+        let state = job.begin(&keys);
+        self.branch(&state, 0.0, &[], 0);
+        Searched {
+            better: self.best,
+            value: self.value,
+            left: self.left,
+        }
+    }
+
+    /// All schedules that go on from a state at a time; `times`: of the sites that are open or there, in all runs; of the ways that may
+    /// open now, those before `from` have been decided.
+    fn branch(&mut self, state: &State<'_>, now: f32, times: &[f32], from: usize) {
+        if state.schedule.order.len() == state.state.len() {
+            let schedule = settled(self.job, state.schedule.clone());
+            let value = value(self.job, self.samples, &schedule, self.objective);
+            if value < self.value {
+                (self.value, self.best) = (value, Some(schedule));
+            }
+            return;
+        }
+        if self.left == 0 || self.enough.is_cancelled() {
+            self.left = 0;
+            return;
+        }
+        if self.prunes && self.bound_of(state, times) >= self.value {
+            return;
+        }
+        for (option, way, mean) in options(state, now, from) {
+            if self.left == 0 {
+                return;
+            }
+            self.left -= 1;
+            let site = (option / Face::ALL.len()) as u32;
+            let mut next = state.clone();
+            next.open(site, way, mean, now);
+            let mut times = times.to_vec();
+            let least = self.least[site as usize];
+            self.samples
+                .extend(site, least, &before(&next, site), &mut times);
+            self.branch(&next, now, &times, option + 1);
+        }
+        let mut next = state.clone();
+        if let Some(Reverse((time, site))) = next.opened.pop() {
+            next.anchored(site);
+            self.branch(&next, f32::from_bits(time), times, 0);
+        }
+    }
+
+    /// How long every schedule takes, at least, that goes on from a state.
+    fn bound_of(&self, state: &State<'_>, times: &[f32]) -> f64 {
+        let sites = self.job.sites;
+        let runs = self.samples.runs();
+        let rank = &state.schedule.rank;
+        let mut ends = vec![f32::INFINITY; state.state.len() * runs];
+        for (site, end) in ends.chunks_exact_mut(runs).enumerate() {
+            match rank[site] {
+                NONE if sites.is_on_seed(site as u32) => {
+                    let wait = self.samples.waits(site as u32).iter();
+                    let pairs = end.iter_mut().zip(wait);
+                    pairs.for_each(|(end, wait)| *end = self.least[site] * wait);
+                }
+                NONE => {}
+                place => end.copy_from_slice(&times[place as usize * runs..][..runs]),
+            }
+        }
+        // No chain is longer than there are sites; most are short.
+        let absent = || (0..state.state.len()).filter(|&site| rank[site] == NONE);
+        let mut has_changed = true;
+        while std::mem::take(&mut has_changed) {
+            for site in absent() {
+                for near in sites.adjacent(site as u32) {
+                    let waits = self.samples.waits(site as u32);
+                    for run in 0..runs {
+                        let chain =
+                            ends[near as usize * runs + run] + self.least[site] * waits[run];
+                        let end = &mut ends[site * runs + run];
+                        if chain < *end {
+                            (*end, has_changed) = (chain, true);
+                        }
+                    }
+                }
+            }
+        }
+        self.samples.value(&ends, self.objective)
+    }
+}
+
+/// A schedule with the mean waits that the estimate of its program has: in the structure as it stands when the turn of each capture comes
+/// and all take equally long. Those that list scheduling counts with depend on the order in which faces open at the same time.
+pub fn settled(job: &Job<'_>, mut schedule: Schedule) -> Schedule {
+    let waiting = Waiting::of(job, &schedule);
+    schedule.set_means(job.sites, job.hardware, job.waits, &waiting);
+    schedule
+}
+
+/// What matters of the time that a schedule takes.
+pub fn value(job: &Job<'_>, samples: &Samples, schedule: &Schedule, objective: Objective) -> f64 {
+    let waiting = Waiting::of(job, schedule);
+    let estimate = samples.estimate(schedule, &waiting, &mut Vec::new());
+    estimate.of(objective)
+}
+
+/// The faces that may open now: a number by which they are ordered, the way, and the mean wait.
+fn options(state: &State<'_>, now: f32, from: usize) -> Vec<(usize, Face, f32)> {
+    let faces = Face::ALL.len();
+    let may_open = |site: &u32| {
+        let here = *site as usize;
+        (here + 1) * faces > from
+            && state.state[here] == Site::Absent
+            && state.missing[here] == 0
+            && !state.has_open_diagonal(*site)
+    };
+    let sites = (0..state.state.len() as u32).filter(may_open);
+    let options = sites.flat_map(|site| {
+        let ways = state.ways(site, now);
+        ways.map(move |(way, mean)| (site as usize * faces + way as usize, way, mean))
+    });
+    let mut options: Vec<_> = options.filter(|&(option, ..)| option >= from).collect();
+    // What has most behind it opens first: good schedules are found early.
+    let tail = |option: usize| state.job.tail[option / faces];
+    options.sort_by(|a, b| tail(b.0).total_cmp(&tail(a.0)).then(a.2.total_cmp(&b.2)));
+    options
+}
+
+/// The places of what a site waits for that has just been opened.
+fn before(state: &State<'_>, site: u32) -> Vec<u32> {
+    let Job {
+        sites,
+        hardware,
+        corridors,
+        ..
+    } = *state.job;
+    let schedule = &state.schedule;
+    let mut before: Vec<u32> = schedule.held(sites, site).into_iter().collect();
+    let rank = |site: u32| schedule.rank[site as usize];
+    if hardware.faces == 1 && !hardware.attracts_always {
+        let parent = schedule.parent(sites, site);
+        let siblings = sites.adjacent(site_or(parent, site)).filter(|&other| {
+            parent != NONE
+                && other != site
+                && rank(other) != NONE
+                && schedule.parent(sites, other) == parent
+        });
+        before.extend(siblings.map(rank));
+    }
+    if !hardware.attracts_always {
+        before.extend(sites.diagonal(site).map(rank).filter(|&rank| rank != NONE));
+    }
+    let first = corridors.waiting.iter().zip(0u32..);
+    let in_way = first.filter(|(waiting, _)| waiting.contains(&site));
+    before.extend(in_way.map(|(_, first)| rank(first)));
+    before
+}
+
+fn site_or(parent: u32, site: u32) -> u32 {
+    if parent == NONE { site } else { parent }
+}
+
+/// Of each site, the shortest mean wait over all ways into it and all that may stand or be awaited around it.
+fn least(job: &Job<'_>) -> Vec<f32> {
+    let count = job.sites.len() as u32;
+    let moment = Moment {
+        free: 1.0,
+        is_first: false,
+    };
+    let least_of = |site: u32| {
+        let cell = job.sites.cell(site);
+        let mut least = f64::INFINITY;
+        // What stands of the target, as bits.
+        for full in (0..1u32 << count).filter(|full| full >> site & 1 == 0) {
+            for way in Face::ALL {
+                let parent = job.parent(site, way);
+                let holds = match parent {
+                    NONE => way == Face::Up && job.sites.is_on_seed(site),
+                    parent => full >> parent & 1 == 1,
+                };
+                for rest in [Stand::Empty, Stand::Awaited(way)] {
+                    if holds {
+                        let stands = |at| match job.sites.at(at) {
+                            other if other == NONE || other == site => Stand::Empty,
+                            other if full >> other & 1 == 1 => Stand::Full,
+                            _ => rest,
+                        };
+                        least = least.min(job.waits.mean(cell, way, moment, stands));
+                    }
+                }
+            }
+        }
+        least as f32
+    };
+    (0..count).map(least_of).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+    use stochc_ir::Cell;
+    use stochc_ir::table::Plate;
+
+    use super::*;
+    use crate::Hardware;
+    use crate::corridor::Corridors;
+    use crate::disassembly::disassemble;
+    use crate::free_space::FreeSpace;
+    use crate::sites::Sites;
+    use crate::target::held;
+    use crate::waits::RateLaw;
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 40, ..ProptestConfig::default() })]
+
+        #[test]
+        fn no_schedule_at_all_is_better(cells in proptest::collection::vec((0..3, 0..2, 1..3), 1..6)) {
+            let cells: Vec<Cell> = cells.into_iter().map(|(x, y, z)| Cell::new(x, y, z)).collect();
+            let Some(target) = held(cells, &Plate { width: 2, depth: 1 }) else {
+                return Ok(());
+            };
+            let sites = Sites::of(&target);
+            let spaces = [FreeSpace::of(&sites, 2), FreeSpace::of(&sites, 1)];
+            let keys = vec![0.5; sites.len()];
+            let apart = disassemble(&sites, spaces, &keys, Cancellation::NEVER).unwrap();
+            let corridors = Corridors::of(&sites, &apart, Cancellation::NEVER).unwrap();
+            let hardware = Hardware { faces: 1, attracts_always: false, free: 100 };
+            let law = RateLaw::new(None);
+            let job = Job::new(&sites, &apart, &corridors, hardware, &law);
+            let samples = Samples::new(sites.len(), 20, 3);
+            let of = || Branching::new(&job, &samples, Objective::Mean, Cancellation::NEVER);
+            let best = of().search(f64::INFINITY, u64::MAX);
+            let all = Branching { prunes: false, ..of() }.search(f64::INFINITY, u64::MAX);
+            prop_assert!(best.left >= all.left && all.left > 0);
+            prop_assert_eq!(best.value, all.value);
+            let of = |schedule| value(&job, &samples, &settled(&job, schedule), Objective::Mean);
+            prop_assert!((of(best.better.unwrap()) - best.value).abs() < 0.01);
+            let listed = job.schedule(&keys, Cancellation::NEVER).unwrap();
+            prop_assert!(best.value <= of(listed) + 0.01);
+        }
+    }
+}

@@ -1,0 +1,82 @@
+//! How far plans of small shapes are off the best there are.
+use stochc::ir::scene::Scene;
+use stochc::ir::table::Plate;
+use stochc::ir::{Cell, Face};
+use stochc::planner::{Gap, Hardware, RateLaw, Search, Target, gap};
+use stochc::planning::Goal;
+
+/// A shape of so many cells that hang together, from a number.
+fn shape(count: usize, number: u32) -> Vec<Cell> {
+    let mut state = number.wrapping_mul(2_654_435_761) | 1;
+    let mut draw = |most: usize| {
+        // Xorshift.
+        state ^= state << 13;
+        state ^= state >> 17;
+        state ^= state << 5;
+        state as usize % most
+    };
+    let mut cells = vec![Cell::new(1, 1, 1)];
+    while cells.len() < count {
+        let from = cells[draw(cells.len())];
+        let next = from.across(Face::ALL[draw(6)]).unwrap();
+        if next.z >= 1 && !cells.contains(&next) {
+            cells.push(next);
+        }
+    }
+    cells
+}
+
+fn scene() -> Scene {
+    Goal::of_cells("any", Vec::new()).scene().unwrap()
+}
+
+fn gap_of(scene: &Scene, cells: Vec<Cell>, rounds: u64) -> Gap {
+    let plate = Plate { width: 3, depth: 3 };
+    let target = Target::new(cells, plate, None, scene.free.count).unwrap();
+    let search = Search {
+        rounds,
+        ..Search::default()
+    };
+    let found = gap(
+        &target,
+        Hardware::of(scene),
+        &RateLaw::of(scene, &[]),
+        search,
+    );
+    found.unwrap().expect("the shape is small")
+}
+
+#[test]
+fn all_schedules_of_small_shapes_are_looked_at() {
+    let scene = scene();
+    for number in 0..12 {
+        let Gap {
+            listed,
+            best,
+            is_finished,
+        } = gap_of(&scene, shape(5, number), 400);
+        assert!(is_finished, "{number}");
+        assert!(best <= listed, "{number}: {best} {listed}");
+    }
+}
+
+/// The numbers of docs/planner.md.
+#[test]
+#[ignore = "takes minutes"]
+fn gaps() {
+    let scene = scene();
+    for (cells, shapes) in [(6, 60), (7, 40), (8, 20)] {
+        let found: Vec<Gap> = (0..shapes)
+            .map(|number| gap_of(&scene, shape(cells, number), 3000))
+            .collect();
+        let finished: Vec<f64> = (found.iter().filter(|gap| gap.is_finished))
+            .map(|gap| gap.listed / gap.best - 1.0)
+            .collect();
+        println!(
+            "{cells} cells: of {shapes} shapes {} finished; list scheduling {:.1} % over the best on average, {:.1} % at most",
+            finished.len(),
+            100.0 * finished.iter().sum::<f64>() / finished.len().max(1) as f64,
+            100.0 * finished.iter().copied().fold(0.0, f64::max),
+        );
+    }
+}
