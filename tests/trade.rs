@@ -2,7 +2,8 @@
 use stochc::ensemble::EnsembleProgram;
 use stochc::ensemble::statistics::Relative;
 use stochc::ensemble::trade::{
-    Conditions, Convergence, End, Measured, Outcome, Sample, Trade, base, choose, note,
+    Among, Conditions, Convergence, End, Estimate, Measured, Outcome, Sample, Trade, base, choose,
+    note,
 };
 use stochc::report::figures;
 use stochc::report::tables::trade_to_text;
@@ -69,7 +70,12 @@ fn trade() -> Trade {
         budget: None,
         complete: true,
     };
-    Trade::of(&[program("one"), program("two")], &outcomes, &[9, 9], means)
+    let estimated = Estimate {
+        left_out: None,
+        samples: [1100, 2200].map(|mean| sample(mean, 0.001)).to_vec(),
+    };
+    let programs = [program("one"), program("two")];
+    Trade::of(&programs, &outcomes, &estimated, &[9, 9], means)
 }
 
 #[test]
@@ -92,10 +98,13 @@ fn every_rung_is_held_against_the_finest() {
     assert_eq!(trade.rungs[0].cost_ratio, Some(1.0 / 8.0));
     assert_eq!(trade.rungs[0].programs[0].distance.unwrap().d, 1.0);
     let reversed: Vec<bool> = trade.rungs.iter().map(|rung| rung.reversed).collect();
-    assert_eq!(reversed, [false, false, false, false, true, false, false]);
+    assert_eq!(
+        reversed,
+        [false, false, false, false, true, false, false, false]
+    );
     let front: Vec<bool> = trade.rungs.iter().map(|rung| rung.front).collect();
     // Beaten are the reversed one, which is out of the question, and the one without runs.
-    assert_eq!(front, [true, true, false, true, false, true, false]);
+    assert_eq!(front, [true, true, false, true, false, false, false, true]);
     assert!(
         trade.rungs[4]
             .reversals()
@@ -143,10 +152,10 @@ fn the_picture_marks_what_is_reversed() {
             .filter(|node| node.attribute("class") == Some(class))
             .count()
     };
-    // Rigid, Rapier, reduced, reversed, reference.
-    let marks = ["s0", "s1", "s2", "hot", "reference"];
+    // Rigid, Rapier, reduced, estimated, reversed, reference.
+    let marks = ["s0", "s1", "s2", "s3", "hot", "reference"];
     let counts = marks.map(|class| of(&format!("mark {class}")));
-    assert_eq!(counts, [3, 0, 1, 1, 1]);
+    assert_eq!(counts, [3, 0, 1, 1, 1, 1]);
     // A bar for each of them but the reference, which has no bias.
     assert_eq!(of("s0"), 3);
 }
@@ -154,21 +163,27 @@ fn the_picture_marks_what_is_reversed() {
 #[test]
 fn the_cheapest_that_is_accurate_enough_is_chosen() {
     let trade = trade();
-    let chosen = |accuracy| choose(&trade, &[0, 1], accuracy).map(|c| c.settings);
-    assert_eq!(chosen(0.05), Ok(rigid(1)));
-    assert_eq!(chosen(0.02), Ok(rigid(2)));
+    let chosen = |accuracy| choose(&trade, &[0, 1], accuracy, Among::All).map(|c| c.settings);
+    assert_eq!(chosen(0.15), Ok(None), "the estimate");
+    assert_eq!(chosen(0.05), Ok(Some(rigid(1))));
+    assert_eq!(chosen(0.02), Ok(Some(rigid(2))));
+    let with_runs = choose(&trade, &[0, 1], 0.15, Among::Runs);
+    assert_eq!(with_runs.map(|c| c.settings), Ok(Some(rigid(1))));
     let told = chosen(0.0001).unwrap_err();
     assert!(told.contains("undecided"), "{told}");
     // Alone, the first program has nothing that could be reversed, but it is off by as much.
-    assert_eq!(choose(&trade, &[0], 0.05).map(|c| c.settings), Ok(rigid(1)));
+    assert_eq!(
+        choose(&trade, &[0], 0.05, Among::All).map(|c| c.settings),
+        Ok(Some(rigid(1)))
+    );
     let reduced = |settings: &Settings| note(&trade, &[0, 1], settings);
-    let told = reduced(&trade.rungs[4].settings).unwrap();
+    let told = reduced(trade.rungs[4].settings.as_ref().unwrap()).unwrap();
     assert!(
         told.starts_with("the trade found it to REVERSE one < two;"),
         "{told}"
     );
     assert!(
-        !reduced(&trade.rungs[5].settings)
+        !reduced(trade.rungs[5].settings.as_ref().unwrap())
             .unwrap()
             .contains("REVERSE")
     );
@@ -186,9 +201,12 @@ fn the_cheapest_that_is_accurate_enough_is_chosen() {
         half_width: Some(0.05),
     };
     doublings.last_mut().unwrap().changes[1] = Some(change);
-    let told = choose(&open, &[0, 1], 0.05).unwrap_err();
+    let told = choose(&open, &[0, 1], 0.05, Among::All).unwrap_err();
     assert!(told.contains("not converged"), "{told}");
-    assert!(choose(&open, &[0], 0.05).is_ok(), "the first has");
+    assert!(
+        choose(&open, &[0], 0.05, Among::All).is_ok(),
+        "the first has"
+    );
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! What the compiler says of how long a program takes.
 use stochc_compiler::cost::{Cost, estimate};
 use stochc_compiler::{Program, check};
-use stochc_rates::Rates;
+use stochc_rates::{Interaction, Rates};
 
 fn program(text: &str) -> (Program, Cost, Vec<String>) {
     let mut reader = |_: &str| Ok(text.as_bytes().to_vec());
@@ -104,4 +104,43 @@ fn without_rates_nothing_is_said_of_times() {
     let (_, cost, order) = program(&text);
     assert!(cost.total.is_none() && order.is_empty());
     assert_eq!((cost.phases[0].depth, cost.phases[0].width), (13, 1));
+}
+
+#[test]
+fn a_phase_that_comes_to_its_timeout_is_not_complete() {
+    let cost = |timeout: u32| {
+        let text = format!(
+            "assembly a {{ seed plate 21 x 1 {{ A at (0, 0) }} phase p timeout {timeout} ticks {{ A.up -> E }} }}"
+        );
+        program(&text).1
+    };
+    let (often, seldom) = (cost(2000), cost(100));
+    let complete = often.draws.iter().filter(|draw| draw.is_complete).count();
+    assert!(complete > often.draws.len() / 2 && complete < often.draws.len());
+    let total = often.total.unwrap();
+    assert!(total.p90 <= 2000.0 && often.draws.iter().all(|draw| draw.ticks <= 2000.0));
+    // What is known of the few that get there says nothing of a run.
+    assert_eq!((seldom.total, seldom.phases[0].times), (None, None));
+}
+
+#[test]
+fn what_a_sum_leaves_out_is_known() {
+    let interaction = |text: &str| program(text).1.interaction;
+    let beside = |other: &str| {
+        format!(
+            "assembly a {{ seed plate 9 x 1 {{ A at (1, 0) B at ({other}, 0) }}
+             phase p {{ A.up ->> S[1..3] B.up ->> T[1..3] }} }}"
+        )
+    };
+    assert_eq!(interaction(&beside("3")), Interaction::Apart);
+    assert_eq!(interaction(&beside("2")), Interaction::Racing);
+    // One column after the other: nothing is open beside what waits.
+    let serial = "assembly a { seed plate 9 x 1 { A at (1, 0) B at (2, 0) }
+        phase p { A.up ->> S[1..3] } phase q { B.up ->> T[1..3] } }";
+    assert_eq!(interaction(serial), Interaction::Apart);
+    let released = "assembly a { seed plate 9 x 1 { A at (1, 0) } phase p { A.up -> S } phase q { release S } }";
+    assert_eq!(interaction(released), Interaction::Releases);
+    // Sixteen of 300 at once.
+    let many = include_str!("../../benches/rates/sixteen.sa");
+    assert_eq!(interaction(many), Interaction::Racing);
 }

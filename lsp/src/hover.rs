@@ -1,4 +1,5 @@
 //! What is known of a name, in Markdown.
+use std::borrow::Cow;
 use std::fmt::Write as _;
 
 use stochc_compiler::cost::{Cost, estimate};
@@ -10,7 +11,7 @@ use stochc_compiler::{Cancellation, Cancelled, FileId, Limits, Program, Site};
 use stochc_grammar::tree::{Item, Tree};
 use stochc_ir::emit::duties_text;
 use stochc_ir::table::RoleId;
-use stochc_rates::Rates;
+use stochc_rates::{GUESS_ERROR, Rates};
 
 use super::analysis::Analysis;
 use super::scene;
@@ -124,7 +125,8 @@ fn block(
         let mut costs = cost.iter().flat_map(|cost| &cost.captures);
         let wait = costs.find(|it| it.event == capture);
         let wait = wait.map_or_else(String::new, |it| {
-            format!(", waits {:.0} ticks on average, by rates", it.wait.mean())
+            let by = by(program);
+            format!(", waits {:.0} ticks on average, by {by}", it.wait.mean())
         });
         let _ = writeln!(text, "- {how}{cell}{depth}{wait}");
     }
@@ -140,11 +142,27 @@ fn block(
     text
 }
 
-/// How long it takes, in a scene whose rates are known.
+/// How long it takes, in a scene whose rates are known or can be guessed.
 fn times(program: &Program) -> Option<Cost> {
-    let rates = Rates::built_in(program.scene.as_ref()?)?;
+    let scene = program.scene.as_ref()?;
+    let guess = || Rates::first_guess(scene).map(Cow::Owned);
+    let rates = Rates::built_in(scene).map(Cow::Borrowed).or_else(guess)?;
     let is_small = program.plan.events.len() <= MOST_ESTIMATED;
-    is_small.then(|| estimate(program, Some(rates))).flatten()
+    is_small.then(|| estimate(program, Some(&*rates))).flatten()
+}
+
+/// What times are by, in words.
+fn by(program: &Program) -> String {
+    let is_known = (program.scene.as_ref()).is_some_and(|it| Rates::built_in(it).is_some());
+    match is_known {
+        true => "rates".to_owned(),
+        false => {
+            let (usual, most) = GUESS_ERROR;
+            format!(
+                "a first guess of rates (off by a factor of {usual}, at most {most} where it was measured)"
+            )
+        }
+    }
 }
 
 fn phase_name(program: &Program, event: EventId) -> &str {
@@ -222,8 +240,11 @@ fn phases(analysis: &Analysis, site: Site) -> String {
             if let Some(times) = times.filter(|_| !phase.planted) {
                 let _ = write!(
                     text,
-                    "; by rates {:.0} ticks on average, {:.0} to {:.0} in eight of ten runs",
-                    times.mean, times.p10, times.p90
+                    "; by {} {:.0} ticks on average, {:.0} to {:.0} in eight of ten runs",
+                    by(program),
+                    times.mean,
+                    times.p10,
+                    times.p90
                 );
             }
             text.push('\n');

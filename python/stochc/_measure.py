@@ -90,12 +90,14 @@ def estimate(
 ) -> Estimates:
     """Estimates when programs will be complete, and what decides it, by rates: in milliseconds.
 
+    Waits are added up along the graphs of programs; `runs` has them run by rates instead.
+
     Args:
         programs: programs, texts or files.
         rates: files of rates; scenes that none is about are measured first.
-        runs: by rates, of each program; 2000 if not said, fewer for large programs.
+        runs: of each program; `None`: waits are added up along its graph, without runs.
         max_ticks: stop a run after so many ticks.
-        seed: of the random numbers.
+        seed: of the runs.
         threads: runs at the same time.
         allow_import: as in `check`.
         progress: as in `simulate`.

@@ -2,16 +2,22 @@
 //!
 //! A capture is a race of arrivals and a docking. [`Rates`] hold what was measured of a scene; their law says the rate of arrivals and the
 //! docking time of a face from the [`Surroundings`] of its cell, and [`Wait`] is the distribution that follows.
+mod first_guess;
+mod interaction;
 mod law;
 mod rates;
 mod reach;
 mod surroundings;
+mod times;
 mod wait;
 
+pub use first_guess::GUESS_ERROR;
+pub use interaction::Interaction;
 pub use law::{Parameter, Parameters, Surroundings};
 pub use rates::{Coverage, FORGOTTEN, FORMAT, HeadStart, Rates, density_in, relative};
 pub use reach::{SIGHT, offsets, sees, unobstructed};
 pub use surroundings::around;
+pub use times::{Times, quantile};
 pub use wait::{STAGES, Wait};
 
 /// A digest of this crate's sources: two builds with one digest compute the same.

@@ -100,11 +100,16 @@ pub fn relative(cell: Cell, way: Face, from: Cell) -> Option<(u32, i32)> {
 impl Rates {
     /// Those that come with this crate, of a built-in scene; `None`: the scene is another.
     pub fn built_in(scene: &Scene) -> Option<&'static Rates> {
+        Rates::shipped().iter().find(|rates| rates.are_of(scene))
+    }
+
+    /// All that come with this crate, those of the default scene first.
+    pub(crate) fn shipped() -> &'static [Rates] {
         static ALL: LazyLock<Vec<Rates>> = LazyLock::new(|| {
             let all = BUILT_IN.iter();
             all.filter_map(|text| Rates::from_text(text).ok()).collect()
         });
-        ALL.iter().find(|rates| rates.are_of(scene))
+        &ALL
     }
 
     /// Those of a scene among given ones, or those that come with this crate.

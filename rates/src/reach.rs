@@ -13,7 +13,7 @@ const POINTS: usize = 2176;
 const WORDS: usize = POINTS.div_ceil(64);
 
 /// Radius of the sphere around the centre of the face \[side\].
-const RADIUS: f64 = 1.35;
+pub(crate) const RADIUS: f64 = 1.35;
 
 /// How close to a block's surface a point counts as blocked \[side\].
 const CLEARANCE: f64 = 0.35;

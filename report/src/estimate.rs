@@ -1,8 +1,8 @@
-//! When a program will be complete, from runs by rates.
+//! When a program will be complete, by rates.
 use serde::Serialize;
-use stochc_ensemble::statistics::quantile;
 use stochc_ensemble::{EnsembleProgram, completion_time};
 use stochc_ir::record::RunRecord;
+use stochc_runtime::rates::{Interaction, Times};
 
 use crate::analysis::critical_path::{chain, moments};
 use crate::analysis::events::Events;
@@ -12,11 +12,13 @@ use crate::analysis::events::Events;
 pub struct Estimate {
     /// The program.
     pub program: String,
-    /// Runs that completed; of others nothing is known but that they took longer.
+    /// What the times are from.
+    pub method: Method,
+    /// Draws or runs that completed; of others nothing is known but that they took longer.
     pub completed: u64,
-    /// Runs that did not.
+    /// Those that did not: a phase came to its timeout, or a run to its last tick.
     pub stopped: u64,
-    /// Of the whole program; `None`: less than half of the runs completed.
+    /// Of the whole program; `None`: less than half of them completed, or there is no block for a capture.
     pub total: Option<Times>,
     /// Of each phase that is not planted.
     pub phases: Vec<PhaseEstimate>,
@@ -24,19 +26,24 @@ pub struct Estimate {
     pub shares: Vec<Share>,
 }
 
-/// A time in ticks.
+/// What times are from.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Times {
-    /// Its mean.
-    pub mean: f64,
-    /// Half of the 95 % interval of the mean, of chance alone.
-    pub half_width: f64,
-    /// A tenth of the runs takes less.
-    pub p10: f64,
-    /// Half of them takes less.
-    pub median: f64,
-    /// Nine tenths of them take less.
-    pub p90: f64,
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum Method {
+    /// Waits, drawn and added up along the dependency graph.
+    Graph {
+        /// What that leaves out.
+        interaction: Interaction,
+        /// By how much means were off at most, beside runs by the same rates.
+        error: f64,
+        /// Whether nobody has measured the rates of the scene.
+        is_first_guess: bool,
+    },
+    /// Runs by rates that were measured.
+    Runs {
+        /// Whether there is no choice: the program is compiled already, and its text not at hand.
+        is_compiled: bool,
+    },
 }
 
 /// What is expected of a phase.
@@ -44,7 +51,7 @@ pub struct Times {
 pub struct PhaseEstimate {
     /// Its name.
     pub name: String,
-    /// In ticks; `None`: too few runs got there.
+    /// In ticks; `None`: too few of them got there.
     pub times: Option<Times>,
 }
 
@@ -53,34 +60,27 @@ pub struct PhaseEstimate {
 pub struct Share {
     /// As the program writes it.
     pub event: String,
-    /// The part of the time of all runs that nothing but it was waited for.
+    /// The part of all time in which nothing but it was waited for.
     pub share: f64,
 }
 
-impl Times {
-    fn of(values: &[f64]) -> Option<Times> {
-        let count = values.len() as f64;
-        let mean = values.iter().sum::<f64>() / count;
-        let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
-        Some(Times {
-            mean,
-            half_width: 1.96 * (squares / (count - 1.0).max(1.0) / count).sqrt(),
-            p10: quantile(values, 0.1)?,
-            median: quantile(values, 0.5)?,
-            p90: quantile(values, 0.9)?,
-        })
-    }
-}
-
 impl Estimate {
-    /// From the records of a program's runs by rates.
-    pub fn of(program: &EnsembleProgram, records: &[&RunRecord]) -> Estimate {
+    /// From the records of a program's runs by rates; `is_compiled`: there was no choice.
+    pub fn of_runs(
+        program: &EnsembleProgram,
+        records: &[&RunRecord],
+        is_compiled: bool,
+    ) -> Estimate {
         let times: Vec<f64> = (records.iter())
             .filter_map(|record| completion_time(record))
             .filter(|time| time.completed)
             .map(|time| time.time)
             .collect();
-        let enough = |values: &[f64]| 2 * values.len() >= records.len();
+        let completed = times.len() as u64;
+        let of_most = |times: Vec<f64>| match 2 * times.len() >= records.len() {
+            true => Times::of(times),
+            false => None,
+        };
         let phases = program
             .phases()
             .iter()
@@ -93,14 +93,15 @@ impl Estimate {
             let ticks: Vec<f64> = ticks.map(|ticks| *ticks as f64).collect();
             PhaseEstimate {
                 name: phase.name.clone(),
-                times: enough(&ticks).then(|| Times::of(&ticks)).flatten(),
+                times: of_most(ticks),
             }
         });
         Estimate {
             program: program.name.clone(),
-            completed: times.len() as u64,
-            stopped: (records.len() - times.len()) as u64,
-            total: enough(&times).then(|| Times::of(&times)).flatten(),
+            method: Method::Runs { is_compiled },
+            completed,
+            stopped: records.len() as u64 - completed,
+            total: of_most(times),
             phases: phases.collect(),
             shares: shares(program, records),
         }

@@ -11,6 +11,7 @@ use stochc_runtime::{Settings, Substeps};
 use super::imports::ImportOptions;
 use super::interrupt::stop_on_interrupt;
 use super::levels::LevelOptions;
+use super::measuring::WorkOptions;
 use super::terminal::{Terminal, output_width, print};
 use crate::exit::{Exit, Failure};
 use crate::operations::programs::programs;
@@ -37,12 +38,8 @@ pub struct Options {
     /// Seed of the random numbers
     #[arg(long, default_value_t = SEED, allow_negative_numbers = true)]
     seed: u64,
-    /// Number of runs at the same time [default: number of cores]
-    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
-    /// Do not show progress
-    #[arg(long, short)]
-    quiet: bool,
+    #[command(flatten)]
+    work: WorkOptions,
     /// What becomes of warnings
     #[command(flatten)]
     levels: LevelOptions,
@@ -52,7 +49,7 @@ pub struct Options {
 
 /// Measures the rates of a scene.
 pub fn run(options: &Options) -> Result<Exit, Failure> {
-    let host = Terminal::new(options.quiet);
+    let host = Terminal::new(options.work.quiet);
     let scene = scene(options, &host)?;
     stop_on_interrupt()?;
     let effort = Effort {
@@ -62,7 +59,7 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
         },
         runs: options.runs,
         seed: options.seed,
-        threads: options.threads,
+        threads: options.work.threads,
     };
     let rates = measure(&scene, &effort, &host)?;
     print(&rates_to_text(&rates, output_width()))?;

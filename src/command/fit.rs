@@ -16,6 +16,7 @@ use stochc_runtime::{Settings, Substeps};
 use super::imports::ImportOptions;
 use super::interrupt::stop_on_interrupt;
 use super::levels::LevelOptions;
+use super::measuring::MeasuringOptions;
 use super::results::ResultsFormat;
 use super::terminal::{Terminal, output_width, print, warn};
 use crate::exit::{Exit, Failure};
@@ -55,21 +56,11 @@ pub struct Options {
     /// Stop a run after this many ticks; its time then counts for nothing, and is told of
     #[arg(long, value_name = "TICKS", default_value_t = 200_000, value_parser = clap::value_parser!(u64).range(1..))]
     max_ticks: u64,
-    /// Seed of the random numbers
-    #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
-    seed: u64,
-    /// Number of runs at the same time [default: number of cores]
-    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
     /// Folder for `fit.json` and `fit.svg`; it must be new or empty
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Output format of the table
-    #[arg(long, value_name = "FORM", default_value = "text")]
-    format: ResultsFormat,
-    /// Do not show progress
-    #[arg(long, short)]
-    quiet: bool,
+    #[command(flatten)]
+    measuring: MeasuringOptions,
     /// What becomes of warnings
     #[command(flatten)]
     levels: LevelOptions,
@@ -80,7 +71,7 @@ pub struct Options {
 /// Finds numbers of scenes that measured times speak for.
 pub fn run(options: &Options) -> Result<Exit, Failure> {
     let (unit, observed) = data(&options.data)?;
-    let host = Terminal::new(options.quiet);
+    let host = Terminal::new(options.measuring.work.quiet);
     let (levels, imports) = (&options.levels.levels, &options.imports.folders);
     let programs = programs(&options.files, levels, imports, &host)?;
     let measured = matched(programs, observed, &options.hold_out)?;
@@ -100,7 +91,7 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
     }
     stop_on_interrupt()?;
     let fit = rounds(options, &measured, unit, &host)?;
-    match options.format {
+    match options.measuring.format {
         ResultsFormat::Text => print(&fit_to_text(&fit, &options.vary, output_width()))?,
         ResultsFormat::Json => print(&json(&fit))?,
     }
@@ -199,7 +190,7 @@ fn rounds(
     let mut all: Vec<Vec<Simulated>> = vec![Vec::new(); measured.len()];
     let (mut posterior, mut stopped) = (None, 0);
     for round in 0..u64::from(options.rounds) {
-        let seed = options.seed.wrapping_add(1_000_000 * round);
+        let seed = options.measuring.seed.wrapping_add(1_000_000 * round);
         let design = Design::latin_hypercube(&ends, points, seed);
         let (new, lost) = simulated(options, measured, unit, (&design, seed), host)?;
         stopped += lost;
@@ -264,7 +255,12 @@ fn simulated(
     };
     let manifest = Manifest::new(settings, seed, options.runs, entries);
     let points = design.points.len();
-    let results = all_runs(&manifest, options.threads, "nothing was fitted", host)?;
+    let results = all_runs(
+        &manifest,
+        options.measuring.work.threads,
+        "nothing was fitted",
+        host,
+    )?;
     let mut found: Vec<Vec<Simulated>> = vec![Vec::new(); measured.len()];
     let mut stopped = 0;
     let mut observed = vec![Vec::new(); manifest.programs.len()];

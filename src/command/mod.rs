@@ -14,6 +14,7 @@ pub(crate) mod interrupt;
 pub mod levels;
 pub mod lsp;
 pub mod man;
+mod measuring;
 mod memory;
 pub mod merge;
 pub(crate) mod no_memory;

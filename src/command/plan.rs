@@ -9,6 +9,7 @@ use stochc_planner::{Objective, explanation};
 
 use super::imports::ImportOptions;
 use super::interrupt::stop_on_interrupt;
+use super::measuring::RatesOption;
 use super::results::ResultsFormat;
 use super::terminal::{Terminal, print, warn};
 use crate::exit::{Exit, Failure};
@@ -34,9 +35,8 @@ pub struct Options {
     /// Write the program to this file instead of the output
     #[arg(long, value_name = "FILE.sa")]
     out: Option<PathBuf>,
-    /// Rates of scenes, by `stochc calibrate --out`; those of the default scene come with the program
-    #[arg(long, value_name = "FILE.rates")]
-    rates: Vec<PathBuf>,
+    #[command(flatten)]
+    rates: RatesOption,
     /// How long to look for a better plan: a time, such as 10s or 2m, or a number of tries, of which the same number
     /// always gives the same plan [default: tries for about a second]
     #[arg(long, value_name = "TIME|TRIES", value_parser = Budget::parse)]
@@ -88,7 +88,7 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
         },
         seed: options.random_seed,
         keeps_scaffolds: options.keep_scaffolds,
-        rates: &options.rates,
+        rates: &options.rates.rates,
     };
     let goal = goal(&wish, &host)?;
     let stop = stop_on_interrupt()?;

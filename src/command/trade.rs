@@ -11,6 +11,7 @@ use stochc_runtime::Settings;
 use super::imports::ImportOptions;
 use super::interrupt::stop_on_interrupt;
 use super::levels::LevelOptions;
+use super::measuring::MeasuringOptions;
 use super::results::ResultsFormat;
 use super::terminal::{Terminal, output_has_colour, output_width, print, print_drawn};
 use crate::exit::{Exit, Failure};
@@ -32,9 +33,6 @@ pub struct Options {
     /// Make N runs of each program at each setting instead, however long they take
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(2..=MOST_RUNS))]
     runs: Option<u64>,
-    /// Seed of the random numbers, the same at every setting
-    #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
-    seed: u64,
     /// Stop a run after this many ticks; its time is then censored [default: 20 times the mean of the
     /// first runs]
     #[arg(long, value_name = "TICKS", value_parser = clap::value_parser!(u64).range(1..))]
@@ -42,21 +40,14 @@ pub struct Options {
     /// Refine the reference up to this many substeps
     #[arg(long, value_name = "SUBSTEPS", default_value_t = FINEST, value_parser = clap::value_parser!(u32).range(1..=1000))]
     finest: u32,
-    /// Number of runs at the same time [default: number of cores]
-    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
     /// Folder for `trade.json` and `trade.svg`; it must be new or empty
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Continue a trade in `--out` that was stopped or killed: its runs are not made again
     #[arg(long, requires = "out")]
     resume: bool,
-    /// Output format of the table
-    #[arg(long, value_name = "FORM", default_value = "text")]
-    format: ResultsFormat,
-    /// Do not show progress
-    #[arg(long, short)]
-    quiet: bool,
+    #[command(flatten)]
+    measuring: MeasuringOptions,
     /// What becomes of warnings
     #[command(flatten)]
     levels: LevelOptions,
@@ -69,15 +60,16 @@ const BUDGET: Duration = Duration::from_secs(600);
 
 /// Measures what accuracy costs.
 pub fn run(options: &Options) -> Result<Exit, Failure> {
-    let host = Terminal::new(options.quiet);
+    let MeasuringOptions { seed, format, work } = &options.measuring;
+    let (seed, host) = (*seed, Terminal::new(work.quiet));
     let (levels, imports) = (&options.levels.levels, &options.imports.folders);
     let programs = programs(&options.files, levels, imports, &host)?;
     // Programs of the same name are told apart as in an ensemble.
-    let manifest = Manifest::new(Settings::default(), options.seed, 1, programs);
+    let manifest = Manifest::new(Settings::default(), seed, 1, programs);
     manifest.within_limits().map_err(Failure::usage)?;
     let programs = manifest.programs;
     let out = options.out.as_deref();
-    let memory = memory(out, options.resume, &programs, options.seed)?;
+    let memory = memory(out, options.resume, &programs, seed)?;
     let stop = stop_on_interrupt()?;
     let extent = match (options.runs, options.budget) {
         (Some(runs), _) => Extent::Runs(runs),
@@ -85,8 +77,8 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
     };
     let setup = Setup {
         extent,
-        seed: options.seed,
-        threads: threads(options.threads).get(),
+        seed,
+        threads: threads(work.threads).get(),
         finest: options.finest,
         max_ticks: options.max_ticks,
         memory: memory.as_ref(),
@@ -97,7 +89,7 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
     if let (Some(out), Some(memory)) = (&options.out, memory) {
         keep(out, memory, &trade)?;
     }
-    match options.format {
+    match format {
         ResultsFormat::Text => {
             print_drawn(&trade_to_text(&trade, output_width(), output_has_colour()))?
         }

@@ -1,14 +1,19 @@
 //! When programs will be complete, by rates.
 use std::path::PathBuf;
+use std::sync::atomic::Ordering;
 
+use stochc_compiler::cost::estimate;
+use stochc_compiler::{LintLevels, Program as Planned, Symbols};
 use stochc_ensemble::{EnsembleProgram, Manifest};
-use stochc_report::estimate::Estimate;
+use stochc_report::estimate::{Estimate, Method, PhaseEstimate, Share};
+use stochc_runtime::rates::Rates;
 use stochc_runtime::{Model, Settings};
 
 use super::in_memory::all_runs;
-use super::rates::of_scenes;
+use super::programs::recompile;
+use super::rates::{at_hand, at_hand_or_guessed, of_files, of_scenes, supported};
 use super::runs::try_out_all;
-use crate::exit::Failure;
+use crate::exit::{Exit, Failure};
 use crate::host::Host;
 
 /// Captures that are drawn of a program in all of its runs, about.
@@ -21,13 +26,14 @@ const LEAST: u64 = 20;
 /// How programs are estimated.
 #[derive(Clone, Copy, Debug)]
 pub struct Estimating<'a> {
-    /// Files of rates; scenes that none is about are measured first.
+    /// Files of rates. Scenes that none is about are guessed, and measured before runs by rates.
     pub rates: &'a [PathBuf],
-    /// Runs of each program; `None`: as many as draw a million captures.
+    /// Runs of each program; `None`: waits are added up along its graph, and what is compiled already gets as many runs as draw a
+    /// million captures.
     pub runs: Option<u64>,
     /// Ticks of a run, at most.
     pub max_ticks: u64,
-    /// Seed of the random numbers.
+    /// Seed of the runs.
     pub seed: u64,
     /// Runs at the same time; `None`: as many as there are cores.
     pub threads: Option<u16>,
@@ -42,20 +48,98 @@ pub fn estimates(
     how: &Estimating<'_>,
     host: &dyn Host,
 ) -> Result<Vec<Estimate>, Failure> {
+    programs.iter().try_for_each(supported)?;
+    // What runs need is measured once, before the first of them.
+    let known = match how.runs {
+        Some(_) => of_scenes(how.rates, &programs, how.threads, host)?,
+        None => of_files(how.rates)?,
+    };
+    let estimated = programs.into_iter().map(|program| {
+        if host.stop().load(Ordering::Relaxed) {
+            return Err(Failure {
+                exit: Exit::Interrupted,
+                message: "stopped; nothing was estimated\n".to_owned(),
+            });
+        }
+        let rates = at_hand_or_guessed(&known, &program.scene).filter(|_| how.runs.is_none());
+        match rates.and_then(|rates| of_graph(&program, &rates)) {
+            Some(estimate) => Ok(estimate),
+            None => of_runs(program, &known, how, host),
+        }
+    });
+    estimated.collect()
+}
+
+/// The plan of a program, with the words of that; `None`: it is compiled already, and its text not at hand.
+pub fn planned(program: &EnsembleProgram) -> Option<(Planned, Symbols)> {
+    let assembly = &program.tables().assembly;
+    let levels = LintLevels::default();
+    let checked = recompile(&program.sources, &program.varied, assembly, &levels);
+    let mut programs = checked.programs.into_iter();
+    let planned = programs.find(|it| it.plan.name == *assembly)?;
+    Some((planned, checked.symbols))
+}
+
+/// From the waits of its captures, added up along its graph.
+fn of_graph(program: &EnsembleProgram, rates: &Rates) -> Option<Estimate> {
+    let (planned, symbols) = planned(program)?;
+    let cost = estimate(&planned, Some(rates))?;
+    let completed = cost.draws.iter().filter(|draw| draw.is_complete).count();
+    let phases = planned.plan.phases.iter().zip(&cost.phases);
+    let phases = phases.filter(|(phase, _)| !phase.planted);
+    let shares = cost.captures.iter().filter(|capture| capture.share > 0.0);
+    Some(Estimate {
+        program: program.name.clone(),
+        method: Method::Graph {
+            interaction: cost.interaction,
+            error: cost.interaction.error(),
+            is_first_guess: rates.is_guess(),
+        },
+        completed: completed as u64,
+        stopped: (cost.draws.len() - completed) as u64,
+        total: cost.total,
+        phases: phases
+            .map(|(phase, cost)| PhaseEstimate {
+                name: phase.name.clone(),
+                times: cost.times,
+            })
+            .collect(),
+        shares: shares
+            .map(|capture| Share {
+                event: planned.plan.describe(capture.event, &symbols),
+                share: capture.share,
+            })
+            .collect(),
+    })
+}
+
+/// From runs.
+fn of_runs(
+    program: EnsembleProgram,
+    known: &[Rates],
+    how: &Estimating<'_>,
+    host: &dyn Host,
+) -> Result<Estimate, Failure> {
+    let programs = vec![program];
     let settings = Settings {
-        rates: of_scenes(how.rates, &programs, how.threads, host)?,
+        rates: match at_hand(known, &programs[0].scene) {
+            Some(rates) => vec![rates.clone()],
+            None => of_scenes(how.rates, &programs, how.threads, host)?,
+        },
         max_ticks: Some(how.max_ticks),
         ..Settings::of(Model::Rate, 1)
     };
-    let estimated = programs.into_iter().map(|program| {
-        let runs = (how.runs).unwrap_or((DRAWN / program.captures().max(1)).clamp(LEAST, MOST));
-        let manifest = Manifest::new(settings.clone(), how.seed, runs, vec![program]);
-        manifest.within_limits().map_err(Failure::usage)?;
-        try_out_all(&manifest)?;
-        let results = all_runs(&manifest, how.threads, "nothing was estimated", host)?;
-        let finished = results.finished.to_vec().map_err(Failure::usage)?;
-        let records: Vec<_> = finished.iter().map(|done| &done.record).collect();
-        Ok(Estimate::of(&manifest.programs[0], &records))
-    });
-    estimated.collect()
+    let is_compiled = programs[0].sources.is_empty();
+    let runs = (how.runs).unwrap_or((DRAWN / programs[0].captures().max(1)).clamp(LEAST, MOST));
+    let manifest = Manifest::new(settings, how.seed, runs, programs);
+    manifest.within_limits().map_err(Failure::usage)?;
+    try_out_all(&manifest)?;
+    let results = all_runs(&manifest, how.threads, "nothing was estimated", host)?;
+    let finished = results.finished.to_vec().map_err(Failure::usage)?;
+    let records: Vec<_> = finished.iter().map(|done| &done.record).collect();
+    Ok(Estimate::of_runs(
+        &manifest.programs[0],
+        &records,
+        is_compiled,
+    ))
 }

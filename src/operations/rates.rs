@@ -1,4 +1,5 @@
 //! Rates for `--model rate`: those of files, or measured now.
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 use stochc_compiler::LintLevels;
@@ -38,6 +39,7 @@ pub fn of_scenes(
     let known = of_files(files)?;
     let mut found: Vec<Rates> = Vec::new();
     for program in programs {
+        supported(program)?;
         let scene = &program.scene;
         if found.iter().any(|rates| rates.are_of(scene)) {
             continue;
@@ -63,6 +65,28 @@ pub fn of_scenes(
 /// If one cannot be read.
 pub fn of_files(files: &[PathBuf]) -> Result<Vec<Rates>, Failure> {
     files.iter().map(|path| read(path)).collect()
+}
+
+/// The rates of a scene that are known, or come with the program; `None` as well where no rates speak of the scene.
+pub fn at_hand<'a>(known: &'a [Rates], scene: &Scene) -> Option<&'a Rates> {
+    Rates::known(known, scene).filter(|_| RateWorld::refusal(scene).is_none())
+}
+
+/// Rates to estimate by: those at hand, or a first guess.
+pub fn at_hand_or_guessed<'a>(known: &'a [Rates], scene: &Scene) -> Option<Cow<'a, Rates>> {
+    let known = at_hand(known, scene).map(Cow::Borrowed);
+    known.or_else(|| Rates::first_guess(scene).map(Cow::Owned))
+}
+
+/// Whether rates speak of a program and its scene.
+///
+/// # Errors
+/// What they know nothing of, and what does.
+pub fn supported(program: &EnsembleProgram) -> Result<(), Failure> {
+    match RateWorld::refusal_of(program.tables(), &program.scene) {
+        Some(error) => Err(Failure::wrong_program(format!("{}: {error}", program.name))),
+        None => Ok(()),
+    }
 }
 
 fn read(path: &Path) -> Result<Rates, Failure> {

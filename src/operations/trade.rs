@@ -1,11 +1,15 @@
 //! Measuring what accuracy costs, and keeping that.
 use std::path::Path;
 
-use stochc_ensemble::trade::{MEMORY, Memory, Progress, Setup, Trade, measure};
+use stochc_compiler::cost::estimate;
+use stochc_ensemble::trade::{Estimate, MEMORY, Memory, Progress, Setup, Trade, measure};
 use stochc_ensemble::{EnsembleProgram, FolderError, JournalError};
 use stochc_files::atomic::{self, Replaces};
 use stochc_report::figures::trade as trade_figure;
+use stochc_runtime::world::SceneError;
 
+use super::estimate::planned;
+use super::rates::{at_hand, supported};
 use crate::exit::Failure;
 use crate::host::{Host, during};
 use crate::progress::of_trade;
@@ -21,10 +25,32 @@ pub fn measured(
 ) -> Result<Trade, Failure> {
     let progress = Progress::default();
     let state = |elapsed| of_trade(setup.extent, &progress, elapsed);
-    let trade = during(host, state, || measure(programs, setup, &progress));
+    let trade = during(host, state, || {
+        measure(programs, setup, &estimated(programs), &progress)
+    });
     trade.map_err(|(program, error)| {
         Failure::wrong_program(format!("{}: {error}", programs[program].name))
     })
+}
+
+/// What is known of programs without runs, by the rates that come with `stochc`; reading and compiling costs the other settings
+/// nothing, and does not count here either.
+fn estimated(programs: &[EnsembleProgram]) -> Estimate {
+    let read = programs.iter().map(|program| {
+        supported(program).map_err(|failure| failure.message)?;
+        let rates = at_hand(&[], &program.scene).ok_or_else(|| SceneError::NoRates.to_string())?;
+        let (planned, _) = planned(program).ok_or("it is compiled already, and has no plan")?;
+        Ok((planned, rates))
+    });
+    match read.collect::<Result<Vec<_>, String>>() {
+        Err(reason) => Estimate::none(programs.len(), reason),
+        Ok(read) => Estimate::of(programs.len(), |program| {
+            let (planned, rates) = &read[program];
+            let cost = estimate(planned, Some(rates)).filter(|cost| !cost.draws.is_empty());
+            cost.map(|cost| cost.draws)
+                .ok_or_else(|| "no block is left for one of the captures".to_owned())
+        }),
+    }
 }
 
 /// What the folder of a trade knows already; `None`: it is kept nowhere.

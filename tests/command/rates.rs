@@ -3,7 +3,7 @@ use std::fs;
 
 use serde_json::Value;
 
-use crate::stochc::{path, stochc, stochc_with};
+use crate::stochc::{Said, path, stochc, stochc_with};
 
 /// A small, crowded scene in which blocks dock soon, and a program in it.
 const SMALL: &str = "scene small from hemisphere {
@@ -122,12 +122,121 @@ fn estimates_say_when_and_why() {
     }
     // In a chain everybody is waited for.
     assert_eq!(value[0]["shares"].as_array().unwrap().len(), 13);
+    let method = |number: usize| &value[number]["method"];
+    assert_eq!(
+        (&method(0)["kind"], &method(0)["interaction"]),
+        (&"graph".into(), &"apart".into())
+    );
+    assert_eq!(method(1)["interaction"], "releases");
+    assert!(method(0)["error"].as_f64() < method(1)["error"].as_f64());
     let text = stochc("estimate --captures 2 --quiet examples/line.sa");
     assert!(
         text.out.contains("waited for") && text.out.contains("docs/rates.md"),
         "{}",
         text.out
     );
+    assert!(
+        text.out.contains("Added up along the graph, 4000"),
+        "{}",
+        text.out
+    );
+}
+
+#[test]
+fn runs_by_rates_are_made_where_they_are_asked_for_or_needed() {
+    let mean = |said: &Said| {
+        assert_eq!(said.status, 0, "{}", said.err);
+        let value: Value = serde_json::from_str(&said.out).unwrap();
+        let estimate = value[0].clone();
+        (estimate["total"]["mean"].as_f64().unwrap(), estimate)
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let compiled = path(folder.path(), "line.json");
+    let said = stochc_with(
+        "compile --emit executable examples/line.sa --out",
+        &[&compiled],
+    );
+    assert_eq!(said.status, 0, "{}", said.err);
+    let (drawn, _) = mean(&stochc("estimate --format json --quiet examples/line.sa"));
+    let (run, of_runs) = mean(&stochc(
+        "estimate --runs 400 --format json --quiet examples/line.sa",
+    ));
+    assert_eq!(of_runs["completed"], 400);
+    assert_eq!(of_runs["method"]["is_compiled"], false);
+    // The spread of a run is a fifth of its mean.
+    assert!(
+        (drawn / run - 1.0).abs() < 4.0 * 0.2 / 20.0,
+        "{drawn} {run}"
+    );
+    // A compiled file has no plan to add waits up along.
+    let (_, of_compiled) = mean(&stochc_with("estimate --format json --quiet", &[&compiled]));
+    assert_eq!(of_compiled["method"]["kind"], "runs");
+    assert_eq!(of_compiled["method"]["is_compiled"], true);
+    let text = stochc_with("estimate --quiet", &[&compiled]);
+    assert!(text.out.contains("has no plan"), "{}", text.out);
+}
+
+#[test]
+fn scenes_that_nobody_has_measured_are_guessed_and_say_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(folder.path(), "small.sa");
+    fs::write(&file, SMALL).unwrap();
+    let said = stochc_with("estimate --quiet --format json", &[&file]);
+    assert_eq!((said.status, said.err.as_str()), (0, ""));
+    let value: Value = serde_json::from_str(&said.out).unwrap();
+    assert_eq!(value[0]["method"]["is_first_guess"], true);
+    let text = stochc_with("estimate --quiet examples/line.sa", &[&file]);
+    for what in ["by a first guess of rates", "by a factor of", "3 % off"] {
+        assert!(text.out.contains(what), "{what}: {}", text.out);
+    }
+}
+
+/// Each kind of scene that rates do not speak of, and what it is called.
+const UNKNOWN: [(&str, &str); 5] = [
+    (
+        "examples/experiment_1.sa",
+        "bond by magnets that always attract",
+    ),
+    ("examples/experiment_2.sa", "aggregate"),
+    ("examples/experiment_3.sa", "bond by suction"),
+    ("examples/microns.sa", "fluid"),
+    ("HEAVY", "gravity"),
+];
+
+#[test]
+fn what_rates_do_not_speak_of_is_refused_by_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let heavy = path(folder.path(), "heavy.sa");
+    let text = SMALL.replace("free 60 uniform", "free 60 uniform  gravity 1 m/s^2");
+    fs::write(&heavy, text).unwrap();
+    for (file, what) in UNKNOWN {
+        let file = if file == "HEAVY" { &heavy } else { file };
+        for command in [
+            "estimate --quiet",
+            "estimate --runs 2 --quiet",
+            "simulate --model rate --runs 1 --quiet",
+        ] {
+            let said = stochc_with(command, &[file]);
+            assert_eq!(
+                (said.status, said.out.as_str()),
+                (1, ""),
+                "{command} {file}"
+            );
+            let reason =
+                format!("the model `rate` has no {what}; `stochc simulate --model rigid` has it");
+            assert!(said.err.contains(&reason), "{command} {file}: {}", said.err);
+        }
+        let cost = stochc_with("check --cost --allow warnings", &[file]);
+        assert_eq!(cost.status, 0, "{}", cost.err);
+        assert!(!cost.out.contains("mean ticks"), "{file}: {}", cost.out);
+        if what != "aggregate" {
+            let reason = format!("No times: the model `rate` has no {what}");
+            assert!(cost.out.contains(&reason), "{file}: {}", cost.out);
+            let said = stochc_with("calibrate --quiet", &[file]);
+            assert_eq!(said.status, 1, "{}", said.err);
+            assert!(said.err.contains(what), "{}", said.err);
+        }
+    }
 }
 
 #[test]

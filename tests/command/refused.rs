@@ -96,8 +96,7 @@ fn a_scene_that_does_not_fit_is_not_run() {
 fn a_scene_with_a_term_that_the_model_lacks_is_not_run() {
     let said = stochc("simulate --model rapier tests/fixtures/soft.sa --runs 1");
     assert_eq!((said.status, said.out.as_str()), (1, ""));
-    let reason =
-        "soft: the model `rapier` has no contact with a `stiffness`; `--model rigid` has it";
+    let reason = "soft: the model `rapier` has no contact with a `stiffness`; `stochc simulate --model rigid` has it";
     assert!(said.err.contains(reason), "{}", said.err);
 }
 
@@ -113,7 +112,8 @@ fn the_other_model_has_what_rapier_lacks() {
     ] {
         let said = stochc(&format!("simulate --model rapier {option} {fixture}"));
         assert_eq!(said.status, 1, "{}", said.err);
-        let reason = format!("the model `rapier` has no {what}; `--model rigid` has it");
+        let reason =
+            format!("the model `rapier` has no {what}; `stochc simulate --model rigid` has it");
         assert!(said.err.contains(&reason), "{}", said.err);
         let said = stochc(&format!("simulate --model rigid {option} {fixture}"));
         assert_eq!(said.status, 0, "{}", said.err);

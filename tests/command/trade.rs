@@ -50,7 +50,7 @@ fn every_setting_is_measured_and_kept() {
     let trade: Value = serde_json::from_str(&text).unwrap();
     for rung in rungs(&trade) {
         let cell = &rung["programs"][0];
-        if rung["name"] == "rate" {
+        if rung["name"] == "rate" || rung["name"] == "estimate" {
             // Nobody has measured this scene.
             assert_eq!(cell["runs"], 0);
             assert!(said.out.contains("`stochc calibrate`"), "{}", said.out);
@@ -375,7 +375,7 @@ fn a_trade_of_something_else_is_refused() {
             "format is 99",
         ),
         (
-            r#"{"format": 2, "stochc": "0", "rungs": []}"#,
+            r#"{"format": 3, "stochc": "0", "rungs": []}"#,
             "measure again",
         ),
     ] {

@@ -9,20 +9,27 @@ mod sampling;
 mod schedule;
 mod waits;
 
-pub use sampling::Times;
+pub use sampling::Draw;
 
-use stochc_rates::{Rates, Wait};
+use stochc_rates::{Interaction, Rates, Times, Wait};
 
 use crate::Program;
-use crate::plan::EventId;
+use crate::plan::{EventId, EventKind};
 
 /// What is known of a program without running it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cost {
     /// The phases, in order.
     pub phases: Vec<PhaseCost>,
-    /// How long all of it takes; `None`: there are no rates, or a capture for which no block is left.
+    /// How long all of it takes, if a phase does not come to its timeout; `None`: there are no rates, there is a capture for which no block
+    /// is left, or a phase comes to its timeout more often than not.
     pub total: Option<Times>,
+    /// Whether there were rates.
+    pub has_rates: bool,
+    /// What the times were drawn from, in the order of drawing. None without times.
+    pub draws: Vec<Draw>,
+    /// What times leave out.
+    pub interaction: Interaction,
     /// The captures, the one first that decides most of the time; those of equal shares in source order. None without times.
     pub captures: Vec<CaptureCost>,
 }
@@ -59,6 +66,9 @@ pub fn estimate(program: &Program, rates: Option<&Rates>) -> Option<Cost> {
             .map(|phase| schedule::shape(program, phase, &levels))
             .collect(),
         total: None,
+        has_rates: rates.is_some(),
+        draws: Vec::new(),
+        interaction: Interaction::Apart,
         captures: Vec::new(),
     };
     let Some(rates) = rates else {
@@ -69,10 +79,14 @@ pub fn estimate(program: &Program, rates: Option<&Rates>) -> Option<Cost> {
         return Some(cost);
     }
     let sampled = sampling::sample(program, order, &waits);
-    cost.total = Some(sampled.total);
+    let complete = sampled.draws.iter().filter(|draw| draw.is_complete);
+    let complete: Vec<f64> = complete.map(|draw| draw.ticks).collect();
+    cost.total = sampling::of_most(complete, sampled.draws.len());
+    cost.draws = sampled.draws;
     for (phase, times) in cost.phases.iter_mut().zip(sampled.phases) {
-        phase.times = Some(times);
+        phase.times = times;
     }
+    cost.interaction = interaction(program, &waits, sampled.has_race);
     let captures = waits.iter().zip(sampled.shares).enumerate();
     cost.captures = captures
         .filter_map(|(i, (wait, share))| {
@@ -83,4 +97,17 @@ pub fn estimate(program: &Program, rates: Option<&Rates>) -> Option<Cost> {
         .collect();
     (cost.captures).sort_by(|a, b| b.share.total_cmp(&a.share));
     Some(cost)
+}
+
+fn interaction(
+    program: &Program,
+    waits: &[Option<waits::CaptureWait>],
+    has_race: bool,
+) -> Interaction {
+    let is_release = |event: &crate::plan::PlanEvent| event.kind == EventKind::Release;
+    match has_race || waits.iter().flatten().any(|wait| wait.is_one_of_many) {
+        true => Interaction::Racing,
+        false if program.plan.events.iter().any(is_release) => Interaction::Releases,
+        false => Interaction::Apart,
+    }
 }

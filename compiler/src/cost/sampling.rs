@@ -4,18 +4,22 @@ use petgraph::graph::NodeIndex;
 use petgraph::visit::EdgeRef;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
+use rustc_hash::FxHashMap;
+use smallvec::SmallVec;
+use stochc_ir::Cell;
 
-use stochc_rates::FORGOTTEN;
+use stochc_rates::{FORGOTTEN, Times};
 
-use super::waits::CaptureWait;
+use super::waits::{CaptureWait, within};
 use crate::Program;
 use crate::order::{Order, needed};
+use crate::plan::Timeout;
 
 /// Waits that are drawn of a program, about.
 const DRAWN: usize = 200_000;
 
 /// Times that a program is gone through: more often if it is small.
-const LEAST: usize = 10;
+const LEAST: usize = 20;
 const MOST: usize = 4000;
 
 /// The numbers are the same whenever a program is asked for.
@@ -24,41 +28,30 @@ const SEED: u64 = 0;
 /// Nobody is before this event in its phase.
 const NOBODY: u32 = u32::MAX;
 
-/// Mean and quantiles of a time \[tick\].
+/// One time that a program was gone through.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Times {
-    /// Its mean.
-    pub mean: f64,
-    /// In a tenth of all cases it is less.
-    pub p10: f64,
-    /// In half of them.
-    pub median: f64,
-    /// In nine tenths.
-    pub p90: f64,
+pub struct Draw {
+    /// What it took \[tick\].
+    pub ticks: f64,
+    /// Whether all phases were complete before their timeouts.
+    pub is_complete: bool,
 }
 
 /// What comes out.
 pub struct Sampled {
-    /// Of each phase.
-    pub phases: Vec<Times>,
-    /// Of all.
-    pub total: Times,
+    /// Of each phase; `None`: most draws did not come to its end.
+    pub phases: Vec<Option<Times>>,
+    /// Of the whole program.
+    pub draws: Vec<Draw>,
+    /// Whether two captures in cells beside each other wait at the same time, in one of the first [`LEAST`] draws.
+    pub has_race: bool,
     /// For every event, the part of all time in which nothing else is waited for.
     pub shares: Vec<f64>,
 }
 
-impl Times {
-    /// `times` are some, in any order.
-    fn of(mut times: Vec<f64>) -> Times {
-        times.sort_unstable_by(f64::total_cmp);
-        let at = |part: f64| times[(part * (times.len() - 1) as f64).round() as usize];
-        Times {
-            mean: times.iter().sum::<f64>() / times.len() as f64,
-            p10: at(0.1),
-            median: at(0.5),
-            p90: at(0.9),
-        }
-    }
+/// Mean and quantiles of the times of those that got there, if at least half of all did.
+pub fn of_most(times: Vec<f64>, all: usize) -> Option<Times> {
+    (2 * times.len() >= all).then(|| Times::of(times)).flatten()
 }
 
 /// Goes through a program many times.
@@ -66,16 +59,21 @@ pub fn sample(program: &Program, order: &Order, waits: &[Option<CaptureWait>]) -
     let steps = steps(program, order);
     let count = waits.iter().flatten().count().max(1);
     let times = (DRAWN / count).clamp(LEAST, MOST);
+    let timeouts = timeouts(program);
     let mut rng = ChaCha8Rng::seed_from_u64(SEED);
+    let neighbours = neighbours(program, waits);
+    let mut starts = vec![0.0_f64; waits.len()];
     let mut ends = vec![0.0_f64; waits.len()];
     let mut last = vec![NOBODY; waits.len()];
     let mut durations = vec![Vec::with_capacity(times); program.plan.phases.len()];
-    let mut totals = Vec::with_capacity(times);
+    let mut draws = Vec::with_capacity(times);
     let mut decided = vec![0.0; waits.len()];
-    for _ in 0..times {
+    let mut has_race = false;
+    for number in 0..times {
         let mut total = 0.0;
+        let mut is_complete = true;
         ends.fill(f64::INFINITY);
-        for (steps, durations) in steps.iter().zip(&mut durations) {
+        for ((steps, durations), timeout) in steps.iter().zip(&mut durations).zip(&timeouts) {
             let mut latest = (total, NOBODY);
             for Step { event, before } in steps {
                 let mut start = (total, NOBODY);
@@ -86,10 +84,16 @@ pub fn sample(program: &Program, order: &Order, waits: &[Option<CaptureWait>]) -
                 }
                 let wait = waits[*event as usize].as_ref();
                 let end = wait.map_or(start.0, |wait| draw(wait, start.0, &ends, &mut rng));
+                starts[*event as usize] = start.0;
                 (ends[*event as usize], last[*event as usize]) = (end, start.1);
                 if end >= latest.0 {
                     latest = (end, *event);
                 }
+            }
+            if latest.0 - total > *timeout {
+                total += timeout;
+                is_complete = false;
+                break;
             }
             let mut at = latest.1;
             while at != NOBODY {
@@ -105,17 +109,54 @@ pub fn sample(program: &Program, order: &Order, waits: &[Option<CaptureWait>]) -
             durations.push(latest.0 - total);
             total = latest.0;
         }
-        totals.push(total);
+        has_race |= number < LEAST
+            && neighbours.iter().any(|&(one, other)| {
+                starts[one] < ends[other]
+                    && starts[other] < ends[one]
+                    && ends[one].max(ends[other]).is_finite()
+            });
+        draws.push(Draw {
+            ticks: total,
+            is_complete,
+        });
     }
-    let all: f64 = totals.iter().sum();
+    let all: f64 = draws.iter().map(|draw| draw.ticks).sum();
     decided
         .iter_mut()
         .for_each(|ticks| *ticks /= all.max(f64::MIN_POSITIVE));
+    let phases = durations.into_iter();
     Sampled {
-        phases: durations.into_iter().map(Times::of).collect(),
-        total: Times::of(totals),
+        phases: phases.map(|them| of_most(them, times)).collect(),
+        draws,
+        has_race,
         shares: decided,
     }
+}
+
+/// Pairs of captures of one phase whose cells are beside each other, across edges and corners as well.
+fn neighbours(program: &Program, waits: &[Option<CaptureWait>]) -> Vec<(usize, usize)> {
+    let mut pairs = Vec::new();
+    for phase in &program.plan.phases {
+        let captures = phase.events.clone().map(|event| event as usize);
+        let captures = captures.filter(|&event| waits[event].is_some());
+        let mut before: FxHashMap<Cell, SmallVec<[usize; 1]>> = FxHashMap::default();
+        for (event, cell) in captures.filter_map(|it| Some((it, program.layout.cells[it]?))) {
+            let near = within(cell, 1).filter_map(|near| before.get(&near));
+            pairs.extend(near.flatten().map(|&other| (other, event)));
+            before.entry(cell).or_default().push(event);
+        }
+    }
+    pairs
+}
+
+/// Ticks after which each phase has failed.
+fn timeouts(program: &Program) -> Vec<f64> {
+    let tick = program.scene.as_ref().map_or(1.0, |scene| scene.tick);
+    let of = |timeout: Timeout| timeout.ticks(tick) as f64;
+    let phases = program.plan.phases.iter();
+    phases
+        .map(|phase| phase.timeout.map_or(f64::INFINITY, of))
+        .collect()
 }
 
 /// An event, and what it waits for.

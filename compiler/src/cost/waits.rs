@@ -9,11 +9,16 @@ use super::phase_events::{PhaseEvent, bound, phase_events};
 use crate::Program;
 use crate::plan::EventId;
 
+/// The part of the free blocks that may be missing at the end of a turn, and half of it be taken for all.
+const FEW: f64 = 0.03;
+
 /// What a capture waits for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CaptureWait {
     /// In the structure as it stands when its turn comes and all captures take equally long, those of the same turn half there.
     pub wait: Wait,
+    /// Whether more than [`FEW`] of the free blocks are waited for in its turn.
+    pub is_one_of_many: bool,
     /// What blocks may do that are released near the open face, in this phase or the one before.
     pub head_starts: Vec<(EventId, HeadStart)>,
 }
@@ -40,6 +45,9 @@ pub fn waits(program: &Program, levels: &[u32], rates: &Rates) -> Vec<Option<Cap
             .collect();
         for (event, way) in captures().filter(|_| !phase.planted) {
             let &PhaseEvent { cell, level, .. } = event;
+            // Half of those that have their turn at the same time are gone as well.
+            let mates = bound[level as usize + 1] - bound[level as usize] - 1;
+            let taken = bound[level as usize] as f64 + mates.max(0) as f64 / 2.0;
             let wait = |with_mates: bool| {
                 let around = rates.surroundings(
                     cell,
@@ -48,7 +56,7 @@ pub fn waits(program: &Program, levels: &[u32], rates: &Rates) -> Vec<Option<Cap
                     |near| !with_mates && open.contains(&(level, near, way)),
                 );
                 rates.wait(&Surroundings {
-                    free: 1.0 - bound[level as usize] as f64 / f64::from(count.max(1)),
+                    free: 1.0 - taken / f64::from(count.max(1)),
                     cold: cold && level == 1,
                     ..around
                 })
@@ -56,6 +64,7 @@ pub fn waits(program: &Program, levels: &[u32], rates: &Rates) -> Vec<Option<Cap
             let [without, with] = [false, true].map(wait);
             waits[event.id.0 as usize] = Some(CaptureWait {
                 wait: without.between(with),
+                is_one_of_many: mates as f64 > FEW * f64::from(count),
                 head_starts: head_starts(rates, &released, cell, way),
             });
         }
@@ -77,6 +86,20 @@ fn releases(events: &[PhaseEvent]) -> Released {
     released
 }
 
+/// The cells of the cube around one that reaches so far to each side, itself included.
+pub(super) fn within(cell: Cell, reach: i32) -> impl Iterator<Item = Cell> {
+    let along = move || -reach..=reach;
+    let offsets =
+        along().flat_map(move |x| along().flat_map(move |y| along().map(move |z| [x, y, z])));
+    offsets.map(move |[x, y, z]| {
+        Cell::new(
+            cell.x.saturating_add(x),
+            cell.y.saturating_add(y),
+            cell.z.saturating_add(z),
+        )
+    })
+}
+
 /// How far a released block may be to have a head start \[side\].
 const NEAR: i32 = 3;
 
@@ -91,14 +114,7 @@ fn head_starts(
     if released.iter().all(FxHashMap::is_empty) {
         return found;
     }
-    let along = || -NEAR..=NEAR;
-    let offsets = along().flat_map(|x| along().flat_map(move |y| along().map(move |z| [x, y, z])));
-    for [x, y, z] in offsets {
-        let from = Cell::new(
-            cell.x.saturating_add(x),
-            cell.y.saturating_add(y),
-            cell.z.saturating_add(z),
-        );
+    for from in within(cell, NEAR) {
         let Some(start) = rates.head_start(cell, way, from) else {
             continue;
         };

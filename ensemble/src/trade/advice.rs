@@ -62,9 +62,9 @@ fn recommended(trade: &Trade) -> Vec<&Setting> {
 fn clause(rung: &Setting) -> String {
     let bound = rung.bound.map_or_else(String::new, percent);
     let cost = rung.cost_ratio.map_or_else(String::new, ratio);
-    let reduced = match rung.settings.reduction {
-        Some(_) => ", though it leaves out what the scene has",
-        None => "",
+    let reduced = match rung.reduced() {
+        true => ", though it leaves out what the scene has",
+        false => "",
     };
     format!(
         "`{}` is within {bound} of the reference, intervals included, at {cost} of its cost{reduced}",

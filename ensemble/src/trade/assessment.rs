@@ -1,8 +1,11 @@
 //! Every setting against the reference: from runs to a trade.
 
+use stochc_runtime::Settings;
+
 use super::advice::advice;
 use super::candidates::{flags, refines, short};
 use super::convergence::{CLOSE, Doubling, convergence};
+use super::estimate::{self, Estimate};
 use super::plan::Outcome;
 use super::ranking::{Ranked, Verdict, rank};
 use super::result::{Cell, FORMAT, Program, Reference, Setting, Trade};
@@ -30,30 +33,34 @@ impl Trade {
     pub fn of(
         programs: &[crate::EnsembleProgram],
         outcomes: &[Outcome],
+        estimated: &Estimate,
         limits: &[u64],
         means: Conditions,
     ) -> Trade {
-        let times: Vec<Vec<Vec<Observation>>> = (outcomes.iter())
-            .map(|outcome| outcome.samples.iter().map(Sample::times).collect())
+        let rows: Vec<Row> = (outcomes.iter().map(Row::of_outcome))
+            .chain([Row::of_estimate(estimated)])
             .collect();
-        let runs: Vec<Vec<Runs>> = (outcomes.iter())
-            .map(|outcome| {
-                let samples = outcome.samples.iter();
+        let times: Vec<Vec<Vec<Observation>>> = (rows.iter())
+            .map(|row| row.samples.iter().map(Sample::times).collect())
+            .collect();
+        let runs: Vec<Vec<Runs>> = (rows.iter())
+            .map(|row| {
+                let samples = row.samples.iter();
                 samples.map(|sample| sample.runs(means.seed)).collect()
             })
             .collect();
         let reference = reference(outcomes, &times);
         let against = reference.as_ref().map(|r| r.rung);
-        let mut rungs: Vec<Setting> = (outcomes.iter().zip(&times).enumerate())
-            .map(|(i, (outcome, own))| {
+        let mut rungs: Vec<Setting> = (rows.iter().zip(&times).enumerate())
+            .map(|(i, (row, own))| {
                 let ranking = match against {
-                    Some(r) if !outcome.samples.iter().all(Sample::is_empty) => {
+                    Some(r) if !row.samples.iter().all(Sample::is_empty) => {
                         rank(&runs[r], &runs[i])
                     }
                     _ => Vec::new(),
                 };
                 let reference = against.filter(|&r| r != i).map(|r| &times[r][..]);
-                rung(outcome, own, reference, ranking)
+                rung(row, own, reference, ranking)
             })
             .collect();
         let whole = against.and_then(|r| rungs[r].cost);
@@ -112,24 +119,59 @@ fn reference(outcomes: &[Outcome], times: &[Vec<Vec<Observation>>]) -> Option<Re
     })
 }
 
+/// A setting that was tried, or the estimate.
+struct Row<'a> {
+    name: String,
+    options: String,
+    settings: Option<&'a Settings>,
+    left_out: Option<&'a str>,
+    samples: &'a [Sample],
+}
+
+impl Row<'_> {
+    fn of_outcome(outcome: &Outcome) -> Row<'_> {
+        Row {
+            name: short(&outcome.settings),
+            options: flags(&outcome.settings),
+            settings: Some(&outcome.settings),
+            left_out: outcome.left_out.as_deref(),
+            samples: &outcome.samples,
+        }
+    }
+
+    fn of_estimate(estimated: &Estimate) -> Row<'_> {
+        Row {
+            name: estimate::NAME.to_owned(),
+            options: estimate::COMMAND.to_owned(),
+            settings: None,
+            left_out: estimated.left_out.as_deref(),
+            samples: &estimated.samples,
+        }
+    }
+}
+
 fn rung(
-    outcome: &Outcome,
+    row: &Row<'_>,
     times: &[Vec<Observation>],
     reference: Option<&[Vec<Observation>]>,
     ranking: Vec<Ranked>,
 ) -> Setting {
-    let cells: Vec<Cell> = (outcome.samples.iter().zip(times).enumerate())
-        .map(|(i, (sample, own))| cell(sample, own, reference.map(|times| &times[i][..])))
+    let cells: Vec<Cell> = (row.samples.iter().zip(times).enumerate())
+        .map(|(i, (sample, own))| Cell {
+            // What is drawn has no ticks that cost anything.
+            cost_of_tick: row.settings.and_then(|_| sample.cost_of_tick()),
+            ..cell(sample, own, reference.map(|times| &times[i][..]))
+        })
         .collect();
     let costs: Option<Vec<f64>> = cells.iter().map(|cell| cell.cost).collect();
     let biases: Option<Vec<Relative>> = cells.iter().map(|cell| cell.bias).collect();
-    let measured = outcome.samples.iter().any(|sample| !sample.is_empty());
+    let measured = row.samples.iter().any(|sample| !sample.is_empty());
     Setting {
-        name: short(&outcome.settings),
-        options: flags(&outcome.settings),
-        settings: outcome.settings.clone(),
-        left_out: match (&outcome.left_out, measured) {
-            (Some(reason), _) => Some(reason.clone()),
+        name: row.name.clone(),
+        options: row.options.clone(),
+        settings: row.settings.cloned(),
+        left_out: match (row.left_out, measured) {
+            (Some(reason), _) => Some(reason.to_owned()),
             (None, true) => None,
             (None, false) => Some("there was no time for it".to_owned()),
         },
@@ -165,7 +207,7 @@ fn cell(sample: &Sample, times: &[Observation], reference: Option<&[Observation]
         bias: reference.and_then(|reference| relative(times, reference)),
         distance: reference.and_then(|reference| distance(times, reference)),
         cost: sample.cost(),
-        cost_of_tick: sample.cost_of_tick(),
+        cost_of_tick: None,
     }
 }
 

@@ -11,6 +11,7 @@ use stochc_runtime::{RunError, Settings, run as run_once};
 
 use super::assessment::Conditions;
 use super::candidates::base;
+use super::estimate::Estimate;
 use super::memory::Memory;
 use super::plan::{Extent, Job, Next, Plan};
 use super::result::Trade;
@@ -64,13 +65,14 @@ pub struct Setup<'a> {
     pub stop: &'a AtomicBool,
 }
 
-/// Measures programs.
+/// Measures programs, and holds what is `estimated` of them against that.
 ///
 /// # Errors
 /// When a scene cannot be set up at all.
 pub fn measure(
     programs: &[EnsembleProgram],
     setup: &Setup,
+    estimated: &Estimate,
     progress: &Progress,
 ) -> Result<Trade, (usize, SceneError)> {
     for (i, program) in programs.iter().enumerate() {
@@ -106,6 +108,7 @@ pub fn measure(
     Ok(Trade::of(
         programs,
         &plan.outcomes(),
+        estimated,
         &plan.limits(),
         conditions,
     ))

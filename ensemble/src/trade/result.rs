@@ -9,7 +9,7 @@ use crate::Manifest;
 use crate::statistics::{Distance, Relative};
 
 /// Version of the layout of `trade.json`; another one is not read.
-pub const FORMAT: u32 = 2;
+pub const FORMAT: u32 = 3;
 
 /// The trade of some programs; times in ticks, costs in seconds of processor time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -70,13 +70,13 @@ pub struct Reference {
 pub struct Setting {
     /// As tables call it.
     pub name: String,
-    /// As options of `simulate`.
+    /// As options of `simulate`, or the command that gives it.
     pub options: String,
-    /// What was set.
-    pub settings: Settings,
+    /// What was set; `None`: it is an estimate, and makes no runs.
+    pub settings: Option<Settings>,
     /// Why nothing was measured.
     pub left_out: Option<String>,
-    /// Of one run, the mean of the programs' medians \[s\]; `None`: not every program was run.
+    /// Of one run, or of an estimate, the mean of the programs' medians \[s\]; `None`: not every program was run.
     pub cost: Option<f64>,
     /// The same as a multiple of the reference's.
     pub cost_ratio: Option<f64>,
@@ -97,7 +97,7 @@ pub struct Setting {
 /// A program at a setting.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Cell {
-    /// Runs that have ended, the sum of the next three.
+    /// Runs that have ended, or times that were drawn, the sum of the next three.
     pub runs: usize,
     /// Runs with the whole structure.
     pub completed: usize,
@@ -117,7 +117,7 @@ pub struct Cell {
     pub distance: Option<Distance>,
     /// Median processor time of a run \[s\].
     pub cost: Option<f64>,
-    /// Processor time of a tick \[s\].
+    /// Processor time of a tick \[s\]; `None` as well for what has no ticks.
     pub cost_of_tick: Option<f64>,
 }
 
@@ -196,7 +196,8 @@ impl Setting {
 
     /// Whether something that the scene has is left out.
     pub fn reduced(&self) -> bool {
-        self.settings.reduction.is_some()
+        let settings = self.settings.as_ref();
+        settings.is_some_and(|settings| settings.reduction.is_some())
     }
 }
 

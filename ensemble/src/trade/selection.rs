@@ -10,10 +10,19 @@ use crate::text::{percent, ratio, relative, relative_size};
 /// A setting that was chosen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choice {
-    /// What to set.
-    pub settings: Settings,
+    /// What to set; `None`: nothing is run, and `estimate` says it.
+    pub settings: Option<Settings>,
     /// Why, in a sentence.
     pub why: String,
+}
+
+/// What may be chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Among {
+    /// Settings, and the estimate without runs.
+    All,
+    /// Settings: runs are wanted, not their times alone.
+    Runs,
 }
 
 /// Chooses for some programs of a trade, by their indices in it.
@@ -25,7 +34,12 @@ pub struct Choice {
 ///
 /// # Errors
 /// In words, with what is missing, if none is.
-pub fn choose(trade: &Trade, programs: &[usize], accuracy: f64) -> Result<Choice, String> {
+pub fn choose(
+    trade: &Trade,
+    programs: &[usize],
+    accuracy: f64,
+    among: Among,
+) -> Result<Choice, String> {
     let asked = percent(accuracy);
     let Some(reference) = &trade.reference else {
         return Err("too few runs were made for a reference; a larger `--budget` helps".into());
@@ -59,6 +73,9 @@ pub fn choose(trade: &Trade, programs: &[usize], accuracy: f64) -> Result<Choice
     }
     let mut candidates: Vec<(f64, f64, usize)> = Vec::new();
     for (i, rung) in trade.rungs.iter().enumerate() {
+        if among == Among::Runs && rung.settings.is_none() {
+            continue;
+        }
         let bound = match i == reference.rung {
             true => doubling,
             false => bound(rung, programs),
@@ -98,8 +115,9 @@ pub fn choose(trade: &Trade, programs: &[usize], accuracy: f64) -> Result<Choice
 
 /// What a trade says about settings, of these programs; `None`: it has not tried them.
 pub fn note(trade: &Trade, programs: &[usize], settings: &Settings) -> Option<String> {
+    let is_same = |tried: &Settings| same(tried, settings);
     let rung = (trade.rungs.iter())
-        .find(|rung| same(&rung.settings, settings) && rung.left_out.is_none())?;
+        .find(|rung| rung.left_out.is_none() && rung.settings.as_ref().is_some_and(is_same))?;
     if trade.reference_rung() == Some(rung) {
         return Some("it is the reference of the trade".to_owned());
     }

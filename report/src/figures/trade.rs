@@ -54,7 +54,7 @@ pub fn trade(trade: &Trade) -> Drawing {
     let points = points(trade);
     let axes = axes(&points);
     let rows = points.len() as f64;
-    let height = (TOP + ROW * (rows + 9.0)).max(BOTTOM + 70.0);
+    let height = (TOP + ROW * (rows + 10.0)).max(BOTTOM + 70.0);
     let names: Vec<&str> = trade.programs.iter().map(|p| p.name.as_str()).collect();
     let title = format!("What accuracy costs: {}", names.join(", "));
     let below = match trade.reference.as_ref().zip(trade.reference_rung()) {
@@ -193,12 +193,14 @@ fn front(out: &mut Drawing, axes: &Axes, points: &[PlottedSetting]) {
 
 /// The class and the shape of a setting's mark.
 fn look(point: &PlottedSetting) -> (&'static str, Marker) {
-    let settings = &point.rung.settings;
-    let symbol = match settings.model {
+    let settings = point.rung.settings.as_ref();
+    let model = settings.map(|settings| settings.model);
+    let symbol = match model {
         _ if point.reference => Marker::Diamond,
         _ if point.rung.reduced() => Marker::Triangle,
-        Model::Rapier => Marker::Square,
-        _ if settings.precision == Precision::Double => Marker::Ring,
+        Some(Model::Rapier) => Marker::Square,
+        None => Marker::Ring,
+        _ if settings.is_some_and(|it| it.precision == Precision::Double) => Marker::Ring,
         _ => Marker::Disc,
     };
     let class = match symbol {
@@ -206,6 +208,7 @@ fn look(point: &PlottedSetting) -> (&'static str, Marker) {
         _ if point.rung.reversed => "hot",
         Marker::Triangle => "s2",
         Marker::Square => "s1",
+        _ if matches!(model, None | Some(Model::Rate)) => "s3",
         _ => "s0",
     };
     (class, symbol)
@@ -294,6 +297,7 @@ fn list(out: &mut Drawing, points: &[PlottedSetting]) {
     for (class, symbol, meaning) in [
         ("s0", Marker::Disc, "rigid; open: double precision"),
         ("s1", Marker::Square, "Rapier"),
+        ("s3", Marker::Disc, "rates; open: estimate, without runs"),
         ("s2", Marker::Triangle, "reduced model"),
         (
             "hot",

@@ -1,8 +1,10 @@
 //! Estimates as text.
 use stochc_ensemble::text::percent;
 
-use super::rates::KNOWN_BIAS;
-use crate::estimate::{Estimate, Times};
+use stochc_runtime::rates::{Interaction, Times};
+
+use super::rates::{KNOWN_BIAS, first_guess};
+use crate::estimate::{Estimate, Method};
 use crate::text::{TextColumn, TextTable, paragraph};
 
 /// The times of programs and of their phases, and the `most` events of each that decide most of them; `width` is that of the
@@ -14,18 +16,63 @@ pub fn estimates_to_text(estimates: &[Estimate], most: usize, width: usize) -> S
             text.push('\n');
         }
         text += &times(estimate).text(width, false);
-        if estimate.stopped > 0 {
-            text += &format!(
-                "{} of {} runs did not complete, and count for nothing here\n",
-                estimate.stopped,
-                estimate.stopped + estimate.completed
-            );
-        }
+        text += &paragraph(&origin(estimate), width);
         if most > 0 && !estimate.shares.is_empty() {
             text += &format!("\n{}", shares(estimate, most).text(width, false));
         }
     }
-    text + "\n" + &paragraph(KNOWN_BIAS, width)
+    let is_guess = |it: &&Estimate| {
+        matches!(
+            it.method,
+            Method::Graph {
+                is_first_guess: true,
+                ..
+            }
+        )
+    };
+    let guesses = estimates.iter().filter(is_guess).count();
+    text.push('\n');
+    if guesses > 0 {
+        text += &paragraph(&first_guess(), width);
+    }
+    if guesses < estimates.len() {
+        text += &paragraph(KNOWN_BIAS, width);
+    }
+    text
+}
+
+/// Where the times come from, and how well they are known.
+fn origin(estimate: &Estimate) -> String {
+    let all = estimate.completed + estimate.stopped;
+    let mut text = match (estimate.method, all) {
+        (Method::Graph { .. }, 0) => return "No block is left for one of the captures.".to_owned(),
+        (Method::Graph { interaction, .. }, _) => {
+            format!(
+                "Added up along the graph, {all} times: {}",
+                left_out(interaction)
+            )
+        }
+        (Method::Runs { is_compiled: true }, _) => format!(
+            "From {all} runs by rates: the file is compiled, and has no plan to add waits up along."
+        ),
+        (Method::Runs { is_compiled: false }, _) => format!("From {all} runs by rates."),
+    };
+    if estimate.stopped > 0 {
+        text += &format!(
+            " {} of them did not complete, and count for nothing here.",
+            estimate.stopped
+        );
+    }
+    text
+}
+
+/// What waits that are added up along a graph leave out, and by how much that was off.
+pub fn left_out(interaction: Interaction) -> String {
+    format!(
+        "{}. Where that is so, means are within {} of runs by rates (`stochc estimate --runs N`).",
+        interaction.meaning(),
+        percent(interaction.error())
+    )
 }
 
 fn times(estimate: &Estimate) -> TextTable {
@@ -34,19 +81,27 @@ fn times(estimate: &Estimate) -> TextTable {
     let phases = estimate.phases.iter().filter(|_| estimate.phases.len() > 1);
     let phases = phases.map(|phase| (format!("  {}", phase.name), phase.times));
     let rows: Vec<(String, Option<Times>)> = total.chain(phases).collect();
-    let column = |header: &str, value: &dyn Fn(&Times) -> String| {
-        let cell = |times: &Option<Times>| times.as_ref().map_or("?".to_owned(), value);
+    let column = |header: &str, value: &dyn Fn(&Times) -> (f64, Option<f64>)| {
+        let cell = |times: &Option<Times>| match times.as_ref().map(value) {
+            None => "?".to_owned(),
+            Some((value, None)) => format!("{value:.0}"),
+            Some((value, Some(half))) => format!("{value:.0} ± {half:.0}"),
+        };
         TextColumn::figures(header, rows.iter().map(|(_, times)| cell(times)).collect())
     };
     TextTable {
-        label: "by rates".to_owned(),
+        label: match estimate.method {
+            Method::Graph {
+                is_first_guess: true,
+                ..
+            } => "by a first guess of rates".to_owned(),
+            _ => "by rates".to_owned(),
+        },
         columns: vec![
-            column("mean", &|it| {
-                format!("{:.0} ± {:.0}", it.mean, it.half_width)
-            }),
-            column("10 %", &|it| format!("{:.0}", it.p10)),
-            column("median", &|it| format!("{:.0}", it.median)),
-            column("90 %", &|it| format!("{:.0}", it.p90)),
+            column("mean", &|it| (it.mean, Some(it.half_width))),
+            column("10 %", &|it| (it.p10, it.p10_half_width)),
+            column("median", &|it| (it.median, it.median_half_width)),
+            column("90 %", &|it| (it.p90, it.p90_half_width)),
         ],
         labels: rows.iter().map(|(name, _)| name.clone()).collect(),
         ..TextTable::default()

@@ -9,8 +9,8 @@ mod trade;
 
 pub use captures::captures_to_text;
 pub use comparison::{comparison_to_text, pairs_to_text};
-pub use estimate::estimates_to_text;
+pub use estimate::{estimates_to_text, left_out};
 pub use fit::fit_to_text;
-pub use rates::{KNOWN_BIAS, rates_to_text};
+pub use rates::{KNOWN_BIAS, first_guess, rates_to_text};
 pub use sweep::sweep_to_text;
 pub use trade::trade_to_text;

@@ -1,7 +1,7 @@
 //! The rates of a scene as text.
 use stochc_ensemble::text::{number, percent};
 use stochc_ir::{Cell, Face};
-use stochc_runtime::rates::{Parameters, Rates};
+use stochc_runtime::rates::{GUESS_ERROR, Parameters, Rates};
 
 use crate::text::{TextColumn, TextTable};
 
@@ -9,6 +9,16 @@ use crate::text::{TextColumn, TextTable};
 pub const KNOWN_BIAS: &str = "Times are by rates: in the default scene, means of other programs were 3 % off those with physics on average and 13 % at most; \
      in other scenes up to 24 %. Blocks jam where `check` warns of a tight approach, or of crowded captures; rates do not know that, and are too \
      fast there (docs/rates.md).";
+
+/// What there is to know about waits in a scene that nobody has measured, for whoever tells of them.
+pub fn first_guess() -> String {
+    let (usual, most) = GUESS_ERROR;
+    format!(
+        "The rates of the scene are a first guess from kinetic theory: mean waits were off those of measured scenes by a factor of {usual} as a root mean \
+         square, and of {most} at most (docs/rates.md). `stochc calibrate FILE --out X.rates` \
+         measures them for `--rates X.rates`."
+    )
+}
 
 /// The law's numbers with their standard errors, and what follows for some faces; `width` is that of the terminal, in characters.
 pub fn rates_to_text(rates: &Rates, width: usize) -> String {

@@ -203,7 +203,7 @@ fn notes(trade: &Trade) -> Vec<String> {
     let mut notes = vec![
         "Settings are model and substeps, and what differs from the defaults. CPU/run is the \
          median processor time of a run, ratio the same over the reference's; means are in \
-         ticks, in brackets in seconds; bias is the mean over the reference's, less one; D is the largest difference \
+         ticks, in brackets in seconds; n counts runs, of the row `estimate` times that were drawn, all at the cost of one; bias is the mean over the reference's, less one; D is the largest difference \
          of the two shares of completed runs, p its probability by chance alone; ±~is half \
          of a 95~% interval. front: no cheaper setting is known to be as close."
             .to_owned(),

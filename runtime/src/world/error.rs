@@ -95,7 +95,7 @@ impl std::fmt::Display for SceneError {
                 instead,
             } => write!(
                 f,
-                "the model `{model}` has no {what}; `--model {instead}` has it"
+                "the model `{model}` has no {what}; `stochc simulate --model {instead}` has it"
             ),
         }
     }

@@ -1,20 +1,26 @@
 //! What `check --cost` says of a program.
-use stochc_compiler::cost::{Cost, PhaseCost, Times, estimate};
+use stochc_compiler::cost::{Cost, PhaseCost, estimate};
 use stochc_compiler::{Program, Symbols};
 use stochc_ensemble::text::percent;
-use stochc_report::tables::KNOWN_BIAS;
+use stochc_report::tables::{KNOWN_BIAS, first_guess, left_out};
 use stochc_report::text::{TextColumn, TextTable, paragraph};
-use stochc_runtime::rates::Rates;
+use stochc_runtime::rates::{Rates, Times};
+use stochc_runtime::world::rate::RateWorld;
 
 use super::super::terminal::output_width;
+use crate::operations::rates::{at_hand, at_hand_or_guessed};
 
 /// A table of the phases, and one of the captures that decide how long they take; empty if nothing was asked for.
 pub fn costs(program: &Program, symbols: &Symbols, most: Option<usize>, rates: &[Rates]) -> String {
     let Some(most) = most.filter(|_| !program.plan.events.is_empty()) else {
         return String::new();
     };
-    let rates = (program.scene.as_ref()).and_then(|scene| Rates::known(rates, scene));
-    estimate(program, rates).map_or(String::new(), |cost| table(program, symbols, &cost, most))
+    let rates = (program.scene.as_ref()).and_then(|scene| at_hand_or_guessed(rates, scene));
+    let rates = rates.as_deref();
+    let is_guess = rates.is_some_and(Rates::is_guess);
+    estimate(program, rates).map_or(String::new(), |cost| {
+        table(program, symbols, (&cost, is_guess), most)
+    })
 }
 
 /// Events of a program whose times are told unasked, at most: more take longer than the check.
@@ -22,7 +28,7 @@ const MOST_SUMMED: usize = 2_000;
 
 /// A line on how long a program takes; empty where nobody knows.
 pub fn summed_up(program: &Program, rates: &[Rates]) -> String {
-    let rates = (program.scene.as_ref()).and_then(|scene| Rates::known(rates, scene));
+    let rates = (program.scene.as_ref()).and_then(|scene| at_hand(rates, scene));
     let (true, Some(rates)) = (program.plan.events.len() <= MOST_SUMMED, rates) else {
         return String::new();
     };
@@ -35,7 +41,12 @@ pub fn summed_up(program: &Program, rates: &[Rates]) -> String {
     })
 }
 
-fn table(program: &Program, symbols: &Symbols, cost: &Cost, most: usize) -> String {
+fn table(
+    program: &Program,
+    symbols: &Symbols,
+    (cost, is_guess): (&Cost, bool),
+    most: usize,
+) -> String {
     let mut text = by_phase(program, cost).text(usize::MAX, false);
     if !cost.captures.is_empty() {
         text += "\n";
@@ -48,15 +59,16 @@ fn table(program: &Program, symbols: &Symbols, cost: &Cost, most: usize) -> Stri
     text += "\n";
     let width = output_width().saturating_sub(2);
     text += &paragraph(DEPTH_AND_WIDTH, width);
-    text += &paragraph(
-        match cost.total {
-            Some(_) => TIMES,
-            None => NO_RATES,
-        },
-        width,
-    );
-    if cost.total.is_some() {
-        text += &paragraph(KNOWN_BIAS, width);
+    match cost.total {
+        Some(_) => {
+            text += &paragraph(TIMES, width);
+            text += &paragraph(&left_out(cost.interaction), width);
+            text += &match is_guess {
+                true => paragraph(&first_guess(), width),
+                false => paragraph(KNOWN_BIAS, width),
+            };
+        }
+        None => text += &paragraph(&no_times(program, cost), width),
     }
     let indented = text.lines().map(|line| match line {
         "" => "\n".to_owned(),
@@ -136,5 +148,17 @@ const DEPTH_AND_WIDTH: &str =
 const TIMES: &str = "of the time: the part of it in which nothing but this capture is waited for; \
     mean wait: ticks from when its face opens.";
 
-const NO_RATES: &str = "No times: the rates of this scene are not known. `stochc calibrate FILE --out X.rates` measures \
-    them for `--rates X.rates`.";
+/// Why there are no times, and what to do.
+fn no_times(program: &Program, cost: &Cost) -> String {
+    let refusal = program.scene.as_ref().and_then(RateWorld::refusal);
+    match (refusal, cost.has_rates) {
+        (Some(refusal), _) => format!("No times: {refusal}."),
+        (None, false) => "No times: the rates of this scene are not known. `stochc calibrate FILE --out X.rates` measures \
+             them for `--rates X.rates`."
+            .to_owned(),
+        (None, true) if cost.draws.is_empty() => {
+            "No times: no block is left for one of the captures.".to_owned()
+        }
+        (None, true) => "No times: a phase comes to its timeout more often than not.".to_owned(),
+    }
+}

@@ -38,7 +38,7 @@ pub struct Options {
     /// captures that are waited for longest [default: 10]
     #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "10", value_parser = at_least_one)]
     cost: Option<usize>,
-    /// Rates of scenes for `--cost`, by `stochc calibrate --out`; those of the default scene come with the program
+    /// Rates of scenes for `--cost`, by `stochc calibrate --out`; those of the default scene come with the program, and others are guessed
     #[arg(long, value_name = "FILE.rates", requires = "cost")]
     rates: Vec<PathBuf>,
     /// Print the physics of the scenes of programs without errors: terms, values, absent terms, and

@@ -4,11 +4,12 @@ use std::sync::atomic::Ordering;
 
 use stochc_ensemble::Manifest;
 use stochc_ensemble::text::percent;
-use stochc_ensemble::trade::{Extent, FINEST, Setup, Trade, choose, known, note};
+use stochc_ensemble::trade::{Among, Extent, FINEST, Setup, Trade, choose, known, note};
 use stochc_files::budget::TRADE;
 use stochc_files::read_file;
 use stochc_runtime::Settings;
 
+use super::super::results::ResultsFormat;
 use super::super::terminal::warn;
 use super::Options;
 use crate::exit::{Exit, Failure};
@@ -16,7 +17,7 @@ use crate::host::Host;
 use crate::operations::runs::threads;
 use crate::operations::trade;
 
-/// Puts the cheapest setting that is accurate enough into a manifest.
+/// Puts the cheapest setting that is accurate enough into a manifest; `false`: no runs are needed, an estimate is accurate enough.
 ///
 /// The accuracy comes from the trade that the user names, or from one that is measured now.
 pub(super) fn settle(
@@ -24,24 +25,33 @@ pub(super) fn settle(
     accuracy: f64,
     manifest: &mut Manifest,
     host: &dyn Host,
-) -> Result<(), Failure> {
+) -> Result<bool, Failure> {
     let trade = match &options.trade {
         Some(path) => read(path)?,
         None => measured(options, manifest, host)?,
     };
     let programs = known(&trade, manifest).map_err(Failure::usage)?;
-    match choose(&trade, &programs, accuracy) {
+    // Whoever asks for a folder, for single runs or captures, or for JSON, needs runs.
+    let wants_times = options.out.is_none() && options.run.is_none() && !options.bonds;
+    let among = match wants_times && options.format == ResultsFormat::Text {
+        true => Among::All,
+        false => Among::Runs,
+    };
+    match choose(&trade, &programs, accuracy, among) {
         Ok(choice) => {
             warn(&format!(
                 "--accuracy {}: {}\n",
                 percent(accuracy),
                 choice.why
             ));
+            let Some(settings) = choice.settings else {
+                return Ok(false);
+            };
             manifest.settings = Settings {
                 max_ticks: manifest.settings.max_ticks,
-                ..choice.settings
+                ..settings
             };
-            Ok(())
+            Ok(true)
         }
         Err(reason) => Err(Failure::error(Exit::NotAccurate, reason)),
     }

@@ -12,11 +12,13 @@ use stochc_ir::visible;
 
 pub use options::Options;
 
+use super::estimate::{SHOWN, tell as tell_estimates};
 use super::interrupt::stop_on_interrupt;
 use super::results::{ResultsView, show};
 use super::terminal::{Terminal, print};
 use crate::exit::{Exit, Failure};
 use crate::operations::ensemble::{Made, Making, can_record, make, tell_of_doubts};
+use crate::operations::estimate::{Estimating, estimates};
 use crate::operations::runs::try_out_all;
 use stochc_ensemble::Manifest;
 use stochc_ensemble::Resume;
@@ -32,7 +34,18 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
     // Before anything is measured, and of the model that is then found.
     can_record(&manifest, options.record.as_ref())?;
     if let Some(accuracy) = options.accuracy {
-        accuracy::settle(options, accuracy, &mut manifest, &host)?;
+        let makes_runs = accuracy::settle(options, accuracy, &mut manifest, &host)?;
+        if !makes_runs {
+            let how = Estimating {
+                rates: &[],
+                runs: None,
+                max_ticks: options.max_ticks,
+                seed: options.seed,
+                threads: options.threads,
+            };
+            let estimates = estimates(manifest.programs, &how, &host)?;
+            return tell_estimates(&estimates, SHOWN, options.format);
+        }
     }
     // Also about a setting that was found.
     accuracy::comment(options, &manifest)?;

@@ -52,10 +52,8 @@ impl<'r> RateWorld<'r> {
         seed: u64,
         run: u64,
     ) -> Result<RateWorld<'r>, SceneError> {
-        match (&tables.aggregate, RateWorld::refusal(scene)) {
-            (Some(_), _) => return Err(not_known("aggregate")),
-            (None, Some(error)) => return Err(error),
-            _ => {}
+        if let Some(error) = RateWorld::refusal_of(tables, scene) {
+            return Err(error);
         }
         let given = rates.iter().find(|rates| rates.are_of(scene));
         let rates = given.or_else(|| Rates::built_in(scene));
@@ -71,6 +69,13 @@ impl<'r> RateWorld<'r> {
             draws: DrawsAhead::new(seed, run, Stream::Rate),
             drawn: 0,
         })
+    }
+
+    /// What a program or its scene has that the law does not know.
+    pub fn refusal_of(tables: &Tables, scene: &Scene) -> Option<SceneError> {
+        let is_aggregate = tables.aggregate.is_some();
+        let of_program = is_aggregate.then(|| not_known("aggregate"));
+        of_program.or_else(|| RateWorld::refusal(scene))
     }
 
     /// What a scene has that the law does not know.

@@ -1,0 +1,104 @@
+//! Rates of a scene that nobody has measured.
+use std::f64::consts::PI;
+use std::ops::RangeInclusive;
+
+use stochc_ir::scene::groups::{BlockUnits, Gas, speed};
+use stochc_ir::scene::{Bond, Scene};
+
+use crate::law::Parameters;
+use crate::rates::Rates;
+use crate::reach::RADIUS;
+
+/// What first guesses of mean waits were off by, beside rates that were measured (docs/rates.md): a factor, as a root mean square of
+/// its logarithm, and that of the worst; both rounded up.
+pub const GUESS_ERROR: (f64, f64) = (1.5, 3.0);
+
+/// The work of the pull over the energy of a block at which half of those that come into reach dock.
+const HALF: f64 = 2.13;
+
+/// How steeply that grows.
+const STEEPNESS: f64 = 9.4;
+
+/// Exponent of the density: where blocks are many, they knock each other out of reach.
+const CROWDING: f64 = 0.3;
+
+/// The numbers of the law, of which the first is the logarithm of a rate, where a block that comes into reach docks with a
+/// probability. Where hardly any does, it matters little how many come, and much what slows them; where all do, it is the other way round.
+/// What else there is, is as in another scene.
+fn parameters(rate: f64, probability: f64, like: Parameters) -> Parameters {
+    let fails = 1.0 - probability;
+    let [.., rival, cold] = like.0;
+    Parameters([
+        rate,
+        1.17 * probability.sqrt(),
+        0.25 + 1.25 * fails * fails,
+        0.4 + libm::pow(fails, 6.0),
+        0.75 * libm::pow(fails, 3.0) - 0.1,
+        4.65 + 2.4 * probability * fails,
+        -0.25,
+        -0.8,
+        rival,
+        cold,
+    ])
+}
+
+/// Where guesses were held against measurements: works over energies, and densities over that of the default scene.
+const WORKS: RangeInclusive<f64> = 1.2..=4.0;
+const DENSITIES: RangeInclusive<f64> = 0.4..=2.5;
+
+/// Layers of the gas that are near the ground in every enclosure.
+const LOW: usize = 12;
+
+impl Rates {
+    /// A first guess for scenes like the default one, in which magnets that are switched on catch a gas of blocks that kicks drive and drag
+    /// slows, from kinetic theory; `None`: others, of which its error is not known.
+    ///
+    /// Blocks of density n and mean speed v come into reach of a face at the rate n v A / 4, with A the surface of the sphere of reach,
+    /// and dock with the probability 1 / (1 + (x₀ / x)^s), with x the work of the pull over the energy of a block. The gas near the ground,
+    /// and blocks that are released, are as in the default scene.
+    pub fn first_guess(scene: &Scene) -> Option<Rates> {
+        let Some(Bond::Attract { pull, .. }) = &scene.bond else {
+            return None;
+        };
+        let is_other = scene.fluid.is_some() || scene.flow.is_some() || scene.gravity.is_some();
+        if is_other || scene.drag.is_none() || scene.contact.is_none() {
+            return None;
+        }
+        let typical = Rates::shipped().first()?;
+        let units = BlockUnits::of(scene);
+        let rms = units.speed(speed(scene).rms.filter(|rms| *rms > 0.0)?);
+        let usual = Gas::of(&typical.scene)?.density;
+        let density = Gas::of(scene)?.density;
+        let reached = 4.0
+            * PI
+            * RADIUS
+            * RADIUS
+            * usual
+            * libm::pow(density / usual, CROWDING)
+            * rms
+            * libm::sqrt(8.0 / (3.0 * PI))
+            / 4.0;
+        let work = units.force(pull.force) * units.length(pull.within) / (rms * rms / 2.0);
+        let is_known = WORKS.contains(&work) && DENSITIES.contains(&(density / usual));
+        if !is_known {
+            return None;
+        }
+        let docks = 1.0 / (1.0 + libm::pow(HALF / work, STEEPNESS));
+        let mut guess = Rates {
+            scene: scene.clone(),
+            simulated: "a first guess".to_owned(),
+            captures: 0,
+            free: scene.free.count,
+            ..typical.clone()
+        };
+        guess.profile.truncate(LOW);
+        let rate = libm::log(reached * docks);
+        guess.parameters = parameters(rate.clamp(-30.0, 30.0), docks, typical.parameters);
+        rate.is_finite().then_some(guess)
+    }
+
+    /// Whether nobody has measured them.
+    pub fn is_guess(&self) -> bool {
+        self.captures == 0
+    }
+}
