@@ -236,6 +236,8 @@ fn an_error_is_of_the_grammar_if_that_refuses_the_text() {
         "deny tight-approach\n",
         "allow tight-approach \"why\"",
         "/// to nothing\n",
+        "shape s { layer 1 { # } .. }",
+        "shape s { layer 1 { layer 2 { # } } }",
         "assembly a { } /// to nothing",
     ];
     let mut kinds = std::collections::HashSet::new();

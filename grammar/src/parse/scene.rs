@@ -36,7 +36,7 @@ impl Parser<'_, '_> {
                             what: "a row of cells",
                             within: "a shape",
                             belongs: "a layer: `layer 1 { ... }`",
-                            is_read: true,
+                            is_read: false,
                         },
                         span,
                     );
@@ -64,7 +64,7 @@ impl Parser<'_, '_> {
                     what: "a layer",
                     within: "a layer",
                     belongs: "a shape: close the layer before it",
-                    is_read: true,
+                    is_read: false,
                 },
                 span,
             );
