@@ -1,5 +1,7 @@
 //! First guesses of rates against those that were measured: `stochc calibrate` wrote the files of `data/`, of scenes that differ from the
 //! default one in one number.
+#![allow(clippy::disallowed_methods, reason = "tests read and write files")]
+
 use std::fs;
 
 use stochc_ir::{Cell, Face};
