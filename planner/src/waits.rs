@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use rustc_hash::FxHashMap;
 use stochc_ir::scene::Scene;
 use stochc_ir::{Cell, Face};
-use stochc_rates::{Parameters, Rates, SIGHT, Surroundings, Wait, around, offsets};
+use stochc_rates::{Neighbourhood, Parameters, Rates, Surroundings, Wait, around, offsets};
 
 use crate::grid::shifted;
 
@@ -33,7 +33,7 @@ pub struct Moment {
 pub struct RateLaw<'a> {
     measured: Option<&'a Rates>,
     /// Surroundings that have been asked for before, by layer, direction and the cells in sight that are full.
-    seen: RefCell<FxHashMap<(i32, Face, u128), Surroundings>>,
+    seen: RefCell<FxHashMap<(i32, Face, Neighbourhood), Surroundings>>,
     /// Mean waits in docking times, by [`STEPS`].
     scaled: RefCell<FxHashMap<i32, f64>>,
 }
@@ -94,36 +94,42 @@ impl<'a> RateLaw<'a> {
         if is_wall(&way) || aside().filter(is_wall).count() == 4 {
             return JAM;
         }
-        let (mut full, mut awaited) = (0, 0);
+        let mut full = Neighbourhood::on_ground(Cell::new(0, 0, cell.z.min(HIGHEST)));
+        let mut awaited = Neighbourhood::EMPTY;
         for offset in offsets(way) {
             let [dx, dy, dz] = offset;
             match stands(shifted(cell, dx, dy, dz)) {
                 Stand::Empty => {}
-                Stand::Awaited(_) => awaited |= bit(offset),
-                Stand::Full => full |= bit(offset),
+                Stand::Awaited(_) => awaited.block(offset),
+                Stand::Full => full.block(offset),
             }
         }
         let rival = aside().any(|face| stands(beside(face)) == Stand::Awaited(way));
         let without = self.wait(cell.z, way, full, moment, rival);
-        if awaited == 0 {
+        if awaited == Neighbourhood::EMPTY {
             return self.mean_of(without);
         }
-        let with = self.wait(cell.z, way, full | awaited, moment, false);
+        let with = self.wait(cell.z, way, full.and(awaited), moment, false);
         self.mean_of(without.between(with))
     }
 
-    fn wait(&self, layer: i32, way: Face, full: u128, moment: Moment, rival: bool) -> Wait {
+    fn wait(
+        &self,
+        layer: i32,
+        way: Face,
+        near: Neighbourhood,
+        moment: Moment,
+        rival: bool,
+    ) -> Wait {
         // The law asks for nothing but the layer of the cell.
         let cell = Cell::new(0, 0, layer.min(HIGHEST));
         let mut seen = self.seen.borrow_mut();
-        let seen = seen.entry((cell.z, way, full)).or_insert_with(|| {
-            let is_full =
-                |near: Cell| full & bit([near.x - cell.x, near.y - cell.y, near.z - cell.z]) != 0;
-            match self.measured {
-                Some(rates) => rates.surroundings(cell, way, is_full, |_| false),
-                None => around(cell, way, is_full, |_| false),
-            }
-        });
+        let seen = seen
+            .entry((cell.z, way, near))
+            .or_insert_with(|| match self.measured {
+                Some(rates) => rates.surroundings(cell, way, near, |_| false),
+                None => around(cell, way, near, |_| false),
+            });
         let parameters = self
             .measured
             .map_or(Parameters::TYPICAL, |rates| rates.parameters);
@@ -145,13 +151,6 @@ impl<'a> RateLaw<'a> {
         });
         *mean * wait.docking
     }
-}
-
-/// The bit of a cell so many steps away, none of them longer than [`SIGHT`].
-fn bit(steps: [i32; 3]) -> u128 {
-    let [x, y, z] = steps.map(|step| step + SIGHT);
-    let edge = 2 * SIGHT + 1;
-    1 << (x + edge * (y + edge * z))
 }
 
 #[cfg(test)]
@@ -202,7 +201,7 @@ mod tests {
                 ..around(
                     cell,
                     way,
-                    |near| is_full(near) || (with && is_awaited(near)),
+                    Neighbourhood::of(cell, |near| is_full(near) || (with && is_awaited(near))),
                     |near| !with && is_awaited(near),
                 )
             };

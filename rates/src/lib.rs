@@ -5,6 +5,7 @@
 mod first_guess;
 mod interaction;
 mod law;
+mod neighbourhood;
 mod rates;
 mod reach;
 mod surroundings;
@@ -14,6 +15,7 @@ mod wait;
 pub use first_guess::GUESS_ERROR;
 pub use interaction::Interaction;
 pub use law::{Parameter, Parameters, Surroundings};
+pub use neighbourhood::Neighbourhood;
 pub use rates::{Coverage, FORGOTTEN, FORMAT, HeadStart, Rates, density_in, relative};
 pub use reach::{SIGHT, offsets, sees, unobstructed};
 pub use surroundings::around;

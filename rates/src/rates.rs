@@ -6,6 +6,7 @@ use stochc_ir::scene::Scene;
 use stochc_ir::{Cell, Face};
 
 use crate::law::{Parameters, Surroundings};
+use crate::neighbourhood::Neighbourhood;
 use crate::surroundings::around;
 use crate::wait::Wait;
 
@@ -138,12 +139,12 @@ impl Rates {
         &self,
         cell: Cell,
         way: Face,
-        is_full: impl Fn(Cell) -> bool,
+        near: Neighbourhood,
         is_open: impl Fn(Cell) -> bool,
     ) -> Surroundings {
         Surroundings {
             density: self.density(cell.z),
-            ..around(cell, way, is_full, is_open)
+            ..around(cell, way, near, is_open)
         }
     }
 

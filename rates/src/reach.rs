@@ -1,7 +1,11 @@
 //! The part of a magnetized face's surroundings that a block can come through.
+use std::cell::RefCell;
 use std::sync::LazyLock;
 
+use rustc_hash::FxHashMap;
 use stochc_ir::{Cell, Face};
+
+use crate::neighbourhood::Neighbourhood;
 
 /// Points across the sphere around a face.
 const ACROSS: usize = 16;
@@ -27,22 +31,31 @@ type Points = [u64; WORDS];
 /// The cells that may block, for faces of one direction: offsets from the open cell, with the points that each blocks.
 type Blockers = Vec<([i32; 3], Points)>;
 
+/// Answers that are kept, at most.
+const KEPT: usize = 1 << 16;
+
+thread_local! {
+    /// What has been asked for before: the same surroundings come again and again.
+    static KNOWN: RefCell<FxHashMap<(Face, Neighbourhood), f64>> = RefCell::default();
+}
+
 /// The part of the sphere around a face that blocks and ground leave open, from 0 to 1.
 ///
-/// `cell` is where the captured block will sit, and `way` leads there from the block that captures. `is_full` is asked for
-/// cells above the plate only: everything below is ground.
-pub fn unobstructed(cell: Cell, way: Face, is_full: impl Fn(Cell) -> bool) -> f64 {
+/// `way` leads from the block that captures to the cell where the captured one will sit, which these cells are around.
+pub fn unobstructed(way: Face, around: Neighbourhood) -> f64 {
+    let around = around.within(IN_REACH[way as usize]);
+    KNOWN.with_borrow_mut(|known| {
+        if known.len() >= KEPT {
+            known.clear();
+        }
+        *(known.entry((way, around))).or_insert_with(|| left_open(way, around))
+    })
+}
+
+fn left_open(way: Face, around: Neighbourhood) -> f64 {
     let mut blocked: Points = [0; WORDS];
-    for ([x, y, z], points) in &BLOCKERS[way as usize] {
-        let height = cell.z.saturating_add(*z);
-        let there = || {
-            Some(Cell::new(
-                cell.x.checked_add(*x)?,
-                cell.y.checked_add(*y)?,
-                height,
-            ))
-        };
-        if height < 1 || there().is_some_and(&is_full) {
+    for (offset, points) in &BLOCKERS[way as usize] {
+        if around.is_blocked(*offset) {
             for (word, more) in blocked.iter_mut().zip(points) {
                 *word |= more;
             }
@@ -62,6 +75,15 @@ pub fn sees(open: Cell, other: Cell) -> bool {
 pub fn offsets(way: Face) -> impl Iterator<Item = [i32; 3]> {
     BLOCKERS[way as usize].iter().map(|(offset, _)| *offset)
 }
+
+/// The cells of a neighbourhood that may block, for faces of each direction.
+static IN_REACH: LazyLock<[Neighbourhood; 6]> = LazyLock::new(|| {
+    Face::ALL.map(|way| {
+        let mut all = Neighbourhood::EMPTY;
+        offsets(way).for_each(|offset| all.block(offset));
+        all
+    })
+});
 
 static BLOCKERS: LazyLock<[Blockers; 6]> = LazyLock::new(|| Face::ALL.map(blockers));
 
@@ -133,7 +155,7 @@ mod tests {
     const HIGH: Cell = Cell::new(0, 0, 50);
 
     fn with(cell: Cell, way: Face, full: &[Cell]) -> f64 {
-        unobstructed(cell, way, |cell| full.contains(&cell))
+        unobstructed(way, Neighbourhood::of(cell, |cell| full.contains(&cell)))
     }
 
     #[test]

@@ -5,7 +5,7 @@
 use std::fs;
 
 use stochc_ir::{Cell, Face};
-use stochc_rates::{GUESS_ERROR, Rates};
+use stochc_rates::{GUESS_ERROR, Neighbourhood, Rates};
 
 /// The numbers of the theory were chosen with these in sight.
 const SEEN: [&str; 7] = [
@@ -16,7 +16,12 @@ const SEEN: [&str; 7] = [
 fn waits(rates: &Rates) -> [f64; 5] {
     let tower = |x: i32, top: i32, cell: Cell| (cell.x, cell.y) == (x, 0) && cell.z <= top;
     let wait = |x: i32, z: i32, way: Face, is_full: &dyn Fn(Cell) -> bool| {
-        let seen = rates.surroundings(Cell::new(x, 0, z), way, is_full, |_| false);
+        let seen = rates.surroundings(
+            Cell::new(x, 0, z),
+            way,
+            Neighbourhood::of(Cell::new(x, 0, z), is_full),
+            |_| false,
+        );
         rates.wait(&seen).mean()
     };
     [

@@ -2,7 +2,7 @@
 use rustc_hash::{FxHashMap, FxHashSet};
 use smallvec::SmallVec;
 use stochc_ir::{Cell, Face};
-use stochc_rates::{HeadStart, Rates, Surroundings, Wait};
+use stochc_rates::{HeadStart, Neighbourhood, Rates, Surroundings, Wait};
 
 use super::occupancy::Occupancy;
 use super::phase_events::{PhaseEvent, bound, phase_events};
@@ -49,12 +49,10 @@ pub fn waits(program: &Program, levels: &[u32], rates: &Rates) -> Vec<Option<Cap
             let mates = bound[level as usize + 1] - bound[level as usize] - 1;
             let taken = bound[level as usize] as f64 + mates.max(0) as f64 / 2.0;
             let wait = |with_mates: bool| {
-                let around = rates.surroundings(
-                    cell,
-                    way,
-                    |near| near != cell && occupancy.is_full(near, level, with_mates),
-                    |near| !with_mates && open.contains(&(level, near, way)),
-                );
+                let is_full = |near| near != cell && occupancy.is_full(near, level, with_mates);
+                let is_open = |near| !with_mates && open.contains(&(level, near, way));
+                let near = Neighbourhood::of(cell, is_full);
+                let around = rates.surroundings(cell, way, near, is_open);
                 rates.wait(&Surroundings {
                     free: 1.0 - taken / f64::from(count.max(1)),
                     cold: cold && level == 1,

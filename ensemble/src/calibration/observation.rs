@@ -3,7 +3,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use stochc_ir::record::RunRecord;
 use stochc_ir::{Cell, Face};
-use stochc_rates::{FORGOTTEN, Surroundings, around, density_in, relative, sees};
+use stochc_rates::{FORGOTTEN, Neighbourhood, Surroundings, around, density_in, relative, sees};
 
 /// Squared distance in sides within which a block that is let go has a head start, at most.
 pub(super) const NEAR: u32 = 8;
@@ -184,7 +184,12 @@ impl Observations {
                 density,
                 free: f64::from(free) / f64::from(count.max(1)),
                 cold: wait.since == 0,
-                ..around(wait.cell, wait.way, |cell| full.contains(&cell), is_open)
+                ..around(
+                    wait.cell,
+                    wait.way,
+                    Neighbourhood::of(wait.cell, |cell| full.contains(&cell)),
+                    is_open,
+                )
             };
             let captured = wait.captured.is_some() && to == wait.until;
             if captured {

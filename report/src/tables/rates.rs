@@ -1,7 +1,7 @@
 //! The rates of a scene as text.
 use stochc_ensemble::text::{number, percent};
 use stochc_ir::{Cell, Face};
-use stochc_runtime::rates::{GUESS_ERROR, Parameters, Rates};
+use stochc_runtime::rates::{GUESS_ERROR, Neighbourhood, Parameters, Rates};
 
 use crate::text::{TextColumn, TextTable};
 
@@ -100,7 +100,8 @@ fn examples(rates: &Rates) -> TextTable {
     ];
     let waits: Vec<(f64, f64)> = (rows.iter())
         .map(|(_, cell, way, is_full)| {
-            let seen = rates.surroundings(*cell, *way, is_full, |_| false);
+            let seen =
+                rates.surroundings(*cell, *way, Neighbourhood::of(*cell, is_full), |_| false);
             let (mean, variance) = rates.wait(&seen).moments();
             (mean, variance.max(0.0).sqrt())
         })

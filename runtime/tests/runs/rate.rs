@@ -8,7 +8,7 @@ use stochc_ir::scene::Scene;
 use stochc_ir::state::State;
 use stochc_ir::table::Tables;
 use stochc_protocol::{BlockFace, Docking};
-use stochc_rates::{Coverage, FORMAT, HeadStart, Parameters, Rates};
+use stochc_rates::{Coverage, FORMAT, HeadStart, Neighbourhood, Parameters, Rates};
 use stochc_runtime::world::rate::RateWorld;
 use stochc_runtime::world::{Fault, World};
 use stochc_runtime::{Model, RunError, Settings, drive, run};
@@ -91,7 +91,12 @@ const SINGLE: &str =
 fn a_single_wait_has_the_distribution_of_the_law() {
     let (records, rates) = records(SINGLE, 4000);
     let bond = &records[0].bonds[0];
-    let mut seen = rates.surroundings(bond.cell, Face::Up, |_| false, |_| false);
+    let mut seen = rates.surroundings(
+        bond.cell,
+        Face::Up,
+        Neighbourhood::on_ground(bond.cell),
+        |_| false,
+    );
     seen.cold = true;
     let wait = rates.wait(&seen);
     let mut waits: Vec<f64> = records.iter().map(|record| record.ticks as f64).collect();
@@ -128,7 +133,12 @@ fn a_face_waits_longer_where_fewer_blocks_are_free() {
     };
     let waits: Vec<f64> = records.iter().map(last).collect();
     let bond = records[0].bonds.last().expect("there are four");
-    let mut seen = rates.surroundings(bond.cell, Face::Up, |_| false, |_| false);
+    let mut seen = rates.surroundings(
+        bond.cell,
+        Face::Up,
+        Neighbourhood::on_ground(bond.cell),
+        |_| false,
+    );
     seen.free = 0.25;
     agrees(&waits, rates.wait(&seen).mean() + 0.5);
 }
@@ -143,11 +153,19 @@ fn a_wait_goes_on_where_its_surroundings_change() {
         let [first, second] = &record.bonds[..] else {
             panic!("there are two")
         };
-        let mut alone =
-            rates.surroundings(second.cell, Face::Up, |_| false, |cell| cell == first.cell);
+        let mut alone = rates.surroundings(
+            second.cell,
+            Face::Up,
+            Neighbourhood::on_ground(second.cell),
+            |cell| cell == first.cell,
+        );
         alone.cold = true;
-        let mut after =
-            rates.surroundings(second.cell, Face::Up, |cell| cell == first.cell, |_| false);
+        let mut after = rates.surroundings(
+            second.cell,
+            Face::Up,
+            Neighbourhood::of(second.cell, |cell| cell == first.cell),
+            |_| false,
+        );
         after.cold = true;
         // Of as many blocks as are free; the hazard is that of the beginning thinned by chance.
         let before = rates.wait(&alone);

@@ -6,6 +6,7 @@ use smallvec::{SmallVec, smallvec};
 use stochc_ir::table::Tables;
 use stochc_ir::{Cell, Face};
 use stochc_protocol::{BlockFace, Body, Docking, Orientation};
+use stochc_rates::{Neighbourhood, SIGHT};
 
 use super::ranked::RankedSet;
 use grid::ChunkedGrid;
@@ -141,6 +142,17 @@ impl LatticeStructure {
     pub fn block(&self, cell: Cell) -> Option<usize> {
         let block = self.grid.get(cell).block;
         (block != NOBODY).then_some(block as usize)
+    }
+
+    /// The cells around one above the plate.
+    pub fn neighbourhood(&self, cell: Cell) -> Neighbourhood {
+        let mut found = Neighbourhood::on_ground(cell);
+        self.grid.each_near(cell, SIGHT, |offset, here| {
+            if here.block != NOBODY {
+                found.block(offset);
+            }
+        });
+        found
     }
 
     /// Where a block that docks on a face would sit; `None`: there is no room.

@@ -176,11 +176,11 @@ impl<'r> RateWorld<'r> {
     /// Puts the time of a face's capture on the agenda, from what is around it now.
     fn estimate(&mut self, face: usize) {
         let (lattice, rates) = (&self.lattice, self.rates);
-        let is_full = |cell: Cell| lattice.block(cell).is_some();
         let race = &self.race;
         let Some(racer) = race.face(face) else { return };
         let is_open = |cell: Cell| race.is_open(cell, racer.way);
-        let mut seen = rates.surroundings(racer.cell, racer.way, is_full, is_open);
+        let near = lattice.neighbourhood(racer.cell);
+        let mut seen = rates.surroundings(racer.cell, racer.way, near, is_open);
         seen.cold = racer.since == 0;
         seen.free = race.part();
         let wait = rates.wait(&seen);

@@ -1,0 +1,101 @@
+//! The cells around an open one.
+use stochc_ir::Cell;
+
+use crate::reach::SIGHT;
+
+/// Which cells that are no farther than [`SIGHT`] along each axis from a cell are blocked: by a block, or by the ground.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Neighbourhood(u128);
+
+/// Cells along each of its edges.
+const EDGE: i32 = 2 * SIGHT + 1;
+
+impl Neighbourhood {
+    /// That of a cell high above the ground, where nothing is.
+    pub const EMPTY: Neighbourhood = Neighbourhood(0);
+
+    /// That of a cell, by which cells above the plate are full: everything below is ground.
+    pub fn of(cell: Cell, is_full: impl Fn(Cell) -> bool) -> Neighbourhood {
+        let mut found = Neighbourhood::on_ground(cell);
+        for offset in all() {
+            if !found.is_blocked(offset) && shifted(cell, offset).is_some_and(&is_full) {
+                found.block(offset);
+            }
+        }
+        found
+    }
+
+    /// That of a cell above the plate where there is no block.
+    pub fn on_ground(cell: Cell) -> Neighbourhood {
+        let mut found = Neighbourhood::EMPTY;
+        if cell.z <= SIGHT {
+            for offset in all().filter(|[.., z]| cell.z + z < 1) {
+                found.block(offset);
+            }
+        }
+        found
+    }
+
+    /// Blocks a cell so many steps away, none of them longer than [`SIGHT`].
+    pub fn block(&mut self, offset: [i32; 3]) {
+        self.0 |= bit(offset);
+    }
+
+    /// Whether a cell so many steps away is blocked, none of them longer than [`SIGHT`].
+    pub fn is_blocked(self, offset: [i32; 3]) -> bool {
+        self.0 & bit(offset) != 0
+    }
+
+    /// What is blocked here or there.
+    #[must_use]
+    pub fn and(self, other: Neighbourhood) -> Neighbourhood {
+        Neighbourhood(self.0 | other.0)
+    }
+
+    /// What is blocked here and of interest there.
+    #[must_use]
+    pub(crate) fn within(self, other: Neighbourhood) -> Neighbourhood {
+        Neighbourhood(self.0 & other.0)
+    }
+}
+
+/// The offsets of all cells of a neighbourhood.
+fn all() -> impl Iterator<Item = [i32; 3]> {
+    let range = || -SIGHT..=SIGHT;
+    range().flat_map(move |x| range().flat_map(move |y| range().map(move |z| [x, y, z])))
+}
+
+fn shifted(cell: Cell, [x, y, z]: [i32; 3]) -> Option<Cell> {
+    Some(Cell::new(
+        cell.x.checked_add(x)?,
+        cell.y.checked_add(y)?,
+        cell.z.checked_add(z)?,
+    ))
+}
+
+fn bit(offset: [i32; 3]) -> u128 {
+    let [x, y, z] = offset.map(|step| step + SIGHT);
+    1 << (x + EDGE * (y + EDGE * z))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_cell_has_a_place_of_its_own_and_the_ground_is_blocked() {
+        for z in 1..5 {
+            let cell = Cell::new(7, -3, z);
+            let is_full = |near: Cell| (near.x + 2 * near.y + 3 * near.z) % 5 == 0;
+            let found = Neighbourhood::of(cell, is_full);
+            for [dx, dy, dz] in all() {
+                let near = Cell::new(7 + dx, dy - 3, z + dz);
+                let expected = near.z < 1 || is_full(near);
+                assert_eq!(found.is_blocked([dx, dy, dz]), expected, "{near}");
+            }
+        }
+        let edge = Cell::new(i32::MAX, i32::MIN, i32::MAX);
+        let found = Neighbourhood::of(edge, |_| true);
+        assert!(found.is_blocked([-1, 1, -1]) && !found.is_blocked([1, 0, 0]));
+    }
+}
