@@ -42,11 +42,17 @@ impl SecretKey {
 
     /// The key in a file, which is made if it is not there.
     fn at(path: &Path) -> io::Result<SecretKey> {
-        match read(path) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => make(path)?,
-            found => return found.map(SecretKey),
-        }
-        read(path).map(SecretKey)
+        let key = match read(path) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                make(path).and_then(|()| read(path))
+            }
+            found => found,
+        };
+        let named = |error: io::Error| {
+            let path = path.display();
+            io::Error::new(error.kind(), format!("the key `{path}`: {error}"))
+        };
+        key.map(SecretKey).map_err(named)
     }
 
     fn hmac(&self) -> Hmac<Sha256> {
@@ -115,11 +121,6 @@ fn place() -> io::Result<PathBuf> {
     Ok(states.join("stochc").join("key"))
 }
 
-fn wrong(path: &Path, what: &str) -> io::Error {
-    let path = path.display();
-    io::Error::other(format!("the key `{path}` {what}"))
-}
-
 fn read(path: &Path) -> io::Result<[u8; LENGTH]> {
     let file = fs::File::open(path)?;
     let metadata = file.metadata()?;
@@ -127,12 +128,12 @@ fn read(path: &Path) -> io::Result<[u8; LENGTH]> {
     {
         use std::os::unix::fs::PermissionsExt as _;
         if metadata.permissions().mode() & 0o077 != 0 {
-            return Err(wrong(path, "can be read by others; `chmod 600` it"));
+            return Err(io::Error::other("others can read it; `chmod 600` it"));
         }
     }
     let mut key = [0; LENGTH];
     if !metadata.is_file() || metadata.len() != LENGTH as u64 {
-        return Err(wrong(path, "is none; remove it"));
+        return Err(io::Error::other("it is none; remove it"));
     }
     (&file).read_exact(&mut key)?;
     Ok(key)
@@ -212,7 +213,7 @@ mod tests {
         SecretKey::at(&path).unwrap();
         fs::set_permissions(&path, fs::Permissions::from_mode(0o644)).unwrap();
         let error = SecretKey::at(&path).unwrap_err().to_string();
-        assert!(error.contains("can be read by others"), "{error}");
+        assert!(error.contains("others can read it"), "{error}");
         fs::set_permissions(&path, fs::Permissions::from_mode(0o600)).unwrap();
         fs::OpenOptions::new()
             .write(true)
@@ -220,6 +221,8 @@ mod tests {
             .and_then(|file| file.set_len(5))
             .unwrap();
         let error = SecretKey::at(&path).unwrap_err().to_string();
-        assert!(error.contains("is none; remove it"), "{error}");
+        assert!(error.contains("it is none; remove it"), "{error}");
+        let error = SecretKey::at(&path.join("stochc/key")).unwrap_err();
+        assert!(error.to_string().contains("stochc/key`: "), "{error}");
     }
 }
