@@ -59,30 +59,18 @@ impl Samples {
     fn times(&self, schedule: &Schedule, waiting: &Waiting, times: &mut Vec<f32>) {
         let runs = self.runs;
         times.clear();
-        times.resize(schedule.order.len() * runs, 0.0);
+        times.reserve(schedule.order.len() * runs);
         // When the phase before is over.
         let mut begin = vec![0.0f32; runs];
         for (i, (&site, before)) in schedule.order.iter().zip(&waiting.before).enumerate() {
-            let (done, rest) = times.split_at_mut(i * runs);
-            let here = &mut rest[..runs];
             if i == schedule.first_phase {
-                for times in done.chunks_exact(runs) {
+                for times in times.chunks_exact(runs) {
                     let pairs = begin.iter_mut().zip(times);
                     pairs.for_each(|(begin, &time)| *begin = begin.max(time));
                 }
             }
-            here.copy_from_slice(&begin);
-            for &other in before {
-                let other = &done[other as usize * runs..][..runs];
-                for (here, &other) in here.iter_mut().zip(other) {
-                    *here = here.max(other);
-                }
-            }
-            let waits = &self.waits[site as usize * runs..][..runs];
-            let mean = schedule.mean[site as usize];
-            for (here, &wait) in here.iter_mut().zip(waits) {
-                *here += mean * wait;
-            }
+            times.extend_from_slice(&begin);
+            self.wait(site, schedule.mean[site as usize], before, times);
         }
     }
 
@@ -98,10 +86,14 @@ impl Samples {
 
     /// Adds the times of one more site, which waits for those at these places.
     pub fn extend(&self, site: u32, mean: f32, before: &[u32], times: &mut Vec<f32>) {
+        times.resize(times.len() + self.runs, 0.0);
+        self.wait(site, mean, before, times);
+    }
+
+    /// Turns the last times, when a site may begin to wait at the earliest, into when its block comes.
+    fn wait(&self, site: u32, mean: f32, before: &[u32], times: &mut [f32]) {
         let runs = self.runs;
-        let done = times.len();
-        times.resize(done + runs, 0.0);
-        let (done, here) = times.split_at_mut(done);
+        let (done, here) = times.split_at_mut(times.len() - runs);
         for &other in before {
             let other = &done[other as usize * runs..][..runs];
             for (here, &other) in here.iter_mut().zip(other) {

@@ -60,7 +60,7 @@ impl Neighbourhood {
 }
 
 /// The offsets of all cells of a neighbourhood.
-fn all() -> impl Iterator<Item = [i32; 3]> {
+pub(crate) fn all() -> impl Iterator<Item = [i32; 3]> {
     let range = || -SIGHT..=SIGHT;
     range().flat_map(move |x| range().flat_map(move |y| range().map(move |z| [x, y, z])))
 }

@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 use rustc_hash::FxHashMap;
 use stochc_ir::{Cell, Face};
 
-use crate::neighbourhood::Neighbourhood;
+use crate::neighbourhood::{Neighbourhood, all};
 
 /// Points across the sphere around a face.
 const ACROSS: usize = 16;
@@ -89,9 +89,7 @@ static BLOCKERS: LazyLock<[Blockers; 6]> = LazyLock::new(|| Face::ALL.map(blocke
 
 fn blockers(way: Face) -> Blockers {
     let points = points(way);
-    let range = || -SIGHT..=SIGHT;
-    let offsets = range().flat_map(|x| range().flat_map(move |y| range().map(move |z| [x, y, z])));
-    let mut found: Blockers = offsets
+    let mut found: Blockers = all()
         .filter_map(|offset| {
             let mut blocked: Points = [0; WORDS];
             for (number, point) in points.iter().enumerate() {

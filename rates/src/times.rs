@@ -43,6 +43,16 @@ impl Times {
     }
 }
 
+impl Times {
+    /// The same of those that got there, if that is at least half of `all`.
+    pub fn of_most(times: Vec<f64>, all: usize) -> Option<Times> {
+        match 2 * times.len() >= all {
+            true => Times::of(times),
+            false => None,
+        }
+    }
+}
+
 /// So many standard deviations to either side hold 95 % of a normal distribution.
 const NORMAL: f64 = 1.96;
 

@@ -77,10 +77,7 @@ impl Estimate {
             .map(|time| time.time)
             .collect();
         let completed = times.len() as u64;
-        let of_most = |times: Vec<f64>| match 2 * times.len() >= records.len() {
-            true => Times::of(times),
-            false => None,
-        };
+        let of_most = |times: Vec<f64>| Times::of_most(times, records.len());
         let phases = program
             .phases()
             .iter()

@@ -81,7 +81,7 @@ pub fn estimate(program: &Program, rates: Option<&Rates>) -> Option<Cost> {
     let sampled = sampling::sample(program, order, &waits);
     let complete = sampled.draws.iter().filter(|draw| draw.is_complete);
     let complete: Vec<f64> = complete.map(|draw| draw.ticks).collect();
-    cost.total = sampling::of_most(complete, sampled.draws.len());
+    cost.total = Times::of_most(complete, sampled.draws.len());
     cost.draws = sampled.draws;
     for (phase, times) in cost.phases.iter_mut().zip(sampled.phases) {
         phase.times = times;

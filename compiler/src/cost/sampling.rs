@@ -49,11 +49,6 @@ pub struct Sampled {
     pub shares: Vec<f64>,
 }
 
-/// Mean and quantiles of the times of those that got there, if at least half of all did.
-pub fn of_most(times: Vec<f64>, all: usize) -> Option<Times> {
-    (2 * times.len() >= all).then(|| Times::of(times)).flatten()
-}
-
 /// Goes through a program many times.
 pub fn sample(program: &Program, order: &Order, waits: &[Option<CaptureWait>]) -> Sampled {
     let steps = steps(program, order);
@@ -126,7 +121,7 @@ pub fn sample(program: &Program, order: &Order, waits: &[Option<CaptureWait>]) -
         .for_each(|ticks| *ticks /= all.max(f64::MIN_POSITIVE));
     let phases = durations.into_iter();
     Sampled {
-        phases: phases.map(|them| of_most(them, times)).collect(),
+        phases: phases.map(|them| Times::of_most(them, times)).collect(),
         draws,
         has_race,
         shares: decided,

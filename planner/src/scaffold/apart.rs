@@ -1,5 +1,5 @@
 //! Taking a target with its masts apart, from the ends of what hangs on what.
-use std::collections::BinaryHeap;
+use std::collections::BTreeSet;
 
 use crate::disassembly::Disassembly;
 use crate::free_space::FreeSpace;
@@ -20,7 +20,7 @@ pub fn take_apart(
     }
     // The bits of positive numbers are ordered as they are.
     let urgency = |site: u32| (times[site as usize].to_bits(), site);
-    let mut ends: BinaryHeap<(u32, u32)> = (0..count as u32)
+    let mut ends: BTreeSet<(u32, u32)> = (0..count as u32)
         .filter(|&site| holds[site as usize] == 0)
         .map(urgency)
         .collect();
@@ -28,14 +28,9 @@ pub fn take_apart(
     let mut order = Vec::with_capacity(count);
     let mut is_tight = vec![false; count];
     while order.len() < count {
-        let by_urgency = || {
-            let mut ends = ends.clone().into_sorted_vec();
-            ends.reverse();
-            ends
-        };
         let stood = |site: u32| stands[site as usize];
         let may_go = |space: &FreeSpace| {
-            let mut ends = by_urgency().into_iter();
+            let mut ends = ends.iter().rev().copied();
             ends.find(|&(_, site)| space.has_way(sites, site, &stood))
         };
         let (_, site) = may_go(&spaces[0]).or_else(|| {
@@ -43,14 +38,14 @@ pub fn take_apart(
             is_tight[narrow.1 as usize] = true;
             Some(narrow)
         })?;
-        ends.retain(|&(_, other)| other != site);
+        ends.remove(&urgency(site));
         stands[site as usize] = false;
         order.push(site);
         let holder = holders[site as usize];
         if holder != NONE {
             holds[holder as usize] -= 1;
             if holds[holder as usize] == 0 {
-                ends.push(urgency(holder));
+                ends.insert(urgency(holder));
             }
         }
         for space in &mut spaces {

@@ -32,8 +32,6 @@ pub struct Branching<'a> {
     left: u64,
     /// Whether branches are given up; tests look at all of them.
     prunes: bool,
-    /// Keys that say nothing.
-    keys: Vec<f32>,
 }
 
 /// What came out.
@@ -64,7 +62,6 @@ impl<'a> Branching<'a> {
             best: None,
             left: 0,
             prunes: true,
-            keys: vec![0.5; job.sites.len()],
         }
     }
 
@@ -72,7 +69,8 @@ impl<'a> Branching<'a> {
     pub fn search(mut self, value: f64, left: u64) -> Searched {
         (self.value, self.left) = (value, left);
         let job = self.job;
-        let keys = std::mem::take(&mut self.keys);
+        // They decide nothing here.
+        let keys = vec![0.5; job.sites.len()];
         let state = job.begin(&keys);
         self.branch(&state, 0.0, &[], 0);
         Searched {
