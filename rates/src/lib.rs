@@ -18,7 +18,7 @@ pub use law::{Parameter, Parameters, Surroundings};
 pub use neighbourhood::Neighbourhood;
 pub use rates::{Coverage, FORGOTTEN, FORMAT, HeadStart, Rates, density_in, relative};
 pub use reach::{SIGHT, offsets, sees, unobstructed};
-pub use surroundings::around;
+pub use surroundings::{around, feature_cells};
 pub use times::{Times, quantile};
 pub use wait::{STAGES, Wait};
 

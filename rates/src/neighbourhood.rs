@@ -1,10 +1,12 @@
 //! The cells around an open one.
+use serde::{Deserialize, Serialize};
 use stochc_ir::Cell;
 
 use crate::reach::SIGHT;
 
 /// Which cells that are no farther than [`SIGHT`] along each axis from a cell are blocked: by a block, or by the ground.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(transparent)]
 pub struct Neighbourhood(u128);
 
 /// Cells along each of its edges.
@@ -41,6 +43,14 @@ impl Neighbourhood {
         self.0 |= bit(offset);
     }
 
+    /// Blocks a cell so many steps away, none of them longer than [`SIGHT`], or frees it.
+    pub fn set(&mut self, offset: [i32; 3], is_blocked: bool) {
+        match is_blocked {
+            true => self.0 |= bit(offset),
+            false => self.0 &= !bit(offset),
+        }
+    }
+
     /// Whether a cell so many steps away is blocked, none of them longer than [`SIGHT`].
     pub fn is_blocked(self, offset: [i32; 3]) -> bool {
         self.0 & bit(offset) != 0
@@ -54,7 +64,7 @@ impl Neighbourhood {
 
     /// What is blocked here and of interest there.
     #[must_use]
-    pub(crate) fn within(self, other: Neighbourhood) -> Neighbourhood {
+    pub fn within(self, other: Neighbourhood) -> Neighbourhood {
         Neighbourhood(self.0 & other.0)
     }
 }

@@ -43,7 +43,7 @@ thread_local! {
 ///
 /// `way` leads from the block that captures to the cell where the captured one will sit, which these cells are around.
 pub fn unobstructed(way: Face, around: Neighbourhood) -> f64 {
-    let around = around.within(IN_REACH[way as usize]);
+    let around = around.within(in_reach(way));
     KNOWN.with_borrow_mut(|known| {
         if known.len() >= KEPT {
             known.clear();
@@ -76,7 +76,11 @@ pub fn offsets(way: Face) -> impl Iterator<Item = [i32; 3]> {
     BLOCKERS[way as usize].iter().map(|(offset, _)| *offset)
 }
 
-/// The cells of a neighbourhood that may block, for faces of each direction.
+/// The cells of a neighbourhood that may block, for faces of a direction.
+pub(crate) fn in_reach(way: Face) -> Neighbourhood {
+    IN_REACH[way as usize]
+}
+
 static IN_REACH: LazyLock<[Neighbourhood; 6]> = LazyLock::new(|| {
     Face::ALL.map(|way| {
         let mut all = Neighbourhood::EMPTY;

@@ -1,8 +1,8 @@
 //! The project's own worlds through their public interface, and Rapier as they set it up.
 use std::error::Error;
 
-use stochc_ir::scene::{Drag, Enclosure, Scene};
 use stochc_compiler::scene::built_in;
+use stochc_ir::scene::{Drag, Enclosure, Scene};
 use stochc_ir::table::Plate;
 use stochc_peers::drive::{Gas, State, arguments, serve};
 use stochc_peers::rapier::Rapier;
@@ -32,10 +32,9 @@ fn main() -> Result<(), Box<dyn Error>> {
             RapierWorld::new(&scene, &PLATE, &settings, SEED, 0)?,
             blocks,
         ),
-        "rigid-world" | "rigid-world-double" => Own::of(
-            RigidWorld::new(&scene, &PLATE, &settings, SEED, 0)?,
-            blocks,
-        ),
+        "rigid-world" | "rigid-world-double" => {
+            Own::of(RigidWorld::new(&scene, &PLATE, &settings, SEED, 0)?, blocks)
+        }
         _ => return Err("unknown engine".into()),
     };
     serve(&mut *gas, "stochc")

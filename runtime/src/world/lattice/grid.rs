@@ -6,12 +6,17 @@ use stochc_ir::Cell;
 /// Cells along each side of a chunk.
 const SIDE: i32 = 4;
 
-/// A value for every cell, kept in cubes of cells.
+/// Cells of a chunk.
+const CELLS: usize = SIDE.pow(3) as usize;
+
+/// A value and a mark for every cell, kept in cubes of cells.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct ChunkedGrid<T> {
     /// Where the chunk of a corner begins.
     chunks: FxHashMap<[i32; 3], u32>,
     cells: Vec<T>,
+    /// The marked cells of each chunk, one bit each.
+    marks: Vec<u64>,
     default: T,
 }
 
@@ -21,6 +26,7 @@ impl<T: Copy> ChunkedGrid<T> {
         ChunkedGrid {
             chunks: FxHashMap::default(),
             cells: Vec::new(),
+            marks: Vec::new(),
             default,
         }
     }
@@ -31,8 +37,19 @@ impl<T: Copy> ChunkedGrid<T> {
         start.map_or(self.default, |start| self.cells[*start as usize + offset])
     }
 
-    /// Shows the cells that are at most so many steps away along each axis, by their offsets, but for those of which nothing has been said.
-    pub fn each_near(&self, centre: Cell, steps: i32, mut show: impl FnMut([i32; 3], T)) {
+    /// Marks a cell, or takes its mark away.
+    pub fn mark(&mut self, cell: Cell, is_marked: bool) {
+        let (chunk, offset) = place(cell);
+        let start = self.chunk(chunk);
+        let marks = &mut self.marks[start as usize / CELLS];
+        match is_marked {
+            true => *marks |= 1 << offset,
+            false => *marks &= !(1 << offset),
+        }
+    }
+
+    /// Shows the marked cells that are at most so many steps away along each axis, by their offsets.
+    pub fn each_marked_near(&self, centre: Cell, steps: i32, mut show: impl FnMut([i32; 3])) {
         let centre = [centre.x, centre.y, centre.z];
         let low = centre.map(|at| at.saturating_sub(steps));
         let high = centre.map(|at| at.saturating_add(steps));
@@ -40,24 +57,20 @@ impl<T: Copy> ChunkedGrid<T> {
         for x in chunks(0) {
             for y in chunks(1) {
                 for z in chunks(2) {
-                    let chunk = [x, y, z];
-                    let Some(&start) = self.chunks.get(&chunk) else {
+                    let Some(&start) = self.chunks.get(&[x, y, z]) else {
                         continue;
                     };
-                    // The cells of the chunk that are near, from its corner.
-                    let [xs, ys, zs] = [0, 1, 2].map(|axis| {
-                        let corner = chunk[axis] * SIDE;
-                        (low[axis].max(corner) - corner)
-                            ..=(high[axis].min(corner + SIDE - 1) - corner)
-                    });
-                    for i in xs {
-                        for j in ys.clone() {
-                            for k in zs.clone() {
-                                let inside = [i, j, k];
-                                let offset = [0, 1, 2]
-                                    .map(|axis| chunk[axis] * SIDE + inside[axis] - centre[axis]);
-                                show(offset, self.cells[start as usize + number(inside)]);
-                            }
+                    let mut marks = self.marks[start as usize / CELLS];
+                    while marks != 0 {
+                        let number = marks.trailing_zeros() as i32;
+                        marks &= marks - 1;
+                        let cell = [
+                            x * SIDE + number / (SIDE * SIDE),
+                            y * SIDE + number / SIDE % SIDE,
+                            z * SIDE + number % SIDE,
+                        ];
+                        if (0..3).all(|axis| (low[axis]..=high[axis]).contains(&cell[axis])) {
+                            show([0, 1, 2].map(|axis| cell[axis] - centre[axis]));
                         }
                     }
                 }
@@ -65,14 +78,19 @@ impl<T: Copy> ChunkedGrid<T> {
         }
     }
 
+    /// Where a chunk begins, which is there from now on.
+    fn chunk(&mut self, chunk: [i32; 3]) -> u32 {
+        *self.chunks.entry(chunk).or_insert_with(|| {
+            let start = self.cells.len();
+            self.cells.resize(start + CELLS, self.default);
+            self.marks.push(0);
+            start as u32
+        })
+    }
+
     pub fn get_mut(&mut self, cell: Cell) -> &mut T {
         let (chunk, offset) = place(cell);
-        let start = *self.chunks.entry(chunk).or_insert_with(|| {
-            let start = self.cells.len();
-            self.cells
-                .resize(start + SIDE.pow(3) as usize, self.default);
-            start as u32
-        });
+        let start = self.chunk(chunk);
         &mut self.cells[start as usize + offset]
     }
 }

@@ -23,6 +23,7 @@ pub(super) struct LatticeStructure {
     pub seeds: Vec<Cell>,
     /// Where each block is, while it is anchored.
     pub seats: Vec<AnchoredBlock>,
+    /// Cells with a block are marked.
     grid: ChunkedGrid<CellContent>,
     /// The blocks that are free, by number.
     pub free: RankedSet,
@@ -101,6 +102,7 @@ impl LatticeStructure {
         });
         for (number, &cell) in (0..).zip(&seeds) {
             grid.get_mut(cell).block = number;
+            grid.mark(cell, true);
         }
         let seat = |cell| AnchoredBlock {
             cell,
@@ -147,11 +149,8 @@ impl LatticeStructure {
     /// The cells around one above the plate.
     pub fn neighbourhood(&self, cell: Cell) -> Neighbourhood {
         let mut found = Neighbourhood::on_ground(cell);
-        self.grid.each_near(cell, SIGHT, |offset, here| {
-            if here.block != NOBODY {
-                found.block(offset);
-            }
-        });
+        self.grid
+            .each_marked_near(cell, SIGHT, |offset| found.block(offset));
         found
     }
 
@@ -240,8 +239,10 @@ impl LatticeStructure {
         let content = self.grid.get_mut(cell);
         content.block = child as u32;
         content.aimed &= !bit(way);
+        let is_aimed_at = content.aimed != 0;
+        self.grid.mark(cell, true);
         let mut changes: Changes = smallvec![FaceChange::Closed(on)];
-        if content.aimed != 0 {
+        if is_aimed_at {
             let blocked = self.aimed(cell);
             changes.extend(blocked.map(|(seat, face)| FaceChange::Closed(number(seat, face))));
         }
@@ -271,6 +272,7 @@ impl LatticeStructure {
         let cell = of.across(face)?;
         let child = self.block(cell)?;
         self.grid.get_mut(cell).block = NOBODY;
+        self.grid.mark(cell, false);
         self.free.insert(child - self.seeds.len());
         let opened = self.aimed(cell);
         let changes = opened.map(|(seat, face)| FaceChange::Opened(number(seat, face)));

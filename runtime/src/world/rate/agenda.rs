@@ -4,11 +4,13 @@ use std::collections::BinaryHeap;
 
 use serde::{Deserialize, Serialize};
 
+use super::race::Slot;
+
 /// Something that may happen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct ScheduledCapture {
-    /// The face that captures.
-    pub face: usize,
+    /// Where the face that captures is kept.
+    pub slot: Slot,
     /// The opening of the face that it was meant for.
     pub opening: u64,
     /// Which block; `None`: any that is free.

@@ -5,18 +5,18 @@
 mod agenda;
 mod race;
 
-use smallvec::SmallVec;
-use stochc_ir::Cell;
+use rustc_hash::FxHashMap;
 use stochc_ir::scene::{Bond, Scene};
 use stochc_ir::table::Tables;
+use stochc_ir::{Cell, Face};
 use stochc_protocol::{BlockFace, Docking};
-use stochc_rates::{FORGOTTEN, Rates};
+use stochc_rates::{FORGOTTEN, Neighbourhood, Rates, Wait, feature_cells};
 
 use super::lattice::{Changes, FaceChange, LatticeStructure, site};
 use super::{Fault, SceneError, World};
 use crate::counter_rng::{DrawsAhead, Stream, below, unit};
 use agenda::{CaptureQueue, ScheduledCapture};
-use race::{OpenFace, Race};
+use race::{OpenFace, Race, Slot, Slots};
 
 /// A world of cells in which waits are drawn.
 #[derive(Clone, Debug)]
@@ -28,6 +28,8 @@ pub struct RateWorld<'r> {
     agenda: CaptureQueue,
     /// Blocks released lately: when, from which cell, and which.
     released: Vec<(u64, Cell, u32)>,
+    /// Waits that have been asked for, of a gas with as many free blocks as at the beginning.
+    waits: FxHashMap<Seen, Wait>,
     draws: DrawsAhead,
     /// Draws so far.
     drawn: u64,
@@ -37,8 +39,22 @@ stochc_ir::state! {
     () RateWorld<'_>;
     values: tick, lattice, race, agenda, released, drawn;
     parts: ;
-    same: rates, draws
+    // Of waits it only saves working them out again.
+    same: rates, waits, draws
 }
+
+/// All that a wait depends on, but for the number of free blocks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct Seen {
+    near: Neighbourhood,
+    layer: i32,
+    way: Face,
+    has_rival: bool,
+    is_cold: bool,
+}
+
+/// Waits that are kept, at most.
+const KEPT: usize = 1 << 16;
 
 impl<'r> RateWorld<'r> {
     /// The world of a program in a scene, by rates that were measured there; its chance is that of (`seed`, `run`).
@@ -65,6 +81,7 @@ impl<'r> RateWorld<'r> {
             race: Race::new(count),
             agenda: CaptureQueue::default(),
             released: Vec::new(),
+            waits: FxHashMap::default(),
             rates,
             draws: DrawsAhead::new(seed, run, Stream::Rate),
             drawn: 0,
@@ -97,59 +114,52 @@ impl<'r> RateWorld<'r> {
         self.draws.block(self.drawn - 1, 0)
     }
 
-    /// Takes in what happened to faces, and to the surroundings of a cell.
-    fn note(&mut self, changes: &Changes, around: Option<Cell>) {
+    /// Takes in what happened to faces, and to a cell that is full now or empty.
+    fn note(&mut self, changes: &Changes, filled: Option<(Cell, bool)>) {
+        let mut changed = Slots::new();
         for change in changes {
             match *change {
-                FaceChange::Opened(face) => self.open(face),
-                FaceChange::Closed(face) => self.race.close(face),
+                FaceChange::Opened(face) => self.open(face, &mut changed),
+                FaceChange::Closed(face) => self.race.close(face, &mut changed),
             }
         }
-        let targets = changes.iter().filter_map(|change| {
-            let (FaceChange::Opened(face) | FaceChange::Closed(face)) = *change;
-            let (seat, face) = site(face);
-            self.lattice.seats[seat].across(face)
-        });
-        let mut cells: SmallVec<[Cell; 4]> = targets.chain(around).collect();
-        cells.sort_unstable();
-        cells.dedup();
-        for cell in cells {
-            self.reconsider(cell);
+        if let Some((cell, is_full)) = filled {
+            self.race.fill(cell, is_full, &mut changed);
+        }
+        self.race.sort(&mut changed);
+        for slot in changed {
+            self.estimate(slot);
         }
     }
 
     /// A face begins to wait; for how long, nobody has said yet.
-    fn open(&mut self, face: usize) {
+    fn open(&mut self, face: usize, changed: &mut Slots) {
         let (seat, own) = site(face);
         let of = self.lattice.seats[seat];
         let Some(cell) = of.across(own) else { return };
         let way = of.orientation.to_structure(own);
+        let near = self.lattice.neighbourhood(cell);
         let [threshold, ..] = self.draw();
-        let opening = self.race.open(
-            face,
-            OpenFace::new(cell, way, self.tick, exponential(threshold)),
-        );
+        let left = exponential(threshold);
+        let open = OpenFace::new(face, (cell, way), near, self.tick, left);
+        let slot = self.race.open(open, changed);
         // Those who were let go near it are still there.
         let tick = self.tick;
         self.released.retain(|(when, ..)| tick < when + FORGOTTEN);
-        for (when, from, block) in self.released.clone() {
+        for number in 0..self.released.len() {
+            let (when, from, block) = self.released[number];
             let left = 1.0 - (tick - when) as f64 / FORGOTTEN as f64;
-            self.head_start(face, opening, cell, from, block, left);
+            self.head_start(slot, from, block, left);
         }
     }
 
     /// By chance, a block that was let go near an open face comes first.
-    fn head_start(
-        &mut self,
-        face: usize,
-        opening: u64,
-        cell: Cell,
-        from: Cell,
-        block: u32,
-        left: f64,
-    ) {
-        let way = self.race.face(face).map(|it| it.way);
-        let Some(start) = way.and_then(|way| self.rates.head_start(cell, way, from)) else {
+    fn head_start(&mut self, slot: Slot, from: Cell, block: u32, left: f64) {
+        let Some(face) = self.race.face(slot) else {
+            return;
+        };
+        let opening = face.opening();
+        let Some(start) = self.rates.head_start(face.cell, face.way, from) else {
             return;
         };
         let [whether, when, ..] = self.draw();
@@ -158,7 +168,7 @@ impl<'r> RateWorld<'r> {
             self.agenda.push(
                 time,
                 ScheduledCapture {
-                    face,
+                    slot,
                     opening,
                     block: Some(block),
                 },
@@ -166,41 +176,45 @@ impl<'r> RateWorld<'r> {
         }
     }
 
-    /// Faces near a cell see something else from now on.
-    fn reconsider(&mut self, cell: Cell) {
-        for face in self.race.near(cell) {
-            self.estimate(face);
+    /// Puts the time of a face's capture on the agenda, from what is around it now.
+    fn estimate(&mut self, slot: Slot) {
+        let Some(face) = self.race.face(slot) else {
+            return;
+        };
+        let opening = face.opening();
+        let mut wait = self.wait(face.cell, seen_by(face));
+        wait.rate *= self.race.part();
+        if let Some(time) = self.race.update(slot, self.tick, wait) {
+            let entry = ScheduledCapture {
+                slot,
+                opening,
+                block: None,
+            };
+            self.agenda.push(time, entry);
         }
     }
 
-    /// Puts the time of a face's capture on the agenda, from what is around it now.
-    fn estimate(&mut self, face: usize) {
-        let (lattice, rates) = (&self.lattice, self.rates);
-        let race = &self.race;
-        let Some(racer) = race.face(face) else { return };
-        let is_open = |cell: Cell| race.is_open(cell, racer.way);
-        let near = lattice.neighbourhood(racer.cell);
-        let mut seen = rates.surroundings(racer.cell, racer.way, near, is_open);
-        seen.cold = racer.since == 0;
-        seen.free = race.part();
-        let wait = rates.wait(&seen);
-        if let Some((time, opening)) = self.race.update(face, self.tick, wait) {
-            self.agenda.push(
-                time,
-                ScheduledCapture {
-                    face,
-                    opening,
-                    block: None,
-                },
-            );
+    /// The wait of a face in a gas with as many free blocks as at the beginning.
+    fn wait(&mut self, cell: Cell, seen: Seen) -> Wait {
+        if let Some(known) = self.waits.get(&seen) {
+            return *known;
         }
+        if self.waits.len() >= KEPT {
+            self.waits.clear();
+        }
+        let is_open = |_| seen.has_rival;
+        let mut surroundings = self.rates.surroundings(cell, seen.way, seen.near, is_open);
+        surroundings.cold = seen.is_cold;
+        let wait = self.rates.wait(&surroundings);
+        self.waits.insert(seen, wait);
+        wait
     }
 
     /// Estimates all faces anew where the number of free blocks has changed much.
     fn follow_free_blocks(&mut self) {
         if self.race.follow(self.lattice.free.len()) {
-            for face in self.race.faces() {
-                self.estimate(face);
+            for slot in self.race.all() {
+                self.estimate(slot);
             }
         }
     }
@@ -210,9 +224,9 @@ impl<'r> RateWorld<'r> {
         loop {
             let (time, entry) = self.agenda.first()?;
             let holds = match entry.block {
-                None => self.race.holds(entry.face, entry.opening, time),
+                None => self.race.holds(entry.slot, entry.opening, time),
                 Some(block) => {
-                    self.race.is_same_opening(entry.face, entry.opening)
+                    self.race.opening(entry.slot, entry.opening).is_some()
                         && self.lattice.free.contains(block as usize)
                 }
             };
@@ -225,15 +239,18 @@ impl<'r> RateWorld<'r> {
 
     /// Docks a block on an open face, unless by chance there is none.
     fn capture(&mut self, entry: ScheduledCapture, dockings: &mut Vec<Docking>) {
+        let Some(face) = self.race.opening(entry.slot, entry.opening) else {
+            return;
+        };
+        let (seat, face) = site(face.number);
         let [who, how, whether, threshold] = self.draw();
         let free = self.lattice.free.len();
-        let (seat, face) = site(entry.face);
         let child = match entry.block {
             Some(block) => block,
             // The hazard was that of more blocks than there are now.
             None if free == 0 || unit(whether) >= self.race.share(free) => {
-                self.race.go_on(entry.face, exponential(threshold));
-                self.estimate(entry.face);
+                self.race.go_on(entry.slot, exponential(threshold));
+                self.estimate(entry.slot);
                 return;
             }
             None => self.lattice.free.select(below(who, free)) as u32,
@@ -255,9 +272,20 @@ impl<'r> RateWorld<'r> {
             return false;
         };
         let changes = self.lattice.dock(seat, face, cell, docking);
-        self.note(&changes, Some(cell));
+        self.note(&changes, Some((cell, true)));
         self.follow_free_blocks();
         true
+    }
+}
+
+/// What the law sees around a face.
+fn seen_by(face: &OpenFace) -> Seen {
+    Seen {
+        near: face.near.within(feature_cells(face.way)),
+        layer: face.cell.z,
+        way: face.way,
+        has_rival: face.has_rival(),
+        is_cold: face.since == 0,
     }
 }
 
@@ -299,10 +327,10 @@ impl World for RateWorld<'_> {
             };
             going.extend(stochc_ir::Face::ALL.map(|face| (child, face)));
             let from = self.lattice.seats[child].cell;
-            self.note(&changes, Some(from));
+            self.note(&changes, Some((from, false)));
             let block = (child - self.lattice.seeds.len()) as u32;
-            for (face, opening, cell) in self.race.near_with_openings(from) {
-                self.head_start(face, opening, cell, from, block, 1.0);
+            for slot in self.race.near(from) {
+                self.head_start(slot, from, block, 1.0);
             }
             self.released.push((self.tick, from, block));
         }

@@ -3,35 +3,52 @@ use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 use stochc_ir::{Cell, Face};
-use stochc_rates::{SIGHT, Wait, sees};
+use stochc_rates::{Neighbourhood, SIGHT, Wait, feature_cells};
 
 /// Sides of the cubes of cells by which open faces are found.
-const CUBE: i32 = 4;
+const CUBE: i32 = 8;
+
+/// Where an open face is kept. Another one may be there later.
+pub(super) type Slot = u32;
+
+/// Slots, in no order.
+pub(super) type Slots = SmallVec<[Slot; 32]>;
 
 /// A face that is open.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct OpenFace {
+    /// Its number among all faces.
+    pub number: usize,
     /// Where the captured block will sit.
     pub cell: Cell,
     /// The way there from the block that captures.
     pub way: Face,
+    /// What is around the cell.
+    pub near: Neighbourhood,
     /// The tick since when it is open.
     pub since: u64,
+    /// Faces of the same direction that are open to a cell beside this one.
+    rivals: u8,
     /// The hazard that it may still sum up before it captures.
     left: f64,
-    /// What it waits for since `seen`, and until when; `None`: nobody has said.
+    /// What it waits for, and until when; `None`: nobody has said.
     wait: Option<Wait>,
-    seen: u64,
     until: f64,
+    /// The hazard of `wait` from the beginning to the tick in which it was said.
+    before: f64,
+    /// Which opening of all it is; 0: it is closed.
     opening: u64,
 }
 
 /// All of them.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Race {
-    faces: FxHashMap<usize, OpenFace>,
+    faces: Vec<OpenFace>,
+    vacant: Vec<Slot>,
+    /// The slot of each open face, by its number.
+    slots: FxHashMap<usize, Slot>,
     /// The open faces of each cube of cells.
-    cubes: FxHashMap<[i32; 3], SmallVec<[usize; 4]>>,
+    cubes: FxHashMap<[i32; 3], SmallVec<[Place; 2]>>,
     /// Openings so far.
     opened: u64,
     /// Blocks that were free at the beginning.
@@ -40,26 +57,55 @@ pub(super) struct Race {
     meant_for: u32,
 }
 
+/// Where an open face is, beside its slot.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+struct Place {
+    cell: Cell,
+    way: Face,
+    slot: Slot,
+}
+
 impl OpenFace {
     /// A face that begins to wait, and captures when its hazard has summed up to `left`.
-    pub fn new(cell: Cell, way: Face, since: u64, left: f64) -> OpenFace {
+    pub fn new(
+        number: usize,
+        (cell, way): (Cell, Face),
+        near: Neighbourhood,
+        since: u64,
+        left: f64,
+    ) -> OpenFace {
         OpenFace {
+            number,
             cell,
             way,
+            near,
             since,
+            rivals: 0,
             left,
             wait: None,
-            seen: since,
             until: f64::INFINITY,
+            before: 0.0,
             opening: 0,
         }
+    }
+
+    /// Whether a face of the same direction is open to a cell beside this one.
+    pub fn has_rival(&self) -> bool {
+        self.rivals > 0
+    }
+
+    /// Which opening of all it is.
+    pub fn opening(&self) -> u64 {
+        self.opening
     }
 }
 
 impl Race {
     pub fn new(count: u32) -> Race {
         Race {
-            faces: FxHashMap::default(),
+            faces: Vec::new(),
+            vacant: Vec::new(),
+            slots: FxHashMap::default(),
             cubes: FxHashMap::default(),
             opened: 0,
             count,
@@ -67,118 +113,174 @@ impl Race {
         }
     }
 
-    /// Adds a face: the number of its opening.
-    pub fn open(&mut self, number: usize, face: OpenFace) -> u64 {
+    /// Adds a face: its slot. Those that have a rival now are added to `changed`, as it is.
+    pub fn open(&mut self, face: OpenFace, changed: &mut Slots) -> Slot {
+        let (cell, way) = (face.cell, face.way);
+        let beside = self.beside(cell, way);
+        for &other in &beside {
+            let other_face = &mut self.faces[other as usize];
+            other_face.rivals += 1;
+            if other_face.rivals == 1 {
+                changed.push(other);
+            }
+        }
         self.opened += 1;
-        let opening = self.opened;
-        self.cubes.entry(cube(face.cell)).or_default().push(number);
-        self.faces.insert(number, OpenFace { opening, ..face });
-        opening
+        let face = OpenFace {
+            opening: self.opened,
+            rivals: beside.len() as u8,
+            ..face
+        };
+        let slot = match self.vacant.pop() {
+            Some(slot) => {
+                self.faces[slot as usize] = face;
+                slot
+            }
+            None => {
+                self.faces.push(face);
+                (self.faces.len() - 1) as Slot
+            }
+        };
+        self.slots.insert(face.number, slot);
+        let there = self.cubes.entry(cube(cell)).or_default();
+        there.push(Place { cell, way, slot });
+        changed.push(slot);
+        slot
     }
 
-    pub fn close(&mut self, number: usize) {
-        if let Some(face) = self.faces.remove(&number)
-            && let Some(there) = self.cubes.get_mut(&cube(face.cell))
-        {
-            there.retain(|other| *other != number);
+    /// Takes a face out, if it is there. Those that have no rival any more are added to `changed`.
+    pub fn close(&mut self, number: usize, changed: &mut Slots) {
+        let Some(slot) = self.slots.remove(&number) else {
+            return;
+        };
+        let face = &mut self.faces[slot as usize];
+        face.opening = 0;
+        let (cell, way) = (face.cell, face.way);
+        self.vacant.push(slot);
+        if let Some(there) = self.cubes.get_mut(&cube(cell)) {
+            there.retain(|place| place.slot != slot);
             if there.is_empty() {
-                self.cubes.remove(&cube(face.cell));
+                self.cubes.remove(&cube(cell));
+            }
+        }
+        for other in self.beside(cell, way) {
+            let other_face = &mut self.faces[other as usize];
+            other_face.rivals -= 1;
+            if other_face.rivals == 0 {
+                changed.push(other);
             }
         }
     }
 
-    pub fn face(&self, number: usize) -> Option<&OpenFace> {
-        self.faces.get(&number)
+    /// The face in a slot, if it is open.
+    pub fn face(&self, slot: Slot) -> Option<&OpenFace> {
+        let face = self.faces.get(slot as usize);
+        face.filter(|face| face.opening != 0)
     }
 
-    /// The numbers of all open faces, in rising order.
-    pub fn faces(&self) -> Vec<usize> {
-        let mut numbers: Vec<usize> = self.faces.keys().copied().collect();
-        numbers.sort_unstable();
-        numbers
+    /// The same, if this is still the opening that was meant.
+    pub fn opening(&self, slot: Slot, opening: u64) -> Option<&OpenFace> {
+        let face = self.faces.get(slot as usize);
+        face.filter(|face| face.opening == opening)
     }
 
-    /// The open faces to which a cell matters, in rising order.
-    pub fn near(&self, cell: Cell) -> Vec<usize> {
-        let mut near: Vec<usize> = Vec::new();
-        let from = cube(Cell::new(
-            cell.x.saturating_sub(SIGHT),
-            cell.y.saturating_sub(SIGHT),
-            cell.z.saturating_sub(SIGHT),
-        ));
-        let to = cube(Cell::new(
-            cell.x.saturating_add(SIGHT),
-            cell.y.saturating_add(SIGHT),
-            cell.z.saturating_add(SIGHT),
-        ));
-        for x in from[0]..=to[0] {
-            for y in from[1]..=to[1] {
-                for z in from[2]..=to[2] {
-                    near.extend(self.cubes.get(&[x, y, z]).into_iter().flatten());
-                }
-            }
-        }
-        near.retain(|number| (self.faces.get(number)).is_some_and(|face| sees(face.cell, cell)));
-        near.sort_unstable();
+    /// Puts slots into the order of their faces' numbers, each once, and leaves those out that are not open.
+    pub fn sort(&self, slots: &mut Slots) {
+        slots.retain(|slot| self.face(*slot).is_some());
+        slots.sort_unstable_by_key(|slot| self.faces[*slot as usize].number);
+        slots.dedup();
+    }
+
+    /// All open faces, in the order of their numbers.
+    pub fn all(&self) -> Slots {
+        let mut slots = self.slots.values().copied().collect();
+        self.sort(&mut slots);
+        slots
+    }
+
+    /// The open faces to which a cell matters, in the order of their numbers.
+    pub fn near(&self, cell: Cell) -> Slots {
+        let mut near = Slots::new();
+        self.each_within(cell, [SIGHT; 3], |place| near.push(place.slot));
+        self.sort(&mut near);
         near
     }
 
-    /// [`Race::near`], each with its opening and its cell.
-    pub fn near_with_openings(&self, cell: Cell) -> Vec<(usize, u64, Cell)> {
-        let near = self.near(cell).into_iter();
-        near.filter_map(|number| {
-            let face = self.faces.get(&number)?;
-            Some((number, face.opening, face.cell))
-        })
-        .collect()
+    /// A cell is full now, or empty: those of whose surroundings the law sees it are added to `changed`.
+    pub fn fill(&mut self, cell: Cell, is_full: bool, changed: &mut Slots) {
+        let mut near = Slots::new();
+        self.each_within(cell, [SIGHT; 3], |place| near.push(place.slot));
+        for slot in near {
+            let face = &mut self.faces[slot as usize];
+            let offset = difference(cell, face.cell);
+            face.near.set(offset, is_full);
+            if feature_cells(face.way).is_blocked(offset) {
+                changed.push(slot);
+            }
+        }
     }
 
-    /// Whether a face is open towards a cell in a direction.
-    pub fn is_open(&self, cell: Cell, way: Face) -> bool {
-        let there = self.cubes.get(&cube(cell)).into_iter().flatten();
-        there
-            .filter_map(|number| self.faces.get(number))
-            .any(|face| face.cell == cell && face.way == way)
+    /// The open faces of a direction to the cells beside one.
+    fn beside(&self, cell: Cell, way: Face) -> SmallVec<[Slot; 4]> {
+        let mut beside = SmallVec::new();
+        let aside = way.normal().map(|along| 1 - along.abs());
+        self.each_within(cell, aside, |place| {
+            let apart: i32 = difference(place.cell, cell).iter().map(|d| d.abs()).sum();
+            if place.way == way && apart == 1 {
+                beside.push(place.slot);
+            }
+        });
+        beside
     }
 
-    /// A face has another wait from a tick on: when it captures, and its opening; `None`: that is as it was.
-    pub fn update(&mut self, number: usize, tick: u64, wait: Wait) -> Option<(f64, u64)> {
-        let face = self.faces.get_mut(&number)?;
+    /// Shows the open faces to cells that are no farther along each axis than `steps`.
+    fn each_within(&self, cell: Cell, steps: [i32; 3], mut show: impl FnMut(&Place)) {
+        let centre = [cell.x, cell.y, cell.z];
+        let low: [i32; 3] = std::array::from_fn(|axis| centre[axis].saturating_sub(steps[axis]));
+        let high: [i32; 3] = std::array::from_fn(|axis| centre[axis].saturating_add(steps[axis]));
+        let cubes = |axis: usize| low[axis].div_euclid(CUBE)..=high[axis].div_euclid(CUBE);
+        for x in cubes(0) {
+            for y in cubes(1) {
+                for z in cubes(2) {
+                    for place in self.cubes.get(&[x, y, z]).into_iter().flatten() {
+                        let at = [place.cell.x, place.cell.y, place.cell.z];
+                        if (0..3).all(|axis| (low[axis]..=high[axis]).contains(&at[axis])) {
+                            show(place);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// A face has another wait from a tick on: when it captures; `None`: that is as it was.
+    pub fn update(&mut self, slot: Slot, tick: u64, wait: Wait) -> Option<f64> {
+        let face = self.faces.get_mut(slot as usize)?;
         if face.wait == Some(wait) {
             return None;
         }
-        let age = |at: u64| (at - face.since) as f64;
+        let age = (tick - face.since) as f64;
         if let Some(before) = face.wait {
-            let used =
-                before.cumulative_hazard(age(tick)) - before.cumulative_hazard(age(face.seen));
+            let used = before.cumulative_hazard(age) - face.before;
             face.left = (face.left - used).max(0.0);
         }
-        let used = wait.cumulative_hazard(age(tick));
         face.wait = Some(wait);
-        face.seen = tick;
-        face.until = face.since as f64 + wait.time_of(face.left + used);
-        Some((face.until, face.opening))
+        face.before = wait.cumulative_hazard(age);
+        face.until = face.since as f64 + wait.time_of(face.left + face.before);
+        Some(face.until)
     }
 
-    /// A face that could have captured goes on, with another hazard to sum up from its time on.
-    pub fn go_on(&mut self, number: usize, left: f64) {
-        if let Some(face) = self.faces.get_mut(&number) {
-            face.seen = face.until.ceil() as u64;
+    /// A face that could have captured goes on, with another hazard to sum up from now on.
+    pub fn go_on(&mut self, slot: Slot, left: f64) {
+        if let Some(face) = self.faces.get_mut(slot as usize) {
             face.left = left;
             face.wait = None;
         }
     }
 
-    pub fn is_same_opening(&self, number: usize, opening: u64) -> bool {
-        self.faces
-            .get(&number)
-            .is_some_and(|face| face.opening == opening)
-    }
-
     /// Whether a face still captures at the time that was said.
-    pub fn holds(&self, number: usize, opening: u64, time: f64) -> bool {
-        let face = self.faces.get(&number);
-        face.is_some_and(|face| face.opening == opening && face.until == time)
+    pub fn holds(&self, slot: Slot, opening: u64, time: f64) -> bool {
+        let face = self.opening(slot, opening);
+        face.is_some_and(|face| face.until == time)
     }
 
     /// The part of the blocks that hazards are meant for.
@@ -199,6 +301,11 @@ impl Race {
         self.meant_for = free;
         true
     }
+}
+
+/// The way from one cell to another that is near.
+fn difference(to: Cell, from: Cell) -> [i32; 3] {
+    [to.x - from.x, to.y - from.y, to.z - from.z]
 }
 
 fn cube(cell: Cell) -> [i32; 3] {

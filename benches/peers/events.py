@@ -1,0 +1,156 @@
+#!/usr/bin/env python3
+"""What one event costs in other stochastic simulators, beside a capture by rates: see README.md beside this file."""
+import argparse
+import importlib.metadata
+import importlib.util
+import os
+import pathlib
+import re
+import statistics
+import subprocess
+import sys
+import time
+
+HERE = pathlib.Path(__file__).resolve().parent
+TARGET = HERE.parent.parent / "target" / "peers"
+EVENTS = 40_000  # in one round of one simulator
+
+# What it is called, the driver, and what that is told.
+SIMULATORS = [
+    ("`--model rate`, 16 towers apart", "captures", ["16", "6"]),
+    ("`--model rate`, 256 towers apart", "captures", ["256", "6"]),
+    ("`--model rate`, 10,000 towers apart", "captures", ["10000", "6"]),
+    ("`--model rate`, 256 towers side by side", "captures", ["256", "1"]),
+    ("`--model rate`, 10,000 towers side by side", "captures", ["10000", "1"]),
+    ("rebop, 16 reactions, dense", "reactions", ["dense", "16"]),
+    ("rebop, 16 reactions, sparse", "reactions", ["sparse", "16"]),
+    ("rebop, 256 reactions, sparse", "reactions", ["sparse", "256"]),
+    ("rgrow, 16 rows of tiles", "rgrow", ["16"]),
+    ("rgrow, 256 rows of tiles", "rgrow", ["256"]),
+    ("KaSim, 256 chains", "kappy", ["256"]),
+]
+
+
+def say(text):
+    print(text, file=sys.stderr, flush=True)
+
+
+def build():
+    """Builds the drivers in Rust."""
+    environment = os.environ | {"CARGO_TARGET_DIR": str(TARGET)}
+    cargo = ["cargo", "build", "--release", "--locked", "--manifest-path", HERE / "Cargo.toml"]
+    for name, feature in (("captures", "own"), ("reactions", "reactions")):
+        subprocess.run([*cargo, "--bin", name, "--features", feature], check=True, env=environment)
+
+
+def command(driver, words, rounds):
+    """How a simulator is started; `None`: it is not installed."""
+    numbers = [str(EVENTS), str(rounds)]
+    if driver in ("captures", "reactions"):
+        return [TARGET / "release" / driver, *words, *numbers]
+    if importlib.util.find_spec(driver) is None:
+        say(f"left out: {sys.executable} -m pip install {driver}")
+        return None
+    return [sys.executable, __file__, "--drive", driver, *words, *numbers]
+
+
+def rgrow(rows, events, rounds):
+    """Rows of one tile each, to which tiles bind that nearly never come off."""
+    from rgrow import Tile, TileSet
+
+    rows = int(rows)
+    height = max(64, 2 * rows + 8)
+    length = 64 + (rounds + 1) * events // rows * 2
+    tiles = TileSet(
+        [Tile(["null", "g", "null", "g"], name="t")],
+        model="kTAM",
+        gse=20.0,
+        gmc=10.0,
+        threshold=1,
+        seed=[(4 + 2 * row, 4, "t") for row in range(rows)],
+        size=(height, length),
+        canvas_type="square",
+    )
+    system = tiles.create_system()
+    state = tiles.create_state(system)
+    for number in range(rounds + 1):
+        before, begin = state.total_events, time.process_time()
+        system.evolve(state, for_events=events, require_strong_bound=False)
+        if number > 0:
+            print((time.process_time() - begin) * 1e9 / (state.total_events - before))
+
+
+def kappy(chains, events, rounds):
+    """Chains of agents, at whose free ends others bind."""
+    import kappy as kappa
+
+    free = 4 * (rounds + 1) * events
+    kasim = kappa.KappaStd()
+    kasim.add_model_string(f"""
+%agent: B(d,u,c{{f s}})
+'capture' B(u[.],c{{s}}), B(d[.],c{{f}}) -> B(u[1],c{{s}}), B(d[1],c{{s}}) @ 0.000001
+%init: {chains} B(c{{s}})
+%init: {free} B(c{{f}})
+""")
+    kasim.project_parse()
+    kasim.simulation_start(kappa.SimulationParameter(pause_condition=f"[E] > {events}", plot_period=1e9))
+    kasim.wait_for_simulation_stop()
+    used = children()
+    for number in range(rounds):
+        kasim.simulation_continue(f"[E] > {(number + 2) * events}")
+        kasim.wait_for_simulation_stop()
+        before, used = used, children()
+        print((used - before) * 1e9 / events)
+
+
+def descendants(process):
+    """The processes that one has started, and those that they have."""
+    for thread in pathlib.Path(f"/proc/{process}/task").iterdir():
+        for child in (thread / "children").read_text().split():
+            yield child
+            yield from descendants(child)
+
+
+def children():
+    """Processor time of the processes that this one has started [s]."""
+    total = 0
+    for process in descendants(os.getpid()):
+        fields = pathlib.Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()
+        total += int(fields[11]) + int(fields[12])
+    return total / os.sysconf("SC_CLK_TCK")
+
+
+def versions():
+    lock = (HERE / "Cargo.lock").read_text()
+    found = ["rebop " + re.search(r'name = "rebop"\nversion = "(.*)"', lock)[1]]
+    for name in ("rgrow", "kappy"):
+        if importlib.util.find_spec(name):
+            found.append(f"{name} {importlib.metadata.version(name)}")
+    return ", ".join(found)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--rounds", type=int, default=5)
+    parser.add_argument("--drive", nargs="+", help=argparse.SUPPRESS)
+    chosen = parser.parse_args()
+    if chosen.drive:
+        driver, *words, events, rounds = chosen.drive
+        {"rgrow": rgrow, "kappy": kappy}[driver](*words, int(events), int(rounds))
+        return
+    build()
+    rows = []
+    for name, driver, words in SIMULATORS:
+        if start := command(driver, words, chosen.rounds):
+            say(name)
+            said = subprocess.run(start, check=True, capture_output=True, text=True).stdout
+            rows.append((name, statistics.median(map(float, said.split()))))
+    reference = next(time for name, time in rows if name == "rebop, 16 reactions, dense")
+    print("| simulator | ns an event | over rebop's 16 dense reactions |\n|---|--:|--:|")
+    for name, nanoseconds in rows:
+        print(f"| {name} | {nanoseconds:.0f} | {nanoseconds / reference:.2f} |")
+    print(f"\n{versions()}")
+
+
+if __name__ == "__main__":
+    main()
