@@ -40,7 +40,7 @@ impl Corridors {
             first: Default::default(),
         };
         let mut waiting = vec![Vec::new(); sites.len()];
-        for &site in apart.order.iter().rev() {
+        for &site in apart.order[sites.standing_count()..].iter().rev() {
             cancellation.check()?;
             waiting[site as usize] = search.cheapest(site);
         }

@@ -68,7 +68,7 @@ pub fn disassemble(
         urgency: &urgency,
     };
     apart.frontiers = std::array::from_fn(|_| (0..sites.len() as u32).map(urgency).collect());
-    while apart.taken.len() < sites.len() {
+    while apart.taken.len() < sites.len() - sites.standing_count() {
         cancellation.check()?;
         let wide = apart.next(0);
         let found = wide
@@ -79,7 +79,8 @@ pub fn disassemble(
             narrow.map(|site| (site, true))
         });
         let Some((site, is_tight)) = found else {
-            let left = (0..sites.len() as u32).filter(|&site| apart.support.stands(site));
+            let stands = |site: &u32| apart.support.stands(*site) && !sites.is_standing(*site);
+            let left = (0..sites.len() as u32).filter(stands);
             return Err(Refusal::Sealed(left.map(|site| sites.cell(site)).collect()));
         };
         apart.take(site, is_tight);
@@ -90,6 +91,8 @@ pub fn disassemble(
         spaces,
         ..
     } = apart;
+    // What is there before comes first.
+    order.extend(sites.standing().map(|(site, _)| site));
     order.reverse();
     let mut rank = vec![0; order.len()];
     for (i, &site) in order.iter().enumerate() {
@@ -122,7 +125,10 @@ impl<U: Fn(u32) -> (u32, u32)> Apart<'_, U> {
     fn next(&mut self, space: usize) -> Option<u32> {
         while let Some((_, site)) = self.frontiers[space].pop() {
             let stands = |site: u32| self.support.stands(site);
-            if !stands(site) || !self.spaces[space].has_way(self.sites, site, &stands) {
+            if self.sites.is_standing(site)
+                || !stands(site)
+                || !self.spaces[space].has_way(self.sites, site, &stands)
+            {
                 continue;
             }
             if self.support.can_spare(self.sites, site) {

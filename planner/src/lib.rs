@@ -25,7 +25,7 @@ mod voxels;
 mod waiting;
 mod waits;
 
-pub use emit::{Naming, declaration, draft, program};
+pub use emit::{Naming, continuation, declaration, draft, program};
 pub use explanation::explanation;
 pub use makespan::{Estimate, Objective};
 pub use naive::Naive;
@@ -33,7 +33,7 @@ pub use plan::{Alternative, Capture, Hardware, Plan, Plans, naive_plans, plan};
 pub use refusal::{Part, Refusal};
 pub use scaffold::{Dismantling, HandOver, Mast};
 pub use search::{Gap, Search, gap};
-pub use target::{FARTHEST, MOST_CELLS, Target};
+pub use target::{FARTHEST, MOST_CELLS, StandingBlock, Target};
 pub use voxels::{UnreadableVoxels, layers, magica_voxel};
 pub use waiting::Why;
 pub use waits::{Moment, RateLaw, Stand};

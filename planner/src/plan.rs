@@ -133,7 +133,10 @@ pub fn plan(
         is_best: found.is_best,
         ..Plan::of(&sites, hardware, &found.schedule, &waiting, ways, how.seed)
     };
-    let scaffolded = scaffolded(&sites, &found, hardware, waits, how);
+    let scaffolded = match has_place(target) {
+        true => scaffolded(&sites, &found, hardware, waits, how),
+        false => None,
+    };
     Ok(Plans {
         plain,
         scaffolded: scaffolded.map(|it| Plan::with_scaffolds(it, hardware, waits, how)),
@@ -219,7 +222,8 @@ impl Plan {
         let samples = Samples::new(sites.len(), runs(sites.len()), seed ^ 0x5eed);
         let estimate = samples.estimate(schedule, waiting, &mut Vec::new());
         let decides = samples.criticality(schedule, waiting);
-        let captures = schedule.order.iter().map(|&site| {
+        let missing = schedule.order[sites.standing_count()..].iter();
+        let captures = missing.map(|&site| {
             let here = site as usize;
             let after = afters[here].iter();
             Capture {

@@ -93,6 +93,7 @@ impl<'a> Job<'a> {
             // The neighbour that was built first holds it, as far as is known.
             let held = sites
                 .adjacent(site)
+                .filter(|&next| !sites.is_inert(next))
                 .min_by_key(|&next| apart.rank[next as usize]);
             let longest = here.max(tail[site as usize]);
             if let Some(parent) = held
@@ -211,7 +212,7 @@ impl<'a> Job<'a> {
         Ok((state.schedule.order.len() == count).then_some(state.schedule))
     }
 
-    /// Nothing has been opened yet.
+    /// Nothing has been opened yet: there is what stands before.
     fn begin<'b>(&'b self, keys: &'b [f32]) -> State<'b> {
         let count = self.sites.len();
         let mut missing = vec![0u32; count];
@@ -220,17 +221,25 @@ impl<'a> Job<'a> {
                 missing[site as usize] += 1;
             }
         }
+        let mut state = vec![Site::Absent; count];
+        let mut schedule = Schedule::empty(count);
+        for (site, way) in self.sites.standing() {
+            state[site as usize] = Site::Anchored;
+            schedule.way[site as usize] = way;
+            schedule.rank[site as usize] = schedule.order.len() as u32;
+            schedule.order.push(site);
+        }
         State {
             job: self,
             keys,
             missing,
-            state: vec![Site::Absent; count],
+            anchored: schedule.order.len() as u32,
+            state,
             open_faces: vec![0; count],
             ready: BinaryHeap::new(),
             is_ready: vec![false; count],
             opened: BinaryHeap::new(),
-            schedule: Schedule::empty(count),
-            anchored: 0,
+            schedule,
             phase: None,
         }
     }
@@ -278,7 +287,7 @@ impl State<'_> {
         let is_held = sites.is_on_seed(site)
             || sites
                 .adjacent(site)
-                .any(|next| self.state[next as usize] == Site::Anchored);
+                .any(|next| self.state[next as usize] == Site::Anchored && !sites.is_inert(next));
         if is_held {
             self.is_ready[here] = true;
             let urgency = self.job.tail[here] * (0.5 + self.keys[here]);
@@ -333,7 +342,8 @@ impl State<'_> {
         let bound = f64::from(self.anchored) / f64::from(job.hardware.free.max(1));
         let moment = Moment {
             free: 1.0 - bound,
-            is_first: now == 0.0,
+            // Where blocks stand, the gas has been moving.
+            is_first: now == 0.0 && job.sites.standing_count() == 0,
         };
         let only = job.roles.and_then(|roles| roles.way(site));
         let is_own = move |parent: u32| match &self.phase {
@@ -345,6 +355,7 @@ impl State<'_> {
             NONE => *way == Face::Up && job.sites.is_on_seed(site),
             parent => {
                 self.state[parent as usize] == Site::Anchored
+                    && !job.sites.is_inert(parent)
                     && is_own(parent)
                     && self.open_faces[parent as usize] < job.hardware.faces
             }

@@ -112,7 +112,7 @@ pub fn search(
     how: Search<'_>,
 ) -> Result<Found, Refusal> {
     let mut found = listed(sites, hardware, waits, how)?;
-    if sites.len() <= MOST_SITES && found.rounds >= VARIANTS {
+    if sites.len() <= MOST_SITES && sites.standing_count() == 0 && found.rounds >= VARIANTS {
         found.is_best = branch_and_bound(sites, hardware, waits, how, &mut found)?.is_finished;
     }
     Ok(found)

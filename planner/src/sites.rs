@@ -1,4 +1,5 @@
 //! The cells of a target by number, with their neighbours.
+use rustc_hash::FxHashMap;
 use stochc_ir::{Cell, Face};
 
 use crate::Target;
@@ -55,6 +56,8 @@ pub struct Sites<'a> {
     pub target: &'a Target,
     number: Grid<Number>,
     windows: Vec<[u32; 27]>,
+    /// Of the sites whose blocks are there before, whether they can capture.
+    standing: FxHashMap<u32, bool>,
 }
 
 /// The number of a site, or none.
@@ -88,11 +91,42 @@ impl<'a> Sites<'a> {
             window
         };
         let windows = cells.iter().map(window).collect();
+        let standing = target.standing().iter().filter_map(|block| {
+            let site = number.get(block.cell)?.0;
+            Some((site, block.can_capture))
+        });
         Sites {
             target,
+            standing: standing.collect(),
             number,
             windows,
         }
+    }
+
+    /// The sites whose blocks are there before, each with the way from its parent.
+    pub fn standing(&self) -> impl Iterator<Item = (u32, Face)> + '_ {
+        let blocks = self.target.standing().iter();
+        blocks.map(|block| (self.at(block.cell), block.way))
+    }
+
+    /// How many sites there are whose blocks are there before.
+    pub fn standing_count(&self) -> usize {
+        self.standing.len()
+    }
+
+    /// Whether the block of a site is there before.
+    pub fn is_standing(&self, site: u32) -> bool {
+        !self.standing.is_empty() && self.standing.contains_key(&site)
+    }
+
+    /// Whether the block of a site can hold no other.
+    pub fn is_inert(&self, site: u32) -> bool {
+        !self.standing.is_empty() && self.standing.get(&site) == Some(&false)
+    }
+
+    /// Whether a site is held by what is there before: by a block of the plate, or because its own block is.
+    pub fn is_root(&self, site: u32) -> bool {
+        self.is_on_seed(site) || self.is_standing(site)
     }
 
     /// How many there are.

@@ -19,14 +19,14 @@ impl Support {
     pub fn of(sites: &Sites<'_>) -> Support {
         let mut level = vec![NONE; sites.len()];
         let mut queue: VecDeque<u32> = (0..sites.len() as u32)
-            .filter(|&site| sites.is_on_seed(site))
+            .filter(|&site| sites.is_root(site) && !sites.is_inert(site))
             .collect();
         for &site in &queue {
             level[site as usize] = 1;
         }
         while let Some(site) = queue.pop_front() {
             for next in sites.adjacent(site) {
-                if level[next as usize] == NONE {
+                if level[next as usize] == NONE && !sites.is_inert(next) {
                     level[next as usize] = level[site as usize] + 1;
                     queue.push_back(next);
                 }
@@ -59,14 +59,17 @@ impl Support {
     }
 
     fn standing(&self, sites: &Sites<'_>, site: u32) -> impl Iterator<Item = u32> {
-        sites.adjacent(site).filter(|&next| self.stands(next))
+        // What can hold nothing needs no support either.
+        let able = sites.adjacent(site).filter(|&next| !sites.is_inert(next));
+        able.filter(|&next| self.stands(next))
     }
 
     /// Whether the neighbours of a site hang together within its window, and with the plate if the site does.
     fn is_locally_connected(&self, sites: &Sites<'_>, site: u32) -> bool {
         const ROOT: u32 = 1 << 27;
-        let full = sites.window(site, |near| self.stands(near)) & !(1 << MIDDLE);
-        let grounded = sites.window(site, |near| sites.is_on_seed(near));
+        let stands = |near| self.stands(near) && !sites.is_inert(near);
+        let full = sites.window(site, stands) & !(1 << MIDDLE);
+        let grounded = sites.window(site, |near| sites.is_root(near));
         let mut wanted = FACES & full;
         if grounded & 1 << MIDDLE != 0 {
             wanted |= ROOT;
@@ -98,7 +101,7 @@ impl Support {
         self.stands[site as usize] = false;
         let mut queue: Vec<u32> = self.standing(sites, site).collect();
         while let Some(site) = queue.pop() {
-            if sites.is_on_seed(site) {
+            if sites.is_root(site) {
                 continue;
             }
             let lowest = self
@@ -124,7 +127,8 @@ impl Support {
         // The plate is entered first.
         let mut clock = 1;
         for root in 0..count as u32 {
-            if !self.stands(root) || !sites.is_on_seed(root) || entered[root as usize] > 0 {
+            let is_root = sites.is_root(root) && !sites.is_inert(root);
+            if !self.stands(root) || !is_root || entered[root as usize] > 0 {
                 continue;
             }
             // A site, where it was reached from, and the faces that were looked at.
@@ -135,7 +139,7 @@ impl Support {
                 if *looked == 0 {
                     clock += 1;
                     entered[here] = clock;
-                    lowest[here] = if sites.is_on_seed(site) { 1 } else { clock };
+                    lowest[here] = if sites.is_root(site) { 1 } else { clock };
                 }
                 let Some(&face) = Face::ALL.get(*looked) else {
                     stack.pop();
@@ -148,7 +152,7 @@ impl Support {
                 };
                 *looked += 1;
                 let next = sites.next(site, face);
-                if next == NONE || !self.stands(next) || next == from {
+                if next == NONE || !self.stands(next) || next == from || sites.is_inert(next) {
                     continue;
                 }
                 match entered[next as usize] {

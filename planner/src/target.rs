@@ -13,14 +13,29 @@ pub const MOST_CELLS: usize = 10_000_000;
 /// Coordinates are no further from 0 than this.
 pub const FARTHEST: i32 = 1_000_000_000;
 
-/// A structure that can be built: every cell hangs together with a block of the plate that may capture.
+/// A structure that can be built: every cell hangs together with a block of the plate that may capture, or with one that stands.
 #[derive(Clone, Debug)]
 pub struct Target {
     /// Sorted, each once; z is at least 1.
     cells: Vec<Cell>,
+    /// The blocks that are there before, sorted by cell.
+    standing: Vec<StandingBlock>,
+    /// The blocks that are let go before anything is captured, sorted by cell.
+    released: Vec<StandingBlock>,
     plate: Plate,
     /// The blocks of the plate that may capture, sorted; `None`: all of them.
     seeds: Option<Vec<(i32, i32)>>,
+}
+
+/// A block of a target that is there before anything is captured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct StandingBlock {
+    /// Where it is.
+    pub cell: Cell,
+    /// The way there from its parent.
+    pub way: Face,
+    /// Whether it can capture others.
+    pub can_capture: bool,
 }
 
 impl Target {
@@ -29,14 +44,33 @@ impl Target {
     /// # Errors
     /// What is wrong with it, with all cells concerned.
     pub fn new(
-        mut cells: Vec<Cell>,
+        cells: Vec<Cell>,
         plate: Plate,
         seeds: Option<Vec<(i32, i32)>>,
         free: u32,
     ) -> Result<Target, Refusal> {
+        Target::with_standing(cells, (Vec::new(), Vec::new()), plate, seeds, free)
+    }
+
+    /// The same where some blocks stand, which are taken from the free ones, and others that are let go first. What stands belongs to the
+    /// target, whether `cells` has it or not.
+    ///
+    /// # Errors
+    /// As [`Target::new`]; also if nothing is missing.
+    pub fn with_standing(
+        mut cells: Vec<Cell>,
+        (mut standing, mut released): (Vec<StandingBlock>, Vec<StandingBlock>),
+        plate: Plate,
+        seeds: Option<Vec<(i32, i32)>>,
+        free: u32,
+    ) -> Result<Target, Refusal> {
+        standing.sort_unstable();
+        standing.dedup_by_key(|block| block.cell);
+        released.sort_unstable();
+        cells.extend(standing.iter().map(|block| block.cell));
         cells.sort_unstable();
         cells.dedup();
-        if cells.is_empty() {
+        if cells.len() == standing.len() {
             return Err(Refusal::Empty);
         }
         let is_far = |cell: &&Cell| {
@@ -63,6 +97,8 @@ impl Target {
         });
         let target = Target {
             cells,
+            standing,
+            released,
             plate,
             seeds,
         };
@@ -80,6 +116,30 @@ impl Target {
     /// Its cells, sorted.
     pub fn cells(&self) -> &[Cell] {
         &self.cells
+    }
+
+    /// The blocks that are there before, sorted by cell.
+    pub fn standing(&self) -> &[StandingBlock] {
+        &self.standing
+    }
+
+    /// The blocks that are let go before anything is captured, sorted by cell.
+    pub fn released(&self) -> &[StandingBlock] {
+        &self.released
+    }
+
+    /// The block in a cell that is there before.
+    pub fn standing_at(&self, cell: Cell) -> Option<&StandingBlock> {
+        let at = self
+            .standing
+            .binary_search_by_key(&cell, |block| block.cell);
+        at.ok().map(|at| &self.standing[at])
+    }
+
+    /// Whether what is in a cell can hold no other block.
+    fn is_inert(&self, cell: Cell) -> bool {
+        self.standing_at(cell)
+            .is_some_and(|block| !block.can_capture)
     }
 
     /// The plate.
@@ -106,8 +166,12 @@ impl Target {
     fn loose(&self) -> Vec<Part> {
         let all: FxHashSet<Cell> = self.cells.iter().copied().collect();
         let mut open: Vec<Cell> = self.cells.to_vec();
-        open.retain(|&cell| self.is_on_seed(cell));
-        let mut held: FxHashSet<Cell> = open.iter().copied().collect();
+        let stands = |cell: &Cell| self.standing_at(*cell).is_some();
+        let mut held: FxHashSet<Cell> = open.iter().copied().filter(stands).collect();
+        open.retain(|&cell| {
+            !self.is_inert(cell) && (self.is_on_seed(cell) || held.contains(&cell))
+        });
+        held.extend(&open);
         spread(&mut open, &all, &mut held);
         let mut parts = Vec::new();
         let mut seen = held.clone();
@@ -144,7 +208,7 @@ impl Target {
         let mut from: FxHashMap<Cell, Cell> = part.iter().map(|&cell| (cell, cell)).collect();
         let mut open: VecDeque<Cell> = part.iter().copied().collect();
         while let Some(at) = open.pop_front() {
-            let touches = |next: Cell| held.contains(&next);
+            let touches = |next: Cell| held.contains(&next) && !self.is_inert(next);
             let is_there = self.is_on_seed(at)
                 || Face::ALL
                     .into_iter()

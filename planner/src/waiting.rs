@@ -69,7 +69,8 @@ impl Waiting {
     /// Everything that a schedule has in some order.
     pub fn of(job: &Job<'_>, schedule: &Schedule) -> Waiting {
         let mut before: Vec<Vec<u32>> = vec![Vec::new(); schedule.order.len()];
-        for (i, &site) in schedule.order.iter().enumerate() {
+        let standing = job.sites.standing_count();
+        for (i, &site) in schedule.order.iter().enumerate().skip(standing) {
             let rank = |site: u32| schedule.rank[site as usize];
             before[i].extend(schedule.held(job.sites, site));
             before[i].extend(schedule.turn(job.sites, job.hardware, site));
@@ -84,7 +85,7 @@ impl Waiting {
         let first = schedule.first_phase as u32;
         for (before, i) in before.iter_mut().zip(0..) {
             // A phase waits for all of the one before.
-            before.retain(|&other| (other < first) == (i < first));
+            before.retain(|&other| (other < first) == (i < first) && other >= standing as u32);
             before.sort_unstable();
             before.dedup();
         }
@@ -104,7 +105,9 @@ impl Waiting {
         // What is said, and what need not be, of the sites before.
         let mut edges: Vec<Vec<u32>> = Vec::with_capacity(self.before.len());
         let mut search = Ancestors::default();
-        for (&site, before) in schedule.order.iter().zip(&self.before) {
+        let standing = sites.standing_count();
+        edges.resize(standing, Vec::new());
+        for (&site, before) in schedule.order.iter().zip(&self.before).skip(standing) {
             let held = schedule.held(sites, site);
             let mut kept: Vec<u32> = held
                 .into_iter()

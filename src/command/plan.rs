@@ -13,15 +13,31 @@ use super::measuring::RatesOption;
 use super::results::ResultsFormat;
 use super::terminal::{Terminal, print, warn};
 use crate::exit::{Exit, Failure};
-use crate::operations::plan::{Budget, SeedPlate, Wish, goal, plan};
+use crate::operations::plan::{
+    Budget, RunEnd, SeedPlate, Wish, complete, completion, goal, goal_of_run, plan,
+};
 use crate::planning::Planned;
 
 /// What `plan` is given.
 #[derive(Debug, Args)]
 pub struct Options {
-    /// What to build: a program with a shape (`.sa`), a model of MagicaVoxel (`.vox`), or layers drawn as text (`.txt`)
+    /// What to build: a program with a shape (`.sa`), a model of MagicaVoxel (`.vox`), or layers drawn as text (`.txt`); with `--run` the
+    /// results folder of the run
     #[arg(value_name = "TARGET")]
     target: String,
+    /// Complete the program: plan what is missing where a phase claims a shape that it does not build
+    #[arg(long, conflicts_with_all = ["run", "seed_plate", "scene", "keep_scaffolds"])]
+    complete: bool,
+    /// Plan the rest of run N of a results folder: what stands at its end is attached by hand in the program, and what does not belong to
+    /// the shape is let go
+    #[arg(long, value_name = "N", conflicts_with_all = ["seed_plate", "keep_scaffolds"])]
+    run: Option<u64>,
+    /// Name of the program of the run; needed if the folder holds several
+    #[arg(long, value_name = "NAME", requires = "run")]
+    program: Option<String>,
+    /// Name of a block that stands at the end of the run and neither captures nor passes messages on any more; may be given several times
+    #[arg(long, value_name = "NAME", requires = "run")]
+    dead: Vec<String>,
     /// Shape of the program to build [default: the only one, or the last one claimed]
     #[arg(long, value_name = "NAME")]
     shape: Option<String>,
@@ -90,9 +106,26 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
         keeps_scaffolds: options.keep_scaffolds,
         rates: &options.rates.rates,
     };
-    let goal = goal(&wish, &host)?;
-    let stop = stop_on_interrupt()?;
-    let planned = plan(&goal, &wish, &host)?;
+    let stop;
+    let planned = if options.complete {
+        let completion = completion(&wish, &host)?;
+        stop = stop_on_interrupt()?;
+        complete(&completion, &wish, &host)?
+    } else {
+        let goal = match options.run {
+            None => goal(&wish, &host)?,
+            Some(run) => {
+                let end = RunEnd {
+                    run,
+                    program: options.program.as_deref(),
+                    dead: &options.dead,
+                };
+                goal_of_run(&wish, &end, &host)?
+            }
+        };
+        stop = stop_on_interrupt()?;
+        plan(&goal, &wish, &host)?
+    };
     let stopped = stop.load(Ordering::Relaxed);
     write(&planned, options)?;
     match stopped {

@@ -178,3 +178,92 @@ fn shapes_plates_and_scenes_are_chosen() {
         );
     }
 }
+
+/// A shape in the air above the seed of another assembly's plate has no way to be held.
+#[test]
+fn what_cannot_be_built_is_told_on_one_line_and_what_would_help_on_the_next() {
+    let folder = tempfile::tempdir().unwrap();
+    let drawn = path(folder.path(), "drawn.txt");
+    fs::write(&drawn, "# . .\n\n# . #\n").unwrap();
+    let said = stochc_with("plan", &[&drawn]);
+    assert_eq!(said.status, 1);
+    let lines: Vec<&str> = said.err.lines().collect();
+    assert!(
+        lines.iter().any(|line| line.starts_with("error: ")),
+        "{}",
+        said.err
+    );
+    assert!(
+        lines.iter().any(|line| line.starts_with("help: ")),
+        "{}",
+        said.err
+    );
+    assert!(!said.err.contains("U+000A"), "{}", said.err);
+}
+
+#[test]
+fn a_program_is_completed() {
+    let folder = tempfile::tempdir().unwrap();
+    let part = path(folder.path(), "part.sa");
+    let text = "shape stairs { layer 1 { # # } layer 2 { # } }\n\
+                assembly build {\n\
+                    seed plate 2 x 1 { M at (0, 0) }\n\
+                    phase begun { M.up -> T }\n\
+                    phase rest { yields stairs }\n\
+                }\n";
+    fs::write(&part, text).unwrap();
+    assert_eq!(stochc_with("check", &[&part]).status, 1);
+    let whole = path(folder.path(), "whole.sa");
+    let said = stochc_with("plan --complete --quiet", &[&part, "--out", &whole]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    assert_eq!(stochc_with("check --deny warnings", &[&whole]).status, 0);
+    let again = stochc_with("plan --complete", &[&whole]);
+    assert_eq!(again.status, 1);
+    assert!(
+        again
+            .err
+            .contains("every phase that claims a shape builds it"),
+        "{}",
+        again.err
+    );
+    fs::write(&part, text.replace("M.up", "N.up")).unwrap();
+    let wrong = stochc_with("plan --complete", &[&part]);
+    assert_eq!(wrong.status, 1);
+    assert!(wrong.err.contains("unknown-name"), "{}", wrong.err);
+}
+
+#[test]
+fn a_run_that_was_stopped_is_finished() {
+    let folder = tempfile::tempdir().unwrap();
+    let results = path(folder.path(), "results");
+    let simulate =
+        "simulate examples/five_tower.sa --model rate --runs 2 --max-ticks 2000 --quiet --out";
+    assert_eq!(stochc_with(simulate, &[&results]).status, 3);
+    let rest = path(folder.path(), "rest.sa");
+    let said = stochc_with("plan --run 1 --budget 10 --quiet --out", &[&rest, &results]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    let checked = stochc_with("check --deny warnings", &[&rest]);
+    assert_eq!(checked.status, 0, "{}", checked.err);
+    assert!(checked.out.contains("attached by hand"), "{}", checked.out);
+    let done = stochc_with("simulate --model rate --runs 1 --quiet", &[&rest]);
+    assert_eq!(done.status, 0, "{}", done.err);
+
+    let unknown = stochc_with("plan --run 1 --dead Nobody", &[&results]);
+    assert_eq!(unknown.status, 2);
+    assert!(
+        unknown.err.contains("no block is called `Nobody`"),
+        "{}",
+        unknown.err
+    );
+    assert_eq!(stochc_with("plan --run 2", &[&results]).status, 2);
+    // Options of other targets.
+    assert_eq!(stochc_with("plan --dead E", &[&results]).status, 2);
+    assert_eq!(
+        stochc_with("plan --run 1 --complete", &[&results]).status,
+        2
+    );
+    assert_eq!(
+        stochc_with("plan --run 1 --program nobody", &[&results]).status,
+        2
+    );
+}

@@ -7,6 +7,7 @@ mod gap;
 mod order;
 mod random;
 mod refused;
+mod rest;
 mod scaffolds;
 mod shapes;
 

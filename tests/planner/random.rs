@@ -8,7 +8,7 @@ use stochc::planning::{Goal, Unplanned};
 use crate::{cells, tried};
 
 /// Cells that hang together and touch the plate.
-fn grown() -> impl Strategy<Value = Vec<Cell>> {
+pub fn grown() -> impl Strategy<Value = Vec<Cell>> {
     proptest::collection::vec((any::<u16>(), 0..6u8), 0..40).prop_map(|steps| {
         let mut cells = vec![Cell::new(0, 0, 1)];
         for (from, face) in steps {

@@ -3,7 +3,7 @@ use std::fmt::Write as _;
 
 use stochc_ir::{Cell, Face};
 
-use super::statement::Called;
+use super::statement::{Called, Words};
 use crate::plan::Capture;
 use crate::scaffold::{Dismantling, HandOver, Mast};
 
@@ -62,7 +62,7 @@ pub fn write_releases(dismantling: &Dismantling, out: &mut String) {
             format!("1..{height}")
         };
         let after = after.iter().map(|&cell| block(Called::Block, cell));
-        let name = Called::Scaffold.name();
+        let name = Words::OWN.of(Called::Scaffold);
         write_release(&format!("{name}[{x}, {y}, {levels}]"), after, out);
     }
 }
@@ -100,7 +100,7 @@ fn write_row(row: &[HandOver], axis: usize, out: &mut String) {
     let indices = |here: String| {
         let mut at = <[i32; 3]>::from(row[0].cell).map(|at| at.to_string());
         at[axis] = here;
-        format!("{}[{}]", Called::Block.name(), at.join(", "))
+        format!("{}[{}]", Words::OWN.of(Called::Block), at.join(", "))
     };
     let before = if step > 0 { "- 1" } else { "+ 1" };
     // Writing to a string cannot fail.
@@ -114,7 +114,7 @@ fn write_row(row: &[HandOver], axis: usize, out: &mut String) {
 }
 
 fn block(called: Called, Cell { x, y, z }: Cell) -> String {
-    format!("{}[{x}, {y}, {z}]", called.name())
+    format!("{}[{x}, {y}, {z}]", Words::OWN.of(called))
 }
 
 fn write_release(what: &str, after: impl IntoIterator<Item = String>, out: &mut String) {

@@ -2,6 +2,7 @@
 mod dismantling;
 mod repetition;
 mod shape;
+mod standing;
 mod statement;
 #[cfg(test)]
 mod tests;
@@ -9,13 +10,15 @@ mod tests;
 use std::fmt::Write as _;
 
 use stochc_grammar::{FormatError as Unreadable, format};
+use stochc_ir::Cell;
 
 use crate::plan::{Capture, Plan};
 use crate::target::Target;
 use crate::waiting::Why;
 use repetition::{Repeated, repeated};
 pub use shape::declaration;
-use statement::{Statement, statements};
+use standing::{name_of, planted, write_releases};
+use statement::{Statement, Words, statements};
 
 /// What is called how.
 #[derive(Clone, Copy, Debug)]
@@ -45,9 +48,11 @@ pub fn program(target: &Target, plan: &Plan, naming: Naming<'_>) -> Result<Strin
 
 /// The same without a layout, which takes longer than all the rest.
 pub fn draft(target: &Target, plan: &Plan, naming: Naming<'_>) -> String {
-    let first = statements(&plan.captures);
+    let planted = planted(target);
+    let there = statements(&planted, |_| None);
+    let first = statements(&plan.captures, |cell| name_of(target, cell));
     let later = plan.dismantling.as_ref().map(dismantling::captures);
-    let second = later.as_deref().map(statements);
+    let second = later.as_deref().map(|later| statements(later, |_| None));
     let mut out = String::new();
     let Naming {
         assembly,
@@ -74,8 +79,9 @@ pub fn draft(target: &Target, plan: &Plan, naming: Naming<'_>) -> String {
     }
     let plate = target.plate();
     let _ = writeln!(out, "seed plate {} x {} {{", plate.width, plate.depth);
-    let all: Vec<Statement> = first
+    let all: Vec<Statement> = there
         .iter()
+        .chain(&first)
         .chain(second.iter().flatten())
         .cloned()
         .collect();
@@ -91,18 +97,35 @@ pub fn draft(target: &Target, plan: &Plan, naming: Naming<'_>) -> String {
             );
         });
     }
+    for Repeated { first, nest } in &repeated(&there) {
+        nest.write(&mut out, |out, at| first.write(out, at, Words::OWN));
+    }
+    write_releases(target, &mut out);
     out.push_str("}\nphase grow {\n");
     let mut told = Told::default();
-    told.write(&first, &plan.captures, &mut out);
+    told.write(&first, &plan.captures, Words::OWN, &mut out);
     if let (Some(dismantling), Some(later), Some(second)) = (&plan.dismantling, &later, &second) {
         out.push_str("}\nphase hand_over {\n");
         dismantling::write_releases(dismantling, &mut out);
-        told.write(second, later, &mut out);
+        told.write(second, later, Words::OWN, &mut out);
     }
     if let Some(shape) = shape {
         let _ = writeln!(out, "yields {shape}");
     }
     out.push_str("}\n}\n");
+    out
+}
+
+/// The captures of a plan, as statements for a phase of a program that has built what stands: `name` is what that program calls a block
+/// of its plate or of what stands, and `word` a name that nothing in it has.
+pub fn continuation(plan: &Plan, word: &str, name: impl Fn(Cell) -> Option<String>) -> String {
+    let words = Words {
+        block: word,
+        ..Words::OWN
+    };
+    let mut out = String::new();
+    let statements = statements(&plan.captures, name);
+    Told::default().write(&statements, &plan.captures, words, &mut out);
     out
 }
 
@@ -117,7 +140,13 @@ struct Told {
 
 impl Told {
     /// Writes the statements of a phase, with what they wait for.
-    fn write(&mut self, statements: &[Statement], captures: &[Capture], out: &mut String) {
+    fn write(
+        &mut self,
+        statements: &[Statement],
+        captures: &[Capture],
+        words: Words<'_>,
+        out: &mut String,
+    ) {
         let repeated = repeated(statements);
         let is_explained = repeated.len() <= MOST_EXPLAINED;
         for Repeated { first, nest } in &repeated {
@@ -125,7 +154,7 @@ impl Told {
             if is_explained {
                 self.explain(first, captures, nest.is_loop(), out);
             }
-            nest.write(out, |out, at| first.write(out, at));
+            nest.write(out, |out, at| first.write(out, at, words));
         }
     }
 

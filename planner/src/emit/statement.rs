@@ -16,15 +16,32 @@ pub enum Called {
     Scaffold,
 }
 
-impl Called {
-    /// The name.
-    pub fn name(self) -> &'static str {
-        match self {
-            Called::Block => "B",
-            Called::Scaffold => "S",
+/// The words of these names.
+#[derive(Clone, Copy, Debug)]
+pub struct Words<'a> {
+    /// For a block of the target.
+    pub block: &'a str,
+    /// For one of a scaffold.
+    pub scaffold: &'a str,
+}
+
+impl Words<'_> {
+    /// Those of programs that are nothing but a plan.
+    pub const OWN: Words<'static> = Words {
+        block: "B",
+        scaffold: "S",
+    };
+
+    /// The word of a name.
+    pub fn of(&self, called: Called) -> &str {
+        match called {
+            Called::Block => self.block,
+            Called::Scaffold => self.scaffold,
         }
     }
+}
 
+impl Called {
     fn of(capture: &Capture) -> Called {
         if capture.is_temporary {
             Called::Scaffold
@@ -47,12 +64,15 @@ pub struct Statement {
     after: Vec<(Called, Cell, Cell)>,
     /// What the block that captures first is called, and the blocks that are captured.
     called: [Called; 2],
+    /// The name of the block that captures first, if that is none of the plan's.
+    parent: Option<String>,
     /// The place of the statement that has the capture before, of the same parent.
     pub follows: Option<usize>,
 }
 
-/// The captures of a plan as statements, in an order in which those of one parent stay in theirs.
-pub fn statements(captures: &[Capture]) -> Vec<Statement> {
+/// The captures of a plan as statements, in an order in which those of one parent stay in theirs; `other`: the name of a block that
+/// is there before, if it is not called by its place on the plate.
+pub fn statements(captures: &[Capture], other: impl Fn(Cell) -> Option<String>) -> Vec<Statement> {
     let place: FxHashMap<Cell, usize> = captures
         .iter()
         .enumerate()
@@ -81,7 +101,12 @@ pub fn statements(captures: &[Capture]) -> Vec<Statement> {
             let here = siblings.iter().position(|&child| child == i)?;
             siblings[..here].last().copied()
         });
+        let outside = match parent {
+            Some(_) => None,
+            None => capture.cell.across(capture.way.opposite()).and_then(&other),
+        };
         let mut statement = Statement {
+            parent: outside,
             captures: vec![i],
             base: capture.cell,
             rows: vec![(capture.way, 1)],
@@ -157,9 +182,10 @@ fn rows_of(mut cells: Vec<Cell>) -> Vec<(Cell, Cell)> {
     )
 }
 
-/// Whether a seed captures first, the rows, and what they wait for, seen from the base of a statement.
+/// Whether a seed captures first, or which other block, the rows, and what they wait for, seen from the base of a statement.
 pub type Signature<'a> = (
     bool,
+    Option<&'a str>,
     [Called; 2],
     &'a [(Face, i32)],
     Vec<(Called, [i32; 6])>,
@@ -178,7 +204,7 @@ impl Statement {
 
     /// The place on the plate of its seed, if a seed captures first.
     pub fn seed(&self) -> Option<(i32, i32)> {
-        let is_seed = self.base.z == 1 && self.rows[0].0 == Face::Up;
+        let is_seed = self.base.z == 1 && self.rows[0].0 == Face::Up && self.parent.is_none();
         is_seed.then_some((self.base.x, self.base.y))
     }
 
@@ -197,22 +223,24 @@ impl Statement {
             (called, ends)
         });
         let is_on_seed = self.seed().is_some();
-        (is_on_seed, self.called, &self.rows, after.collect())
+        let parent = self.parent.as_deref();
+        (is_on_seed, parent, self.called, &self.rows, after.collect())
     }
 
     /// Writes it with indices that count from its base.
-    pub fn write(&self, out: &mut String, at: &Indices<'_>) {
+    pub fn write(&self, out: &mut String, at: &Indices<'_>, words: Words<'_>) {
         let Cell { x, y, z } = self.base;
         let [dx, dy, dz] = self.rows[0].0.normal();
         // Writing to a string cannot fail.
-        let _ = match self.seed() {
-            Some(_) => write!(out, "P[{}, {}]", at.x(0), at.y(0)),
-            None => {
-                let name = self.called[0].name();
+        let _ = match (&self.parent, self.seed()) {
+            (Some(name), _) => write!(out, "{name}"),
+            (None, Some(_)) => write!(out, "P[{}, {}]", at.x(0), at.y(0)),
+            (None, None) => {
+                let name = words.of(self.called[0]);
                 write!(out, "{name}[{}, {}, {}]", at.x(-dx), at.y(-dy), at.z(-dz))
             }
         };
-        let name = self.called[1].name();
+        let name = words.of(self.called[1]);
         let mut here = Cell::new(-dx, -dy, -dz);
         for &(way, length) in &self.rows {
             let [dx, dy, dz] = way.normal();
@@ -237,7 +265,7 @@ impl Statement {
         let from = |cell: &Cell| Cell::new(cell.x - x, cell.y - y, cell.z - z);
         for (i, (called, first, last)) in self.after.iter().enumerate() {
             let sign = if i == 0 { " after " } else { ", " };
-            let name = called.name();
+            let name = words.of(*called);
             let _ = write!(out, "{sign}{name}{}", at.block(from(first), from(last)));
         }
     }

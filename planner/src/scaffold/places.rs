@@ -24,6 +24,10 @@ const LONGEST: usize = 60;
 
 /// Whether a mast could stand beside or under a target.
 pub fn has_place(target: &Target) -> bool {
+    // Beside what stands none are planned.
+    if !target.standing().is_empty() {
+        return false;
+    }
     let mut cells = target.cells().iter().flat_map(|&cell| {
         let foot = Cell::new(cell.x, cell.y, 1);
         Face::SIDES

@@ -1,5 +1,6 @@
 //! From a shape to a program that builds it.
 mod budget;
+mod rest;
 mod seed_plate;
 mod target;
 
@@ -7,17 +8,20 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
+use stochc_ensemble::text::visible;
 use stochc_grammar::Cancellation;
 use stochc_planner::{Objective, Refusal, Search};
+use stochc_rates::Rates;
 
 use super::programs::verdict;
 use super::rates::of_files;
 use crate::exit::{Exit, Failure};
 use crate::host::{Host, during};
-use crate::planning::{Goal, Planned, Unplanned};
+use crate::planning::{Completion, Goal, Planned, Unplanned};
 use crate::progress::WorkProgress;
 
 pub use budget::Budget;
+pub use rest::{RunEnd, completion, goal as goal_of_run};
 pub use seed_plate::SeedPlate;
 
 /// What is to be built, and how long a better plan is looked for.
@@ -50,7 +54,11 @@ pub struct Wish<'a> {
 /// # Errors
 /// If the target cannot be read, or is none.
 pub fn goal(wish: &Wish<'_>, host: &dyn Host) -> Result<Goal, Failure> {
-    let mut goal = target::read(wish, host)?;
+    Ok(placed(target::read(wish, host)?, wish))
+}
+
+/// The same on the plate and in the scene that are wished.
+fn placed(mut goal: Goal, wish: &Wish<'_>) -> Goal {
     if let Some(plate) = wish.seed_plate {
         goal.plate = Some(plate.plate.clone());
         goal.seeds = plate.seeds.clone();
@@ -58,7 +66,7 @@ pub fn goal(wish: &Wish<'_>, host: &dyn Host) -> Result<Goal, Failure> {
     if let Some(scene) = wish.scene {
         goal.scene = Some(scene.to_owned());
     }
-    Ok(goal)
+    goal
 }
 
 #[expect(
@@ -74,11 +82,35 @@ fn now() -> Instant {
 /// # Errors
 /// If it cannot be built, or there is no plan yet when it is stopped.
 pub fn plan(goal: &Goal, wish: &Wish<'_>, host: &dyn Host) -> Result<Planned, Failure> {
+    search(goal.cells.len(), wish, host, |rates, search| {
+        goal.plan(rates, search)
+    })
+}
+
+/// Plans what is missing in a program.
+///
+/// # Errors
+/// As [`plan`].
+pub fn complete(
+    completion: &Completion,
+    wish: &Wish<'_>,
+    host: &dyn Host,
+) -> Result<Planned, Failure> {
+    search(completion.missing(), wish, host, |rates, search| {
+        completion.plan(rates, search)
+    })
+}
+
+/// Looks for a plan of so many cells within the budget.
+fn search(
+    cells: usize,
+    wish: &Wish<'_>,
+    host: &dyn Host,
+    plan: impl Fn(&[Rates], Search<'_>) -> Result<Planned, Unplanned> + Sync,
+) -> Result<Planned, Failure> {
     let stop = host.stop();
     let start = now();
-    let budget = wish
-        .budget
-        .unwrap_or_else(|| Budget::of_cells(goal.cells.len()));
+    let budget = wish.budget.unwrap_or_else(|| Budget::of_cells(cells));
     let (tried, best) = (AtomicU64::new(0), AtomicU64::new(0));
     let is_over = || {
         let is_late = matches!(budget, Budget::Time(time) if start.elapsed() >= time);
@@ -115,8 +147,22 @@ pub fn plan(goal: &Goal, wish: &Wish<'_>, host: &dyn Host) -> Result<Planned, Fa
         }
     };
     let rates = of_files(wish.rates)?;
-    let planned = during(host, state, || goal.plan(&rates, search));
+    let planned = during(host, state, || plan(&rates, search));
     planned.map_err(|unplanned| told(&unplanned, wish, host))
+}
+
+/// What cannot be built, and why.
+fn refused(target: &str, reason: &str) -> Failure {
+    Failure::error(Exit::WrongProgram, format!("`{target}`: {reason}"))
+}
+
+/// What cannot be built, why, and what would help.
+fn impossible(target: &str, refusal: &Refusal) -> Failure {
+    let mut failure = refused(target, &refusal.to_string());
+    if let Some(help) = refusal.help() {
+        failure.message += &format!("help: {}\n", visible(&help));
+    }
+    failure
 }
 
 /// Why there is no plan.
@@ -126,13 +172,7 @@ fn told(unplanned: &Unplanned, wish: &Wish<'_>, host: &dyn Host) -> Failure {
             exit: Exit::Interrupted,
             message: "stopped before there was a plan\n".to_owned(),
         },
-        Unplanned::Refused(refusal) => {
-            let mut reason = format!("`{}`: {refusal}", wish.target);
-            if let Some(help) = refusal.help() {
-                reason += &format!("\nhelp: {help}");
-            }
-            Failure::wrong_program(reason)
-        }
+        Unplanned::Refused(refusal) => impossible(wish.target, refusal),
         Unplanned::Wrong(checked) => {
             host.tell_findings(checked);
             Failure::silent(verdict(checked))

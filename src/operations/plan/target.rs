@@ -1,6 +1,7 @@
 //! Reads what is to be built.
 use std::path::Path;
 
+use stochc_compiler::Checked;
 use stochc_files::budget::VOXELS;
 use stochc_files::programs::refusal;
 use stochc_files::read_file;
@@ -9,8 +10,8 @@ use stochc_ir::Cell;
 use stochc_planner::{UnreadableVoxels, layers, magica_voxel};
 
 use super::super::programs::verdict;
-use super::Wish;
-use crate::exit::{Exit, Failure};
+use super::{Wish, refused};
+use crate::exit::Failure;
 use crate::host::Host;
 use crate::planning::Goal;
 
@@ -46,17 +47,24 @@ fn voxels(
 }
 
 fn program(wish: &Wish<'_>, host: &dyn Host) -> Result<Goal, Failure> {
-    let target = wish.target;
-    if let Some(reason) = refusal(target) {
-        return Err(Failure::usage(reason));
-    }
-    let checked = crate::check_within(target, &Default::default(), wish.imports);
+    let checked = checked(wish)?;
     if checked.has_errors() {
         host.tell_findings(&checked);
         return Err(Failure::silent(verdict(&checked)));
     }
-    Goal::of_program(&checked, wish.shape)
-        .map_err(|reason| Failure::error(Exit::WrongProgram, format!("`{target}`: {reason}")))
+    Goal::of_program(&checked, wish.shape).map_err(|reason| refused(wish.target, &reason))
+}
+
+/// The program of a wish, right or wrong.
+pub fn checked(wish: &Wish<'_>) -> Result<Checked, Failure> {
+    match refusal(wish.target) {
+        Some(reason) => Err(Failure::usage(reason)),
+        None => Ok(crate::check_within(
+            wish.target,
+            &Default::default(),
+            wish.imports,
+        )),
+    }
 }
 
 /// A name for the shape of a file: what of the file's name may stand in one.

@@ -1,12 +1,15 @@
 //! From a shape of a program, or from cells, to a program that builds it and has been checked.
+mod completion;
+mod repair;
+
 use std::collections::BTreeSet;
 
 use stochc_compiler::diagnostic::{Code, Diagnostic};
 use stochc_compiler::plan::{PlanSeed, ProgramPlan};
 use stochc_compiler::scene::DEFAULT;
-use stochc_compiler::{Checked, FileId, LintLevels, cost, shape_cells};
-use stochc_grammar::print;
+use stochc_compiler::{Checked, FileId, LintLevels, Program, cost, shape_cells};
 use stochc_grammar::tree::{Item, ItemKind, Shape, Tree};
+use stochc_grammar::{Symbols, print};
 use stochc_ir::Cell;
 use stochc_ir::scene::Scene;
 use stochc_ir::table::Plate;
@@ -17,6 +20,8 @@ use stochc_planner::{
 use stochc_rates::Rates;
 
 use crate::{check_text, check_texts};
+pub use completion::{Completion, NotCompleted};
+pub use repair::{Repair, Structure};
 
 /// What is to be built, on what, and where.
 #[derive(Clone, Debug)]
@@ -35,6 +40,8 @@ pub struct Goal {
     shape: Option<String>,
     /// Declares scenes.
     scenes: String,
+    /// What stands before, and what of it is let go.
+    repair: Repair,
 }
 
 /// A program that builds a shape.
@@ -98,6 +105,7 @@ impl Goal {
             seeds: None,
             scene: None,
             scenes: String::new(),
+            repair: Repair::default(),
         }
     }
 
@@ -160,26 +168,15 @@ impl Goal {
         let claiming = programs().find(|program| claims(&program.plan).contains(&wanted));
         let only = || programs().next().filter(|_| programs().count() == 1);
         let assembly = claiming.or_else(only);
-        let seats = |plan: &ProgramPlan| -> Option<Vec<(i32, i32)>> {
-            let place = |seed: &PlanSeed| (seed.cell.x, seed.cell.y);
-            (!plan.seeds.is_empty()).then(|| plan.seeds.iter().map(place).collect())
-        };
-        let scene = assembly.and_then(|program| program.scene.as_ref());
-        let scene = scene
-            .map(|scene| scene.name.clone())
-            .filter(|name| name != DEFAULT);
-        let text = |item: &Item| {
-            let items = vec![item.clone()];
-            print(&Tree { items }, symbols)
-        };
         Ok(Goal {
             name: wanted.to_owned(),
             cells,
             plate: assembly.map(|program| program.plan.plate.clone()),
             seeds: assembly.and_then(|program| seats(&program.plan)),
-            scene,
-            shape: Some(text(item)),
-            scenes: scenes(checked).map(text).collect(),
+            scene: assembly.and_then(scene_of),
+            shape: Some(printed(item, symbols)),
+            scenes: declared_scenes(checked),
+            repair: Repair::default(),
         })
     }
 
@@ -259,7 +256,10 @@ impl Goal {
         let scene = self.scene().map_err(Unplanned::Wrong)?;
         let hardware = Hardware::of(&scene);
         let plate = self.plate.clone().unwrap_or_else(|| self.smallest_plate());
-        let target = Target::new(self.cells.clone(), plate, self.seeds.clone(), hardware.free);
+        let Repair { standing, released } = self.repair.clone();
+        let (cells, seeds) = (self.cells.clone(), self.seeds.clone());
+        let target =
+            Target::with_standing(cells, (standing, released), plate, seeds, hardware.free);
         let target = target.map_err(Unplanned::Refused)?;
         let law = RateLaw::of(&scene, rates);
         let found = plan(&target, hardware, &law, search).map_err(Unplanned::Refused)?;
@@ -274,7 +274,7 @@ impl Goal {
             }
         }
         let mut alternatives = Vec::new();
-        if self.cells.len() <= MOST_COMPARED {
+        if self.cells.len() <= MOST_COMPARED && self.repair == Repair::default() {
             let objective = search.objective;
             for (naive, mut plan) in naive_plans(&target, hardware, &law, search.seed) {
                 let checked = self.check(&target, &plan, &[]);
@@ -401,7 +401,26 @@ fn shapes(checked: &Checked) -> Vec<DeclaredShape<'_>> {
     found
 }
 
-fn scenes(checked: &Checked) -> impl Iterator<Item = &Item> {
+/// The scenes that a program declares, as text.
+fn declared_scenes(checked: &Checked) -> String {
     let items = checked.trees().flat_map(|(_, tree)| &tree.items);
-    items.filter(|item| matches!(item.kind, ItemKind::Scene(_)))
+    let scenes = items.filter(|item| matches!(item.kind, ItemKind::Scene(_)));
+    scenes.map(|item| printed(item, &checked.symbols)).collect()
+}
+
+fn printed(item: &Item, symbols: &Symbols) -> String {
+    let items = vec![item.clone()];
+    print(&Tree { items }, symbols)
+}
+
+/// The name of a program's scene, if it has to be named.
+fn scene_of(program: &Program) -> Option<String> {
+    let name = program.scene.as_ref().map(|scene| scene.name.clone());
+    name.filter(|name| name != DEFAULT)
+}
+
+/// The places of the blocks of the plate that have a name, if any has.
+fn seats(plan: &ProgramPlan) -> Option<Vec<(i32, i32)>> {
+    let place = |seed: &PlanSeed| (seed.cell.x, seed.cell.y);
+    (!plan.seeds.is_empty()).then(|| plan.seeds.iter().map(place).collect())
 }

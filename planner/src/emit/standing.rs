@@ -1,0 +1,61 @@
+//! What is there before anything is captured: blocks attached by hand, some of which are let go.
+use std::fmt::Write as _;
+
+use rustc_hash::FxHashMap;
+use stochc_ir::Cell;
+
+use super::statement::{Called, Words};
+use crate::plan::Capture;
+use crate::target::{StandingBlock, Target};
+
+/// The blocks that are attached by hand, each behind its parent.
+pub fn planted(target: &Target) -> Vec<Capture> {
+    let all = || target.standing().iter().chain(target.released());
+    let there: FxHashMap<Cell, &StandingBlock> = all().map(|block| (block.cell, block)).collect();
+    let parent = |block: &StandingBlock| {
+        let cell = block.cell.across(block.way.opposite())?;
+        there.get(&cell).copied()
+    };
+    let depth = |block: &StandingBlock| {
+        let above = std::iter::successors(parent(block), |block| parent(block));
+        above.take(there.len()).count()
+    };
+    let mut sorted: Vec<(usize, &StandingBlock)> =
+        all().map(|block| (depth(block), block)).collect();
+    sorted.sort_unstable();
+    let captures = sorted.into_iter().map(|(_, block)| Capture {
+        cell: block.cell,
+        way: block.way,
+        wait: 0.0,
+        after: Vec::new(),
+        is_tight: false,
+        is_temporary: false,
+        decides: 0.0,
+    });
+    captures.collect()
+}
+
+/// What a block is called that is attached by hand; `None`: there is none in the cell.
+pub fn name_of(target: &Target, cell: Cell) -> Option<String> {
+    let Cell { x, y, z } = target.standing_at(cell)?.cell;
+    let word = Words::OWN.of(Called::Block);
+    Some(format!("{word}[{x}, {y}, {z}]"))
+}
+
+/// Writes the phase in which blocks are let go, behind the plate.
+pub fn write_releases(target: &Target, out: &mut String) {
+    let word = Words::OWN.of(Called::Block);
+    let released = target.released().iter();
+    let names: Vec<String> = released
+        .map(|StandingBlock { cell, .. }| format!("{word}[{}, {}, {}]", cell.x, cell.y, cell.z))
+        .collect();
+    if names.is_empty() {
+        return;
+    }
+    // Writing to a string cannot fail.
+    let _ = write!(
+        out,
+        "}}\nphase clear {{\n/// What is wrong, dead or in the way, with all that hangs on it.\nrelease {}\n",
+        names.join(", ")
+    );
+}

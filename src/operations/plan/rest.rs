@@ -1,0 +1,98 @@
+//! What is missing: of a run, or in a program that is written in part.
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use stochc_compiler::LintLevels;
+
+use super::super::chosen_run::choose;
+use super::super::programs::verdict;
+use super::super::results::read;
+use super::{Wish, impossible, placed, refused, target};
+use crate::exit::Failure;
+use crate::facade::check_texts;
+use crate::host::Host;
+use crate::planning::{Completion, Goal, NotCompleted, Structure};
+
+/// The end of a run, from which the rest is planned.
+#[derive(Clone, Copy, Debug)]
+pub struct RunEnd<'a> {
+    /// The number of the run, from 0.
+    pub run: u64,
+    /// The program; `None`: the only one of the folder.
+    pub program: Option<&'a str>,
+    /// Names of blocks that neither capture nor pass messages on any more.
+    pub dead: &'a [String],
+}
+
+/// What is missing in a program.
+///
+/// # Errors
+/// If it cannot be read, is wrong, or nothing is missing in it.
+pub fn completion(wish: &Wish<'_>, host: &dyn Host) -> Result<Completion, Failure> {
+    let checked = target::checked(wish)?;
+    Completion::of(&checked, wish.shape).map_err(|error| match error {
+        NotCompleted::Wrong => {
+            host.tell_findings(&checked);
+            Failure::silent(verdict(&checked))
+        }
+        NotCompleted::Refused(reason) => refused(wish.target, &reason),
+        NotCompleted::Impossible(refusal) => impossible(wish.target, &refusal),
+    })
+}
+
+/// What is missing at the end of a run of a folder.
+///
+/// # Errors
+/// If there is no such run, its program is not kept, or nothing is missing.
+pub fn goal(wish: &Wish<'_>, end: &RunEnd<'_>, host: &dyn Host) -> Result<Goal, Failure> {
+    let folder = Path::new(wish.target);
+    let (manifest, finished) = read(folder, host)?;
+    let chosen = choose((manifest, &finished), Some(folder), end.program, end.run)?;
+    let record = chosen.known().ok_or_else(|| {
+        Failure::usage(format!(
+            "run {} of `{}` is not finished",
+            end.run, wish.target
+        ))
+    })?;
+    let entry = chosen.entry();
+    let structure = Structure::of(entry.tables(), record);
+    let dead: BTreeSet<&str> = end.dead.iter().map(String::as_str).collect();
+    if let Some(unknown) = dead
+        .iter()
+        .find(|name| structure.names().all(|known| known != **name))
+    {
+        let known: Vec<String> = structure.names().map(|name| format!("`{name}`")).collect();
+        return Err(Failure::usage(format!(
+            "no block is called `{unknown}` at the end of the run; there are {}",
+            match known.is_empty() {
+                true => "none".to_owned(),
+                false => known.join(", "),
+            }
+        )));
+    }
+    let sources = entry.sources.iter();
+    let texts: Vec<(&str, &str)> = sources
+        .map(|source| (source.path.as_str(), source.text.as_str()))
+        .collect();
+    let checked = check_texts(&texts, &LintLevels::default(), "", &[]);
+    let mut same =
+        (checked.programs.iter()).filter(|it| it.tables.as_ref() == Some(entry.tables()));
+    let program = same.next().ok_or_else(|| {
+        Failure::usage(format!(
+            "`{}` does not hold the text of the program, or this version compiles it otherwise",
+            wish.target
+        ))
+    })?;
+    if wish.scene.is_none() && program.scene.as_ref() != Some(&entry.scene) {
+        return Err(Failure::usage(
+            "numbers of the scene were varied in these runs: name the scene to plan for with `--scene`",
+        ));
+    }
+    let goal = Goal::of_end(&checked, program, wish.shape);
+    goal.and_then(|mut goal| {
+        goal.stand_on(&structure, &dead)?;
+        Ok(goal)
+    })
+    .map(|goal| placed(goal, wish))
+    .map_err(|reason| refused(wish.target, &reason))
+}

@@ -1,0 +1,311 @@
+//! A program that is written in part: a phase claims a shape that does not stand yet, and what is missing is planned.
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
+
+use stochc_compiler::diagnostic::Code;
+use stochc_compiler::plan::{EventKind, ProgramPlan};
+use stochc_compiler::{Checked, FileId, LintLevels, Program, Site, shape_cells};
+use stochc_grammar::format;
+use stochc_grammar::tree::{Item, ItemKind};
+use stochc_ir::Cell;
+use stochc_ir::scene::Scene;
+use stochc_ir::table::RoleId;
+use stochc_planner::{
+    Hardware, RateLaw, Refusal, Search, StandingBlock, Target, continuation, plan,
+};
+use stochc_rates::Rates;
+
+use super::{Planned, Unplanned, shapes};
+use crate::check_texts;
+
+/// What is missing in a program.
+#[derive(Debug)]
+pub struct Completion {
+    /// The texts of the program and of what it imports, with their names, its own first.
+    texts: Vec<(String, String)>,
+    target: Target,
+    hardware: Hardware,
+    scene: Scene,
+    /// What the program calls the blocks that can capture.
+    names: BTreeMap<Cell, String>,
+    /// What no block of it is called.
+    word: String,
+    change: Change,
+}
+
+/// Where what is planned is written.
+#[derive(Debug)]
+struct Change {
+    /// What of the text goes.
+    removed: Range<usize>,
+    /// Where the rest is written, as the text is.
+    at: usize,
+    /// What stands around it.
+    around: [String; 2],
+}
+
+/// Why a program cannot be completed.
+#[derive(Debug)]
+pub enum NotCompleted {
+    /// It is wrong in other ways.
+    Wrong,
+    /// Nothing is missing, or it cannot be written down there, in words.
+    Refused(String),
+    /// What is missing cannot be built.
+    Impossible(Refusal),
+}
+
+/// A claim of a phase that is not true.
+struct Claim<'a> {
+    program: &'a Program,
+    phase: usize,
+    name: &'a str,
+    site: Site,
+    /// What it claims.
+    cells: Vec<Cell>,
+}
+
+impl Completion {
+    /// Of the first phase that claims a shape, or the one of this name, and does not build it.
+    ///
+    /// # Errors
+    /// If there is none, or it cannot be completed there.
+    pub fn of(checked: &Checked, shape: Option<&str>) -> Result<Completion, NotCompleted> {
+        let is_other = |code: Code| code != Code::ShapeMismatch;
+        if checked
+            .diagnostics
+            .iter()
+            .any(|it| it.is_error() && is_other(it.code))
+        {
+            return Err(NotCompleted::Wrong);
+        }
+        let claim = unbuilt(checked, shape)?;
+        let (program, symbols) = (claim.program, &checked.symbols);
+        let there = standing(program, claim.phase);
+        let wanted: BTreeSet<Cell> = claim.cells.iter().copied().collect();
+        let surplus = there
+            .iter()
+            .find(|(block, _)| !wanted.contains(&block.cell));
+        if let Some((block, role)) = surplus {
+            let role = program.plan.roles.name(*role, symbols);
+            return Err(NotCompleted::Refused(format!(
+                "`{}` has no block at {}, where `{role}` stands: release it in this phase or before",
+                claim.name, block.cell
+            )));
+        }
+        let Some(scene) = program.scene.clone() else {
+            return Err(NotCompleted::Wrong);
+        };
+        let seeds = &program.plan.seeds;
+        let mut names: BTreeMap<Cell, String> = BTreeMap::new();
+        let called = there.iter().map(|(block, role)| (block.cell, *role));
+        for (cell, role) in called.chain(seeds.iter().map(|seed| (seed.cell, seed.role))) {
+            names.insert(cell, program.plan.roles.name(role, symbols));
+        }
+        let hardware = Hardware::of(&scene);
+        let target = Target::with_standing(
+            claim.cells.clone(),
+            (
+                there.into_iter().map(|(block, _)| block).collect(),
+                Vec::new(),
+            ),
+            program.plan.plate.clone(),
+            Some(
+                seeds
+                    .iter()
+                    .map(|seed| (seed.cell.x, seed.cell.y))
+                    .collect(),
+            ),
+            hardware.free,
+        );
+        let target = target.map_err(NotCompleted::Impossible)?;
+        let is_new = |word: &String| symbols.get(word).is_none();
+        let new = |plain: &str| {
+            let others = (2..).map(|number| format!("{plain}{number}"));
+            let mut words = std::iter::once(plain.to_owned()).chain(others);
+            words.find(is_new).expect("the words of a text are finite")
+        };
+        let files = checked.sources.files().iter();
+        Ok(Completion {
+            change: change(checked, &claim, &new("rest"))?,
+            texts: files
+                .map(|file| (file.name.clone(), file.text.to_string()))
+                .collect(),
+            word: new("B"),
+            target,
+            hardware,
+            scene,
+            names,
+        })
+    }
+
+    /// How many blocks are missing.
+    pub fn missing(&self) -> usize {
+        self.target.cells().len() - self.target.standing().len()
+    }
+
+    /// Plans what is missing, and writes it into the program.
+    ///
+    /// # Errors
+    /// If it cannot be built, or the program is wrong with it.
+    pub fn plan(&self, rates: &[Rates], search: Search<'_>) -> Result<Planned, Unplanned> {
+        let law = RateLaw::of(&self.scene, rates);
+        let found = plan(&self.target, self.hardware, &law, search).map_err(Unplanned::Refused)?;
+        let plan = found.plain;
+        let name = |cell: Cell| self.names.get(&cell).cloned();
+        let rest = continuation(&plan, &self.word, name);
+        let (_, text) = &self.texts[0];
+        let Change {
+            removed,
+            at,
+            around: [before, after],
+        } = &self.change;
+        let (kept, gone) = (&text[..removed.start], &text[removed.end..]);
+        let rest = format!("{before}{rest}{after}");
+        let whole = match *at >= removed.end {
+            true => {
+                let (between, end) = gone.split_at(at - removed.end);
+                format!("{kept}{between}{rest}{end}")
+            }
+            false => format!("{kept}{rest}{gone}"),
+        };
+        let text = format(&whole).unwrap_or(whole);
+        let others = self.texts[1..].iter();
+        let texts: Vec<(&str, &str)> = std::iter::once((self.texts[0].0.as_str(), text.as_str()))
+            .chain(others.map(|(name, text)| (name.as_str(), text.as_str())))
+            .collect();
+        let checked = check_texts(&texts, &LintLevels::default(), "", &[]);
+        match checked.has_errors() {
+            true => Err(Unplanned::Wrong(Box::new(checked))),
+            false => Ok(Planned { plan, text }),
+        }
+    }
+}
+
+/// The first claim that is not true.
+fn unbuilt<'a>(checked: &'a Checked, shape: Option<&str>) -> Result<Claim<'a>, NotCompleted> {
+    let declared = shapes(checked);
+    let mut is_claimed = false;
+    for program in &checked.programs {
+        let mut built: BTreeSet<Cell> = BTreeSet::new();
+        for (phase, (emptied, filled)) in program.layout.changes.iter().enumerate() {
+            emptied.iter().for_each(|cell| {
+                built.remove(cell);
+            });
+            built.extend(filled);
+            for &(symbol, site) in &program.plan.phases[phase].claims {
+                let name = checked.symbols.word(symbol);
+                let of_name = declared.iter().find(|it| it.shape.name.symbol == symbol);
+                let Some(declared) = of_name.filter(|_| shape.is_none_or(|shape| shape == name))
+                else {
+                    continue;
+                };
+                is_claimed = true;
+                let cells = shape_cells(declared.shape, declared.file, &mut Vec::new());
+                let mut cells = cells.ok_or(NotCompleted::Wrong)?;
+                cells.sort_unstable();
+                cells.dedup();
+                if cells.len() != built.len() || !cells.iter().all(|cell| built.contains(cell)) {
+                    return Ok(Claim {
+                        program,
+                        phase,
+                        name,
+                        site,
+                        cells,
+                    });
+                }
+            }
+        }
+    }
+    let shape = shape.map_or("a shape".to_owned(), |shape| format!("`{shape}`"));
+    Err(NotCompleted::Refused(match is_claimed {
+        true => format!("every phase that claims {shape} builds it"),
+        false => {
+            format!("no phase claims {shape}: say what is to stand, `phase rest {{ yields NAME }}`")
+        }
+    }))
+}
+
+/// What stands at the end of a phase, with what it is called.
+fn standing(program: &Program, last: usize) -> Vec<(StandingBlock, RoleId)> {
+    let plan: &ProgramPlan = &program.plan;
+    let mut there = BTreeMap::new();
+    for phase in &plan.phases[..=last] {
+        let mut captured = BTreeMap::new();
+        let mut released = Vec::new();
+        for number in phase.events.clone() {
+            let event = &plan.events[number as usize];
+            match event.kind {
+                EventKind::Capture { .. } => {
+                    captured.insert(event.role, number as usize);
+                }
+                EventKind::Release => released.push(event.role),
+            }
+        }
+        // Whoever has the name when the phase begins goes first.
+        for role in released {
+            if there.remove(&role).is_none() {
+                captured.remove(&role);
+            }
+        }
+        there.extend(captured);
+    }
+    let layout = &program.layout;
+    let blocks = there.into_iter().filter_map(|(role, event)| {
+        let block = StandingBlock {
+            cell: layout.cells[event]?,
+            way: layout.parents[event]?.face,
+            can_capture: true,
+        };
+        Some((block, role))
+    });
+    let mut blocks: Vec<_> = blocks.collect();
+    blocks.sort_unstable_by_key(|(block, _)| block.cell);
+    blocks
+}
+
+/// Where the rest is written: before the claim of a phase in which nothing happens, and otherwise in a phase behind, which takes the claim.
+fn change(checked: &Checked, claim: &Claim<'_>, new: &str) -> Result<Change, NotCompleted> {
+    let elsewhere = || {
+        NotCompleted::Refused(format!(
+            "the phase that claims `{}` is imported or stands in a loop: only a phase of the assembly itself can be completed",
+            claim.name
+        ))
+    };
+    if claim.site.file != FileId(0) {
+        return Err(elsewhere());
+    }
+    let claims =
+        |item: &&Item| matches!(&item.kind, ItemKind::Yields(name) if name.span == claim.site.span);
+    let bodies = checked
+        .tree
+        .items
+        .iter()
+        .filter_map(|item| match &item.kind {
+            ItemKind::Assembly(assembly) => Some(&assembly.body),
+            _ => None,
+        });
+    let found = bodies.flatten().find_map(|item| match &item.kind {
+        ItemKind::Phase(phase) => Some((item, phase.body.iter().find(claims)?)),
+        _ => None,
+    });
+    let (phase, yields) = found.ok_or_else(elsewhere)?;
+    let span = yields.span.start as usize..yields.span.end as usize;
+    Ok(
+        match claim.program.plan.phases[claim.phase].events.is_empty() {
+            true => Change {
+                removed: span.start..span.start,
+                at: span.start,
+                around: [String::new(), "\n".to_owned()],
+            },
+            false => Change {
+                removed: span,
+                at: phase.span.end as usize,
+                around: [
+                    format!("\nphase {new} {{\n"),
+                    format!("yields {}\n}}\n", claim.name),
+                ],
+            },
+        },
+    )
+}

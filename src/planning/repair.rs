@@ -1,0 +1,181 @@
+//! The rest of a run: what stands at its end is there at the beginning, and what is missing is planned.
+use std::collections::{BTreeMap, BTreeSet};
+
+use stochc_compiler::{Checked, Program};
+use stochc_ir::record::RunRecord;
+use stochc_ir::table::{RoleId, Tables};
+use stochc_ir::{Cell, Face};
+use stochc_planner::StandingBlock;
+
+use super::Goal;
+
+/// A structure as a run left it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Structure {
+    /// The blocks above the plate, by their names.
+    blocks: BTreeMap<String, AnchoredBlock>,
+}
+
+/// A block of it.
+#[derive(Clone, Debug, PartialEq)]
+struct AnchoredBlock {
+    cell: Cell,
+    /// The way there from its parent.
+    way: Face,
+    /// The name of its parent; `None`: the plate.
+    parent: Option<String>,
+}
+
+/// What is to be done with what stands.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Repair {
+    /// What stays.
+    pub standing: Vec<StandingBlock>,
+    /// What is let go.
+    pub released: Vec<StandingBlock>,
+}
+
+impl Structure {
+    /// What stands at the end of a run.
+    pub fn of(tables: &Tables, record: &RunRecord) -> Structure {
+        // At one tick a name is free before it is taken again.
+        let captures = record
+            .bonds
+            .iter()
+            .map(|bond| (bond.docked, 1, Some(bond), bond.child));
+        let releases = record
+            .releases
+            .iter()
+            .map(|it| (it.tick, 0, None, it.child));
+        let mut events: Vec<_> = captures.chain(releases).collect();
+        events.sort_by_key(|&(tick, kind, ..)| (tick, kind));
+        let mut there = BTreeMap::new();
+        for (.., bond, child) in events {
+            match bond {
+                Some(bond) => there.insert(child, bond),
+                None => there.remove(&child),
+            };
+        }
+        let name = |role: RoleId| tables.roles[role.0 as usize].name.clone();
+        let place = |role: RoleId| {
+            let seed = tables.roles[role.0 as usize].seed;
+            seed.or_else(|| there.get(&role).map(|bond| bond.cell))
+        };
+        let blocks = there.iter().filter_map(|(&role, bond)| {
+            let from = place(bond.parent)?;
+            let way = Face::ALL
+                .into_iter()
+                .find(|&way| from.across(way) == Some(bond.cell))?;
+            let parent = there.contains_key(&bond.parent).then(|| name(bond.parent));
+            let block = AnchoredBlock {
+                cell: bond.cell,
+                way,
+                parent,
+            };
+            Some((name(role), block))
+        });
+        Structure {
+            blocks: blocks.collect(),
+        }
+    }
+
+    /// The names of its blocks.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.blocks.keys().map(String::as_str)
+    }
+
+    /// What is let go where only these cells may stay full, with all that hangs on it, and what of the rest can capture: neither a `dead`
+    /// block nor what hangs on one, because no message comes through.
+    ///
+    /// # Errors
+    /// If a block has to go that cannot ask for it, in words.
+    pub fn repair(&self, wanted: &[Cell], dead: &BTreeSet<&str>) -> Result<Repair, String> {
+        let wanted: BTreeSet<Cell> = wanted.iter().copied().collect();
+        let mut repair = Repair::default();
+        for (name, block) in &self.blocks {
+            let line: Vec<(&str, &AnchoredBlock)> = self.line(name).collect();
+            let cut = line.iter().find(|(name, _)| dead.contains(name));
+            let is_wrong = |(_, block): &(&str, &AnchoredBlock)| !wanted.contains(&block.cell);
+            let standing = StandingBlock {
+                cell: block.cell,
+                way: block.way,
+                can_capture: cut.is_none(),
+            };
+            match (line.iter().find(|it| is_wrong(it)), cut) {
+                (None, _) => repair.standing.push(standing),
+                (Some(_), None) => repair.released.push(standing),
+                (Some((wrong, _)), Some((cut, _))) => {
+                    return Err(format!(
+                        "`{wrong}` does not belong to the shape, and cannot be let go with `{name}`: `{cut}` is dead, and no message comes through it"
+                    ));
+                }
+            }
+        }
+        Ok(repair)
+    }
+
+    /// A block, its parent, and so on to the plate.
+    fn line(&self, name: &str) -> impl Iterator<Item = (&str, &AnchoredBlock)> {
+        let at = |name: &str| {
+            let (name, block) = self.blocks.get_key_value(name)?;
+            Some((name.as_str(), block))
+        };
+        let line =
+            std::iter::successors(at(name), move |(_, block)| at(block.parent.as_deref()?));
+        line.take(self.blocks.len())
+    }
+}
+
+impl Goal {
+    /// What a program of a file was to build in the end: the shape of this name, the one that it claims last, or what its captures build.
+    ///
+    /// # Errors
+    /// If it has no such shape, in words.
+    pub fn of_end(
+        checked: &Checked,
+        program: &Program,
+        shape: Option<&str>,
+    ) -> Result<Goal, String> {
+        let plan = &program.plan;
+        let claims = plan.phases.iter().flat_map(|phase| &phase.claims);
+        let claimed = claims.last().map(|&(name, _)| checked.symbols.word(name));
+        let mut goal = match shape.or(claimed) {
+            Some(shape) => Goal::of_program(checked, Some(shape))?,
+            None => {
+                let mut built: BTreeSet<Cell> = BTreeSet::new();
+                for (emptied, filled) in &program.layout.changes {
+                    emptied.iter().for_each(|cell| {
+                        built.remove(cell);
+                    });
+                    built.extend(filled);
+                }
+                Goal {
+                    scenes: super::declared_scenes(checked),
+                    ..Goal::of_cells(&plan.name, built.into_iter().collect())
+                }
+            }
+        };
+        goal.plate = Some(plan.plate.clone());
+        goal.seeds = super::seats(plan);
+        goal.scene = super::scene_of(program);
+        Ok(goal)
+    }
+
+    /// What stands where it is planned from now on, with blocks that are dead: [`Structure::repair`].
+    ///
+    /// # Errors
+    /// If nothing is missing, or a block has to go and cannot, in words.
+    pub fn stand_on(&mut self, structure: &Structure, dead: &BTreeSet<&str>) -> Result<(), String> {
+        let repair = structure.repair(&self.cells, dead)?;
+        let full: BTreeSet<Cell> = repair.standing.iter().map(|block| block.cell).collect();
+        if self.cells.iter().all(|cell| full.contains(cell)) {
+            return Err(match repair.released.len() {
+                0 => "nothing is missing".to_owned(),
+                1 => "nothing is missing, but one block has to be let go".to_owned(),
+                count => format!("nothing is missing, but {count} blocks have to be let go"),
+            });
+        }
+        self.repair = repair;
+        Ok(())
+    }
+}

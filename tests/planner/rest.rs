@@ -1,0 +1,260 @@
+//! Programs that are written in part are completed, and what a run has left is built on.
+use std::collections::BTreeSet;
+use std::ops::ControlFlow;
+
+use proptest::prelude::*;
+use stochc::check_text;
+use stochc::ir::Cell;
+use stochc::ir::record::{Outcome, RunRecord};
+use stochc::planner::Search;
+use stochc::planning::{Completion, Goal, NotCompleted, Planned, Structure, Unplanned};
+use stochc_compiler::Checked;
+use stochc_ir::Executable;
+use stochc_runtime::{Model, Settings, run};
+
+use crate::random::grown;
+use crate::tried;
+
+const PART: &str = "\
+// Begun by hand.
+shape arch {
+    layer 1..2 {
+        # . #
+    }
+    layer 3 {
+        # # #
+    }
+}
+
+assembly castle {
+    seed plate 3 x 1 {
+        L at (0, 0)
+        R at (2, 0)
+    }
+    phase feet {
+        L.up ->> B[1..3]   // the left one
+    }
+    phase rest {
+        yields arch
+    }
+}
+";
+
+fn completed(text: &str) -> Result<Planned, NotCompleted> {
+    let completion = Completion::of(&check_text("part.sa", text), None)?;
+    let planned = completion.plan(&[], Search::default());
+    Ok(planned.expect("it can be built"))
+}
+
+fn refusal(text: &str) -> String {
+    match completed(text) {
+        Err(NotCompleted::Refused(reason)) => reason,
+        other => panic!("{other:?}"),
+    }
+}
+
+fn executable(checked: Checked) -> Executable {
+    let mut programs = stochc::compile(checked).expect("nothing is wrong in it");
+    programs.remove(0)
+}
+
+/// A run, stopped after so many ticks.
+fn ran(executable: &Executable, model: Model, max_ticks: Option<u64>) -> RunRecord {
+    let settings = Settings {
+        max_ticks,
+        ..Settings::of(model, 1)
+    };
+    let mut watch = |_, _| ControlFlow::Continue(());
+    let (tables, scene) = (&executable.tables, &executable.scene);
+    run(tables, scene, &settings, 3, 0, &mut watch).expect("it runs")
+}
+
+#[test]
+fn what_is_missing_is_written_into_the_phase_that_claims_it() {
+    let planned = completed(PART).unwrap();
+    insta::assert_snapshot!(planned.text);
+    let checked = check_text("whole.sa", &planned.text);
+    assert_eq!(checked.diagnostics.len(), 0, "{:?}", checked.diagnostics);
+    let record = ran(&executable(checked), Model::Shuffle, None);
+    assert_eq!(record.outcome, Outcome::Completed);
+    assert_eq!(record.blocks_used, 7);
+}
+
+#[test]
+fn a_phase_with_captures_keeps_them_and_gives_its_claim_to_one_behind() {
+    let text = PART.replace("yields arch", "R.up -> rest\n        yields arch");
+    let planned = completed(&text).unwrap();
+    insta::assert_snapshot!(planned.text);
+    let checked = check_text("whole.sa", &planned.text);
+    assert_eq!(checked.diagnostics.len(), 0, "{:?}", checked.diagnostics);
+}
+
+#[test]
+fn what_cannot_be_completed_is_refused_with_a_reason() {
+    let whole = completed(PART).unwrap().text;
+    assert_eq!(refusal(&whole), "every phase that claims a shape builds it");
+    assert_eq!(
+        refusal(&PART.replace("yields arch", "R.up -> X")),
+        "no phase claims a shape: say what is to stand, `phase rest { yields NAME }`"
+    );
+    assert_eq!(
+        refusal(&PART.replace("[1..3]", "[1..4]")),
+        "`arch` has no block at (0, 0, 4), where `B[4]` stands: release it in this phase or before"
+    );
+    let looped = PART.replace("phase rest {", "for i in 1..1 { phase rest[i] {");
+    assert!(refusal(&looped.replace("arch\n    }", "arch\n    } }")).contains("in a loop"));
+    let wrong = PART.replace("L.up", "Q.up");
+    assert!(matches!(completed(&wrong), Err(NotCompleted::Wrong)));
+    let floating = PART
+        .replace("R at (2, 0)\n", "")
+        .replace("B[1..3]", "B[1..2]");
+    let held = completed(&floating).unwrap();
+    assert!(held.text.contains("B[2].up"), "{}", held.text);
+}
+
+/// What is left of a run of the first program of a text after so many ticks, and what its end should be.
+fn left(text: &str, max_ticks: u64) -> (Goal, Structure) {
+    let checked = check_text("run.sa", text);
+    let goal = Goal::of_end(&checked, &checked.programs[0], None).unwrap();
+    let executable = executable(checked);
+    let record = ran(&executable, Model::Rate, Some(max_ticks));
+    (goal, Structure::of(&executable.tables, &record))
+}
+
+/// A mast from which something hangs where a wall is to stand.
+const WALL: &str = "\
+shape wall { layer 1..3 { # # # # } }
+assembly walls {
+    seed plate 4 x 2 { A at (0, 0) B at (1, 0) D at (3, 0) S at (2, 1) }
+    phase first {
+        S.up ->> M[1..3].south -> N
+        A.up ->> W[1..3]
+        B.up ->> X[1..3]
+    }
+    phase rest timeout 1 ticks { D.up ->> Z[1..3] }
+}
+";
+
+#[test]
+fn what_does_not_belong_to_the_shape_is_let_go_with_what_hangs_on_it() {
+    let (_, structure) = left(WALL, 100_000);
+    let mut wall = Goal::of_program(&check_text("run.sa", WALL), Some("wall")).unwrap();
+    let repair = structure.repair(&wall.cells, &BTreeSet::new()).unwrap();
+    let released: Vec<Cell> = repair.released.iter().map(|block| block.cell).collect();
+    let mut mast = [(2, 0, 3), (2, 1, 1), (2, 1, 2), (2, 1, 3)].map(|(x, y, z)| Cell::new(x, y, z));
+    let mut sorted = released.clone();
+    sorted.sort_unstable();
+    mast.sort_unstable();
+    assert_eq!(sorted, mast);
+    assert!(repair.standing.iter().all(|block| block.can_capture));
+
+    // Nothing can be let go that has a dead block between it and the plate.
+    let dead = BTreeSet::from(["M[2]"]);
+    let reason = structure.repair(&wall.cells, &dead).unwrap_err();
+    assert!(reason.contains("`M[2]` is dead"), "{reason}");
+
+    wall.stand_on(&structure, &BTreeSet::new()).unwrap();
+    let planned = tried(&wall, 10).unwrap();
+    assert!(planned.text.contains("phase clear"), "{}", planned.text);
+    let record = ran(
+        &executable(check_text("rest.sa", &planned.text)),
+        Model::Shuffle,
+        None,
+    );
+    assert_eq!(record.outcome, Outcome::Completed);
+}
+
+#[test]
+fn dead_blocks_stay_and_capture_nothing() {
+    let text = "\
+assembly comb {
+    seed plate 3 x 1 { P at (0, 0) Q at (1, 0) }
+    phase one { P.up ->> A[1..4] }
+    phase two { Q.up ->> B[1..4] }
+}
+";
+    // Until the first tower is there, and the second is not.
+    let parts = (1000..40_000).step_by(500).map(|ticks| left(text, ticks));
+    let mut first = parts.filter(|(_, there)| there.names().any(|name| name == "A[4]"));
+    let (mut goal, structure) = first.next().expect("the first tower comes");
+    goal.stand_on(&structure, &BTreeSet::from(["A[2]"]))
+        .unwrap();
+    let planned = tried(&goal, 10).unwrap();
+    let (plate, phase) = planned.text.split_once("phase grow").unwrap();
+    assert!(plate.contains("P[0, 0].up ->> B[0, 0, 1..4]"), "{plate}");
+    for above in 2..=4 {
+        assert!(!phase.contains(&format!("B[0, 0, {above}]")), "{phase}");
+    }
+    let (mut goal, structure) = left(text, 1_000_000);
+    let there = goal.stand_on(&structure, &BTreeSet::new());
+    assert_eq!(there, Err("nothing is missing".to_owned()));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 24, ..ProptestConfig::default() })]
+
+    /// Whatever a run that follows a plan leaves at some time can be built on; with dead blocks, as far as others reach.
+    #[test]
+    fn the_rest_of_a_run_is_built(
+        shape in grown(),
+        ticks in 1u64..20_000,
+        dead in proptest::collection::vec(any::<prop::sample::Index>(), 0..2),
+    ) {
+        let goal = Goal::of_cells("grown", shape.clone());
+        let planned = tried(&goal, 1).unwrap();
+        let checked = check_text("grown.sa", &planned.text);
+        let mut goal = Goal::of_end(&checked, &checked.programs[0], None).unwrap();
+        let executable = executable(checked);
+        let record = ran(&executable, Model::Rate, Some(ticks));
+        let structure = Structure::of(&executable.tables, &record);
+        let names: Vec<&str> = structure.names().collect();
+        let dead: BTreeSet<&str> = match names.is_empty() {
+            true => BTreeSet::new(),
+            false => dead.iter().map(|index| *index.get(&names)).collect(),
+        };
+        let there = goal.stand_on(&structure, &dead);
+        if record.outcome == Outcome::Completed {
+            prop_assert_eq!(there, Err("nothing is missing".to_owned()));
+            return Ok(());
+        }
+        there.unwrap();
+        match tried(&goal, 3) {
+            Ok(planned) => {
+                let whole = check_text("rest.sa", &planned.text);
+                prop_assert!(whole.diagnostics.is_empty(), "{:?}\n{}", whole.diagnostics, planned.text);
+                let record = ran(&self::executable(whole), Model::Shuffle, None);
+                prop_assert_eq!(record.outcome, Outcome::Completed);
+                prop_assert_eq!(record.blocks_used as usize, shape.len());
+            }
+            Err(Unplanned::Refused(refusal)) => prop_assert!(!dead.is_empty(), "{}", refusal),
+            Err(Unplanned::Wrong(checked)) => prop_assert!(false, "{:?}", checked.diagnostics),
+        }
+    }
+
+    /// A program that stops anywhere in an order that builds its shape is completed.
+    #[test]
+    fn what_somebody_has_begun_is_completed(shape in grown(), share in 0.0..1.0f64) {
+        let goal = Goal::of_cells("grown", shape.clone());
+        let planned = tried(&goal, 1).unwrap();
+        prop_assume!(planned.plan.dismantling.is_none());
+        let count = (share * shape.len() as f64) as usize;
+        let (head, body) = planned.text.split_once("phase grow").unwrap();
+        let name = |cell: Cell| match cell.z {
+            0 => format!("P[{}, {}]", cell.x, cell.y),
+            _ => format!("B[{}, {}, {}]", cell.x, cell.y, cell.z),
+        };
+        let begun = planned.plan.captures[..count].iter().enumerate().map(|(number, capture)| {
+            let parent = capture.cell.across(capture.way.opposite()).unwrap();
+            format!("phase p{number} {{ {}.{} -> {} }}\n", name(parent), capture.way, name(capture.cell))
+        });
+        let begun: String = begun.collect();
+        let text = format!("{head}{begun}phase grow {{ yields grown }} }}");
+        prop_assert!(body.contains("yields grown"));
+        let planned = completed(&text).map_err(|error| TestCaseError::fail(format!("{error:?}\n{text}")))?;
+        let whole = check_text("whole.sa", &planned.text);
+        prop_assert!(!whole.has_errors(), "{:?}\n{}", whole.diagnostics, planned.text);
+        let record = ran(&self::executable(whole), Model::Shuffle, None);
+        prop_assert_eq!(record.outcome, Outcome::Completed);
+        prop_assert_eq!(record.blocks_used as usize, shape.len());
+    }
+}
