@@ -12,6 +12,7 @@ pub mod plan;
 pub mod programs;
 pub mod rates;
 mod recordings;
+pub mod replan;
 pub mod replay;
 pub mod report;
 pub mod results;

@@ -267,3 +267,28 @@ fn a_run_that_was_stopped_is_finished() {
         2
     );
 }
+
+#[test]
+fn planning_the_rest_anew_is_compared_with_runs_as_they_are() {
+    let compare = "simulate examples/five_tower.sa --model rate --runs 6 --seed 2 --quiet --replan";
+    let said = stochc(&format!("{compare} 800 --format json")).json();
+    let it = &said[0];
+    assert_eq!(it["runs"], 6);
+    assert!(it["plans"].as_u64().unwrap() > 0, "{said}");
+    assert_eq!(it["plain"]["completed"], 6);
+    assert_eq!(it["replanned"]["completed"], 6);
+    assert_ne!(it["plain"]["mean"], it["replanned"]["mean"]);
+    // Nobody waits so long: both are the same.
+    let said = stochc(&format!("{compare} 500000 --format json")).json();
+    assert_eq!(said[0]["plans"], 0);
+    assert_eq!(said[0]["plain"], said[0]["replanned"]);
+    let told = stochc(&format!("{compare} 500000"));
+    assert!(
+        told.out.contains("nothing was planned anew"),
+        "{}",
+        told.out
+    );
+    // It is kept nowhere.
+    assert_eq!(stochc(&format!("{compare} 800 --out anywhere")).status, 2);
+    assert_eq!(stochc(&format!("{compare} 0")).status, 2);
+}

@@ -153,7 +153,7 @@ pub(super) fn mean(time: Option<&Time>, tick: Tick) -> String {
 }
 
 /// A mean with half of its interval in ticks, and what is to stand beside it; `≥` before a lower bound.
-fn in_ticks(time: &Time, beside: &str) -> String {
+pub(super) fn in_ticks(time: &Time, beside: &str) -> String {
     let half_width = time.half_width.map(|half| format!(" ± {}", ticks(half)));
     let text = ticks(time.mean) + &half_width.unwrap_or_default() + beside;
     match time.horizon {

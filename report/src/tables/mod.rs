@@ -4,6 +4,7 @@ mod comparison;
 mod estimate;
 mod fit;
 mod rates;
+mod replanning;
 mod sweep;
 mod trade;
 
@@ -12,5 +13,6 @@ pub use comparison::{comparison_to_text, pairs_to_text};
 pub use estimate::{estimates_to_text, left_out};
 pub use fit::fit_to_text;
 pub use rates::{KNOWN_BIAS, first_guess, rates_to_text};
+pub use replanning::replanning_to_text;
 pub use sweep::sweep_to_text;
 pub use trade::trade_to_text;

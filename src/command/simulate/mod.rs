@@ -14,16 +14,18 @@ pub use options::Options;
 
 use super::estimate::{SHOWN, tell as tell_estimates};
 use super::interrupt::stop_on_interrupt;
-use super::results::{ResultsView, show};
-use super::terminal::{Terminal, print};
+use super::results::{ResultsFormat, ResultsView, show};
+use super::terminal::{Terminal, output_width, print};
 use crate::exit::{Exit, Failure};
 use crate::operations::ensemble::{Made, Making, can_record, make, tell_of_doubts};
 use crate::operations::estimate::{Estimating, estimates};
+use crate::operations::replan::{Replan, replan};
 use crate::operations::runs::try_out_all;
 use stochc_ensemble::Manifest;
 use stochc_ensemble::Resume;
 use stochc_ensemble::shards::{Prepared, prepare};
 use stochc_files::shell::file as shell_file;
+use stochc_report::tables::replanning_to_text;
 
 /// Runs programs many times, or one of their runs alone.
 pub fn run(options: &Options) -> Result<Exit, Failure> {
@@ -52,11 +54,36 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
     can_record(&manifest, options.record.as_ref())?;
     try_out_all(&manifest)?;
     tell_of_doubts(&manifest, &host);
+    if let Some(after) = options.replan {
+        return replanned(options, manifest, after, &host);
+    }
     match (options.run, options.shards.zip(options.out.as_ref())) {
         (Some(number), _) => single::run(options, &manifest, number, stop),
         (None, Some((shards, out))) => cut(options, &manifest, shards, out),
         (None, None) => ensemble(options, &manifest, &host),
     }
+}
+
+/// Compares runs with others whose rest is planned anew where nothing docks for so many ticks.
+fn replanned(
+    options: &Options,
+    manifest: Manifest,
+    after: u64,
+    host: &Terminal,
+) -> Result<Exit, Failure> {
+    let how = Replan {
+        after,
+        threads: options.threads,
+    };
+    let results = replan(manifest, how, &options.rates, host)?;
+    match options.format {
+        ResultsFormat::Text => print(&replanning_to_text(&results, output_width()))?,
+        ResultsFormat::Json => {
+            let text = serde_json::to_string_pretty(&results).expect("results are plain data");
+            print(&(text + "\n"))?;
+        }
+    }
+    Ok(Exit::Success)
 }
 
 /// Prepares the pieces of an ensemble.

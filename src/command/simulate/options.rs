@@ -97,6 +97,9 @@ pub struct Options {
     /// Simulate run N alone and print every event of it
     #[arg(long, value_name = "N", conflicts_with_all = ["runs", "out", "threads", "bonds"])]
     pub run: Option<u64>,
+    /// Compare the runs with others in which the rest is planned anew wherever nothing docks for so many ticks
+    #[arg(long, value_name = "TICKS", value_parser = clap::value_parser!(u64).range(1..), conflicts_with_all = ["manifest", "sweep", "accuracy", "trade", "out", "record", "run", "bonds"])]
+    pub replan: Option<u64>,
     /// Output format of the table
     #[arg(long, value_name = "FORM", default_value = "text")]
     pub format: ResultsFormat,

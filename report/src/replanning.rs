@@ -1,0 +1,51 @@
+//! What runs gain if the rest of them is planned anew where nothing docks for long.
+use serde::Serialize;
+use stochc_ensemble::Time;
+use stochc_ensemble::statistics::{Difference, Observation, Runs, compare};
+
+/// The runs of a program, as they are and with plans in between.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Replanning {
+    /// What the program is called.
+    pub program: String,
+    /// Ticks without a docking or a release after which the rest is planned anew.
+    pub after: u64,
+    /// Runs that were compared; those that failed are not.
+    pub runs: usize,
+    /// Plans that were made, of all runs.
+    pub plans: u64,
+    /// Runs in which the rest could not be planned, and which went on as they were.
+    pub not_planned: u64,
+    /// Ticks to completion of the runs as they are.
+    pub plain: Option<Time>,
+    /// The same with the plans.
+    pub replanned: Option<Time>,
+    /// The first less the second, in ticks.
+    pub difference: Option<Difference>,
+}
+
+impl Replanning {
+    /// Of pairs of times, in ticks, by the number of the run.
+    pub fn of(
+        program: &str,
+        after: u64,
+        times: &[(u64, [Observation; 2])],
+        (plans, not_planned): (u64, u64),
+    ) -> Replanning {
+        // Until the first plan they are the same, so that they belong together in pairs.
+        let side = |side: usize| -> Vec<(u64, Observation)> {
+            times.iter().map(|(run, pair)| (*run, pair[side])).collect()
+        };
+        let [plain, replanned] = [side(0), side(1)].map(|times| Runs::of(0, times, 1.0));
+        Replanning {
+            program: program.to_owned(),
+            after,
+            runs: times.len(),
+            plans,
+            not_planned,
+            plain: Time::of(&plain.observations()),
+            replanned: Time::of(&replanned.observations()),
+            difference: compare(&plain, &replanned),
+        }
+    }
+}
