@@ -65,6 +65,7 @@ mod time_left;
 mod times;
 pub mod trade;
 pub mod verify;
+mod views;
 
 pub use build::{other_build, this_build};
 pub use captures::{CaptureKey, CaptureSummary, Repetitions, Waits, WaitsTally, captures};
@@ -82,8 +83,9 @@ pub use pairwise::{ComparedProgram, PairwiseResult, PairwiseTest, TimeUnit, pair
 pub use parquet::{
     ColumnShape, ColumnValues, TableShape, each_row_group, table_metadata, tables, tables_of,
 };
-pub use progress::{ProgramProgress, Progress, RunWatch, Snapshot, Totals};
+pub use progress::{ProgramProgress, ProgramTimes, Progress, RunWatch, Snapshot, Totals};
 pub use records::Records;
 pub use run::{Destination, EnsembleError, Results, check_stored, run};
 pub use time_left::time_left;
 pub use times::{completion_time, phase_time};
+pub use views::ViewedRun;

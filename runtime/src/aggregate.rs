@@ -3,7 +3,7 @@ use stochc_ir::record::{Limit, Outcome, RunRecord};
 use stochc_ir::table::{PhaseId, Tables};
 
 use crate::observe::{Look, ObservedEvent};
-use crate::run::{RunError, Watch, resume, tell};
+use crate::run::{RunError, Watch, resume, show, tell};
 use crate::world::World;
 
 /// How far the groups of a run have grown.
@@ -69,6 +69,7 @@ pub(crate) fn gather<W: World>(
             break Outcome::TimedOut { phase, by };
         }
         tell(watch, (tick, phase), &[&growth, world, &look])?;
+        show(watch, (tick, phase), Vec::new, world);
         dockings.clear();
         if let Err(fault) = world.step(&mut dockings) {
             let reason = fault.to_string();

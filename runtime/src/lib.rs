@@ -10,6 +10,7 @@ pub mod observe;
 mod run;
 mod settings;
 mod step_error;
+pub mod view;
 pub mod world;
 
 pub use stochc_rates as rates;

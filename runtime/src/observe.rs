@@ -2,8 +2,9 @@
 use stochc_ir::state::{State, StateError, StateReader, StateWriter};
 use stochc_ir::table::{News, PhaseId, RoleId};
 use stochc_ir::{Cell, Face};
-use stochc_protocol::{Body, Orientation, Payload};
+use stochc_protocol::{Body, Payload};
 
+use crate::view::in_structure;
 use crate::world::Arena;
 
 /// Looks on while a run goes. It cannot change anything.
@@ -210,11 +211,8 @@ impl<A: Arena, O: Observer> Look<A> for Lookout<'_, O> {
     fn look(&mut self, arena: &A, log: Vec<ObservedEvent>) {
         let mut inside: Vec<_> = (arena.in_reach().into_iter())
             .filter_map(|(site, body, entered)| {
-                let sits = match site.body {
-                    Body::Seed(_) => Orientation::IDENTITY,
-                    Body::Free(id) => arena.anchored(id)?,
-                };
-                Some((body, site.body, sits.to_structure(site.face), entered))
+                let (of, face) = in_structure(arena, site)?;
+                Some((body, of, face, entered))
             })
             .collect();
         inside.sort_unstable();

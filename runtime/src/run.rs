@@ -11,6 +11,7 @@ use crate::aggregate::gather;
 use crate::control::Controller;
 use crate::observe::{Look, Lookout, Observer};
 use crate::settings::{Model, Settings};
+use crate::view::{HeldBlock, RunView};
 use crate::world::rapier::RapierWorld;
 use crate::world::rate::RateWorld;
 use crate::world::rigid::RigidWorld;
@@ -43,6 +44,14 @@ pub trait Watch {
 
     /// Keeps what `save` writes.
     fn keep(&mut self, _save: &mut Save<'_>) {}
+
+    /// Asked after each [`Watch::tick`] whether the run is to be seen as it stands.
+    fn wants_view(&mut self) -> bool {
+        false
+    }
+
+    /// Sees what `make` makes, which takes time in proportion to the blocks.
+    fn view(&mut self, _make: &dyn Fn() -> RunView) {}
 }
 
 impl<F: FnMut(u64, PhaseId) -> ControlFlow<()>> Watch for F {
@@ -246,6 +255,23 @@ pub(crate) fn tell(
     }
 }
 
+/// Shows how a run stands at a tick, if somebody wants to see it.
+pub(crate) fn show(
+    watch: &mut (impl Watch + ?Sized),
+    (tick, phase): (u64, PhaseId),
+    held: impl Fn() -> Vec<HeldBlock>,
+    world: &impl World,
+) {
+    if watch.wants_view() {
+        watch.view(&|| RunView {
+            tick,
+            phase,
+            held: held(),
+            arena: world.view(),
+        });
+    }
+}
+
 /// Drives a world by a controller to the end of the run; `look` is shown every tick.
 fn follow<W: World>(
     mut controller: Controller<'_>,
@@ -273,6 +299,7 @@ fn follow<W: World>(
             break Outcome::TimedOut { phase, by };
         }
         tell(watch, (tick, phase), &[&controller, world, &look])?;
+        show(watch, (tick, phase), || controller.held(), world);
         // The next step makes one of these ticks.
         if let Some(last) = controller.next_due(max_ticks).checked_sub(1) {
             world.skip(last);

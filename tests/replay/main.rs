@@ -17,3 +17,4 @@ mod recorded;
 mod skipped;
 mod telling;
 mod unreadable;
+mod viewed;

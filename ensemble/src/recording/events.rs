@@ -33,7 +33,8 @@ impl Seeds {
         Seeds { roles, cells }
     }
 
-    fn number(&self, body: Body) -> i64 {
+    /// As which an event names a block.
+    pub fn number(&self, body: Body) -> i64 {
         match body {
             Body::Free(id) => id.into(),
             // Nobody but a seed with a role does anything.

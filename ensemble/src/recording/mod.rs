@@ -7,12 +7,14 @@
 mod chunk;
 mod events;
 mod format;
+mod frame;
 mod read;
 mod selection;
 mod write;
 
 pub use events::Happening;
 pub use format::{RecordingError, RecordingHeader, VERSION, is_file};
+pub use frame::RunFrame;
 pub use read::{Frame, Outline, Recording};
 pub use selection::Selection;
 pub use write::Recorder;

@@ -7,6 +7,7 @@ use stochc_ir::record::RunRecord;
 use stochc_ir::state::{StateError, StateReader, StateWriter};
 use stochc_ir::table::Tables;
 use stochc_runtime::observe::{ObservedEvent, Observer};
+use stochc_runtime::view::pose;
 use stochc_runtime::world::Arena;
 
 use super::chunk::{Chunk, NUMBERS, unpacked};
@@ -155,12 +156,7 @@ impl<W: Output> Observer for Recorder<W> {
         self.ticks.push(tick);
         self.places.reserve(self.bodies * NUMBERS);
         for id in 0..self.bodies as u32 {
-            let state = arena.state(id);
-            let q = state.orientation.coords;
-            let place = [state.position.x, state.position.y, state.position.z];
-            let turned = [q.x, q.y, q.z, q.w];
-            let numbers = place.into_iter().chain(turned);
-            self.places.extend(numbers.map(|number| number as f32));
+            self.places.extend(pose(arena, id));
         }
         if self.is_full()
             && let Err(error) = self.write_chunk()

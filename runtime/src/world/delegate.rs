@@ -43,6 +43,10 @@ macro_rules! delegate {
         }
 
         impl World for $world {
+            fn view(&self) -> Option<$crate::view::ArenaView> {
+                Some($crate::view::ArenaView::of(self))
+            }
+
             delegate!(@read $by
                 tick() -> u64,
                 entries(site: BlockFace) -> u32,

@@ -35,6 +35,7 @@ use stochc_ir::table::Plate;
 use stochc_protocol::Orientation;
 
 use crate::settings::Settings;
+use crate::view::ArenaView;
 
 /// The physics broke down at one block.
 #[derive(Clone, Debug, PartialEq)]
@@ -81,6 +82,11 @@ pub trait World: State {
     /// Blocks of the largest group of free blocks that are bonded to each other; 1: none are.
     fn largest_group(&self) -> u32 {
         1
+    }
+
+    /// What there is to be seen now; `None`: nothing has a place.
+    fn view(&self) -> Option<ArenaView> {
+        None
     }
 
     /// Lets time pass up to tick `last` at most while nothing can dock, where the model knows when that is; the step after it may
