@@ -40,6 +40,7 @@ pub mod operations;
 pub mod planning;
 pub mod progress;
 mod reader;
+pub mod viewer;
 
 pub use facade::{
     WrongProgram, check, check_text, check_texts, check_with, check_within, compile, simulate,

@@ -118,6 +118,7 @@ pub fn simulate(
             memory: None,
             threads,
             is_told_of_build: false,
+            viewer: None,
         };
         let made = make(&manifest, &how, host)?;
         if !made.results.complete {

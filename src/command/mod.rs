@@ -30,3 +30,4 @@ pub mod submit;
 mod terminal;
 pub mod trade;
 pub mod verify;
+mod watch;

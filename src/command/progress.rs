@@ -48,11 +48,12 @@ impl Display {
     }
 }
 
+/// The time now.
 #[expect(
     clippy::disallowed_methods,
     reason = "the command tells how long it takes; no result depends on it"
 )]
-fn now() -> Instant {
+pub(super) fn now() -> Instant {
     Instant::now()
 }
 

@@ -19,6 +19,7 @@ use super::sweep;
 use crate::exit::Failure;
 use crate::host::{Host, during};
 use crate::progress::of_ensemble;
+use crate::viewer::{Viewer, attended};
 
 /// How the runs of a manifest are made, and where they are kept.
 #[derive(Clone, Copy, Debug)]
@@ -39,6 +40,8 @@ pub struct Making<'a> {
     pub memory: Option<u64>,
     /// Whether it has been told already that other builds have made runs of the manifest.
     pub is_told_of_build: bool,
+    /// Who looks at it meanwhile.
+    pub viewer: Option<&'a dyn Viewer>,
 }
 
 /// The runs, and why some of them are not recorded that should be.
@@ -115,7 +118,11 @@ pub fn tell_of_doubts(manifest: &Manifest, host: &dyn Host) {
 pub fn make(manifest: &Manifest, how: &Making<'_>, host: &dyn Host) -> Result<Made, Failure> {
     let stop = host.stop();
     // Before there is a folder that nothing comes of.
-    let at_once = threads(manifest, Kept::Figures, (how.threads, how.memory), host)?;
+    let kept = match how.viewer {
+        Some(_) => Kept::Curves,
+        None => Kept::Figures,
+    };
+    let at_once = threads(manifest, kept, (how.threads, how.memory), host)?;
     let mut checkpoints = None;
     let destination = match how.out {
         None => Destination::Memory(manifest),
@@ -142,6 +149,10 @@ pub fn make(manifest: &Manifest, how: &Making<'_>, host: &dyn Host) -> Result<Ma
         }
     };
     let progress = Progress::new(manifest, at_once);
+    let progress = match how.viewer {
+        Some(_) => progress.with_times(),
+        None => progress,
+    };
     let recordings = Recordings::new(how.out.zip(how.record), how.record_every, manifest);
     let unrecorded = made_by(manifest);
     let simulate =
@@ -158,7 +169,9 @@ pub fn make(manifest: &Manifest, how: &Making<'_>, host: &dyn Host) -> Result<Ma
     let results = match is_all_there {
         // There is nothing to wait for.
         true => work(),
-        false => during(host, state, work),
+        false => attended((how.viewer, host), manifest, &progress, || {
+            during(host, state, work)
+        }),
     };
     let results = results.map_err(Failure::usage)?;
     tell_of_checkpoints(checkpoints.as_deref(), host);

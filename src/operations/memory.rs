@@ -14,6 +14,10 @@ use crate::host::Host;
 /// Bytes that a table of results keeps of each run, and of each of its phases: exact medians need them.
 const OF_A_RUN: u64 = 50;
 const OF_A_PHASE: u64 = 4;
+/// Bytes of a run while a curve is drawn: its time, in four lists, and a step of the curve, without and with its interval.
+const OF_A_POINT: u64 = 160;
+/// Bytes for the page that shows the curves, and those who read it.
+const OF_A_PAGE: u64 = 32 << 20;
 /// Bytes that a piece keeps of each run.
 const OF_A_PLACE: u64 = 24;
 /// Ticks after which a run has about all that it needs.
@@ -24,6 +28,8 @@ const TICKS: u64 = 10;
 pub enum Kept {
     /// What the table of an ensemble needs.
     Figures,
+    /// That, and what curves of the runs so far are drawn from.
+    Curves,
     /// The places in a piece of so many runs.
     Places(u64),
 }
@@ -32,12 +38,17 @@ impl Kept {
     fn bytes(self, manifest: &Manifest) -> u64 {
         let of_each = |program: &EnsembleProgram| {
             let phases = program.phases().len() as u64;
-            OF_A_RUN + OF_A_PHASE * phases
+            let curve = match self {
+                Kept::Curves => OF_A_POINT,
+                Kept::Figures | Kept::Places(_) => 0,
+            };
+            OF_A_RUN + OF_A_PHASE * phases + curve
         };
         match self {
-            Kept::Figures => {
+            Kept::Figures | Kept::Curves => {
                 let all: u64 = manifest.programs.iter().map(of_each).sum();
-                all.saturating_mul(manifest.runs)
+                let page = if self == Kept::Curves { OF_A_PAGE } else { 0 };
+                all.saturating_mul(manifest.runs).saturating_add(page)
             }
             Kept::Places(runs) => runs.saturating_mul(OF_A_PLACE),
         }

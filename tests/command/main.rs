@@ -44,5 +44,6 @@ mod sweep;
 mod tanks;
 mod trade;
 mod verify;
+mod watch;
 #[cfg(unix)]
 mod written;

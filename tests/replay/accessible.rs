@@ -3,19 +3,32 @@ use std::path::PathBuf;
 
 use serde_json::json;
 
-use crate::browser::browser;
+use crate::browser::{Browser, browser};
 use crate::folder::{PROGRAM, Results};
 use crate::skipped::skipped;
 
 /// The script of axe-core; `None`, with a note, where it is missing and not required.
 #[track_caller]
-fn axe() -> Option<String> {
+pub fn axe() -> Option<String> {
     let path = std::env::var_os("STOCHC_AXE").map(PathBuf::from);
     let script = path.and_then(|path| std::fs::read_to_string(path).ok());
     if script.is_none() {
         skipped("axe", "axe-core");
     }
     script
+}
+
+/// Holds the page that is open against the rules.
+#[track_caller]
+pub fn breaks_nothing(browser: &mut Browser, axe: &str, how: &str) {
+    browser.value(&format!("{axe};1"));
+    let found = browser.value(
+        "axe.run(document, { runOnly: ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa'] }).then(
+            ({ violations, passes }) => ({ passes: passes.length, violations: violations.map(({ id, nodes }) =>
+                [id, ...nodes.map(({ html }) => html)]) }))",
+    );
+    assert_eq!(found["violations"], json!([]), "{how}");
+    assert!(found["passes"].as_u64().unwrap() > 10, "{found}");
 }
 
 #[test]
@@ -32,18 +45,7 @@ fn nothing_breaks_wcag_aa() {
             browser.size(width, height);
             browser.open(&page, hash);
             browser.value("replay.settled().then(() => 1)");
-            browser.value(&format!("{axe};1"));
-            let found = browser.value(
-                "axe.run(document, { runOnly: ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa'] }).then(
-                    ({ violations, passes }) => ({ passes: passes.length, violations: violations.map(({ id, nodes }) =>
-                        [id, ...nodes.map(({ html }) => html)]) }))",
-            );
-            assert_eq!(
-                found["violations"],
-                json!([]),
-                "{theme}, {width} x {height}"
-            );
-            assert!(found["passes"].as_u64().unwrap() > 10, "{found}");
+            breaks_nothing(&mut browser, &axe, &format!("{theme}, {width} x {height}"));
         }
     }
 }

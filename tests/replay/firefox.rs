@@ -21,7 +21,7 @@ user_pref(\"datareporting.policy.dataSubmissionEnabled\", false);
 ";
 
 /// Firefox, driven by its own protocol for tests: Marionette.
-struct Firefox {
+pub struct Firefox {
     child: Child,
     stream: BufReader<TcpStream>,
     calls: u64,
@@ -31,7 +31,7 @@ struct Firefox {
 impl Firefox {
     /// `None`, with a note, where it, or what it draws on, is missing and not required.
     #[track_caller]
-    fn start() -> Option<Firefox> {
+    pub fn start() -> Option<Firefox> {
         let there = |name: &str| {
             let found = Command::new("sh")
                 .args(["-c", &format!("command -v {name}")])
@@ -100,12 +100,14 @@ impl Firefox {
         answer[3].clone()
     }
 
+    /// Opens an address.
+    pub fn go(&mut self, address: &str) {
+        self.call("WebDriver:Navigate", &json!({ "url": address }));
+    }
+
     fn open(&mut self, page: &Path) {
         let page = page.to_str().unwrap().replace(' ', "%20");
-        self.call(
-            "WebDriver:Navigate",
-            &json!({ "url": format!("file://{page}") }),
-        );
+        self.go(&format!("file://{page}"));
         let begun = Instant::now();
         while self.value("document.body.dataset.ready ?? document.body.className") == "" {
             assert!(begun.elapsed() < PATIENCE, "the page does not settle");
@@ -114,7 +116,7 @@ impl Firefox {
     }
 
     /// The value of an expression, or of the promise that it is.
-    fn value(&mut self, expression: &str) -> Value {
+    pub fn value(&mut self, expression: &str) -> Value {
         let script = format!(
             "const told = arguments[0]; (async () => ({expression}))().then(told, error => told(`failed: ${{error}}`))"
         );

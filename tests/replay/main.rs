@@ -18,3 +18,4 @@ mod skipped;
 mod telling;
 mod unreadable;
 mod viewed;
+mod watched;

@@ -16,6 +16,7 @@ pub(crate) use survival::{SurvivalCurve, survival};
 pub(crate) use waits::{SHOWN, waits};
 
 pub use completion::completion;
+pub(crate) use completion::completion_so_far;
 pub use fit::fit;
 pub use sweep::pictures as sweep;
 pub use trade::trade;

@@ -11,6 +11,8 @@ pub(crate) struct SurvivalCurve {
     pub name: String,
     /// In the unit of the axis.
     pub times: Vec<Observation>,
+    /// How many of them, censored, are of runs that still go on.
+    pub under_way: usize,
 }
 
 /// The estimates of Kaplan and Meier with their intervals; marks where runs were stopped, and below how many still go on at the
@@ -145,12 +147,16 @@ fn legend(curve: &SurvivalCurve, estimate: &KaplanMeier) -> String {
         Some(median) => format!("half complete at {}", number(median)),
         None => "fewer than half complete".to_owned(),
     };
-    let stopped = match stopped {
+    let stopped = match stopped - curve.under_way {
         0 => String::new(),
         n => format!(", {n} stopped before (|)"),
     };
+    let under_way = match curve.under_way {
+        0 => String::new(),
+        n => format!(", {n} under way (|)"),
+    };
     format!(
-        "{}: {half}; {} runs{stopped}",
+        "{}: {half}; {} runs{stopped}{under_way}",
         short(&curve.name, 44),
         curve.times.len()
     )

@@ -33,7 +33,7 @@ pub(super) fn script() -> String {
 }
 
 /// Custom properties of the page: `--free`, `--lit` and so on in either theme, and `--phase-0` to `--phase-7`.
-pub(super) fn style() -> String {
+pub(crate) fn style() -> String {
     let properties = |theme: &Theme| -> String {
         let each = named(theme).map(|(name, colour)| format!("--{name}:{colour};"));
         each.concat()

@@ -3,7 +3,7 @@
 //! `page/` holds its parts. The recording goes into it as it is, and is unpacked piece by piece
 //! while the page plays.
 mod about;
-mod colours;
+pub(crate) mod colours;
 mod program_text;
 mod text;
 mod tour;
@@ -12,8 +12,9 @@ use std::io::{self, Read, Write};
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD as BASE64;
-use sha2::{Digest as _, Sha256};
 use stochc_ensemble::text::escaped;
+
+use crate::template::{fill, policy};
 
 pub use about::about;
 pub use program_text::EventLocation;
@@ -25,8 +26,8 @@ pub const MARK: &str = "<meta name=\"generator\" content=\"stochc replay\">";
 const PAGE: &str = include_str!("page/page.html");
 const STYLE: &str = include_str!("page/style.css");
 
-/// The parts of the script, in an order in which each knows those before it.
-const SCRIPT: &[&str] = &[
+/// What draws an arena, in an order in which each part knows those before it.
+const ARENA: &[&str] = &[
     include_str!("page/failure.js"),
     include_str!("page/maths.js"),
     include_str!("page/recording.js"),
@@ -42,6 +43,10 @@ const SCRIPT: &[&str] = &[
     include_str!("page/target.js"),
     include_str!("page/scene.js"),
     include_str!("page/overview.js"),
+];
+
+/// The other parts of the script, which come after these.
+const SCRIPT: &[&str] = &[
     include_str!("page/graph.js"),
     include_str!("page/program.js"),
     include_str!("page/panel.js"),
@@ -67,35 +72,29 @@ pub fn write(
     mut against: Option<impl Read>,
     mut out: impl Write,
 ) -> io::Result<()> {
-    let script = format!("\"use strict\";\n{}{}", colours::script(), SCRIPT.concat());
-    // Nothing from elsewhere, and no script but this one, whatever slips into the page.
-    let hash = BASE64.encode(Sha256::digest(script.as_bytes()));
-    let policy = format!(
-        "default-src 'none'; script-src 'sha256-{hash}'; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'"
-    );
+    let script = script(SCRIPT);
+    let policy = policy(&script, "");
     let about = text::json(about);
     let title = escaped(title);
-    let mut rest = PAGE;
-    while let Some((before, after)) = rest.split_once('@') {
-        out.write_all(before.as_bytes())?;
-        let (name, after) = after.split_once('@').unwrap_or((after, ""));
-        rest = after;
-        match name {
-            "POLICY" => out.write_all(policy.as_bytes())?,
-            "TITLE" => out.write_all(title.as_bytes())?,
-            "STYLE" => write!(out, "{}{STYLE}", colours::style())?,
-            "SCRIPT" => out.write_all(script.as_bytes())?,
-            "ABOUT" => out.write_all(about.as_bytes())?,
-            "AGAINST" => {
-                if let Some(against) = &mut against {
-                    encode(against, &mut out)?;
-                }
-            }
-            _ => encode(&mut recording, &mut out)?,
-        }
-    }
-    out.write_all(rest.as_bytes())?;
+    fill(PAGE, &mut out, |name, out| match name {
+        "POLICY" => out.write_all(policy.as_bytes()),
+        "TITLE" => out.write_all(title.as_bytes()),
+        "STYLE" => write!(out, "{}{STYLE}", colours::style()),
+        "SCRIPT" => out.write_all(script.as_bytes()),
+        "ABOUT" => out.write_all(about.as_bytes()),
+        "AGAINST" => match &mut against {
+            Some(against) => encode(against, out),
+            None => Ok(()),
+        },
+        _ => encode(&mut recording, out),
+    })?;
     out.flush()
+}
+
+/// A script that draws arenas, and does more.
+pub(crate) fn script(more: &[&str]) -> String {
+    let (palette, arena) = (colours::script(), ARENA.concat());
+    format!("\"use strict\";\n{palette}{arena}{}", more.concat())
 }
 
 /// Copies in base64, in pieces of whole groups of three bytes.

@@ -16,11 +16,13 @@ use super::estimate::{SHOWN, tell as tell_estimates};
 use super::interrupt::stop_on_interrupt;
 use super::results::{ResultsFormat, ResultsView, show};
 use super::terminal::{Terminal, output_width, print};
+use super::watch::Watching;
 use crate::exit::{Exit, Failure};
 use crate::operations::ensemble::{Made, Making, can_record, make, tell_of_doubts};
 use crate::operations::estimate::{Estimating, estimates};
 use crate::operations::replan::{Replan, replan};
 use crate::operations::runs::try_out_all;
+use crate::viewer::Viewer;
 use stochc_ensemble::Manifest;
 use stochc_ensemble::Resume;
 use stochc_ensemble::shards::{Prepared, prepare};
@@ -108,6 +110,7 @@ fn cut(options: &Options, manifest: &Manifest, shards: u64, out: &Path) -> Resul
 }
 
 fn ensemble(options: &Options, manifest: &Manifest, host: &Terminal) -> Result<Exit, Failure> {
+    let watching = options.watch.map(Watching::at).transpose()?;
     let how = Making {
         out: options.out.as_deref(),
         resume: match (options.resume, options.mixed_builds) {
@@ -121,6 +124,7 @@ fn ensemble(options: &Options, manifest: &Manifest, host: &Terminal) -> Result<E
         memory: options.memory.limit,
         // Of a manifest that is given it has been told.
         is_told_of_build: options.manifest.is_some(),
+        viewer: watching.as_ref().map(|it| it as &dyn Viewer),
     };
     let Made {
         results,

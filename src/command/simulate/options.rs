@@ -100,13 +100,17 @@ pub struct Options {
     /// Compare the runs with others in which the rest is planned anew wherever nothing docks for so many ticks
     #[arg(long, value_name = "TICKS", value_parser = clap::value_parser!(u64).range(1..), conflicts_with_all = ["manifest", "sweep", "accuracy", "trade", "out", "record", "run", "bonds"])]
     pub replan: Option<u64>,
+    /// Show the ensemble while it runs on a page of this machine, whose link is printed: the curve so far, and a run in the
+    /// arena; nobody else can open it. The system chooses the port
+    #[arg(long, value_name = "PORT", num_args = 0..=1, require_equals = true, default_missing_value = "0", conflicts_with_all = ["run", "shards", "replan"])]
+    pub watch: Option<u16>,
     /// Output format of the table
     #[arg(long, value_name = "FORM", default_value = "text")]
     pub format: ResultsFormat,
     /// Also print every capture: waits, entries into the field, origin of the blocks
     #[arg(long)]
     pub bonds: bool,
-    /// Do not show progress
+    /// Do not show progress; the link of `--watch` is printed all the same
     #[arg(long, short)]
     pub quiet: bool,
     /// What becomes of warnings

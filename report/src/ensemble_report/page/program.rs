@@ -68,6 +68,7 @@ pub(super) fn phases(
         .map(|(number, phase)| SurvivalCurve {
             name: phase.name.clone(),
             times: times(number),
+            under_way: 0,
         })
         .collect();
     if phases.len() > 1 {

@@ -11,8 +11,8 @@ function fail(reason) {
   document.body.classList.add('failed');
 }
 
-addEventListener('error', event => fail(`The replay has stopped: ${event.message}`));
+addEventListener('error', event => fail(`This page has stopped: ${event.message}`));
 addEventListener('unhandledrejection', event => {
   const known = event.reason instanceof Unreadable;
-  fail(known ? event.reason.message : `The replay has stopped: ${event.reason}`);
+  fail(known ? event.reason.message : `This page has stopped: ${event.reason}`);
 });

@@ -7,7 +7,7 @@ class Painter {
   /** `restored` is told when all has to be drawn once more. */
   constructor(canvas, restored) {
     const gl = canvas.getContext('webgl2', { antialias: !drawsSlowly(), alpha: false });
-    if (!gl) throw new Unreadable('This browser offers no WebGL2, which the replay needs. Switch it on, or use another browser.');
+    if (!gl) throw new Unreadable('This browser offers no WebGL2, which the arena needs. Switch it on, or use another browser.');
     this.gl = gl;
     this.canvas = canvas;
     this.lost = false;

@@ -1,0 +1,33 @@
+//! Pages of HTML with a script: a text with places to fill, and a policy that lets nothing else in.
+use std::io::{self, Write};
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD as BASE64;
+use sha2::{Digest as _, Sha256};
+
+/// Writes a template, and at each `@NAME@` in it what `put` writes.
+///
+/// # Errors
+/// Those of `put` and `out`.
+pub(crate) fn fill<W: Write>(
+    template: &str,
+    out: &mut W,
+    mut put: impl FnMut(&str, &mut W) -> io::Result<()>,
+) -> io::Result<()> {
+    let mut rest = template;
+    while let Some((before, after)) = rest.split_once('@') {
+        out.write_all(before.as_bytes())?;
+        let (name, after) = after.split_once('@').unwrap_or((after, ""));
+        rest = after;
+        put(name, out)?;
+    }
+    out.write_all(rest.as_bytes())
+}
+
+/// Nothing from elsewhere but what is in `more`, and no script but this one, whatever slips into the page.
+pub(crate) fn policy(script: &str, more: &str) -> String {
+    let hash = BASE64.encode(Sha256::digest(script.as_bytes()));
+    format!(
+        "default-src 'none'; script-src 'sha256-{hash}'; style-src 'unsafe-inline'; {more}base-uri 'none'; form-action 'none'"
+    )
+}
