@@ -72,6 +72,7 @@ pub struct PlanRequest {
     budget: Option<String>,
     is_p90: bool,
     seed: u64,
+    keeps_scaffolds: bool,
     rates: Vec<PathBuf>,
 }
 
@@ -100,7 +101,7 @@ pub fn plan(
                 false => Objective::Mean,
             },
             seed: asked.seed,
-            keeps_scaffolds: false,
+            keeps_scaffolds: asked.keeps_scaffolds,
             rates: &asked.rates,
         };
         let found = plan_goal(&goal(&wish, host)?, &wish, host)?;

@@ -129,6 +129,7 @@ def plan(
     budget: int | str | None = None,
     minimize: Literal["mean", "p90"] = "mean",
     seed: int = 1,
+    keep_scaffolds: bool = False,
     rates: Path | Iterable[Path] = (),
     allow_import: Source | Iterable[Source] = (),
     progress: Progress = None,
@@ -143,6 +144,7 @@ def plan(
         budget: how long to look for a better plan: a time (`"10s"`), or a number of tries.
         minimize: the mean time to completion, or that in which nine runs of ten are complete.
         seed: of the random numbers.
+        keep_scaffolds: whether masts that far parts were grown from stay, instead of being taken down again.
         rates: files of rates of scenes, as `stochc calibrate` writes them.
         allow_import: as in `check`.
         progress: as in `simulate`.
@@ -161,6 +163,7 @@ def plan(
         "budget": maybe("budget", budget),
         "is_p90": minimize == "p90",
         "seed": whole("seed", seed, 0, MOST_SEED),
+        "keeps_scaffolds": _arguments.yes("keep_scaffolds", keep_scaffolds),
         "rates": _arguments.paths("rates", rates),
     }
     with shown(progress) as show:

@@ -64,6 +64,7 @@ class Planned(TypedDict):
     budget: str | None
     is_p90: bool
     seed: int
+    keeps_scaffolds: bool
     rates: list[str]
 
 

@@ -65,6 +65,7 @@ def test_strange_options(name: str, tmp_path: Path) -> None:
         lambda it: stochc.prepare(stochc.EXAMPLE, "/nowhere/at/all", it),
         lambda it: stochc.plan("examples/open_platform.sa", budget=1, seed_plate=it),
         lambda it: stochc.plan("examples/open_platform.sa", budget=it),
+        lambda it: stochc.plan("examples/open_platform.sa", budget=1, keep_scaffolds=it),
     ],
 )  # fmt: skip
 def test_strange_arguments(call: Any) -> None:

@@ -160,3 +160,14 @@ def test_estimates_and_plans_are_the_same(tower: str, command: Command) -> None:
     planned = stochc.plan(target, budget=5)
     assert {"program": planned.text, "plan": planned.plan} == json.loads(told.stdout)
     assert planned.compile().captures > 0
+
+
+def test_scaffolds_are_kept_or_taken_down_as_by_the_command(command: Command) -> None:
+    asked = ("examples/planned/serpentine.sa", "--seed-plate", "10 x 2", "--budget", "300")
+    programs = set()
+    for options, keep in [((), False), (("--keep-scaffolds",), True)]:
+        told = command("plan", *asked, "--format", "json", "--quiet", *options)
+        planned = stochc.plan(asked[0], seed_plate="10 x 2", budget=300, keep_scaffolds=keep)
+        assert {"program": planned.text, "plan": planned.plan} == json.loads(told.stdout)
+        programs.add(planned.text)
+    assert len(programs) == 2
