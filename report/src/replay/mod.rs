@@ -38,6 +38,7 @@ const SCRIPT: &[&str] = &[
     include_str!("page/painter.js"),
     include_str!("page/axes.js"),
     include_str!("page/labels.js"),
+    include_str!("page/sight.js"),
     include_str!("page/cloud.js"),
     include_str!("page/target.js"),
     include_str!("page/scene.js"),

@@ -80,12 +80,14 @@ class Scene {
       else if (this.clouds < 2 || pulled.has(body) || body === this.selected) this.list[free++] = body;
     }
     const eye = camera.eye;
-    this.free = this.cloud.sort(this.list, free, this.places, eye);
+    this.free = this.list.subarray(0, free);
+    const sight = new Sight(view, eye);
+    this.shown = this.cloud.sort(this.free.filter(body => sight.has(this.places, 7 * body, this.clouds === 0)), this.places, eye);
     const style = { mark: look.mark, pulled: look.lit, edge: look.edge, eye };
     if (this.radius && camera.eye[2] > 0) {
       painter.drawSketch(() => ground(Math.sqrt(this.radius ** 2 - this.lift ** 2), [...rgb(look.ground), 1]), { opaque: true, name: 'ground', of: themeName() });
     }
-    painter.drawCubes(this.numbers, this.fillSolid(), { opaque: true, ...style });
+    painter.drawCubes(this.numbers, this.fillSolid(sight), { opaque: true, ...style });
     this.drawFaces(look);
     if (this.radius) {
       const lines = () => wires(this.radius, this.lift, [...rgb(look.rings), 1], [...rgb(look.shell), 0.45]);
@@ -95,39 +97,41 @@ class Scene {
     painter.drawCubes(this.numbers, this.fillFree(pulled, look), { opaque: this.clouds === 1, ...style });
     const seen = bodies => Array.from(bodies, body => ({ body, ...this.place(body) }));
     const chosen = seen(this.free.filter(body => body === this.selected)).map(block => ({ ...block, named: true }));
-    const opaque = this.clouds === 1 && this.named ? [...solid, ...seen(this.free)] : solid;
-    const glass = this.clouds === 1 ? [] : seen(this.free.filter(body => pulled.has(body)));
+    const opaque = this.clouds === 1 && this.named ? [...solid, ...seen(this.shown)] : solid;
+    const glass = this.clouds === 1 ? [] : seen(this.shown.filter(body => pulled.has(body)));
     const moves = chosen.length > 0 || opaque.length > solid.length;
-    this.labels.draw(this, view, { blocks: [...solid, ...chosen], opaque, glass, moves }, look, sharp);
+    this.labels.draw(this, view, { blocks: [...solid.filter(({ named }) => named), ...chosen], opaque, glass, moves }, look, sharp);
   }
 
-  /** The numbers of the structure's blocks for the painter; how many there are. */
-  fillSolid() {
-    this.solid.forEach(({ body, centre, turn, colour }, i) => {
-      const at = CUBE * i;
+  /** The numbers of the blocks that are seen and hide what is behind them, for the painter; how many there are. */
+  fillSolid(sight) {
+    let i = 0;
+    for (const { body, centre, turn, colour } of this.solid) {
+      if (!sight.has(centre)) continue;
+      const at = CUBE * i++;
       this.numbers.set(centre, at);
       this.numbers.set(turn, at + 3);
       this.numbers.set(rgb(colour), at + 7);
       this.numbers[at + 10] = 1;
       this.numbers[at + 11] = body !== null && body === this.selected ? 1 : 0;
-    });
-    return this.solid.length;
+    }
+    return i;
   }
 
   /** The same of the free blocks: there may be very many. */
   fillFree(pulled, look) {
-    const { numbers, places, free } = this;
+    const { numbers, places, shown } = this;
     const colour = rgb(look.free);
-    for (let i = 0; i < free.length; i++) {
-      const [at, from] = [CUBE * i, 7 * free[i]];
+    for (let i = 0; i < shown.length; i++) {
+      const [at, from] = [CUBE * i, 7 * shown[i]];
       for (let j = 0; j < 7; j++) numbers[at + j] = places[from + j];
       for (let j = 0; j < 3; j++) numbers[at + 7 + j] = colour[j];
-      const isPulled = pulled.has(free[i]);
-      const isChosen = free[i] === this.selected;
+      const isPulled = pulled.has(shown[i]);
+      const isChosen = shown[i] === this.selected;
       numbers[at + 10] = this.clouds === 1 ? 1 : isPulled || isChosen ? 0.6 : look.ghost;
       numbers[at + 11] = isChosen ? 1 : isPulled ? 2 : 0;
     }
-    return free.length;
+    return shown.length;
   }
 
   /** Lights the faces that are on, and ties what they pull to them. */
@@ -190,7 +194,7 @@ class Scene {
       if (distance < best) [best, found] = [distance, body];
     };
     for (const block of this.solid) look(block.body, block);
-    if (best === Infinity || this.clouds === 1) for (const body of this.free) look(body, this.place(body));
+    if (best === Infinity || this.clouds === 1) for (const body of this.shown) look(body, this.place(body));
     return found;
   }
 
