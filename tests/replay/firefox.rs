@@ -7,8 +7,9 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
-use crate::folder::{PROGRAM, Results};
+use crate::folder::{PROGRAM, Results, SWARM};
 use crate::skipped::skipped;
+use crate::grouped;
 
 /// Longer than anything takes on a slow machine.
 const PATIENCE: Duration = Duration::from_secs(120);
@@ -21,7 +22,7 @@ user_pref(\"datareporting.policy.dataSubmissionEnabled\", false);
 ";
 
 /// Firefox, driven by its own protocol for tests: Marionette.
-struct Firefox {
+pub struct Firefox {
     child: Child,
     stream: BufReader<TcpStream>,
     calls: u64,
@@ -100,12 +101,13 @@ impl Firefox {
         answer[3].clone()
     }
 
-    fn open(&mut self, page: &Path) {
+    /// Opens a file with something after its name; waits until it shows a replay or a message.
+    pub fn open(&mut self, page: &Path, hash: &str) {
         let page = page.to_str().unwrap().replace(' ', "%20");
-        self.call(
-            "WebDriver:Navigate",
-            &json!({ "url": format!("file://{page}") }),
-        );
+        // With another address first, a mere change of the hash loads the page as well.
+        for url in ["about:blank".to_owned(), format!("file://{page}{hash}")] {
+            self.call("WebDriver:Navigate", &json!({ "url": url }));
+        }
         let begun = Instant::now();
         while self.value("document.body.dataset.ready ?? document.body.className") == "" {
             assert!(begun.elapsed() < PATIENCE, "the page does not settle");
@@ -114,7 +116,7 @@ impl Firefox {
     }
 
     /// The value of an expression, or of the promise that it is.
-    fn value(&mut self, expression: &str) -> Value {
+    pub fn value(&mut self, expression: &str) -> Value {
         let script = format!(
             "const told = arguments[0]; (async () => ({expression}))().then(told, error => told(`failed: ${{error}}`))"
         );
@@ -138,7 +140,7 @@ fn firefox_shows_the_same() {
         return;
     };
     let results = Results::of(PROGRAM, "--record 0");
-    firefox.open(&results.page(0));
+    firefox.open(&results.page(0), "");
     let recording = results.recording(0);
     let frame = recording.frames().nth(500).unwrap();
     let state = firefox.value(&format!("replay.seek({})", frame.tick));
@@ -174,4 +176,5 @@ fn firefox_shows_the_same() {
             .then(blobs => blobs.map(({ type, size }) => [type, size > 1000]))",
     );
     assert_eq!(taken, json!([["image/png", true], ["video/webm", true]]));
+    grouped::check_all(&mut firefox, &Results::of(SWARM, "--record 0"));
 }

@@ -30,6 +30,7 @@ const SCRIPT: &[&str] = &[
     include_str!("page/failure.js"),
     include_str!("page/maths.js"),
     include_str!("page/recording.js"),
+    include_str!("page/groups.js"),
     include_str!("page/history.js"),
     include_str!("page/theme.js"),
     include_str!("page/camera.js"),

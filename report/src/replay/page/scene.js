@@ -73,10 +73,13 @@ class Scene {
     for (const cell of this.plain) solid.push({ body: null, centre: this.centre(cell), turn: [0, 0, 0, 1], colour: look.plate });
     for (const { body } of this.seeds) solid.push({ body, ...this.place(body), colour: look.seed, named: true });
     let free = 0;
+    const groups = history.groups.at(tick);
     const pulled = (this.pulled = new Set(history.pullsAt(tick).map(({ body }) => body)));
     for (let body = 0; body < this.recording.bodies; body++) {
       const hold = history.holdAt(body, tick);
+      const size = groups.size(body);
       if (hold) solid.push({ body, ...this.place(body), cell: hold.cell, colour: phaseColour(hold.phase), named: true });
+      else if (size > 1) solid.push({ body, ...this.place(body), colour: groupColour(look, size) });
       else if (this.clouds < 2 || pulled.has(body) || body === this.selected) this.list[free++] = body;
     }
     const eye = camera.eye;
@@ -99,7 +102,7 @@ class Scene {
     const chosen = seen(this.free.filter(body => body === this.selected)).map(block => ({ ...block, named: true }));
     const opaque = this.clouds === 1 && this.named ? [...solid, ...seen(this.shown)] : solid;
     const glass = this.clouds === 1 ? [] : seen(this.shown.filter(body => pulled.has(body)));
-    const moves = chosen.length > 0 || opaque.length > solid.length;
+    const moves = chosen.length > 0 || opaque.length > solid.length || groups.groups.size > 0;
     this.labels.draw(this, view, { blocks: [...solid.filter(({ named }) => named), ...chosen], opaque, glass, moves }, look, sharp);
   }
 
