@@ -5,6 +5,7 @@
 )]
 mod accessible;
 mod browser;
+mod drawn;
 mod exported;
 mod firefox;
 mod folder;
