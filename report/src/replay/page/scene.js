@@ -67,8 +67,8 @@ class Scene {
     const { history, painter, camera, tick } = this;
     const look = THEMES[themeName()];
     painter.fit(scale);
-    const view = camera.matrix(painter.canvas.width, painter.canvas.height);
-    painter.begin(view, look.background);
+    painter.begin(camera, look.background);
+    const { view } = painter;
     const solid = (this.solid = []);
     for (const cell of this.plain) solid.push({ body: null, centre: this.centre(cell), turn: [0, 0, 0, 1], colour: look.plate });
     for (const { body } of this.seeds) solid.push({ body, ...this.place(body), colour: look.seed, named: true });
@@ -84,20 +84,20 @@ class Scene {
     }
     const eye = camera.eye;
     this.free = this.list.subarray(0, free);
-    const sight = new Sight(view, eye);
+    const sight = new Sight(view, eye, painter.canvas.height / (2 * painter.small * Math.tan(camera.angle / 2)));
     this.shown = this.cloud.sort(this.free.filter(body => sight.has(this.places, 7 * body, this.clouds === 0)), this.places, eye);
-    const style = { mark: look.mark, pulled: look.lit, edge: look.edge, eye };
+    const style = { mark: look.mark, pulled: look.lit, edge: look.edge };
     if (this.radius && camera.eye[2] > 0) {
       painter.drawSketch(() => ground(Math.sqrt(this.radius ** 2 - this.lift ** 2), [...rgb(look.ground), 1]), { opaque: true, name: 'ground', of: themeName() });
     }
-    painter.drawCubes(this.numbers, this.fillSolid(sight), { opaque: true, ...style });
+    painter.drawCubes(this.numbers, ...this.fillSolid(sight), { opaque: true, ...style });
     this.drawFaces(look);
     if (this.radius) {
       const lines = () => wires(this.radius, this.lift, [...rgb(look.rings), 1], [...rgb(look.shell), 0.45]);
       painter.drawSketch(lines, { lines: true, name: 'wires', of: themeName() });
     }
     this.drawTarget(look);
-    painter.drawCubes(this.numbers, this.fillFree(pulled, look), { opaque: this.clouds === 1, ...style });
+    painter.drawCubes(this.numbers, ...this.fillFree(pulled, look, sight), { opaque: this.clouds === 1, ...style });
     const seen = bodies => Array.from(bodies, body => ({ body, ...this.place(body) }));
     const chosen = seen(this.free.filter(body => body === this.selected)).map(block => ({ ...block, named: true }));
     const opaque = this.clouds === 1 && this.named ? [...solid, ...seen(this.shown)] : solid;
@@ -106,35 +106,31 @@ class Scene {
     this.labels.draw(this, view, { blocks: [...solid.filter(({ named }) => named), ...chosen], opaque, glass, moves }, look, sharp);
   }
 
-  /** The numbers of the blocks that are seen and hide what is behind them, for the painter; how many there are. */
+  /** The numbers of the blocks that are seen and hide what is behind them, for the painter; how many there are, and how many of them are small. */
   fillSolid(sight) {
-    let i = 0;
-    for (const { body, centre, turn, colour } of this.solid) {
-      if (!sight.has(centre)) continue;
-      const at = CUBE * i++;
+    const seen = this.solid.filter(({ centre }) => sight.has(centre));
+    return inTwo(seen, ({ centre }) => sight.isSmall(centre), ({ body, centre, turn, colour }, at) => {
       this.numbers.set(centre, at);
       this.numbers.set(turn, at + 3);
       this.numbers.set(rgb(colour), at + 7);
       this.numbers[at + 10] = 1;
       this.numbers[at + 11] = body !== null && body === this.selected ? 1 : 0;
-    }
-    return i;
+    });
   }
 
   /** The same of the free blocks: there may be very many. */
-  fillFree(pulled, look) {
-    const { numbers, places, shown } = this;
+  fillFree(pulled, look, sight) {
+    const { numbers, places } = this;
     const colour = rgb(look.free);
-    for (let i = 0; i < shown.length; i++) {
-      const [at, from] = [CUBE * i, 7 * shown[i]];
+    return inTwo(this.shown, body => sight.isSmall(places, 7 * body), (body, at) => {
+      const from = 7 * body;
       for (let j = 0; j < 7; j++) numbers[at + j] = places[from + j];
       for (let j = 0; j < 3; j++) numbers[at + 7 + j] = colour[j];
-      const isPulled = pulled.has(shown[i]);
-      const isChosen = shown[i] === this.selected;
+      const isPulled = pulled.has(body);
+      const isChosen = body === this.selected;
       numbers[at + 10] = this.clouds === 1 ? 1 : isPulled || isChosen ? 0.6 : look.ghost;
       numbers[at + 11] = isChosen ? 1 : isPulled ? 2 : 0;
-    }
-    return shown.length;
+    });
   }
 
   /** Lights the faces that are on, and ties what they pull to them. */
@@ -209,4 +205,16 @@ class Scene {
     const { width, height } = this.painter;
     return { x: ((at(0) / w + 1) / 2) * width, y: ((1 - at(1) / w) / 2) * height, scale: height / (2 * w * Math.tan(this.camera.angle / 2)) };
   }
+}
+
+/** Fills in the blocks of a list, first those that are small, each in its order; how many there are, and how many of them are small. */
+function inTwo(list, isSmall, fill) {
+  let [far, i] = [0, 0];
+  const rest = [];
+  for (const block of list) {
+    if (isSmall(block)) fill(block, CUBE * far++);
+    else rest.push(block);
+  }
+  for (const block of rest) fill(block, CUBE * (far + i++));
+  return [far + i, far];
 }

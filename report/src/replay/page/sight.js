@@ -6,9 +6,10 @@ const CORNER = 0.87;
 const FADED = 3.2;
 
 class Sight {
-  /** `view`: from the arena to the picture, by columns. */
-  constructor(view, eye) {
+  /** `view`: from the arena to the picture, by columns; `far`: from where on blocks are small [side]. */
+  constructor(view, eye, far) {
     this.eye = eye;
+    this.far = far;
     const row = i => [view[i], view[4 + i], view[8 + i], view[12 + i]];
     const last = row(3);
     // Left, right, below, above and too near, as planes: what is inside has a positive distance from each.
@@ -29,5 +30,13 @@ class Sight {
       if (plane[0] * x + plane[1] * y + plane[2] * z + plane[3] < -CORNER) return false;
     }
     return !faint || (x - eye[0]) ** 2 + (y - eye[1]) ** 2 + (z - eye[2]) ** 2 > FADED * FADED;
+  }
+
+  /** Whether a block is small in the picture, and its centre within: of a point whose centre is not, nothing is drawn. */
+  isSmall(places, at = 0) {
+    const [x, y, z] = [places[at], places[at + 1], places[at + 2]];
+    const { planes, eye } = this;
+    if ((x - eye[0]) ** 2 + (y - eye[1]) ** 2 + (z - eye[2]) ** 2 < this.far ** 2) return false;
+    return planes.every(plane => plane[0] * x + plane[1] * y + plane[2] * z + plane[3] > 0);
   }
 }
