@@ -1,5 +1,5 @@
-//! What is drawn around the arena is right at its tick, and from where one looks: the directions, the length, the small view from above, and
-//! the statements of the program.
+//! What is drawn around the arena is right at its tick, and from where one looks: the directions, the length, the small view from above,
+//! the statements of the program, and which blocks are in the floor or outside of the shell.
 use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::Value;
@@ -354,6 +354,65 @@ fn check_statements(page: &mut impl Page, recording: &Recording, tables: &Tables
     );
 }
 
+/// Blocks in the floor and outside of the shell are counted, and each says why it is there.
+fn check_beyond(page: &mut impl Page, recording: &Recording) {
+    let frames: Vec<_> = recording.frames().collect();
+    let mut kinds = [0, 0];
+    for part in [1, 4, 8, 12, 14] {
+        let frame = &frames[(frames.len() - 1) * part / 14];
+        let reach = |place: &[f64; 7]| {
+            let [.., x, y, z, w] = *place;
+            // The vertical in the block's own directions.
+            let own = [
+                2.0 * (x * z - w * y),
+                2.0 * (y * z + w * x),
+                1.0 - 2.0 * (x * x + y * y),
+            ];
+            own.iter().map(|part| part.abs() / 2.0).sum::<f64>()
+        };
+        let sunk = |place: &&[f64; 7]| reach(place) - place[2] >= 0.05;
+        let out = |place: &&[f64; 7]| place[..3].iter().map(|x| x * x).sum::<f64>().sqrt() >= 24.5;
+        let counts = [
+            frame.places.iter().filter(sunk).count(),
+            frame.places.iter().filter(out).count(),
+        ];
+        let told: Vec<String> = (counts
+            .iter()
+            .zip(["into the floor", "outside of the shell"]))
+        .filter(|(count, _)| **count > 0)
+        .map(|(count, words)| format!("{count} {words}"))
+        .collect();
+        let said = page.value(&format!(
+            "replay.seek({}).then(() => document.getElementById('beyond').textContent)",
+            frame.tick
+        ));
+        let expected = match told.is_empty() {
+            true => String::new(),
+            false => format!(
+                "now some blocks reach {}: click one to see why",
+                told.join(", and ")
+            ),
+        };
+        assert_eq!(said, expected, "at {}", frame.tick);
+        for (kind, word) in ["into the floor", "outside of the shell"]
+            .iter()
+            .enumerate()
+        {
+            let is_so = |place: &&[f64; 7]| if kind == 0 { sunk(place) } else { out(place) };
+            let Some(body) = frame.places.iter().position(|place| is_so(&place)) else {
+                continue;
+            };
+            let why = page.value(&format!(
+                "(replay.select({body}), replay.settled().then(() => document.getElementById('block').textContent))"
+            ));
+            assert!(why.as_str().unwrap().contains(word), "{why}");
+            kinds[kind] += 1;
+        }
+    }
+    assert!(kinds.iter().all(|kind| *kind > 0), "{kinds:?}");
+    page.value("replay.select(null)");
+}
+
 /// All that is drawn around the arena, of a run of [`PROGRAM`].
 pub fn check_all(page: &mut impl Page, results: &Results) {
     let (recording, tables) = (results.recording(0), results.tables());
@@ -362,6 +421,7 @@ pub fn check_all(page: &mut impl Page, results: &Results) {
     check_scale(page);
     check_overview(page, &recording, &tables);
     check_statements(page, &recording, &tables);
+    check_beyond(page, &recording);
 }
 
 #[test]

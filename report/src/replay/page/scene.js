@@ -1,5 +1,8 @@
 // What is to be seen at a tick, and drawing it.
 
+/** From how far on a block is said to be in the floor, and, by its centre, outside of the shell [side]. */
+const [SUNK, OUT] = [0.05, -0.5];
+
 class Scene {
   constructor(about, recording, history, painter, labels, camera) {
     Object.assign(this, { about, recording, history, painter, labels, camera });
@@ -40,18 +43,34 @@ class Scene {
     return { centre: [...this.places.subarray(at, at + 3)], turn: [...this.places.subarray(at + 3, at + 7)] };
   }
 
+  /** How far a free block reaches into the floor, and its centre out of the shell [side]; negative: it does not. */
+  depths(body) {
+    const [px, py, pz, x, y, z, w] = this.places.subarray(7 * body, 7 * body + 7);
+    // How far it reaches from its centre along the vertical.
+    const reach = Math.abs(x * z - w * y) + Math.abs(y * z + w * x) + Math.abs(0.5 - x * x - y * y);
+    return this.radius ? { sunk: reach - pz, out: Math.hypot(px, py, pz - this.lift) - this.radius } : { sunk: -1, out: -1 };
+  }
+
   /** What of a block is in the floor, or outside of the shell, and why, in words. */
   beyond(body) {
-    const { centre, turn } = this.place(body);
-    // How far it reaches from its centre along the vertical.
-    const reach = [0, 1, 2].reduce((sum, axis) => sum + Math.abs(turned(turn, [0, 1, 2].map(i => (i === axis ? 0.5 : 0)))[2]), 0);
+    const { sunk, out } = this.depths(body);
     const words = [];
     const told = sides => `${sides.toFixed(1)} sides`;
-    const sunk = reach - centre[2];
-    if (this.radius && sunk >= 0.05) words.push(`reaches ${told(sunk)} into the floor: contacts give way, and places between two recorded ticks are on a straight line`);
-    const out = Math.hypot(centre[0], centre[1], centre[2] - this.lift) - this.radius;
-    if (this.radius && out >= -0.5) words.push(`reaches outside of the shell: the shell holds centres of blocks, not their corners, and gives way${out >= 0.05 ? ` (by ${told(out)})` : ''}`);
+    if (sunk >= SUNK) words.push(`reaches ${told(sunk)} into the floor: contacts give way, and places between two recorded ticks are on a straight line`);
+    if (out >= OUT) words.push(`reaches outside of the shell: the shell holds centres of blocks, not their corners, and gives way${out >= 0.05 ? ` (by ${told(out)})` : ''}`);
     return words;
+  }
+
+  /** How many blocks there are of each kind, in words; empty: none. */
+  allBeyond() {
+    let [floor, shell] = [0, 0];
+    for (let body = 0; body < this.recording.bodies; body++) {
+      const { sunk, out } = this.depths(body);
+      if (sunk >= SUNK) floor++;
+      if (out >= OUT) shell++;
+    }
+    const kinds = [...(floor ? [`${floor} into the floor`] : []), ...(shell ? [`${shell} outside of the shell`] : [])];
+    return kinds.length ? `now some blocks reach ${kinds.join(', and ')}: click one to see why` : '';
   }
 
   /** Moves all blocks to a tick, if their places are unpacked. */

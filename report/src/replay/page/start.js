@@ -131,6 +131,7 @@ async function start() {
     const last = lastAtOrBefore(history.stops, tick);
     const rows = history.rows.filter(row => row[0] === history.stops[last] && history.isNotable(row));
     text('event', rows.length ? `${rows[0][0]}: ${rows.map(row => history.words(row)).join('; ')}` : '');
+    text('beyond', scene.allBeyond());
     if (!player.playing) writeLink({ tick: player.tick, body: scene.selected, view: camera.isFirst ? null : camera.view, embedded: document.body.classList.contains('embed') });
   }
 
