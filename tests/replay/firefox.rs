@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use crate::folder::{PROGRAM, Results, SWARM};
 use crate::skipped::skipped;
-use crate::{drawn, grouped};
+use crate::{drawn, grouped, page};
 
 /// Longer than anything takes on a slow machine.
 const PATIENCE: Duration = Duration::from_secs(120);
@@ -176,6 +176,8 @@ fn firefox_shows_the_same() {
             .then(blobs => blobs.map(({ type, size }) => [type, size > 1000]))",
     );
     assert_eq!(taken, json!([["image/png", true], ["video/webm", true]]));
+    firefox.open(&results.page(0), "");
+    page::check_faces(&mut firefox, &recording, &results.tables());
     drawn::check_all(&mut firefox, &results);
     grouped::check_all(&mut firefox, &Results::of(SWARM, "--record 0"));
 }

@@ -2,6 +2,7 @@
 
 /** Numbers of a cube: centre, quaternion, colour with opacity, mark. */
 const CUBE = 12;
+/** Where there is no graphics processor, blocks that are smaller are drawn as points [px]. */
 const SMALL = 12;
 
 class Painter {
@@ -13,7 +14,7 @@ class Painter {
     this.gl = gl;
     this.canvas = canvas;
     this.lost = false;
-    /** Blocks that are smaller are drawn as points [px]: a graphics processor has corners to spare, and smooths the edges of cubes only. */
+    // A graphics processor has corners to spare, and smooths the edges of cubes only.
     this.small = slow && gl.getParameter(gl.ALIASED_POINT_SIZE_RANGE)[1] >= 4 * SMALL ? SMALL : 0;
     // A browser takes the graphics away when the machine sleeps, or too many pages want them, and gives them back empty.
     canvas.addEventListener('webglcontextlost', event => {
