@@ -35,8 +35,7 @@ class Partition {
     const [few, many] = first.length < second.length ? [first, second] : [second, first];
     this.groups.delete(few);
     for (const body of few) many.push(body);
-    for (const body of many.length === 2 ? many : few) this.of.set(body, many);
-    this.of.set(a, many).set(b, many);
+    for (const body of [...few, a, b]) this.of.set(body, many);
     this.groups.add(many);
   }
 
@@ -49,8 +48,10 @@ class Partition {
     const inside = new Set(part);
     this.groups.delete(whole);
     for (const piece of [part, whole.filter(body => !inside.has(body))]) {
-      for (const body of piece) piece.length > 1 ? this.of.set(body, piece) : this.of.delete(body);
-      if (piece.length > 1) this.groups.add(piece);
+      if (piece.length > 1) {
+        this.groups.add(piece);
+        for (const body of piece) this.of.set(body, piece);
+      } else this.of.delete(piece[0]);
     }
   }
 
