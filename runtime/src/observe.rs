@@ -1,11 +1,13 @@
 //! Looking on while a run goes: where every block is, and what the structure does.
+use std::collections::BTreeMap;
+
 use stochc_ir::state::{State, StateError, StateReader, StateWriter};
 use stochc_ir::table::{News, PhaseId, RoleId};
 use stochc_ir::{Cell, Face};
 use stochc_protocol::{Body, Payload};
 
 use crate::view::in_structure;
-use crate::world::Arena;
+use crate::world::{Arena, FreeBond};
 
 /// Looks on while a run goes. It cannot change anything.
 pub trait Observer {
@@ -98,6 +100,20 @@ pub enum ObservedEvent {
         /// The role of that block.
         by: RoleId,
     },
+    /// Two free blocks bond.
+    Bonded {
+        /// Which, and by which faces.
+        bond: FreeBond,
+        /// The blocks of their group, as of the end of the tick.
+        size: u32,
+    },
+    /// A bond between two free blocks is torn, or a structure takes one of them.
+    Unbonded {
+        /// Between whom it was, and by which faces.
+        bond: FreeBond,
+        /// The blocks of the group of each, as of the end of the tick; 1: it is alone, or anchored.
+        sizes: [u32; 2],
+    },
     /// A block is let go, and with it the faces that it had on.
     Released {
         /// The number of the block.
@@ -181,28 +197,35 @@ impl<W> Look<W> for () {
     fn look(&mut self, _world: &W, _log: Vec<ObservedEvent>) {}
 }
 
-/// Shows an [`Observer`] a run, and keeps in mind who is in the reach of which face.
+/// Shows an [`Observer`] a run, and keeps in mind who is in the reach of which face, and who is bonded to whom.
 pub(crate) struct Lookout<'o, O> {
     observer: &'o mut O,
     /// The block, the face's owner, the face, and the tick of the entry; sorted.
     inside: Vec<(u32, Body, Face, u64)>,
+    /// Sorted.
+    bonds: Vec<FreeBond>,
 }
 
 impl<'o, O: Observer> Lookout<'o, O> {
     pub fn new(observer: &'o mut O) -> Lookout<'o, O> {
-        let inside = Vec::new();
-        Lookout { observer, inside }
+        Lookout {
+            observer,
+            inside: Vec::new(),
+            bonds: Vec::new(),
+        }
     }
 }
 
 impl<O: Observer> State for Lookout<'_, O> {
     fn save(&self, to: &mut StateWriter<'_>) -> Result<(), StateError> {
         to.put(&self.inside)?;
+        to.put(&self.bonds)?;
         self.observer.save(to)
     }
 
     fn restore(&mut self, from: &mut StateReader<'_>) -> Result<(), StateError> {
         self.inside = from.take()?;
+        self.bonds = from.take()?;
         self.observer.restore(from)
     }
 }
@@ -237,8 +260,37 @@ impl<A: Arena, O: Observer> Look<A> for Lookout<'_, O> {
                 events.push(ObservedEvent::Entered { body, of, face });
             }
         }
+        let bonds = arena.free_bonds();
+        events.extend(changes(&self.bonds, &bonds, arena));
+        self.bonds = bonds;
         events.extend(log);
         self.inside = inside;
         self.observer.look(arena, &events);
     }
+}
+
+/// What has become of the bonds between free blocks: first those that are gone, then those that are new.
+fn changes(before: &[FreeBond], now: &[FreeBond], arena: &impl Arena) -> Vec<ObservedEvent> {
+    if before == now {
+        return Vec::new();
+    }
+    let sizes: BTreeMap<u32, u32> = (arena.groups().into_iter())
+        .flat_map(|group| {
+            let size = group.len() as u32;
+            group.into_iter().map(move |id| (id, size))
+        })
+        .collect();
+    let size = |id: u32| sizes.get(&id).copied().unwrap_or(1);
+    let missing_in = |other: &[FreeBond], bond: &FreeBond| other.binary_search(bond).is_err();
+    let gone = before.iter().filter(|bond| missing_in(now, bond));
+    let gone = gone.map(|&bond| ObservedEvent::Unbonded {
+        bond,
+        sizes: bond.bodies.map(size),
+    });
+    let new = now.iter().filter(|bond| missing_in(before, bond));
+    let new = new.map(|&bond| ObservedEvent::Bonded {
+        bond,
+        size: size(bond.bodies[0]),
+    });
+    gone.chain(new).collect()
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use serde_json::json;
 
 use crate::browser::{Browser, browser};
-use crate::folder::{PROGRAM, Results};
+use crate::folder::{PROGRAM, Results, SWARM};
 use crate::skipped::skipped;
 
 /// The script of axe-core; `None`, with a note, where it is missing and not required.
@@ -36,16 +36,32 @@ fn nothing_breaks_wcag_aa() {
     let (Some(mut browser), Some(axe)) = (browser(&[]), axe()) else {
         return;
     };
-    let results = Results::of(PROGRAM, "--record 0");
+    check(
+        &mut browser,
+        &axe,
+        PROGRAM,
+        ["#tick=9000&block=3", "#tick=4000"],
+    );
+    check(
+        &mut browser,
+        &axe,
+        SWARM,
+        ["#tick=300&block=20", "#tick=400"],
+    );
+}
+
+/// The page of a run of a program, on a wide and on a narrow screen, in either theme.
+fn check(browser: &mut Browser, axe: &str, program: &str, [wide, narrow]: [&str; 2]) {
+    let results = Results::of(program, "--record 0");
     let page = results.page(0);
     for theme in ["dark", "light"] {
         let wanted = json!({ "features": [{ "name": "prefers-color-scheme", "value": theme }] });
         browser.call("Emulation.setEmulatedMedia", &wanted);
-        for (width, height, hash) in [(1440, 900, "#tick=9000&block=3"), (390, 844, "#tick=4000")] {
+        for (width, height, hash) in [(1440, 900, wide), (390, 844, narrow)] {
             browser.size(width, height);
             browser.open(&page, hash);
             browser.value("replay.settled().then(() => 1)");
-            breaks_nothing(&mut browser, &axe, &format!("{theme}, {width} x {height}"));
+            breaks_nothing(browser, axe, &format!("{theme}, {width} x {height}"));
         }
     }
 }

@@ -7,8 +7,9 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
-use crate::folder::{PROGRAM, Results};
+use crate::folder::{PROGRAM, Results, SWARM};
 use crate::skipped::skipped;
+use crate::{drawn, grouped, page};
 
 /// Longer than anything takes on a slow machine.
 const PATIENCE: Duration = Duration::from_secs(120);
@@ -105,9 +106,13 @@ impl Firefox {
         self.call("WebDriver:Navigate", &json!({ "url": address }));
     }
 
-    fn open(&mut self, page: &Path) {
+    /// Opens a file with something after its name; waits until it shows a replay or a message.
+    pub fn open(&mut self, page: &Path, hash: &str) {
         let page = page.to_str().unwrap().replace(' ', "%20");
-        self.go(&format!("file://{page}"));
+        // With another address first, a mere change of the hash loads the page as well.
+        for url in ["about:blank".to_owned(), format!("file://{page}{hash}")] {
+            self.go(&url);
+        }
         let begun = Instant::now();
         while self.value("document.body.dataset.ready ?? document.body.className") == "" {
             assert!(begun.elapsed() < PATIENCE, "the page does not settle");
@@ -140,7 +145,7 @@ fn firefox_shows_the_same() {
         return;
     };
     let results = Results::of(PROGRAM, "--record 0");
-    firefox.open(&results.page(0));
+    firefox.open(&results.page(0), "");
     let recording = results.recording(0);
     let frame = recording.frames().nth(500).unwrap();
     let state = firefox.value(&format!("replay.seek({})", frame.tick));
@@ -176,4 +181,8 @@ fn firefox_shows_the_same() {
             .then(blobs => blobs.map(({ type, size }) => [type, size > 1000]))",
     );
     assert_eq!(taken, json!([["image/png", true], ["video/webm", true]]));
+    firefox.open(&results.page(0), "");
+    page::check_faces(&mut firefox, &recording, &results.tables());
+    drawn::check_all(&mut firefox, &results);
+    grouped::check_all(&mut firefox, &Results::of(SWARM, "--record 0"));
 }

@@ -8,6 +8,9 @@ use stochc::ir::table::Tables;
 /// A program whose structure grows and is taken apart again.
 pub const PROGRAM: &str = "examples/five_tower_reconfigured.sa";
 
+/// Free blocks that bond to each other.
+pub const SWARM: &str = "tests/fixtures/swarm.sa";
+
 /// A folder of results that is gone with this.
 pub struct Results {
     folder: tempfile::TempDir,

@@ -1,5 +1,6 @@
 //! Finding one's way in the page: what a click means, and what moves by itself.
 use serde_json::{Value, json};
+use stochc::ir::palette::{DARK, LIGHT};
 
 use crate::browser::{Browser, browser};
 use crate::folder::{PROGRAM, Results};
@@ -240,4 +241,56 @@ fn the_graph_scrolls_to_what_happens_and_the_focus_stays() {
         })()",
     );
     assert_eq!(focused, true);
+}
+
+#[test]
+fn no_block_that_is_seen_is_left_out() {
+    let Some((mut browser, _results)) = ready("#tick=4000") else {
+        return;
+    };
+    // Solid, so that a block is where its middle is seen, or one before it.
+    browser.value("document.getElementById('cloud').click()");
+    let theme = match browser.value("themeName()").as_str().unwrap() {
+        "dark" => DARK,
+        _ => LIGHT,
+    };
+    let free = [theme.free.0, theme.free.1, theme.free.2].map(f64::from);
+    // As it is at first, within the cloud, all of it, and so far off that blocks are a few pixels wide.
+    for view in [
+        "replay.state().view",
+        "[0.4, 0.2, 4, 8, -6, 5]",
+        "[2.2, 0.6, 75, 0, 0, 8]",
+        "[-1.3, 0.3, 160, 0, 0, 8]",
+    ] {
+        browser.value(&format!("replay.look({view})"));
+        let found = browser.value(
+            "replay.settled().then(({ structure, pulled, blocks }) => {
+                const { clientWidth, clientHeight } = document.getElementById('arena');
+                const others = new Set([...structure.map(([body]) => body), ...pulled]);
+                let [seen, missing] = [0, 0];
+                const pixels = [];
+                for (let body = 0; body < blocks; body++) {
+                    const at = replay.screen(body);
+                    if (!at || at.x < 1 || at.y < 1 || at.x > clientWidth - 1 || at.y > clientHeight - 1) continue;
+                    seen++;
+                    const name = replay.names().some(({ x, y }) => Math.hypot(x - at.x, y - at.y) < 60);
+                    const meant = replay.pick(at.x, at.y);
+                    if (meant === null && !name) missing++;
+                    if (meant === body && !others.has(body) && !name && pixels.length < 25) pixels.push(replay.pixel(at.x, at.y));
+                }
+                return { seen, missing, pixels };
+            })",
+        );
+        assert_eq!(found["missing"], 0, "{view}: {found}");
+        let pixels = found["pixels"].as_array().unwrap();
+        assert!(pixels.len() > 3, "{view}: {found}");
+        // In the colour of free blocks under some light, but for lines of the shell before it.
+        let is_free = |pixel: &&Value| {
+            let light = number(&pixel[0]) / free[0];
+            let is_near = |i: usize| (number(&pixel[i]) - light * free[i]).abs() < 4.0;
+            (0.15..1.1).contains(&light) && is_near(1) && is_near(2)
+        };
+        let drawn = pixels.iter().filter(is_free).count();
+        assert!(10 * drawn >= 9 * pixels.len(), "{view}: {found}");
+    }
 }

@@ -5,13 +5,16 @@
 )]
 mod accessible;
 mod browser;
+mod drawn;
 mod exported;
 mod firefox;
 mod folder;
+mod grouped;
 mod hostile;
 mod looking;
 mod observed;
 mod page;
+mod page_under_test;
 mod recorded;
 #[path = "../skipped/mod.rs"]
 mod skipped;

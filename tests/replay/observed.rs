@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use stochc::ir::record::{BondRecord, RunRecord};
 use stochc::ir::table::PhaseId;
 use stochc::runtime::observe::{ObservedEvent, Observer};
-use stochc::runtime::world::{Arena, Body};
+use stochc::runtime::world::{Arena, Body, FreeBond};
 use stochc::runtime::{Model, RunError, Settings, observe, run};
 
 /// Writes everything down.
@@ -161,4 +161,96 @@ fn a_model_without_places_has_no_observer() {
     let mut notes = Notes::default();
     let refused = observe(&tables, &scene, &settings, 1, 0, &mut watch, &mut notes);
     assert_eq!(refused, Err(RunError::Nowhere(Model::Shuffle)));
+}
+
+/// Holds what the events tell of bonds among free blocks against the groups of the world, at every tick.
+#[derive(Default)]
+struct Groups {
+    bonds: Vec<FreeBond>,
+    bonded: usize,
+    unbonded: usize,
+}
+
+impl Observer for Groups {
+    fn look(&mut self, arena: &impl Arena, events: &[ObservedEvent]) {
+        let groups = arena.groups();
+        let size = |id: u32| {
+            let group = groups.iter().find(|group| group.contains(&id));
+            group.map_or(1, |group| group.len() as u32)
+        };
+        for event in events {
+            match *event {
+                ObservedEvent::Bonded { bond, size: told } => {
+                    assert!(!self.bonds.contains(&bond));
+                    assert_eq!(bond.bodies.map(size), [told; 2]);
+                    self.bonds.push(bond);
+                    self.bonded += 1;
+                }
+                ObservedEvent::Unbonded { bond, sizes } => {
+                    assert_eq!(bond.bodies.map(size), sizes);
+                    let at = self.bonds.iter().position(|known| *known == bond);
+                    self.bonds.remove(at.expect("it had bonded by these faces"));
+                    self.unbonded += 1;
+                }
+                ObservedEvent::Captured { body, .. } => assert_eq!(size(body), 1),
+                _ => {}
+            }
+        }
+        // A tree of bonds for each group, and none between two of them.
+        let mut known: Vec<Vec<u32>> = Vec::new();
+        for FreeBond { bodies, .. } in &self.bonds {
+            assert!(bodies[0] < bodies[1]);
+            let mut whole = Vec::new();
+            for id in bodies {
+                let at = known.iter().position(|group| group.contains(id));
+                whole.extend(at.map_or_else(|| vec![*id], |at| known.remove(at)));
+            }
+            whole.sort_unstable();
+            assert!(
+                whole.is_sorted_by(|a, b| a < b),
+                "{bodies:?} were bonded before"
+            );
+            known.push(whole);
+        }
+        known.sort_unstable();
+        assert_eq!(known, groups, "at {}", arena.tick());
+        // The faces that meet point to each other's centres.
+        for FreeBond { bodies, faces } in &self.bonds {
+            let [first, second] = bodies.map(|id| arena.state(id));
+            let between = second.position - first.position;
+            for (state, way, face) in [(first, between, faces[0]), (second, -between, faces[1])] {
+                let own = state.orientation.inverse() * way;
+                let along: f64 = (own.iter().zip(face.normal()))
+                    .map(|(part, normal)| part * f64::from(normal))
+                    .sum();
+                assert!(along > 0.9 * way.norm(), "{bodies:?} {faces:?}: {own}");
+            }
+        }
+    }
+}
+
+#[test]
+fn bonds_among_free_blocks_are_those_of_the_groups() {
+    for model in [Model::Rapier, Model::Rigid] {
+        for file in ["tests/fixtures/swarm.sa", "tests/fixtures/jets.sa"] {
+            let program = stochc::check(file).programs.remove(0);
+            let (tables, scene) = (program.tables.unwrap(), program.scene.unwrap());
+            let settings = Settings {
+                max_ticks: Some(4000),
+                ..Settings::of(model, 2)
+            };
+            let mut watch = |_: u64, _: PhaseId| ControlFlow::Continue(());
+            let mut groups = Groups::default();
+            let alone = run(&tables, &scene, &settings, 1, 0, &mut watch).unwrap();
+            let seen = observe(&tables, &scene, &settings, 1, 0, &mut watch, &mut groups).unwrap();
+            assert_eq!(alone, seen);
+            let Groups {
+                bonded, unbonded, ..
+            } = groups;
+            assert!(
+                bonded > 2 && unbonded > 0,
+                "{file} {model:?}: {bonded}, {unbonded}"
+            );
+        }
+    }
 }

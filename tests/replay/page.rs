@@ -1,13 +1,19 @@
 //! The page in a browser: it shows what was recorded.
+use std::collections::BTreeSet;
+
 use serde_json::{Value, json};
 use stochc::ensemble::recording::Recording;
+use stochc::ir::Face;
+use stochc::ir::table::Tables;
+use stochc::runtime::world::Body;
 
 use crate::browser::{Browser, browser};
 use crate::folder::{PROGRAM, Results};
+use crate::page_under_test::Page;
 
 /// What the page says of a tick.
-fn seek(browser: &mut Browser, tick: u64) -> Value {
-    browser.value(&format!("replay.seek({tick})"))
+fn seek(page: &mut impl Page, tick: u64) -> Value {
+    page.value(&format!("replay.seek({tick})"))
 }
 
 fn numbers(value: &Value) -> Vec<f64> {
@@ -170,20 +176,38 @@ fn a_block_is_drawn_where_it_is_and_found_by_a_click() {
 
 #[test]
 fn faces_and_pulled_blocks_are_those_of_the_recording() {
-    use stochc::runtime::observe::ObservedEvent;
     let Some(mut browser) = browser(&[]) else {
         return;
     };
     let results = Results::of(PROGRAM, "--record 0");
-    let recording = results.recording(0);
     browser.open(&results.page(0), "");
-    let mut lit = std::collections::BTreeMap::new();
-    let mut pulled = std::collections::BTreeSet::new();
+    check_faces(&mut browser, &results.recording(0), &results.tables());
+}
+
+/// Which faces are on, and whom they pull, at the ticks at which that changes.
+pub fn check_faces(page: &mut impl Page, recording: &Recording, tables: &Tables) {
+    use stochc::runtime::observe::ObservedEvent;
+    let number = |body: Body| match body {
+        Body::Free(id) => i64::from(id),
+        Body::Seed(cell) => {
+            let role = tables.seeds().find(|(_, at)| *at == cell);
+            -1 - i64::from(role.unwrap().0.0)
+        }
+    };
+    // Solid, whatever stands in the way is what is meant at its place.
+    page.value("['cloud', 'names'].forEach(id => document.getElementById(id).click())");
+    let mut faces = [0, 0];
+    let mut owners = BTreeSet::new();
+    let mut lit = BTreeSet::new();
+    let mut pulled = BTreeSet::new();
     let mut looked = 0;
     let mut events = recording.events().iter().peekable();
     while let Some(happening) = events.next() {
         match happening.event {
-            ObservedEvent::Magnetized { body, face, .. } => drop(lit.insert((body, face), ())),
+            ObservedEvent::Magnetized { body, face, .. } => {
+                lit.insert((body, face));
+                owners.insert(body);
+            }
             ObservedEvent::Entered { body, of, face } => drop(pulled.insert((body, of, face))),
             ObservedEvent::Left { body, of, face } => drop(pulled.remove(&(body, of, face))),
             ObservedEvent::Captured { body, on, face, .. } => {
@@ -199,13 +223,37 @@ fn faces_and_pulled_blocks_are_those_of_the_recording() {
                 ObservedEvent::Entered { .. } | ObservedEvent::Left { .. }
             )
         {
-            let state = seek(&mut browser, happening.tick);
-            assert_eq!(
-                state["lit"].as_array().unwrap().len(),
-                lit.len(),
-                "at {}",
-                happening.tick
-            );
+            let state = seek(page, happening.tick);
+            let told = |&(body, face): &(Body, Face)| json!([number(body), face]).to_string();
+            let expected: BTreeSet<String> = lit.iter().map(told).collect();
+            let shown = state["lit"].as_array().unwrap().iter();
+            let shown: BTreeSet<String> = shown.map(Value::to_string).collect();
+            assert_eq!(shown, expected, "at {}", happening.tick);
+            // A face that is on is seen in its colour, and one that is off is not: those that face the eye.
+            let facing = [
+                (Face::Up, "up"),
+                (Face::East, "east"),
+                (Face::South, "south"),
+            ];
+            let sites = owners.iter().flat_map(|body| facing.map(|it| (body, it)));
+            for (&body, (face, name)) in sites.filter(|_| looked % 2 == 0) {
+                let seen = page.value(&format!(
+                    "(({{ x, y }}) => replay.pick(x, y) === {0} ? replay.pixel(x, y) : null)(replay.face({0}, '{name}'))",
+                    number(body)
+                ));
+                if seen.is_null() {
+                    continue;
+                }
+                let pixel = numbers(&seen);
+                let is_red = pixel[0] > 2.5 * pixel[1].max(pixel[2]);
+                let is_on = lit.contains(&(body, face));
+                assert_eq!(
+                    is_red, is_on,
+                    "{body:?} {name} at {}: {pixel:?}",
+                    happening.tick
+                );
+                faces[usize::from(is_on)] += 1;
+            }
             let mut shown: Vec<u64> = (state["pulled"].as_array().unwrap().iter())
                 .map(|body| body.as_u64().unwrap())
                 .collect();
@@ -219,6 +267,7 @@ fn faces_and_pulled_blocks_are_those_of_the_recording() {
         }
     }
     assert_eq!(looked, 40);
+    assert!(faces.iter().all(|count| *count > 2), "{faces:?}");
 }
 
 #[test]

@@ -2,10 +2,11 @@
 use std::fs;
 
 use stochc::ensemble::recording::{Happening, Recording};
-use stochc::files::checksum::sealed;
+use stochc::files::checksum::{crc32, sealed};
+use stochc::ir::table::PhaseId;
 use stochc::runtime::observe::ObservedEvent;
 
-use crate::folder::{PROGRAM, Results, stochc};
+use crate::folder::{PROGRAM, Results, SWARM, stochc};
 
 const DENSE: &str = "tests/fixtures/dense.sa";
 
@@ -142,6 +143,65 @@ fn a_long_run_is_written_piece_by_piece() {
         recording.record().ticks + 1
     );
     assert_eq!(sections.last().map(|(name, _)| *name), Some("DONE"));
+}
+
+/// What an older version of the format would have of a recording without bonds among free blocks.
+fn as_version(version: u32, bytes: &[u8]) -> Vec<u8> {
+    let number = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()) as usize;
+    let seal = |part: Vec<u8>| match version {
+        1 => part,
+        _ => [&part[..], &crc32(&part).to_le_bytes()].concat(),
+    };
+    let header = &bytes[12..16 + number(12)];
+    let begin = [&bytes[..8], &version.to_le_bytes(), header].concat();
+    let sections = sections(bytes).into_iter().map(|(name, payload)| {
+        let length = (payload.len() as u32).to_le_bytes();
+        seal([name.as_bytes(), &length, payload].concat())
+    });
+    seal(begin).into_iter().chain(sections.flatten()).collect()
+}
+
+#[test]
+fn older_versions_are_read() {
+    let results = Results::of(DENSE, "--record 0");
+    let bytes = fs::read(results.recording_path(0)).unwrap();
+    assert_eq!(as_version(3, &bytes), bytes);
+    let newest = results.recording(0);
+    for version in [1, 2] {
+        fs::write(results.recording_path(0), as_version(version, &bytes)).unwrap();
+        let older = results.recording(0);
+        assert_eq!(older.events(), newest.events());
+        assert!(older.frames().eq(newest.frames()));
+        assert_eq!(older.record(), newest.record());
+        assert!(fs::metadata(results.page(0)).unwrap().len() > 10_000);
+    }
+}
+
+#[test]
+fn bonds_among_free_blocks_are_recorded() {
+    let results = Results::of(SWARM, "--record 0");
+    let recording = results.recording(0);
+    let rows: usize = (recording.events().iter())
+        .filter(|happening| matches!(happening.event, ObservedEvent::Bonded { .. }))
+        .count();
+    // A group of n has n - 1 bonds.
+    assert!(rows as u32 + 1 >= recording.record().blocks_used, "{rows}");
+    // A phase begins at the tick of the bond that made a group so large.
+    let begins = (recording.events().iter())
+        .filter(|happening| matches!(happening.event, ObservedEvent::Phase(PhaseId(1..))));
+    let mut looked = 0;
+    for begin in begins {
+        let ObservedEvent::Phase(PhaseId(phase)) = begin.event else {
+            continue;
+        };
+        let made = (recording.events().iter()).any(|happening| {
+            happening.tick == begin.tick
+                && matches!(happening.event, ObservedEvent::Bonded { size, .. } if size > phase)
+        });
+        assert!(made, "phase {phase}");
+        looked += 1;
+    }
+    assert!(looked > 5, "{looked}");
 }
 
 #[test]

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use stochc_ir::table::{PhaseId, RoleId, Tables};
 use stochc_ir::{Cell, Face};
 use stochc_runtime::observe::{ObservedEvent, Said};
-use stochc_runtime::world::Body;
+use stochc_runtime::world::{Body, FreeBond};
 
 /// An event and its tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,6 +76,14 @@ impl Seeds {
             ObservedEvent::Unplanned { body, on, face, by } => {
                 json!([tick, "shed", body, n(on), face, by])
             }
+            ObservedEvent::Bonded { bond, size } => {
+                let ([a, b], [face, other]) = (bond.bodies, bond.faces);
+                json!([tick, "bond", a, b, face, other, size])
+            }
+            ObservedEvent::Unbonded { bond, sizes } => {
+                let ([a, b], [face, other]) = (bond.bodies, bond.faces);
+                json!([tick, "unbond", a, b, face, other, sizes[0], sizes[1]])
+            }
             ObservedEvent::Released { body, role, by } => json!([tick, "free", body, role, by]),
             ObservedEvent::Sent { from, to, said } => {
                 let (what, role) = match said {
@@ -99,6 +107,12 @@ impl Seeds {
         let role = |i: usize| number(i).map(RoleId);
         let face = |i: usize| serde_json::from_value::<Face>(row.get(i)?.clone()).ok();
         let cell = |i: usize| serde_json::from_value::<Cell>(row.get(i)?.clone()).ok();
+        let bond = || {
+            Some(FreeBond {
+                bodies: [number(2)?, number(3)?],
+                faces: [face(4)?, face(5)?],
+            })
+        };
         let event = match row.get(1)?.as_str()? {
             "phase" => ObservedEvent::Phase(PhaseId(number(2)?)),
             "on" => ObservedEvent::Magnetized {
@@ -130,6 +144,14 @@ impl Seeds {
                 on: body(3)?,
                 face: face(4)?,
                 by: role(5)?,
+            },
+            "bond" => ObservedEvent::Bonded {
+                bond: bond()?,
+                size: number(6)?,
+            },
+            "unbond" => ObservedEvent::Unbonded {
+                bond: bond()?,
+                sizes: [number(6)?, number(7)?],
             },
             "free" => ObservedEvent::Released {
                 body: number(2)?,

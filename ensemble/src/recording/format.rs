@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 use stochc_files::budget::{RECORDING_HEADER, RECORDING_WHOLE, size};
 use stochc_files::checksum::crc32;
 
-/// Of the file format; in 1 there were no checksums, and it is still read.
-pub const VERSION: u32 = 2;
+/// Of the file format; in 1 there were no checksums, and in 2 no bonds between free blocks. Both are still read.
+pub const VERSION: u32 = 3;
 
 /// How the file begins.
 pub(super) const MARK: [u8; 8] = *b"STOCHREC";

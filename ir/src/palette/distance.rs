@@ -139,6 +139,11 @@ fn pairs(theme: &Theme) -> Vec<(String, Rgb, Rgb)> {
     };
     each(&named(&blocks[3..]), &[&blocks[..3], &behind].concat());
     each(&named(&blocks[1..3]), &behind[..2]);
+    let groups: Vec<_> = (0..)
+        .zip(theme.groups)
+        .map(|(n, colour)| (format!("group {n}"), colour))
+        .collect();
+    each(&groups, &[&blocks[..], &behind[..2]].concat());
     each(
         &series,
         &[
@@ -164,6 +169,23 @@ fn colours_are_told_apart_with_any_sight() {
         }
     }
     assert_eq!(close, [""; 0]);
+}
+
+#[test]
+fn the_scale_of_groups_is_ordered_with_any_sight() {
+    for theme in [DARK, LIGHT] {
+        for (sight, matrix) in &SIGHTS {
+            let lightness = |colour: Rgb| lab(colour, matrix)[0];
+            let behind = lightness(theme.background);
+            let apart = theme
+                .groups
+                .map(|colour| (lightness(colour) - behind).abs());
+            assert!(
+                apart.is_sorted_by(|a, b| a + LEAST <= *b),
+                "{sight}: {apart:?}"
+            );
+        }
+    }
 }
 
 #[test]

@@ -19,12 +19,14 @@ fn named(theme: &Theme) -> [(&'static str, Rgb); 11] {
     ]
 }
 
-/// `const PALETTE = { phases: [{ colour, ink }], dark: { background, ... }, light: { ... } };`
+/// `const PALETTE = { phases: [{ colour, ink }], dark: { background, ..., groups: [...] }, light: { ... } };`
 pub(super) fn script() -> String {
     let theme = |theme: &Theme| {
         let colours =
             named(theme).map(|(name, colour)| (name.to_owned(), json!(colour.to_string())));
-        Value::Object(colours.into_iter().collect())
+        let groups = theme.groups.map(|colour| colour.to_string());
+        let groups = ("groups".to_owned(), json!(groups));
+        Value::Object(colours.into_iter().chain([groups]).collect())
     };
     let phases = PHASES
         .map(|colour| json!({ "colour": colour.to_string(), "ink": colour.ink().to_string() }));
@@ -32,11 +34,14 @@ pub(super) fn script() -> String {
     format!("const PALETTE = {palette};\n")
 }
 
-/// Custom properties of the page: `--free`, `--lit` and so on in either theme, and `--phase-0` to `--phase-7`.
+/// Custom properties of the page: `--free`, `--lit`, `--group-0` to `--group-4` and so on in either theme, and `--phase-0` to `--phase-7`.
 pub(crate) fn style() -> String {
     let properties = |theme: &Theme| -> String {
         let each = named(theme).map(|(name, colour)| format!("--{name}:{colour};"));
-        each.concat()
+        let groups = (0..)
+            .zip(theme.groups)
+            .map(|(n, colour)| format!("--group-{n}:{colour};"));
+        each.into_iter().chain(groups).collect()
     };
     let phases: String = (0..)
         .zip(PHASES)

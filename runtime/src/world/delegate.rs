@@ -26,6 +26,7 @@ macro_rules! delegate {
                 anchored(id: u32) -> Option<Orientation>,
                 active() -> Vec<(BlockFace, u32)>,
                 groups() -> Vec<Vec<u32>>,
+                free_bonds() -> Vec<FreeBond>,
                 in_reach() -> Vec<(BlockFace, u32, u64)>,
                 centre(cell: Cell) -> Vector3<f64>
             );

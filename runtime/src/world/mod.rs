@@ -27,10 +27,11 @@ pub use error::SceneError;
 pub use stochc_protocol::{BlockFace, Body, Docking};
 
 use nalgebra::Vector3;
-use stochc_ir::Cell;
+use serde::{Deserialize, Serialize};
 use stochc_ir::scene::Scene;
 use stochc_ir::state::State;
 use stochc_ir::table::Plate;
+use stochc_ir::{Cell, Face};
 
 use stochc_protocol::Orientation;
 
@@ -50,6 +51,15 @@ impl std::fmt::Display for Fault {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "block {}: {}", self.body, self.what)
     }
+}
+
+/// A bond between two free blocks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct FreeBond {
+    /// The numbers of the blocks, the lower one first.
+    pub bodies: [u32; 2],
+    /// The face of each that meets one of the other's, in its own frame.
+    pub faces: [Face; 2],
 }
 
 /// A place where free blocks move and magnetized faces capture them.
@@ -150,6 +160,9 @@ pub trait Arena: World + Sized {
 
     /// The free blocks that are bonded to each other, by group: at least two in each, all in rising order.
     fn groups(&self) -> Vec<Vec<u32>>;
+
+    /// The bonds that hold them together, in rising order: a tree in each group.
+    fn free_bonds(&self) -> Vec<FreeBond>;
 
     /// The blocks in the reach of each face that is on and holds nothing, by face and in the order
     /// of their entries: the block, and the tick of its entry.

@@ -17,7 +17,7 @@ use super::external_forces::{ExternalForces, Response};
 use super::free_bonds::FreeBonds;
 use super::parameters::{Kicks, WorldParameters, built};
 use super::real::{Real, cast};
-use super::{Arena, BlockFace, Body, BodyState, Docking, Fault, SceneError, World};
+use super::{Arena, BlockFace, Body, BodyState, Docking, Fault, FreeBond, SceneError, World};
 use crate::counter_rng::{Draws, StepDraws, Stream};
 use crate::settings::{Reduction, Settings};
 
@@ -411,6 +411,14 @@ impl<I: Integrator> Arena for Stepper<I> {
     fn groups(&self) -> Vec<Vec<u32>> {
         let groups = self.free_bonds.as_ref().map(|bonds| bonds.groups.list());
         groups.unwrap_or_default()
+    }
+
+    fn free_bonds(&self) -> Vec<FreeBond> {
+        let bonds = self
+            .free_bonds
+            .as_ref()
+            .map(|bonds| bonds.groups.bonded_faces());
+        bonds.unwrap_or_default()
     }
 
     fn in_reach(&self) -> Vec<(BlockFace, u32, u64)> {

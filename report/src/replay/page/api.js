@@ -14,6 +14,7 @@ function api({ about, recording, history, scene, painter, camera, player, fetch,
       .filter(body => history.holdAt(body, scene.tick))
       .map(body => [body, history.nameAt(body, scene.tick)]),
     lit: history.facesAt(scene.tick).map(({ body, face }) => [body, face]),
+    groups: history.groups.at(scene.tick).list(),
     pulled: history.pullsAt(scene.tick).map(({ body }) => body),
     done: [...history.deeds].filter(([, { done }]) => done <= scene.tick).map(([id]) => id),
     cubes: scene.solid.length + scene.free.length,

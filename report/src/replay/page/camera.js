@@ -86,8 +86,8 @@ class Camera {
   matrix(width, height) {
     this.aspect = width / height;
     const far = this.distance + 200;
-    const lens = perspective(this.angle, this.aspect, Math.max(0.05, this.distance / 200), far);
-    return product(lens, looking(this.eye, this.at, [0, 0, 1]));
+    this.lens = perspective(this.angle, this.aspect, Math.max(0.05, this.distance / 200), far);
+    return product(this.lens, looking(this.eye, this.at, [0, 0, 1]));
   }
 
   /** Upright pictures see as much to the sides as square ones. */

@@ -9,9 +9,10 @@ class Cloud {
     this.begins = new Uint32Array(SHELLS + 1);
   }
 
-  /** Sorts the first `count` of a list of blocks, the farthest from the eye first. */
-  sort(list, count, places, eye) {
+  /** Sorts a list of blocks, the farthest from the eye first. */
+  sort(list, places, eye) {
     const { shells, sorted, begins } = this;
+    const count = list.length;
     let farthest = 1;
     const distance = body => Math.hypot(places[7 * body] - eye[0], places[7 * body + 1] - eye[1], places[7 * body + 2] - eye[2]);
     for (let i = 0; i < count; i++) farthest = Math.max(farthest, distance(list[i]));

@@ -24,9 +24,11 @@ class History {
     this.messages = [];
     /** For each event of the graph: from when it is under way, and when it happens. */
     this.deeds = new Map();
+    /** Bonds among free blocks. */
+    this.groups = new Groups(this.rows);
     this.turns = deedsByWhat(about.graph);
     this.read(recording.record.bonds);
-    this.stops = [...new Set(this.rows.filter(row => NOTABLE.has(row[1])).map(row => row[0]))];
+    this.stops = [...new Set(this.rows.filter(row => this.isNotable(row)).map(row => row[0]))];
     this.steps = [...new Set(this.rows.map(row => row[0]))];
   }
 
@@ -83,6 +85,11 @@ class History {
     }
   }
 
+  /** Whether one jumps to an event: bonds among free blocks are all that happens where there is no structure. */
+  isNotable([, kind]) {
+    return NOTABLE.has(kind) || (Boolean(this.about.tables.aggregate) && BONDS.has(kind));
+  }
+
   /** The next event of the graph that this can be. */
   turn(what) {
     return this.turns.get(what)?.shift();
@@ -129,6 +136,8 @@ class History {
     if (kind === 'in') return `block ${row[2]} comes into reach of ${name(row[3])}.${row[4]}`;
     if (kind === 'out') return `block ${row[2]} leaves the reach of ${name(row[3])}.${row[4]}`;
     if (kind === 'dock') return `${name(row[3])}.${row[4]} captures ${this.roles[row[5]]}: block ${row[2]}`;
+    if (kind === 'bond') return `${name(row[2])} and ${name(row[3])} bond, ${row[4]} to ${row[5]}: a group of ${row[6]}`;
+    if (kind === 'unbond') return `${name(row[2])} and ${name(row[3])} part, ${row[4]} from ${row[5]}: ${remainder(row[6])} and ${remainder(row[7])}`;
     if (kind === 'free') return `${this.roles[row[4]]} releases ${this.roles[row[3]]}: block ${row[2]}`;
     if (kind === 'shed') return `${this.roles[row[5]]}.${row[4]} rejects block ${row[2]}, which nobody expects`;
     if (kind === 'say') return `${name(row[2])} to ${name(row[3])}: ${SAID[row[4]](this.roles[row[5]])}`;
@@ -138,6 +147,10 @@ class History {
 
 /** What one jumps to. */
 const NOTABLE = new Set(['phase', 'on', 'dock', 'shed', 'free']);
+const BONDS = new Set(['bond', 'unbond']);
+
+/** What is left of a group, in words. */
+const remainder = size => (size > 1 ? `a group of ${size}` : 'a lone block');
 
 const SAID = {
   report: role => `${role} is done`,

@@ -2,15 +2,20 @@
 
 /** Numbers of a cube: centre, quaternion, colour with opacity, mark. */
 const CUBE = 12;
+/** Where there is no graphics processor, blocks that are smaller are drawn as points [px]. */
+const SMALL = 12;
 
 class Painter {
   /** `restored` is told when all has to be drawn once more. */
   constructor(canvas, restored) {
-    const gl = canvas.getContext('webgl2', { antialias: !drawsSlowly(), alpha: false });
+    const slow = drawsSlowly();
+    const gl = canvas.getContext('webgl2', { antialias: !slow, alpha: false });
     if (!gl) throw new Unreadable('This browser offers no WebGL2, which the arena needs. Switch it on, or use another browser.');
     this.gl = gl;
     this.canvas = canvas;
     this.lost = false;
+    // A graphics processor has corners to spare, and smooths the edges of cubes only.
+    this.small = slow && gl.getParameter(gl.ALIASED_POINT_SIZE_RANGE)[1] >= 4 * SMALL ? SMALL : 0;
     // A browser takes the graphics away when the machine sleeps, or too many pages want them, and gives them back empty.
     canvas.addEventListener('webglcontextlost', event => {
       event.preventDefault();
@@ -35,6 +40,7 @@ class Painter {
   prepare() {
     const { gl } = this;
     this.cubes = program(gl, CUBE_CORNERS, CUBE_PAINT);
+    this.points = program(gl, POINT_CORNERS, POINT_PAINT);
     this.plain = program(gl, PLAIN_CORNERS, PLAIN_PAINT);
     this.corners = buffer(gl, cube());
     this.triangles = gl.createBuffer();
@@ -57,8 +63,9 @@ class Painter {
     }
   }
 
-  begin(view, background) {
-    this.view = view;
+  begin(camera, background) {
+    this.view = camera.matrix(this.canvas.width, this.canvas.height);
+    this.camera = camera;
     const { gl } = this;
     gl.viewport(0, 0, this.canvas.width, this.canvas.height);
     // Without this, the depths of the last picture would stay.
@@ -67,26 +74,50 @@ class Painter {
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
   }
 
-  /** Draws cubes; the opaque ones hide what is behind them. */
-  drawCubes(numbers, count, { opaque, mark, pulled, edge, eye }) {
+  /** Draws cubes, the first `far` of which are small in the picture; the opaque ones hide what is behind them. */
+  drawCubes(numbers, count, far, style) {
     if (!count) return;
     const { gl } = this;
-    gl.useProgram(this.cubes);
-    gl.uniformMatrix4fv(gl.getUniformLocation(this.cubes, 'view'), false, this.view);
-    gl.uniform3fv(gl.getUniformLocation(this.cubes, 'markColour'), rgb(mark));
-    gl.uniform3fv(gl.getUniformLocation(this.cubes, 'pulledColour'), rgb(pulled));
-    gl.uniform1f(gl.getUniformLocation(this.cubes, 'edgeShade'), edge);
-    gl.uniform3fv(gl.getUniformLocation(this.cubes, 'eye'), eye);
-    this.blend(!opaque);
-    attribute(gl, this.corners, 0, 3, 24, 0, 0);
-    attribute(gl, this.corners, 1, 3, 24, 12, 0);
+    this.blend(!style.opaque);
     gl.bindBuffer(gl.ARRAY_BUFFER, this.instances);
     gl.bufferData(gl.ARRAY_BUFFER, numbers.subarray(0, count * CUBE), gl.STREAM_DRAW);
     const parts = [[2, 3, 0], [3, 4, 12], [4, 4, 28], [5, 1, 44]];
-    for (const [place, size, offset] of parts) attribute(gl, this.instances, place, size, 4 * CUBE, offset, 1);
-    gl.drawElementsInstanced(gl.TRIANGLES, CUBE_TRIANGLES.length, gl.UNSIGNED_SHORT, 0, count);
-    for (const [place] of parts) gl.vertexAttribDivisor(place, 0);
-    for (let place = 2; place < 6; place++) gl.disableVertexAttribArray(place);
+    const from = (first, divisor) => {
+      for (const [place, size, offset] of parts) attribute(gl, this.instances, place, size, 4 * CUBE, 4 * CUBE * first + offset, divisor);
+    };
+    if (far > 0) {
+      const { points, camera, canvas } = this;
+      this.dress(points, style);
+      const up = Math.tan(camera.angle / 2);
+      gl.uniformMatrix3fv(points.places.basis, false, camera.basis.flat());
+      gl.uniform2f(points.places.lens, up * camera.aspect, up);
+      gl.uniform2f(points.places.pixels, canvas.width, canvas.height);
+      gl.uniform2f(points.places.depths, camera.lens[10], camera.lens[14]);
+      from(0, 0);
+      gl.drawArrays(gl.POINTS, 0, far);
+    }
+    if (far < count) {
+      this.dress(this.cubes, style);
+      attribute(gl, this.corners, 0, 3, 24, 0, 0);
+      attribute(gl, this.corners, 1, 3, 24, 12, 0);
+      from(far, 1);
+      gl.drawElementsInstanced(gl.TRIANGLES, CUBE_TRIANGLES.length, gl.UNSIGNED_SHORT, 0, count - far);
+    }
+    for (let place = 2; place < 6; place++) {
+      gl.vertexAttribDivisor(place, 0);
+      gl.disableVertexAttribArray(place);
+    }
+  }
+
+  /** Has one of the programs for blocks draw, with what both have to know. */
+  dress({ made, places }, { mark, pulled, edge }) {
+    const { gl } = this;
+    gl.useProgram(made);
+    gl.uniformMatrix4fv(places.view, false, this.view);
+    gl.uniform3fv(places.markColour, rgb(mark));
+    gl.uniform3fv(places.pulledColour, rgb(pulled));
+    gl.uniform1f(places.edgeShade, edge);
+    gl.uniform3fv(places.eye, this.camera.eye);
   }
 
   /** Draws a sketch; with a name, it is kept as long as what it is `of` stays the same. */
@@ -101,8 +132,8 @@ class Painter {
       if (name) this.fixed.set(name, kept);
     }
     if (!kept.count) return;
-    gl.useProgram(this.plain);
-    gl.uniformMatrix4fv(gl.getUniformLocation(this.plain, 'view'), false, this.view);
+    gl.useProgram(this.plain.made);
+    gl.uniformMatrix4fv(this.plain.places.view, false, this.view);
     this.blend(!opaque);
     attribute(gl, kept.buffer, 0, 3, 28, 0, 0);
     attribute(gl, kept.buffer, 1, 4, 28, 12, 0);
@@ -133,6 +164,7 @@ function drawsSlowly() {
   return /swiftshader|llvmpipe|software|basic render/i.test(name);
 }
 
+/** A program, and the places of what it is told. */
 function program(gl, corners, paint) {
   const made = gl.createProgram();
   for (const [kind, text] of [[gl.VERTEX_SHADER, corners], [gl.FRAGMENT_SHADER, paint]]) {
@@ -145,7 +177,13 @@ function program(gl, corners, paint) {
   if (!gl.getProgramParameter(made, gl.LINK_STATUS)) {
     throw new Unreadable(`The graphics of this browser refuse to draw: ${gl.getProgramInfoLog(made)}`);
   }
-  return made;
+  // To ask for their places at every picture would take longer than to set them.
+  const places = {};
+  for (let i = 0; i < gl.getProgramParameter(made, gl.ACTIVE_UNIFORMS); i++) {
+    const { name } = gl.getActiveUniform(made, i);
+    places[name] = gl.getUniformLocation(made, name);
+  }
+  return { made, places };
 }
 
 function buffer(gl, numbers) {

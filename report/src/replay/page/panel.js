@@ -42,7 +42,7 @@ class Panel {
 
   /** The latest events of the structure. */
   latest(tick) {
-    const rows = this.history.rows.filter(row => row[0] <= tick && NOTABLE.has(row[1]));
+    const rows = this.history.rows.filter(row => row[0] <= tick && this.history.isNotable(row));
     const lines = rows.slice(-40).reverse();
     return this.list(lines.map(row => ({ at: row[0], text: this.history.words(row), kind: row[1] })));
   }
@@ -74,7 +74,10 @@ class Panel {
     }
     const pull = history.pullsAt(tick).find(pull => pull.body === body);
     if (pull) return `free, pulled by ${history.nameAt(pull.of, tick)}.${pull.face} since tick ${pull.from}`;
-    return 'free';
+    const group = history.groups.at(tick).of.get(body);
+    if (!group) return 'free';
+    const others = group.filter(other => other !== body).sort((a, b) => a - b);
+    return `free, in a group of ${group.length} with ${others.slice(0, 12).map(other => `block ${other}`).join(', ')}${others.length > 12 ? ' and others' : ''}`;
   }
 
   /** What has happened to it up to now, the latest first. */
@@ -96,6 +99,11 @@ class Panel {
         say(from, `docks on ${history.nameIn(of, from)}.${face} as ${name}${wait}${origin}`, 'dock');
         if (Number.isFinite(to)) say(to, `is let go as ${name}`, 'free');
       }
+    }
+    for (const { from, to, a, b, faces, size, left: sizes } of history.groups.of(body)) {
+      const [other, own, its] = body === a ? [b, faces[0], faces[1]] : [a, faces[1], faces[0]];
+      say(from, `bonds to block ${other}, ${own} to its ${its}: a group of ${size}`, 'bond');
+      if (sizes) say(to, `parts from ${history.nameIn(other, to)}, and is left ${remainder(sizes[body === a ? 0 : 1]).replace('a group', 'in a group')}`, 'unbond');
     }
     for (const stretch of history.faces.filter(face => face.body === body)) {
       say(stretch.from, `switches ${stretch.face} on for ${history.roles[stretch.child]}`, 'on');

@@ -1,7 +1,7 @@
 // The recording: docs/replay.md describes the format.
 
-/** Since version 2, every part has a checksum of 4 bytes behind it. */
-const VERSION = 2;
+/** Since version 2, every part has a checksum of 4 bytes behind it; since 3 there are bonds among free blocks. */
+const VERSION = 3;
 /** Decoded places that are kept for going back [bytes]. */
 const CACHE = 96 << 20;
 

@@ -1,5 +1,8 @@
 // What is to be seen at a tick, and drawing it.
 
+/** From how far on a block is said to be in the floor, and, by its centre, outside of the shell [side]. */
+const [SUNK, OUT] = [0.05, -0.5];
+
 class Scene {
   constructor(about, recording, history, painter, labels, camera) {
     Object.assign(this, { about, recording, history, painter, labels, camera });
@@ -40,18 +43,34 @@ class Scene {
     return { centre: [...this.places.subarray(at, at + 3)], turn: [...this.places.subarray(at + 3, at + 7)] };
   }
 
+  /** How far a free block reaches into the floor, and its centre out of the shell [side]; negative: it does not. */
+  depths(body) {
+    const [px, py, pz, x, y, z, w] = this.places.subarray(7 * body, 7 * body + 7);
+    // How far it reaches from its centre along the vertical.
+    const reach = Math.abs(x * z - w * y) + Math.abs(y * z + w * x) + Math.abs(0.5 - x * x - y * y);
+    return this.radius ? { sunk: reach - pz, out: Math.hypot(px, py, pz - this.lift) - this.radius } : { sunk: -1, out: -1 };
+  }
+
   /** What of a block is in the floor, or outside of the shell, and why, in words. */
   beyond(body) {
-    const { centre, turn } = this.place(body);
-    // How far it reaches from its centre along the vertical.
-    const reach = [0, 1, 2].reduce((sum, axis) => sum + Math.abs(turned(turn, [0, 1, 2].map(i => (i === axis ? 0.5 : 0)))[2]), 0);
+    const { sunk, out } = this.depths(body);
     const words = [];
     const told = sides => `${sides.toFixed(1)} sides`;
-    const sunk = reach - centre[2];
-    if (this.radius && sunk >= 0.05) words.push(`reaches ${told(sunk)} into the floor: contacts give way, and places between two recorded ticks are on a straight line`);
-    const out = Math.hypot(centre[0], centre[1], centre[2] - this.lift) - this.radius;
-    if (this.radius && out >= -0.5) words.push(`reaches outside of the shell: the shell holds centres of blocks, not their corners, and gives way${out >= 0.05 ? ` (by ${told(out)})` : ''}`);
+    if (sunk >= SUNK) words.push(`reaches ${told(sunk)} into the floor: contacts give way, and places between two recorded ticks are on a straight line`);
+    if (out >= OUT) words.push(`reaches outside of the shell: the shell holds centres of blocks, not their corners, and gives way${out >= 0.05 ? ` (by ${told(out)})` : ''}`);
     return words;
+  }
+
+  /** How many blocks there are of each kind, in words; empty: none. */
+  allBeyond() {
+    let [floor, shell] = [0, 0];
+    for (let body = 0; body < this.recording.bodies; body++) {
+      const { sunk, out } = this.depths(body);
+      if (sunk >= SUNK) floor++;
+      if (out >= OUT) shell++;
+    }
+    const kinds = [...(floor ? [`${floor} into the floor`] : []), ...(shell ? [`${shell} outside of the shell`] : [])];
+    return kinds.length ? `now some blocks reach ${kinds.join(', and ')}: click one to see why` : '';
   }
 
   /** Moves all blocks to a tick, if their places are unpacked. */
@@ -67,67 +86,70 @@ class Scene {
     const { history, painter, camera, tick } = this;
     const look = THEMES[themeName()];
     painter.fit(scale);
-    const view = camera.matrix(painter.canvas.width, painter.canvas.height);
-    painter.begin(view, look.background);
+    painter.begin(camera, look.background);
+    const { view } = painter;
     const solid = (this.solid = []);
     for (const cell of this.plain) solid.push({ body: null, centre: this.centre(cell), turn: [0, 0, 0, 1], colour: look.plate });
     for (const { body } of this.seeds) solid.push({ body, ...this.place(body), colour: look.seed, named: true });
     let free = 0;
+    const groups = history.groups.at(tick);
     const pulled = (this.pulled = new Set(history.pullsAt(tick).map(({ body }) => body)));
     for (let body = 0; body < this.recording.bodies; body++) {
       const hold = history.holdAt(body, tick);
+      const size = groups.size(body);
       if (hold) solid.push({ body, ...this.place(body), cell: hold.cell, colour: phaseColour(hold.phase), named: true });
+      else if (size > 1) solid.push({ body, ...this.place(body), colour: groupColour(look, size) });
       else if (this.clouds < 2 || pulled.has(body) || body === this.selected) this.list[free++] = body;
     }
     const eye = camera.eye;
-    this.free = this.cloud.sort(this.list, free, this.places, eye);
-    const style = { mark: look.mark, pulled: look.lit, edge: look.edge, eye };
+    this.free = this.list.subarray(0, free);
+    const sight = new Sight(view, eye, painter.canvas.height / (2 * painter.small * Math.tan(camera.angle / 2)));
+    this.shown = this.cloud.sort(this.free.filter(body => sight.has(this.places, 7 * body, this.clouds === 0)), this.places, eye);
+    const style = { mark: look.mark, pulled: look.lit, edge: look.edge };
     if (this.radius && camera.eye[2] > 0) {
       painter.drawSketch(() => ground(Math.sqrt(this.radius ** 2 - this.lift ** 2), [...rgb(look.ground), 1]), { opaque: true, name: 'ground', of: themeName() });
     }
-    painter.drawCubes(this.numbers, this.fillSolid(), { opaque: true, ...style });
+    painter.drawCubes(this.numbers, ...this.fillSolid(sight), { opaque: true, ...style });
     this.drawFaces(look);
     if (this.radius) {
       const lines = () => wires(this.radius, this.lift, [...rgb(look.rings), 1], [...rgb(look.shell), 0.45]);
       painter.drawSketch(lines, { lines: true, name: 'wires', of: themeName() });
     }
     this.drawTarget(look);
-    painter.drawCubes(this.numbers, this.fillFree(pulled, look), { opaque: this.clouds === 1, ...style });
+    painter.drawCubes(this.numbers, ...this.fillFree(pulled, look, sight), { opaque: this.clouds === 1, ...style });
     const seen = bodies => Array.from(bodies, body => ({ body, ...this.place(body) }));
     const chosen = seen(this.free.filter(body => body === this.selected)).map(block => ({ ...block, named: true }));
-    const opaque = this.clouds === 1 && this.named ? [...solid, ...seen(this.free)] : solid;
-    const glass = this.clouds === 1 ? [] : seen(this.free.filter(body => pulled.has(body)));
-    const moves = chosen.length > 0 || opaque.length > solid.length;
-    this.labels.draw(this, view, { blocks: [...solid, ...chosen], opaque, glass, moves }, look, sharp);
+    const opaque = this.clouds === 1 && this.named ? [...solid, ...seen(this.shown)] : solid;
+    const glass = this.clouds === 1 ? [] : seen(this.shown.filter(body => pulled.has(body)));
+    const moves = chosen.length > 0 || opaque.length > solid.length || groups.groups.size > 0;
+    this.labels.draw(this, view, { blocks: [...solid.filter(({ named }) => named), ...chosen], opaque, glass, moves }, look, sharp);
   }
 
-  /** The numbers of the structure's blocks for the painter; how many there are. */
-  fillSolid() {
-    this.solid.forEach(({ body, centre, turn, colour }, i) => {
-      const at = CUBE * i;
+  /** The numbers of the blocks that are seen and hide what is behind them, for the painter; how many there are, and how many of them are small. */
+  fillSolid(sight) {
+    const seen = this.solid.filter(({ centre }) => sight.has(centre));
+    return inTwo(seen, ({ centre }) => sight.isSmall(centre), ({ body, centre, turn, colour }, at) => {
       this.numbers.set(centre, at);
       this.numbers.set(turn, at + 3);
       this.numbers.set(rgb(colour), at + 7);
       this.numbers[at + 10] = 1;
       this.numbers[at + 11] = body !== null && body === this.selected ? 1 : 0;
     });
-    return this.solid.length;
   }
 
   /** The same of the free blocks: there may be very many. */
-  fillFree(pulled, look) {
-    const { numbers, places, free } = this;
+  fillFree(pulled, look, sight) {
+    const { numbers, places } = this;
     const colour = rgb(look.free);
-    for (let i = 0; i < free.length; i++) {
-      const [at, from] = [CUBE * i, 7 * free[i]];
+    return inTwo(this.shown, body => sight.isSmall(places, 7 * body), (body, at) => {
+      const from = 7 * body;
       for (let j = 0; j < 7; j++) numbers[at + j] = places[from + j];
       for (let j = 0; j < 3; j++) numbers[at + 7 + j] = colour[j];
-      const isPulled = pulled.has(free[i]);
-      const isChosen = free[i] === this.selected;
+      const isPulled = pulled.has(body);
+      const isChosen = body === this.selected;
       numbers[at + 10] = this.clouds === 1 ? 1 : isPulled || isChosen ? 0.6 : look.ghost;
       numbers[at + 11] = isChosen ? 1 : isPulled ? 2 : 0;
-    }
-    return free.length;
+    });
   }
 
   /** Lights the faces that are on, and ties what they pull to them. */
@@ -190,7 +212,7 @@ class Scene {
       if (distance < best) [best, found] = [distance, body];
     };
     for (const block of this.solid) look(block.body, block);
-    if (best === Infinity || this.clouds === 1) for (const body of this.free) look(body, this.place(body));
+    if (best === Infinity || this.clouds === 1) for (const body of this.shown) look(body, this.place(body));
     return found;
   }
 
@@ -202,4 +224,16 @@ class Scene {
     const { width, height } = this.painter;
     return { x: ((at(0) / w + 1) / 2) * width, y: ((1 - at(1) / w) / 2) * height, scale: height / (2 * w * Math.tan(this.camera.angle / 2)) };
   }
+}
+
+/** Fills in the blocks of a list, first those that are small, each in its order; how many there are, and how many of them are small. */
+function inTwo(list, isSmall, fill) {
+  let [far, i] = [0, 0];
+  const rest = [];
+  for (const block of list) {
+    if (isSmall(block)) fill(block, CUBE * far++);
+    else rest.push(block);
+  }
+  for (const block of rest) fill(block, CUBE * (far + i++));
+  return [far + i, far];
 }

@@ -26,6 +26,7 @@ async function start() {
     changed: () => wake(),
   });
   const program = new ProgramText(element('program'), history, tick => player.jump(tick));
+  const legend = new GroupLegend(element('groups'), history.groups);
   head(about, recording, against);
   save(about, recording, player, () => window.replay);
 
@@ -76,6 +77,7 @@ async function start() {
     panel.show(chosen.selected, Math.floor(chosen.tick), chosen);
     program.show(scene.tick);
     timeline.draw();
+    legend.show(scene.tick);
     // It is small: nobody sees its dots move.
     if (!player.playing || now - state.surveyed > 500) {
       state.surveyed = now;
@@ -127,8 +129,9 @@ async function start() {
     element('target').hidden = !scene.target.length;
     text('cloud', ['cloud: faint', 'cloud: solid', 'cloud: off'][scene.clouds]);
     const last = lastAtOrBefore(history.stops, tick);
-    const rows = history.rows.filter(row => row[0] === history.stops[last] && NOTABLE.has(row[1]));
+    const rows = history.rows.filter(row => row[0] === history.stops[last] && history.isNotable(row));
     text('event', rows.length ? `${rows[0][0]}: ${rows.map(row => history.words(row)).join('; ')}` : '');
+    text('beyond', scene.allBeyond());
     if (!player.playing) writeLink({ tick: player.tick, body: scene.selected, view: camera.isFirst ? null : camera.view, embedded: document.body.classList.contains('embed') });
   }
 

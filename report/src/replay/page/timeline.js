@@ -3,12 +3,16 @@
 /** Half of the handle of the slider below [px]. */
 const MARGIN = 8;
 
+/** The height of the part with phases and captures, and of a course above it [px]. */
+const STRIP = 28;
+
 class Timeline {
   /** `jump` is told the tick to which the reader drags. */
   constructor(canvas, history, jump) {
     this.canvas = canvas;
     this.history = history;
     this.drawn = '';
+    canvas.parentNode.classList.toggle('courses', history.groups.course.length > 0);
     const drag = event => {
       if (!event.buttons) return;
       canvas.setPointerCapture(event.pointerId);
@@ -46,10 +50,47 @@ class Timeline {
         pen.fillText(name, at(from) + 2, height - 16);
       }
     });
+    this.courses(pen, at, height - STRIP - 4);
     for (const [tick, kind] of history.rows) {
       if (kind !== 'dock' && kind !== 'free') continue;
       pen.fillStyle = kind === 'dock' ? phaseColour(history.phaseAt(tick)) : THEMES[themeName()].lit;
       pen.fillRect(at(tick) - 1, height - (kind === 'dock' ? 13 : 9), 2, kind === 'dock' ? 13 : 9);
     }
+  }
+  /** The size of the largest group and the number of groups over time, each as high as it ever gets. */
+  courses(pen, at, height) {
+    const { course, largest, most } = this.history.groups;
+    if (!course.length) return;
+    const look = THEMES[themeName()];
+    const lines = [
+      { name: `largest group: ${largest} at most`, top: largest, of: it => it.largest, first: 1, dash: [], colour: look.groups.at(-1) },
+      { name: `groups: ${most} at most`, top: most, of: it => it.count, first: 0, dash: [4, 3], colour: look.ink },
+    ];
+    let x = MARGIN;
+    pen.font = '11px system-ui, sans-serif';
+    pen.lineWidth = 1.5;
+    for (const { name, top, of, first, dash, colour } of lines) {
+      const level = value => height - (value / top) * (height - 16);
+      pen.strokeStyle = colour;
+      pen.setLineDash(dash);
+      pen.beginPath();
+      pen.moveTo(at(0), level(first));
+      let before = first;
+      for (const step of course) {
+        pen.lineTo(at(step.tick), level(before));
+        pen.lineTo(at(step.tick), level((before = of(step))));
+      }
+      pen.lineTo(at(this.history.end), level(before));
+      pen.stroke();
+      // A piece of the line, and what it is.
+      pen.beginPath();
+      pen.moveTo(x, 6);
+      pen.lineTo(x + 18, 6);
+      pen.stroke();
+      pen.fillStyle = look.ink;
+      pen.fillText(name, x + 23, 10);
+      x += 40 + pen.measureText(name).width;
+    }
+    pen.setLineDash([]);
   }
 }

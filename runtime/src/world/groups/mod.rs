@@ -10,7 +10,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::{UnitQuaternion, Vector3};
 
+use super::FreeBond;
 use super::blocks::{Blocks, Motion, Pose};
+use super::bonding::AttractingFace;
 use super::external_forces::Response;
 use rigid_motion::RigidMotion;
 pub(crate) use rigid_motion::lost;
@@ -59,6 +61,29 @@ impl BlockGroups {
         self.groups
             .values()
             .flat_map(|group| group.bonds.iter().copied())
+    }
+
+    /// The bonds as they lie, each with the faces that meet, in rising order.
+    pub fn bonded_faces(&self) -> Vec<FreeBond> {
+        let bonded = |group: &BlockGroup, (a, b): (u32, u32)| {
+            let of = |id: u32| {
+                let at = (group.members).binary_search_by_key(&id, |member| member.id);
+                at.ok().map(|at| group.members[at])
+            };
+            let [first, second] = [of(a.min(b))?, of(a.max(b))?];
+            let face = |from: Member, to: Member| {
+                AttractingFace::<f64>::facing(from.offset, from.turn, to.offset)
+            };
+            Some(FreeBond {
+                bodies: [first.id, second.id],
+                faces: [face(first, second), face(second, first)],
+            })
+        };
+        let mut all: Vec<FreeBond> = (self.groups.values())
+            .flat_map(|group| group.bonds.iter().filter_map(|&bond| bonded(group, bond)))
+            .collect();
+        all.sort_unstable();
+        all
     }
 
     /// Whether two blocks are in one group.

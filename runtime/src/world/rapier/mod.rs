@@ -19,7 +19,7 @@ use stochc_protocol::Orientation;
 
 use super::delegate::delegate;
 use super::stepper::Stepper;
-use super::{Arena, BlockFace, BodyState, Docking, Fault, SceneError, World};
+use super::{Arena, BlockFace, BodyState, Docking, Fault, FreeBond, SceneError, World};
 use crate::settings::Settings;
 
 /// A world of rigid cubes.

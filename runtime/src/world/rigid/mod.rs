@@ -25,7 +25,7 @@ use stochc_protocol::Orientation;
 
 use super::delegate::delegate;
 use super::stepper::Stepper;
-use super::{Arena, BlockFace, BodyState, Docking, Fault, SceneError, World};
+use super::{Arena, BlockFace, BodyState, Docking, Fault, FreeBond, SceneError, World};
 use crate::settings::{Precision, Settings};
 #[cfg(test)]
 pub(super) use bodies::Bodies;

@@ -1,0 +1,153 @@
+// Free blocks that are bonded to each other: which groups there are, and how large.
+
+/** Sizes from which a group has the next colour of the scale. */
+const SIZES = [2, 3, 5, 9, 17];
+
+/** The colour of the blocks of a group of some size, in a theme. */
+const groupColour = (look, size) => look.groups[lastAtOrBefore(SIZES, size)];
+
+/** Blocks in groups, which grow and fall to pieces bond by bond. */
+class Partition {
+  constructor() {
+    /** By block: those that it is bonded to, and the group that it is in. */
+    this.neighbours = new Map();
+    this.of = new Map();
+    this.groups = new Set();
+  }
+
+  size(body) {
+    return this.of.get(body)?.length ?? 1;
+  }
+
+  get largest() {
+    let most = 1;
+    for (const { length } of this.groups) if (length > most) most = length;
+    return most;
+  }
+
+  bond(a, b) {
+    for (const [one, other] of [[a, b], [b, a]]) {
+      if (!this.neighbours.has(one)) this.neighbours.set(one, new Set());
+      this.neighbours.get(one).add(other);
+    }
+    const [first, second] = [this.of.get(a) ?? [a], this.of.get(b) ?? [b]];
+    if (first === second) return;
+    const [few, many] = first.length < second.length ? [first, second] : [second, first];
+    this.groups.delete(few);
+    for (const body of few) many.push(body);
+    for (const body of [...few, a, b]) this.of.set(body, many);
+    this.groups.add(many);
+  }
+
+  unbond(a, b) {
+    this.neighbours.get(a)?.delete(b);
+    this.neighbours.get(b)?.delete(a);
+    const part = this.connected(a);
+    const whole = this.of.get(a);
+    if (!whole || part.length === whole.length) return;
+    const inside = new Set(part);
+    this.groups.delete(whole);
+    for (const piece of [part, whole.filter(body => !inside.has(body))]) {
+      if (piece.length > 1) {
+        this.groups.add(piece);
+        for (const body of piece) this.of.set(body, piece);
+      } else this.of.delete(piece[0]);
+    }
+  }
+
+  /** A block, and all that hang together with it. */
+  connected(first) {
+    const found = [first];
+    const known = new Set(found);
+    for (const body of found) {
+      for (const other of this.neighbours.get(body) ?? []) {
+        if (known.has(other)) continue;
+        known.add(other);
+        found.push(other);
+      }
+    }
+    return found;
+  }
+
+  /** The blocks of every group in rising order, by their lowest number. */
+  list() {
+    const rising = (a, b) => a - b;
+    return [...this.groups].map(group => [...group].sort(rising)).sort((a, b) => a[0] - b[0]);
+  }
+}
+
+class Groups {
+  /** `rows`: all events. */
+  constructor(rows) {
+    /** Bonds, and from when to when they hold. */
+    this.bonds = [];
+    /** How many groups there are, and how large the largest one is, from a tick on. */
+    this.course = [];
+    const held = new Map();
+    const partition = new Partition();
+    for (const [tick, kind, a, b, face, other, size, otherSize] of rows) {
+      if (kind === 'bond') {
+        const bond = { from: tick, to: Infinity, a, b, faces: [face, other], size };
+        held.set(`${a} ${b}`, bond);
+        this.bonds.push(bond);
+        partition.bond(a, b);
+      } else if (kind === 'unbond') {
+        const bond = held.get(`${a} ${b}`);
+        if (bond) Object.assign(bond, { to: tick, left: [size, otherSize] });
+        partition.unbond(a, b);
+      } else continue;
+      if (this.course.at(-1)?.tick === tick) this.course.pop();
+      this.course.push({ tick, count: partition.groups.size, largest: partition.largest });
+    }
+    this.ticks = this.course.map(({ tick }) => tick);
+    /** Of all ticks. */
+    this.largest = this.course.reduce((most, { largest }) => Math.max(most, largest), 1);
+    this.most = this.course.reduce((most, { count }) => Math.max(most, count), 0);
+    this.known = { step: -1, partition: new Partition() };
+  }
+
+  /** The groups at a tick. */
+  at(tick) {
+    // They change only at events.
+    const step = lastAtOrBefore(this.ticks, tick);
+    if (step !== this.known.step) {
+      const partition = new Partition();
+      for (const { from, to, a, b } of this.bonds) if (from <= tick && tick < to) partition.bond(a, b);
+      this.known = { step, partition };
+    }
+    return this.known.partition;
+  }
+
+  /** The bonds that a block has had. */
+  of(body) {
+    return this.bonds.filter(({ a, b }) => a === body || b === body);
+  }
+}
+
+/** The scale of colours and what there is at a tick, in a legend; empty where nothing bonds. */
+class GroupLegend {
+  constructor(element, groups) {
+    this.element = element;
+    this.groups = groups;
+    element.hidden = !groups.bonds.length;
+    if (element.hidden) return;
+    element.append('groups of');
+    SIZES.forEach((from, i) => {
+      if (from > groups.largest) return;
+      const next = SIZES[i + 1];
+      const swatch = part('i');
+      swatch.style.background = `var(--group-${i})`;
+      const words = next === undefined ? `${from} and more` : next === from + 1 ? String(from) : `${from} to ${next - 1}`;
+      element.append(swatch, words);
+    });
+    this.now = part('span');
+    element.append(part('br'), this.now);
+  }
+
+  show(tick) {
+    if (this.element.hidden) return;
+    const { groups, largest } = this.groups.at(tick);
+    const words = groups.size ? `now ${count(groups.size, 'group')}, the largest of ${largest} blocks` : 'now no group';
+    if (this.now.textContent !== words) this.now.textContent = words;
+  }
+}

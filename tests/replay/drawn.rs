@@ -1,0 +1,434 @@
+//! What is drawn around the arena is right at its tick, and from where one looks: the directions, the length, the small view from above,
+//! the statements of the program, and which blocks are in the floor or outside of the shell.
+use std::collections::{BTreeMap, BTreeSet};
+
+use serde_json::Value;
+use stochc::ensemble::recording::Recording;
+use stochc::ir::palette::{DARK, LIGHT, Theme, phase};
+use stochc::ir::table::Tables;
+use stochc::runtime::observe::ObservedEvent;
+use stochc::runtime::world::Body;
+
+use crate::browser::browser;
+use crate::folder::{PROGRAM, Results};
+use crate::page_under_test::Page;
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap()
+}
+
+/// Half of the angle that is seen, up and down \[rad\].
+const HALF: f64 = 0.35;
+
+/// To the right and up, for somebody who looks from some direction and height \[rad\].
+fn basis(azimuth: f64, height: f64) -> [[f64; 3]; 2] {
+    let (sin, cos) = azimuth.sin_cos();
+    let right = [-sin, cos, 0.0];
+    let up = [-height.sin() * cos, -height.sin() * sin, height.cos()];
+    [right, up]
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    (0..3).map(|i| a[i] * b[i]).sum()
+}
+
+/// Arrows point to east, north and up.
+fn check_axes(page: &mut impl Page) {
+    let ways = [
+        ("E", [1.0, 0.0, 0.0]),
+        ("N", [0.0, 1.0, 0.0]),
+        ("up", [0.0, 0.0, 1.0]),
+    ];
+    for (azimuth, height) in [(-0.9, 0.42), (0.4, 0.1), (2.5, 1.2), (-2.2, 0.7)] {
+        let look = format!("replay.look([{azimuth}, {height}, 15, 0, 0, 1])");
+        let drawn = page.drawn("labels", &look);
+        let [right, up] = basis(azimuth, height);
+        for (name, way) in ways {
+            let at = drawn
+                .iter()
+                .position(|it| it[0] == "fillText" && it[2] == name);
+            let at = at.unwrap_or_else(|| panic!("no {name} in {drawn:?}"));
+            // A name stands behind the end of its arrow.
+            let [from, to] = [&drawn[at - 2], &drawn[at - 1]];
+            assert_eq!((&from[0], &to[0]), (&"moveTo".into(), &"lineTo".into()));
+            let arrow = [2, 3].map(|i| number(&to[i]) - number(&from[i]));
+            let expected = [dot(way, right), -dot(way, up)];
+            let long = 26.0;
+            for (arrow, expected) in arrow.iter().zip(expected) {
+                assert!((arrow - long * expected).abs() < 1e-6, "{name}: {arrow}");
+            }
+            let ahead: f64 = (0..2)
+                .map(|i| (number(&drawn[at][3 + i]) - number(&to[2 + i])) * arrow[i])
+                .sum();
+            assert!(ahead >= 0.0, "{name}");
+        }
+    }
+}
+
+/// The bar is as long as so many sides where one looks, and says how long that is.
+fn check_scale(page: &mut impl Page) {
+    let size = page.value("(({ clientWidth, clientHeight }) => [clientWidth, clientHeight])(document.getElementById('arena'))");
+    let mut told = BTreeSet::new();
+    for distance in [6.0, 9.0, 20.0, 45.0, 110.0] {
+        // From the south, at the middle between the seeds A and B, which are two sides apart.
+        let look = format!(
+            "replay.look([{}, 0, {distance}, 0, -1, -0.5])",
+            -std::f64::consts::FRAC_PI_2
+        );
+        let drawn = page.drawn("labels", &look);
+        let at = drawn.iter().position(|it| {
+            it[0] == "fillText" && it[2].as_str().is_some_and(|text| text.contains(" = "))
+        });
+        let at = at.unwrap();
+        let text = drawn[at][2].as_str().unwrap().to_owned();
+        let sides: f64 = text.split(' ').next().unwrap().parse().unwrap();
+        let bar: Vec<f64> = drawn[at - 4..at].iter().map(|it| number(&it[2])).collect();
+        let long = bar[2] - bar[1];
+        let seen = page.value("[replay.screen(-1), replay.screen(-2)].map(({ x }) => x)");
+        let apart = number(&seen[1]) - number(&seen[0]);
+        assert!(
+            (long - sides * apart / 2.0).abs() < 1e-6 * long,
+            "{text}: {long} px, and two sides are {apart}"
+        );
+        // Upright pictures see as much to the sides as square ones.
+        let least = number(&size[0]).min(number(&size[1]));
+        let scale = least / (2.0 * distance * HALF.tan());
+        assert!((long - sides * scale).abs() < 1e-6 * long, "{text}");
+        // A side of the scene is 20 cm.
+        let metres = 0.2 * sides;
+        let words = if metres < 1.0 {
+            format!("{} cm", (100.0 * metres).round())
+        } else {
+            format!("{} m", (1e3 * metres).round() / 1e3)
+        };
+        let noun = if sides == 1.0 { "side" } else { "sides" };
+        assert_eq!(text, format!("{sides} {noun} = {words}"));
+        told.insert(text);
+    }
+    assert!(told.len() >= 4, "{told:?}");
+}
+
+/// What a tick of a recording says of blocks.
+struct Moment {
+    structure: BTreeMap<u32, u32>,
+    pulled: BTreeSet<u32>,
+}
+
+impl Moment {
+    fn of(recording: &Recording, tick: u64) -> Moment {
+        let mut moment = Moment {
+            structure: BTreeMap::new(),
+            pulled: BTreeSet::new(),
+        };
+        let mut phase = 0;
+        let mut pulls: BTreeSet<(u32, Body, stochc::ir::Face)> = BTreeSet::new();
+        for happening in recording.events().iter().filter(|it| it.tick <= tick) {
+            match happening.event {
+                ObservedEvent::Phase(number) => phase = number.0,
+                ObservedEvent::Entered { body, of, face } => drop(pulls.insert((body, of, face))),
+                ObservedEvent::Left { body, of, face } => drop(pulls.remove(&(body, of, face))),
+                ObservedEvent::Captured { body, .. } => {
+                    moment.structure.insert(body, phase);
+                    pulls.retain(|pull| pull.0 != body);
+                }
+                ObservedEvent::Released { body, .. } => drop(moment.structure.remove(&body)),
+                _ => {}
+            }
+        }
+        moment.pulled = pulls.into_iter().map(|(body, ..)| body).collect();
+        moment
+    }
+}
+
+/// From above, north up: every block where it is and in its colour, and from where one looks.
+fn check_overview(page: &mut impl Page, recording: &Recording, tables: &Tables) {
+    let theme: &Theme = match page.value("themeName()").as_str().unwrap() {
+        "dark" => &DARK,
+        _ => &LIGHT,
+    };
+    // Of the scene: 5 m, and a side is 20 cm.
+    let radius = 25.0;
+    let frames: Vec<_> = recording.frames().collect();
+    let mut pulls = 0;
+    for part in [0, 3, 7, 11, 14] {
+        let frame = &frames[(frames.len() - 1) * part / 14];
+        let view = [0.6 + f64::from(part as u32), 0.5, 14.0, 1.0, -2.0, 1.0];
+        let drawn = page.drawn(
+            "overview",
+            &format!("await replay.seek({}); replay.look({view:?})", frame.tick),
+        );
+        let last = drawn
+            .iter()
+            .rposition(|it| it[0] == "arc" && number(&it[4]) > 20.0);
+        let drawn = &drawn[last.unwrap()..];
+        let unit = number(&drawn[0][4]) / radius;
+        let moment = Moment::of(recording, frame.tick);
+        let dots: Vec<([f64; 2], &str)> = (drawn.iter())
+            .filter(|it| it[0] == "fillRect")
+            .map(|it| {
+                let middle = |i: usize| number(&it[i]) + number(&it[i + 2]) / 2.0;
+                (
+                    [middle(2) / unit, -middle(3) / unit],
+                    it[1].as_str().unwrap(),
+                )
+            })
+            .collect();
+        let plate = (tables.plate.width * tables.plate.depth) as usize;
+        assert_eq!(dots.len(), frame.places.len() + plate);
+        for (body, place) in (0..).zip(&frame.places) {
+            let is_pulled = moment.pulled.contains(&body);
+            let colour = match moment.structure.get(&body) {
+                Some(&number) => phase(number as usize),
+                None if is_pulled => theme.lit,
+                None => theme.free,
+            };
+            pulls += usize::from(is_pulled);
+            let there = dots.iter().any(|(dot, shown)| {
+                *shown == colour.to_string() && (0..2).all(|i| (dot[i] - place[i]).abs() < 1e-6)
+            });
+            assert!(
+                there,
+                "block {body} at {} in {colour}: {place:?}",
+                frame.tick
+            );
+        }
+        // The way to the eye begins at what is looked at, and the disc is on it.
+        let [azimuth, height, distance, x, y, _] = view;
+        let flat = distance * height.cos();
+        let eye = [x + flat * azimuth.cos(), y + flat * azimuth.sin()];
+        let from = drawn.iter().find(|it| it[0] == "moveTo").unwrap();
+        let at = [number(&from[2]) / unit, -number(&from[3]) / unit];
+        assert!(
+            (at[0] - x).abs() < 1e-9 && (at[1] - y).abs() < 1e-9,
+            "{at:?}"
+        );
+        let disc = drawn.iter().rfind(|it| it[0] == "arc").unwrap();
+        let disc = [number(&disc[2]) / unit, -number(&disc[3]) / unit];
+        for axis in 0..2 {
+            assert!(
+                (disc[axis] - eye[axis]).abs() < 1e-6,
+                "{disc:?} for {eye:?}"
+            );
+        }
+        let north = drawn.iter().find(|it| it[0] == "fillText").unwrap();
+        assert_eq!(north[2], "N");
+        assert!(number(&north[4]) < -unit * radius);
+    }
+    assert!(pulls > 0, "the test needs a block that is pulled");
+}
+
+/// From when an event of the graph is under way, and when it happens.
+type Deed = (u64, Option<u64>);
+
+/// The deeds of a recording, by the events of the graph of a page.
+fn deeds(recording: &Recording, tables: &Tables, graph: &Value) -> BTreeMap<u64, Deed> {
+    let mut known: BTreeMap<String, Vec<u64>> = BTreeMap::new();
+    for (number, phase) in graph["phases"].as_array().unwrap().iter().enumerate() {
+        for event in phase["events"].as_array().unwrap() {
+            let text = |key: &str| event[key].as_str().unwrap_or("");
+            let what = format!(
+                "{number} {} {} {} {}",
+                text("kind"),
+                text("parent"),
+                text("face"),
+                text("block")
+            );
+            known
+                .entry(what)
+                .or_default()
+                .push(event["id"].as_u64().unwrap());
+        }
+    }
+    let mut next = |what: String| {
+        known
+            .get_mut(&what)
+            .filter(|ids| !ids.is_empty())
+            .map(|ids| ids.remove(0))
+    };
+    let name = |role: stochc::ir::table::RoleId| &tables.roles[role.0 as usize].name;
+    let face = |face: stochc::ir::Face| {
+        serde_json::to_value(face)
+            .unwrap()
+            .as_str()
+            .unwrap()
+            .to_owned()
+    };
+    let mut deeds = BTreeMap::new();
+    let mut open = BTreeMap::new();
+    let mut phase = 0;
+    for happening in recording.events() {
+        let tick = happening.tick;
+        match happening.event {
+            ObservedEvent::Phase(number) => phase = number.0,
+            ObservedEvent::Magnetized {
+                body,
+                by,
+                face: which,
+                child,
+                ..
+            } => {
+                let what = format!(
+                    "{phase} capture {} {} {}",
+                    name(by),
+                    face(which),
+                    name(child)
+                );
+                if let Some(id) = next(what) {
+                    deeds.insert(id, (tick, None));
+                    open.insert((body, which), id);
+                }
+            }
+            ObservedEvent::Captured { on, face, .. } => {
+                if let Some(id) = open.remove(&(on, face)) {
+                    deeds.get_mut(&id).unwrap().1 = Some(tick);
+                }
+            }
+            ObservedEvent::Released { role, .. } => {
+                if let Some(id) = next(format!("{phase} release   {}", name(role))) {
+                    deeds.insert(id, (tick, Some(tick)));
+                }
+            }
+            _ => {}
+        }
+    }
+    deeds
+}
+
+/// The statements at work have a frame, and those that are done a line.
+fn check_statements(page: &mut impl Page, recording: &Recording, tables: &Tables) {
+    let about = page.value("(({ graph, text }) => ({ graph, text }))(JSON.parse(document.getElementById('about').textContent))");
+    let deeds = deeds(recording, tables, &about["graph"]);
+    let statements: Vec<Vec<u64>> = (about["text"].as_array().unwrap().iter())
+        .flat_map(|file| file["pieces"].as_array().unwrap())
+        .map(|piece| {
+            piece["events"]
+                .as_array()
+                .unwrap()
+                .iter()
+                .map(|id| id.as_u64().unwrap())
+                .collect()
+        })
+        .collect();
+    let mut ticks: Vec<u64> = deeds
+        .values()
+        .flat_map(|&(from, done)| [Some(from), done])
+        .flatten()
+        .collect();
+    ticks.sort_unstable();
+    ticks.dedup();
+    let mut seen = BTreeMap::new();
+    let around: Vec<u64> = ticks
+        .iter()
+        .flat_map(|&tick| [tick.saturating_sub(1), tick])
+        .collect();
+    for &tick in around.iter().step_by(around.len().div_ceil(24)) {
+        let shown = page.value(&format!(
+            "replay.seek({tick}).then(() => [...document.querySelectorAll('#program pre > span')].map(piece => piece.className))"
+        ));
+        let expected: Vec<&str> = (statements.iter())
+            .map(|events| {
+                let begun: Vec<&Deed> = (events.iter().filter_map(|id| deeds.get(id)))
+                    .filter(|deed| deed.0 <= tick)
+                    .collect();
+                let happened = begun
+                    .iter()
+                    .filter(|deed| deed.1.is_some_and(|done| done <= tick))
+                    .count();
+                match happened {
+                    _ if happened < begun.len() => "under-way",
+                    _ if !events.is_empty() && happened == events.len() => "done",
+                    _ => "",
+                }
+            })
+            .collect();
+        assert_eq!(shown, serde_json::json!(expected), "at {tick}");
+        for state in expected {
+            *seen.entry(state).or_insert(0) += 1;
+        }
+    }
+    assert!(
+        ["", "under-way", "done"]
+            .iter()
+            .all(|state| seen.get(state) > Some(&3)),
+        "{seen:?}"
+    );
+}
+
+/// Blocks in the floor and outside of the shell are counted, and each says why it is there.
+fn check_beyond(page: &mut impl Page, recording: &Recording) {
+    let frames: Vec<_> = recording.frames().collect();
+    let mut kinds = [0, 0];
+    for part in [1, 4, 8, 12, 14] {
+        let frame = &frames[(frames.len() - 1) * part / 14];
+        let reach = |place: &[f64; 7]| {
+            let [.., x, y, z, w] = *place;
+            // The vertical in the block's own directions.
+            let own = [
+                2.0 * (x * z - w * y),
+                2.0 * (y * z + w * x),
+                1.0 - 2.0 * (x * x + y * y),
+            ];
+            own.iter().map(|part| part.abs() / 2.0).sum::<f64>()
+        };
+        let sunk = |place: &&[f64; 7]| reach(place) - place[2] >= 0.05;
+        let out = |place: &&[f64; 7]| place[..3].iter().map(|x| x * x).sum::<f64>().sqrt() >= 24.5;
+        let counts = [
+            frame.places.iter().filter(sunk).count(),
+            frame.places.iter().filter(out).count(),
+        ];
+        let told: Vec<String> = (counts
+            .iter()
+            .zip(["into the floor", "outside of the shell"]))
+        .filter(|(count, _)| **count > 0)
+        .map(|(count, words)| format!("{count} {words}"))
+        .collect();
+        let said = page.value(&format!(
+            "replay.seek({}).then(() => document.getElementById('beyond').textContent)",
+            frame.tick
+        ));
+        let expected = match told.is_empty() {
+            true => String::new(),
+            false => format!(
+                "now some blocks reach {}: click one to see why",
+                told.join(", and ")
+            ),
+        };
+        assert_eq!(said, expected, "at {}", frame.tick);
+        for (kind, word) in ["into the floor", "outside of the shell"]
+            .iter()
+            .enumerate()
+        {
+            let is_so = |place: &&[f64; 7]| if kind == 0 { sunk(place) } else { out(place) };
+            let Some(body) = frame.places.iter().position(|place| is_so(&place)) else {
+                continue;
+            };
+            let why = page.value(&format!(
+                "(replay.select({body}), replay.settled().then(() => document.getElementById('block').textContent))"
+            ));
+            assert!(why.as_str().unwrap().contains(word), "{why}");
+            kinds[kind] += 1;
+        }
+    }
+    assert!(kinds.iter().all(|kind| *kind > 0), "{kinds:?}");
+    page.value("replay.select(null)");
+}
+
+/// All that is drawn around the arena, of a run of [`PROGRAM`].
+pub fn check_all(page: &mut impl Page, results: &Results) {
+    let (recording, tables) = (results.recording(0), results.tables());
+    page.open(&results.page(0), "");
+    check_axes(page);
+    check_scale(page);
+    check_overview(page, &recording, &tables);
+    check_statements(page, &recording, &tables);
+    check_beyond(page, &recording);
+}
+
+#[test]
+fn what_is_around_the_arena_is_right_at_its_tick() {
+    let Some(mut browser) = browser(&[]) else {
+        return;
+    };
+    check_all(&mut browser, &Results::of(PROGRAM, "--record 0"));
+    assert_eq!(browser.complaints, [""; 0]);
+}
