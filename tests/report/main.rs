@@ -4,7 +4,9 @@
     reason = "the tests read what the command has written"
 )]
 mod command;
+mod figures;
 mod hostile;
+mod layout;
 mod numbers;
 mod page;
 mod sample;

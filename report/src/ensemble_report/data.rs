@@ -1,9 +1,11 @@
 //! The figures as tables of comma-separated values, for other programs.
+use stochc_ensemble::resampling::Ratio;
 use stochc_ensemble::statistics::{KaplanMeier, Observation, Test};
 use stochc_ensemble::sweep::Sweep;
 use stochc_ensemble::{PairwiseResult, PairwiseTest, Time, TimeUnit};
 use stochc_files::csv::CsvTable;
 
+use crate::analysis::maps::{AGES, Maps, SliceMap};
 use crate::analysis::subject::{FinishedRun, ReportedProgram};
 use crate::analysis::waits::ReportedCapture;
 
@@ -18,7 +20,7 @@ pub(super) type File = (String, String);
 pub const CHAINS: &str = "chains.csv";
 
 /// The names of the tables that a report has.
-pub(super) fn names(differences: bool, sweeps: bool) -> Vec<&'static str> {
+pub(super) fn names(differences: bool, sweeps: bool, maps: &[Option<Maps>]) -> Vec<&'static str> {
     let always = [
         "survival.csv",
         "means.csv",
@@ -26,7 +28,13 @@ pub(super) fn names(differences: bool, sweeps: bool) -> Vec<&'static str> {
         "origins.csv",
         CHAINS,
     ];
-    let sometimes = [("differences.csv", differences), ("sweeps.csv", sweeps)];
+    let maps = maps.iter().flatten().any(|maps| maps.runs > 0);
+    let sometimes = [
+        ("differences.csv", differences),
+        ("sweeps.csv", sweeps),
+        ("maps.csv", maps),
+        ("faces.csv", maps),
+    ];
     let sometimes = sometimes.into_iter().filter(|(_, there)| *there);
     let sometimes = sometimes.map(|(name, _)| name);
     always.into_iter().chain(sometimes).collect()
@@ -38,6 +46,7 @@ pub(super) fn files(
     waits: &[Vec<ReportedCapture>],
     pairwise_tests: &[PairwiseTest],
     sweeps: &[Sweep],
+    maps: &[Option<Maps>],
     clock: TimeUnit,
 ) -> Vec<File> {
     let mut tables = vec![
@@ -52,7 +61,11 @@ pub(super) fn files(
     if !sweeps.is_empty() {
         tables.push(swept(sweeps));
     }
-    let mut names = names(!pairwise_tests.is_empty(), !sweeps.is_empty());
+    if maps.iter().flatten().any(|maps| maps.runs > 0) {
+        tables.push(mapped(subjects, maps));
+        tables.push(faces(subjects, maps));
+    }
+    let mut names = names(!pairwise_tests.is_empty(), !sweeps.is_empty(), maps);
     names.retain(|name| *name != CHAINS);
     names.into_iter().map(str::to_owned).zip(tables).collect()
 }
@@ -292,6 +305,68 @@ fn swept(sweeps: &[Sweep]) -> String {
                 maybe(point.released),
                 maybe(point.time_per_capture),
             ]);
+        }
+    }
+    table.finish()
+}
+
+/// What is known of a ratio, in cells: its value and the ends of its interval.
+fn ratio(ratio: &Ratio) -> [String; 3] {
+    let interval = ratio.interval;
+    [
+        ratio.value.to_string(),
+        maybe(interval.map(|interval| interval.0)),
+        maybe(interval.map(|interval| interval.1)),
+    ]
+}
+
+/// Every place of every map.
+fn mapped(subjects: &[ReportedProgram], maps: &[Option<Maps>]) -> String {
+    let mut table = CsvTable::new([
+        "program", "map", "slice", "at", "east", "up", "value", "low", "high",
+    ]);
+    for (subject, maps) in subjects.iter().zip(maps) {
+        let Some(maps) = maps else { continue };
+        let mut add = |what: &str, map: &SliceMap| {
+            for ((east, up), known) in &map.places {
+                let place = [
+                    subject.label.clone(),
+                    what.to_owned(),
+                    map.slice.name().to_owned(),
+                    map.slice.at().to_string(),
+                    east.to_string(),
+                    up.to_string(),
+                ];
+                table.row(place.into_iter().chain(ratio(known)));
+            }
+        };
+        for (age, slices) in AGES.iter().zip(&maps.before) {
+            let what = format!("before {age}");
+            slices.iter().for_each(|map| add(&what, map));
+        }
+        let free = maps.occupation.iter().flatten();
+        free.for_each(|map| add("free", map));
+        let entries = maps.entries.iter().flatten();
+        entries.for_each(|map| add("entries", map));
+    }
+    table.finish()
+}
+
+/// Every face that waited.
+fn faces(subjects: &[ReportedProgram], maps: &[Option<Maps>]) -> String {
+    let mut table = CsvTable::new([
+        "program", "capture", "x", "y", "z", "entries", "low", "high",
+    ]);
+    for (subject, maps) in subjects.iter().zip(maps) {
+        for face in maps.iter().flat_map(|maps| &maps.faces) {
+            let place = [
+                subject.label.clone(),
+                face.text.clone(),
+                face.cell.x.to_string(),
+                face.cell.y.to_string(),
+                face.cell.z.to_string(),
+            ];
+            table.row(place.into_iter().chain(ratio(&face.rate)));
         }
     }
     table.finish()

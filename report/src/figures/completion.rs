@@ -3,7 +3,7 @@ use stochc_ensemble::statistics::Observation;
 use stochc_ensemble::{JournalError, Manifest, Records, TimeUnit, completion_time};
 
 use super::{SurvivalCurve, survival};
-use crate::svg::{Colours, Drawing};
+use crate::svg::{Axis, Colours, Drawing, Medium};
 
 /// Curves of its programs, in the unit that they share; `None`: nothing has completed or been stopped, or the ensemble is
 /// a sweep, of which [`super::sweep`] has pictures.
@@ -11,6 +11,7 @@ use crate::svg::{Colours, Drawing};
 /// # Errors
 /// Where the runs cannot be read again.
 pub fn completion(
+    medium: Medium,
     manifest: &Manifest,
     finished: &Records,
 ) -> Result<Option<Drawing>, JournalError> {
@@ -32,9 +33,10 @@ pub fn completion(
         });
         curves[done.program].times.extend(time);
     })?;
-    let axis = format!("time [{}]", clock.unit());
+    let axis = Axis::new("time", clock.unit());
     let title = "Runs that are not complete yet, over time";
     Ok(survival(
+        medium,
         "survival",
         title,
         &curves,

@@ -9,7 +9,7 @@ use crate::analysis::subject::ReportedProgram;
 use crate::ensemble_report::html::{Html, HtmlCell, code, name};
 use crate::figures as picture;
 use crate::figures::SurvivalCurve;
-use crate::svg::{Colours, Drawing};
+use crate::svg::{Axis, Colours, Drawing};
 use crate::text::{method, probability};
 
 pub(super) fn completion(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawing>) {
@@ -22,11 +22,12 @@ pub(super) fn completion(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawi
         })
         .collect();
     let axis = match tick(parts) {
-        Some(tick) => format!("time [{}]", tick.unit()),
-        None => format!("time [{unit}]"),
+        Some(tick) => Axis::new("time", &tick.unit()),
+        None => Axis::new("time", unit),
     };
     let title = "Runs that are not complete yet, over time";
-    let figure = picture::survival("survival", title, &curves, &axis, Colours::Compared);
+    let figure =
+        |medium| picture::survival(medium, "survival", title, &curves, &axis, Colours::Compared);
     let caption = "The estimate of Kaplan and Meier; bands are pointwise 95 % intervals (up to four \
                    curves), <code>|</code> a run that was stopped before it completed. At risk are the runs that still \
                    go on at a tick of the axis.";
@@ -40,7 +41,7 @@ pub(super) fn completion(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawi
     if times.len() > 1 {
         let caption = "Dots are means, lines their 95 % intervals; ≥ a lower bound, because runs \
                        were stopped before they completed.";
-        let figure = picture::means(&times, unit);
+        let figure = |medium| picture::means(medium, &times, unit);
         show(parts, out, drawings, figure, caption, &["means.csv"]);
     }
     let rows: Vec<Vec<HtmlCell>> = (parts.subjects.iter())

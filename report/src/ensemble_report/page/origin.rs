@@ -167,9 +167,13 @@ pub(super) fn methods(parts: &Parts, out: &mut Html, drawings: &[Drawing]) {
     let folder = &parts.surroundings.folder;
     let mut names: Vec<String> = drawings
         .iter()
-        .map(|it| format!("{}.svg", it.name))
+        .flat_map(|it| parts.surroundings.figures.names(it))
         .collect();
-    let tables = data::names(!parts.pairwise_tests.is_empty(), !parts.sweeps.is_empty());
+    let tables = data::names(
+        !parts.pairwise_tests.is_empty(),
+        !parts.sweeps.is_empty(),
+        parts.maps,
+    );
     names.extend(tables.into_iter().map(str::to_owned));
     let links: Vec<String> = names.iter().map(|file| link(folder, file)).collect();
     out.paragraph(&format!(

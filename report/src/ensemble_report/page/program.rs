@@ -4,6 +4,7 @@ use stochc_ensemble::text::{escaped, number, percent};
 use stochc_files::shell;
 
 use super::common::{coefficient, figure, figures, mean_cell, show};
+use super::maps::maps;
 use super::{Parts, ROWS};
 use crate::analysis::subject::ReportedProgram;
 use crate::analysis::waits::ReportedCapture;
@@ -11,7 +12,7 @@ use crate::ensemble_report::html::{Html, HtmlCell, code, command, name};
 use crate::ensemble_report::narrative::{Telling, heading, lead, story};
 use crate::figures as picture;
 use crate::figures::SurvivalCurve;
-use crate::svg::{Colours, Drawing};
+use crate::svg::{Axis, Colours, Drawing};
 
 pub(super) fn program(parts: &Parts, index: usize, out: &mut Html, drawings: &mut Vec<Drawing>) {
     let (subject, waits) = (&parts.subjects[index], &parts.waits[index]);
@@ -27,7 +28,7 @@ pub(super) fn program(parts: &Parts, index: usize, out: &mut Html, drawings: &mu
         &format!("waits-of-{n}"),
         "Which capture is the bottleneck",
     );
-    let figure = picture::waits(n, subject, waits);
+    let figure = |medium| picture::waits(medium, n, subject, waits);
     let caption = "From the magnetizing of a face to the docking of a block. Dots are means, thick \
                    lines their 95 % intervals, thin lines hold the middle 80 % of the runs; ≥ where \
                    a run was stopped while it waited. Captures stand in the order of the dependency \
@@ -43,15 +44,30 @@ pub(super) fn program(parts: &Parts, index: usize, out: &mut Html, drawings: &mu
     );
     captures(subject, waits, out);
     origins(parts, index, out, drawings);
-    let figure = picture::entries(n, subject, waits);
-    if figure.is_some() {
-        out.heading(3, &format!("entries-of-{n}"), "Arriving and docking");
-        let caption = "Discs are captures at their means, coloured by phase, and dots single ones; \
-                       the six that were waited for longest have names. To the right many blocks \
-                       come before one is caught; above, the last one takes long to dock.";
-        show(parts, out, drawings, figure, caption, &["waits.csv"]);
-    }
+    entries(parts, index, out, drawings);
+    maps(parts, index, out, drawings);
     runs(parts, n, subject, out);
+}
+
+/// The section on how often blocks come, and how long the last one takes; none without physics.
+fn entries(parts: &Parts, index: usize, out: &mut Html, drawings: &mut Vec<Drawing>) {
+    let n = index + 1;
+    let figure = |medium| picture::entries(medium, n, &parts.subjects[index], &parts.waits[index]);
+    let mut section = Html::default();
+    section.heading(3, &format!("entries-of-{n}"), "Arriving and docking");
+    let caption = "Discs are captures at their means, coloured by phase, and dots single ones; \
+                   the six that were waited for longest have names. To the right many blocks \
+                   come before one is caught; above, the last one takes long to dock.";
+    if show(
+        parts,
+        &mut section,
+        drawings,
+        figure,
+        caption,
+        &["waits.csv"],
+    ) {
+        out.raw(&section.finish());
+    }
 }
 
 pub(super) fn phases(
@@ -72,14 +88,10 @@ pub(super) fn phases(
         .collect();
     if phases.len() > 1 {
         let title = format!("{}: phases that are not complete yet", subject.label);
-        let axis = format!("time since the phase began [{}]", subject.tick().unit());
-        let figure = picture::survival(
-            &format!("phases-{n}"),
-            &title,
-            &curves,
-            &axis,
-            Colours::Phases,
-        );
+        let axis = Axis::new("time since the phase began", &subject.tick().unit());
+        let file = format!("phases-{n}");
+        let figure =
+            |medium| picture::survival(medium, &file, &title, &curves, &axis, Colours::Phases);
         let caption = "Each phase from its own beginning, of the runs that reached it.";
         show(parts, out, drawings, figure, caption, &["survival.csv"]);
     }
@@ -192,7 +204,7 @@ pub(super) fn origins(parts: &Parts, index: usize, out: &mut Html, drawings: &mu
         percent(released as f64 / total as f64)
     ));
     let label = &subject.label;
-    let figure = picture::origins(index + 1, label, subject.program, waits);
+    let figure = |medium| picture::origins(medium, index + 1, label, subject.program, waits);
     let caption = "Captures that ever took a released block, and the role that it had held last.";
     show(parts, out, drawings, figure, caption, &["origins.csv"]);
 }
