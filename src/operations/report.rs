@@ -184,14 +184,17 @@ impl Beside {
 /// this one does not have go.
 fn keep(page: &Path, beside: &Beside, report: &Report, chains: Draft) -> io::Result<()> {
     let Beside { folder, earlier } = beside;
-    chains.keep()?;
+    if report.has_chains {
+        chains.keep()?;
+    }
     for entry in std::fs::read_dir(folder)? {
         let entry = entry?;
         let name = entry.file_name();
         let extension = Path::new(&name).extension();
         let is_figure =
             extension.is_some_and(|it| ["svg", "pdf", "csv"].iter().any(|one| it == *one));
-        let stays = name == CHAINS || report.files.iter().any(|(file, _)| name == file.as_str());
+        let stays = (report.has_chains && name == CHAINS)
+            || report.files.iter().any(|(file, _)| name == file.as_str());
         // What the earlier page does not speak of is somebody else's.
         let address = format!("/{}\"", name.to_string_lossy());
         if is_figure && !stays && atomic::holds(&earlier[..], address.as_bytes())? {

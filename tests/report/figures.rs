@@ -87,42 +87,70 @@ fn every_figure_can_be_pdf() {
     assert_eq!(pages, 5);
 }
 
+/// A sweep over a number and others, whose times follow a power of the first.
+fn swept_over(numbers: &[(&str, &[f64])], power: f64) -> Sweep {
+    let mut all: Vec<Vec<f64>> = vec![Vec::new()];
+    for (_, values) in numbers {
+        let before = std::mem::take(&mut all);
+        for point in before {
+            all.extend(values.iter().map(|&value| [&point[..], &[value]].concat()));
+        }
+    }
+    let points = all.into_iter().map(|point| {
+        let mean = 1000.0 * point[0].powf(power);
+        let times = [0.9, 1.0, 1.1].map(|share| Observation {
+            time: share * mean,
+            completed: true,
+        });
+        SweepPoint {
+            name: format!("line {point:?}"),
+            program: "line".into(),
+            values: point
+                .iter()
+                .map(|&value| SweptValue { value, si: value })
+                .collect(),
+            tick: 0.02,
+            runs: 3,
+            completed: 3,
+            stopped: 0,
+            failed: 0,
+            share: Some(1.0),
+            share_interval: Some((0.44, 1.0)),
+            time: Time::of(&times),
+            captures: 3,
+            released: None,
+            time_per_capture: Some(mean),
+        }
+    });
+    let axis = |name: &str| SweptNumber {
+        of: name.into(),
+        unit: "N".into(),
+    };
+    Sweep {
+        axes: numbers.iter().map(|(name, _)| axis(name)).collect(),
+        unit: "ticks",
+        points: points.collect(),
+    }
+}
+
+fn swept(values: &[f64], power: f64) -> Sweep {
+    swept_over(&[("bond.pull", values)], power)
+}
+
+#[test]
+fn maps_of_two_numbers_find_room() {
+    let values: Vec<f64> = (0..12).map(|i| 1.5 + 1000.0 * f64::from(i)).collect();
+    let sweep = swept_over(&[("bond.pull", &values), ("bond.reach", &values)], 1.0);
+    for medium in MEDIA {
+        let drawings = figures::sweep(medium, &sweep, "sweep");
+        assert_eq!(drawings.len(), 1);
+        check("sweep", &drawings[0].file(), medium);
+    }
+}
+
 /// What follows a power of a number is a line: both axes are logarithmic where both span more than a factor of ten.
 #[test]
 fn powers_are_drawn_as_lines() {
-    let sweep = |values: &[f64], power: f64| {
-        let points = values.iter().map(|&value| {
-            let mean = 1000.0 * value.powf(power);
-            let times = [0.9, 1.0, 1.1].map(|share| Observation {
-                time: share * mean,
-                completed: true,
-            });
-            SweepPoint {
-                name: format!("line [bond.pull={value} N]"),
-                program: "line".into(),
-                values: vec![SweptValue { value, si: value }],
-                tick: 0.02,
-                runs: 3,
-                completed: 3,
-                stopped: 0,
-                failed: 0,
-                share: Some(1.0),
-                share_interval: Some((0.44, 1.0)),
-                time: Time::of(&times),
-                captures: 3,
-                released: None,
-                time_per_capture: Some(mean),
-            }
-        });
-        Sweep {
-            axes: vec![SweptNumber {
-                of: "bond.pull".into(),
-                unit: "N".into(),
-            }],
-            unit: "ticks",
-            points: points.collect(),
-        }
-    };
     let axes = |sweep: &Sweep, medium| -> Vec<bool> {
         let drawings = figures::sweep(medium, sweep, "sweep");
         let svg = drawings[0].file();
@@ -136,9 +164,9 @@ fn powers_are_drawn_as_lines() {
         .collect()
     };
     for medium in MEDIA {
-        assert_eq!(axes(&sweep(&[1.0, 5.0, 30.0], -2.0), medium), [true, true]);
-        assert_eq!(axes(&sweep(&[1.0, 5.0, 30.0], 0.1), medium), [true, false]);
-        assert_eq!(axes(&sweep(&[1.0, 2.0, 8.0], -2.0), medium), [false, false]);
+        assert_eq!(axes(&swept(&[1.0, 5.0, 30.0], -2.0), medium), [true, true]);
+        assert_eq!(axes(&swept(&[1.0, 5.0, 30.0], 0.1), medium), [true, false]);
+        assert_eq!(axes(&swept(&[1.0, 2.0, 8.0], -2.0), medium), [false, false]);
     }
 }
 

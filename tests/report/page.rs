@@ -249,6 +249,22 @@ fn sentences_link_to_their_ticks() {
     };
     let report = report(&[input], &surroundings, &mut Vec::new()).unwrap();
     let document = parsed(&report.page);
+    let headings = document
+        .descendants()
+        .filter(|node| node.has_tag_name("h4"));
+    let mut ends = 0;
+    for heading in headings {
+        let link = heading.descendants().find(|node| node.has_tag_name("a"));
+        let link = link.unwrap();
+        let tick = link.text().unwrap().replace(',', "");
+        let address = link.attribute("href").unwrap();
+        assert!(
+            address.ends_with(&format!(".html#tick={tick}")),
+            "{address}"
+        );
+        ends += 1;
+    }
+    assert_eq!(ends, 3);
     let told = document.descendants().filter(|node| {
         node.has_tag_name("li")
             && node

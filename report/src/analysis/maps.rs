@@ -471,8 +471,10 @@ impl MapPlaces {
         let counts = &mut before[wanted.age];
         counts.of += 1.0;
         let mut add = |slice: usize, up: f64, aside: f64| {
-            if aside.abs() <= HALF_SLICE {
-                counts.add((slice, x.round() as i32, up.round() as i32), 1.0);
+            let (x, up) = (x.round() as i32, up.round() as i32);
+            let is_shown = [x, up].iter().all(|at| (-REACH..=REACH).contains(at));
+            if is_shown && aside.abs() <= HALF_SLICE {
+                counts.add((slice, x, up), 1.0);
             }
         };
         add(0, y, z);

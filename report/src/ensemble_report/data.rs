@@ -19,25 +19,30 @@ pub(super) type File = (String, String);
 /// The table of what decided each run.
 pub const CHAINS: &str = "chains.csv";
 
-/// The names of the tables that a report has.
-pub(super) fn names(differences: bool, sweeps: bool, maps: &[Option<Maps>]) -> Vec<&'static str> {
-    let always = [
-        "survival.csv",
-        "means.csv",
-        "waits.csv",
-        "origins.csv",
-        CHAINS,
-    ];
+/// The names of the tables that a report has: none that would have no row.
+pub(super) fn names(
+    subjects: &[ReportedProgram],
+    differences: bool,
+    sweeps: bool,
+    maps: &[Option<Maps>],
+) -> Vec<&'static str> {
+    let captures = subjects.is_empty() || !subjects.iter().all(ReportedProgram::is_aggregate);
+    let sizes = subjects.iter().any(ReportedProgram::is_aggregate);
     let maps = maps.iter().flatten().any(|maps| maps.runs > 0);
-    let sometimes = [
+    let all = [
+        ("survival.csv", true),
+        ("means.csv", true),
+        ("waits.csv", captures),
+        ("origins.csv", captures),
+        (CHAINS, captures),
+        ("sizes.csv", sizes),
         ("differences.csv", differences),
         ("sweeps.csv", sweeps),
         ("maps.csv", maps),
         ("faces.csv", maps),
     ];
-    let sometimes = sometimes.into_iter().filter(|(_, there)| *there);
-    let sometimes = sometimes.map(|(name, _)| name);
-    always.into_iter().chain(sometimes).collect()
+    let there = all.into_iter().filter(|(_, there)| *there);
+    there.map(|(name, _)| name).collect()
 }
 
 /// All tables of a report but for [`CHAINS`], in the order of [`names`].
@@ -49,25 +54,52 @@ pub(super) fn files(
     maps: &[Option<Maps>],
     clock: TimeUnit,
 ) -> Vec<File> {
-    let mut tables = vec![
-        survival(subjects),
-        means(subjects),
-        captures(subjects, waits),
-        origins(subjects, waits),
-    ];
-    if !pairwise_tests.is_empty() {
-        tables.push(differences(subjects, pairwise_tests, clock));
+    let names = names(
+        subjects,
+        !pairwise_tests.is_empty(),
+        !sweeps.is_empty(),
+        maps,
+    );
+    let table = |name: &str| match name {
+        "survival.csv" => survival(subjects),
+        "means.csv" => means(subjects),
+        "waits.csv" => captures(subjects, waits),
+        "origins.csv" => origins(subjects, waits),
+        "sizes.csv" => sizes(subjects),
+        "differences.csv" => differences(subjects, pairwise_tests, clock),
+        "sweeps.csv" => swept(sweeps),
+        "maps.csv" => mapped(subjects, maps),
+        _ => faces(subjects, maps),
+    };
+    let kept = names.into_iter().filter(|name| *name != CHAINS);
+    kept.map(|name| (name.to_owned(), table(name))).collect()
+}
+
+/// How the largest groups of aggregates grow: the share of runs without one of each size yet.
+fn sizes(subjects: &[ReportedProgram]) -> String {
+    let mut table = CsvTable::new([
+        "program", "size", "ticks", "at_risk", "reached", "without", "low", "high",
+    ]);
+    for subject in subjects.iter().filter(|subject| subject.is_aggregate()) {
+        for (number, phase) in subject.program.phases().iter().enumerate() {
+            let Some(estimate) = KaplanMeier::of(&subject.size_times(number)) else {
+                continue;
+            };
+            for point in estimate.curve() {
+                table.row([
+                    subject.label.clone(),
+                    phase.name.clone(),
+                    point.time.to_string(),
+                    point.at_risk.to_string(),
+                    point.completed.to_string(),
+                    point.incomplete.to_string(),
+                    maybe(point.interval.map(|interval| interval.0)),
+                    maybe(point.interval.map(|interval| interval.1)),
+                ]);
+            }
+        }
     }
-    if !sweeps.is_empty() {
-        tables.push(swept(sweeps));
-    }
-    if maps.iter().flatten().any(|maps| maps.runs > 0) {
-        tables.push(mapped(subjects, maps));
-        tables.push(faces(subjects, maps));
-    }
-    let mut names = names(!pairwise_tests.is_empty(), !sweeps.is_empty(), maps);
-    names.retain(|name| *name != CHAINS);
-    names.into_iter().map(str::to_owned).zip(tables).collect()
+    table.finish()
 }
 
 fn survival(subjects: &[ReportedProgram]) -> String {

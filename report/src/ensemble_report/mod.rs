@@ -13,6 +13,7 @@ use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
 use stochc_ensemble::TimeUnit;
 
 use crate::analysis::maps::Maps;
+use crate::analysis::subject::ReportedProgram;
 use crate::analysis::{self, pairwise, subject, sweep, waits};
 use crate::svg::Drawing;
 
@@ -31,6 +32,8 @@ pub struct Report {
     pub page: String,
     /// Figures and their data (CSV) but for [`CHAINS`], by the name of the file.
     pub files: Vec<(String, Vec<u8>)>,
+    /// Whether [`CHAINS`] belongs to it: where nothing is captured, it would have no row.
+    pub has_chains: bool,
 }
 
 /// A form of the figures beside a page.
@@ -155,5 +158,10 @@ pub fn report(
         );
     }
     files.sort();
-    Ok(Report { page, files })
+    let has_chains = subjects.is_empty() || !subjects.iter().all(ReportedProgram::is_aggregate);
+    Ok(Report {
+        page,
+        files,
+        has_chains,
+    })
 }

@@ -2,7 +2,7 @@
 use stochc_ensemble::statistics::Observation;
 use stochc_ensemble::{JournalError, Manifest, Records, TimeUnit, completion_time};
 
-use super::{SurvivalCurve, survival};
+use super::{SurvivalCurve, incomplete, survival};
 use crate::svg::{Axis, Colours, Drawing, Medium};
 
 /// Curves of its programs, in the unit that they share; `None`: nothing has completed or been stopped, or the ensemble is
@@ -40,7 +40,7 @@ pub fn completion(
         "survival",
         title,
         &curves,
-        &axis,
+        (&axis, &incomplete()),
         Colours::Compared,
     ))
 }

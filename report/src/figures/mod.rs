@@ -14,7 +14,7 @@ pub(crate) use entries::entries;
 pub(crate) use maps::{MapColumn, maps};
 pub(crate) use means::means;
 pub(crate) use origins::origins;
-pub(crate) use survival::{SurvivalCurve, survival};
+pub(crate) use survival::{SurvivalCurve, incomplete, survival};
 pub(crate) use waits::{SHOWN, waits};
 
 pub use crate::svg::{Drawing, Medium};

@@ -14,14 +14,19 @@ pub(crate) struct SurvivalCurve {
     pub times: Vec<Observation>,
 }
 
+/// What the vertical axis of most shows.
+pub(crate) fn incomplete() -> Axis {
+    Axis::new("runs not complete yet", "%")
+}
+
 /// The estimates of Kaplan and Meier with their intervals; marks where runs were stopped, and below how many still go on at the
-/// ticks of the axis.
+/// ticks of the axis. `axis` is that of the times, and `of` that of the shares.
 pub(crate) fn survival(
     medium: Medium,
     name: &str,
     title: &str,
     curves: &[SurvivalCurve],
-    axis: &Axis,
+    (axis, of): (&Axis, &Axis),
     colours: Colours,
 ) -> Option<Drawing> {
     const RISK: &str = "at risk";
@@ -44,7 +49,6 @@ pub(crate) fn survival(
     let most = width(&most.unwrap_or(0).to_string());
     let left = (EDGE + width(RISK) + 8.0 + most / 2.0).max(58.0);
     let right = medium.width() - 18.0;
-    let of = Axis::new("runs not complete yet", "%");
     let share = (0.0, 1.0);
     let top = out.head(&of.label());
     let bottom = top + plot_height(right - left);
@@ -52,7 +56,7 @@ pub(crate) fn survival(
     let y = Scale::linear(share, (bottom, top));
     let mut foot = out.across(&x, (left, right), bottom, top, axis);
     let percent = |share: f64| format!("{:.0}", 100.0 * share);
-    out.upward(&y, (bottom, top), left, right, &of, percent);
+    out.upward(&y, (bottom, top), left, right, of, percent);
     for (i, _, estimate) in known.iter().filter(|_| known.len() <= BANDS) {
         // After the last completion nothing is known, or nothing is left.
         let points: Vec<_> = (thinned(estimate, &x).iter())

@@ -5,11 +5,12 @@ use stochc_files::shell;
 
 use super::common::{coefficient, figure, figures, mean_cell, show};
 use super::maps::maps;
+use super::origin::{first_of_text, text_id};
 use super::{Parts, ROWS};
 use crate::analysis::subject::ReportedProgram;
 use crate::analysis::waits::ReportedCapture;
 use crate::ensemble_report::html::{Html, HtmlCell, code, command, name};
-use crate::ensemble_report::narrative::{Telling, heading, lead, story};
+use crate::ensemble_report::narrative::{Telling, heading, lead, sizes as sizes_of, story};
 use crate::figures as picture;
 use crate::figures::SurvivalCurve;
 use crate::svg::{Axis, Colours, Drawing};
@@ -20,6 +21,12 @@ pub(super) fn program(parts: &Parts, index: usize, out: &mut Html, drawings: &mu
     out.heading(2, &format!("program-{n}"), &name(&subject.label));
     if subject.runs == 0 {
         out.paragraph("No run of it is finished.");
+        return;
+    }
+    out.paragraph(&text_link(parts, subject));
+    if subject.is_aggregate() {
+        sizes(parts, n, subject, out, drawings);
+        runs(parts, n, subject, out);
         return;
     }
     phases(parts, n, subject, out, drawings);
@@ -70,6 +77,76 @@ fn entries(parts: &Parts, index: usize, out: &mut Html, drawings: &mut Vec<Drawi
     }
 }
 
+/// How the largest group of an aggregate grows.
+fn sizes(
+    parts: &Parts,
+    n: usize,
+    subject: &ReportedProgram,
+    out: &mut Html,
+    drawings: &mut Vec<Drawing>,
+) {
+    out.heading(3, &format!("sizes-of-{n}"), "How its largest group grows");
+    let phases = subject.program.phases();
+    let curves: Vec<SurvivalCurve> = (phases.iter().enumerate())
+        .map(|(number, phase)| SurvivalCurve {
+            name: format!("{} blocks", phase.name),
+            times: subject.size_times(number),
+        })
+        .collect();
+    let title = format!("{}: runs without a group of each size yet", subject.label);
+    let axis = Axis::new("time", &subject.tick().unit());
+    let without = Axis::new("runs without a group of so many blocks yet", "%");
+    let file = format!("sizes-{n}");
+    let figure = |medium| {
+        picture::survival(
+            medium,
+            &file,
+            &title,
+            &curves,
+            (&axis, &without),
+            Colours::Phases,
+        )
+    };
+    let caption = "From the beginning of each run to the first group of so many blocks.";
+    show(parts, out, drawings, figure, caption, &["sizes.csv"]);
+    let rows = curves.iter().map(|curve| {
+        let time = Time::of(&curve.times);
+        let mut row = vec![HtmlCell::Marked(name(&curve.name))];
+        let count = |completed: bool| {
+            let times = curve.times.iter();
+            let count = times.filter(|time| time.completed == completed).count();
+            HtmlCell::Number(count.to_string())
+        };
+        row.extend([count(true), count(false)]);
+        row.extend(figures(time.as_ref(), Some(subject.tick())));
+        row
+    });
+    let rows: Vec<_> = rows.take(ROWS).collect();
+    let header = [
+        "a group of",
+        "reached",
+        "stopped",
+        "mean",
+        "median",
+        "SD",
+        "CV",
+        "min",
+        "max",
+    ];
+    let caption = "Times from the beginning in ticks, and below in seconds";
+    out.table(caption, &header, &rows);
+}
+
+/// Where the text of a program is on the page.
+fn text_link(parts: &Parts, subject: &ReportedProgram) -> String {
+    let programs = &parts.inputs[subject.folder].manifest.programs;
+    let first = first_of_text(programs, subject.number);
+    format!(
+        "<a href=\"#{}\">Its text and its scene</a>",
+        text_id(subject.folder, first)
+    )
+}
+
 pub(super) fn phases(
     parts: &Parts,
     n: usize,
@@ -89,9 +166,18 @@ pub(super) fn phases(
     if phases.len() > 1 {
         let title = format!("{}: phases that are not complete yet", subject.label);
         let axis = Axis::new("time since the phase began", &subject.tick().unit());
+        let incomplete = picture::incomplete();
         let file = format!("phases-{n}");
-        let figure =
-            |medium| picture::survival(medium, &file, &title, &curves, &axis, Colours::Phases);
+        let figure = |medium| {
+            picture::survival(
+                medium,
+                &file,
+                &title,
+                &curves,
+                (&axis, &incomplete),
+                Colours::Phases,
+            )
+        };
         let caption = "Each phase from its own beginning, of the runs that reached it.";
         show(parts, out, drawings, figure, caption, &["survival.csv"]);
     }
@@ -210,12 +296,19 @@ pub(super) fn origins(parts: &Parts, index: usize, out: &mut Html, drawings: &mu
 }
 
 pub(super) fn runs(parts: &Parts, n: usize, subject: &ReportedProgram, out: &mut Html) {
-    out.heading(3, &format!("runs-of-{n}"), "What decided single runs");
-    out.note(
-        "Told from the chain of waits that met end to end: every other wait of the run was over \
+    let is_aggregate = subject.is_aggregate();
+    let title = if is_aggregate {
+        "Single runs"
+    } else {
+        "What decided single runs"
+    };
+    out.heading(3, &format!("runs-of-{n}"), title);
+    let note = "Told from the chain of waits that met end to end: every other wait of the run was over \
          before it mattered. Shares are of the whole run; a captured block had never been captured \
-         before unless it is said.",
-    );
+         before unless it is said.";
+    if !is_aggregate {
+        out.note(note);
+    }
     let path = &parts.inputs[subject.folder].path;
     for (what, run) in subject.told() {
         let number = run.record.run;
@@ -229,7 +322,13 @@ pub(super) fn runs(parts: &Parts, n: usize, subject: &ReportedProgram, out: &mut
         if let Some(lead) = lead(&telling, run) {
             out.paragraph(&lead);
         }
-        out.list("ol", &story(&telling, run));
+        let story = match is_aggregate {
+            true => sizes_of(&telling, run),
+            false => story(&telling, run),
+        };
+        if !story.is_empty() {
+            out.list("ol", &story);
+        }
         match telling.replay {
             Some(address) => out.paragraph(&format!(
                 "<a href=\"{}\">Watch run {number}</a>",
