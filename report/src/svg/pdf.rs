@@ -8,6 +8,7 @@ use pdf_writer::types::{
     CidFontType, FontFlags, LineCapStyle, SystemInfo, TextRenderingMode, UnicodeCmap,
 };
 use pdf_writer::{Content, Filter, Finish as _, Name, Pdf, Rect, Ref, Str, TextStr};
+use stochc_files::checksum::crc32;
 use stochc_ir::palette::Rgb;
 use subsetter::GlyphRemapper;
 
@@ -24,8 +25,6 @@ const CODES: SystemInfo = SystemInfo {
     supplement: 0,
 };
 const FONT_NAME: Name = Name(b"F");
-/// Six letters for what is left of a font, and its name.
-const BASE_FONT: Name = Name(b"STOCHC+LiberationSans");
 
 /// What can be seen through, in thousandths: areas and lines.
 type Opacity = (u32, u32);
@@ -225,6 +224,22 @@ impl Page {
         codes
     }
 
+    /// The name of what is left of the font: six letters that differ where other glyphs are left, so that nobody who puts
+    /// several figures into one document takes one for another.
+    fn base_font(&self) -> String {
+        let glyphs = self
+            .signs
+            .values()
+            .flat_map(|(glyph, _)| glyph.to_be_bytes());
+        let mut digest = crc32(&glyphs.collect::<Vec<u8>>());
+        let letters = (0..6).map(|_| {
+            let letter = char::from(b'A' + (digest % 26) as u8);
+            digest /= 26;
+            letter
+        });
+        format!("{}+LiberationSans", letters.collect::<String>())
+    }
+
     fn finish(self, width: f64, title: &str) -> io::Result<Vec<u8>> {
         let [
             catalog,
@@ -238,6 +253,8 @@ impl Page {
             data,
             unicode,
         ] = std::array::from_fn(|i| Ref::new(i as i32 + 1));
+        let base_font = self.base_font();
+        let base_font = Name(base_font.as_bytes());
         let mut pdf = Pdf::new();
         pdf.catalog(catalog).pages(pages).lang(TextStr("en"));
         pdf.document_info(info)
@@ -269,14 +286,14 @@ impl Page {
         // 1000 is the height of type.
         let scale = 1000.0 / f32::from(FACE.units_per_em());
         pdf.type0_font(font)
-            .base_font(BASE_FONT)
+            .base_font(base_font)
             .encoding_predefined(Name(b"Identity-H"))
             .descendant_font(cid)
             .to_unicode(unicode);
         let mut descendant = pdf.cid_font(cid);
         descendant
             .subtype(CidFontType::Type2)
-            .base_font(BASE_FONT)
+            .base_font(base_font)
             .system_info(CODES)
             .font_descriptor(descriptor)
             .default_width(0.0)
@@ -291,7 +308,7 @@ impl Page {
         let bounds = FACE.global_bounding_box();
         let end = |end: i16| scale * f32::from(end);
         pdf.font_descriptor(descriptor)
-            .name(BASE_FONT)
+            .name(base_font)
             .flags(FontFlags::NON_SYMBOLIC)
             .bbox(Rect::new(
                 end(bounds.x_min),
@@ -356,6 +373,13 @@ mod tests {
         assert!(text.starts_with("%PDF-1."));
         assert!(text.contains("/MediaBox [0 0 252.28346 140]"), "{text}");
         assert!(text.contains("/FontFile2") && text.contains("/ToUnicode"));
+        out.text("ink", (10.0, 40.0), "another sign: q");
+        let name = |file: &[u8]| {
+            let text = String::from_utf8_lossy(file).into_owned();
+            let end = text.find("+LiberationSans").unwrap();
+            text[end - 6..end].to_owned()
+        };
+        assert_ne!(name(&file), name(&out.pdf().unwrap()));
         // Of 2,600 glyphs few are left.
         assert!(file.len() < 20_000, "{}", file.len());
     }

@@ -1,6 +1,9 @@
 //! Where blocks are over the runs of a program: before they were captured, near the structure, and at faces that wait.
 //!
 //! All of it are ratios of sums over runs, in cubes of the lattice, with intervals by a bootstrap over runs.
+mod held;
+mod tally;
+
 use std::collections::BTreeMap;
 use std::io::{self, BufReader, Read};
 
@@ -8,10 +11,13 @@ use stochc_ensemble::recording::{Places, RecordingError, each_places};
 use stochc_ensemble::resampling::{Ratio, Replicates, weights};
 use stochc_ensemble::{Finished, JournalError};
 use stochc_ir::Cell;
+use stochc_ir::graph::EventAction;
 use stochc_ir::record::RunRecord;
 use stochc_ir::table::Tables;
 use stochc_runtime::Model;
 
+use self::held::{Held, Wanted, wanted};
+use self::tally::{Counts, Tally};
 use super::subject::{Input, ReportedProgram};
 
 /// How long before its capture a block is looked for \[ticks\].
@@ -111,50 +117,6 @@ pub(crate) struct Maps {
     pub faces: Vec<FaceEntries>,
 }
 
-/// What a run adds to a sum over runs: counts by place, and what they are held against.
-#[derive(Clone, Debug, Default)]
-struct Counts<K> {
-    by: BTreeMap<K, f64>,
-    of: f64,
-}
-
-impl<K: Ord> Counts<K> {
-    fn add(&mut self, place: K, much: f64) {
-        *self.by.entry(place).or_default() += much;
-    }
-}
-
-/// Sums over runs, in each of the bootstrap's samples.
-struct Tally<K> {
-    by: BTreeMap<K, Replicates>,
-    of: Replicates,
-}
-
-impl<K: Ord + Copy> Tally<K> {
-    fn new() -> Tally<K> {
-        Tally {
-            by: BTreeMap::new(),
-            of: Replicates::default(),
-        }
-    }
-
-    fn add(&mut self, counts: Counts<K>, weights: &[u8]) {
-        for (place, much) in counts.by {
-            self.by.entry(place).or_default().add(much, weights);
-        }
-        self.of.add(counts.of, weights);
-    }
-
-    /// Counts over what they are held against and `volume`.
-    fn ratio(&self, place: K, volume: f64) -> Option<Ratio> {
-        match self.by.get(&place) {
-            Some(counts) => counts.over(&self.of, volume),
-            // Nowhere seen is 0 in each sample.
-            None => Replicates::default().over(&self.of, volume),
-        }
-    }
-}
-
 /// A place in a slice of some number.
 type SlicePlace = (usize, i32, i32);
 
@@ -182,9 +144,10 @@ pub(crate) fn maps(
         subject.manifest.settings.model,
         Model::Shuffle | Model::Rate
     );
-    let Some(place) = MapPlaces::of(subject).filter(|_| !is_still) else {
+    if is_still || subject.program.captures() == 0 {
         return Ok(None);
-    };
+    }
+    let mut first = None;
     let mut maps = Maps::default();
     let mut before: [Tally<SlicePlace>; 3] = std::array::from_fn(|_| Tally::new());
     let mut occupation = Tally::new();
@@ -199,6 +162,7 @@ pub(crate) fn maps(
         let Some(known) = input.finished.get(program, run)? else {
             continue;
         };
+        let place = first.get_or_insert_with(|| MapPlaces::of(subject));
         // Nothing of a run counts before its recording has been read as far as its end.
         match file
             .map_err(RecordingError::from)
@@ -220,9 +184,9 @@ pub(crate) fn maps(
             Err(error) => maps.left_out.push((run, error.to_string())),
         }
     }
-    if maps.runs == 0 {
+    let Some(place) = first.filter(|_| maps.runs > 0) else {
         return Ok(Some(maps));
-    }
+    };
     let around = ((-REACH, REACH), (-REACH, REACH));
     for tally in &before {
         let slices = [Slice::Horizontal(0), Slice::Vertical(0)];
@@ -293,41 +257,43 @@ struct MapPlaces {
 }
 
 impl MapPlaces {
-    fn of(subject: &ReportedProgram) -> Option<MapPlaces> {
+    fn of(subject: &ReportedProgram) -> MapPlaces {
         let tables = subject.program.tables();
-        let graph = &subject.program.compiled.graph;
-        let mut captures = BTreeMap::new();
-        for event in &graph.events {
-            if let (
-                stochc_ir::graph::EventAction::Capture {
-                    parent,
-                    face,
-                    child,
-                },
-                Some(cell),
-            ) = (event.action, event.cell)
-            {
-                let text = event
-                    .action
-                    .describe(|role| subject.program.role(role).to_owned());
-                captures.insert((parent.0, face as usize, child.0), (cell, text));
-            }
-        }
-        let captured: Vec<Cell> = captures.values().map(|(cell, _)| *cell).collect();
+        let events = &subject.program.compiled.graph.events;
+        let captured = events.iter().filter_map(|event| match event.action {
+            EventAction::Capture {
+                parent,
+                face,
+                child,
+            } => Some((
+                (parent.0, face as usize, child.0),
+                event.action,
+                event.cell?,
+            )),
+            EventAction::Release { .. } => None,
+        });
+        let captured: Vec<(Capture, EventAction, Cell)> = captured.collect();
+        let named = captured
+            .iter()
+            .take_while(|_| captured.len() <= MOST_CAPTURES);
+        let captures = named.map(|(capture, action, cell)| {
+            let text = action.describe(|role| subject.program.role(role).to_owned());
+            (*capture, (*cell, text))
+        });
+        let captures = captures.collect();
+        let captured: Vec<Cell> = captured.iter().map(|(.., cell)| *cell).collect();
         let most = |of: fn(&Cell) -> i32| {
             let mut counts: BTreeMap<i32, usize> = BTreeMap::new();
-            captured
-                .iter()
-                .for_each(|cell| *counts.entry(of(cell)).or_default() += 1);
+            for cell in &captured {
+                *counts.entry(of(cell)).or_default() += 1;
+            }
             // Of equally many the lowest.
-            let most = counts
-                .into_iter()
-                .max_by_key(|&(at, n)| (n, std::cmp::Reverse(at)));
-            most.map(|(at, _)| at)
+            let most = (counts.into_iter()).max_by_key(|&(at, n)| (n, std::cmp::Reverse(at)));
+            most.map_or(0, |(at, _)| at)
         };
         let slices = [
-            Slice::Horizontal(most(|cell| cell.z)?),
-            Slice::Vertical(most(|cell| cell.y)?),
+            Slice::Horizontal(most(|cell| cell.z)),
+            Slice::Vertical(most(|cell| cell.y)),
         ];
         let mut cells = plate(tables);
         cells.extend(&captured);
@@ -347,13 +313,13 @@ impl MapPlaces {
         // Below the ground is nothing.
         let z = range(|cell| cell.z, 1);
         let across = |blocks: u32| (f64::from(blocks) - 1.0) / 2.0;
-        Some(MapPlaces {
+        MapPlaces {
             slices,
             ends: [(x, y), (x, z)],
             cells,
             captures,
             corner: [across(tables.plate.width), across(tables.plate.depth), 0.5],
-        })
+        }
     }
 
     /// Places of the structure in a slice.
@@ -402,7 +368,7 @@ impl MapPlaces {
 
     fn faces(&self, record: &RunRecord) -> BTreeMap<Capture, (f64, f64)> {
         let mut faces: BTreeMap<Capture, (f64, f64)> = BTreeMap::new();
-        if self.captures.len() > MOST_CAPTURES {
+        if self.captures.is_empty() {
             return faces;
         }
         let bonds = record.bonds.iter().map(|it| {
@@ -491,69 +457,4 @@ fn plate(tables: &Tables) -> Vec<Cell> {
     cells
         .map(|(x, y)| Cell::new(x as i32, y as i32, 0))
         .collect()
-}
-
-/// When each block is part of the structure.
-struct Held {
-    /// By block: from docking to release, in the order of time.
-    stretches: BTreeMap<u32, Vec<(u64, u64)>>,
-}
-
-impl Held {
-    fn of(record: &RunRecord) -> Held {
-        let mut stretches: BTreeMap<u32, Vec<(u64, u64)>> = BTreeMap::new();
-        for bond in &record.bonds {
-            let all = stretches.entry(bond.body).or_default();
-            all.push((bond.docked, u64::MAX));
-        }
-        for release in &record.releases {
-            let all = stretches.entry(release.body).or_default();
-            let open = all
-                .iter_mut()
-                .find(|(docked, end)| *docked <= release.tick && *end == u64::MAX);
-            if let Some((_, end)) = open {
-                *end = release.tick;
-            }
-        }
-        Held { stretches }
-    }
-
-    fn is_held(&self, body: u32, tick: u64) -> bool {
-        let all = self.stretches.get(&body);
-        all.is_some_and(|all| all.iter().any(|(from, to)| (*from..*to).contains(&tick)))
-    }
-}
-
-/// A place that is looked up.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Wanted {
-    tick: u64,
-    /// A number of [`AGES`].
-    age: usize,
-    body: u32,
-    /// Where it will be captured.
-    cell: Cell,
-}
-
-/// All places to look up, the first last: those of blocks that were free then.
-fn wanted(record: &RunRecord, held: &Held) -> Vec<Wanted> {
-    let mut wanted = Vec::new();
-    for bond in &record.bonds {
-        for (age, ago) in AGES.iter().enumerate() {
-            let Some(tick) = bond.docked.checked_sub(*ago) else {
-                continue;
-            };
-            if !held.is_held(bond.body, tick) {
-                let (body, cell) = (bond.body, bond.cell);
-                wanted.push(Wanted {
-                    tick,
-                    age,
-                    body,
-                    cell,
-                });
-            }
-        }
-    }
-    wanted.sort_by_key(|it| std::cmp::Reverse(it.tick));
-    wanted
 }
