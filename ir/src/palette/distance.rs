@@ -188,18 +188,24 @@ fn lines_and_words_of_a_figure_stand_out() {
     }
 }
 
-/// Equal steps of an amount are about equal steps of lightness, whatever cones somebody has.
+/// More is lighter with any sight, and equal steps of an amount are about equal steps of lightness with all cones.
 #[test]
 fn more_is_lighter_with_any_sight() {
     const STEPS: usize = 64;
     for (sight, matrix) in &SIGHTS {
         let lightness = |i: usize| lab(sequential(i as f64 / STEPS as f64), matrix)[0];
-        let steps = (0..STEPS).map(|i| lightness(i + 1) - lightness(i));
-        let steps: Vec<f64> = steps.collect();
-        let mean = steps.iter().sum::<f64>() / STEPS as f64;
-        assert!(mean * STEPS as f64 > 60.0, "{sight}: {mean}");
+        let steps: Vec<f64> = (0..STEPS)
+            .map(|i| lightness(i + 1) - lightness(i))
+            .collect();
+        let all: f64 = steps.iter().sum();
+        assert!(all > 60.0, "{sight}: {all}");
+        // What is left of a colour may lie outside of what a screen shows, and is cut there.
+        let least = match *sight {
+            "normal sight" => 0.5 * all / STEPS as f64,
+            _ => 0.0,
+        };
         for (i, step) in steps.iter().enumerate() {
-            assert!(*step > 0.3 * mean, "{sight}, step {i}: {step} of {mean}");
+            assert!(*step > least, "{sight}, step {i}: {step}");
         }
     }
     assert_eq!(sequential(f64::NAN), sequential(0.0));
