@@ -15,7 +15,7 @@ use stochc::ensemble::{
 };
 use stochc::ir::Json;
 use stochc::ir::emit::{graph_dot, graph_json, graph_text, table_json, table_text};
-use stochc::report::ensemble_report::{Input, ReportLocation, report};
+use stochc::report::ensemble_report::{Figures, Input, ReportLocation, report};
 use stochc_grammar::to_json;
 use stochc_runtime::{Model, Settings};
 
@@ -194,7 +194,9 @@ fn of_ensemble(runs: u64) -> usize {
         }];
         let surroundings = ReportLocation {
             folder: "figures",
+            figures: &Figures::default(),
             replay: &|_, _, _| None,
+            recordings: &|_, _, _| None,
         };
         let made = report(&inputs, &surroundings, &mut sink());
         assert!(made.unwrap().page.contains("line"));

@@ -1,4 +1,8 @@
 //! What a trade says of settings that were made up: numbers, order, choice, text and picture.
+#[path = "report/layout.rs"]
+#[allow(dead_code, reason = "shared with the tests of reports")]
+mod layout;
+
 use stochc::ensemble::EnsembleProgram;
 use stochc::ensemble::statistics::Relative;
 use stochc::ensemble::trade::{
@@ -144,7 +148,10 @@ fn wrong_conclusions_are_told_with_and_without_colour() {
 
 #[test]
 fn the_picture_marks_what_is_reversed() {
-    let picture = figures::trade(&trade()).file();
+    for medium in layout::MEDIA {
+        layout::check("trade", &figures::trade(medium, &trade()).file(), medium);
+    }
+    let picture = figures::trade(figures::Medium::Screen, &trade()).file();
     let picture = roxmltree::Document::parse(&picture).unwrap();
     let of = |class: &str| {
         let nodes = picture.descendants();

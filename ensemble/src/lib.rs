@@ -54,6 +54,7 @@ mod plausible;
 mod progress;
 pub mod recording;
 mod records;
+pub mod resampling;
 mod run;
 mod seal;
 pub mod shards;

@@ -17,7 +17,8 @@ use stochc::operations::ensemble::{Making, can_record, make, tell_of_doubts};
 use stochc::operations::results::{read, told};
 use stochc::operations::runs::{made_again, try_out_all};
 use stochc::operations::{export, replay, report as pages, shard as pieces, sweep};
-use stochc::report::figures;
+use stochc::report::ensemble_report::Figures;
+use stochc::report::figures::{self, Medium};
 
 use super::call::call;
 use super::host::Caller;
@@ -198,7 +199,7 @@ pub fn open(py: Python<'_>, folder: PathBuf) -> PyResult<PythonEnsemble> {
 #[pyfunction]
 pub fn report(py: Python<'_>, folders: Vec<PathBuf>, out: Option<PathBuf>) -> PyResult<PathBuf> {
     call(py, None, move |host| {
-        pages::write(&folders, out.as_deref(), host)
+        pages::write(&folders, out.as_deref(), &Figures::default(), host)
     })
 }
 
@@ -373,9 +374,9 @@ impl PythonEnsemble {
     fn pictures(&self, py: Python<'_>) -> PyResult<Vec<(String, String, String)>> {
         self.ask(py, |inner, finished, _| {
             let drawings = match told(&inner.manifest, finished, false)?.sweep {
-                Some(sweep) => figures::sweep(&sweep, "sweep"),
+                Some(sweep) => figures::sweep(Medium::Screen, &sweep, "sweep"),
                 None => {
-                    let drawing = figures::completion(&inner.manifest, finished);
+                    let drawing = figures::completion(Medium::Screen, &inner.manifest, finished);
                     drawing.map_err(Failure::usage)?.into_iter().collect()
                 }
             };

@@ -9,7 +9,7 @@ use stochc_ensemble::{EnsembleProgram, Manifest, completion_time};
 use stochc_files::atomic::Replaces;
 use stochc_files::budget::TIMES;
 use stochc_files::read_file;
-use stochc_report::figures::fit as fit_figure;
+use stochc_report::figures::{Medium, fit as fit_figure};
 use stochc_report::tables::fit_to_text;
 use stochc_runtime::{Settings, Substeps};
 
@@ -318,7 +318,7 @@ fn json(fit: &Fit) -> String {
 fn keep(out: &Path, fit: &Fit, priors: &[Prior]) -> Result<(), Failure> {
     let files = [
         ("fit.json", json(fit)),
-        ("fit.svg", fit_figure(fit, priors).file()),
+        ("fit.svg", fit_figure(Medium::Screen, fit, priors).file()),
     ];
     for (name, text) in files {
         let path = out.join(name);

@@ -2,12 +2,12 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use stochc_ensemble::Manifest;
+use stochc_ensemble::{Manifest, recording};
 use stochc_files::atomic::{self, Draft, Replaces, begins_with};
-use stochc_files::{budget, read_file};
+use stochc_files::{budget, open, read_file};
 use stochc_ir::visible;
 use stochc_report::ensemble_report::{
-    CHAINS, Input, MARK, Report, ReportError, ReportLocation, address, report,
+    CHAINS, Figures, Input, MARK, Report, ReportError, ReportLocation, address, report,
 };
 
 use super::results::read as read_folder;
@@ -21,7 +21,12 @@ const PAGE: &str = "report.html";
 ///
 /// # Errors
 /// If a folder cannot be read, or something else stands where the page is to be.
-pub fn write(folders: &[PathBuf], out: Option<&Path>, host: &dyn Host) -> Result<PathBuf, Failure> {
+pub fn write(
+    folders: &[PathBuf],
+    out: Option<&Path>,
+    figures: &Figures,
+    host: &dyn Host,
+) -> Result<PathBuf, Failure> {
     let folders = read(folders, host)?;
     let page = match (out, &folders[..]) {
         (Some(out), _) => out.to_owned(),
@@ -37,10 +42,21 @@ pub fn write(folders: &[PathBuf], out: Option<&Path>, host: &dyn Host) -> Result
         .to_string_lossy();
     let surroundings = ReportLocation {
         folder: &name,
+        figures,
         replay: &|folder, program, run| {
             let (path, input) = &folders[folder];
             let names = replay_names(&input.manifest, program, run);
             replay(&page, path, folders.len() == 1, &names)
+        },
+        recordings: &|folder, program, run| {
+            let path = recording::path(&folders[folder].0, program, run);
+            match open(&path) {
+                Err(error) if error.kind() == io::ErrorKind::NotFound => None,
+                opened => Some(opened.and_then(|file| {
+                    budget::RECORDING.admits(file.metadata()?.len())?;
+                    Ok(Box::new(file) as Box<dyn io::Read>)
+                })),
+            }
         },
     };
     let refuse =
@@ -168,13 +184,17 @@ impl Beside {
 /// this one does not have go.
 fn keep(page: &Path, beside: &Beside, report: &Report, chains: Draft) -> io::Result<()> {
     let Beside { folder, earlier } = beside;
-    chains.keep()?;
+    if report.has_chains {
+        chains.keep()?;
+    }
     for entry in std::fs::read_dir(folder)? {
         let entry = entry?;
         let name = entry.file_name();
         let extension = Path::new(&name).extension();
-        let is_figure = extension.is_some_and(|it| it == "svg" || it == "csv");
-        let stays = name == CHAINS || report.files.iter().any(|(file, _)| name == file.as_str());
+        let is_figure =
+            extension.is_some_and(|it| ["svg", "pdf", "csv"].iter().any(|one| it == *one));
+        let stays = (report.has_chains && name == CHAINS)
+            || report.files.iter().any(|(file, _)| name == file.as_str());
         // What the earlier page does not speak of is somebody else's.
         let address = format!("/{}\"", name.to_string_lossy());
         if is_figure && !stays && atomic::holds(&earlier[..], address.as_bytes())? {
@@ -182,7 +202,7 @@ fn keep(page: &Path, beside: &Beside, report: &Report, chains: Draft) -> io::Res
         }
     }
     for (name, content) in &report.files {
-        atomic::replace(&folder.join(name), content.as_bytes(), Replaces::Ordinary)?;
+        atomic::replace(&folder.join(name), content, Replaces::Ordinary)?;
     }
     let ours = Replaces::Ours(|file| begins_with(file, MARK.as_bytes()));
     atomic::replace(page, report.page.as_bytes(), ours)

@@ -7,7 +7,7 @@ use stochc_ensemble::sweep::{Axis, MOST_POINTS, Sweep, points as combine};
 use stochc_ensemble::{Compiled, EnsembleProgram, JournalError, MOST_RUNS, Manifest, Records};
 use stochc_ir::Executable;
 use stochc_ir::visible;
-use stochc_report::figures::sweep as pictures;
+use stochc_report::figures::{Medium, sweep as pictures};
 
 use super::programs::{recompile, verdict};
 use crate::exit::Failure;
@@ -140,7 +140,7 @@ pub fn files(
         ("sweep.json".to_owned(), sweep.to_json(manifest)),
         ("sweep.csv".to_owned(), sweep.to_csv()),
     ];
-    let pictures = pictures(&sweep, "sweep").into_iter();
+    let pictures = pictures(Medium::Screen, &sweep, "sweep").into_iter();
     files.extend(pictures.map(|drawing| (format!("{}.svg", drawing.name), drawing.file())));
     Ok(files)
 }

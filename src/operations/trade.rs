@@ -5,7 +5,7 @@ use stochc_compiler::cost::estimate;
 use stochc_ensemble::trade::{Estimate, MEMORY, Memory, Progress, Setup, Trade, measure};
 use stochc_ensemble::{EnsembleProgram, FolderError, JournalError};
 use stochc_files::atomic::{self, Replaces};
-use stochc_report::figures::trade as trade_figure;
+use stochc_report::figures::{Medium, trade as trade_figure};
 use stochc_runtime::world::SceneError;
 
 use super::estimate::planned;
@@ -122,7 +122,7 @@ pub fn claim(out: &Path, resume: bool) -> Result<(), String> {
 fn write(out: &Path, trade: &Trade) -> std::io::Result<()> {
     let files = [
         ("trade.json", trade.to_json()),
-        ("trade.svg", trade_figure(trade).file()),
+        ("trade.svg", trade_figure(Medium::Screen, trade).file()),
     ];
     let mut files = files.iter();
     files.try_for_each(|(name, text)| {

@@ -2,7 +2,9 @@
 use std::fs;
 
 use serde_json::Value;
+use stochc::report::figures::Medium;
 
+use crate::layout;
 use crate::stochc::{path, stochc_with};
 
 /// Two programs in a small scene with so many free blocks.
@@ -83,7 +85,7 @@ fn a_number_is_found_again_and_what_was_held_out_is_predicted() {
     let [low, high] = [0, 1].map(|i| two["mean_interval"][i].as_f64().unwrap());
     assert!(low < mean && mean < high, "{low} .. {high}, {mean}");
     let picture = fs::read_to_string(path(folder.path(), "out/fit.svg")).unwrap();
-    roxmltree::Document::parse(&picture).unwrap();
+    layout::check("fit", &picture, Medium::Screen);
     // The same again to the letter, but not into the same folder.
     let again = stochc_with("fit --quiet --runs 16 --points 10", &options[..7]);
     assert_eq!((again.status, &again.out), (0, &said.out));

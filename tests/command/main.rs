@@ -19,6 +19,9 @@ mod hostile;
 mod interrupted;
 #[cfg(unix)]
 mod kinds;
+#[path = "../report/layout.rs"]
+#[allow(dead_code, reason = "shared with the tests of reports")]
+mod layout;
 mod levels;
 mod manifest;
 mod manual;

@@ -3,8 +3,12 @@
     clippy::disallowed_methods,
     reason = "the tests read what the command has written"
 )]
+mod aggregates;
 mod command;
+mod figures;
 mod hostile;
+mod layout;
+mod maps;
 mod numbers;
 mod page;
 mod sample;

@@ -1,7 +1,7 @@
 //! The page as a reader gets it.
 use std::collections::HashSet;
 
-use stochc::report::ensemble_report::{ReportError, ReportLocation, report};
+use stochc::report::ensemble_report::{Figures, ReportError, ReportLocation, report};
 
 use crate::sample::{five, parsed, told};
 use crate::stochc::{path, stochc_with};
@@ -74,6 +74,7 @@ fn every_picture_is_well_formed_and_told_in_words() {
         if !name.ends_with(".svg") {
             continue;
         }
+        let content = std::str::from_utf8(content).unwrap();
         pictures += 1;
         let document = parsed(content);
         let root = document.root_element();
@@ -242,10 +243,28 @@ fn sentences_link_to_their_ticks() {
     let input = five(0.2);
     let surroundings = ReportLocation {
         folder: "report-figures",
+        figures: &Figures::default(),
         replay: &|_, _, run| Some(format!("replay-{run}.html")),
+        recordings: &|_, _, _| None,
     };
     let report = report(&[input], &surroundings, &mut Vec::new()).unwrap();
     let document = parsed(&report.page);
+    let headings = document
+        .descendants()
+        .filter(|node| node.has_tag_name("h4"));
+    let mut ends = 0;
+    for heading in headings {
+        let link = heading.descendants().find(|node| node.has_tag_name("a"));
+        let link = link.unwrap();
+        let tick = link.text().unwrap().replace(',', "");
+        let address = link.attribute("href").unwrap();
+        assert!(
+            address.ends_with(&format!(".html#tick={tick}")),
+            "{address}"
+        );
+        ends += 1;
+    }
+    assert_eq!(ends, 3);
     let told = document.descendants().filter(|node| {
         node.has_tag_name("li")
             && node

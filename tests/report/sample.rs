@@ -9,7 +9,7 @@ use stochc::ir::record::{
 };
 use stochc::ir::table::{PhaseId, RoleId};
 use stochc::ir::{Cell, Executable, Face};
-use stochc::report::ensemble_report::{CHAINS, Input, Report, ReportLocation, report};
+use stochc::report::ensemble_report::{CHAINS, Figures, Input, Report, ReportLocation, report};
 use stochc::runtime::{Model, Settings};
 
 /// Two towers side by side, then the second block of one is let go and M takes a block.
@@ -183,14 +183,21 @@ pub fn five(friction: f64) -> Input {
 
 /// The report of some folders that have no replays.
 pub fn told(inputs: &[Input]) -> Report {
+    drawn(inputs, &Figures::default())
+}
+
+/// The same with other figures.
+pub fn drawn(inputs: &[Input], figures: &Figures) -> Report {
     let surroundings = ReportLocation {
         folder: "report-figures",
+        figures,
         replay: &|_, _, _| None,
+        recordings: &|_, _, _| None,
     };
     let mut chains = Vec::new();
     let mut report = report(inputs, &surroundings, &mut chains).unwrap();
     let chains = String::from_utf8(chains).unwrap();
-    report.files.push((CHAINS.to_owned(), chains));
+    report.files.push((CHAINS.to_owned(), chains.into_bytes()));
     report.files.sort();
     report
 }
@@ -198,7 +205,8 @@ pub fn told(inputs: &[Input]) -> Report {
 /// A file of a report.
 pub fn file<'a>(report: &'a Report, name: &str) -> &'a str {
     let found = report.files.iter().find(|(file, _)| file == name);
-    &found.unwrap_or_else(|| panic!("no {name}")).1
+    let content = &found.unwrap_or_else(|| panic!("no {name}")).1;
+    std::str::from_utf8(content).unwrap()
 }
 
 /// The rows of a table of a report.

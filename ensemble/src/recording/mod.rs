@@ -15,7 +15,7 @@ mod write;
 pub use events::Happening;
 pub use format::{RecordingError, RecordingHeader, VERSION, is_file};
 pub use frame::RunFrame;
-pub use read::{Frame, Outline, Recording};
+pub use read::{Frame, Outline, Places, Recording, each_places};
 pub use selection::Selection;
 pub use write::Recorder;
 

@@ -53,7 +53,7 @@ impl Outline {
     /// # Errors
     /// When it is none, of another version, cut short or damaged.
     pub fn read(from: impl Read, tables: &Tables) -> Result<Outline, RecordingError> {
-        walk(from, tables, &mut |_| Ok(()))
+        walk(from, tables, &mut |_, _| Ok(()))
     }
 
     /// The version of its format.
@@ -80,11 +80,70 @@ impl Outline {
     }
 }
 
+/// Where all blocks were at a tick, as long as it is shown.
+#[derive(Clone, Copy, Debug)]
+pub struct Places<'a> {
+    chunk: &'a Chunk,
+    frame: usize,
+    bodies: usize,
+}
+
+impl Places<'_> {
+    /// When.
+    pub fn tick(&self) -> u64 {
+        self.chunk.ticks[self.frame]
+    }
+
+    /// How many free blocks there are, numbered from 0.
+    pub fn bodies(&self) -> usize {
+        self.bodies
+    }
+
+    /// x, y and z of a block \[side\], from the centre of the plate's upper side.
+    pub fn place(&self, body: usize) -> [f64; 3] {
+        let [x, y, z, ..] = self.chunk.place(body, self.frame, self.bodies);
+        [x, y, z]
+    }
+}
+
+/// Goes through a recording of a program with these `tables`, and shows all places to `each`, in the order of time and without
+/// holding more than a part of them. Whether all of it is sound is known at the end alone.
+///
+/// # Errors
+/// Those of [`Outline::read`].
+pub fn each_places(
+    from: impl Read,
+    tables: &Tables,
+    each: &mut dyn FnMut(&Places<'_>),
+) -> Result<Outline, RecordingError> {
+    let mut last = None;
+    walk(from, tables, &mut |header, content| {
+        let Content::Places(chunk) = content else {
+            return Ok(());
+        };
+        if last > chunk.ticks.first().copied() {
+            return Err(RecordingError::Damaged(
+                "its places are not in the order of time",
+            ));
+        }
+        last = chunk.ticks.last().copied();
+        for frame in 0..chunk.ticks.len() {
+            let bodies = header.bodies as usize;
+            each(&Places {
+                chunk: &chunk,
+                frame,
+                bodies,
+            });
+        }
+        Ok(())
+    })
+}
+
 /// Reads a recording, and gives what it holds to `each`, in its order.
 fn walk(
     mut from: impl Read,
     tables: &Tables,
-    each: &mut dyn FnMut(Content) -> Result<(), RecordingError>,
+    each: &mut dyn FnMut(&RecordingHeader, Content) -> Result<(), RecordingError>,
 ) -> Result<Outline, RecordingError> {
     let (header, version) = read_header(&mut from)?;
     let seeds = Seeds::of(tables);
@@ -101,7 +160,7 @@ fn walk(
                 let chunk = Chunk::from_bytes(&payload, header.bodies)?;
                 last = chunk.ticks.last().copied();
                 latest = latest.max(last.unwrap_or(0));
-                each(Content::Places(chunk))?;
+                each(&header, Content::Places(chunk))?;
             }
             EVENTS => {
                 let damaged = || RecordingError::Damaged("its events");
@@ -110,7 +169,7 @@ fn walk(
                 let mut row = |row: &RawValue| {
                     let event = seeds.event(row)?;
                     latest = latest.max(event.tick);
-                    each(Content::Event(event))
+                    each(&header, Content::Event(event))
                         .map_err(|error| broken = Some(error))
                         .ok()
                 };
@@ -172,7 +231,7 @@ impl Recording {
     /// Those of [`Outline::read`], and of one that is too large for that.
     pub fn read(from: impl Read, tables: &Tables) -> Result<Recording, RecordingError> {
         let (mut chunks, mut events, mut size) = (Vec::new(), Vec::new(), 0);
-        let outline = walk(from, tables, &mut |content| {
+        let outline = walk(from, tables, &mut |_, content| {
             size += match &content {
                 Content::Places(chunk) => chunk.numbers.len() * 2 + chunk.ticks.len() * 8,
                 Content::Event(_) => size_of::<Happening>(),

@@ -1,6 +1,6 @@
 //! How far colours are apart, for all kinds of sight: CIEDE2000 (Sharma, Wu and Dalal 2005) of what is left of them without one
 //! kind of cone (Machado, Oliveira and Fernandes 2009, at full severity).
-use super::{DARK, LEAST, LIGHT, PHASES, Rgb, Theme};
+use super::{DARK, LEAST, LIGHT, PHASES, Rgb, Theme, sequential};
 
 type Matrix = [[f64; 3]; 3];
 
@@ -208,6 +208,30 @@ fn lines_and_words_of_a_figure_stand_out() {
             colour.ink()
         );
     }
+}
+
+/// More is lighter with any sight, and equal steps of an amount are about equal steps of lightness with all cones.
+#[test]
+fn more_is_lighter_with_any_sight() {
+    const STEPS: usize = 64;
+    for (sight, matrix) in &SIGHTS {
+        let lightness = |i: usize| lab(sequential(i as f64 / STEPS as f64), matrix)[0];
+        let steps: Vec<f64> = (0..STEPS)
+            .map(|i| lightness(i + 1) - lightness(i))
+            .collect();
+        let all: f64 = steps.iter().sum();
+        assert!(all > 60.0, "{sight}: {all}");
+        // What is left of a colour may lie outside of what a screen shows, and is cut there.
+        let least = match *sight {
+            "normal sight" => 0.5 * all / STEPS as f64,
+            _ => 0.0,
+        };
+        for (i, step) in steps.iter().enumerate() {
+            assert!(*step > least, "{sight}, step {i}: {step}");
+        }
+    }
+    assert_eq!(sequential(f64::NAN), sequential(0.0));
+    assert_eq!(sequential(7.0), Rgb(0xfd, 0xe7, 0x25));
 }
 
 /// From the table of Sharma, Wu and Dalal.

@@ -4,8 +4,11 @@
 //! tests beside this file hold every such pair.
 #[cfg(test)]
 mod distance;
+mod sequential;
 
 use std::fmt::{self, Display, Formatter};
+
+pub use sequential::sequential;
 
 /// Red, green and blue of sRGB.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

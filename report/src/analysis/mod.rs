@@ -4,6 +4,7 @@
 //! Each event of a run gets its moments (`events.rs`) and the run the chain that decided it (`critical_path.rs`); the rest sums them up.
 pub(crate) mod critical_path;
 pub(crate) mod events;
+pub(crate) mod maps;
 pub(crate) mod pairwise;
 pub(crate) mod subject;
 pub(crate) mod sweep;

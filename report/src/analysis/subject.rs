@@ -57,16 +57,27 @@ pub(crate) struct ReportedProgram<'a> {
     pub times: Vec<(u64, Observation)>,
     /// Runs that failed.
     pub failed: usize,
-    /// The first of them: number, phase and reason.
-    pub failures: Vec<(u64, PhaseId, String)>,
+    /// The first of them.
+    pub failures: Vec<FailedRun>,
     pub dots: Dots,
     /// What its runs tell as a point of a sweep.
     pub point: PointTally,
     pub waits: WaitsTally,
     pub decisive: Decisive,
     phase_times: Vec<TimeSample>,
+    /// Of an aggregate, the times from the beginning to each size of its largest group.
+    size_times: Vec<TimeSample>,
     /// The runs that are told one by one, and what they are.
     told: Vec<(&'static str, FinishedRun)>,
+}
+
+/// A run whose physics broke down.
+#[derive(Clone, Debug)]
+pub(crate) struct FailedRun {
+    pub run: u64,
+    pub phase: PhaseId,
+    pub tick: u64,
+    pub reason: String,
 }
 
 /// A finished run.
@@ -170,6 +181,7 @@ impl<'a> ReportedProgram<'a> {
             waits: WaitsTally::default(),
             decisive: Decisive::of(&events),
             phase_times: vec![TimeSample::default(); program.phases().len()],
+            size_times: vec![TimeSample::default(); program.phases().len()],
             told: Vec::new(),
             events,
         }
@@ -189,6 +201,9 @@ impl<'a> ReportedProgram<'a> {
                 times.push(time);
             }
         }
+        if self.is_aggregate() {
+            self.add_sizes(record);
+        }
         self.point.add(record);
         for bond in &record.bonds {
             self.dots.add(f64::from(bond.entries), bond.docking as f64);
@@ -198,7 +213,12 @@ impl<'a> ReportedProgram<'a> {
             Outcome::Failed { phase, reason } => {
                 self.failed += 1;
                 if self.failures.len() < TOLD {
-                    self.failures.push((record.run, *phase, reason.clone()));
+                    self.failures.push(FailedRun {
+                        run: record.run,
+                        phase: *phase,
+                        tick: record.ticks,
+                        reason: reason.clone(),
+                    });
                 }
             }
             _ => self.decisive.add(run),
@@ -226,6 +246,32 @@ impl<'a> ReportedProgram<'a> {
             }
         }
         Ok(())
+    }
+
+    /// Adds when the largest group had reached each of its sizes; a failed run says nothing.
+    fn add_sizes(&mut self, record: &RunRecord) {
+        if matches!(record.outcome, Outcome::Failed { .. }) {
+            return;
+        }
+        let mut tick: u64 = 0;
+        for (size, times) in self.size_times.iter_mut().enumerate() {
+            let ticks = record.phase_ticks.get(size);
+            tick = tick.saturating_add(ticks.copied().unwrap_or(0));
+            times.push(Observation {
+                time: if ticks.is_some() { tick } else { record.ticks } as f64,
+                completed: ticks.is_some(),
+            });
+        }
+    }
+
+    /// Whether its blocks bond to each other, and nobody captures any.
+    pub fn is_aggregate(&self) -> bool {
+        self.program.tables().aggregate.is_some()
+    }
+
+    /// Of an aggregate, the ticks from the beginning to a size of the largest group, by the number of its phase.
+    pub fn size_times(&self, phase: usize) -> Vec<Observation> {
+        self.size_times[phase].to_vec()
     }
 
     /// The clock of its scene.

@@ -1,9 +1,11 @@
 //! The figures as tables of comma-separated values, for other programs.
+use stochc_ensemble::resampling::Ratio;
 use stochc_ensemble::statistics::{KaplanMeier, Observation, Test};
 use stochc_ensemble::sweep::Sweep;
 use stochc_ensemble::{PairwiseResult, PairwiseTest, Time, TimeUnit};
 use stochc_files::csv::CsvTable;
 
+use crate::analysis::maps::{AGES, Maps, SliceMap};
 use crate::analysis::subject::{FinishedRun, ReportedProgram};
 use crate::analysis::waits::ReportedCapture;
 
@@ -17,19 +19,30 @@ pub(super) type File = (String, String);
 /// The table of what decided each run.
 pub const CHAINS: &str = "chains.csv";
 
-/// The names of the tables that a report has.
-pub(super) fn names(differences: bool, sweeps: bool) -> Vec<&'static str> {
-    let always = [
-        "survival.csv",
-        "means.csv",
-        "waits.csv",
-        "origins.csv",
-        CHAINS,
+/// The names of the tables that a report has: none that would have no row.
+pub(super) fn names(
+    subjects: &[ReportedProgram],
+    differences: bool,
+    sweeps: bool,
+    maps: &[Option<Maps>],
+) -> Vec<&'static str> {
+    let captures = subjects.is_empty() || !subjects.iter().all(ReportedProgram::is_aggregate);
+    let sizes = subjects.iter().any(ReportedProgram::is_aggregate);
+    let maps = maps.iter().flatten().any(|maps| maps.runs > 0);
+    let all = [
+        ("survival.csv", true),
+        ("means.csv", true),
+        ("waits.csv", captures),
+        ("origins.csv", captures),
+        (CHAINS, captures),
+        ("sizes.csv", sizes),
+        ("differences.csv", differences),
+        ("sweeps.csv", sweeps),
+        ("maps.csv", maps),
+        ("faces.csv", maps),
     ];
-    let sometimes = [("differences.csv", differences), ("sweeps.csv", sweeps)];
-    let sometimes = sometimes.into_iter().filter(|(_, there)| *there);
-    let sometimes = sometimes.map(|(name, _)| name);
-    always.into_iter().chain(sometimes).collect()
+    let there = all.into_iter().filter(|(_, there)| *there);
+    there.map(|(name, _)| name).collect()
 }
 
 /// All tables of a report but for [`CHAINS`], in the order of [`names`].
@@ -38,23 +51,55 @@ pub(super) fn files(
     waits: &[Vec<ReportedCapture>],
     pairwise_tests: &[PairwiseTest],
     sweeps: &[Sweep],
+    maps: &[Option<Maps>],
     clock: TimeUnit,
 ) -> Vec<File> {
-    let mut tables = vec![
-        survival(subjects),
-        means(subjects),
-        captures(subjects, waits),
-        origins(subjects, waits),
-    ];
-    if !pairwise_tests.is_empty() {
-        tables.push(differences(subjects, pairwise_tests, clock));
+    let names = names(
+        subjects,
+        !pairwise_tests.is_empty(),
+        !sweeps.is_empty(),
+        maps,
+    );
+    let table = |name: &str| match name {
+        "survival.csv" => survival(subjects),
+        "means.csv" => means(subjects),
+        "waits.csv" => captures(subjects, waits),
+        "origins.csv" => origins(subjects, waits),
+        "sizes.csv" => sizes(subjects),
+        "differences.csv" => differences(subjects, pairwise_tests, clock),
+        "sweeps.csv" => swept(sweeps),
+        "maps.csv" => mapped(subjects, maps),
+        _ => faces(subjects, maps),
+    };
+    let kept = names.into_iter().filter(|name| *name != CHAINS);
+    kept.map(|name| (name.to_owned(), table(name))).collect()
+}
+
+/// How the largest groups of aggregates grow: the share of runs without one of each size yet.
+fn sizes(subjects: &[ReportedProgram]) -> String {
+    let mut table = CsvTable::new([
+        "program", "size", "ticks", "at_risk", "reached", "without", "low", "high",
+    ]);
+    for subject in subjects.iter().filter(|subject| subject.is_aggregate()) {
+        for (number, phase) in subject.program.phases().iter().enumerate() {
+            let Some(estimate) = KaplanMeier::of(&subject.size_times(number)) else {
+                continue;
+            };
+            for point in estimate.curve() {
+                table.row([
+                    subject.label.clone(),
+                    phase.name.clone(),
+                    point.time.to_string(),
+                    point.at_risk.to_string(),
+                    point.completed.to_string(),
+                    point.incomplete.to_string(),
+                    maybe(point.interval.map(|interval| interval.0)),
+                    maybe(point.interval.map(|interval| interval.1)),
+                ]);
+            }
+        }
     }
-    if !sweeps.is_empty() {
-        tables.push(swept(sweeps));
-    }
-    let mut names = names(!pairwise_tests.is_empty(), !sweeps.is_empty());
-    names.retain(|name| *name != CHAINS);
-    names.into_iter().map(str::to_owned).zip(tables).collect()
+    table.finish()
 }
 
 fn survival(subjects: &[ReportedProgram]) -> String {
@@ -292,6 +337,68 @@ fn swept(sweeps: &[Sweep]) -> String {
                 maybe(point.released),
                 maybe(point.time_per_capture),
             ]);
+        }
+    }
+    table.finish()
+}
+
+/// What is known of a ratio, in cells: its value and the ends of its interval.
+fn ratio(ratio: &Ratio) -> [String; 3] {
+    let interval = ratio.interval;
+    [
+        ratio.value.to_string(),
+        maybe(interval.map(|interval| interval.0)),
+        maybe(interval.map(|interval| interval.1)),
+    ]
+}
+
+/// Every place of every map.
+fn mapped(subjects: &[ReportedProgram], maps: &[Option<Maps>]) -> String {
+    let mut table = CsvTable::new([
+        "program", "map", "slice", "at", "east", "up", "value", "low", "high",
+    ]);
+    for (subject, maps) in subjects.iter().zip(maps) {
+        let Some(maps) = maps else { continue };
+        let mut add = |what: &str, map: &SliceMap| {
+            for ((east, up), known) in &map.places {
+                let place = [
+                    subject.label.clone(),
+                    what.to_owned(),
+                    map.slice.name().to_owned(),
+                    map.slice.at().to_string(),
+                    east.to_string(),
+                    up.to_string(),
+                ];
+                table.row(place.into_iter().chain(ratio(known)));
+            }
+        };
+        for (age, slices) in AGES.iter().zip(&maps.before) {
+            let what = format!("before {age}");
+            slices.iter().for_each(|map| add(&what, map));
+        }
+        let free = maps.occupation.iter().flatten();
+        free.for_each(|map| add("free", map));
+        let entries = maps.entries.iter().flatten();
+        entries.for_each(|map| add("entries", map));
+    }
+    table.finish()
+}
+
+/// Every face that waited.
+fn faces(subjects: &[ReportedProgram], maps: &[Option<Maps>]) -> String {
+    let mut table = CsvTable::new([
+        "program", "capture", "x", "y", "z", "entries", "low", "high",
+    ]);
+    for (subject, maps) in subjects.iter().zip(maps) {
+        for face in maps.iter().flat_map(|maps| &maps.faces) {
+            let place = [
+                subject.label.clone(),
+                face.text.clone(),
+                face.cell.x.to_string(),
+                face.cell.y.to_string(),
+                face.cell.z.to_string(),
+            ];
+            table.row(place.into_iter().chain(ratio(&face.rate)));
         }
     }
     table.finish()

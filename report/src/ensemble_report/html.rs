@@ -61,7 +61,7 @@ impl Html {
         };
         let _ = writeln!(
             self.text,
-            "<p class=\"caption\" id=\"table-{n}\">{caption}</p>\n\
+            "<div class=\"table\">\n<p class=\"caption\" id=\"table-{n}\">{caption}</p>\n\
              <div class=\"scroll\" tabindex=\"0\" role=\"group\" aria-labelledby=\"table-{n}\">\
              <table aria-labelledby=\"table-{n}\">\n<thead><tr>",
             n = self.tables,
@@ -92,7 +92,7 @@ impl Html {
             }
             let _ = writeln!(self.text, "</tr>");
         }
-        let _ = writeln!(self.text, "</tbody></table></div>");
+        let _ = writeln!(self.text, "</tbody></table></div>\n</div>");
     }
 }
 

@@ -7,15 +7,19 @@ mod html;
 pub(crate) mod narrative;
 mod page;
 
-use std::io::Write;
+use std::io::{self, Write};
 
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
 use stochc_ensemble::TimeUnit;
 
-use crate::analysis::{pairwise, subject, sweep, waits};
+use crate::analysis::maps::Maps;
+use crate::analysis::subject::ReportedProgram;
+use crate::analysis::{self, pairwise, subject, sweep, waits};
 use crate::svg::Drawing;
 
+pub use crate::analysis::maps::Recordings;
 pub use crate::analysis::subject::{Input, ReportError};
+pub use crate::svg::Medium;
 pub use data::CHAINS;
 
 /// The first line of every report, by which one is told from other people's files.
@@ -26,8 +30,58 @@ pub const MARK: &str = "<!DOCTYPE html><!-- stochc report -->";
 pub struct Report {
     /// The page, in HTML: complete in itself, and without any script.
     pub page: String,
-    /// Figures (SVG) and their data (CSV) but for [`CHAINS`], by the name of the file.
-    pub files: Vec<(String, String)>,
+    /// Figures and their data (CSV) but for [`CHAINS`], by the name of the file.
+    pub files: Vec<(String, Vec<u8>)>,
+    /// Whether [`CHAINS`] belongs to it: where nothing is captured, it would have no row.
+    pub has_chains: bool,
+}
+
+/// A form of the figures beside a page.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FigureFormat {
+    /// For browsers and drawing programs.
+    #[default]
+    Svg,
+    /// For papers, with its font.
+    Pdf,
+}
+
+/// What the figures beside a page are like; those on it are for a screen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figures {
+    /// What they are laid out for.
+    pub medium: Medium,
+    /// The forms in which each is written, one at least.
+    pub formats: Vec<FigureFormat>,
+}
+
+impl Default for Figures {
+    fn default() -> Figures {
+        Figures {
+            medium: Medium::default(),
+            formats: vec![FigureFormat::default()],
+        }
+    }
+}
+
+impl Figures {
+    /// The names of the files of a figure.
+    fn names(&self, figure: &Drawing) -> Vec<String> {
+        let names = self.formats.iter().map(|format| match format {
+            FigureFormat::Svg => format!("{}.svg", figure.name),
+            FigureFormat::Pdf => format!("{}.pdf", figure.name),
+        });
+        names.collect()
+    }
+
+    /// The contents of the same files.
+    fn contents(&self, figure: &Drawing) -> io::Result<Vec<Vec<u8>>> {
+        let contents = self.formats.iter().map(|format| match format {
+            FigureFormat::Svg => Ok(figure.file().into_bytes()),
+            FigureFormat::Pdf => figure.pdf(),
+        });
+        contents.collect()
+    }
 }
 
 /// What a report needs to know about the place that it is written to.
@@ -35,9 +89,13 @@ pub struct Report {
 pub struct ReportLocation<'a> {
     /// The name of the folder of figures and tables, which is beside the page.
     pub folder: &'a str,
+    /// The figures in it.
+    pub figures: &'a Figures,
     /// The address of the replay of a run as seen from the page, from the numbers of its folder, of
     /// its program in there, and its own; `None`: there is none.
     pub replay: &'a dyn Fn(usize, usize, u64) -> Option<String>,
+    /// The recordings of runs.
+    pub recordings: &'a Recordings<'a>,
 }
 
 /// A relative path as an address: what would end or change it is written in hexadecimal.
@@ -68,23 +126,42 @@ pub fn report(
     let waits: Vec<_> = subjects.iter_mut().map(waits::waits).collect();
     let pairwise_tests = pairwise::pairwise_tests(&subjects, clock);
     sweeps.extend(sweep::found(&subjects, clock));
-    let mut files = data::files(&subjects, &waits, &pairwise_tests, &sweeps, clock);
+    let mut maps: Vec<Option<Maps>> = vec![None; subjects.len()];
+    for (number, subject) in page::detailed(&subjects) {
+        let input = &inputs[subject.folder];
+        maps[number] = analysis::maps::maps(subject, input, surroundings.recordings)?;
+    }
+    let tables = data::files(&subjects, &waits, &pairwise_tests, &sweeps, &maps, clock);
+    let tables = tables.into_iter();
+    let mut files: Vec<_> = tables
+        .map(|(name, text)| (name, text.into_bytes()))
+        .collect();
     let parts = page::Parts {
         inputs,
         subjects: &subjects,
         clock,
         waits: &waits,
+        maps: &maps,
         pairwise_tests: &pairwise_tests,
         sweeps: &sweeps,
         surroundings,
     };
     let mut drawings: Vec<Drawing> = Vec::new();
     let page = page::page(&parts, &mut drawings);
-    files.extend(
-        drawings
-            .iter()
-            .map(|it| (format!("{}.svg", it.name), it.file())),
-    );
+    for drawing in &drawings {
+        let figures = surroundings.figures;
+        files.extend(
+            figures
+                .names(drawing)
+                .into_iter()
+                .zip(figures.contents(drawing)?),
+        );
+    }
     files.sort();
-    Ok(Report { page, files })
+    let has_chains = subjects.is_empty() || !subjects.iter().all(ReportedProgram::is_aggregate);
+    Ok(Report {
+        page,
+        files,
+        has_chains,
+    })
 }

@@ -25,11 +25,16 @@ impl Telling<'_> {
 
     /// A tick of the run, in HTML: where there is a replay, a link to it.
     fn at(&self, tick: u64) -> String {
-        let text = number(tick as f64);
-        match &self.replay {
-            Some(address) => format!("<a href=\"{}#tick={tick}\">{text}</a>", escaped(address)),
-            None => text,
-        }
+        tick_of(self.replay.as_deref(), tick)
+    }
+}
+
+/// A tick of a run, in HTML: where there is a replay of it at an address, a link to it.
+pub(super) fn tick_of(replay: Option<&str>, tick: u64) -> String {
+    let text = number(tick as f64);
+    match replay {
+        Some(address) => format!("<a href=\"{}#tick={tick}\">{text}</a>", escaped(address)),
+        None => text,
     }
 }
 
@@ -51,10 +56,13 @@ pub(super) fn heading(of: &Telling, what: &str, run: &FinishedRun) -> String {
         }
         Outcome::Failed { .. } => ", failed".to_owned(),
     };
+    // Its last tick, and with it all of them.
+    let unit = if record.ticks == 1 { "tick" } else { "ticks" };
     format!(
-        "Run {}, the {what}: {}{end}",
+        "Run {}, the {what}: {} {unit}{}{end}",
         record.run,
-        ticks(of, record.ticks)
+        of.at(record.ticks),
+        of.tick().beside(record.ticks as f64)
     )
 }
 
@@ -94,6 +102,21 @@ pub(super) fn lead(of: &Telling, run: &FinishedRun) -> Option<String> {
     (share >= 25.0).then(|| format!("{} alone took {share:.0} % of it.", code(&text)))
 }
 
+/// When the largest group of an aggregate had reached each of its sizes, as items of a list.
+pub(super) fn sizes(of: &Telling, run: &FinishedRun) -> Vec<String> {
+    let mut tick: u64 = 0;
+    let phases = of.program.phases().iter().zip(&run.record.phase_ticks);
+    let reached = phases.map(|(phase, ticks)| {
+        tick = tick.saturating_add(*ticks);
+        format!(
+            "A group of {} blocks at tick {}.",
+            name(&phase.name),
+            of.at(tick)
+        )
+    });
+    reached.collect()
+}
+
 fn between(of: &Telling, passed: &[&CriticalPathSegment]) -> Option<String> {
     let waits: Vec<u64> = passed.iter().map(|link| link.ticks()).collect();
     let spent = waits
@@ -125,8 +148,9 @@ pub(crate) fn item(of: &Telling, run: &FinishedRun, link: &CriticalPathSegment) 
     };
     match link.what {
         What::Reports => format!(
-            "Then the reports took {}{share} to reach the plate.",
-            count(link.ticks())
+            "Then the reports took {}{share} to reach the plate, from tick {} on.",
+            count(link.ticks()),
+            of.at(link.from)
         ),
         What::Pending { event } => {
             let text = of.events.events[event].text(of.program);

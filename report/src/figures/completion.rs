@@ -2,8 +2,8 @@
 use stochc_ensemble::statistics::Observation;
 use stochc_ensemble::{JournalError, Manifest, ProgramTimes, Records, TimeUnit, completion_time};
 
-use super::{SurvivalCurve, survival};
-use crate::svg::{Colours, Drawing};
+use super::{SurvivalCurve, incomplete, survival};
+use crate::svg::{Axis, Colours, Drawing, Medium};
 
 /// Curves of its programs, in the unit that they share; `None`: nothing has completed or been stopped, or the ensemble is
 /// a sweep, of which [`super::sweep`] has pictures.
@@ -11,6 +11,7 @@ use crate::svg::{Colours, Drawing};
 /// # Errors
 /// Where the runs cannot be read again.
 pub fn completion(
+    medium: Medium,
     manifest: &Manifest,
     finished: &Records,
 ) -> Result<Option<Drawing>, JournalError> {
@@ -20,7 +21,7 @@ pub fn completion(
     let mut times = vec![Vec::new(); manifest.programs.len()];
     finished.each(|done| times[done.program].extend(completion_time(&done.record)))?;
     let times = times.into_iter().map(|times| (times, 0));
-    Ok(drawn(manifest, times))
+    Ok(drawn(medium, manifest, times))
 }
 
 /// The same while runs go on, which count as censored, of at most so many programs: without them the curve would be that of the runs
@@ -30,7 +31,11 @@ pub(crate) fn completion_so_far(
     times: &[ProgramTimes],
     most: usize,
 ) -> Option<Drawing> {
-    drawn(manifest, times.iter().take(most).map(so_far))
+    drawn(
+        Medium::Screen,
+        manifest,
+        times.iter().take(most).map(so_far),
+    )
 }
 
 /// Times of a program \[ticks\], and how many of them, the last ones, are of runs that still go on.
@@ -43,6 +48,7 @@ fn so_far(program: &ProgramTimes) -> (Vec<Observation>, usize) {
 
 /// Curves of programs, of each the times \[ticks\] and how many of them are of runs that still go on.
 fn drawn(
+    medium: Medium,
     manifest: &Manifest,
     times: impl Iterator<Item = (Vec<Observation>, usize)>,
 ) -> Option<Drawing> {
@@ -58,9 +64,16 @@ fn drawn(
             }
         })
         .collect();
-    let axis = format!("time [{}]", clock.unit());
+    let axis = Axis::new("time", clock.unit());
     let title = "Runs that are not complete yet, over time";
-    survival("survival", title, &curves, &axis, Colours::Compared)
+    survival(
+        medium,
+        "survival",
+        title,
+        &curves,
+        (&axis, &incomplete()),
+        Colours::Compared,
+    )
 }
 
 #[cfg(test)]

@@ -1,27 +1,22 @@
 //! Entries into the magnetic field against docking time.
 use stochc_ensemble::statistics::quantile;
-use stochc_ensemble::text::number;
+use stochc_ensemble::text::{number, visible};
 
-use super::{WIDTH, short};
+use super::EDGE;
 use crate::analysis::subject::ReportedProgram;
 use crate::analysis::waits::ReportedCapture;
-use crate::svg::{Drawing, Scale, phase};
+use crate::svg::letters::{fitted, width};
+use crate::svg::{Axis, Drawing, Key, Marker, Medium, Sample, Scale, Style, phase, plot_height};
 
 /// A disc for each capture at its means, above a dot for every time it happened.
 pub(crate) fn entries(
+    medium: Medium,
     program: usize,
     subject: &ReportedProgram,
     waits: &[ReportedCapture],
 ) -> Option<Drawing> {
-    const TOP: f64 = 34.0;
-    const BOTTOM: f64 = 330.0;
-    const LEFT: f64 = 58.0;
-    const RIGHT: f64 = WIDTH - 18.0;
     /// Dots that a browser draws without delay.
     const DOTS: usize = 1500;
-    /// Keys of the colours on a line, and its height.
-    const KEYS: usize = 3;
-    const ROW: f64 = 19.0;
     /// Captures that are named.
     const NAMED: usize = 6;
     let means: Vec<(&ReportedCapture, f64, f64)> = (waits.iter())
@@ -33,14 +28,13 @@ pub(crate) fn entries(
     if means.is_empty() || most_docking <= 0.0 {
         return None;
     }
-    let x = Scale::logarithmic((0.9, 1.15 * most_entries), (LEFT, RIGHT));
     // A few that docked at once would take most of the room; they are drawn at the lower end.
     let docking: Vec<f64> = bonds.iter().map(|bond| bond.1).collect();
     let least = quantile(&docking, 0.02)
         .unwrap_or(1.0)
         .min(most_docking / 2.0);
     let least = means.iter().map(|mean| mean.2).fold(least, f64::min);
-    let y = Scale::logarithmic((least.max(0.9), 1.15 * most_docking), (BOTTOM, TOP));
+    let ends = (least.max(0.9), 1.15 * most_docking);
     let mut ranked = means.clone();
     let wait = |wait: &ReportedCapture| wait.time().map_or(0.0, |time| time.mean);
     ranked.sort_by(|a, b| wait(b.0).total_cmp(&wait(a.0)));
@@ -50,21 +44,30 @@ pub(crate) fn entries(
         .collect();
     phases.dedup();
     let mut out = Drawing::new(
+        medium,
         &format!("entries-{program}"),
         &format!(
             "{}: entries into the field against docking time",
             subject.label
         ),
         &told(&ranked),
-        (
-            WIDTH,
-            BOTTOM + 48.0 + ROW * phases.len().div_ceil(KEYS) as f64,
-        ),
     );
-    let of = "entries of blocks into the reach of the pull, for each capture (logarithmic)";
-    out.across(&x, (LEFT, RIGHT), BOTTOM, TOP, of);
-    let of = "ticks from the captured block's last entry to its docking (logarithmic)";
-    out.upward(&y, (BOTTOM, TOP), LEFT, RIGHT, of, number);
+    let of = Axis::new(
+        "from the captured block's last entry to its docking",
+        &subject.tick().unit(),
+    );
+    let left = Drawing::left_of(&Scale::logarithmic(ends, (0.0, 1.0)), number);
+    let right = medium.width() - 18.0;
+    let top = out.head(&of.on(&Scale::logarithmic(ends, (0.0, 1.0))));
+    let bottom = top + plot_height(right - left).max(240.0);
+    let x = Scale::logarithmic((0.9, 1.15 * most_entries), (left, right));
+    let y = Scale::logarithmic(ends, (bottom, top));
+    let entering = Axis::new(
+        "entries of blocks into the reach of the pull",
+        "number for each capture",
+    );
+    let foot = out.across(&x, (left, right), bottom, top, &entering);
+    out.upward(&y, (bottom, top), left, right, &of, number);
     let every = bonds.len().div_ceil(DOTS).max(1);
     for (i, &(entries, docking)) in bonds.iter().step_by(every).enumerate() {
         // Entries are whole numbers; side by side they can be told apart.
@@ -86,27 +89,17 @@ pub(crate) fn entries(
         let class = format!("rim {}", phase(wait.phase.0 as usize));
         out.disc(&class, (x.at(*entries), y.at(*docking)), 5.0, &told);
     }
-    for (i, &number) in phases.iter().enumerate() {
-        let name = subject
-            .program
-            .phase(stochc_ir::table::PhaseId(number as u32));
-        let (column, row) = (i % KEYS, i / KEYS);
-        let at = (
-            LEFT + 7.0 + 230.0 * column as f64,
-            BOTTOM + 56.0 + ROW * row as f64,
-        );
-        out.disc(
-            &format!("rim {}", phase(number)),
-            (at.0, at.1 - 4.0),
-            5.0,
-            "",
-        );
-        out.text(
-            "ink",
-            (at.0 + 11.0, at.1),
-            &short(&format!("phase {name}"), 28),
-        );
-    }
+    let keys: Vec<Key> = (phases.iter())
+        .map(|&number| {
+            let id = stochc_ir::table::PhaseId(number as u32);
+            Key {
+                class: format!("rim {}", phase(number)),
+                sample: Sample::Mark(Marker::Disc),
+                meaning: format!("phase {}", visible(subject.program.phase(id))),
+            }
+        })
+        .collect();
+    let foot = out.keys((EDGE, foot), medium.width() - EDGE, &keys);
     let centre = |entries: f64, docking: f64| (x.at(entries), y.at(docking));
     // Half the width and height of what is there already, and its centre.
     let discs = means
@@ -114,12 +107,12 @@ pub(crate) fn entries(
         .map(|mean| (centre(mean.1, mean.2), (6.0, 6.0)));
     let mut taken: Vec<_> = discs.collect();
     for (wait, entries, docking) in &ranked {
-        let text = short(&wait.text, 22);
-        let half = (3.4 * text.chars().count() as f64, 7.0);
+        let text = fitted(&wait.text, 0.4 * (right - left));
+        let half = (width(&text) / 2.0 + 1.0, 7.0);
         let at = centre(*entries, *docking);
         let hits = |place: &(f64, f64)| {
-            let inside = (LEFT + half.0..=RIGHT - half.0).contains(&place.0)
-                && (TOP + half.1..=BOTTOM - half.1).contains(&place.1);
+            let inside = (left + half.0..=right - half.0).contains(&place.0)
+                && (top + half.1..=bottom - half.1).contains(&place.1);
             let hit = taken.iter().filter(|((tx, ty), (tw, th))| {
                 (place.0 - tx).abs() < half.0 + tw && (place.1 - ty).abs() < half.1 + th
             });
@@ -131,11 +124,11 @@ pub(crate) fn entries(
         taken.push((place, half));
         if (place.1 - at.1).abs() > 20.0 {
             let end = (place.0, place.1 + if place.1 < at.1 { 7.0 } else { -9.0 });
-            out.line("axis", at, end, "stroke-width=\"0.7\"");
+            out.stroke("axis", at, end, Style::line(0.7));
         }
         out.text_around("ink halo", (place.0, place.1 + 4.0), &text);
     }
-    Some(out)
+    Some(out.high(foot - 8.0))
 }
 
 /// Where the centre of a label may be, the best places first.

@@ -1,12 +1,11 @@
 //! What a fit knows of each number, and what it predicts.
-use stochc_ensemble::fit::{Fit, Prior};
+use stochc_ensemble::fit::{Fit, Prediction, Prior, Unit};
 use stochc_ensemble::text::number;
 
-use crate::svg::{Drawing, Scale};
-use crate::text::short;
+use super::EDGE;
+use crate::svg::letters::{fitted, widest};
+use crate::svg::{Axis, Drawing, LINE, Medium, Scale, Style};
 
-/// Of the figure.
-const WIDTH: f64 = 760.0;
 /// Height of the panel of a number.
 const PANEL: f64 = 130.0;
 /// Height of the row of a program.
@@ -14,13 +13,8 @@ const ROW: f64 = 26.0;
 /// Columns of a histogram.
 const BINS: usize = 40;
 
-const LEFT: f64 = 190.0;
-const RIGHT: f64 = WIDTH - 30.0;
-
 /// A histogram of each number over its range, and the measured means beside those that are predicted.
-pub fn fit(fit: &Fit, priors: &[Prior]) -> Drawing {
-    let top = PANEL * priors.len() as f64 + 60.0;
-    let height = top + ROW * fit.predictions.len() as f64 + 60.0;
+pub fn fit(medium: Medium, fit: &Fit, priors: &[Prior]) -> Drawing {
     let numbers: Vec<String> = (fit.numbers.iter())
         .map(|it| {
             format!(
@@ -32,88 +26,85 @@ pub fn fit(fit: &Fit, priors: &[Prior]) -> Drawing {
         })
         .collect();
     let title = "Numbers that measured times speak for";
-    let mut out = Drawing::new("fit", title, &numbers.join("; "), (WIDTH, height));
-    out.text("ink", (20.0, 26.0), title);
-    for (i, prior) in priors.iter().enumerate() {
-        histogram(&mut out, fit, prior, i, 40.0 + PANEL * i as f64);
+    let mut out = Drawing::new(medium, "fit", title, &numbers.join("; "));
+    let mut foot = out.paragraph("ink", (EDGE, 22.0), medium.width() - 2.0 * EDGE, title);
+    for (prior, (i, known)) in priors.iter().zip(fit.numbers.iter().enumerate()) {
+        let median = format!(
+            "{}: {} ({} .. {})",
+            known.of,
+            number(known.median),
+            number(known.interval.0),
+            number(known.interval.1)
+        );
+        let beside = medium.width() - 2.0 * EDGE;
+        foot = out.paragraph("dim", (EDGE, foot + 4.0), beside, &median);
+        foot = histogram(&mut out, fit, prior, i, foot - LINE);
     }
-    predictions(&mut out, fit, top);
-    out
+    let foot = predictions(&mut out, fit, foot);
+    out.high(foot - 8.0)
 }
 
-fn histogram(out: &mut Drawing, fit: &Fit, prior: &Prior, i: usize, top: f64) {
+/// How often each value was drawn; gives the foot of the next line of text.
+fn histogram(out: &mut Drawing, fit: &Fit, prior: &Prior, i: usize, top: f64) -> f64 {
     let (bottom, known) = (top + PANEL - 50.0, &fit.numbers[i]);
+    let (left, right) = (EDGE + 16.0, out.size().0 - 30.0);
     let ends = (prior.from, prior.to);
     let scale = match prior.is_logarithmic {
-        true => Scale::logarithmic(ends, (LEFT, RIGHT)),
-        false => Scale::linear(ends, (LEFT, RIGHT)),
+        true => Scale::logarithmic(ends, (left, right)),
+        false => Scale::linear(ends, (left, right)),
     };
     let mut counts = [0_usize; BINS];
     for draw in &fit.draws {
-        let share = (scale.at(draw[i]) - LEFT) / (RIGHT - LEFT);
+        let share = (scale.at(draw[i]) - left) / (right - left);
         counts[((share * BINS as f64) as usize).min(BINS - 1)] += 1;
     }
     let most = counts.iter().copied().max().unwrap_or(1).max(1) as f64;
-    let width = (RIGHT - LEFT) / BINS as f64;
+    let width = (right - left) / BINS as f64;
     for (bin, count) in counts.iter().enumerate().filter(|(_, count)| **count > 0) {
         let height = (bottom - top - 8.0) * *count as f64 / most;
-        let corner = (LEFT + width * bin as f64, bottom - height);
+        let corner = (left + width * bin as f64, bottom - height);
         out.rectangle("bar s0", corner, (width - 0.5, height), "");
     }
-    for tick in scale.ticks(6) {
-        out.text_around("dim", (scale.at(tick), bottom + 17.0), &number(tick));
-    }
-    out.line("axis", (LEFT, bottom), (RIGHT, bottom), "");
-    let label = match &*known.unit {
-        "" => known.of.clone(),
-        unit => format!("{} [{unit}]", known.of),
-    };
-    out.text_before("ink", (LEFT - 14.0, bottom - 24.0), &short(&label, 24));
-    let median = format!(
-        "{} ({} .. {})",
-        number(known.median),
-        number(known.interval.0),
-        number(known.interval.1)
-    );
-    out.text_before("dim", (LEFT - 14.0, bottom - 8.0), &median);
+    let of = Axis::new(&known.of, &known.unit);
+    out.across(&scale, (left, right), bottom, bottom, &of)
 }
 
-fn predictions(out: &mut Drawing, fit: &Fit, top: f64) {
+/// Measured means beside those that are predicted; gives the foot of the next line of text.
+fn predictions(out: &mut Drawing, fit: &Fit, top: f64) -> f64 {
     let ends = fit.predictions.iter().flat_map(|it| {
         let (low, high) = it.mean_interval;
         [low, high, it.observed.mean]
     });
     let most = ends.fold(0.0, f64::max);
-    let scale = Scale::linear((0.0, 1.05 * most), (LEFT, RIGHT));
+    let name = |it: &Prediction| match it.is_fitted {
+        true => it.observed.program.clone(),
+        false => format!("{} (held out)", it.observed.program),
+    };
+    let names: Vec<String> = fit.predictions.iter().map(name).collect();
+    let all = out.size().0;
+    let column = widest(names.iter().map(String::as_str)).min(0.34 * all);
+    let (left, right) = (EDGE + column + 12.0, all - 30.0);
+    let scale = Scale::linear((0.0, 1.05 * most), (left, right));
     let bottom = top + ROW * fit.predictions.len() as f64 + 8.0;
-    for tick in scale.ticks(6) {
-        let x = scale.at(tick);
-        out.line("grid", (x, top), (x, bottom), "");
-        out.text_around("dim", (x, bottom + 17.0), &number(tick));
-    }
-    for (i, it) in fit.predictions.iter().enumerate() {
+    let unit = match fit.unit {
+        Unit::Ticks => "ticks",
+        Unit::Seconds => "s",
+    };
+    let of = Axis::new("mean time: measured (dot) and predicted (bar, 95 %)", unit);
+    let foot = out.across(&scale, (left, right), bottom, top, &of);
+    for (i, (it, name)) in fit.predictions.iter().zip(&names).enumerate() {
         let y = top + ROW * (i as f64 + 0.5);
         let (low, high) = it.mean_interval;
         let class = if it.is_fitted { "s0" } else { "s1" };
-        out.line(
-            class,
-            (scale.at(low), y),
-            (scale.at(high), y),
-            "stroke-width=\"5\" opacity=\"0.5\"",
-        );
+        let style = Style::line(5.0).faint(0.5);
+        out.stroke(class, (scale.at(low), y), (scale.at(high), y), style);
         let told = format!(
             "{}: measured {}",
             it.observed.program,
             number(it.observed.mean)
         );
         out.disc("ink", (scale.at(it.observed.mean), y), 4.0, &told);
-        let name = match it.is_fitted {
-            true => short(&it.observed.program, 26),
-            false => format!("{} (held out)", short(&it.observed.program, 15)),
-        };
-        out.text_before("ink", (LEFT - 14.0, y + 4.0), &name);
+        out.text("ink", (EDGE, y + 4.0), &fitted(name, column));
     }
-    out.line("axis", (LEFT, bottom), (RIGHT, bottom), "");
-    let label = "mean time: measured (dot) and predicted (bar, 95 %)";
-    out.text_around("ink", ((LEFT + RIGHT) / 2.0, bottom + 38.0), label);
+    foot
 }

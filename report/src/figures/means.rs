@@ -2,13 +2,12 @@
 use stochc_ensemble::Time;
 use stochc_ensemble::text::number;
 
-use super::{WIDTH, short};
-use crate::svg::{Drawing, Scale, class};
+use super::EDGE;
+use crate::svg::letters::{fitted, widest};
+use crate::svg::{Axis, Drawing, Medium, Scale, Style, class};
 
 /// A dot for each program, with the 95 % interval of its mean.
-pub(crate) fn means(times: &[(&str, Time)], unit: &str) -> Option<Drawing> {
-    const LEFT: f64 = 250.0;
-    const RIGHT: f64 = WIDTH - 24.0;
+pub(crate) fn means(medium: Medium, times: &[(&str, Time)], unit: &str) -> Option<Drawing> {
     const TOP: f64 = 14.0;
     const ROW: f64 = 26.0;
     let half = |time: &Time| time.half_width.unwrap_or(0.0);
@@ -22,26 +21,25 @@ pub(crate) fn means(times: &[(&str, Time)], unit: &str) -> Option<Drawing> {
         .map(|(name, time)| described(name, time, unit))
         .collect();
     let bottom = TOP + ROW * times.len() as f64;
-    let mut out = Drawing::new(
-        "means",
-        "Mean times to completion",
-        &format!("{}.", told.join(". ")),
-        (WIDTH, bottom + 48.0),
-    );
-    let x = Scale::linear((0.0, last), (LEFT, RIGHT));
-    let of = format!("mean time to completion, 95 % interval [{unit}]");
-    out.across(&x, (LEFT, RIGHT), bottom, TOP, &of);
+    let description = format!("{}.", told.join(". "));
+    let title = "Mean times to completion";
+    let mut out = Drawing::new(medium, "means", title, &description);
+    let names = widest(times.iter().map(|(name, _)| *name)).min(0.34 * medium.width());
+    let (left, right) = (EDGE + names + 12.0, medium.width() - 24.0);
+    let x = Scale::linear((0.0, last), (left, right));
+    let of = Axis::new("mean time to completion, 95\u{a0}% interval", unit);
+    let end = out.across(&x, (left, right), bottom, TOP, &of);
     for (i, ((name, time), told)) in times.iter().zip(&told).enumerate() {
         let y = TOP + ROW * (i as f64 + 0.5);
-        out.text("ink", (8.0, y + 4.0), &short(name, 34));
+        out.text("ink", (EDGE, y + 4.0), &fitted(name, names));
         let (low, high) = (x.at(time.mean - half(time)), x.at(time.mean + half(time)));
-        out.line(class(i), (low, y), (high, y), "stroke-width=\"3\"");
+        out.stroke(class(i), (low, y), (high, y), Style::line(3.0));
         out.disc(class(i), (x.at(time.mean), y), 5.0, told);
         if time.censored > 0 {
             out.text("ink", (high + 7.0, y + 4.0), "≥");
         }
     }
-    Some(out)
+    Some(out.high(end - 10.0))
 }
 
 fn described(name: &str, time: &Time, unit: &str) -> String {

@@ -1,7 +1,8 @@
-//! Pictures (SVG) of ensembles, sweeps and trades.
+//! Pictures (SVG and PDF) of ensembles, sweeps and trades; each is laid out for the width of its medium.
 mod completion;
 mod entries;
 mod fit;
+mod maps;
 mod means;
 mod origins;
 mod survival;
@@ -10,18 +11,18 @@ mod trade;
 mod waits;
 
 pub(crate) use entries::entries;
+pub(crate) use maps::{MapColumn, maps};
 pub(crate) use means::means;
 pub(crate) use origins::origins;
-pub(crate) use survival::{SurvivalCurve, survival};
+pub(crate) use survival::{SurvivalCurve, incomplete, survival};
 pub(crate) use waits::{SHOWN, waits};
 
+pub use crate::svg::{Drawing, Medium};
 pub use completion::completion;
 pub(crate) use completion::completion_so_far;
 pub use fit::fit;
 pub use sweep::pictures as sweep;
 pub use trade::trade;
 
-use crate::text::short;
-
-/// Of every figure.
-const WIDTH: f64 = 760.0;
+/// Between a figure's edge and what is in it.
+const EDGE: f64 = 8.0;

@@ -4,19 +4,19 @@ use std::collections::BTreeMap;
 use stochc_ensemble::EnsembleProgram;
 use stochc_ir::table::RoleId;
 
-use super::{WIDTH, short};
+use super::EDGE;
 use crate::analysis::waits::ReportedCapture;
-use crate::svg::{Drawing, Scale, class};
+use crate::svg::letters::{fitted, widest};
+use crate::svg::{Axis, Drawing, Key, Medium, Sample, Scale, class};
 
 /// A bar for each capture that ever took a block that had been released; `None`: none did.
 pub(crate) fn origins(
+    medium: Medium,
     number: usize,
     label: &str,
     program: &EnsembleProgram,
     waits: &[ReportedCapture],
 ) -> Option<Drawing> {
-    const LEFT: f64 = 190.0;
-    const RIGHT: f64 = WIDTH - 24.0;
     const TOP: f64 = 16.0;
     const ROW: f64 = 24.0;
     /// Roles that have a colour of their own.
@@ -39,19 +39,20 @@ pub(crate) fn origins(
     roles.sort_by_key(|&(role, n)| (std::cmp::Reverse(n), role));
     let place = |role: RoleId| roles.iter().position(|other| other.0 == role);
     let bottom = TOP + ROW * rows.len() as f64;
-    let keys = roles.len().min(ROLES) + 1 + usize::from(roles.len() > ROLES);
-    let legend = 19.0 * keys.div_ceil(3) as f64;
     let mut out = Drawing::new(
+        medium,
         &format!("origins-{number}"),
         &format!("{label}: where captured blocks came from"),
         &told(program, &rows),
-        (WIDTH, bottom + 50.0 + legend),
     );
-    let x = Scale::linear((0.0, 100.0), (LEFT, RIGHT));
-    out.across(&x, (LEFT, RIGHT), bottom, TOP, "part of the runs [%]");
+    let names = widest(rows.iter().map(|wait| wait.text.as_str())).min(0.34 * medium.width());
+    let (left, right) = (EDGE + names + 12.0, medium.width() - 24.0);
+    let x = Scale::linear((0.0, 100.0), (left, right));
+    let of = Axis::new("part of the runs", "%");
+    let foot = out.across(&x, (left, right), bottom, TOP, &of);
     for (row, wait) in rows.iter().enumerate() {
         let y = TOP + ROW * row as f64;
-        out.text("ink", (8.0, y + 16.0), &short(&wait.text, 26));
+        out.text("ink", (EDGE, y + 16.0), &fitted(&wait.text, names));
         let total = wait.free() + wait.released().iter().map(|(_, n)| n).sum::<usize>();
         let mut from = 0.0;
         let mut bar = |colour: &str, hatch: usize, n: usize, what: &str| {
@@ -73,43 +74,28 @@ pub(crate) fn origins(
         }
         bar("grey", 0, wait.free(), "never captured before");
     }
+    let key = |class: &str, hatch: usize, meaning: String| Key {
+        class: format!("bar {class}"),
+        sample: Sample::Bar(hatch),
+        meaning,
+    };
     let named = roles.iter().take(ROLES).enumerate();
-    let mut keys: Vec<(String, String)> = named
-        .map(|(i, (role, _))| {
-            (
-                class(i).to_owned(),
-                format!("released as {}", program.role(*role)),
-            )
-        })
+    let mut keys: Vec<Key> = named
+        .map(|(i, (role, _))| key(class(i), i, format!("released as {}", program.role(*role))))
         .collect();
     if roles.len() > ROLES {
-        keys.push(("rest".into(), "released as another".into()));
+        keys.push(key("rest", 0, "released as another".into()));
     }
-    keys.push(("grey".into(), "never captured before".into()));
-    for (i, (colour, meaning)) in keys.iter().enumerate() {
-        let (column, row) = (i % 3, i / 3);
-        let at = (
-            40.0 + 235.0 * column as f64,
-            bottom + 58.0 + 19.0 * row as f64,
-        );
-        out.rectangle(
-            &format!("bar {colour}"),
-            (at.0, at.1 - 10.0),
-            (12.0, 12.0),
-            "",
-        );
-        let hatch = if i < roles.len().min(ROLES) { i } else { 0 };
-        out.hatch(hatch, (at.0, at.1 - 10.0), (12.0, 12.0));
-        out.text("ink", (at.0 + 18.0, at.1), &short(meaning, 28));
-    }
+    keys.push(key("grey", 0, "never captured before".into()));
+    let foot = out.keys((EDGE, foot), medium.width() - EDGE, &keys);
     if all > rows.len() {
         out.text(
             "dim",
-            (8.0, 11.0),
+            (EDGE, 11.0),
             &format!("the first {} of {all}", rows.len()),
         );
     }
-    Some(out)
+    Some(out.high(foot - 8.0))
 }
 
 fn told(program: &EnsembleProgram, rows: &[&ReportedCapture]) -> String {

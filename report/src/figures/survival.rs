@@ -2,8 +2,9 @@
 use stochc_ensemble::statistics::{KaplanMeier, Observation, SurvivalPoint};
 use stochc_ensemble::text::number;
 
-use super::{WIDTH, short};
-use crate::svg::{Colours, DASHES, Drawing, Scale};
+use super::EDGE;
+use crate::svg::letters::{fitted, width};
+use crate::svg::{Axis, Colours, DASHES, Drawing, LINE, Medium, Scale, plot_height};
 
 /// What one curve is of.
 #[derive(Clone, Debug)]
@@ -15,19 +16,22 @@ pub(crate) struct SurvivalCurve {
     pub under_way: usize,
 }
 
+/// What the vertical axis of most shows.
+pub(crate) fn incomplete() -> Axis {
+    Axis::new("runs not complete yet", "%")
+}
+
 /// The estimates of Kaplan and Meier with their intervals; marks where runs were stopped, and below how many still go on at the
-/// ticks of the axis.
+/// ticks of the axis. `axis` is that of the times, and `of` that of the shares.
 pub(crate) fn survival(
+    medium: Medium,
     name: &str,
     title: &str,
     curves: &[SurvivalCurve],
-    axis: &str,
+    (axis, of): (&Axis, &Axis),
     colours: Colours,
 ) -> Option<Drawing> {
-    const TOP: f64 = 34.0;
-    const BOTTOM: f64 = 300.0;
-    const LEFT: f64 = 58.0;
-    const RIGHT: f64 = WIDTH - 18.0;
+    const RISK: &str = "at risk";
     const ROW: f64 = 19.0;
     /// More bands than this hide each other.
     const BANDS: usize = 4;
@@ -41,20 +45,20 @@ pub(crate) fn survival(
     if last <= 0.0 {
         return None;
     }
-    let x = Scale::linear((0.0, last), (LEFT, RIGHT));
-    let y = Scale::linear((0.0, 1.0), (BOTTOM, TOP));
-    let height = BOTTOM + 50.0 + 2.0 * ROW * known.len() as f64 + 8.0;
-    let mut out = Drawing::new(name, title, &told(&known), (WIDTH, height));
-    out.across(&x, (LEFT, RIGHT), BOTTOM, TOP, axis);
-    let percent = |share: f64| format!("{:.0} %", 100.0 * share);
-    out.upward(
-        &y,
-        (BOTTOM, TOP),
-        LEFT,
-        RIGHT,
-        "runs not complete yet",
-        percent,
-    );
+    let mut out = Drawing::new(medium, name, title, &told(&known));
+    // The first number below the axis stands beside its name.
+    let most = curves.iter().map(|curve| curve.times.len()).max();
+    let most = width(&most.unwrap_or(0).to_string());
+    let left = (EDGE + width(RISK) + 8.0 + most / 2.0).max(58.0);
+    let right = medium.width() - 18.0;
+    let share = (0.0, 1.0);
+    let top = out.head(&of.label());
+    let bottom = top + plot_height(right - left);
+    let x = Scale::linear((0.0, last), (left, right));
+    let y = Scale::linear(share, (bottom, top));
+    let mut foot = out.across(&x, (left, right), bottom, top, axis);
+    let percent = |share: f64| format!("{:.0}", 100.0 * share);
+    out.upward(&y, (bottom, top), left, right, of, percent);
     for (i, _, estimate) in known.iter().filter(|_| known.len() <= BANDS) {
         // After the last completion nothing is known, or nothing is left.
         let points: Vec<_> = (thinned(estimate, &x).iter())
@@ -77,7 +81,7 @@ pub(crate) fn survival(
         high.extend(low.into_iter().rev());
         out.area(colours.class(*i), &high);
     }
-    for (row, (i, curve, estimate)) in known.iter().enumerate() {
+    for (i, curve, estimate) in &known {
         let mut points = vec![(x.at(0.0), y.at(1.0))];
         for step in thinned(estimate, &x) {
             let before = points.last().map_or(y.at(1.0), |point| point.1);
@@ -103,22 +107,26 @@ pub(crate) fn survival(
         }
         for time in stopped {
             let at = (x.at(time), y.at(estimate.incomplete(time)));
-            out.line("mark", (at.0, at.1 - 5.0), (at.0, at.1 + 5.0), "");
+            out.line("mark", (at.0, at.1 - 5.0), (at.0, at.1 + 5.0));
         }
-        let at = BOTTOM + 58.0 + 2.0 * ROW * row as f64;
-        out.curve(
-            colours.class(*i),
-            &[(LEFT, at - 4.0), (LEFT + 34.0, at - 4.0)],
-            dashes,
+        let sample = [(EDGE + 2.0, foot - 4.0), (EDGE + 36.0, foot - 4.0)];
+        out.curve(colours.class(*i), &sample, dashes);
+        let words = EDGE + 44.0;
+        foot = out.paragraph(
+            "ink",
+            (words, foot),
+            medium.width() - words - EDGE,
+            &legend(curve, estimate),
         );
-        out.text("ink", (LEFT + 42.0, at), &legend(curve, estimate));
-        out.text("dim", (8.0, at + 17.0), "at risk");
-        for tick in x.ticks(6) {
+        foot += ROW - LINE;
+        out.text("dim", (EDGE, foot), RISK);
+        for tick in out.ticks_across(&x) {
             let going = curve.times.iter().filter(|time| time.time >= tick).count();
-            out.text_around("dim", (x.at(tick), at + 17.0), &going.to_string());
+            out.text_around("dim", (x.at(tick), foot), &going.to_string());
         }
+        foot += ROW + 2.0;
     }
-    Some(out)
+    Some(out.high(foot - 8.0))
 }
 
 /// The steps that can be told apart: of those in a third of a unit, the last.
@@ -157,7 +165,7 @@ fn legend(curve: &SurvivalCurve, estimate: &KaplanMeier) -> String {
     };
     format!(
         "{}: {half}; {} runs{stopped}{under_way}",
-        short(&curve.name, 44),
+        fitted(&curve.name, 260.0),
         curve.times.len()
     )
 }

@@ -3,13 +3,16 @@ use stochc_ensemble::text::{percent, relative, relative_size, seconds};
 use stochc_ensemble::trade::{CLOSE, Convergence, Setting, Trade};
 use stochc_runtime::{Model, Precision};
 
-use crate::svg::{Drawing, Marker, Scale};
+use super::EDGE;
+use crate::svg::letters::{fitted, width};
+use crate::svg::{Axis, Drawing, Key, LINE, Marker, Medium, Sample, Scale, Style, plot_height};
 
+/// Width on a screen.
 const WIDTH: f64 = 1020.0;
-const LEFT: f64 = 70.0;
-const RIGHT: f64 = 600.0;
-const TOP: f64 = 60.0;
-const BOTTOM: f64 = 540.0;
+/// In a figure that is narrower, the list of settings stands below the plot.
+const BESIDE: f64 = 840.0;
+/// Width of the list.
+const LIST: f64 = 420.0;
 /// Biases below this are drawn to scale, larger ones by their logarithm.
 const SMALL: f64 = 0.02;
 /// Dashes of the front.
@@ -38,6 +41,10 @@ struct Axes {
     cost: Scale,
     /// The largest bias.
     most: f64,
+    left: f64,
+    right: f64,
+    top: f64,
+    bottom: f64,
 }
 
 impl Axes {
@@ -45,16 +52,13 @@ impl Axes {
     fn y(&self, bias: f64) -> f64 {
         let scale = |bias: f64| (bias / SMALL).asinh();
         let share = scale(bias.clamp(0.0, self.most)) / scale(self.most);
-        BOTTOM - (BOTTOM - TOP) * share
+        self.bottom - (self.bottom - self.top) * share
     }
 }
 
 /// A trade as a picture: each mark is a setting, at the cost of a run and the largest bias of any program.
-pub fn trade(trade: &Trade) -> Drawing {
+pub fn trade(medium: Medium, trade: &Trade) -> Drawing {
     let points = points(trade);
-    let axes = axes(&points);
-    let rows = points.len() as f64;
-    let height = (TOP + ROW * (rows + 10.0)).max(BOTTOM + 70.0);
     let names: Vec<&str> = trade.programs.iter().map(|p| p.name.as_str()).collect();
     let title = format!("What accuracy costs: {}", names.join(", "));
     let below = match trade.reference.as_ref().zip(trade.reference_rung()) {
@@ -68,18 +72,31 @@ pub fn trade(trade: &Trade) -> Drawing {
             format!("reference: {}, {known}", rung.options)
         }
     };
-    let mut out = Drawing::new("trade", &title, &below, (WIDTH, height));
-    out.text("ink", (LEFT, 26.0), &heading(&names));
-    out.text("dim", (LEFT, 44.0), &below);
-    frame(&mut out, &axes);
+    let all = medium.width_or(WIDTH);
+    let is_beside = all >= BESIDE;
+    let mut out = Drawing::sized(medium, all, "trade", &title, &below);
+    let text = all - 2.0 * EDGE;
+    let foot = out.paragraph("ink", (EDGE, 20.0), text, &heading(&names));
+    let foot = out.paragraph("dim", (EDGE, foot + 3.0), text, &below);
+    let of = Axis::new("size of the bias of the mean time", BIAS_UNIT);
+    let top = foot - LINE + out.head(&of.label());
+    let right = if is_beside { all - LIST } else { all - 18.0 };
+    let axes = axes(&points, (56.0, right), top);
+    let foot = frame(&mut out, &axes, &of);
     front(&mut out, &axes, &points);
     for point in &points {
         draw(&mut out, &axes, point);
     }
     numbers(&mut out, &axes, &points);
-    list(&mut out, &points);
-    out
+    let end = match is_beside {
+        true => list(&mut out, &points, (right + 30.0, axes.top)).max(foot),
+        false => list(&mut out, &points, (EDGE, foot + 4.0)),
+    };
+    out.high(end - 8.0)
 }
+
+/// Of the vertical axis, which is even near 0 and one of logarithms above.
+const BIAS_UNIT: &str = "% of the reference, logarithmic above 2";
 
 fn heading(names: &[&str]) -> String {
     match names {
@@ -118,7 +135,7 @@ fn points(trade: &Trade) -> Vec<PlottedSetting<'_>> {
     found.collect()
 }
 
-fn axes(points: &[PlottedSetting]) -> Axes {
+fn axes(points: &[PlottedSetting], (left, right): (f64, f64), top: f64) -> Axes {
     let costs = || points.iter().map(|point| point.cost.log10());
     let (least, most) = (
         costs().fold(f64::INFINITY, f64::min),
@@ -137,37 +154,47 @@ fn axes(points: &[PlottedSetting]) -> Axes {
     let reach = ends.fold(largest, f64::max).min(2.0 * largest);
     let ends = (10f64.powf(least - margin), 10f64.powf(most + margin));
     Axes {
-        cost: Scale::logarithmic(ends, (LEFT, RIGHT)),
+        cost: Scale::logarithmic(ends, (left, right)),
         most: 1.08 * reach,
+        left,
+        right,
+        top,
+        bottom: top + plot_height(1.8 * (right - left)),
     }
 }
 
-fn frame(out: &mut Drawing, axes: &Axes) {
-    for cost in axes.cost.ticks(6) {
-        let x = axes.cost.at(cost);
-        out.line("grid", (x, TOP), (x, BOTTOM), "");
-        out.text_around("dim", (x, BOTTOM + 18.0), &plain(cost));
+/// Axes and lines behind the marks; gives the foot of the next line of text.
+fn frame(out: &mut Drawing, axes: &Axes, of: &Axis) -> f64 {
+    let Axes {
+        left,
+        right,
+        top,
+        bottom,
+        ..
+    } = *axes;
+    let costs: Vec<(f64, String)> = (axes.cost.ticks(6).into_iter())
+        .map(|cost| (axes.cost.at(cost), plain(cost)))
+        .collect();
+    for (x, _) in &costs {
+        out.line("grid", (*x, top), (*x, bottom));
     }
     let steps = [
         0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1e3, 2e3, 5e3, 1e4,
     ];
-    let mut last = BOTTOM;
-    out.line("axis", (LEFT, BOTTOM), (RIGHT, BOTTOM), "");
-    out.text_before("dim", (LEFT - 8.0, BOTTOM + 4.0), "0");
+    let mut last = bottom;
+    let mut biases = vec![(bottom, "0".to_owned())];
     for percent in steps {
         let y = axes.y(percent / 100.0);
         if percent / 100.0 > axes.most || last - y < 22.0 {
             continue;
         }
         last = y;
-        out.line("grid", (LEFT, y), (RIGHT, y), "");
-        out.text_before("dim", (LEFT - 8.0, y + 4.0), &percent.to_string());
+        out.line("grid", (left, y), (right, y));
+        biases.push((y, percent.to_string()));
     }
-    out.line("axis", (LEFT, TOP), (LEFT, BOTTOM), "");
-    let label = "processor time of a run, median (logarithmic)";
-    out.text_around("ink", ((LEFT + RIGHT) / 2.0, BOTTOM + 42.0), label);
-    let label = "|bias| of the mean time, % of the reference (logarithmic above 2)";
-    out.text_upward("ink", (22.0, (TOP + BOTTOM) / 2.0), label);
+    out.marks_upward(&biases, (bottom, top), (EDGE, left), &of.label());
+    let of = Axis::new("processor time of a run, median", "s, ms or us as marked");
+    out.marks_across(&costs, (left, right), bottom, &of.on(&axes.cost))
 }
 
 /// A time without needless zeros.
@@ -219,8 +246,8 @@ fn draw(out: &mut Drawing, axes: &Axes, point: &PlottedSetting) {
     let (class, symbol) = look(point);
     if point.half_width > 0.0 {
         let (low, high) = (point.bias - point.half_width, point.bias + point.half_width);
-        let style = "stroke-width=\"1.4\" opacity=\"0.55\"";
-        out.line(class, (x, axes.y(low)), (x, axes.y(high)), style);
+        let style = Style::line(1.4).faint(0.55);
+        out.stroke(class, (x, axes.y(low)), (x, axes.y(high)), style);
     }
     let cost = seconds(point.cost);
     let told = match (point.reference, point.rung.worst) {
@@ -232,8 +259,6 @@ fn draw(out: &mut Drawing, axes: &Axes, point: &PlottedSetting) {
 
 /// Numbers beside the marks, each where it covers the least.
 fn numbers(out: &mut Drawing, axes: &Axes, points: &[PlottedSetting]) {
-    /// Of a digit.
-    const DIGIT: f64 = 7.0;
     let places: Vec<(f64, f64)> = points
         .iter()
         .map(|p| (axes.cost.at(p.cost), axes.y(p.bias)))
@@ -241,7 +266,7 @@ fn numbers(out: &mut Drawing, axes: &Axes, points: &[PlottedSetting]) {
     let mut taken: Vec<(f64, f64, f64)> = places.iter().map(|&(x, y)| (x, y, MARK + 1.0)).collect();
     for (point, &(x, y)) in points.iter().zip(&places) {
         let label = point.number.to_string();
-        let half = DIGIT * label.len() as f64 / 2.0;
+        let half = width(&label) / 2.0;
         let (dx, dy) = (MARK + half + 4.0, MARK + 9.0);
         let around = [
             (dx, 0.0),
@@ -257,7 +282,8 @@ fn numbers(out: &mut Drawing, axes: &Axes, points: &[PlottedSetting]) {
         let candidates = around.iter().copied().chain(far);
         let covered = |&(dx, dy): &(f64, f64)| {
             let (cx, cy) = (x + dx, y + dy);
-            let inside = (LEFT + 4.0..=RIGHT).contains(&cx) && (TOP..=BOTTOM - 4.0).contains(&cy);
+            let inside = (axes.left + 4.0..=axes.right).contains(&cx)
+                && (axes.top..=axes.bottom - 4.0).contains(&cy);
             let hits = taken.iter().filter(|(tx, ty, size)| {
                 (cx - tx).abs() < half + size && (cy - ty).abs() < 5.0 + size
             });
@@ -270,14 +296,19 @@ fn numbers(out: &mut Drawing, axes: &Axes, points: &[PlottedSetting]) {
     }
 }
 
-/// The settings by their numbers, and what the marks mean.
-fn list(out: &mut Drawing, points: &[PlottedSetting]) {
-    const X: f64 = RIGHT + 30.0;
-    let mut y = TOP;
-    out.text("dim", (X, y), "setting: model, substeps");
+/// The settings by their numbers, and what the marks mean, the first line with its foot at a place; gives the foot of
+/// the next one.
+fn list(out: &mut Drawing, points: &[PlottedSetting], (x, y): (f64, f64)) -> f64 {
+    let right = out.size().0 - EDGE;
+    let mut y = y;
+    out.text("dim", (x, y), "setting: model, substeps");
     for point in points {
         y += ROW;
-        out.text_before("dim", (X + 16.0, y), &point.number.to_string());
+        out.text_before("dim", (x + 16.0, y), &point.number.to_string());
+        let bias = match point.rung.worst.filter(|_| !point.reference) {
+            Some(worst) => relative_size(&worst),
+            None => String::new(),
+        };
         let name = match (point.reference, point.rung.reversed) {
             (true, _) => format!("{} (reference)", point.rung.name),
             (false, true) => format!("{} REVERSED", point.rung.name),
@@ -288,43 +319,37 @@ fn list(out: &mut Drawing, points: &[PlottedSetting]) {
         } else {
             "ink"
         };
-        out.text(colour, (X + 24.0, y), &name);
-        if let Some(worst) = point.rung.worst.filter(|_| !point.reference) {
-            out.text_before("dim", (WIDTH - 14.0, y), &relative_size(&worst));
-        }
+        let room = right - (x + 24.0) - width(&bias) - 8.0;
+        out.text(colour, (x + 24.0, y), &fitted(&name, room));
+        out.text_before("dim", (right, y), &bias);
     }
     y += 1.6 * ROW;
-    for (class, symbol, meaning) in [
-        ("s0", Marker::Disc, "rigid; open: double precision"),
-        ("s1", Marker::Square, "Rapier"),
-        ("s3", Marker::Disc, "rates; open: estimate, without runs"),
-        ("s2", Marker::Triangle, "reduced model"),
-        (
+    let key = |class: &str, sample, meaning: &str| Key {
+        class: class.to_owned(),
+        sample,
+        meaning: meaning.to_owned(),
+    };
+    let mark = |class: &str, marker, meaning: &str| {
+        key(&format!("key {class}"), Sample::Mark(marker), meaning)
+    };
+    let keys = [
+        mark("s0", Marker::Disc, "rigid; open: double precision"),
+        mark("s1", Marker::Square, "Rapier"),
+        mark("s3", Marker::Disc, "rates; open: estimate, without runs"),
+        mark("s2", Marker::Triangle, "reduced model"),
+        mark(
             "hot",
             Marker::Triangle,
             "red: it reverses an order of programs",
         ),
-        ("reference", Marker::Diamond, "reference"),
-    ] {
-        out.mark(
-            &format!("key {class}"),
-            symbol,
-            (X + 8.0, y - 4.0),
-            MARK,
-            "",
-        );
-        out.text("dim", (X + 24.0, y), meaning);
-        y += ROW;
-    }
-    out.curve("mark", &[(X, y - 4.0), (X + 16.0, y - 4.0)], FRONT);
-    out.text(
-        "dim",
-        (X + 24.0, y),
-        "no setting is cheaper and less biased",
-    );
-    out.text(
-        "dim",
-        (X + 24.0, y + ROW),
-        "bars: 95 % interval of the bias",
-    );
+        mark("reference", Marker::Diamond, "reference"),
+        key(
+            "mark",
+            Sample::Line(FRONT),
+            "no setting is cheaper and less biased",
+        ),
+    ];
+    let foot = out.keys((x, y), right, &keys);
+    out.text("dim", (x, foot), "bars: 95 % interval of the bias");
+    foot + ROW
 }

@@ -1,10 +1,11 @@
 //! How long each capture was waited for, and how much of the runs' time that decided.
 use stochc_ensemble::text::{number, percent};
 
-use super::{WIDTH, short};
+use super::EDGE;
 use crate::analysis::subject::ReportedProgram;
 use crate::analysis::waits::ReportedCapture;
-use crate::svg::{Drawing, Scale};
+use crate::svg::letters::{fitted, widest, width, wrapped};
+use crate::svg::{Axis, Drawing, LINE, Medium, Scale, Style};
 
 /// Rows of the figure; of more captures, those that decided most are shown.
 pub(crate) const SHOWN: usize = 60;
@@ -13,16 +14,16 @@ pub(crate) const SHOWN: usize = 60;
 ///
 /// `number` is that of the program in the report.
 pub(crate) fn waits(
+    medium: Medium,
     program: usize,
     subject: &ReportedProgram,
     waits: &[ReportedCapture],
 ) -> Option<Drawing> {
-    const LEFT: f64 = 190.0;
-    const RIGHT: f64 = 560.0;
-    const BARS: f64 = 590.0;
-    const BARS_END: f64 = WIDTH - 54.0;
-    const TOP: f64 = 44.0;
     const ROW: f64 = 20.0;
+    /// Where names of captures begin, beside the hooks.
+    const NAMES: f64 = 30.0;
+    const SHARES: &str = "part of the runs' time it decided [%]";
+    const SHOWS: &str = "mean, 95\u{a0}% interval, middle 80\u{a0}% of the runs";
     let shown = shown(waits);
     let times = shown.iter().filter_map(|wait| wait.time());
     let ends = times.map(|time| time.mean + time.half_width.unwrap_or(0.0));
@@ -35,64 +36,79 @@ pub(crate) fn waits(
     let groups = shown
         .iter()
         .filter(|wait| phase.replace(wait.phase) != Some(wait.phase));
-    let height = TOP + ROW * (shown.len() + groups.count()) as f64;
+    let rows = ROW * (shown.len() + groups.count()) as f64;
     let mut out = Drawing::new(
+        medium,
         &format!("waits-{program}"),
         &format!("{}: how long each capture was waited for", subject.label),
         &told(&shown),
-        (WIDTH, height + 64.0),
     );
-    let x = Scale::linear((0.0, last), (LEFT, RIGHT));
-    let axis = format!("wait [{}]", subject.tick().unit());
-    out.across(&x, (LEFT, RIGHT), height, TOP, &axis);
     let decisive = shown.iter().any(|wait| wait.share.is_some());
     let most = shown
         .iter()
         .filter_map(|wait| wait.share)
         .fold(0.0, f64::max);
-    let bar = Scale::linear((0.0, most.max(0.01)), (BARS, BARS_END));
-    if decisive {
-        out.text("ink", (BARS, TOP - 28.0), "part of the runs'");
-        out.text("ink", (BARS, TOP - 13.0), "time it decided");
-        out.line("axis", (BARS, TOP), (BARS, height), "");
-    }
-    out.text("ink", (8.0, TOP - 13.0), "capture");
-    out.text(
-        "ink",
-        (LEFT, TOP - 13.0),
-        "mean, 95 % interval, middle 80 % of the runs",
+    // Names, waits and bars side by side.
+    let all = medium.width();
+    let names = widest(shown.iter().map(|wait| wait.text.as_str())).min(0.29 * all);
+    let left = (NAMES + names + 12.0).max(100.0);
+    let percents = width("100.0 %") + 8.0;
+    let bars_end = all - percents;
+    let bars = match decisive {
+        true => bars_end - 0.12 * all,
+        false => bars_end,
+    };
+    // Room for a sign behind the longest.
+    let right = bars - 26.0;
+    let (shows, shares) = (
+        wrapped(SHOWS, right - left),
+        wrapped(SHARES, all - bars - 2.0),
     );
-    let mut y = TOP;
+    let top = 18.0 + LINE * shows.len().max(if decisive { shares.len() } else { 1 }) as f64;
+    let height = top + rows;
+    let x = Scale::linear((0.0, last), (left, right));
+    let axis = Axis::new("wait", &subject.tick().unit());
+    let mut foot = out.across(&x, (left, right), height, top, &axis);
+    let bar = Scale::linear((0.0, most.max(0.01)), (bars, bars_end));
+    let mut heading = |x: f64, lines: &[String]| {
+        for (above, line) in (0..lines.len()).rev().zip(lines) {
+            out.text("ink", (x, top - 13.0 - LINE * above as f64), line);
+        }
+    };
+    heading(EDGE, &["capture".to_owned()]);
+    heading(left, &shows);
+    if decisive {
+        heading(bars, &shares);
+        out.line("axis", (bars, top), (bars, height));
+    }
+    let mut y = top;
     let mut phase = None;
     for wait in &shown {
         let begins = phase.replace(wait.phase) != Some(wait.phase);
         if begins {
             let name = subject.program.phase(wait.phase);
-            out.text(
-                "dim",
-                (8.0, y + 14.0),
-                &format!("phase {}", short(name, 22)),
-            );
+            let name = fitted(&format!("phase {name}"), left - EDGE - 8.0);
+            out.text("dim", (EDGE, y + 14.0), &name);
             y += ROW;
         }
         let middle = y + ROW / 2.0;
         if wait.follows && !begins {
-            out.line("axis", (20.0, y - ROW / 2.0 + 6.0), (20.0, middle), "");
-            out.line("axis", (20.0, middle), (27.0, middle), "");
+            out.line("axis", (20.0, y - ROW / 2.0 + 6.0), (20.0, middle));
+            out.line("axis", (20.0, middle), (27.0, middle));
         }
-        out.text("ink", (30.0, middle + 4.0), &short(&wait.text, 24));
+        out.text("ink", (NAMES, middle + 4.0), &fitted(&wait.text, names));
         // What decided most is what a reader looks for.
         let hot = most > 0.0 && wait.share.is_some_and(|share| share >= 0.999 * most);
         let class = if hot { "hot" } else { "s0" };
         if let Some((low, high)) = wait.spread() {
-            let style = "stroke-width=\"1\" opacity=\"0.65\"";
-            out.line(class, (x.at(low), middle), (x.at(high), middle), style);
+            let style = Style::line(1.0).faint(0.65);
+            out.stroke(class, (x.at(low), middle), (x.at(high), middle), style);
         }
         match wait.time() {
             Some(time) => {
                 let half = time.half_width.unwrap_or(0.0);
                 let (low, high) = (x.at(time.mean - half), x.at(time.mean + half));
-                out.line(class, (low, middle), (high, middle), "stroke-width=\"4\"");
+                out.stroke(class, (low, middle), (high, middle), Style::line(4.0));
                 let bound = if time.censored > 0 { "at least " } else { "" };
                 let told = format!(
                     "{}: {bound}{} ± {} ticks, {} captures",
@@ -106,12 +122,12 @@ pub(crate) fn waits(
                     out.text("ink", (high + 6.0, middle + 4.0), "≥");
                 }
             }
-            None => out.text("dim", (LEFT + 4.0, middle + 4.0), "never waited for"),
+            None => out.text("dim", (left + 4.0, middle + 4.0), "never waited for"),
         }
         if let Some(share) = wait.share {
             let told = format!("{}: {}", wait.text, percent(share));
-            let size = (bar.at(share) - BARS, 10.0);
-            out.rectangle(&format!("bar {class}"), (BARS, middle - 5.0), size, &told);
+            let size = (bar.at(share) - bars, 10.0);
+            out.rectangle(&format!("bar {class}"), (bars, middle - 5.0), size, &told);
             out.text("dim", (bar.at(share) + 5.0, middle + 4.0), &percent(share));
         }
         y += ROW;
@@ -122,9 +138,9 @@ pub(crate) fn waits(
             shown.len(),
             waits.len()
         );
-        out.text("dim", (8.0, height + 56.0), &note);
+        foot = out.paragraph("dim", (EDGE, foot), all - 2.0 * EDGE, &note);
     }
-    Some(out)
+    Some(out.high(foot - 8.0))
 }
 
 /// The captures that fit, in their order.

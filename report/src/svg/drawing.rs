@@ -1,12 +1,11 @@
 //! A picture with a name, a title, and words for those who cannot see it.
-use std::fmt::Write as _;
+use super::axis::LINE;
+use super::letters::{self, fitted, wrapped};
+use super::medium::Medium;
+use super::shape::{Anchor, Form, Marker, Place, Shape};
+use super::style::{Paint, Style};
 
-use stochc_ensemble::text::{escaped, number};
-
-use super::element::{line, text};
-use super::{Marker, STYLE, Scale};
-
-/// A picture that grows; lengths are in its own units, of which a letter is about 7 wide.
+/// A picture that grows; lengths are in units of which type has [`TYPE`](super::medium::TYPE).
 #[derive(Clone, Debug)]
 pub struct Drawing {
     /// Its file, without `.svg`; letters, digits and `-`.
@@ -15,120 +14,154 @@ pub struct Drawing {
     pub title: String,
     /// What there is to see in it.
     pub description: String,
+    /// What it is drawn for.
+    pub(super) medium: Medium,
     size: (f64, f64),
-    body: String,
+    shapes: Vec<Shape>,
 }
 
-/// Height of letters.
-const LETTERS: f64 = 12.0;
+/// The key of a colour.
+#[derive(Clone, Debug)]
+pub(crate) struct Key {
+    /// Of its sample.
+    pub class: String,
+    pub sample: Sample,
+    pub meaning: String,
+}
+
+/// What the sample of a key looks like.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Sample {
+    /// A bar with strokes of this kind.
+    Bar(usize),
+    Mark(Marker),
+    /// A line in dashes.
+    Line(&'static str),
+}
 
 impl Drawing {
-    /// An empty picture of `width` x `height`.
-    pub(crate) fn new(name: &str, title: &str, description: &str, size: (f64, f64)) -> Drawing {
+    /// An empty picture.
+    pub(crate) fn new(medium: Medium, name: &str, title: &str, description: &str) -> Drawing {
+        Drawing::sized(medium, medium.width(), name, title, description)
+    }
+
+    /// One of another width than most.
+    pub(crate) fn sized(
+        medium: Medium,
+        width: f64,
+        name: &str,
+        title: &str,
+        description: &str,
+    ) -> Drawing {
         Drawing {
             name: name.to_owned(),
             title: title.to_owned(),
             description: description.to_owned(),
-            size,
-            body: String::new(),
+            medium,
+            size: (width, 0.0),
+            shapes: Vec::new(),
         }
     }
 
-    /// As a file of its own.
-    pub fn file(&self) -> String {
-        let rest = format!(
-            "<style>{}</style>\n<rect class=\"paper\" width=\"100%\" height=\"100%\"/>\n{}",
-            *STYLE, self.body
-        );
-        self.element("xmlns=\"http://www.w3.org/2000/svg\" ", "", &rest)
+    /// The same, so high.
+    pub(crate) fn high(mut self, height: f64) -> Drawing {
+        self.size.1 = height;
+        self
     }
 
-    /// As a part of a page, which brings [`STYLE`]; `prefix` keeps its names apart from those of
-    /// other pictures.
-    pub(crate) fn inline(&self, prefix: &str) -> String {
-        self.element("", prefix, &self.body)
+    /// Width and height.
+    pub(crate) fn size(&self) -> (f64, f64) {
+        self.size
     }
 
-    fn element(&self, more: &str, prefix: &str, content: &str) -> String {
-        let (width, height) = self.size;
-        let name = format!("{prefix}{}", self.name);
-        format!(
-            "<svg {more}viewBox=\"0 0 {width:.0} {height:.0}\" width=\"{width:.0}\" \
-             height=\"{height:.0}\" \
-             font-family=\"Helvetica, Arial, sans-serif\" font-size=\"{LETTERS}\" role=\"img\" \
-             aria-labelledby=\"{name}-title {name}-description\">\n\
-             <title id=\"{name}-title\">{}</title>\n\
-             <desc id=\"{name}-description\">{}</desc>\n{content}</svg>\n",
-            escaped(&self.title),
-            escaped(&self.description),
-        )
+    pub(crate) fn shapes(&self) -> &[Shape] {
+        &self.shapes
+    }
+
+    pub(crate) fn push(&mut self, class: &str, own: Style, form: Form, told: &str) {
+        self.shapes.push(Shape {
+            class: class.to_owned(),
+            own,
+            form,
+            told: told.to_owned(),
+        });
     }
 
     /// A straight line.
-    pub(crate) fn line(&mut self, class: &str, from: (f64, f64), to: (f64, f64), more: &str) {
-        line(&mut self.body, class, from, to, more);
+    pub(crate) fn line(&mut self, class: &str, from: Place, to: Place) {
+        self.stroke(class, from, to, Style::default());
+    }
+
+    /// A straight line of a style of its own.
+    pub(crate) fn stroke(&mut self, class: &str, from: Place, to: Place, own: Style) {
+        self.push(class, own, Form::Line(from, to), "");
     }
 
     /// A line of text that begins at `place`.
-    pub(crate) fn text(&mut self, class: &str, place: (f64, f64), content: &str) {
-        text(&mut self.body, class, place, "", content);
+    pub(crate) fn text(&mut self, class: &str, place: Place, content: &str) {
+        self.words(class, place, Anchor::Start, content);
     }
 
     /// A line of text that ends at `place`.
-    pub(crate) fn text_before(&mut self, class: &str, place: (f64, f64), content: &str) {
-        text(&mut self.body, class, place, "text-anchor=\"end\"", content);
+    pub(crate) fn text_before(&mut self, class: &str, place: Place, content: &str) {
+        self.words(class, place, Anchor::End, content);
     }
 
     /// A line of text around `place`.
-    pub(crate) fn text_around(&mut self, class: &str, place: (f64, f64), content: &str) {
-        text(
-            &mut self.body,
-            class,
-            place,
-            "text-anchor=\"middle\"",
-            content,
-        );
+    pub(crate) fn text_around(&mut self, class: &str, place: Place, content: &str) {
+        self.words(class, place, Anchor::Middle, content);
     }
 
-    /// A line of text around `place`, upwards.
-    pub(crate) fn text_upward(&mut self, class: &str, (x, y): (f64, f64), content: &str) {
-        let more = format!("text-anchor=\"middle\" transform=\"rotate(-90 {x} {y})\"");
-        text(&mut self.body, class, (x, y), &more, content);
+    fn words(&mut self, class: &str, place: Place, anchor: Anchor, content: &str) {
+        let form = Form::Text(place, anchor, content.to_owned());
+        self.push(class, Style::default(), form, "");
+    }
+
+    /// Text in lines that are at most so wide, the first with its foot at `place`; gives the foot of the next line.
+    pub(crate) fn paragraph(&mut self, class: &str, place: Place, most: f64, content: &str) -> f64 {
+        let mut y = place.1;
+        for line in wrapped(content, most) {
+            self.text(class, (place.0, y), &line);
+            y += LINE;
+        }
+        y
     }
 
     /// A mark at a point; `told` is what a pointer over it shows.
     pub(crate) fn mark(
         &mut self,
         class: &str,
-        symbol: Marker,
-        centre: (f64, f64),
+        marker: Marker,
+        centre: Place,
         size: f64,
         told: &str,
     ) {
-        let title = match told {
-            "" => String::new(),
-            _ => format!("<title>{}</title>", escaped(told)),
+        let own = match marker {
+            Marker::Ring => Style {
+                fill: Some(Paint::Nothing),
+                ..Style::line(2.0)
+            },
+            _ => Style::default(),
         };
-        let element = symbol.element(centre, size);
-        let _ = writeln!(self.body, "<g class=\"{class}\">{title}{element}</g>");
+        self.push(class, own, marker.form(centre, size), told);
     }
 
     /// A rectangle, from its upper left corner.
-    pub(crate) fn rectangle(
+    pub(crate) fn rectangle(&mut self, class: &str, corner: Place, size: Place, told: &str) {
+        self.field(class, corner, size, Style::default(), told);
+    }
+
+    /// A rectangle of a style of its own.
+    pub(crate) fn field(
         &mut self,
         class: &str,
-        corner: (f64, f64),
-        size: (f64, f64),
+        corner: Place,
+        size: Place,
+        own: Style,
         told: &str,
     ) {
-        let shape = format!(
-            "<rect class=\"{class}\" x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\"",
-            corner.0,
-            corner.1,
-            size.0.max(0.0),
-            size.1
-        );
-        self.shape(&shape, "rect", told);
+        let size = (size.0.max(0.0), size.1.max(0.0));
+        self.push(class, own, Form::Rectangle(corner, size), told);
     }
 
     /// Strokes over a bar, of one of six kinds, so that colour is not the only difference.
@@ -159,111 +192,71 @@ impl Drawing {
             lines.extend(steps(APART / 2.0, height).map(|at| ((x, y + at), (x + width, y + at))));
         }
         for (from, to) in lines {
-            self.line("hatch", from, to, "");
+            self.line("hatch", from, to);
         }
     }
 
-    /// A field of some strength, 0 to 1, from its upper left corner.
-    pub(crate) fn shade(
-        &mut self,
-        class: &str,
-        corner: (f64, f64),
-        size: (f64, f64),
-        strength: f64,
-        told: &str,
-    ) {
-        let shape = format!(
-            "<rect class=\"{class}\" x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\" \
-             stroke-opacity=\"0.4\" fill-opacity=\"{strength:.2}\"",
-            corner.0, corner.1, size.0, size.1
-        );
-        self.shape(&shape, "rect", told);
-    }
-
     /// A disc; `told` is what a pointer over it shows.
-    pub(crate) fn disc(&mut self, class: &str, centre: (f64, f64), radius: f64, told: &str) {
-        let shape = format!(
-            "<circle class=\"{class}\" cx=\"{:.1}\" cy=\"{:.1}\" r=\"{radius:.1}\"",
-            centre.0, centre.1
-        );
-        self.shape(&shape, "circle", told);
+    pub(crate) fn disc(&mut self, class: &str, centre: Place, radius: f64, told: &str) {
+        self.push(class, Style::default(), Form::Disc(centre, radius), told);
     }
 
-    fn shape(&mut self, shape: &str, element: &str, told: &str) {
-        // Writing to a string cannot fail.
-        let _ = match told {
-            "" => writeln!(self.body, "{shape}/>"),
-            _ => writeln!(
-                self.body,
-                "{shape}><title>{}</title></{element}>",
-                escaped(told)
-            ),
-        };
+    /// A disc of a style of its own.
+    pub(crate) fn spot(&mut self, centre: Place, radius: f64, own: Style) {
+        self.push("", own, Form::Disc(centre, radius), "");
     }
 
     /// A line through points.
-    pub(crate) fn curve(&mut self, class: &str, points: &[(f64, f64)], dashes: &str) {
-        let dashes = match dashes {
-            "" => String::new(),
-            _ => format!(" stroke-dasharray=\"{dashes}\""),
-        };
-        let points = joined(points);
-        let _ = writeln!(
-            self.body,
-            "<polyline class=\"curve {class}\" fill=\"none\" points=\"{points}\"{dashes}/>"
+    pub(crate) fn curve(&mut self, class: &str, points: &[Place], dashes: &'static str) {
+        let class = format!("curve {class}");
+        self.push(
+            &class,
+            Style::default(),
+            Form::Curve(points.to_vec(), dashes),
+            "",
         );
     }
 
     /// An area between points.
-    pub(crate) fn area(&mut self, class: &str, points: &[(f64, f64)]) {
-        let points = joined(points);
-        let _ = writeln!(
-            self.body,
-            "<polygon class=\"band {class}\" points=\"{points}\"/>"
-        );
+    pub(crate) fn area(&mut self, class: &str, points: &[Place]) {
+        let class = format!("band {class}");
+        self.push(&class, Style::default(), Form::Area(points.to_vec()), "");
     }
 
-    /// A horizontal axis at height `y` with lines up to `top`, and what it shows.
-    pub(crate) fn across(
-        &mut self,
-        scale: &Scale,
-        (left, right): (f64, f64),
-        y: f64,
-        top: f64,
-        of: &str,
-    ) {
-        for tick in scale.ticks(6) {
-            let x = scale.at(tick);
-            self.line("grid", (x, top), (x, y), "");
-            self.text_around("dim", (x, y + 17.0), &number(tick));
+    /// Keys of colours side by side, in as many columns as they find room, the first with its foot at `place`; gives the foot
+    /// of the next line.
+    pub(crate) fn keys(&mut self, place: Place, right: f64, keys: &[Key]) -> f64 {
+        const ROW: f64 = 19.0;
+        const APART: f64 = 16.0;
+        let sample = |key: &Key| match key.sample {
+            Sample::Line(_) => 42.0,
+            _ => 18.0,
+        };
+        let room = right - place.0;
+        let widths = keys
+            .iter()
+            .map(|key| sample(key) + letters::width(&key.meaning) + APART);
+        let column = widths.fold(1.0, f64::max).min(room);
+        let columns = ((room + APART) / column).floor().max(1.0) as usize;
+        for (i, key) in keys.iter().enumerate() {
+            let x = place.0 + column * (i % columns) as f64;
+            let y = place.1 + ROW * (i / columns) as f64;
+            match key.sample {
+                Sample::Bar(kind) => {
+                    let (corner, size) = ((x, y - 10.0), (12.0, 12.0));
+                    self.rectangle(&key.class, corner, size, "");
+                    self.hatch(kind, corner, size);
+                }
+                Sample::Mark(marker) => self.mark(&key.class, marker, (x + 6.0, y - 4.0), 5.0, ""),
+                Sample::Line(dashes) => {
+                    self.curve(&key.class, &[(x, y - 4.0), (x + 34.0, y - 4.0)], dashes);
+                }
+            }
+            let meaning = fitted(&key.meaning, column - sample(key));
+            self.text("ink", (x + sample(key), y), &meaning);
         }
-        self.line("axis", (left, y), (right, y), "");
-        self.text_around("ink", ((left + right) / 2.0, y + 36.0), of);
+        place.1 + ROW * keys.len().div_ceil(columns) as f64
     }
-
-    /// A vertical axis at `x` with lines up to `right`, and above it what it shows.
-    pub(crate) fn upward(
-        &mut self,
-        scale: &Scale,
-        (bottom, top): (f64, f64),
-        x: f64,
-        right: f64,
-        of: &str,
-        label: impl Fn(f64) -> String,
-    ) {
-        for tick in scale.ticks(5) {
-            let y = scale.at(tick);
-            self.line("grid", (x, y), (right, y), "");
-            self.text_before("dim", (x - 7.0, y + 4.0), &label(tick));
-        }
-        self.line("axis", (x, bottom), (x, top), "");
-        self.text("ink", (8.0, top - 12.0), of);
-    }
-}
-
-fn joined(points: &[(f64, f64)]) -> String {
-    let points = points.iter().map(|(x, y)| format!("{x:.1},{y:.1}"));
-    points.collect::<Vec<_>>().join(" ")
 }
 
 #[cfg(test)]
@@ -274,25 +267,34 @@ mod tests {
     fn strokes_stay_within_their_bar_and_differ() {
         let mut kinds = Vec::new();
         for kind in 0..6 {
-            let mut out = Drawing::new("n", "t", "d", (100.0, 100.0));
+            let mut out = Drawing::new(Medium::Screen, "n", "t", "d");
             out.hatch(kind, (10.0, 20.0), (37.0, 15.0));
-            for part in out.body.split_whitespace() {
-                let Some((axis, value)) = part.split_once("=\"") else {
-                    continue;
+            for shape in &out.shapes {
+                let Form::Line(from, to) = shape.form else {
+                    panic!("{shape:?}");
                 };
-                let Ok(value) = value.trim_end_matches('"').parse::<f64>() else {
-                    continue;
-                };
-                let ends = if axis.starts_with('x') {
-                    10.0..=47.0
-                } else {
-                    20.0..=35.0
-                };
-                assert!(ends.contains(&value), "{part} of {kind}");
+                for (x, y) in [from, to] {
+                    let inside = (10.0..=47.0).contains(&x) && (20.0..=35.0).contains(&y);
+                    assert!(inside, "{x} {y} of {kind}");
+                }
             }
-            assert_eq!(out.body.is_empty(), kind == 0);
-            assert!(!kinds.contains(&out.body), "{kind}");
-            kinds.push(out.body);
+            assert_eq!(out.shapes.is_empty(), kind == 0);
+            let told = format!("{:?}", out.shapes);
+            assert!(!kinds.contains(&told), "{kind}");
+            kinds.push(told);
         }
+    }
+
+    #[test]
+    fn keys_find_as_many_columns_as_there_is_room_for() {
+        let key = |meaning: &str| Key {
+            class: "bar s0".into(),
+            sample: Sample::Bar(0),
+            meaning: meaning.into(),
+        };
+        let keys = ["one", "two", "three"].map(key);
+        let mut out = Drawing::new(Medium::Screen, "n", "t", "d");
+        assert_eq!(out.keys((0.0, 100.0), 300.0, &keys), 119.0);
+        assert_eq!(out.keys((0.0, 100.0), 60.0, &keys), 157.0);
     }
 }

@@ -1,14 +1,24 @@
-//! Pictures of measurements: SVG without a library, and small plots in a terminal.
+//! Pictures of measurements: SVG and PDF.
 //!
 //! What is drawn does not know where it will be shown: colours are classes that follow the
-//! reader's light or dark, every picture has a title and a description for those who cannot see it.
+//! reader's light or dark, every picture has a title and a description for those who cannot see it. How wide it is
+//! its [`Medium`] says, and figures lay themselves out for that.
+mod axis;
 mod drawing;
-mod element;
-mod palette;
+pub(crate) mod letters;
+mod markup;
+mod medium;
+mod pdf;
 mod scale;
-mod symbol;
+mod shape;
+mod style;
 
 pub use drawing::Drawing;
-pub(crate) use palette::{Colours, DASHES, STYLE, class, phase};
+pub use medium::Medium;
+
+pub(crate) use axis::{Axis, LINE};
+pub(crate) use drawing::{Key, Sample};
+pub(crate) use medium::plot_height;
 pub(crate) use scale::Scale;
-pub(crate) use symbol::Marker;
+pub(crate) use shape::Marker;
+pub(crate) use style::{Colours, DASHES, STYLE, Style, class, phase};

@@ -37,6 +37,11 @@ impl Scale {
         }
     }
 
+    /// Whether it is an axis of logarithms.
+    pub fn is_logarithmic(&self) -> bool {
+        self.logarithmic
+    }
+
     /// Where a value is drawn; one beyond an end at that end.
     pub fn at(&self, value: f64) -> f64 {
         let (from, to) = self.values;

@@ -33,6 +33,8 @@ pub enum Stream {
     Heat = 5,
     /// The world of rates: its n-th draw is step n.
     Rate = 6,
+    /// Statistics: how often a run counts in each sample of a bootstrap.
+    Resample = 7,
 }
 
 /// The draws of one stream of one run.

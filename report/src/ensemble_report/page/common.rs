@@ -5,7 +5,7 @@ use stochc_ensemble::{PairwiseTest, Time, TimeUnit};
 use super::Parts;
 use crate::ensemble_report::address;
 use crate::ensemble_report::html::{Html, HtmlCell, name};
-use crate::svg::Drawing;
+use crate::svg::{Drawing, Medium};
 use crate::text::sentence as in_words;
 
 pub(super) fn link(folder: &str, file: &str) -> String {
@@ -15,21 +15,28 @@ pub(super) fn link(folder: &str, file: &str) -> String {
     )
 }
 
-/// Puts a figure on the page, with links to its data.
+/// Puts a figure on the page, with links to its data, and as it is in print among `drawings`; whether there is one.
 pub(super) fn show(
     parts: &Parts,
     out: &mut Html,
     drawings: &mut Vec<Drawing>,
-    figure: Option<Drawing>,
+    figure: impl Fn(Medium) -> Option<Drawing>,
     caption: &str,
     data: &[&str],
-) {
-    let Some(figure) = figure else {
-        return;
+) -> bool {
+    let Some(printed) = figure(parts.surroundings.figures.medium) else {
+        return false;
+    };
+    let figure = match parts.surroundings.figures.medium {
+        Medium::Screen => printed.clone(),
+        Medium::Print(_) => match figure(Medium::Screen) {
+            Some(figure) => figure,
+            None => return false,
+        },
     };
     let folder = parts.surroundings.folder;
-    let svg = format!("{}.svg", figure.name);
-    let links: Vec<String> = std::iter::once(svg.as_str())
+    let files = parts.surroundings.figures.names(&printed);
+    let links: Vec<String> = (files.iter().map(String::as_str))
         .chain(data.iter().copied())
         .map(|file| link(folder, file))
         .collect();
@@ -41,7 +48,8 @@ pub(super) fn show(
         name(&figure.title),
         links.join(", ")
     ));
-    drawings.push(figure);
+    drawings.push(printed);
+    true
 }
 
 /// What is said of two programs everywhere, in HTML.

@@ -1,15 +1,15 @@
 //! When runs completed: curves, means, differences.
 use stochc_ensemble::text::number;
 use stochc_ensemble::{PairwiseResult, PairwiseTest, Time};
-use stochc_ir::table::PhaseId;
 
 use super::common::{figures, show, tick};
 use super::{Parts, ROWS};
-use crate::analysis::subject::ReportedProgram;
+use crate::analysis::subject::{FailedRun, ReportedProgram};
 use crate::ensemble_report::html::{Html, HtmlCell, code, name};
+use crate::ensemble_report::narrative::tick_of;
 use crate::figures as picture;
 use crate::figures::SurvivalCurve;
-use crate::svg::{Colours, Drawing};
+use crate::svg::{Axis, Colours, Drawing};
 use crate::text::{method, probability};
 
 pub(super) fn completion(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawing>) {
@@ -23,11 +23,21 @@ pub(super) fn completion(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawi
         })
         .collect();
     let axis = match tick(parts) {
-        Some(tick) => format!("time [{}]", tick.unit()),
-        None => format!("time [{unit}]"),
+        Some(tick) => Axis::new("time", &tick.unit()),
+        None => Axis::new("time", unit),
     };
+    let incomplete = picture::incomplete();
     let title = "Runs that are not complete yet, over time";
-    let figure = picture::survival("survival", title, &curves, &axis, Colours::Compared);
+    let figure = |medium| {
+        picture::survival(
+            medium,
+            "survival",
+            title,
+            &curves,
+            (&axis, &incomplete),
+            Colours::Compared,
+        )
+    };
     let caption = "The estimate of Kaplan and Meier; bands are pointwise 95 % intervals (up to four \
                    curves), <code>|</code> a run that was stopped before it completed. At risk are the runs that still \
                    go on at a tick of the axis.";
@@ -41,7 +51,7 @@ pub(super) fn completion(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawi
     if times.len() > 1 {
         let caption = "Dots are means, lines their 95 % intervals; ≥ a lower bound, because runs \
                        were stopped before they completed.";
-        let figure = picture::means(&times, unit);
+        let figure = |medium| picture::means(medium, &times, unit);
         show(parts, out, drawings, figure, caption, &["means.csv"]);
     }
     let rows: Vec<Vec<HtmlCell>> = (parts.subjects.iter())
@@ -73,12 +83,12 @@ pub(super) fn completion(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawi
     let caption = format!("Times to completion in {unit}{beside}; ± is half of a 95 % interval");
     out.table(&caption, &header, &rows);
     for subject in parts.subjects {
-        failures(subject, out);
+        failures(parts, subject, out);
     }
 }
 
 /// Runs whose physics broke down.
-pub(super) fn failures(subject: &ReportedProgram, out: &mut Html) {
+fn failures(parts: &Parts, subject: &ReportedProgram, out: &mut Html) {
     if subject.failed == 0 {
         return;
     }
@@ -87,9 +97,15 @@ pub(super) fn failures(subject: &ReportedProgram, out: &mut Html) {
     out.paragraph(&format!(
         "{n} runs of {label} failed, and no figure counts them:"
     ));
-    let told = |(run, phase, reason): &(u64, PhaseId, String)| {
-        let phase = code(subject.program.phase(*phase));
-        format!("run {run} in phase {phase}: {}", name(reason))
+    let told = |failed: &FailedRun| {
+        let replay = (parts.surroundings.replay)(subject.folder, subject.number, failed.run);
+        format!(
+            "run {} in phase {}, at tick {}: {}",
+            failed.run,
+            code(subject.program.phase(failed.phase)),
+            tick_of(replay.as_deref(), failed.tick),
+            name(&failed.reason)
+        )
     };
     let mut items: Vec<String> = subject.failures.iter().map(told).collect();
     if n > items.len() {

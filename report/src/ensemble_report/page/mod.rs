@@ -1,6 +1,7 @@
 //! The page: sections in the order in which somebody asks.
 mod common;
 mod completion;
+mod maps;
 mod origin;
 mod program;
 mod summary;
@@ -16,6 +17,7 @@ use stochc_ensemble::{PairwiseTest, TimeUnit};
 use summary::in_short;
 use sweeps::sweeps;
 
+use crate::analysis::maps::Maps;
 use crate::analysis::subject::{Input, ReportedProgram};
 use crate::analysis::waits::ReportedCapture;
 use crate::ensemble_report::html::{Html, name};
@@ -34,6 +36,8 @@ pub(super) struct Parts<'a> {
     pub subjects: &'a [ReportedProgram<'a>],
     pub clock: TimeUnit,
     pub waits: &'a [Vec<ReportedCapture>],
+    /// Of the programs that are told of one by one.
+    pub maps: &'a [Option<Maps>],
     pub pairwise_tests: &'a [PairwiseTest],
     pub sweeps: &'a [Sweep],
     pub surroundings: &'a ReportLocation<'a>,
@@ -43,12 +47,19 @@ impl<'a> Parts<'a> {
     /// The programs that are told of one by one, with their numbers: all but the points of a sweep
     /// with many of them.
     fn detailed(&self) -> impl Iterator<Item = (usize, &'a ReportedProgram<'a>)> {
-        let is_point = |subject: &ReportedProgram| !subject.program.varied.is_empty();
-        let points = self.subjects.iter().filter(|subject| is_point(subject));
-        let are_many = points.count() > POINTS;
-        let all = self.subjects.iter().enumerate();
-        all.filter(move |(_, subject)| !(are_many && is_point(subject)))
+        detailed(self.subjects)
     }
+}
+
+/// The programs that are told of one by one, with their numbers.
+pub(super) fn detailed<'a, 'b>(
+    subjects: &'a [ReportedProgram<'b>],
+) -> impl Iterator<Item = (usize, &'a ReportedProgram<'b>)> {
+    let is_point = |subject: &ReportedProgram| !subject.program.varied.is_empty();
+    let points = subjects.iter().filter(|subject| is_point(subject));
+    let are_many = points.count() > POINTS;
+    let all = subjects.iter().enumerate();
+    all.filter(move |(_, subject)| !(are_many && is_point(subject)))
 }
 
 /// Writes the page, and leaves its figures in `drawings`.

@@ -14,7 +14,7 @@ use crate::svg::Drawing;
 /// What was run, and how to run it again.
 pub(super) fn origin(parts: &Parts, out: &mut Html) {
     out.heading(2, "origin", "What was run");
-    for input in parts.inputs {
+    for (folder, input) in parts.inputs.iter().enumerate() {
         let manifest = &input.manifest;
         out.raw(&format!("<h3>{}</h3>\n", name(&input.path)));
         let limit = manifest
@@ -48,19 +48,17 @@ pub(super) fn origin(parts: &Parts, out: &mut Html) {
         out.raw(&command(&simulate(manifest)));
         let programs = manifest.programs.iter().enumerate();
         // The points of a sweep have one text, and its table has their values.
-        let first = |(number, program): &(usize, &EnsembleProgram)| {
-            let before = &manifest.programs[..*number];
-            program.varied.is_empty()
-                || !(before.iter())
-                    .any(|it| it.assembly() == program.assembly() && it.sources == program.sources)
+        let first = |(number, _): &(usize, &EnsembleProgram)| {
+            first_of_text(&manifest.programs, *number) == *number
         };
-        for (_, program) in programs.filter(first) {
+        for (number, program) in programs.filter(first) {
             let scene = &program.scene;
             let terms: Vec<String> = (describe::terms(scene).iter())
                 .map(|term| term.text.clone())
                 .collect();
             out.raw(&format!(
-                "<details><summary>{}, in the scene {}: the text</summary>\n",
+                "<details id=\"{}\"><summary>{}, in the scene {}: the text</summary>\n",
+                text_id(folder, number),
                 name(&program.name),
                 name(&scene.name)
             ));
@@ -75,6 +73,22 @@ pub(super) fn origin(parts: &Parts, out: &mut Html) {
             }
             out.raw("</details>\n");
         }
+    }
+}
+
+/// What the text of a program of a folder is called on the page.
+pub(super) fn text_id(folder: usize, program: usize) -> String {
+    format!("text-{}-{}", folder + 1, program + 1)
+}
+
+/// The first program with the same text: that of another point of a sweep, or itself.
+pub(super) fn first_of_text(programs: &[EnsembleProgram], number: usize) -> usize {
+    let program = &programs[number];
+    let is_same =
+        |it: &EnsembleProgram| it.assembly() == program.assembly() && it.sources == program.sources;
+    match program.varied.is_empty() {
+        true => number,
+        false => programs.iter().position(is_same).unwrap_or(number),
     }
 }
 
@@ -167,9 +181,14 @@ pub(super) fn methods(parts: &Parts, out: &mut Html, drawings: &[Drawing]) {
     let folder = &parts.surroundings.folder;
     let mut names: Vec<String> = drawings
         .iter()
-        .map(|it| format!("{}.svg", it.name))
+        .flat_map(|it| parts.surroundings.figures.names(it))
         .collect();
-    let tables = data::names(!parts.pairwise_tests.is_empty(), !parts.sweeps.is_empty());
+    let tables = data::names(
+        parts.subjects,
+        !parts.pairwise_tests.is_empty(),
+        !parts.sweeps.is_empty(),
+        parts.maps,
+    );
     names.extend(tables.into_iter().map(str::to_owned));
     let links: Vec<String> = names.iter().map(|file| link(folder, file)).collect();
     out.paragraph(&format!(

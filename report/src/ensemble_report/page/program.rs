@@ -4,14 +4,16 @@ use stochc_ensemble::text::{escaped, number, percent};
 use stochc_files::shell;
 
 use super::common::{coefficient, figure, figures, mean_cell, show};
+use super::maps::maps;
+use super::origin::{first_of_text, text_id};
 use super::{Parts, ROWS};
 use crate::analysis::subject::ReportedProgram;
 use crate::analysis::waits::ReportedCapture;
 use crate::ensemble_report::html::{Html, HtmlCell, code, command, name};
-use crate::ensemble_report::narrative::{Telling, heading, lead, story};
+use crate::ensemble_report::narrative::{Telling, heading, lead, sizes as sizes_of, story};
 use crate::figures as picture;
 use crate::figures::SurvivalCurve;
-use crate::svg::{Colours, Drawing};
+use crate::svg::{Axis, Colours, Drawing};
 
 pub(super) fn program(parts: &Parts, index: usize, out: &mut Html, drawings: &mut Vec<Drawing>) {
     let (subject, waits) = (&parts.subjects[index], &parts.waits[index]);
@@ -21,13 +23,19 @@ pub(super) fn program(parts: &Parts, index: usize, out: &mut Html, drawings: &mu
         out.paragraph("No run of it is finished.");
         return;
     }
+    out.paragraph(&text_link(parts, subject));
+    if subject.is_aggregate() {
+        sizes(parts, n, subject, out, drawings);
+        runs(parts, n, subject, out);
+        return;
+    }
     phases(parts, n, subject, out, drawings);
     out.heading(
         3,
         &format!("waits-of-{n}"),
         "Which capture is the bottleneck",
     );
-    let figure = picture::waits(n, subject, waits);
+    let figure = |medium| picture::waits(medium, n, subject, waits);
     let caption = "From the magnetizing of a face to the docking of a block. Dots are means, thick \
                    lines their 95 % intervals, thin lines hold the middle 80 % of the runs; ≥ where \
                    a run was stopped while it waited. Captures stand in the order of the dependency \
@@ -43,15 +51,101 @@ pub(super) fn program(parts: &Parts, index: usize, out: &mut Html, drawings: &mu
     );
     captures(subject, waits, out);
     origins(parts, index, out, drawings);
-    let figure = picture::entries(n, subject, waits);
-    if figure.is_some() {
-        out.heading(3, &format!("entries-of-{n}"), "Arriving and docking");
-        let caption = "Discs are captures at their means, coloured by phase, and dots single ones; \
-                       the six that were waited for longest have names. To the right many blocks \
-                       come before one is caught; above, the last one takes long to dock.";
-        show(parts, out, drawings, figure, caption, &["waits.csv"]);
-    }
+    entries(parts, index, out, drawings);
+    maps(parts, index, out, drawings);
     runs(parts, n, subject, out);
+}
+
+/// The section on how often blocks come, and how long the last one takes; none without physics.
+fn entries(parts: &Parts, index: usize, out: &mut Html, drawings: &mut Vec<Drawing>) {
+    let n = index + 1;
+    let figure = |medium| picture::entries(medium, n, &parts.subjects[index], &parts.waits[index]);
+    let mut section = Html::default();
+    section.heading(3, &format!("entries-of-{n}"), "Arriving and docking");
+    let caption = "Discs are captures at their means, coloured by phase, and dots single ones; \
+                   the six that were waited for longest have names. To the right many blocks \
+                   come before one is caught; above, the last one takes long to dock.";
+    if show(
+        parts,
+        &mut section,
+        drawings,
+        figure,
+        caption,
+        &["waits.csv"],
+    ) {
+        out.raw(&section.finish());
+    }
+}
+
+/// How the largest group of an aggregate grows.
+fn sizes(
+    parts: &Parts,
+    n: usize,
+    subject: &ReportedProgram,
+    out: &mut Html,
+    drawings: &mut Vec<Drawing>,
+) {
+    out.heading(3, &format!("sizes-of-{n}"), "How its largest group grows");
+    let phases = subject.program.phases();
+    let curves: Vec<SurvivalCurve> = (phases.iter().enumerate())
+        .map(|(number, phase)| SurvivalCurve {
+            under_way: 0,
+            name: format!("{} blocks", phase.name),
+            times: subject.size_times(number),
+        })
+        .collect();
+    let title = format!("{}: runs without a group of each size yet", subject.label);
+    let axis = Axis::new("time", &subject.tick().unit());
+    let without = Axis::new("runs without a group of so many blocks yet", "%");
+    let file = format!("sizes-{n}");
+    let figure = |medium| {
+        picture::survival(
+            medium,
+            &file,
+            &title,
+            &curves,
+            (&axis, &without),
+            Colours::Phases,
+        )
+    };
+    let caption = "From the beginning of each run to the first group of so many blocks.";
+    show(parts, out, drawings, figure, caption, &["sizes.csv"]);
+    let rows = curves.iter().map(|curve| {
+        let time = Time::of(&curve.times);
+        let mut row = vec![HtmlCell::Marked(name(&curve.name))];
+        let count = |completed: bool| {
+            let times = curve.times.iter();
+            let count = times.filter(|time| time.completed == completed).count();
+            HtmlCell::Number(count.to_string())
+        };
+        row.extend([count(true), count(false)]);
+        row.extend(figures(time.as_ref(), Some(subject.tick())));
+        row
+    });
+    let rows: Vec<_> = rows.take(ROWS).collect();
+    let header = [
+        "a group of",
+        "reached",
+        "stopped",
+        "mean",
+        "median",
+        "SD",
+        "CV",
+        "min",
+        "max",
+    ];
+    let caption = "Times from the beginning in ticks, and below in seconds";
+    out.table(caption, &header, &rows);
+}
+
+/// Where the text of a program is on the page.
+fn text_link(parts: &Parts, subject: &ReportedProgram) -> String {
+    let programs = &parts.inputs[subject.folder].manifest.programs;
+    let first = first_of_text(programs, subject.number);
+    format!(
+        "<a href=\"#{}\">Its text and its scene</a>",
+        text_id(subject.folder, first)
+    )
 }
 
 pub(super) fn phases(
@@ -73,14 +167,19 @@ pub(super) fn phases(
         .collect();
     if phases.len() > 1 {
         let title = format!("{}: phases that are not complete yet", subject.label);
-        let axis = format!("time since the phase began [{}]", subject.tick().unit());
-        let figure = picture::survival(
-            &format!("phases-{n}"),
-            &title,
-            &curves,
-            &axis,
-            Colours::Phases,
-        );
+        let axis = Axis::new("time since the phase began", &subject.tick().unit());
+        let incomplete = picture::incomplete();
+        let file = format!("phases-{n}");
+        let figure = |medium| {
+            picture::survival(
+                medium,
+                &file,
+                &title,
+                &curves,
+                (&axis, &incomplete),
+                Colours::Phases,
+            )
+        };
         let caption = "Each phase from its own beginning, of the runs that reached it.";
         show(parts, out, drawings, figure, caption, &["survival.csv"]);
     }
@@ -193,18 +292,25 @@ pub(super) fn origins(parts: &Parts, index: usize, out: &mut Html, drawings: &mu
         percent(released as f64 / total as f64)
     ));
     let label = &subject.label;
-    let figure = picture::origins(index + 1, label, subject.program, waits);
+    let figure = |medium| picture::origins(medium, index + 1, label, subject.program, waits);
     let caption = "Captures that ever took a released block, and the role that it had held last.";
     show(parts, out, drawings, figure, caption, &["origins.csv"]);
 }
 
 pub(super) fn runs(parts: &Parts, n: usize, subject: &ReportedProgram, out: &mut Html) {
-    out.heading(3, &format!("runs-of-{n}"), "What decided single runs");
-    out.note(
-        "Told from the chain of waits that met end to end: every other wait of the run was over \
+    let is_aggregate = subject.is_aggregate();
+    let title = if is_aggregate {
+        "Single runs"
+    } else {
+        "What decided single runs"
+    };
+    out.heading(3, &format!("runs-of-{n}"), title);
+    let note = "Told from the chain of waits that met end to end: every other wait of the run was over \
          before it mattered. Shares are of the whole run; a captured block had never been captured \
-         before unless it is said.",
-    );
+         before unless it is said.";
+    if !is_aggregate {
+        out.note(note);
+    }
     let path = &parts.inputs[subject.folder].path;
     for (what, run) in subject.told() {
         let number = run.record.run;
@@ -218,7 +324,13 @@ pub(super) fn runs(parts: &Parts, n: usize, subject: &ReportedProgram, out: &mut
         if let Some(lead) = lead(&telling, run) {
             out.paragraph(&lead);
         }
-        out.list("ol", &story(&telling, run));
+        let story = match is_aggregate {
+            true => sizes_of(&telling, run),
+            false => story(&telling, run),
+        };
+        if !story.is_empty() {
+            out.list("ol", &story);
+        }
         match telling.replay {
             Some(address) => out.paragraph(&format!(
                 "<a href=\"{}\">Watch run {number}</a>",

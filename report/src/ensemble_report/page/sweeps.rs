@@ -6,7 +6,7 @@ use super::common::{figure, mean_cell, show};
 use super::{Parts, ROWS};
 use crate::ensemble_report::html::{Html, HtmlCell, code, name};
 use crate::figures::sweep as pictures;
-use crate::svg::Drawing;
+use crate::svg::{Drawing, Medium};
 
 pub(super) fn sweeps(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawing>) {
     if parts.sweeps.is_empty() {
@@ -19,15 +19,22 @@ pub(super) fn sweeps(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawing>)
             "These programs differ in nothing but {} of their scenes.",
             numbers.join(", ")
         ));
-        for figure in pictures(sweep, &format!("sweep-{}", i + 1)) {
-            let caption = match figure.name.ends_with("-completed") {
+        let prefix = format!("sweep-{}", i + 1);
+        let drawn = |medium| pictures(medium, sweep, &prefix);
+        let [screen, printed] = [Medium::Screen, parts.surroundings.figures.medium].map(drawn);
+        for (screen, printed) in screen.into_iter().zip(printed) {
+            let caption = match screen.name.ends_with("-completed") {
                 true => "Dots are parts of the finished runs, lines their 95 % intervals.",
                 false => {
                     "With 95 % intervals; ≥ a lower bound, because runs were stopped before they \
                      completed."
                 }
             };
-            show(parts, out, drawings, Some(figure), caption, &["sweeps.csv"]);
+            let figure = |medium| match medium {
+                Medium::Screen => Some(screen.clone()),
+                Medium::Print(_) => Some(printed.clone()),
+            };
+            show(parts, out, drawings, figure, caption, &["sweeps.csv"]);
         }
         table(sweep, out);
     }

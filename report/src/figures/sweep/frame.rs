@@ -2,16 +2,17 @@
 use stochc_ensemble::sweep::{Sweep, SweepPoint, SweptValue};
 use stochc_ensemble::text::number;
 
-use super::WIDTH;
-use crate::svg::{DASHES, Drawing, Scale, class};
-use crate::text::short;
+use crate::figures::EDGE;
+use crate::svg::letters::fitted;
+use crate::svg::{Axis, DASHES, Drawing, Key, Medium, Sample, Scale, class, plot_height};
 
-pub(super) const TOP: f64 = 34.0;
-pub(super) const BOTTOM: f64 = 300.0;
-pub(super) const LEFT: f64 = 70.0;
-pub(super) const RIGHT: f64 = WIDTH - 24.0;
-/// Height of a line of the legend.
-const ROW: f64 = 19.0;
+/// A figure with its axes, and where values are drawn in it.
+pub(super) struct Frame {
+    pub out: Drawing,
+    pub x: Scale,
+    pub y: Scale,
+    pub bottom: f64,
+}
 
 /// How far curve number `i` of `n` is moved aside, so that its intervals hide no others.
 pub(super) fn aside(i: usize, n: usize) -> f64 {
@@ -20,6 +21,7 @@ pub(super) fn aside(i: usize, n: usize) -> f64 {
 
 /// The points of one figure.
 pub(super) struct Panel<'a> {
+    pub medium: Medium,
     pub sweep: &'a Sweep,
     pub points: Vec<&'a SweepPoint>,
     /// Of its file, without the ending.
@@ -74,45 +76,72 @@ impl<'a> Panel<'a> {
         }
     }
 
-    /// A figure with the axis of the first number, and the lines of a legend below it.
-    pub fn drawing(
+    /// The axis of number `i`.
+    pub fn axis(&self, i: usize) -> Axis {
+        let number = &self.sweep.axes[i];
+        Axis::new(&number.of, &number.unit)
+    }
+
+    /// A figure with the axis of the first number, one from 0 to `most` that shows `of`, and the keys of the curves below;
+    /// `of` is marked with what `label` says.
+    pub fn frame(
         &self,
         name: &str,
-        title: &str,
-        told: &str,
+        (title, told): (&str, &str),
         curves: &[SweepCurve],
-        notes: &[&str],
-    ) -> (Drawing, Scale) {
+        (of, scale): (&Axis, YScale),
+        (notes, label): (&[&str], impl Fn(f64) -> String),
+    ) -> Frame {
+        let title = format!("{title}{}", self.at());
+        let mut out = Drawing::new(self.medium, name, &title, told);
+        let empty = scale.at((1.0, 0.0));
+        let (left, right) = (Drawing::left_of(&empty, &label), self.medium.width() - 24.0);
+        let top = out.head(&of.on(&empty));
+        let bottom = top + plot_height(right - left);
         let values = || curves.iter().flat_map(|curve| &curve.points).map(|it| it.0);
         let least = values().fold(f64::INFINITY, f64::min);
         let most = values().fold(f64::NEG_INFINITY, f64::max);
-        let places = (LEFT + 14.0, RIGHT - 14.0);
-        let is_logarithmic = least > 0.0 && most / least > 10.0;
-        let x = match is_logarithmic {
+        let places = (left + 14.0, right - 14.0);
+        let x = match least > 0.0 && most / least > DECADE {
             true => Scale::logarithmic((least, most), places),
             false => Scale::linear((least, most), places),
         };
-        let rows = (curves.len() + notes.len()) as f64;
-        let size = (WIDTH, BOTTOM + 58.0 + ROW * rows);
-        let title = format!("{title}{}", self.at());
-        let mut out = Drawing::new(name, &title, told, size);
-        let note = if is_logarithmic { " (logarithmic)" } else { "" };
-        let of = format!("{}{note}", self.sweep.axes[0].label());
-        out.across(&x, (LEFT, RIGHT), BOTTOM, TOP, &of);
-        let line = |i: usize| BOTTOM + 58.0 + ROW * i as f64;
-        for (i, curve) in curves.iter().enumerate() {
-            let (at, dashes) = (line(i), DASHES[i % DASHES.len()]);
-            out.curve(
-                class(i),
-                &[(LEFT, at - 4.0), (LEFT + 34.0, at - 4.0)],
-                dashes,
-            );
-            out.text("ink", (LEFT + 42.0, at), &short(&curve.name, 80));
+        let y = scale.at((bottom, top));
+        let foot = out.across(&x, (left, right), bottom, top, &self.axis(0));
+        out.upward(&y, (bottom, top), left, right, of, label);
+        let keys: Vec<Key> = (curves.iter().enumerate())
+            .map(|(i, curve)| Key {
+                class: class(i).to_owned(),
+                sample: Sample::Line(DASHES[i % DASHES.len()]),
+                meaning: fitted(&curve.name, 500.0),
+            })
+            .collect();
+        let wide = self.medium.width() - EDGE;
+        let mut foot = out.keys((EDGE, foot), wide, &keys);
+        for note in notes {
+            foot = out.paragraph("dim", (EDGE, foot), wide - EDGE, note) + 2.0;
         }
-        for (i, note) in notes.iter().enumerate() {
-            out.text("dim", (LEFT, line(curves.len() + i)), note);
+        let out = out.high(foot - 8.0);
+        Frame { out, x, y, bottom }
+    }
+}
+
+/// Numbers that span more are drawn by their logarithms: what follows a power of them is a line then.
+pub(super) const DECADE: f64 = 10.0;
+
+/// The values of a vertical axis.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum YScale {
+    Linear(f64, f64),
+    Logarithmic(f64, f64),
+}
+
+impl YScale {
+    fn at(self, places: (f64, f64)) -> Scale {
+        match self {
+            YScale::Linear(from, to) => Scale::linear((from, to), places),
+            YScale::Logarithmic(from, to) => Scale::logarithmic((from, to), places),
         }
-        (out, x)
     }
 }
 

@@ -2,16 +2,14 @@
 use stochc_ensemble::sweep::{SweepPoint, SweptValue};
 use stochc_ensemble::text::number;
 
-use super::WIDTH;
 use super::frame::Panel;
 use super::times::described;
-use crate::svg::Drawing;
-use crate::text::short;
+use crate::figures::EDGE;
+use crate::svg::letters::{fitted, widest, width as width_of};
+use crate::svg::{Drawing, Style};
 
 /// A field for each pair of values, the darker the longer; `None`: no run of the program has a time.
 pub(super) fn heat(panel: &Panel, name: &str, program: &str) -> Option<Drawing> {
-    const LEFT: f64 = 110.0;
-    const TOP: f64 = 34.0;
     const HEIGHT: f64 = 30.0;
     let own = || panel.points.iter().filter(|point| point.program == program);
     let unit = panel.sweep.unit;
@@ -22,8 +20,10 @@ pub(super) fn heat(panel: &Panel, name: &str, program: &str) -> Option<Drawing> 
     }
     let least = own().filter_map(|point| mean(point)).fold(most, f64::min);
     let (across, up) = (values(own(), 0), values(own(), 1));
-    let width = (WIDTH - LEFT - 24.0) / across.len() as f64;
-    let bottom = TOP + HEIGHT * up.len() as f64;
+    let numbers: Vec<String> = up.iter().map(|value| number(value.value)).collect();
+    let left = EDGE + 7.0 + widest(numbers.iter().map(String::as_str));
+    let all = panel.medium.width();
+    let width = (all - left - 24.0) / across.len() as f64;
     let axes = &panel.sweep.axes;
     let title = format!(
         "Mean time to completion of {program} over {} and {}{}",
@@ -34,24 +34,32 @@ pub(super) fn heat(panel: &Panel, name: &str, program: &str) -> Option<Drawing> 
     let told: Vec<String> = own()
         .map(|point| format!("{}: {}", point.name, described(point, unit)))
         .collect();
-    let size = (WIDTH, bottom + 76.0);
-    let mut out = Drawing::new(name, &title, &format!("{}.", told.join(". ")), size);
-    out.text("ink", (8.0, TOP - 12.0), &axes[1].label());
-    for (row, value) in up.iter().rev().enumerate() {
-        let y = TOP + HEIGHT * (row as f64 + 0.5) + 4.0;
-        out.text_before("dim", (LEFT - 7.0, y), &number(value.value));
-    }
-    for (column, value) in across.iter().enumerate() {
-        let x = LEFT + width * (column as f64 + 0.5);
-        out.text_around("dim", (x, bottom + 17.0), &number(value.value));
-    }
+    let mut out = Drawing::new(panel.medium, name, &title, &format!("{}.", told.join(". ")));
+    let top = out.head(&panel.axis(1).label());
+    let bottom = top + HEIGHT * up.len() as f64;
+    let rows = numbers.iter().rev().enumerate();
+    let rows = rows.map(|(row, text)| (top + HEIGHT * (row as f64 + 0.5), text.clone()));
+    out.marks_upward(
+        &rows.collect::<Vec<_>>(),
+        (bottom, top),
+        (EDGE, left),
+        &panel.axis(1).label(),
+    );
+    let columns = across.iter().enumerate();
+    let columns = columns.map(|(i, it)| (left + width * (i as f64 + 0.5), number(it.value)));
+    let foot = out.marks_across(
+        &columns.collect::<Vec<_>>(),
+        (left, all - 24.0),
+        bottom,
+        &panel.axis(0).label(),
+    );
     for (point, told) in own().zip(&told) {
         let place = |of: &[SweptValue], i: usize| of.iter().position(|it| *it == point.values[i]);
         let (Some(column), Some(row)) = (place(&across, 0), place(&up, 1)) else {
             continue;
         };
         let corner = (
-            LEFT + width * column as f64,
+            left + width * column as f64,
             bottom - HEIGHT * (row + 1) as f64,
         );
         let (strength, text) = match &point.time {
@@ -62,24 +70,26 @@ pub(super) fn heat(panel: &Panel, name: &str, program: &str) -> Option<Drawing> 
                 (0.08 + 0.5 * share, format!("{bound}{}", number(time.mean)))
             }
         };
-        out.shade("s0", corner, (width - 2.0, HEIGHT - 2.0), strength, told);
+        let own = Style {
+            fill_opacity: Some(strength),
+            stroke_opacity: Some(0.4),
+            ..Style::default()
+        };
+        out.field("s0", corner, (width - 2.0, HEIGHT - 2.0), own, told);
         // What does not fit is told by a pointer over the field.
-        let letters = (width / 7.0) as usize;
-        if text.chars().count() <= letters {
+        if width_of(&text) + 4.0 <= width {
             let place = (corner.0 + width / 2.0, corner.1 + HEIGHT / 2.0 + 3.0);
             out.text_around("ink", place, &text);
         }
     }
-    let middle = (LEFT + WIDTH - 24.0) / 2.0;
-    out.text_around("ink", (middle, bottom + 36.0), &axes[0].label());
     let legend = format!(
         "{}: mean time to completion [{unit}], {} (light) to {} (dark); ≥: some runs were stopped; ×: no time",
-        short(program, 30),
+        fitted(program, 200.0),
         number(least),
         number(most)
     );
-    out.text("dim", (8.0, bottom + 62.0), &legend);
-    Some(out)
+    let foot = out.paragraph("dim", (EDGE, foot), all - 2.0 * EDGE, &legend);
+    Some(out.high(foot - 8.0))
 }
 
 /// The values of an axis that points have, each once, the smallest first.

@@ -7,10 +7,7 @@ mod times;
 use frame::Panel;
 use stochc_ensemble::sweep::{Sweep, SweepPoint, SweptValue};
 
-use crate::svg::Drawing;
-
-/// Of every figure.
-const WIDTH: f64 = 760.0;
+use crate::svg::{Drawing, Medium};
 
 /// Curves that can be told apart in one figure; more become a map.
 const CURVES: usize = 6;
@@ -23,7 +20,7 @@ const PANELS: usize = 6;
 ///
 /// The first number is on the axis, and each value of the second has its curve, or its row in a map.
 /// Each combination of values of further numbers has figures of its own; none where these are many.
-pub fn pictures(sweep: &Sweep, prefix: &str) -> Vec<Drawing> {
+pub fn pictures(medium: Medium, sweep: &Sweep, prefix: &str) -> Vec<Drawing> {
     let mut further: Vec<&[SweptValue]> = Vec::new();
     for point in &sweep.points {
         let rest = point.values.get(2..).unwrap_or_default();
@@ -38,6 +35,7 @@ pub fn pictures(sweep: &Sweep, prefix: &str) -> Vec<Drawing> {
     for (i, &rest) in further.iter().enumerate() {
         let here = |point: &&SweepPoint| point.values.get(2..).unwrap_or_default() == rest;
         let panel = Panel {
+            medium,
             sweep,
             points: sweep.points.iter().filter(here).collect(),
             name: match further.len() {

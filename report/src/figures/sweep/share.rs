@@ -1,8 +1,8 @@
 //! The share of runs that completed over a number that was varied.
 use stochc_ensemble::sweep::SweepPoint;
 
-use super::frame::{BOTTOM, LEFT, Panel, RIGHT, TOP, aside, told};
-use crate::svg::{DASHES, Drawing, Scale, class};
+use super::frame::{Frame, Panel, YScale, aside, told};
+use crate::svg::{Axis, DASHES, Drawing, Style, class};
 
 /// Shares with their 95 % intervals; `None`: no run is finished.
 pub(super) fn share(panel: &Panel) -> Option<Drawing> {
@@ -13,16 +13,14 @@ pub(super) fn share(panel: &Panel) -> Option<Drawing> {
     let words = told(&curves, described);
     let name = format!("{}-completed", panel.name);
     let notes = ["dots: the part of the finished runs that completed, lines: 95 % intervals"];
-    let (mut out, x) = panel.drawing(&name, &title, &words, &curves, &notes);
-    let y = Scale::linear((0.0, 1.0), (BOTTOM, TOP));
-    let percent = |share: f64| format!("{:.0} %", 100.0 * share);
-    out.upward(
-        &y,
-        (BOTTOM, TOP),
-        LEFT,
-        RIGHT,
-        "runs that completed",
-        percent,
+    let axis = Axis::new("runs that completed", "%");
+    let percent = |share: f64| format!("{:.0}", 100.0 * share);
+    let Frame { mut out, x, y, .. } = panel.frame(
+        &name,
+        (&title, &words),
+        &curves,
+        (&axis, YScale::Linear(0.0, 1.0)),
+        (&notes, percent),
     );
     for (i, curve) in curves.iter().enumerate() {
         let place = |value: f64| x.at(value) + aside(i, curves.len());
@@ -36,8 +34,12 @@ pub(super) fn share(panel: &Panel) -> Option<Drawing> {
         out.curve(class(i), &places, DASHES[i % DASHES.len()]);
         for (at, share, point) in known {
             if let Some((low, high)) = point.share_interval {
-                let more = "stroke-width=\"2\"";
-                out.line(class(i), (at, y.at(low)), (at, y.at(high)), more);
+                out.stroke(
+                    class(i),
+                    (at, y.at(low)),
+                    (at, y.at(high)),
+                    Style::line(2.0),
+                );
             }
             let told = format!("{}: {}", point.name, described(point));
             out.disc(class(i), (at, y.at(share)), 4.5, &told);

@@ -3,8 +3,8 @@ use stochc_ensemble::Time;
 use stochc_ensemble::sweep::SweepPoint;
 use stochc_ensemble::text::number;
 
-use super::frame::{BOTTOM, LEFT, Panel, RIGHT, TOP, aside, told};
-use crate::svg::{DASHES, Drawing, Scale, class};
+use super::frame::{DECADE, Frame, Panel, YScale, aside, told};
+use crate::svg::{Axis, DASHES, Drawing, Style, class};
 
 /// Means with their 95 % intervals, and medians; `None`: no run has a time.
 pub(super) fn times(panel: &Panel) -> Option<Drawing> {
@@ -29,11 +29,19 @@ pub(super) fn times(panel: &Panel) -> Option<Drawing> {
     let of = &panel.sweep.axes[0].of;
     let title = format!("Mean time to completion over {of}");
     let words = told(&curves, |point| described(point, unit));
-    let (mut out, x) = panel.drawing(&panel.name, &title, &words, &curves, &notes);
-    // Room for a sign above the highest dot.
-    let y = Scale::linear((0.0, 1.06 * last), (BOTTOM, TOP));
-    let axis = format!("mean time to completion [{unit}]");
-    out.upward(&y, (BOTTOM, TOP), LEFT, RIGHT, &axis, number);
+    let axis = Axis::new("mean time to completion", unit);
+    let Frame {
+        mut out,
+        x,
+        y,
+        bottom,
+    } = panel.frame(
+        &panel.name,
+        (&title, &words),
+        &curves,
+        (&axis, scale(&panel.points, last)),
+        (&notes, number),
+    );
     for (i, curve) in curves.iter().enumerate() {
         let place = |value: f64| x.at(value) + aside(i, curves.len());
         let mean = |(value, point): &(f64, &SweepPoint)| {
@@ -48,14 +56,14 @@ pub(super) fn times(panel: &Panel) -> Option<Drawing> {
                 format!("{}: {}", point.name, described(point, unit)),
             );
             let Some(time) = &point.time else {
-                out.text_around("ink", (at, BOTTOM - 3.0), "×");
+                out.text_around("ink", (at, bottom - 3.0), "×");
                 continue;
             };
             let ends = [time.mean - half(time), time.mean + half(time)].map(|end| y.at(end));
-            out.line(class(i), (at, ends[0]), (at, ends[1]), "stroke-width=\"2\"");
+            out.stroke(class(i), (at, ends[0]), (at, ends[1]), Style::line(2.0));
             if let Some(median) = time.median.map(|median| y.at(median)) {
-                let more = "stroke-width=\"2\"";
-                out.line(class(i), (at - 7.0, median), (at + 7.0, median), more);
+                let (from, to) = ((at - 7.0, median), (at + 7.0, median));
+                out.stroke(class(i), from, to, Style::line(2.0));
             }
             let mean = (at, y.at(time.mean));
             out.disc(class(i), mean, 4.5, &told);
@@ -66,6 +74,36 @@ pub(super) fn times(panel: &Panel) -> Option<Drawing> {
         }
     }
     Some(out)
+}
+
+/// By their logarithms where both the number and the times span more than a factor of ten: there a power of the number is a
+/// line. From 0 otherwise.
+fn scale(points: &[&SweepPoint], last: f64) -> YScale {
+    let spans = |values: &mut dyn Iterator<Item = f64>| {
+        let (least, most) = values.fold((f64::INFINITY, 0.0_f64), |(least, most), value| {
+            (least.min(value), most.max(value))
+        });
+        least > 0.0 && most / least > DECADE
+    };
+    let mut numbers = points
+        .iter()
+        .filter_map(|it| Some(it.values.first()?.value));
+    let times = || points.iter().filter_map(|it| it.time.as_ref());
+    let means = || times().map(|time| time.mean).filter(|mean| *mean > 0.0);
+    if !spans(&mut numbers) || !spans(&mut means()) {
+        // Room for a sign above the highest dot.
+        return YScale::Linear(0.0, 1.06 * last);
+    }
+    // An interval may reach down to 0, where no logarithm is: it ends at the edge.
+    let least = means().fold(f64::INFINITY, f64::min);
+    let ends = times().flat_map(|time| {
+        [
+            time.mean - time.half_width.unwrap_or(0.0),
+            time.median.unwrap_or(least),
+        ]
+    });
+    let low = ends.filter(|end| *end > 0.3 * least).fold(least, f64::min);
+    YScale::Logarithmic(0.9 * low, 1.15 * last)
 }
 
 pub(super) fn described(point: &SweepPoint, unit: &str) -> String {

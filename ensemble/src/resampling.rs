@@ -1,0 +1,169 @@
+//! A bootstrap over runs that needs no run twice: in each sample, every run counts as often as a draw of its own says.
+//!
+//! The draws are Poisson's with mean 1, to which the multinomial ones of the common bootstrap come close where there are many
+//! runs (J. A. Hanley and B. MacGibbon, *Computer Methods and Programs in Biomedicine* 83, 2006, 57-62). They are keyed by seed and
+//! run, so that sums are the same in whatever order runs are added, and the same for all that is asked of a run.
+use stochc_runtime::counter_rng::{Draws, Stream, WORDS, unit};
+
+use crate::statistics::quantile;
+
+/// Samples of the bootstrap.
+pub const SAMPLES: usize = 200;
+
+/// How often a run counts in each sample.
+pub fn weights(seed: u64, run: u64) -> [u8; SAMPLES] {
+    let mut draws = Draws::new(seed, run, Stream::Resample);
+    let mut draws = draws.step(0);
+    let mut weights = [0; SAMPLES];
+    for (block, weights) in (0..).zip(weights.chunks_mut(WORDS as usize)) {
+        for (weight, word) in weights.iter_mut().zip(draws.block(block)) {
+            *weight = poisson(unit(word));
+        }
+    }
+    weights
+}
+
+/// The number at which the distribution of Poisson with mean 1 reaches a probability below 1.
+fn poisson(probability: f64) -> u8 {
+    let (mut number, mut term) = (0, (-1.0_f64).exp());
+    let mut reached = term;
+    // 12 is passed with a probability below 2^-33, and no draw is nearer to 1.
+    while probability > reached && number < 12 {
+        number += 1;
+        term /= f64::from(number);
+        reached += term;
+    }
+    number
+}
+
+/// A sum over runs, as it is and in each sample.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Replicates {
+    runs: usize,
+    sum: f64,
+    /// Empty before the first run.
+    samples: Vec<f64>,
+}
+
+/// A sum over another, such as counts over time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ratio {
+    /// Of all runs.
+    pub value: f64,
+    /// The middle 95 % of the samples; `None`: of fewer than two runs nobody knows.
+    pub interval: Option<(f64, f64)>,
+}
+
+impl Ratio {
+    /// Whether half of the interval is no longer than the value.
+    pub fn is_certain(&self) -> bool {
+        (self.interval).is_some_and(|(low, high)| high - low <= 2.0 * self.value)
+    }
+}
+
+impl Replicates {
+    /// Adds what a run has, which counts as often as its [`weights`] say.
+    pub fn add(&mut self, much: f64, weights: &[u8]) {
+        self.samples.resize(SAMPLES, 0.0);
+        self.runs += 1;
+        self.sum += much;
+        for (sample, weight) in self.samples.iter_mut().zip(weights) {
+            *sample += much * f64::from(*weight);
+        }
+    }
+
+    /// Adds another sum over the same runs.
+    pub fn join(&mut self, other: &Replicates) {
+        self.samples.resize(SAMPLES, 0.0);
+        self.runs = self.runs.max(other.runs);
+        self.sum += other.sum;
+        for (sample, more) in self.samples.iter_mut().zip(&other.samples) {
+            *sample += more;
+        }
+    }
+
+    /// This over so many times another; `None`: the other is nothing.
+    pub fn over(&self, other: &Replicates, times: f64) -> Option<Ratio> {
+        if other.sum <= 0.0 {
+            return None;
+        }
+        let below = other.samples.iter().enumerate();
+        let ratios = below.filter(|(_, below)| **below > 0.0).map(|(i, below)| {
+            let above = self.samples.get(i).copied().unwrap_or(0.0);
+            above / (below * times)
+        });
+        let ratios: Vec<f64> = ratios.collect();
+        let interval = quantile(&ratios, 0.025).zip(quantile(&ratios, 0.975));
+        Some(Ratio {
+            value: self.sum / (other.sum * times),
+            interval: interval.filter(|_| other.runs > 1),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn draws_are_those_of_poisson_and_of_their_run() {
+        let mut counts = [0_u32; 4];
+        let runs = 500;
+        for run in 0..runs {
+            let weights = weights(7, run);
+            assert_eq!(weights, super::weights(7, run));
+            assert_ne!(weights, super::weights(8, run));
+            for weight in weights {
+                counts[usize::from(weight).min(3)] += 1;
+            }
+        }
+        let all = runs as f64 * SAMPLES as f64;
+        // e^-1 (1, 1, 1/2), and the rest.
+        for (count, expected) in counts.into_iter().zip([0.3679, 0.3679, 0.1839, 0.0803]) {
+            let error = (expected * (1.0 - expected) / all).sqrt();
+            assert!(
+                (f64::from(count) / all - expected).abs() < 4.0 * error,
+                "{counts:?}"
+            );
+        }
+    }
+
+    /// The means of so many numbers lie within the interval about as often as is said.
+    #[test]
+    fn intervals_hold_the_mean_in_19_of_20() {
+        let ensembles = 400;
+        let mut inside = 0;
+        for seed in 0..ensembles {
+            let (mut sum, mut number) = (Replicates::default(), Replicates::default());
+            for run in 0..60 {
+                let word = Draws::new(seed, run, Stream::Shuffle).step(0).block(0)[0];
+                let weights = weights(seed, run);
+                // Exponentially distributed with mean 1.
+                sum.add(-unit(word).ln(), &weights);
+                number.add(1.0, &weights);
+            }
+            let ratio = sum.over(&number, 1.0).unwrap();
+            let (low, high) = ratio.interval.unwrap();
+            assert!(low < ratio.value && ratio.value < high);
+            inside += u32::from((low..=high).contains(&1.0));
+        }
+        // Of the binomial with 0.93 (percentiles of 60 skewed numbers are somewhat short), four standard deviations around.
+        let share = f64::from(inside) / ensembles as f64;
+        assert!((0.87..=0.99).contains(&share), "{share}");
+    }
+
+    #[test]
+    fn the_order_of_runs_changes_nothing_and_one_run_says_nothing_of_others() {
+        let sum = |runs: &[u64]| {
+            let mut sum = Replicates::default();
+            for &run in runs {
+                sum.add(run as f64, &weights(1, run));
+            }
+            sum
+        };
+        assert_eq!(sum(&[1, 2, 3, 4]), sum(&[4, 2, 1, 3]));
+        let one = sum(&[3]).over(&sum(&[3]), 2.0).unwrap();
+        assert_eq!((one.value, one.interval), (0.5, None));
+        assert_eq!(sum(&[3]).over(&sum(&[]), 1.0), None);
+    }
+}

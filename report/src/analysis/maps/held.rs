@@ -1,0 +1,130 @@
+//! When blocks are part of the structure, and where they are looked for before.
+use std::collections::BTreeMap;
+
+use stochc_ir::Cell;
+use stochc_ir::record::RunRecord;
+
+use super::AGES;
+
+/// When each block is part of the structure.
+pub(super) struct Held {
+    /// By block: from docking to release, in the order of time.
+    stretches: BTreeMap<u32, Vec<(u64, u64)>>,
+}
+
+impl Held {
+    pub fn of(record: &RunRecord) -> Held {
+        let mut stretches: BTreeMap<u32, Vec<(u64, u64)>> = BTreeMap::new();
+        for bond in &record.bonds {
+            let all = stretches.entry(bond.body).or_default();
+            all.push((bond.docked, u64::MAX));
+        }
+        for release in &record.releases {
+            let all = stretches.entry(release.body).or_default();
+            let open = all
+                .iter_mut()
+                .find(|(docked, end)| *docked <= release.tick && *end == u64::MAX);
+            if let Some((_, end)) = open {
+                *end = release.tick;
+            }
+        }
+        Held { stretches }
+    }
+
+    pub fn is_held(&self, body: u32, tick: u64) -> bool {
+        let all = self.stretches.get(&body);
+        all.is_some_and(|all| all.iter().any(|(from, to)| (*from..*to).contains(&tick)))
+    }
+}
+
+/// A place that is looked up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Wanted {
+    pub tick: u64,
+    /// A number of [`AGES`].
+    pub age: usize,
+    pub body: u32,
+    /// Where it will be captured.
+    pub cell: Cell,
+}
+
+/// All places to look up, the first last: those of blocks that were free then.
+pub(super) fn wanted(record: &RunRecord, held: &Held) -> Vec<Wanted> {
+    let mut wanted = Vec::new();
+    for bond in &record.bonds {
+        for (age, ago) in AGES.iter().enumerate() {
+            let Some(tick) = bond.docked.checked_sub(*ago) else {
+                continue;
+            };
+            if !held.is_held(bond.body, tick) {
+                let (body, cell) = (bond.body, bond.cell);
+                wanted.push(Wanted {
+                    tick,
+                    age,
+                    body,
+                    cell,
+                });
+            }
+        }
+    }
+    wanted.sort_by_key(|it| std::cmp::Reverse(it.tick));
+    wanted
+}
+
+#[cfg(test)]
+mod tests {
+    use stochc_ir::Face;
+    use stochc_ir::record::{BondRecord, Origin, Outcome, ReleaseRecord};
+    use stochc_ir::table::{PhaseId, RoleId};
+
+    use super::*;
+
+    /// A block that is captured at 300, let go at 500, and captured again at 1200.
+    #[test]
+    fn blocks_are_looked_for_where_they_were_free() {
+        let bond = |docked| BondRecord {
+            phase: PhaseId(0),
+            parent: RoleId(0),
+            face: Face::Up,
+            child: RoleId(1),
+            cell: Cell::new(0, 0, 1),
+            magnetized: 0,
+            docked,
+            entries: 1,
+            docking: 1,
+            body: 7,
+            origin: Origin::Free,
+        };
+        let record = RunRecord {
+            run: 0,
+            outcome: Outcome::Completed,
+            ticks: 1200,
+            phase_ticks: vec![1200],
+            blocks_used: 1,
+            hops: 0,
+            unplanned: 0,
+            bonds: vec![bond(300), bond(1200)],
+            waiting: Vec::new(),
+            releases: vec![ReleaseRecord {
+                phase: PhaseId(0),
+                parent: RoleId(0),
+                child: RoleId(1),
+                tick: 500,
+                body: 7,
+            }],
+            unplanned_bonds: Vec::new(),
+        };
+        let held = Held::of(&record);
+        let ticks = [299, 300, 499, 500, 1199, 1200];
+        let expected = [false, true, true, false, false, true];
+        assert_eq!(ticks.map(|tick| held.is_held(7, tick)), expected);
+        assert!(!held.is_held(6, 400));
+        // 1000 ticks before the first is before the beginning; 1000 before the second the block was free.
+        let mut found: Vec<(u64, u64)> = (wanted(&record, &held).iter())
+            .map(|it| (it.tick, AGES[it.age]))
+            .collect();
+        found.reverse();
+        let all = [(100, 200), (200, 1000), (250, 50), (1000, 200), (1150, 50)];
+        assert_eq!(found, all);
+    }
+}

@@ -1,0 +1,136 @@
+//! Slices through what was counted in the cells of the lattice, as maps.
+use stochc_ensemble::text::number;
+use stochc_ir::palette::sequential;
+
+use super::EDGE;
+use crate::analysis::maps::SliceMap;
+use crate::svg::{Axis, Drawing, Medium, Scale, Style};
+
+/// Slices side by side or one below the other, which share a scale of colours.
+pub(crate) struct MapColumn<'a> {
+    pub title: String,
+    pub maps: Vec<&'a SliceMap>,
+    /// What the colours show, and how many of its units one of the maps is.
+    pub shows: Axis,
+    pub unit: f64,
+}
+
+/// Between panels, and around them.
+const GAP: f64 = 22.0;
+/// The axis at the left of a panel.
+const AXIS: f64 = 40.0;
+/// Height of the sample of a scale, and its steps.
+const SAMPLE: f64 = 10.0;
+const STEPS: usize = 40;
+
+/// Panels in columns, each with the scale of its colours below; `None`: there is nothing to see in any.
+pub(crate) fn maps(
+    medium: Medium,
+    name: &str,
+    (title, told): (&str, &str),
+    columns: &[MapColumn],
+) -> Option<Drawing> {
+    let most = |column: &MapColumn| {
+        let values = column.maps.iter().flat_map(|map| map.places.values());
+        values.map(|ratio| ratio.value).fold(0.0, f64::max) * column.unit
+    };
+    if columns.iter().all(|column| most(column) <= 0.0) {
+        return None;
+    }
+    let mut out = Drawing::new(medium, name, title, told);
+    let wide = (medium.width() - EDGE - GAP * columns.len() as f64) / columns.len() as f64;
+    let mut end: f64 = 0.0;
+    for (i, column) in columns.iter().enumerate() {
+        let left = EDGE + (wide + GAP) * i as f64;
+        let (from, to) = (left + AXIS, left + wide);
+        let mut y = out.paragraph("ink", (left, 18.0), wide, &column.title);
+        let most = most(column);
+        for map in &column.maps {
+            y = panel(&mut out, map, (from, to), (left, y), (most, column.unit));
+        }
+        y = key(&mut out, (from, to), y - 6.0, most, &column.shows);
+        end = end.max(y);
+    }
+    Some(out.high(end - 8.0))
+}
+
+/// One slice; gives the foot of the next line of text.
+fn panel(
+    out: &mut Drawing,
+    map: &SliceMap,
+    (left, right): (f64, f64),
+    (edge, y): (f64, f64),
+    (most, unit): (f64, f64),
+) -> f64 {
+    let ((west, east), (low, high)) = map.ends;
+    let side = (right - left) / f64::from(east - west + 1);
+    let up = Axis::new(map.slice.up(), "side");
+    let top = y + 24.0;
+    let bottom = top + side * f64::from(high - low + 1);
+    let ends = |from: i32, to: i32| (f64::from(from) - 0.5, f64::from(to) + 0.5);
+    let across = Scale::linear(ends(west, east), (left, right));
+    let upward = Scale::linear(ends(low, high), (bottom, top));
+    let corner =
+        |(x, y): (i32, i32)| (across.at(f64::from(x) - 0.5), upward.at(f64::from(y) + 0.5));
+    for (place, ratio) in map.places.iter().filter(|(_, ratio)| ratio.value > 0.0) {
+        let corner = corner(*place);
+        let colour = sequential((unit * ratio.value / most).min(1.0));
+        let interval = ratio
+            .interval
+            .map(|(from, to)| format!(", {} to {}", number(unit * from), number(unit * to)));
+        let told = format!(
+            "{} east, {} {}: {}{}",
+            place.0,
+            place.1,
+            map.slice.up(),
+            number(unit * ratio.value),
+            interval.unwrap_or_default()
+        );
+        out.field("", corner, (side, side), Style::area(colour), &told);
+        if !ratio.is_certain() {
+            let centre = (corner.0 + side / 2.0, corner.1 + side / 2.0);
+            let own = Style::area(colour.ink());
+            out.spot(centre, (0.12 * side).clamp(0.6, 1.6), own);
+        }
+    }
+    let is_inside =
+        |&&(x, y): &&(i32, i32)| (west..=east).contains(&x) && (low..=high).contains(&y);
+    for place in map.structure.iter().filter(is_inside) {
+        let (x, y) = corner(*place);
+        let corners = [
+            (x, y),
+            (x + side, y),
+            (x + side, y + side),
+            (x, y + side),
+            (x, y),
+        ];
+        out.curve("mark outline", &corners, "");
+    }
+    // Whole sides.
+    let marks: Vec<(f64, String)> = (upward.ticks(5).into_iter())
+        .filter(|tick| tick.fract() == 0.0)
+        .map(|tick| (upward.at(tick), number(tick)))
+        .collect();
+    out.marks_upward(&marks, (bottom, top), (edge, left), &up.label());
+    let marks: Vec<(f64, String)> = (across.ticks(5).into_iter())
+        .filter(|tick| tick.fract() == 0.0)
+        .map(|tick| (across.at(tick), number(tick)))
+        .collect();
+    let label = Axis::new("east", "side").label();
+    out.marks_across(&marks, (left, right), bottom, &label)
+}
+
+/// The scale of the colours of a column.
+fn key(out: &mut Drawing, (left, right): (f64, f64), y: f64, most: f64, shows: &Axis) -> f64 {
+    let step = (right - left) / STEPS as f64;
+    for i in 0..STEPS {
+        let colour = sequential((i as f64 + 0.5) / STEPS as f64);
+        let corner = (left + step * i as f64, y);
+        out.field("", corner, (step + 0.3, SAMPLE), Style::area(colour), "");
+    }
+    let scale = Scale::linear((0.0, most), (left, right));
+    let marks: Vec<(f64, String)> = (scale.ticks(3).into_iter())
+        .map(|tick| (scale.at(tick), number(tick)))
+        .collect();
+    out.marks_across(&marks, (left, right), y + SAMPLE, &shows.label())
+}

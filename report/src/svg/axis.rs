@@ -1,0 +1,177 @@
+//! Axes: a line, marks with their values, and a name with a unit.
+use stochc_ensemble::text::number;
+
+use super::drawing::Drawing;
+use super::letters::{self, widest, wrapped};
+use super::scale::Scale;
+use super::shape::Form;
+use super::style::Style;
+
+/// Between the lines of a text, in units.
+pub(crate) const LINE: f64 = 15.0;
+
+/// What an axis is of.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Axis {
+    name: String,
+    unit: String,
+}
+
+impl Axis {
+    /// `unit` is `1` where it has no dimension.
+    pub fn new(name: &str, unit: &str) -> Axis {
+        Axis {
+            name: name.to_owned(),
+            unit: if unit.is_empty() { "1" } else { unit }.to_owned(),
+        }
+    }
+
+    /// As it stands beside an axis of this scale: `wait [s]`, or `wait [s, logarithmic]`.
+    pub fn on(&self, scale: &Scale) -> String {
+        match scale.is_logarithmic() {
+            true => format!("{} [{}, logarithmic]", self.name, self.unit),
+            false => self.label(),
+        }
+    }
+
+    /// As it stands beside an axis that is even, or has a mark for each value.
+    pub fn label(&self) -> String {
+        format!("{} [{}]", self.name, self.unit)
+    }
+}
+
+/// A place on an axis, and what stands there.
+pub(crate) type Mark = (f64, String);
+
+impl Drawing {
+    /// Values to mark on a horizontal axis, whose numbers do not touch.
+    pub(crate) fn ticks_across(&self, scale: &Scale) -> Vec<f64> {
+        let fits = |ticks: &Vec<f64>| {
+            let marks = ticks.iter().map(|&tick| {
+                let text = number(tick);
+                (self.within(scale.at(tick), &text), text)
+            });
+            are_apart(&marks.collect::<Vec<_>>())
+        };
+        let first = scale.ticks(1).into_iter().take(1).collect();
+        let mut all = (1..=6).rev().map(|n| scale.ticks(n));
+        all.find(fits).unwrap_or(first)
+    }
+
+    /// Where the middle of a text has to be, so that it is not cut at the edges.
+    pub(crate) fn within(&self, x: f64, text: &str) -> f64 {
+        let half = letters::width(text) / 2.0 + 2.0;
+        let last = (self.size().0 - half).max(half);
+        x.clamp(half, last)
+    }
+
+    /// A horizontal axis at height `y` with lines up to `top`, and below it what it shows; gives the foot of the next line of
+    /// text below.
+    pub(crate) fn across(
+        &mut self,
+        scale: &Scale,
+        ends: (f64, f64),
+        y: f64,
+        top: f64,
+        of: &Axis,
+    ) -> f64 {
+        let ticks = self.ticks_across(scale).into_iter();
+        let marks: Vec<Mark> = ticks.map(|tick| (scale.at(tick), number(tick))).collect();
+        for (x, _) in &marks {
+            self.line("grid", (*x, top), (*x, y));
+        }
+        self.marks_across(&marks, ends, y, &of.on(scale))
+    }
+
+    /// A horizontal axis with marks at some places, those left out that would touch others.
+    pub(crate) fn marks_across(
+        &mut self,
+        marks: &[Mark],
+        (left, right): (f64, f64),
+        y: f64,
+        label: &str,
+    ) -> f64 {
+        self.push("", Style::default(), Form::Axis, "");
+        for (x, text) in self.apart(marks) {
+            self.text_around("dim", (x, y + 17.0), &text);
+        }
+        self.line("axis", (left, y), (right, y));
+        // A name may be somewhat longer than its axis.
+        let most = (right - left + 40.0).min(self.size().0 - 8.0);
+        let lines = wrapped(label, most);
+        let mut foot = y + 36.0;
+        for line in &lines {
+            self.text_around("ink", (self.within((left + right) / 2.0, line), foot), line);
+            foot += LINE;
+        }
+        self.push("", Style::default(), Form::AxisEnd, "");
+        foot + 7.0
+    }
+
+    /// Marks at places where they are not cut, and every second, third ... of them where all would touch.
+    fn apart(&self, marks: &[Mark]) -> Vec<Mark> {
+        let marks = marks.iter();
+        let marks: Vec<Mark> = marks
+            .map(|(x, text)| (self.within(*x, text), text.clone()))
+            .collect();
+        let every = |n: usize| marks.iter().step_by(n).cloned().collect::<Vec<_>>();
+        let all = 1..=marks.len().max(1);
+        let fits = |marks: &Vec<Mark>| are_apart(marks);
+        all.map(every).find(fits).unwrap_or_default()
+    }
+
+    /// The height that a vertical axis of this label needs above it.
+    pub(crate) fn head(&self, label: &str) -> f64 {
+        19.0 + LINE * wrapped(label, self.size().0 - 16.0).len() as f64
+    }
+
+    /// Where a vertical axis stands, so that its numbers have room at the left of it.
+    pub(crate) fn left_of(scale: &Scale, label: impl Fn(f64) -> String) -> f64 {
+        let labels: Vec<String> = scale.ticks(5).into_iter().map(label).collect();
+        (widest(labels.iter().map(String::as_str)) + 15.0).max(40.0)
+    }
+
+    /// A vertical axis at `x` with lines up to `right`, and above it what it shows.
+    pub(crate) fn upward(
+        &mut self,
+        scale: &Scale,
+        ends: (f64, f64),
+        x: f64,
+        right: f64,
+        of: &Axis,
+        label: impl Fn(f64) -> String,
+    ) {
+        let ticks = scale.ticks(5).into_iter();
+        let marks: Vec<Mark> = ticks.map(|tick| (scale.at(tick), label(tick))).collect();
+        for (y, _) in &marks {
+            self.line("grid", (x, *y), (right, *y));
+        }
+        self.marks_upward(&marks, ends, (8.0, x), &of.on(scale));
+    }
+
+    /// A vertical axis with marks at some places, whose name begins at `edge`.
+    pub(crate) fn marks_upward(
+        &mut self,
+        marks: &[Mark],
+        (bottom, top): (f64, f64),
+        (edge, x): (f64, f64),
+        label: &str,
+    ) {
+        self.push("", Style::default(), Form::Axis, "");
+        for (y, text) in marks {
+            self.text_before("dim", (x - 7.0, y + 4.0), text);
+        }
+        self.line("axis", (x, bottom), (x, top));
+        let lines = wrapped(label, self.size().0 - 16.0);
+        for (above, line) in (0..lines.len()).rev().zip(&lines) {
+            self.text("ink", (edge, top - 12.0 - LINE * above as f64), line);
+        }
+        self.push("", Style::default(), Form::AxisEnd, "");
+    }
+}
+
+fn are_apart(marks: &[Mark]) -> bool {
+    const APART: f64 = 8.0;
+    let half = |mark: &Mark| letters::width(&mark.1) / 2.0;
+    (marks.windows(2)).all(|pair| pair[0].0 + half(&pair[0]) + APART <= pair[1].0 - half(&pair[1]))
+}

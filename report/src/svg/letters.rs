@@ -1,0 +1,105 @@
+//! How wide text is, by the font that comes along: that of Helvetica and Arial as well, which have the same widths.
+use std::sync::LazyLock;
+
+use ttf_parser::Face;
+
+use super::medium::TYPE;
+use crate::text::short;
+
+/// Liberation Sans, as it is published (`report/fonts/`).
+pub(crate) const FONT: &[u8] = include_bytes!("../../fonts/LiberationSans-Regular.ttf");
+
+/// The font, read.
+pub(crate) static FACE: LazyLock<Face<'static>> = LazyLock::new(|| {
+    // A test reads it.
+    Face::parse(FONT, 0).expect("the font that comes along is one")
+});
+
+/// Width of a line of text, in units of a drawing.
+pub(crate) fn width(text: &str) -> f64 {
+    let em = f64::from(FACE.units_per_em());
+    let advance = |sign: char| {
+        let glyph = FACE.glyph_index(sign)?;
+        Some(f64::from(FACE.glyph_hor_advance(glyph)?) / em)
+    };
+    // What another font has to show is as wide as it is high.
+    let ems: f64 = text.chars().map(|sign| advance(sign).unwrap_or(1.0)).sum();
+    TYPE * ems
+}
+
+/// The widest of some lines.
+pub(crate) fn widest<'a>(lines: impl IntoIterator<Item = &'a str>) -> f64 {
+    lines.into_iter().map(width).fold(0.0, f64::max)
+}
+
+/// A name that is at most so wide, its middle left out.
+pub(crate) fn fitted(name: &str, most: f64) -> String {
+    let whole = short(name, usize::MAX);
+    if width(&whole) <= most {
+        return whole;
+    }
+    let (mut fits, mut too_many) = (1, whole.chars().count());
+    while fits + 1 < too_many {
+        let letters = usize::midpoint(fits, too_many);
+        match width(&short(name, letters)) <= most {
+            true => fits = letters,
+            false => too_many = letters,
+        }
+    }
+    short(name, fits)
+}
+
+/// Text in lines that are at most so wide, broken between words; a word that is wider alone loses its middle.
+pub(crate) fn wrapped(text: &str, most: f64) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    // What is kept together by a blank without a break stays so.
+    for word in text.split(' ').filter(|word| !word.is_empty()) {
+        let longer = lines.last().map(|line| format!("{line} {word}"));
+        match (longer, lines.last_mut()) {
+            (Some(longer), Some(line)) if width(&longer) <= most => *line = longer,
+            _ => lines.push(fitted(word, most)),
+        }
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Widths of Helvetica, in thousandths of its size, as Adobe has published them.
+    #[test]
+    fn the_font_has_the_widths_of_helvetica() {
+        for (letter, thousandths) in [(' ', 278), ('a', 556), ('i', 222), ('M', 833), ('7', 556)] {
+            let expected = TYPE * f64::from(thousandths) / 1000.0;
+            let found = width(&letter.to_string());
+            assert!((found - expected).abs() < 0.01, "{letter}: {found}");
+        }
+    }
+
+    #[test]
+    fn what_is_fitted_is_no_wider_and_loses_no_more_than_it_has_to() {
+        let name = "M.up -> a_rather_long_name_of_a_block";
+        for most in [30.0, 60.0, 100.0, 150.0] {
+            let found = fitted(name, most);
+            assert!(width(&found) <= most, "{found}");
+            assert!(
+                found.contains('…') && width(&found) > most - 16.0,
+                "{found}"
+            );
+        }
+        assert_eq!(fitted("A.up -> B", 100.0), "A.up -> B");
+        // Where there is no room, one sign stands for all.
+        assert_eq!(fitted("ABC", 0.0).chars().count(), 1);
+    }
+
+    #[test]
+    fn lines_keep_to_their_width_and_lose_no_word() {
+        let text = "entries of blocks into the reach of the pull [number, logarithmic]";
+        for most in [80.0, 200.0, 900.0] {
+            let lines = wrapped(text, most);
+            assert!(lines.iter().all(|line| width(line) <= most), "{lines:?}");
+            assert_eq!(lines.join(" "), text);
+        }
+    }
+}

@@ -1,0 +1,147 @@
+//! A drawing as SVG.
+use std::fmt::Write as _;
+
+use stochc_ensemble::text::escaped;
+
+use super::drawing::Drawing;
+use super::medium::{Medium, TYPE};
+use super::shape::{Anchor, Form, Shape};
+use super::style::stylesheet;
+
+impl Drawing {
+    /// As a file of its own.
+    pub fn file(&self) -> String {
+        let rest = format!(
+            "<style>{}</style>\n<rect class=\"paper\" width=\"100%\" height=\"100%\"/>\n{}",
+            stylesheet(self.medium),
+            self.body()
+        );
+        self.element("xmlns=\"http://www.w3.org/2000/svg\" ", "", &rest)
+    }
+
+    /// As a part of a page, which brings the styles of a screen; `prefix` keeps its names apart from those of
+    /// other pictures.
+    pub(crate) fn inline(&self, prefix: &str) -> String {
+        self.element("", prefix, &self.body())
+    }
+
+    fn element(&self, more: &str, prefix: &str, content: &str) -> String {
+        let (width, height) = self.size();
+        let name = format!("{prefix}{}", self.name);
+        // In print lengths are points, and all is drawn smaller.
+        let (size, unit) = match self.medium {
+            Medium::Screen => (
+                format!(
+                    "viewBox=\"0 0 {width:.0} {height:.0}\" width=\"{width:.0}\" height=\"{height:.0}\""
+                ),
+                String::new(),
+            ),
+            Medium::Print(wide) => {
+                let unit = self.medium.unit();
+                let (width, height) = (unit * width, unit * height);
+                let high = height / 72.0 * 25.4;
+                (
+                    format!(
+                        "viewBox=\"0 0 {width:.2} {height:.2}\" width=\"{wide}mm\" height=\"{high:.2}mm\""
+                    ),
+                    format!(" transform=\"scale({unit:.6})\""),
+                )
+            }
+        };
+        format!(
+            "<svg {more}{size} \
+             font-family=\"Helvetica, Arial, 'Liberation Sans', sans-serif\" font-size=\"{TYPE}\" role=\"img\" \
+             aria-labelledby=\"{name}-title {name}-description\">\n\
+             <title id=\"{name}-title\">{}</title>\n\
+             <desc id=\"{name}-description\">{}</desc>\n<g{unit}>\n{content}</g>\n</svg>\n",
+            escaped(&self.title),
+            escaped(&self.description),
+        )
+    }
+
+    fn body(&self) -> String {
+        self.shapes().iter().fold(String::new(), |mut out, shape| {
+            write(&mut out, shape);
+            out
+        })
+    }
+}
+
+/// Writes the element of a shape, and a line break.
+fn write(out: &mut String, shape: &Shape) {
+    // What is its own counts less than a rule for its class, and more than what it inherits.
+    let own = shape.own.attributes();
+    let (group, end, class) = match own.is_empty() {
+        true => (String::new(), "", format!("class=\"{}\"", shape.class)),
+        false => (
+            format!("<g class=\"{}\">", shape.class),
+            "</g>",
+            own.trim_start().to_owned(),
+        ),
+    };
+    let (name, attributes) = match &shape.form {
+        Form::Line(from, to) => (
+            "line",
+            format!(
+                "{class} x1=\"{:.1}\" y1=\"{:.1}\" x2=\"{:.1}\" y2=\"{:.1}\"",
+                from.0, from.1, to.0, to.1
+            ),
+        ),
+        Form::Curve(places, dashes) => {
+            let dashes = match *dashes {
+                "" => String::new(),
+                dashes => format!(" stroke-dasharray=\"{dashes}\""),
+            };
+            (
+                "polyline",
+                format!("{class} points=\"{}\"{dashes}", joined(places)),
+            )
+        }
+        Form::Area(places) => ("polygon", format!("{class} points=\"{}\"", joined(places))),
+        Form::Rectangle((x, y), (width, height)) => (
+            "rect",
+            format!(
+                "{class} x=\"{x:.1}\" y=\"{y:.1}\" width=\"{width:.1}\" height=\"{height:.1}\""
+            ),
+        ),
+        Form::Disc((x, y), radius) => (
+            "circle",
+            format!("{class} cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius:.1}\""),
+        ),
+        Form::Text((x, y), anchor, content) => {
+            let more = match anchor {
+                Anchor::Start => "",
+                Anchor::Middle => " text-anchor=\"middle\"",
+                Anchor::End => " text-anchor=\"end\"",
+            };
+            // Writing to a string cannot fail.
+            let _ = writeln!(
+                out,
+                "<text {class} x=\"{x:.1}\" y=\"{y:.1}\"{more}>{}</text>",
+                escaped(content)
+            );
+            return;
+        }
+        Form::Axis => {
+            *out += "<g class=\"of\">\n";
+            return;
+        }
+        Form::AxisEnd => {
+            *out += "</g>\n";
+            return;
+        }
+    };
+    let _ = match &*shape.told {
+        "" => writeln!(out, "{group}<{name} {attributes}/>{end}"),
+        told => writeln!(
+            out,
+            "{group}<{name} {attributes}><title>{}</title></{name}>{end}",
+            escaped(told)
+        ),
+    };
+}
+
+fn joined(places: &[(f64, f64)]) -> String {
+    let places = places.iter().map(|(x, y)| format!("{x:.1},{y:.1}"));
+    places.collect::<Vec<_>>().join(" ")
+}

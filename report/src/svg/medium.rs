@@ -1,0 +1,101 @@
+//! What a figure is drawn for, and what follows for its size.
+use std::fmt::{self, Display, Formatter};
+use std::str::FromStr;
+
+/// Height of type, in units of a drawing.
+pub(crate) const TYPE: f64 = 12.0;
+
+/// What a figure is drawn for: a figure is laid out anew for each width, with type of the same height.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Medium {
+    /// A page in a browser, light or dark.
+    #[default]
+    Screen,
+    /// Paper: so wide \[mm\], with type of [`Medium::POINTS`].
+    Print(f64),
+}
+
+impl Medium {
+    /// Height of type in print \[pt\].
+    pub const POINTS: f64 = 7.0;
+    /// The narrowest and the widest figure in print \[mm\].
+    pub const WIDTHS: (f64, f64) = (80.0, 300.0);
+
+    /// Points in a unit of a drawing: a browser's pixel is three quarters of one.
+    pub(crate) fn unit(self) -> f64 {
+        match self {
+            Medium::Screen => 0.75,
+            Medium::Print(_) => Medium::POINTS / TYPE,
+        }
+    }
+
+    /// Width of a figure, in units.
+    pub(crate) fn width(self) -> f64 {
+        self.width_or(760.0)
+    }
+
+    /// Width of a figure that has one of its own on a screen, in units.
+    pub(crate) fn width_or(self, on_screen: f64) -> f64 {
+        match self {
+            Medium::Screen => on_screen,
+            Medium::Print(width) => width / 25.4 * 72.0 / self.unit(),
+        }
+    }
+}
+
+/// Height of a plot that is so wide: flat where there is room, and never too low for its curves.
+pub(crate) fn plot_height(width: f64) -> f64 {
+    (0.39 * width).clamp(190.0, 330.0).round()
+}
+
+impl Display for Medium {
+    fn fmt(&self, out: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Medium::Screen => write!(out, "screen"),
+            Medium::Print(width) => write!(out, "{width}mm"),
+        }
+    }
+}
+
+impl FromStr for Medium {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Medium, String> {
+        if text == "screen" {
+            return Ok(Medium::Screen);
+        }
+        let (least, most) = Medium::WIDTHS;
+        let width = text.strip_suffix("mm").map(str::trim);
+        let width: Option<f64> = width.and_then(|width| width.parse().ok());
+        match width {
+            Some(width) if (least..=most).contains(&width) => Ok(Medium::Print(width)),
+            Some(_) => Err(format!("give a width from {least}mm to {most}mm")),
+            None => Err("give `screen`, or a width in print such as `89mm`".to_owned()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn widths_are_read_as_they_are_written() {
+        for medium in [Medium::Screen, Medium::Print(89.0), Medium::Print(182.5)] {
+            assert_eq!(medium.to_string().parse(), Ok(medium));
+        }
+        for wrong in ["", "89", "mm", "-89mm", "20mm", "1e9mm", "NaNmm", "89cm"] {
+            assert!(wrong.parse::<Medium>().is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn type_in_print_has_seven_points_at_any_width() {
+        for width in [89.0, 183.0] {
+            let medium = Medium::Print(width);
+            assert!((TYPE * medium.unit() - 7.0).abs() < 1e-12);
+            let points = medium.width() * medium.unit();
+            assert!((points - width / 25.4 * 72.0).abs() < 1e-9);
+        }
+    }
+}
