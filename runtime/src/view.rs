@@ -40,6 +40,8 @@ pub struct ArenaView {
     pub active: Vec<(Body, Face)>,
     /// The blocks in the reach of these faces.
     pub in_reach: Vec<(u32, Body, Face)>,
+    /// The free blocks that are bonded to each other, by pairs.
+    pub bonds: Vec<[u32; 2]>,
 }
 
 impl ArenaView {
@@ -47,7 +49,9 @@ impl ArenaView {
     pub(crate) fn of(arena: &impl Arena) -> ArenaView {
         let active = arena.active().into_iter();
         let in_reach = arena.in_reach().into_iter();
+        let bonds = arena.free_bonds().into_iter();
         ArenaView {
+            bonds: bonds.map(|bond| bond.bodies).collect(),
             poses: (0..arena.count()).map(|id| pose(arena, id)).collect(),
             active: active
                 .filter_map(|(site, _)| in_structure(arena, site))

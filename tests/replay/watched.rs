@@ -8,7 +8,7 @@ use serde_json::json;
 use crate::accessible::{axe, breaks_nothing};
 use crate::browser::{Browser, browser};
 use crate::firefox::Firefox;
-use crate::folder::PROGRAM;
+use crate::folder::{PROGRAM, SWARM};
 
 const PATIENCE: Duration = Duration::from_secs(120);
 
@@ -20,8 +20,12 @@ struct Watched {
 
 impl Watched {
     fn start(options: &str) -> Watched {
+        Watched::of(PROGRAM, options)
+    }
+
+    fn of(program: &str, options: &str) -> Watched {
         let mut child = Command::new(env!("CARGO_BIN_EXE_stochc"))
-            .args(["simulate", PROGRAM, "--quiet", "--watch"])
+            .args(["simulate", program, "--quiet", "--watch"])
             .args(options.split_whitespace())
             .stdin(Stdio::null())
             .stdout(Stdio::null())
@@ -115,6 +119,25 @@ fn curves_and_a_run_under_way_are_seen() {
             address.starts_with(host) || address.starts_with("data:") || address == "about:blank";
         assert!(is_ours, "{address}");
     }
+}
+
+#[test]
+fn groups_of_free_blocks_have_the_colours_of_their_sizes() {
+    let Some(mut browser) = browser(&[]) else {
+        return;
+    };
+    let watched = Watched::of(SWARM, "--runs 100000 --threads 1");
+    // Whatever run is shown, groups come soon; and at once, because the next frame may be of another run.
+    let coloured = "Boolean(document.body?.dataset.drawn) && (() => {
+        const { scene } = watch;
+        scene.draw(1);
+        const look = THEMES[themeName()];
+        const grouped = scene.history.groups.at(0).list().flatMap(group => group.map(body =>
+            scene.solid.some(block => block.body === body && block.colour === groupColour(look, group.length))));
+        return grouped.length > 1 && grouped.every(Boolean);
+    })()";
+    open(&mut browser, &watched.link, coloured);
+    assert_eq!(browser.complaints, [] as [String; 0]);
 }
 
 #[test]

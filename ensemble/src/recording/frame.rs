@@ -21,6 +21,8 @@ pub struct RunFrame {
     pub active: Value,
     /// Rows `[block, of, face]` of blocks in the reach of these faces.
     pub in_reach: Value,
+    /// Rows `[block, block]` of free blocks that are bonded to each other.
+    pub bonds: Value,
 }
 
 impl RunFrame {
@@ -30,6 +32,7 @@ impl RunFrame {
             poses,
             active,
             in_reach,
+            bonds,
         } = view.arena.as_ref()?;
         let seeds = Seeds::of(tables);
         let chunk = Chunk::quantize(vec![view.tick], poses.as_flattened(), poses.len());
@@ -46,6 +49,7 @@ impl RunFrame {
             active: active
                 .map(|&(of, face)| json!([seeds.number(of), face]))
                 .collect(),
+            bonds: bonds.iter().map(|pair| json!(pair)).collect(),
             in_reach: in_reach
                 .map(|&(body, of, face)| json!([body, seeds.number(of), face]))
                 .collect(),

@@ -144,7 +144,7 @@ pub fn program(manifest: &Manifest, number: usize) -> Option<Value> {
     }
 }
 
-/// A run as it stands: `{ program, run, tick, phase, corner, step, numbers, held, active, in_reach }`, as in [`RunFrame`], `numbers`
+/// A run as it stands: `{ program, run, tick, phase, corner, step, numbers, held, active, in_reach, bonds }`, as in [`RunFrame`], `numbers`
 /// as bytes in base64, the lower one first; `None`: nothing in it has a place.
 pub fn frame(manifest: &Manifest, viewed: &ViewedRun) -> Option<Value> {
     let program = manifest.programs.get(viewed.program)?;
@@ -163,5 +163,6 @@ pub fn frame(manifest: &Manifest, viewed: &ViewedRun) -> Option<Value> {
         "held": frame.held,
         "active": frame.active,
         "in_reach": frame.in_reach,
+        "bonds": frame.bonds,
     }))
 }

@@ -26,12 +26,13 @@ class Present {
     // Target cells are drawn anew when the structure changes, which the scene sees by the number of steps.
     this.steps = [];
     this.seen = '';
-    this.take({ held: [], active: [], in_reach: [] });
+    this.take({ held: [], active: [], in_reach: [], bonds: [] });
   }
 
-  take({ held, active, in_reach }) {
+  take({ held, active, in_reach, bonds }) {
     this.held = new Map(held.map(([body, role, cell, phase]) => [body, { role, cell, phase }]));
     this.active = active.map(([body, face]) => ({ body, face }));
+    this.groups = new Groups(bonds.map(([a, b]) => [0, 'bond', a, b]));
     this.near = in_reach.map(([body, of, face]) => ({ body, of, face }));
     const cells = held.map(([, , cell]) => cell.join()).join(' ');
     if (cells !== this.seen) this.steps.push(0);
