@@ -8,6 +8,7 @@ use std::time::Duration;
 
 use serde_json::{Value, json};
 
+use crate::page_under_test::Mouse;
 use crate::skipped::skipped;
 
 /// Longer than anything takes on a slow machine.
@@ -213,12 +214,15 @@ impl Browser {
         }
     }
 
-    /// Clicks with the left button.
-    pub fn click(&mut self, x: f64, y: f64) {
-        for (kind, buttons) in [("mousePressed", 1), ("mouseReleased", 0)] {
-            let event = json!({ "type": kind, "x": x, "y": y, "button": "left", "buttons": buttons, "clickCount": 1 });
-            self.call("Input.dispatchMouseEvent", &event);
-        }
+    /// Does something with the left button.
+    pub fn mouse(&mut self, what: Mouse, x: f64, y: f64) {
+        let (kind, buttons) = match what {
+            Mouse::Press => ("mousePressed", 1),
+            Mouse::Drag => ("mouseMoved", 1),
+            Mouse::Release => ("mouseReleased", 0),
+        };
+        let event = json!({ "type": kind, "x": x, "y": y, "button": "left", "buttons": buttons, "clickCount": 1 });
+        self.call("Input.dispatchMouseEvent", &event);
     }
 
     /// Draws one finger over the page.

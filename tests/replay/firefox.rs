@@ -8,8 +8,9 @@ use std::time::{Duration, Instant};
 use serde_json::{Value, json};
 
 use crate::folder::{PROGRAM, Results, SWARM};
+use crate::page_under_test::Mouse;
 use crate::skipped::skipped;
-use crate::{drawn, grouped, page};
+use crate::{drawn, grouped, looking, page, telling};
 
 /// Longer than anything takes on a slow machine.
 const PATIENCE: Duration = Duration::from_secs(120);
@@ -120,6 +121,60 @@ impl Firefox {
         }
     }
 
+    /// The size of the page.
+    pub fn size(&mut self, width: u32, height: u32) {
+        // Of the window with its frame, which is as wide as it was before.
+        let frame = self.value("[outerWidth - innerWidth, outerHeight - innerHeight]");
+        let with = |of: u32, i: usize| u64::from(of) + frame[i].as_u64().unwrap();
+        let rect = json!({ "x": 0, "y": 0, "width": with(width, 0), "height": with(height, 1) });
+        self.call("WebDriver:SetWindowRect", &rect);
+        let begun = Instant::now();
+        while self.value("[innerWidth, innerHeight]") != json!([width, height]) {
+            assert!(begun.elapsed() < PATIENCE, "the window keeps its size");
+            std::thread::sleep(Duration::from_millis(50));
+        }
+    }
+
+    fn act(&mut self, actions: &Value) {
+        self.call("WebDriver:PerformActions", &json!({ "actions": [actions] }));
+    }
+
+    /// Presses and releases a key.
+    pub fn key(&mut self, key: &str) {
+        // Keys without a letter have places of their own: <https://www.w3.org/TR/webdriver2/#keyboard-actions>.
+        let value = match key {
+            "ArrowLeft" => "\u{e012}",
+            "ArrowRight" => "\u{e014}",
+            "Home" => "\u{e011}",
+            "Escape" => "\u{e00c}",
+            letter => letter,
+        };
+        let both = ["keyDown", "keyUp"].map(|kind| json!({ "type": kind, "value": value }));
+        self.act(&json!({ "type": "key", "id": "keys", "actions": both }));
+    }
+
+    /// Does something with the left button, which is released where it is: on the way to another place it would drag.
+    pub fn mouse(&mut self, what: Mouse, x: f64, y: f64) {
+        let actions = match what {
+            Mouse::Press => vec![moved((x, y)), json!({ "type": "pointerDown", "button": 0 })],
+            Mouse::Drag => vec![moved((x, y))],
+            Mouse::Release => vec![json!({ "type": "pointerUp", "button": 0 })],
+        };
+        self.act(&json!({ "type": "pointer", "id": "mouse", "actions": actions }));
+    }
+
+    /// Draws one finger over the page.
+    pub fn swipe(&mut self, from: (f64, f64), to: (f64, f64)) {
+        let (down, up) = (
+            json!({ "type": "pointerDown", "button": 0 }),
+            json!({ "type": "pointerUp", "button": 0 }),
+        );
+        self.act(&json!({
+            "type": "pointer", "id": "finger", "parameters": { "pointerType": "touch" },
+            "actions": [moved(from), down, moved(to), up],
+        }));
+    }
+
     /// The value of an expression, or of the promise that it is.
     pub fn value(&mut self, expression: &str) -> Value {
         let script = format!(
@@ -128,6 +183,11 @@ impl Firefox {
         let params = json!({ "script": script, "args": [], "sandbox": null });
         self.call("WebDriver:ExecuteAsyncScript", &params)["value"].clone()
     }
+}
+
+/// To a point of the page, in whole pixels.
+fn moved((x, y): (f64, f64)) -> Value {
+    json!({ "type": "pointerMove", "duration": 0, "x": x.round() as i64, "y": y.round() as i64 })
 }
 
 impl Drop for Firefox {
@@ -185,4 +245,16 @@ fn firefox_shows_the_same() {
     page::check_faces(&mut firefox, &recording, &results.tables());
     drawn::check_all(&mut firefox, &results);
     grouped::check_all(&mut firefox, &Results::of(SWARM, "--record 0"));
+}
+
+#[test]
+fn firefox_is_used_the_same_way() {
+    let Some(mut firefox) = Firefox::start() else {
+        return;
+    };
+    let results = Results::of(PROGRAM, "--record 0");
+    firefox.size(1000, 700);
+    page::check_moves(&mut firefox, &results);
+    telling::check_all(&mut firefox);
+    looking::check_all(&mut firefox, &results);
 }

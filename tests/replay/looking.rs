@@ -1,26 +1,73 @@
 //! Finding one's way in the page: what a click means, and what moves by itself.
-use serde_json::{Value, json};
+use serde_json::Value;
 use stochc::ir::palette::{DARK, LIGHT};
 
-use crate::browser::{Browser, browser};
+use crate::browser::browser;
 use crate::folder::{PROGRAM, Results};
+use crate::page_under_test::{Mouse, Page};
 
-fn ready(more: &str) -> Option<(Browser, Results)> {
-    let mut browser = browser(&[])?;
+type Check<P> = fn(&mut P);
+
+/// What is checked, and what stands behind the address.
+fn checks<P: Page>() -> [(Check<P>, &'static str); 8] {
+    [
+        (a_click_on_a_name_chooses_its_block, ""),
+        (
+            what_is_anchored_is_chosen_before_what_lets_light_through,
+            "",
+        ),
+        (names_do_not_show_through_solid_blocks, ""),
+        (the_strip_of_marks_is_dragged, ""),
+        (graphics_that_are_lost_come_back, "#tick=2500"),
+        (keys_turn_the_view_and_choose_a_block, "#tick=9000"),
+        (the_graph_scrolls_to_what_happens_and_the_focus_stays, ""),
+        (no_block_that_is_seen_is_left_out, "#tick=4000"),
+    ]
+}
+
+/// All of it in a page of its own.
+pub fn check_all(page: &mut impl Page, results: &Results) {
+    for (check, hash) in checks() {
+        page.size(1000, 700);
+        page.open(&results.page(0), hash);
+        check(page);
+    }
+}
+
+/// Some of it, by the place in [`checks`], so that tests run side by side.
+fn in_chromium(which: std::ops::Range<usize>) {
+    let Some(mut browser) = browser(&[]) else {
+        return;
+    };
     let results = Results::of(PROGRAM, "--record 0");
-    browser.open(&results.page(0), more);
-    Some((browser, results))
+    for (check, hash) in &checks()[which] {
+        browser.size(1000, 700);
+        browser.open(&results.page(0), hash);
+        check(&mut browser);
+    }
+    assert_eq!(browser.complaints, [""; 0]);
+}
+
+#[test]
+fn what_is_clicked_is_chosen() {
+    in_chromium(0..3);
+}
+
+#[test]
+fn strips_keys_and_lost_graphics() {
+    in_chromium(3..6);
+}
+
+#[test]
+fn graphs_and_blocks_in_sight() {
+    in_chromium(6..8);
 }
 
 fn number(value: &Value) -> f64 {
     value.as_f64().unwrap()
 }
 
-#[test]
-fn a_click_on_a_name_chooses_its_block() {
-    let Some((mut browser, _results)) = ready("") else {
-        return;
-    };
+fn a_click_on_a_name_chooses_its_block(browser: &mut impl Page) {
     let end = number(&browser.value("replay.state().end"));
     let mut clicked = 0;
     for part in 1..=12 {
@@ -40,14 +87,9 @@ fn a_click_on_a_name_chooses_its_block() {
         }
     }
     assert!(clicked >= 40, "{clicked}");
-    assert_eq!(browser.complaints, [""; 0]);
 }
 
-#[test]
-fn what_is_anchored_is_chosen_before_what_lets_light_through() {
-    let Some((mut browser, _results)) = ready("") else {
-        return;
-    };
+fn what_is_anchored_is_chosen_before_what_lets_light_through(browser: &mut impl Page) {
     // A free block between the eye and a block of the structure: only if it is solid it is in the way.
     let found = browser.value(
         "(async () => {
@@ -88,14 +130,9 @@ fn what_is_anchored_is_chosen_before_what_lets_light_through() {
         solid = found["solid"],
     ));
     assert_ne!(shown[1], shown[2], "{shown}");
-    assert_eq!(browser.complaints, [""; 0]);
 }
 
-#[test]
-fn names_do_not_show_through_solid_blocks() {
-    let Some((mut browser, _results)) = ready("") else {
-        return;
-    };
+fn names_do_not_show_through_solid_blocks(browser: &mut impl Page) {
     let covered = browser.value(
         "(async () => {
             const end = replay.state().end;
@@ -116,25 +153,20 @@ fn names_do_not_show_through_solid_blocks() {
     assert!(!covered.as_array().unwrap().is_empty(), "{covered}");
 }
 
-#[test]
-fn the_strip_of_marks_is_dragged() {
-    let Some((mut browser, _results)) = ready("") else {
-        return;
-    };
+fn the_strip_of_marks_is_dragged(browser: &mut impl Page) {
     let strip = browser.value(
         "(({ left, top, width, height }) => ({ left, top, width, height }))(document.getElementById('timeline').getBoundingClientRect())",
     );
     let (left, width) = (number(&strip["left"]), number(&strip["width"]));
     let y = number(&strip["top"]) + number(&strip["height"]) / 2.0;
     let end = number(&browser.value("replay.state().end"));
-    for (part, kind, buttons) in [
-        (0.25, "mousePressed", 1),
-        (0.5, "mouseMoved", 1),
-        (0.75, "mouseReleased", 0),
+    for (part, what) in [
+        (0.25, Mouse::Press),
+        (0.5, Mouse::Drag),
+        (0.75, Mouse::Release),
     ] {
         let x = left + 8.0 + part * (width - 16.0);
-        let event = json!({ "type": kind, "x": x, "y": y, "button": "left", "buttons": buttons, "clickCount": 1 });
-        browser.call("Input.dispatchMouseEvent", &event);
+        browser.mouse(what, x, y);
         let tick = number(&browser.value("replay.settled()")["tick"]);
         // Where the button is released, it no longer moves.
         let expected = end * f64::min(part, 0.5);
@@ -145,11 +177,7 @@ fn the_strip_of_marks_is_dragged() {
     }
 }
 
-#[test]
-fn graphics_that_are_lost_come_back() {
-    let Some((mut browser, _results)) = ready("#tick=2500") else {
-        return;
-    };
+fn graphics_that_are_lost_come_back(browser: &mut impl Page) {
     let middle = "replay.pixel(300, 300)";
     let before = browser.value(middle);
     let lost = "window.lost = document.getElementById('arena').getContext('webgl2').getExtension('WEBGL_lose_context')";
@@ -165,19 +193,14 @@ fn graphics_that_are_lost_come_back() {
     assert_eq!(failed, false);
 }
 
-#[test]
-fn keys_turn_the_view_and_choose_a_block() {
-    let Some((mut browser, _results)) = ready("#tick=9000") else {
-        return;
-    };
-    let place =
-        |browser: &mut Browser| browser.value("replay.settled().then(() => replay.screen(0))");
-    let first = place(&mut browser);
+fn keys_turn_the_view_and_choose_a_block(browser: &mut impl Page) {
+    let place = "replay.settled().then(() => replay.screen(0))";
+    let first = browser.value(place);
     for (there, back) in [("a", "d"), ("w", "s"), ("A", "D"), ("W", "S"), ("e", "q")] {
         browser.key(there);
-        assert_ne!(place(&mut browser), first, "{there}");
+        assert_ne!(browser.value(place), first, "{there}");
         browser.key(back);
-        let again = place(&mut browser);
+        let again = browser.value(place);
         for axis in ["x", "y"] {
             let moved = number(&again[axis]) - number(&first[axis]);
             assert!(moved.abs() < 1e-6, "{there}, {back}: {again}");
@@ -201,11 +224,7 @@ fn keys_turn_the_view_and_choose_a_block() {
     assert_eq!(browser.value("replay.state().selected"), before);
 }
 
-#[test]
-fn the_graph_scrolls_to_what_happens_and_the_focus_stays() {
-    let Some((mut browser, _results)) = ready("") else {
-        return;
-    };
+fn the_graph_scrolls_to_what_happens_and_the_focus_stays(browser: &mut impl Page) {
     browser.size(1000, 420);
     let end = number(&browser.value("replay.state().end"));
     let mut looked = 0;
@@ -243,11 +262,7 @@ fn the_graph_scrolls_to_what_happens_and_the_focus_stays() {
     assert_eq!(focused, true);
 }
 
-#[test]
-fn no_block_that_is_seen_is_left_out() {
-    let Some((mut browser, _results)) = ready("#tick=4000") else {
-        return;
-    };
+fn no_block_that_is_seen_is_left_out(browser: &mut impl Page) {
     // Solid, so that a block is where its middle is seen, or one before it.
     browser.value("document.getElementById('cloud').click()");
     let theme = match browser.value("themeName()").as_str().unwrap() {

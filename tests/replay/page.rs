@@ -275,19 +275,24 @@ fn keys_links_and_fingers_move_it() {
     let Some(mut browser) = browser(&[]) else {
         return;
     };
-    let results = Results::of(PROGRAM, "--record 0");
+    check_moves(&mut browser, &Results::of(PROGRAM, "--record 0"));
+    assert_eq!(browser.complaints, [""; 0]);
+}
+
+/// Keys, the slider and fingers.
+pub fn check_moves(browser: &mut impl Page, results: &Results) {
     let recording = results.recording(0);
     let page = results.page(0);
     browser.open(&page, "#tick=1234&block=3");
-    let now = |browser: &mut Browser| browser.value("replay.settled()");
-    let state = now(&mut browser);
+    let now = "replay.settled()";
+    let state = browser.value(now);
     assert_eq!(
         (&state["tick"], &state["selected"]),
         (&json!(1234), &json!(3))
     );
     for (key, tick) in [("ArrowRight", 1235), ("ArrowLeft", 1234), ("Home", 0)] {
         browser.key(key);
-        assert_eq!(now(&mut browser)["tick"], tick, "{key}");
+        assert_eq!(browser.value(now)["tick"], tick, "{key}");
     }
     // From event to event of the structure, there and back.
     use stochc::runtime::observe::ObservedEvent;
@@ -306,20 +311,20 @@ fn keys_links_and_fingers_move_it() {
     ticks.dedup();
     for tick in &ticks[1..5] {
         browser.key("n");
-        assert_eq!(now(&mut browser)["tick"], *tick);
+        assert_eq!(browser.value(now)["tick"], *tick);
     }
     browser.key("p");
-    assert_eq!(now(&mut browser)["tick"], ticks[3]);
+    assert_eq!(browser.value(now)["tick"], ticks[3]);
     assert_eq!(
         browser.value("location.hash"),
         format!("#tick={}&block=3", ticks[3])
     );
     browser.key("Escape");
-    assert_eq!(now(&mut browser)["selected"], Value::Null);
+    assert_eq!(browser.value(now)["selected"], Value::Null);
     // It plays, and stops.
     browser.key(" ");
     browser.value("new Promise(done => setTimeout(done, 700))");
-    let state = now(&mut browser);
+    let state = browser.value(now);
     assert_eq!(state["playing"], true);
     assert!(
         state["tick"].as_f64().unwrap() > ticks[3] as f64,
@@ -327,27 +332,26 @@ fn keys_links_and_fingers_move_it() {
         state["tick"]
     );
     browser.key(" ");
-    assert_eq!(now(&mut browser)["playing"], false);
+    assert_eq!(browser.value(now)["playing"], false);
     // The slider.
-    browser.value("{ const bar = document.getElementById('tick'); bar.value = 77; bar.dispatchEvent(new Event('input')); 1 }");
-    assert_eq!(now(&mut browser)["tick"], 77);
+    browser.value("(bar => { bar.value = 77; bar.dispatchEvent(new Event('input')); })(document.getElementById('tick'))");
+    assert_eq!(browser.value(now)["tick"], 77);
     // A finger turns the view, and does not choose a block.
     let before = browser.value("replay.screen(0)");
     browser.swipe((300.0, 300.0), (380.0, 300.0));
-    let state = now(&mut browser);
+    let state = browser.value(now);
     assert_ne!(browser.value("replay.screen(0)"), before);
     assert_eq!(state["selected"], Value::Null);
     browser.key("r");
-    now(&mut browser);
+    browser.value(now);
     assert_eq!(browser.value("replay.screen(0)"), before);
     // Whoever is followed stays in the middle.
     browser.open(&page, "#tick=1000&block=7");
     browser.key("f");
-    now(&mut browser);
-    seek(&mut browser, 1500);
+    browser.value(now);
+    seek(browser, 1500);
     let at = browser.value("(({ x, y }) => [x / document.getElementById('arena').clientWidth, y / document.getElementById('arena').clientHeight])(replay.screen(7))");
     for part in numbers(&at) {
         assert!((part - 0.5).abs() < 1e-3, "{at}");
     }
-    assert_eq!(browser.complaints, [""; 0]);
 }

@@ -6,6 +6,15 @@ use serde_json::Value;
 use crate::browser::Browser;
 use crate::firefox::Firefox;
 
+/// What is done with the left button.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mouse {
+    Press,
+    /// Held down.
+    Drag,
+    Release,
+}
+
 /// A browser with a page of a replay in it.
 pub trait Page {
     /// Opens a file with something after its name; waits until it shows a replay or a message.
@@ -13,6 +22,24 @@ pub trait Page {
 
     /// The value of an expression, or of the promise that it is.
     fn value(&mut self, expression: &str) -> Value;
+
+    /// The size of the page.
+    fn size(&mut self, width: u32, height: u32);
+
+    /// Presses and releases a key.
+    fn key(&mut self, key: &str);
+
+    /// Does something with the left button.
+    fn mouse(&mut self, what: Mouse, x: f64, y: f64);
+
+    /// Draws one finger over the page.
+    fn swipe(&mut self, from: (f64, f64), to: (f64, f64));
+
+    /// Clicks with the left button.
+    fn click(&mut self, x: f64, y: f64) {
+        self.mouse(Mouse::Press, x, y);
+        self.mouse(Mouse::Release, x, y);
+    }
 
     /// What is drawn on a flat sheet by `act`: each as `[what, style, numbers or a text and numbers]`, in the units of the page.
     fn drawn(&mut self, sheet: &str, act: &str) -> Vec<Value> {
@@ -48,6 +75,22 @@ impl Page for Browser {
     fn value(&mut self, expression: &str) -> Value {
         Browser::value(self, expression)
     }
+
+    fn size(&mut self, width: u32, height: u32) {
+        Browser::size(self, width, height);
+    }
+
+    fn key(&mut self, key: &str) {
+        Browser::key(self, key);
+    }
+
+    fn mouse(&mut self, what: Mouse, x: f64, y: f64) {
+        Browser::mouse(self, what, x, y);
+    }
+
+    fn swipe(&mut self, from: (f64, f64), to: (f64, f64)) {
+        Browser::swipe(self, from, to);
+    }
 }
 
 impl Page for Firefox {
@@ -62,5 +105,21 @@ impl Page for Firefox {
             .is_some_and(|text| text.starts_with("failed: "));
         assert!(!failed, "{expression}: {value}");
         value
+    }
+
+    fn size(&mut self, width: u32, height: u32) {
+        Firefox::size(self, width, height);
+    }
+
+    fn key(&mut self, key: &str) {
+        Firefox::key(self, key);
+    }
+
+    fn mouse(&mut self, what: Mouse, x: f64, y: f64) {
+        Firefox::mouse(self, what, x, y);
+    }
+
+    fn swipe(&mut self, from: (f64, f64), to: (f64, f64)) {
+        Firefox::swipe(self, from, to);
     }
 }

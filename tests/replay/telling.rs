@@ -4,9 +4,25 @@ use stochc::ensemble::recording::Recording;
 
 use crate::browser::{Browser, browser};
 use crate::folder::{PROGRAM, Results, stochc};
+use crate::page_under_test::Page;
 
 fn number(value: &Value) -> f64 {
     value.as_f64().unwrap()
+}
+
+/// All of it.
+pub fn check_all(page: &mut impl Page) {
+    check_two_runs(page);
+    check_tour(page);
+    check_taken_along(page);
+}
+
+fn in_chromium(check: impl Fn(&mut Browser)) {
+    let Some(mut browser) = browser(&[]) else {
+        return;
+    };
+    check(&mut browser);
+    assert_eq!(browser.complaints, [""; 0]);
 }
 
 /// The ticks at which phases begin.
@@ -19,9 +35,10 @@ fn begins(recording: &Recording) -> Vec<u64> {
 
 #[test]
 fn two_runs_share_a_page() {
-    let Some(mut browser) = browser(&[]) else {
-        return;
-    };
+    in_chromium(check_two_runs);
+}
+
+fn check_two_runs(browser: &mut impl Page) {
     let results = Results::of(PROGRAM, "--record all");
     let folder = results.path();
     let said = stochc("replay --run 0 --against 1", &[&folder]);
@@ -37,22 +54,31 @@ fn two_runs_share_a_page() {
     );
     browser.open(&page, "#tick=500");
     let [first, second] = [0, 1].map(|run| results.recording(run));
-    let at = |browser: &mut Browser, tick: u64| {
-        let state = browser.value(&format!("replay.seek({tick})"));
+    let at = |browser: &mut dyn FnMut(&str) -> Value, tick: u64| {
+        let state = browser(&format!("replay.seek({tick})"));
         let against = &state["against"];
         assert_eq!(against["run"], 1);
         (number(&state["tick"]), number(&against["tick"]))
     };
     let [here, there] = [&first, &second].map(|recording| recording.record().ticks);
     let last = here.max(there);
-    assert_eq!(at(&mut browser, 500), (500.0, 500.0));
-    assert_eq!(at(&mut browser, last), (here as f64, there as f64));
+    assert_eq!(at(&mut |asked| browser.value(asked), 500), (500.0, 500.0));
+    assert_eq!(
+        at(&mut |asked| browser.value(asked), last),
+        (here as f64, there as f64)
+    );
     // By phase, every phase begins in both at once.
     browser.value("document.getElementById('clocks').click()");
     for (from, to) in begins(&first).into_iter().zip(begins(&second)) {
-        assert_eq!(at(&mut browser, from), (from as f64, to as f64));
+        assert_eq!(
+            at(&mut |asked| browser.value(asked), from),
+            (from as f64, to as f64)
+        );
     }
-    assert_eq!(at(&mut browser, here), (here as f64, there as f64));
+    assert_eq!(
+        at(&mut |asked| browser.value(asked), here),
+        (here as f64, there as f64)
+    );
     // Both are drawn, from the same point.
     let shown = browser.value(
         "[...document.querySelectorAll('#stage canvas')].map(canvas => [canvas.id || canvas.className, canvas.clientWidth])",
@@ -62,14 +88,14 @@ fn two_runs_share_a_page() {
     browser.click(450.0, 300.0);
     browser.swipe((450.0, 300.0), (530.0, 300.0));
     assert_ne!(browser.value("replay.settled()")["view"], before);
-    assert_eq!(browser.complaints, [""; 0]);
 }
 
 #[test]
 fn a_tour_goes_through_what_decided_the_time() {
-    let Some(mut browser) = browser(&[]) else {
-        return;
-    };
+    in_chromium(check_tour);
+}
+
+fn check_tour(browser: &mut impl Page) {
     let results = Results::of(PROGRAM, "--record 0");
     let folder = results.path();
     let page = folder.join("tour.html");
@@ -105,14 +131,14 @@ fn a_tour_goes_through_what_decided_the_time() {
         browser.value("document.getElementById('tour').hidden"),
         true
     );
-    assert_eq!(browser.complaints, [""; 0]);
 }
 
 #[test]
 fn views_pictures_and_films_are_taken_along() {
-    let Some(mut browser) = browser(&[]) else {
-        return;
-    };
+    in_chromium(check_taken_along);
+}
+
+fn check_taken_along(browser: &mut impl Page) {
     let results = Results::of(PROGRAM, "--record 0");
     let page = results.page(0);
     browser.open(&page, "#tick=9000");
@@ -158,5 +184,4 @@ fn views_pictures_and_films_are_taken_along() {
     assert_eq!(browser.value(shown), json!([true, false, false, false]));
     assert_eq!(browser.value("replay.settled()")["tick"], 50);
     assert_eq!(browser.value("location.hash"), "#tick=50&embed");
-    assert_eq!(browser.complaints, [""; 0]);
 }
