@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
+use crate::accessible::{axe, breaks_nothing};
 use crate::folder::{PROGRAM, Results, SWARM};
 use crate::page_under_test::Mouse;
 use crate::skipped::skipped;
@@ -119,6 +120,12 @@ impl Firefox {
             assert!(begun.elapsed() < PATIENCE, "the page does not settle");
             std::thread::sleep(Duration::from_millis(50));
         }
+    }
+
+    /// Runs a script in the page.
+    pub fn run(&mut self, script: &str) {
+        let params = json!({ "script": script, "args": [], "sandbox": null });
+        self.call("WebDriver:ExecuteScript", &params);
     }
 
     /// The size of the page.
@@ -257,4 +264,15 @@ fn firefox_is_used_the_same_way() {
     page::check_moves(&mut firefox, &results);
     telling::check_all(&mut firefox);
     looking::check_all(&mut firefox, &results);
+    if let Some(axe) = axe() {
+        for (width, height) in [(1200, 700), (500, 700)] {
+            firefox.size(width, height);
+            firefox.open(&results.page(0), "#tick=9000&block=3");
+            for theme in ["one theme", "the other"] {
+                breaks_nothing(&mut firefox, &axe, &format!("{theme}, {width} x {height}"));
+                firefox.key("t");
+                firefox.value("replay.settled().then(() => 1)");
+            }
+        }
+    }
 }

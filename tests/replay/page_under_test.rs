@@ -23,6 +23,9 @@ pub trait Page {
     /// The value of an expression, or of the promise that it is.
     fn value(&mut self, expression: &str) -> Value;
 
+    /// Runs a script in the page.
+    fn run(&mut self, script: &str);
+
     /// The size of the page.
     fn size(&mut self, width: u32, height: u32);
 
@@ -76,6 +79,10 @@ impl Page for Browser {
         Browser::value(self, expression)
     }
 
+    fn run(&mut self, script: &str) {
+        Browser::value(self, &format!("{script};1"));
+    }
+
     fn size(&mut self, width: u32, height: u32) {
         Browser::size(self, width, height);
     }
@@ -105,6 +112,10 @@ impl Page for Firefox {
             .is_some_and(|text| text.starts_with("failed: "));
         assert!(!failed, "{expression}: {value}");
         value
+    }
+
+    fn run(&mut self, script: &str) {
+        Firefox::run(self, script);
     }
 
     fn size(&mut self, width: u32, height: u32) {

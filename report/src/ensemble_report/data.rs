@@ -82,24 +82,34 @@ fn sizes(subjects: &[ReportedProgram]) -> String {
     ]);
     for subject in subjects.iter().filter(|subject| subject.is_aggregate()) {
         for (number, phase) in subject.program.phases().iter().enumerate() {
-            let Some(estimate) = KaplanMeier::of(&subject.size_times(number)) else {
-                continue;
-            };
-            for point in estimate.curve() {
-                table.row([
-                    subject.label.clone(),
-                    phase.name.clone(),
-                    point.time.to_string(),
-                    point.at_risk.to_string(),
-                    point.completed.to_string(),
-                    point.incomplete.to_string(),
-                    maybe(point.interval.map(|interval| interval.0)),
-                    maybe(point.interval.map(|interval| interval.1)),
-                ]);
-            }
+            add_curve(
+                &mut table,
+                [&subject.label, &phase.name],
+                &subject.size_times(number),
+            );
         }
     }
     table.finish()
+}
+
+/// A row for each step of a curve, which begins with what it is of.
+fn add_curve(table: &mut CsvTable, of: [&str; 2], times: &[Observation]) {
+    let Some(estimate) = KaplanMeier::of(times) else {
+        return;
+    };
+    for point in estimate.curve() {
+        let [program, phase] = of.map(str::to_owned);
+        table.row([
+            program,
+            phase,
+            point.time.to_string(),
+            point.at_risk.to_string(),
+            point.completed.to_string(),
+            point.incomplete.to_string(),
+            maybe(point.interval.map(|interval| interval.0)),
+            maybe(point.interval.map(|interval| interval.1)),
+        ]);
+    }
 }
 
 fn survival(subjects: &[ReportedProgram]) -> String {
@@ -113,27 +123,14 @@ fn survival(subjects: &[ReportedProgram]) -> String {
         "low",
         "high",
     ]);
-    let mut add = |program: &str, phase: &str, times: &[Observation]| {
-        let Some(estimate) = KaplanMeier::of(times) else {
-            return;
-        };
-        for point in estimate.curve() {
-            table.row([
-                program.to_owned(),
-                phase.to_owned(),
-                point.time.to_string(),
-                point.at_risk.to_string(),
-                point.completed.to_string(),
-                point.incomplete.to_string(),
-                maybe(point.interval.map(|interval| interval.0)),
-                maybe(point.interval.map(|interval| interval.1)),
-            ]);
-        }
-    };
     for subject in subjects {
-        add(&subject.label, "", &subject.times());
+        add_curve(&mut table, [&subject.label, ""], &subject.times());
         for (i, phase) in subject.program.phases().iter().enumerate() {
-            add(&subject.label, &phase.name, &subject.phase_times(i));
+            add_curve(
+                &mut table,
+                [&subject.label, &phase.name],
+                &subject.phase_times(i),
+            );
         }
     }
     table.finish()
