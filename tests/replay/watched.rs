@@ -145,12 +145,20 @@ fn the_page_says_when_all_runs_are_done() {
     let Some(mut browser) = browser(&[]) else {
         return;
     };
-    let watched = Watched::start("--runs 12 --threads 1");
-    open(
-        &mut browser,
-        &watched.link,
-        "document.getElementById('state')?.textContent === 'All runs are done.'",
-    );
+    // On a busy machine a few runs are over before the page is there.
+    let is_there = [12, 60, 300].into_iter().any(|runs| {
+        let watched = Watched::start(&format!("--runs {runs} --threads 1"));
+        browser.complaints.clear();
+        let answer = browser.call("Page.navigate", &json!({ "url": watched.link }));
+        if answer.get("errorText").is_some() {
+            return false;
+        }
+        let state = "document.getElementById('state')?.textContent ?? ''";
+        let over = "/All runs are done|no connection/";
+        wait(&mut browser, &format!("{over}.test({state})"));
+        browser.value(state) == "All runs are done."
+    });
+    assert!(is_there, "it is over before anybody sees it");
     assert_eq!(browser.value("document.getElementById('share').value"), 1);
     // It asks for nothing any more.
     assert_eq!(browser.complaints, [] as [String; 0]);
