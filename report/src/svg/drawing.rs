@@ -5,7 +5,7 @@ use super::medium::Medium;
 use super::shape::{Anchor, Form, Marker, Place, Shape};
 use super::style::{Paint, Style};
 
-/// A picture that grows; lengths are in units of which type has [`TYPE`](super::medium::TYPE).
+/// A picture that grows; lengths are in units of which type is 12 high.
 #[derive(Clone, Debug)]
 pub struct Drawing {
     /// Its file, without `.svg`; letters, digits and `-`.
