@@ -91,6 +91,21 @@ pub struct Capture {
     pub decides: f32,
 }
 
+impl Capture {
+    /// One that waits for nothing and takes no time.
+    pub(crate) fn at_once(cell: Cell, way: Face) -> Capture {
+        Capture {
+            cell,
+            way,
+            wait: 0.0,
+            after: Vec::new(),
+            is_tight: false,
+            is_temporary: false,
+            decides: 0.0,
+        }
+    }
+}
+
 /// Runs on which an estimate rests: fewer for what is large.
 fn runs(sites: usize) -> usize {
     (400_000 / sites).clamp(16, 1000)

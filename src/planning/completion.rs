@@ -63,6 +63,8 @@ struct Claim<'a> {
     site: Site,
     /// What it claims.
     cells: Vec<Cell>,
+    /// What stands there instead.
+    there: Vec<(StandingBlock, RoleId)>,
 }
 
 impl Completion {
@@ -81,7 +83,7 @@ impl Completion {
         }
         let claim = unbuilt(checked, shape)?;
         let (program, symbols) = (claim.program, &checked.symbols);
-        let there = standing(program, claim.phase);
+        let there = claim.there.clone();
         let wanted: BTreeSet<Cell> = claim.cells.iter().copied().collect();
         let surplus = there
             .iter()
@@ -187,13 +189,8 @@ fn unbuilt<'a>(checked: &'a Checked, shape: Option<&str>) -> Result<Claim<'a>, N
     let declared = shapes(checked);
     let mut is_claimed = false;
     for program in &checked.programs {
-        let mut built: BTreeSet<Cell> = BTreeSet::new();
-        for (phase, (emptied, filled)) in program.layout.changes.iter().enumerate() {
-            emptied.iter().for_each(|cell| {
-                built.remove(cell);
-            });
-            built.extend(filled);
-            for &(symbol, site) in &program.plan.phases[phase].claims {
+        for (number, phase) in program.plan.phases.iter().enumerate() {
+            for &(symbol, site) in &phase.claims {
                 let name = checked.symbols.word(symbol);
                 let of_name = declared.iter().find(|it| it.shape.name.symbol == symbol);
                 let Some(declared) = of_name.filter(|_| shape.is_none_or(|shape| shape == name))
@@ -205,13 +202,19 @@ fn unbuilt<'a>(checked: &'a Checked, shape: Option<&str>) -> Result<Claim<'a>, N
                 let mut cells = cells.ok_or(NotCompleted::Wrong)?;
                 cells.sort_unstable();
                 cells.dedup();
-                if cells.len() != built.len() || !cells.iter().all(|cell| built.contains(cell)) {
+                let there = standing(program, number);
+                if !there
+                    .iter()
+                    .map(|(block, _)| block.cell)
+                    .eq(cells.iter().copied())
+                {
                     return Ok(Claim {
                         program,
-                        phase,
+                        phase: number,
                         name,
                         site,
                         cells,
+                        there,
                     });
                 }
             }
@@ -227,7 +230,7 @@ fn unbuilt<'a>(checked: &'a Checked, shape: Option<&str>) -> Result<Claim<'a>, N
 }
 
 /// What stands at the end of a phase, with what it is called.
-fn standing(program: &Program, last: usize) -> Vec<(StandingBlock, RoleId)> {
+pub(super) fn standing(program: &Program, last: usize) -> Vec<(StandingBlock, RoleId)> {
     let plan: &ProgramPlan = &program.plan;
     let mut there = BTreeMap::new();
     for phase in &plan.phases[..=last] {

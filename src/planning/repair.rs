@@ -8,6 +8,7 @@ use stochc_ir::{Cell, Face};
 use stochc_planner::StandingBlock;
 
 use super::Goal;
+use super::completion::standing;
 
 /// A structure as a run left it.
 #[derive(Clone, Debug, PartialEq)]
@@ -142,16 +143,12 @@ impl Goal {
         let mut goal = match shape.or(claimed) {
             Some(shape) => Goal::of_program(checked, Some(shape))?,
             None => {
-                let mut built: BTreeSet<Cell> = BTreeSet::new();
-                for (emptied, filled) in &program.layout.changes {
-                    emptied.iter().for_each(|cell| {
-                        built.remove(cell);
-                    });
-                    built.extend(filled);
-                }
+                let last = plan.phases.len().checked_sub(1);
+                let built = last.map_or(Vec::new(), |last| standing(program, last));
+                let cells = built.into_iter().map(|(block, _)| block.cell);
                 Goal {
                     scenes: super::declared_scenes(checked),
-                    ..Goal::of_cells(&plan.name, built.into_iter().collect())
+                    ..Goal::of_cells(&plan.name, cells.collect())
                 }
             }
         };

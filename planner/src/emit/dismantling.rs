@@ -12,15 +12,10 @@ const LEAST: usize = 3;
 
 /// The captures of the phase: those of blocks that are handed over come first, so that no face that another one needs is taken.
 pub fn captures(dismantling: &Dismantling) -> Vec<Capture> {
-    let handed_over = dismantling.hand_overs.iter().map(|it| Capture {
-        cell: it.cell,
-        way: it.way,
-        wait: 0.0,
-        after: Vec::new(),
-        is_tight: false,
-        is_temporary: false,
-        decides: 0.0,
-    });
+    let handed_over = dismantling
+        .hand_overs
+        .iter()
+        .map(|it| Capture::at_once(it.cell, it.way));
     handed_over
         .chain(dismantling.captures.iter().cloned())
         .collect()

@@ -23,15 +23,9 @@ pub fn planted(target: &Target) -> Vec<Capture> {
     let mut sorted: Vec<(usize, &StandingBlock)> =
         all().map(|block| (depth(block), block)).collect();
     sorted.sort_unstable();
-    let captures = sorted.into_iter().map(|(_, block)| Capture {
-        cell: block.cell,
-        way: block.way,
-        wait: 0.0,
-        after: Vec::new(),
-        is_tight: false,
-        is_temporary: false,
-        decides: 0.0,
-    });
+    let captures = sorted
+        .into_iter()
+        .map(|(_, block)| Capture::at_once(block.cell, block.way));
     captures.collect()
 }
 

@@ -5,11 +5,10 @@ use std::path::Path;
 use stochc_compiler::LintLevels;
 
 use super::super::chosen_run::choose;
-use super::super::programs::verdict;
+use super::super::programs::{recompile, verdict};
 use super::super::results::read;
 use super::{Wish, impossible, placed, refused, target};
 use crate::exit::Failure;
-use crate::facade::check_texts;
 use crate::host::Host;
 use crate::planning::{Completion, Goal, NotCompleted, Structure};
 
@@ -70,11 +69,12 @@ pub fn goal(wish: &Wish<'_>, end: &RunEnd<'_>, host: &dyn Host) -> Result<Goal, 
             }
         )));
     }
-    let sources = entry.sources.iter();
-    let texts: Vec<(&str, &str)> = sources
-        .map(|source| (source.path.as_str(), source.text.as_str()))
-        .collect();
-    let checked = check_texts(&texts, &LintLevels::default(), "", &[]);
+    let checked = recompile(
+        &entry.sources,
+        &[],
+        entry.assembly(),
+        &LintLevels::default(),
+    );
     let mut same =
         (checked.programs.iter()).filter(|it| it.tables.as_ref() == Some(entry.tables()));
     let program = same.next().ok_or_else(|| {
