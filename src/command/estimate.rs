@@ -42,7 +42,11 @@ pub struct Options {
 
 /// Says when programs will be complete, by rates.
 pub fn run(options: &Options) -> Result<Exit, Failure> {
-    let MeasuringOptions { seed, format, work } = &options.measuring;
+    let MeasuringOptions {
+        chance,
+        format,
+        work,
+    } = &options.measuring;
     let host = Terminal::new(work.quiet);
     let (levels, imports) = (&options.levels.levels, &options.imports.folders);
     let programs = programs(&options.files, levels, imports, &host)?;
@@ -51,7 +55,7 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
         rates: &options.rates.rates,
         runs: options.runs,
         max_ticks: options.max_ticks,
-        seed: *seed,
+        seed: chance.seed,
         threads: work.threads,
     };
     tell(

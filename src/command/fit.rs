@@ -190,7 +190,11 @@ fn rounds(
     let mut all: Vec<Vec<Simulated>> = vec![Vec::new(); measured.len()];
     let (mut posterior, mut stopped) = (None, 0);
     for round in 0..u64::from(options.rounds) {
-        let seed = options.measuring.seed.wrapping_add(1_000_000 * round);
+        let seed = options
+            .measuring
+            .chance
+            .seed
+            .wrapping_add(1_000_000 * round);
         let design = Design::latin_hypercube(&ends, points, seed);
         let (new, lost) = simulated(options, measured, unit, (&design, seed), host)?;
         stopped += lost;

@@ -16,12 +16,19 @@ pub struct WorkOptions {
     pub quiet: bool,
 }
 
-/// What is measured by runs, and told as a table.
-#[derive(Debug, Args)]
-pub struct MeasuringOptions {
+/// The chance of runs.
+#[derive(Clone, Copy, Debug, Args)]
+pub struct SeedOption {
     /// Seed of the random numbers
     #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
     pub seed: u64,
+}
+
+/// What is measured by runs, and told as a table.
+#[derive(Debug, Args)]
+pub struct MeasuringOptions {
+    #[command(flatten)]
+    pub chance: SeedOption,
     /// Output format of the table
     #[arg(long, value_name = "FORM", default_value = "text")]
     pub format: ResultsFormat,

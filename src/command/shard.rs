@@ -6,6 +6,7 @@ use stochc_ensemble::Interval;
 use stochc_ensemble::text::visible;
 
 use super::interrupt::stop_on_interrupt;
+use super::measuring::WorkOptions;
 use super::memory::MemoryOption;
 use super::terminal::{Terminal, print, warn};
 use crate::exit::{Exit, Failure};
@@ -20,9 +21,8 @@ pub struct Options {
     /// Number of the piece, from 0
     #[arg(value_name = "I")]
     piece: u64,
-    /// Number of runs at the same time [default: number of cores]
-    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
+    #[command(flatten)]
+    work: WorkOptions,
     /// Keep the states of runs under way so often, for the same command to go on from: a time (90s, 5m, 2h), ticks of each
     /// run (20000ticks) or `never`
     #[arg(long, value_name = "EVERY", default_value_t = Interval::DEFAULT)]
@@ -30,24 +30,25 @@ pub struct Options {
     /// How much memory it may take.
     #[command(flatten)]
     memory: MemoryOption,
-    /// Do not show progress, nor that the piece is made
-    #[arg(long, short)]
-    quiet: bool,
 }
 
 /// Makes a piece of an ensemble, or what is missing of it.
 pub fn run(options: &Options) -> Result<Exit, Failure> {
     stop_on_interrupt()?;
-    let host = Terminal::new(options.quiet);
+    let host = Terminal::new(options.work.quiet);
     options.memory.apply()?;
-    let how = (options.threads, options.memory.limit, options.checkpoints);
+    let how = (
+        options.work.threads,
+        options.memory.limit,
+        options.checkpoints,
+    );
     let made = shard(&options.folder, options.piece, how, &host)?;
     let Some(runs) = made else {
         warn("stopped; finished runs are kept, and the same command continues\n");
         return Ok(Exit::Interrupted);
     };
     let shown = visible(&options.folder.to_string_lossy());
-    if !options.quiet {
+    if !options.work.quiet {
         let number = options.piece;
         print(&format!(
             "piece {number} of `{shown}` is there: {runs} runs\n"

@@ -60,8 +60,12 @@ const BUDGET: Duration = Duration::from_secs(600);
 
 /// Measures what accuracy costs.
 pub fn run(options: &Options) -> Result<Exit, Failure> {
-    let MeasuringOptions { seed, format, work } = &options.measuring;
-    let (seed, host) = (*seed, Terminal::new(work.quiet));
+    let MeasuringOptions {
+        chance,
+        format,
+        work,
+    } = &options.measuring;
+    let (seed, host) = (chance.seed, Terminal::new(work.quiet));
     let (levels, imports) = (&options.levels.levels, &options.imports.folders);
     let programs = programs(&options.files, levels, imports, &host)?;
     // Programs of the same name are told apart as in an ensemble.

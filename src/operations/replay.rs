@@ -10,8 +10,8 @@ use stochc_files::atomic::{Draft, Replaces, begins_with};
 use stochc_report::replay::{EventLocation, MARK, about, tour, write as write_page};
 
 use super::chosen_run::ChosenRun;
+use super::programs::recompile;
 use crate::exit::Failure;
-use crate::facade::check_texts;
 use crate::host::Host;
 
 /// How a run is shown.
@@ -76,20 +76,17 @@ const MOST_STATEMENTS: usize = 50_000;
 
 /// Where each event of the graph is written; nothing, if the texts of the program are not here, or another compiler's.
 fn statements(program: &EnsembleProgram) -> Vec<EventLocation> {
-    let texts: Vec<(&str, &str)> = (program.sources.iter())
-        .map(|source| (source.path.as_str(), source.text.as_str()))
-        .collect();
-    if texts.is_empty() || program.compiled.graph.events.len() > MOST_STATEMENTS {
+    if program.sources.is_empty() || program.compiled.graph.events.len() > MOST_STATEMENTS {
         return Vec::new();
     }
-    let checked = check_texts(&texts, &LintLevels::default(), "", &[]);
+    let checked = recompile(&program.sources, &[], "", &LintLevels::default());
     let mut same =
         (checked.programs.iter()).filter(|it| it.tables.as_ref() == Some(program.tables()));
     let Some(plan) = same.next().map(|program| &program.plan) else {
         return Vec::new();
     };
     let files: Vec<Option<usize>> = (checked.sources.files().iter())
-        .map(|file| texts.iter().position(|(name, _)| *name == file.name))
+        .map(|file| (program.sources.iter()).position(|source| source.path == file.name))
         .collect();
     let places = (0..).zip(&plan.events).filter_map(|(event, written)| {
         let span = written.site.span;

@@ -89,7 +89,7 @@ fn measured(options: &Options, manifest: &Manifest, host: &dyn Host) -> Result<T
     let setup = Setup {
         extent: Extent::Budget(options.budget),
         seed: manifest.seed,
-        threads: threads(options.threads).get(),
+        threads: threads(options.work.threads).get(),
         finest: FINEST,
         max_ticks: None,
         memory: None,

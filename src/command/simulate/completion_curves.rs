@@ -15,7 +15,7 @@ const SHOWN: usize = 4;
 
 /// Draws curves of the runs, and names the command that tells more; on a terminal only.
 pub fn close(options: &Options, manifest: &Manifest, finished: &Records) -> Result<(), Failure> {
-    if options.quiet || options.format != ResultsFormat::Text || !output_is_watched() {
+    if options.work.quiet || options.format != ResultsFormat::Text || !output_is_watched() {
         return Ok(());
     }
     let curves = curves(manifest, finished).map_err(Failure::usage)?;

@@ -36,9 +36,9 @@ fn from_files(options: &Options, host: &dyn Host) -> Result<Manifest, Failure> {
     };
     let mut settings = settings.resolved();
     if settings.model == Model::Rate {
-        settings.rates = rates::of_scenes(&options.rates, &programs, options.threads, host)?;
+        settings.rates = rates::of_scenes(&options.rates, &programs, options.work.threads, host)?;
     }
-    let manifest = Manifest::new(settings, options.seed, options.runs, programs);
+    let manifest = Manifest::new(settings, options.chance.seed, options.runs, programs);
     manifest.within_limits().map_err(Failure::usage)?;
     Ok(manifest)
 }

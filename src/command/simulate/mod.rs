@@ -31,7 +31,7 @@ use stochc_report::tables::replanning_to_text;
 
 /// Runs programs many times, or one of their runs alone.
 pub fn run(options: &Options) -> Result<Exit, Failure> {
-    let host = Terminal::new(options.quiet);
+    let host = Terminal::new(options.work.quiet);
     let stop = stop_on_interrupt()?;
     options.memory.apply()?;
     let mut manifest = input::prepare(options, &host)?;
@@ -44,8 +44,8 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
                 rates: &[],
                 runs: None,
                 max_ticks: options.max_ticks,
-                seed: options.seed,
-                threads: options.threads,
+                seed: options.chance.seed,
+                threads: options.work.threads,
             };
             let estimates = estimates(manifest.programs, &how, &host)?;
             return tell_estimates(&estimates, SHOWN, options.format);
@@ -75,7 +75,7 @@ fn replanned(
 ) -> Result<Exit, Failure> {
     let how = Replan {
         after,
-        threads: options.threads,
+        threads: options.work.threads,
     };
     let results = replan(manifest, how, &options.rates, host)?;
     match options.format {
@@ -91,7 +91,7 @@ fn replanned(
 /// Prepares the pieces of an ensemble.
 fn cut(options: &Options, manifest: &Manifest, shards: u64, out: &Path) -> Result<Exit, Failure> {
     let prepared = prepare(out, manifest, shards).map_err(Failure::usage)?;
-    if options.quiet {
+    if options.work.quiet {
         return Ok(Exit::Success);
     }
     let folder = shell_file(&visible(&out.to_string_lossy()));
@@ -120,7 +120,7 @@ fn ensemble(options: &Options, manifest: &Manifest, host: &Terminal) -> Result<E
         record: options.record.as_ref(),
         record_every: options.record_every,
         checkpoints: options.checkpoints,
-        threads: options.threads,
+        threads: options.work.threads,
         memory: options.memory.limit,
         // Of a manifest that is given it has been told.
         is_told_of_build: options.manifest.is_some(),

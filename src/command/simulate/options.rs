@@ -9,6 +9,7 @@ use stochc_runtime::{Model, Precision, Reduction, Substeps};
 
 use super::super::imports::ImportOptions;
 use super::super::levels::LevelOptions;
+use super::super::measuring::{SeedOption, WorkOptions};
 use super::super::memory::MemoryOption;
 use super::super::results::ResultsFormat;
 use super::accuracy::accuracy;
@@ -30,9 +31,9 @@ pub struct Options {
     /// with several, every combination is simulated
     #[arg(long, value_name = "NAME=VALUES", value_parser = Axis::parse, conflicts_with_all = ["manifest", "accuracy"])]
     pub sweep: Vec<Axis>,
-    /// Seed of the random numbers
-    #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
-    pub seed: u64,
+    /// Of all runs.
+    #[command(flatten)]
+    pub chance: SeedOption,
     /// Physical model
     #[arg(long, default_value = "rigid")]
     pub model: ModelName,
@@ -66,9 +67,9 @@ pub struct Options {
     /// Stop a run after this many ticks; its time is then censored
     #[arg(long, default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(1..))]
     pub max_ticks: u64,
-    /// Number of runs at the same time [default: number of cores]
-    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub threads: Option<u16>,
+    /// How they are made.
+    #[command(flatten)]
+    pub work: WorkOptions,
     /// How much memory it may take.
     #[command(flatten)]
     pub memory: MemoryOption,
@@ -101,7 +102,7 @@ pub struct Options {
     #[arg(long, value_name = "TICKS", value_parser = clap::value_parser!(u64).range(1..), conflicts_with_all = ["manifest", "sweep", "accuracy", "trade", "out", "record", "run", "bonds"])]
     pub replan: Option<u64>,
     /// Show the ensemble while it runs on a page of this machine, whose link is printed: the curve so far, and a run in the
-    /// arena; nobody else can open it. The system chooses the port
+    /// arena; nobody else can open it. The system chooses the port; `--quiet` keeps the link
     #[arg(long, value_name = "PORT", num_args = 0..=1, require_equals = true, default_missing_value = "0", conflicts_with_all = ["run", "shards", "replan"])]
     pub watch: Option<u16>,
     /// Output format of the table
@@ -110,9 +111,6 @@ pub struct Options {
     /// Also print every capture: waits, entries into the field, origin of the blocks
     #[arg(long)]
     pub bonds: bool,
-    /// Do not show progress; the link of `--watch` is printed all the same
-    #[arg(long, short)]
-    pub quiet: bool,
     /// What becomes of warnings
     #[command(flatten)]
     pub levels: LevelOptions,
