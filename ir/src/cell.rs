@@ -26,6 +26,7 @@ impl Cell {
     }
 
     /// The cell across `face`; `None` where a coordinate would overflow.
+    #[inline]
     pub fn across(self, face: Face) -> Option<Cell> {
         let [dx, dy, dz] = face.normal();
         Some(Cell {

@@ -31,24 +31,19 @@ impl Orientation {
     }
 
     /// The structure's face that the block's `own` face points to.
+    #[inline]
     pub fn to_structure(self, own: Face) -> Face {
-        match own {
-            Face::East => self.east,
-            Face::West => self.east.opposite(),
-            Face::North => self.north,
-            Face::South => self.north.opposite(),
-            Face::Up => cross(self.east, self.north),
-            Face::Down => cross(self.north, self.east),
-        }
+        TO_STRUCTURE[self.east as usize][self.north as usize][own as usize]
     }
 
     /// The block's own face that points to the structure's face `structure`.
+    #[inline]
     pub fn to_own(self, structure: Face) -> Face {
-        let towards = |own| self.to_structure(own) == structure;
-        (Face::ALL.into_iter().find(|own| towards(*own))).expect("a rotation reaches every face")
+        TO_OWN[self.east as usize][self.north as usize][structure as usize]
     }
 
     /// This rotation after `first`.
+    #[inline]
     pub fn after(self, first: Orientation) -> Orientation {
         Orientation {
             east: self.to_structure(first.east),
@@ -85,6 +80,7 @@ impl Orientation {
     /// `child_face` the face of the child's own that touches it. `turn` is a number of quarter
     /// turns about `parent_face`, counted from the first of [`Orientation::all`] (seen from the
     /// parent) that brings the two faces together.
+    #[inline]
     pub fn docked(
         parent: Orientation,
         parent_face: Face,
@@ -118,10 +114,45 @@ static AS_SEEN: LazyLock<[[[Orientation; 4]; 6]; 6]> = LazyLock::new(|| {
     })
 });
 
+/// Of each orientation, by its east and north, the structure's faces that its own point to.
+static TO_STRUCTURE: [[[Face; 6]; 6]; 6] = {
+    let mut of = [[Face::ALL; 6]; 6];
+    let mut i = 0;
+    while i < 36 {
+        let (east, north) = (Face::ALL[i / 6], Face::ALL[i % 6]);
+        i += 1;
+        if east as u8 / 2 == north as u8 / 2 {
+            continue;
+        }
+        of[east as usize][north as usize] = [
+            east,
+            east.opposite(),
+            north,
+            north.opposite(),
+            cross(east, north),
+            cross(north, east),
+        ];
+    }
+    of
+};
+
+/// Of each orientation, by its east and north, its own faces that point to the structure's.
+static TO_OWN: [[[Face; 6]; 6]; 6] = {
+    let mut of = [[Face::ALL; 6]; 6];
+    let mut i = 0;
+    while i < 36 * 6 {
+        let (east, north, own) = (i / 36, i / 6 % 6, Face::ALL[i % 6]);
+        let structure = TO_STRUCTURE[east][north][own as usize];
+        of[east][north][structure as usize] = own;
+        i += 1;
+    }
+    of
+};
+
 /// The face towards which the cross product of two perpendicular faces' normals points.
-fn cross(a: Face, b: Face) -> Face {
+const fn cross(a: Face, b: Face) -> Face {
     let (a, b) = (a as usize, b as usize);
     let (first, second) = (a / 2, b / 2);
-    let against = usize::from((first + 1) % 3 != second);
+    let against = ((first + 1) % 3 != second) as usize;
     Face::ALL[2 * (3 - first - second) + (a + b + against) % 2]
 }

@@ -207,12 +207,14 @@ struct RuleRow {
 
 impl<'a> Duty<'a> {
     /// The rules, in the order in which the block tries them.
+    #[inline]
     pub fn rules(&self) -> impl ExactSizeIterator<Item = Rule<'a>> + use<'a> {
         let duty = *self;
         (0..(self.rules.1 - self.rules.0) as usize).map(move |place| duty.rule(place))
     }
 
     /// One of the rules.
+    #[inline]
     pub fn rule(&self, place: usize) -> Rule<'a> {
         let tables = self.tables;
         let row = self.rules.0 as usize + place;
@@ -235,6 +237,7 @@ impl Duty<'_> {
     }
 
     /// Whether a condition of the rule at a place is true for a block that has seen what `has` says.
+    #[inline]
     pub fn is_true(&self, place: usize, when: Condition, has: impl Fn(Condition) -> bool) -> bool {
         match when {
             Condition::Turn(needed) => {
@@ -365,6 +368,7 @@ impl Tables {
     }
 
     /// One of [`Tables::duties`], by its number.
+    #[inline]
     pub fn duty_at(&self, i: usize) -> Duty<'_> {
         let row = self.duties[i];
         let end = self

@@ -64,6 +64,7 @@ pub struct Open<M = ()> {
 }
 
 impl<M: Copy> StructureBlock<M> {
+    #[inline]
     pub(super) fn new(body: Body, role: RoleId, orientation: Orientation) -> StructureBlock<M> {
         StructureBlock {
             body,

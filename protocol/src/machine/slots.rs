@@ -25,9 +25,10 @@ pub(super) struct Slots<M> {
 }
 
 impl<M> Slots<M> {
-    /// The blocks of the plate, in the order of their cells.
-    pub fn new(seeds: impl Iterator<Item = StructureBlock<M>>) -> Slots<M> {
-        let blocks: Vec<_> = seeds.map(Some).collect();
+    /// The blocks of the plate, in the order of their cells, and room for so many others.
+    pub fn new(seeds: impl Iterator<Item = StructureBlock<M>>, others: usize) -> Slots<M> {
+        let mut blocks: Vec<_> = seeds.map(Some).collect();
+        blocks.reserve_exact(others);
         Slots {
             seeds: blocks.len(),
             blocks,
@@ -52,22 +53,33 @@ impl<M> Slots<M> {
         }
     }
 
+    /// The place of a body in their order.
+    pub fn rank(&self, body: Body, slot: BlockSlot) -> u64 {
+        match body {
+            Body::Seed(_) => u64::from(slot.0),
+            Body::Free(id) => self.seeds as u64 + u64::from(id),
+        }
+    }
+
     /// Keeps a block that was free. One in the same body is kept no longer.
+    #[inline]
     pub fn insert(&mut self, id: u32, block: StructureBlock<M>) -> BlockSlot {
         if self.of_free.len() <= id as usize {
             self.of_free.resize(id as usize + 1, BlockSlot::NONE);
         }
         let known = self.of_free[id as usize];
-        let slot = if known == BlockSlot::NONE {
-            self.vacant.pop().unwrap_or_else(|| {
-                self.blocks.push(None);
+        let kept = (known != BlockSlot::NONE).then_some(known);
+        let slot = match kept.or_else(|| self.vacant.pop()) {
+            Some(slot) => {
+                self.blocks[slot.0 as usize] = Some(block);
+                slot
+            }
+            None => {
+                self.blocks.push(Some(block));
                 BlockSlot(self.blocks.len() as u32 - 1)
-            })
-        } else {
-            known
+            }
         };
         self.of_free[id as usize] = slot;
-        self.blocks[slot.0 as usize] = Some(block);
         slot
     }
 

@@ -55,15 +55,16 @@ impl<'t, M: Copy> Structure<'t, M> {
             holders[role.0 as usize] = slot;
         }
         let cells: Vec<_> = seeds.iter().map(|(cell, _)| *cell).collect();
-        let blocks = seeds.into_iter();
+        let others = tables.roles.len() - seeds.len();
+        let blocks = seeds
+            .into_iter()
+            .map(|(cell, role)| StructureBlock::new(Body::Seed(cell), role, Orientation::IDENTITY));
         Structure {
             tables,
             index: Arc::new(Index::new(tables, &cells)),
             phase: 0,
             reports: 0,
-            slots: Slots::new(blocks.map(|(cell, role)| {
-                StructureBlock::new(Body::Seed(cell), role, Orientation::IDENTITY)
-            })),
+            slots: Slots::new(blocks, others),
             holders,
             changed: Vec::new(),
             to_plant: BTreeSet::new(),
@@ -151,10 +152,11 @@ impl<'t, M: Copy> Structure<'t, M> {
             if let Some(block) = self.slots.get_mut(slot) {
                 block.begin(Trigger::Start, Some(duty));
                 block.is_changed = true;
-                starting.push((block.body, slot));
+                let body = block.body;
+                starting.push((self.slots.rank(body, slot), slot));
             }
         }
-        starting.sort_unstable();
+        starting.sort_unstable_by_key(|(rank, _)| *rank);
         self.changed.extend(starting.iter().map(|(_, slot)| *slot));
         for (_, slot) in starting {
             self.fire(slot, environment);

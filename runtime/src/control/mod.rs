@@ -60,7 +60,7 @@ impl<'t> Controller<'t> {
         Controller {
             tables,
             structure: Structure::new(tables),
-            recorder: RunRecorder::new(Network::new(messages, seed, run)),
+            recorder: RunRecorder::new(Network::new(messages, seed, run), tables.captures()),
             phase_began: 0,
             phase_ticks: Vec::new(),
             fault: None,

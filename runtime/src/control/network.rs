@@ -104,7 +104,7 @@ impl Network {
 
     /// Takes the next message that has arrived by `tick`, with its last hop: from whom, and where it is.
     pub fn due(&mut self, tick: u64, log: &mut Log) -> Option<(Body, Body, Message)> {
-        loop {
+        while !(self.under_way.is_empty() && self.reminders.is_empty()) {
             let key = |transfer: &Transfer| (transfer.due, transfer.order);
             let first = |queue: &VecDeque<Transfer>| {
                 let first = queue.front().map(key);
@@ -148,6 +148,7 @@ impl Network {
                 return Some((from, to, message));
             }
         }
+        None
     }
 
     pub fn send(&mut self, tick: u64, from: Body, to: Body, message: Message, log: &mut Log) {

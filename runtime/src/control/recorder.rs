@@ -36,13 +36,14 @@ stochc_ir::state! {
 }
 
 impl RunRecorder {
-    pub fn new(network: Network) -> RunRecorder {
+    /// Nothing yet, with room for so many captures.
+    pub fn new(network: Network, captures: usize) -> RunRecorder {
         RunRecorder {
             tick: 0,
             phase: PhaseId(0),
             network,
             released: FxHashMap::default(),
-            bonds: Vec::new(),
+            bonds: Vec::with_capacity(captures),
             releases: Vec::new(),
             unplanned: Vec::new(),
             log: Log::default(),

@@ -9,11 +9,14 @@ const SIDE: i32 = 4;
 /// Cells of a chunk.
 const CELLS: usize = SIDE.pow(3) as usize;
 
+/// The place of a chunk among the chunks: x and y, z. Two numbers are hashed faster than three.
+type ChunkKey = (u64, i32);
+
 /// A value and a mark for every cell, kept in cubes of cells.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct ChunkedGrid<T> {
-    /// Where the chunk of a corner begins.
-    chunks: FxHashMap<[i32; 3], u32>,
+    /// Where each chunk begins.
+    chunks: FxHashMap<ChunkKey, u32>,
     cells: Vec<T>,
     /// The marked cells of each chunk, one bit each.
     marks: Vec<u64>,
@@ -37,8 +40,8 @@ impl<T: Copy> ChunkedGrid<T> {
         start.map_or(self.default, |start| self.cells[*start as usize + offset])
     }
 
-    /// Marks a cell, or takes its mark away.
-    pub fn mark(&mut self, cell: Cell, is_marked: bool) {
+    /// Marks a cell, or takes its mark away: its value.
+    pub fn mark(&mut self, cell: Cell, is_marked: bool) -> &mut T {
         let (chunk, offset) = place(cell);
         let start = self.chunk(chunk);
         let marks = &mut self.marks[start as usize / CELLS];
@@ -46,6 +49,7 @@ impl<T: Copy> ChunkedGrid<T> {
             true => *marks |= 1 << offset,
             false => *marks &= !(1 << offset),
         }
+        &mut self.cells[start as usize + offset]
     }
 
     /// Shows the marked cells that are at most so many steps away along each axis, by their offsets.
@@ -57,7 +61,7 @@ impl<T: Copy> ChunkedGrid<T> {
         for x in chunks(0) {
             for y in chunks(1) {
                 for z in chunks(2) {
-                    let Some(&start) = self.chunks.get(&[x, y, z]) else {
+                    let Some(&start) = self.chunks.get(&key([x, y, z])) else {
                         continue;
                     };
                     let mut marks = self.marks[start as usize / CELLS];
@@ -79,7 +83,7 @@ impl<T: Copy> ChunkedGrid<T> {
     }
 
     /// Where a chunk begins, which is there from now on.
-    fn chunk(&mut self, chunk: [i32; 3]) -> u32 {
+    fn chunk(&mut self, chunk: ChunkKey) -> u32 {
         *self.chunks.entry(chunk).or_insert_with(|| {
             let start = self.cells.len();
             self.cells.resize(start + CELLS, self.default);
@@ -96,10 +100,14 @@ impl<T: Copy> ChunkedGrid<T> {
 }
 
 /// The chunk of a cell, and the cell's number in it.
-fn place(cell: Cell) -> ([i32; 3], usize) {
+fn place(cell: Cell) -> (ChunkKey, usize) {
     let at = [cell.x, cell.y, cell.z];
     let [x, y, z] = at.map(|of| of.rem_euclid(SIDE));
-    (at.map(|of| of.div_euclid(SIDE)), number([x, y, z]))
+    (key(at.map(|of| of.div_euclid(SIDE))), number([x, y, z]))
+}
+
+fn key([x, y, z]: [i32; 3]) -> ChunkKey {
+    (u64::from(x as u32) << 32 | u64::from(y as u32), z)
 }
 
 /// The number of a cell in its chunk, so far from its corner.

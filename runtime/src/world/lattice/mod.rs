@@ -101,8 +101,7 @@ impl LatticeStructure {
             aimed: 0,
         });
         for (number, &cell) in (0..).zip(&seeds) {
-            grid.get_mut(cell).block = number;
-            grid.mark(cell, true);
+            grid.mark(cell, true).block = number;
         }
         let seat = |cell| AnchoredBlock {
             cell,
@@ -173,22 +172,16 @@ impl LatticeStructure {
     }
 
     /// Switches a face of an anchored block on, unless it is, or holds a block.
-    pub fn magnetize(&mut self, seat: usize, face: Face) -> Changes {
+    pub fn magnetize(&mut self, seat: usize, face: Face) -> Option<FaceChange> {
         let of = &mut self.seats[seat];
-        let mut changes = Changes::new();
         if (of.on | of.holding) & bit(face) != 0 {
-            return changes;
+            return None;
         }
         of.on |= bit(face) | WORKED;
         let way = of.orientation.to_structure(face);
-        if let Some(cell) = of.across(face) {
-            let content = self.grid.get_mut(cell);
-            content.aimed |= bit(way);
-            if content.block == NOBODY {
-                changes.push(FaceChange::Opened(number(seat, face)));
-            }
-        }
-        changes
+        let content = self.grid.get_mut(of.across(face)?);
+        content.aimed |= bit(way);
+        (content.block == NOBODY).then(|| FaceChange::Opened(number(seat, face)))
     }
 
     /// A docking of the free block of a rank on a face, in one of 24 poses; entered as late as it docks.
@@ -236,11 +229,10 @@ impl LatticeStructure {
             holding: 0,
         };
         self.free.remove(docking.child as usize);
-        let content = self.grid.get_mut(cell);
+        let content = self.grid.mark(cell, true);
         content.block = child as u32;
         content.aimed &= !bit(way);
         let is_aimed_at = content.aimed != 0;
-        self.grid.mark(cell, true);
         let mut changes: Changes = smallvec![FaceChange::Closed(on)];
         if is_aimed_at {
             let blocked = self.aimed(cell);
@@ -271,8 +263,7 @@ impl LatticeStructure {
         of.holding &= !bit(face);
         let cell = of.across(face)?;
         let child = self.block(cell)?;
-        self.grid.get_mut(cell).block = NOBODY;
-        self.grid.mark(cell, false);
+        self.grid.mark(cell, false).block = NOBODY;
         self.free.insert(child - self.seeds.len());
         let opened = self.aimed(cell);
         let changes = opened.map(|(seat, face)| FaceChange::Opened(number(seat, face)));

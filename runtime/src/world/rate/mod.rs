@@ -12,7 +12,7 @@ use stochc_ir::{Cell, Face};
 use stochc_protocol::{BlockFace, Docking};
 use stochc_rates::{FORGOTTEN, Neighbourhood, Rates, Wait, feature_cells};
 
-use super::lattice::{Changes, FaceChange, LatticeStructure, site};
+use super::lattice::{FaceChange, LatticeStructure, site};
 use super::{Fault, SceneError, World};
 use crate::counter_rng::{DrawsAhead, Stream, below, unit};
 use agenda::{CaptureQueue, ScheduledCapture};
@@ -115,10 +115,14 @@ impl<'r> RateWorld<'r> {
     }
 
     /// Takes in what happened to faces, and to a cell that is full now or empty.
-    fn note(&mut self, changes: &Changes, filled: Option<(Cell, bool)>) {
+    fn note(
+        &mut self,
+        changes: impl IntoIterator<Item = FaceChange>,
+        filled: Option<(Cell, bool)>,
+    ) {
         let mut changed = Slots::new();
         for change in changes {
-            match *change {
+            match change {
                 FaceChange::Opened(face) => self.open(face, &mut changed),
                 FaceChange::Closed(face) => self.race.close(face, &mut changed),
             }
@@ -272,7 +276,7 @@ impl<'r> RateWorld<'r> {
             return false;
         };
         let changes = self.lattice.dock(seat, face, cell, docking);
-        self.note(&changes, Some((cell, true)));
+        self.note(changes, Some((cell, true)));
         self.follow_free_blocks();
         true
     }
@@ -310,7 +314,7 @@ impl World for RateWorld<'_> {
     fn magnetize(&mut self, site: BlockFace) {
         if let Some(seat) = self.lattice.seat(site.body) {
             let changes = self.lattice.magnetize(seat, site.face);
-            self.note(&changes, None);
+            self.note(changes, None);
         }
     }
 
@@ -321,13 +325,13 @@ impl World for RateWorld<'_> {
         let mut going = vec![(seat, site.face)];
         while let Some((seat, face)) = going.pop() {
             let closed = self.lattice.close(seat, face);
-            self.note(&closed.into_iter().collect(), None);
+            self.note(closed, None);
             let Some((child, changes)) = self.lattice.let_go(seat, face) else {
                 continue;
             };
             going.extend(stochc_ir::Face::ALL.map(|face| (child, face)));
             let from = self.lattice.seats[child].cell;
-            self.note(&changes, Some((from, false)));
+            self.note(changes, Some((from, false)));
             let block = (child - self.lattice.seeds.len()) as u32;
             for slot in self.race.near(from) {
                 self.head_start(slot, from, block, 1.0);

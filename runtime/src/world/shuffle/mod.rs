@@ -12,7 +12,7 @@ use stochc_ir::table::Tables;
 use stochc_ir::{Cell, Face};
 use stochc_protocol::{BlockFace, Body, Docking, Orientation};
 
-use super::lattice::{Changes, FaceChange, LatticeStructure, NOBODY, WORKED, bit, site};
+use super::lattice::{FaceChange, LatticeStructure, NOBODY, WORKED, bit, site};
 use super::ranked::RankedSet;
 use super::{Fault, World};
 use crate::counter_rng::{DrawsAhead, Stream, below, unit};
@@ -95,7 +95,7 @@ impl ShuffleWorld {
 
 impl ShuffleWorld {
     /// Takes in what happened to faces.
-    fn note(&mut self, changes: Changes) {
+    fn note(&mut self, changes: impl IntoIterator<Item = FaceChange>) {
         for change in changes {
             match change {
                 FaceChange::Opened(face) => self.open.insert(face),
@@ -212,7 +212,7 @@ impl World for ShuffleWorld {
         let mut going: SmallVec<[_; 8]> = smallvec![(seat, site.face)];
         while let Some((seat, face)) = going.pop() {
             let closed = self.lattice.close(seat, face);
-            self.note(closed.into_iter().collect());
+            self.note(closed);
             if let Some((child, changes)) = self.lattice.let_go(seat, face) {
                 self.note(changes);
                 going.extend(Face::ALL.map(|face| (child, face)));
