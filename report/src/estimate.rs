@@ -36,6 +36,8 @@ pub enum Method {
         interaction: Interaction,
         /// By how much means were off at most, beside runs by the same rates.
         error: f64,
+        /// Whether the sums were worked out and not drawn: there is no chance in the times.
+        is_exact: bool,
         /// Whether nobody has measured the rates of the scene.
         is_first_guess: bool,
     },

@@ -93,6 +93,7 @@ fn of_graph(program: &EnsembleProgram, rates: &Rates) -> Option<Estimate> {
         method: Method::Graph {
             interaction: cost.interaction,
             error: cost.interaction.error(),
+            is_exact: cost.is_exact,
             is_first_guess: rates.is_guess(),
         },
         completed: completed as u64,

@@ -129,6 +129,12 @@ fn estimates_say_when_and_why() {
     );
     assert_eq!(method(1)["interaction"], "releases");
     assert!(method(0)["error"].as_f64() < method(1)["error"].as_f64());
+    // A sum has no chance in it where every capture waits for one other at most.
+    for (number, is_exact) in [(0, true), (1, false)] {
+        assert_eq!(method(number)["is_exact"], is_exact);
+        let half_width = value[number]["total"]["half_width"].as_f64().unwrap();
+        assert_eq!(half_width == 0.0, is_exact);
+    }
     let text = stochc("estimate --captures 2 --quiet examples/line.sa");
     assert!(
         text.out.contains("waited for") && text.out.contains("docs/rates.md"),
@@ -136,7 +142,8 @@ fn estimates_say_when_and_why() {
         text.out
     );
     assert!(
-        text.out.contains("Added up along the graph, 4000"),
+        text.out
+            .contains("Added up along the graph, without chance"),
         "{}",
         text.out
     );

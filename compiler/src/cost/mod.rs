@@ -3,6 +3,7 @@
 //! How deep and how wide its phases are follows from its graph alone. Times need the rates of a scene: each capture waits by
 //! their law in the structure as it stands when its turn comes, and the waits are summed up along the graph. That is less than a
 //! run by rates knows: cells beside an open face fill while it waits, and messages take their time.
+mod convolution;
 mod occupancy;
 mod phase_events;
 mod sampling;
@@ -26,7 +27,9 @@ pub struct Cost {
     pub total: Option<Times>,
     /// Whether there were rates.
     pub has_rates: bool,
-    /// What the times were drawn from, in the order of drawing. None without times.
+    /// Whether the times were worked out and not drawn, so that there is no chance in them: the halves of their intervals are 0.
+    pub is_exact: bool,
+    /// Times of the whole that were drawn, in the order of drawing. None without times.
     pub draws: Vec<Draw>,
     /// What times leave out.
     pub interaction: Interaction,
@@ -67,6 +70,7 @@ pub fn estimate(program: &Program, rates: Option<&Rates>) -> Option<Cost> {
             .collect(),
         total: None,
         has_rates: rates.is_some(),
+        is_exact: false,
         draws: Vec::new(),
         interaction: Interaction::Apart,
         captures: Vec::new(),
@@ -85,6 +89,13 @@ pub fn estimate(program: &Program, rates: Option<&Rates>) -> Option<Cost> {
     cost.draws = sampled.draws;
     for (phase, times) in cost.phases.iter_mut().zip(sampled.phases) {
         phase.times = times;
+    }
+    if let Some((phases, total)) = sampled.exact {
+        cost.total = Some(total);
+        for (phase, times) in cost.phases.iter_mut().zip(phases) {
+            phase.times = Some(times);
+        }
+        cost.is_exact = true;
     }
     cost.interaction = interaction(program, &waits, sampled.has_race);
     let captures = waits.iter().zip(sampled.shares).enumerate();

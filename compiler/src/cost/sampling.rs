@@ -10,6 +10,7 @@ use stochc_ir::Cell;
 
 use stochc_rates::{FORGOTTEN, Times};
 
+use super::convolution::exact_times;
 use super::waits::{CaptureWait, within};
 use crate::Program;
 use crate::order::{Order, needed};
@@ -47,6 +48,8 @@ pub struct Sampled {
     pub has_race: bool,
     /// For every event, the part of all time in which nothing else is waited for.
     pub shares: Vec<f64>,
+    /// What is known without chance, of each phase and of the whole, where that can be worked out.
+    pub exact: Option<(Vec<Times>, Times)>,
 }
 
 /// Goes through a program many times.
@@ -125,6 +128,7 @@ pub fn sample(program: &Program, order: &Order, waits: &[Option<CaptureWait>]) -
         draws,
         has_race,
         shares: decided,
+        exact: exact_times(&steps, &timeouts, waits),
     }
 }
 
@@ -155,9 +159,9 @@ fn timeouts(program: &Program) -> Vec<f64> {
 }
 
 /// An event, and what it waits for.
-struct Step {
-    event: u32,
-    before: Vec<u32>,
+pub(super) struct Step {
+    pub event: u32,
+    pub before: Vec<u32>,
 }
 
 /// The events of each phase, each behind what it waits for.

@@ -46,11 +46,19 @@ fn origin(estimate: &Estimate) -> String {
     let all = estimate.completed + estimate.stopped;
     let mut text = match (estimate.method, all) {
         (Method::Graph { .. }, 0) => return "No block is left for one of the captures.".to_owned(),
-        (Method::Graph { interaction, .. }, _) => {
-            format!(
-                "Added up along the graph, {all} times: {}",
-                left_out(interaction)
-            )
+        (
+            Method::Graph {
+                interaction,
+                is_exact,
+                ..
+            },
+            _,
+        ) => {
+            let how = match is_exact {
+                true => "without chance".to_owned(),
+                false => format!("{all} times"),
+            };
+            format!("Added up along the graph, {how}: {}", left_out(interaction))
         }
         (Method::Runs { is_compiled: true }, _) => format!(
             "From {all} runs by rates: the file is compiled, and has no plan to add waits up along."
@@ -84,8 +92,8 @@ fn times(estimate: &Estimate) -> TextTable {
     let column = |header: &str, value: &dyn Fn(&Times) -> (f64, Option<f64>)| {
         let cell = |times: &Option<Times>| match times.as_ref().map(value) {
             None => "?".to_owned(),
-            Some((value, None)) => format!("{value:.0}"),
-            Some((value, Some(half))) => format!("{value:.0} ± {half:.0}"),
+            Some((value, Some(half))) if half > 0.0 => format!("{value:.0} ± {half:.0}"),
+            Some((value, _)) => format!("{value:.0}"),
         };
         TextColumn::figures(header, rows.iter().map(|(_, times)| cell(times)).collect())
     };
