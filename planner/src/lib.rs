@@ -21,6 +21,7 @@ mod search;
 mod sites;
 mod support;
 mod target;
+mod text;
 mod voxels;
 mod waiting;
 mod waits;

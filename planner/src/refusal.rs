@@ -4,6 +4,8 @@ use std::fmt;
 use stochc_grammar::Cancelled;
 use stochc_ir::Cell;
 
+use crate::text::counted;
+
 /// Why there is no plan.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Refusal {
@@ -55,10 +57,7 @@ pub(crate) fn listed_words(words: &[String]) -> String {
 }
 
 fn cells(count: usize) -> String {
-    match count {
-        1 => "1 cell".to_owned(),
-        count => format!("{count} cells"),
-    }
+    counted(count, "cell")
 }
 
 impl From<Cancelled> for Refusal {

@@ -3,7 +3,6 @@ use std::path::PathBuf;
 
 use clap::Args;
 use stochc_compiler::scene::built_in;
-use stochc_files::atomic::{Replaces, replace};
 use stochc_ir::scene::Scene;
 use stochc_report::tables::rates_to_text;
 use stochc_runtime::{Settings, Substeps};
@@ -12,6 +11,7 @@ use super::imports::ImportOptions;
 use super::interrupt::stop_on_interrupt;
 use super::levels::LevelOptions;
 use super::measuring::WorkOptions;
+use super::new_file::NewFile;
 use super::terminal::{Terminal, output_width, print};
 use crate::exit::{Exit, Failure};
 use crate::operations::programs::programs;
@@ -50,6 +50,7 @@ pub struct Options {
 /// Measures the rates of a scene.
 pub fn run(options: &Options) -> Result<Exit, Failure> {
     let host = Terminal::new(options.work.quiet);
+    let out = options.out.as_deref().map(NewFile::begin).transpose()?;
     let scene = scene(options, &host)?;
     stop_on_interrupt()?;
     let effort = Effort {
@@ -63,11 +64,8 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
     };
     let rates = measure(&scene, &effort, &host)?;
     print(&rates_to_text(&rates, output_width()))?;
-    if let Some(out) = &options.out {
-        let text = rates.to_text();
-        replace(out, text.as_bytes(), Replaces::Nothing).map_err(|error| {
-            Failure::usage(format!("cannot write `{}`: {error}", out.display()))
-        })?;
+    if let Some(out) = out {
+        out.write(&rates.to_text())?;
     }
     Ok(Exit::Success)
 }

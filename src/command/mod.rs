@@ -17,6 +17,7 @@ pub mod man;
 mod measuring;
 mod memory;
 pub mod merge;
+mod new_file;
 pub(crate) mod no_memory;
 pub mod plan;
 mod progress;

@@ -4,12 +4,12 @@ use std::sync::atomic::Ordering;
 
 use clap::{Args, ValueEnum};
 use serde_json::json;
-use stochc_files::atomic::{Replaces, replace};
 use stochc_planner::{Objective, explanation};
 
 use super::imports::ImportOptions;
 use super::interrupt::stop_on_interrupt;
 use super::measuring::RatesOption;
+use super::new_file::NewFile;
 use super::results::ResultsFormat;
 use super::terminal::{Terminal, print, warn};
 use crate::exit::{Exit, Failure};
@@ -91,6 +91,7 @@ enum Minimize {
 /// Plans, and writes the program.
 pub fn run(options: &Options) -> Result<Exit, Failure> {
     let host = Terminal::new(options.quiet);
+    let out = options.out.as_deref().map(NewFile::begin).transpose()?;
     let wish = Wish {
         target: &options.target,
         shape: options.shape.as_deref(),
@@ -127,7 +128,7 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
         plan(&goal, &wish, &host)?
     };
     let stopped = stop.load(Ordering::Relaxed);
-    write(&planned, options)?;
+    write(&planned, out, options)?;
     match stopped {
         false => Ok(Exit::Success),
         true => Err(Failure {
@@ -140,12 +141,10 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
     }
 }
 
-fn write(planned: &Planned, options: &Options) -> Result<(), Failure> {
+fn write(planned: &Planned, out: Option<NewFile>, options: &Options) -> Result<(), Failure> {
     let Planned { plan, text } = planned;
-    if let Some(path) = &options.out {
-        replace(path, text.as_bytes(), Replaces::Nothing).map_err(|error| {
-            Failure::usage(format!("cannot write `{}`: {error}", path.display()))
-        })?;
+    if let Some(out) = out {
+        out.write(text)?;
     }
     match (options.format, &options.out) {
         (ResultsFormat::Json, _) => {

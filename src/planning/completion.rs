@@ -6,7 +6,7 @@ use stochc_compiler::diagnostic::Code;
 use stochc_compiler::plan::{EventKind, ProgramPlan};
 use stochc_compiler::{Checked, FileId, LintLevels, Program, Site, shape_cells};
 use stochc_grammar::format;
-use stochc_grammar::tree::{Item, ItemKind};
+use stochc_grammar::tree::{Item, ItemKind, Name};
 use stochc_ir::Cell;
 use stochc_ir::scene::Scene;
 use stochc_ir::table::RoleId;
@@ -173,7 +173,9 @@ impl Completion {
         };
         let text = format(&whole).unwrap_or(whole);
         let others = self.texts[1..].iter();
-        let texts: Vec<(&str, &str)> = std::iter::once((self.texts[0].0.as_str(), text.as_str()))
+        // Findings are in a text that nobody has seen.
+        let name = format!("{} (completed)", self.texts[0].0);
+        let texts: Vec<(&str, &str)> = std::iter::once((name.as_str(), text.as_str()))
             .chain(others.map(|(name, text)| (name.as_str(), text.as_str())))
             .collect();
         let checked = check_texts(&texts, &LintLevels::default(), "", &[]);
@@ -278,8 +280,13 @@ fn change(checked: &Checked, claim: &Claim<'_>, new: &str) -> Result<Change, Not
     if claim.site.file != FileId(0) {
         return Err(elsewhere());
     }
-    let claims =
-        |item: &&Item| matches!(&item.kind, ItemKind::Yields(name) if name.span == claim.site.span);
+    // Spans in trees are all equal; sites are not.
+    let is_claim = |name: &Name| {
+        let file = FileId(0);
+        let span = name.span;
+        Site { file, span } == claim.site
+    };
+    let claims = |item: &&Item| matches!(&item.kind, ItemKind::Yields(name) if is_claim(name));
     let bodies = checked
         .tree
         .items

@@ -201,6 +201,43 @@ fn what_cannot_be_built_is_told_on_one_line_and_what_would_help_on_the_next() {
     assert!(!said.err.contains("U+000A"), "{}", said.err);
 }
 
+/// What cannot be written is told before anything is looked for.
+#[test]
+fn where_the_program_goes_is_looked_at_first() {
+    let folder = tempfile::tempdir().unwrap();
+    let there = path(folder.path(), "there.sa");
+    fs::write(&there, "mine").unwrap();
+    for out in [there.as_str(), &path(folder.path(), "none/out.sa")] {
+        for command in ["plan missing.sa --out", "calibrate missing.sa --out"] {
+            let said = stochc_with(command, &[out]);
+            assert_eq!(said.status, 2, "{}", said.err);
+            assert!(
+                said.err.contains(&format!("cannot write `{out}`")),
+                "{}",
+                said.err
+            );
+        }
+    }
+    assert_eq!(fs::read_to_string(&there).unwrap(), "mine");
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+}
+
+/// A text may begin with a mark of its encoding, as a program may.
+#[test]
+fn layers_may_begin_with_a_mark() {
+    let folder = tempfile::tempdir().unwrap();
+    let layers = path(folder.path(), "one.txt");
+    fs::write(&layers, "\u{feff}#\n").unwrap();
+    let said = stochc_with("plan --quiet", &[&layers]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    assert!(
+        said.out
+            .contains("/// 1 capture, up to 1 face open at the same time"),
+        "{}",
+        said.out
+    );
+}
+
 #[test]
 fn a_program_is_completed() {
     let folder = tempfile::tempdir().unwrap();

@@ -89,6 +89,24 @@ fn a_phase_with_captures_keeps_them_and_gives_its_claim_to_one_behind() {
     assert_eq!(checked.diagnostics.len(), 0, "{:?}", checked.diagnostics);
 }
 
+/// The claim that is not true is completed, and not the first of the file.
+#[test]
+fn the_claim_that_is_not_true_is_completed() {
+    let feet = "shape foot {\n    layer 1..3 {\n        # . .\n    }\n}\n\nassembly";
+    let text = PART.replace("assembly", feet);
+    let text = text.replace("// the left one\n", "\n        yields foot\n");
+    for text in [
+        text.clone(),
+        text.replace("yields arch", "R.up -> C\n        yields arch"),
+    ] {
+        let planned = completed(&text).unwrap();
+        let checked = check_text("whole.sa", &planned.text);
+        assert_eq!(checked.diagnostics.len(), 0, "{}", planned.text);
+        let claims = checked.programs[0].plan.phases.iter();
+        assert_eq!(claims.filter(|it| !it.claims.is_empty()).count(), 2);
+    }
+}
+
 #[test]
 fn what_cannot_be_completed_is_refused_with_a_reason() {
     let whole = completed(PART).unwrap().text;

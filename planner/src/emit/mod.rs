@@ -14,6 +14,7 @@ use stochc_ir::Cell;
 
 use crate::plan::{Capture, Plan};
 use crate::target::Target;
+use crate::text::counted;
 use crate::waiting::Why;
 use repetition::{Repeated, repeated};
 pub use shape::declaration;
@@ -65,10 +66,10 @@ pub fn draft(target: &Target, plan: &Plan, naming: Naming<'_>) -> String {
     let _ = writeln!(out, "{declarations}");
     let _ = writeln!(
         out,
-        "/// {} captures, up to {} faces open at the same time: about {:.0} ticks, in nine of ten runs within {:.0}.\n\
+        "/// {}, up to {} open at the same time: about {:.0} ticks, in nine of ten runs within {:.0}.\n\
          /// A block is called by its cell, and a block of the plate by its place there.",
-        plan.all_captures().count(),
-        plan.widest,
+        counted(plan.all_captures().count(), "capture"),
+        counted(plan.widest, "face"),
         plan.estimate.mean,
         plan.estimate.p90,
     );

@@ -23,7 +23,11 @@ pub fn read(wish: &Wish<'_>, host: &dyn Host) -> Result<Goal, Failure> {
         Some("vox") => voxels(wish, magica_voxel),
         Some("txt") => voxels(wish, |bytes| {
             let text = std::str::from_utf8(bytes);
-            text.map_or_else(|_| layers("?"), layers)
+            // Some editors begin a text with a mark of its encoding.
+            text.map_or_else(
+                |_| layers("?"),
+                |text| layers(text.strip_prefix('\u{feff}').unwrap_or(text)),
+            )
         }),
         _ => program(wish, host),
     }
