@@ -3,6 +3,7 @@ mod completion;
 mod repair;
 
 use std::collections::BTreeSet;
+use std::sync::OnceLock;
 
 use stochc_compiler::diagnostic::{Code, Diagnostic};
 use stochc_compiler::plan::{PlanSeed, ProgramPlan};
@@ -42,6 +43,8 @@ pub struct Goal {
     scenes: String,
     /// What stands before, and what of it is let go.
     repair: Repair,
+    /// The scene, once it has been compiled, by its name.
+    compiled: OnceLock<(Option<String>, Scene)>,
 }
 
 /// A program that builds a shape.
@@ -75,6 +78,9 @@ const NAME: &str = "planned.sa";
 /// Cells of a shape for which plans that need no thought are looked at as well, at most.
 const MOST_COMPARED: usize = 1000;
 
+/// Findings behind which others may not be told of.
+const MANY: usize = 100;
+
 /// The only warnings that a planned program may have, each with the reason why.
 const ALLOWED: [(Code, &str); 3] = [
     (
@@ -106,6 +112,7 @@ impl Goal {
             scene: None,
             scenes: String::new(),
             repair: Repair::default(),
+            compiled: OnceLock::new(),
         }
     }
 
@@ -177,6 +184,7 @@ impl Goal {
             shape: Some(printed(item, symbols)),
             scenes: declared_scenes(checked),
             repair: Repair::default(),
+            compiled: OnceLock::new(),
         })
     }
 
@@ -184,6 +192,7 @@ impl Goal {
     pub fn declare_scene(&mut self, name: &str, text: &str) {
         self.scene = Some(name.to_owned());
         text.clone_into(&mut self.scenes);
+        self.compiled = OnceLock::new();
     }
 
     /// The scene it is built in.
@@ -191,6 +200,18 @@ impl Goal {
     /// # Errors
     /// If there is none of that name, or it is wrong.
     pub fn scene(&self) -> Result<Scene, Box<Checked>> {
+        match self.compiled.get() {
+            Some((name, scene)) if *name == self.scene => Ok(scene.clone()),
+            _ => {
+                let scene = self.compile_scene()?;
+                // Where another one has been compiled before, it is compiled each time.
+                let _ = self.compiled.set((self.scene.clone(), scene.clone()));
+                Ok(scene)
+            }
+        }
+    }
+
+    fn compile_scene(&self) -> Result<Scene, Box<Checked>> {
         let scene = self
             .scene
             .as_ref()
@@ -348,27 +369,25 @@ impl Goal {
         mut plan: Plan,
         law: &RateLaw<'_>,
     ) -> Result<Planned, Unplanned> {
+        let found = self.check(target, &plan, &[]);
+        let is_found = |code: Code| found.diagnostics.iter().any(|it| it.code == code);
         let mut allowed: Vec<(&str, String)> = Vec::new();
-        loop {
-            let found = self.check(target, &plan, &allowed);
-            let before = allowed.len();
-            for (code, reason) in ALLOWED {
-                let is_found = found.diagnostics.iter().any(|it| it.code == code);
-                if is_found && allowed.iter().all(|(known, _)| *known != code.name()) {
-                    allowed.push((code.name(), reason.to_owned()));
-                }
-            }
-            if found.diagnostics.is_empty() {
-                plan.estimate = estimated(&found, law).unwrap_or(plan.estimate);
-                let text = self.text(target, &plan, &allowed);
-                return Ok(Planned { plan, text });
-            }
-            if allowed.len() == before {
-                // Told of the program as it would be shown.
-                let found = checked(&self.text(target, &plan, &allowed));
-                return Err(Unplanned::Wrong(Box::new(found)));
-            }
+        for (code, reason) in ALLOWED.into_iter().filter(|&(code, _)| is_found(code)) {
+            allowed.push((code.name(), reason.to_owned()));
         }
+        let is_allowed = |it: &Diagnostic| ALLOWED.iter().any(|&(code, _)| code == it.code);
+        // Where there are many findings, others may not have been told of.
+        let is_accepted = found.diagnostics.iter().all(is_allowed)
+            && (found.diagnostics.len() < MANY
+                || self.check(target, &plan, &allowed).diagnostics.is_empty());
+        if !is_accepted {
+            // Told of the program as it would be shown.
+            let found = checked(&self.text(target, &plan, &allowed));
+            return Err(Unplanned::Wrong(Box::new(found)));
+        }
+        plan.estimate = estimated(&found, law).unwrap_or(plan.estimate);
+        let text = self.text(target, &plan, &allowed);
+        Ok(Planned { plan, text })
     }
 }
 
