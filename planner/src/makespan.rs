@@ -1,9 +1,14 @@
 //! How long a schedule takes, by sampling.
+use std::cell::RefCell;
+
 use rand::RngExt as _;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
+use rustc_hash::FxHashMap;
+use stochc_ir::Cell;
 
 use crate::schedule::Schedule;
+use crate::sites::Sites;
 use crate::waiting::Waiting;
 
 /// What a plan should make small.
@@ -43,15 +48,54 @@ pub struct Samples {
     waits: Vec<f32>,
 }
 
+/// So many waits of mean 1.
+fn drawn(count: usize, seed: u64) -> impl Iterator<Item = f32> {
+    /// A face draws blocks only when the crowd around it has come close: a part of the wait is no exponential.
+    const DELAY: f32 = 0.27;
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut log = move || -(1.0 - rng.random::<f32>()).ln();
+    (0..count).map(move |_| DELAY * 0.5 * (log() + log()) + (1.0 - DELAY) * log())
+}
+
+/// Waits by cell, so that targets whose sites are not the same differ by their schedules alone.
+#[derive(Debug)]
+pub struct CellSamples {
+    runs: usize,
+    seed: u64,
+    known: RefCell<FxHashMap<Cell, Vec<f32>>>,
+}
+
+impl CellSamples {
+    /// So many runs, of a seed.
+    pub fn new(runs: usize, seed: u64) -> CellSamples {
+        CellSamples {
+            runs,
+            seed,
+            known: RefCell::default(),
+        }
+    }
+
+    /// The samples of some sites.
+    pub fn of(&self, sites: &Sites<'_>) -> Samples {
+        let mut known = self.known.borrow_mut();
+        let mut waits = Vec::with_capacity(sites.len() * self.runs);
+        for site in 0..sites.len() as u32 {
+            let cell = sites.cell(site);
+            let number = known.len() as u64;
+            let of_cell = || drawn(self.runs, self.seed.wrapping_add(number)).collect();
+            waits.extend_from_slice(known.entry(cell).or_insert_with(of_cell));
+        }
+        Samples {
+            runs: self.runs,
+            waits,
+        }
+    }
+}
+
 impl Samples {
     /// So many runs of so many sites, of a seed.
     pub fn new(sites: usize, runs: usize, seed: u64) -> Samples {
-        /// A face draws blocks only when the crowd around it has come close: a part of the wait is no exponential.
-        const DELAY: f32 = 0.27;
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let mut log = || -(1.0 - rng.random::<f32>()).ln();
-        let wait = |_| DELAY * 0.5 * (log() + log()) + (1.0 - DELAY) * log();
-        let waits = (0..sites * runs).map(wait).collect();
+        let waits = drawn(sites * runs, seed).collect();
         Samples { runs, waits }
     }
 

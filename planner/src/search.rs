@@ -285,7 +285,11 @@ pub fn improved(
             Err(_) => break,
         };
         let waiting = Waiting::of(job, &other);
-        let estimate = samples.estimate(&other, &waiting, &mut times);
+        let estimate = match job.roles {
+            // Valued as their scaffolds were.
+            Some(_) => samples.estimate(&settled(job, other.clone()), &waiting, &mut times),
+            None => samples.estimate(&other, &waiting, &mut times),
+        };
         // Equally good ones as well, to get across plateaus.
         if estimate.of(search.objective) <= value {
             if estimate.of(search.objective) < value {

@@ -4,6 +4,7 @@
 //! holds towards the plate. When all pieces are there they are handed over, block by block: each is let go and taken at once by the block
 //! that holds it in the end, and stays where it is. Then the mast goes, and the rest grows.
 mod apart;
+mod balanced;
 mod dismantling;
 mod places;
 mod roles;
