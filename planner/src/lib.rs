@@ -32,7 +32,7 @@ pub use naive::Naive;
 pub use plan::{Alternative, Capture, Hardware, Plan, Plans, naive_plans, plan};
 pub use refusal::{Part, Refusal};
 pub use scaffold::{Dismantling, HandOver, Mast};
-pub use search::{Gap, Search, gap};
+pub use search::{AdaptiveGap, Gap, Search, adaptive_gap, gap};
 pub use target::{FARTHEST, MOST_CELLS, StandingBlock, Target};
 pub use voxels::{UnreadableVoxels, layers, magica_voxel};
 pub use waiting::Why;

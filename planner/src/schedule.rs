@@ -4,6 +4,7 @@
 //! and no face is open towards a cell that shares an edge with it, and no face, around another cell of the target. A block that comes to the
 //! corner of two such cells is held by both, and jams. Faces towards cells side by side, whatever their directions, do not hinder each
 //! other, nor do those of cells that share a corner; three of a square, which jam as well, always have such a pair among them.
+mod adaptive;
 mod exact;
 mod phase;
 
@@ -19,6 +20,7 @@ use crate::disassembly::Disassembly;
 use crate::scaffold::{Part, Roles};
 use crate::sites::{NONE, Sites};
 use crate::waits::{Moment, RateLaw, Stand};
+pub use adaptive::{MOST_ADAPTIVE, Policies};
 pub use exact::{Branching, MOST_SITES, settled, value};
 use phase::Phase;
 

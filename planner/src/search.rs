@@ -8,7 +8,9 @@ use crate::corridor::Corridors;
 use crate::disassembly::{Disassembly, disassemble};
 use crate::free_space::FreeSpace;
 use crate::makespan::{Estimate, Objective, Samples};
-use crate::schedule::{Branching, Job, MOST_SITES, Schedule, settled, value};
+use crate::schedule::{
+    Branching, Job, MOST_ADAPTIVE, MOST_SITES, Policies, Schedule, settled, value,
+};
 use crate::sites::Sites;
 use crate::waiting::Waiting;
 use crate::waits::RateLaw;
@@ -197,6 +199,38 @@ pub fn gap(
     }
     let mut found = listed(&sites, hardware, waits, how)?;
     branch_and_bound(&sites, hardware, waits, how, &mut found).map(Some)
+}
+
+/// How far a plan is off the best policy that sees every docking.
+#[derive(Clone, Copy, Debug)]
+pub struct AdaptiveGap {
+    /// The mean time of the plan, if waits are exponential \[ticks\].
+    pub planned: f64,
+    /// That of the best policy, which need not keep ways in open: no program takes less \[ticks\].
+    pub best: f64,
+}
+
+/// Compares the plan of a target with the best policy; `None`: the target has too many cells.
+///
+/// # Errors
+/// If no order builds it, or nobody waits for it.
+pub fn adaptive_gap(
+    target: &Target,
+    hardware: Hardware,
+    waits: &RateLaw<'_>,
+    how: Search<'_>,
+) -> Result<Option<AdaptiveGap>, Refusal> {
+    let sites = Sites::of(target);
+    if sites.len() > MOST_ADAPTIVE || sites.standing_count() > 0 {
+        return Ok(None);
+    }
+    let found = search(&sites, hardware, waits, how)?;
+    let job = Job::new(&sites, &found.apart, &found.corridors, hardware, waits);
+    let mut policies = Policies::new(&job);
+    Ok(Some(AdaptiveGap {
+        planned: policies.of(&found.schedule),
+        best: policies.best(),
+    }))
 }
 
 /// Looks at all schedules of a small target, with several ways in, and keeps the best.
