@@ -23,14 +23,14 @@ pub enum Objective {
 
 /// Times to completion \[ticks\], as far as mean waits tell.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct Estimate {
+pub struct PlanEstimate {
     /// Their mean.
     pub mean: f64,
     /// The time in which nine runs of ten are complete.
     pub p90: f64,
 }
 
-impl Estimate {
+impl PlanEstimate {
     /// The number that matters.
     pub fn of(self, objective: Objective) -> f64 {
         match objective {
@@ -154,7 +154,7 @@ impl Samples {
         self.summed_up(times).of(objective)
     }
 
-    fn summed_up(&self, times: &[f32]) -> Estimate {
+    fn summed_up(&self, times: &[f32]) -> PlanEstimate {
         let mut ends = vec![0.0f32; self.runs];
         for times in times.chunks_exact(self.runs) {
             for (end, &time) in ends.iter_mut().zip(times) {
@@ -164,7 +164,7 @@ impl Samples {
         ends.sort_unstable_by(f32::total_cmp);
         let sum: f64 = ends.iter().map(|&end| f64::from(end)).sum();
         let place = (self.runs * 9).div_ceil(10).max(1) - 1;
-        Estimate {
+        PlanEstimate {
             mean: sum / self.runs as f64,
             p90: f64::from(ends[place]),
         }
@@ -176,7 +176,7 @@ impl Samples {
         schedule: &Schedule,
         waiting: &Waiting,
         times: &mut Vec<f32>,
-    ) -> Estimate {
+    ) -> PlanEstimate {
         self.times(schedule, waiting, times);
         self.summed_up(times)
     }

@@ -1,6 +1,6 @@
 //! What waits for what in a schedule, and which of that has to be said.
 use crate::Hardware;
-use crate::schedule::{Job, Schedule};
+use crate::schedule::{Schedule, SchedulingJob};
 use crate::sites::{NONE, Sites};
 
 /// What each site waits for, by the place of sites in the order in which they open.
@@ -67,7 +67,7 @@ impl Schedule {
 
 impl Waiting {
     /// Everything that a schedule has in some order.
-    pub fn of(job: &Job<'_>, schedule: &Schedule) -> Waiting {
+    pub fn of(job: &SchedulingJob<'_>, schedule: &Schedule) -> Waiting {
         let mut before: Vec<Vec<u32>> = vec![Vec::new(); schedule.order.len()];
         let standing = job.sites.standing_count();
         for (i, &site) in schedule.order.iter().enumerate().skip(standing) {

@@ -15,8 +15,8 @@ use stochc_ir::Cell;
 use stochc_ir::scene::Scene;
 use stochc_ir::table::Plate;
 use stochc_planner::{
-    Alternative, Estimate, Hardware, Naming, Plan, RateLaw, Refusal, Search, Target, declaration,
-    draft, naive_plans, plan, program,
+    Alternative, BuildPlan, Hardware, Naming, PlanEstimate, PlanSearch, RateLaw, Refusal, Target,
+    declaration, draft, naive_plans, plan, program,
 };
 use stochc_rates::Rates;
 
@@ -51,7 +51,7 @@ pub struct Goal {
 #[derive(Debug)]
 pub struct Planned {
     /// The order of its captures.
-    pub plan: Plan,
+    pub plan: BuildPlan,
     /// The program.
     pub text: String,
 }
@@ -273,7 +273,7 @@ impl Goal {
     ///
     /// # Errors
     /// If it cannot be built, or not there.
-    pub fn plan(&self, rates: &[Rates], search: Search<'_>) -> Result<Planned, Unplanned> {
+    pub fn plan(&self, rates: &[Rates], search: PlanSearch<'_>) -> Result<Planned, Unplanned> {
         let scene = self.scene().map_err(Unplanned::Wrong)?;
         let hardware = Hardware::of(&scene);
         let plate = self.plate.clone().unwrap_or_else(|| self.smallest_plate());
@@ -322,9 +322,9 @@ impl Goal {
     /// Has a plan and what is allowed in it written down.
     fn write<T>(
         &self,
-        plan: &Plan,
+        plan: &BuildPlan,
         allowed: &[(&str, String)],
-        written: impl FnOnce(&Plan, Naming<'_>) -> T,
+        written: impl FnOnce(&BuildPlan, Naming<'_>) -> T,
     ) -> T {
         let are_kept = plan.dismantling.as_ref().is_some_and(|it| it.are_kept);
         let with_scaffolds = format!("{}_with_scaffolds", self.name);
@@ -344,7 +344,7 @@ impl Goal {
     }
 
     /// The program of a plan, laid out.
-    fn text(&self, target: &Target, plan: &Plan, allowed: &[(&str, String)]) -> String {
+    fn text(&self, target: &Target, plan: &BuildPlan, allowed: &[(&str, String)]) -> String {
         self.write(plan, allowed, |plan, naming| {
             // Names that are none are told of as any others are.
             program(target, plan, naming).unwrap_or_else(|_| {
@@ -357,7 +357,7 @@ impl Goal {
     }
 
     /// What the check finds in the program of a plan.
-    fn check(&self, target: &Target, plan: &Plan, allowed: &[(&str, String)]) -> Checked {
+    fn check(&self, target: &Target, plan: &BuildPlan, allowed: &[(&str, String)]) -> Checked {
         let draft = self.write(plan, allowed, |plan, naming| draft(target, plan, naming));
         checked(&draft)
     }
@@ -366,7 +366,7 @@ impl Goal {
     fn accepted(
         &self,
         target: &Target,
-        mut plan: Plan,
+        mut plan: BuildPlan,
         law: &RateLaw<'_>,
     ) -> Result<Planned, Unplanned> {
         let found = self.check(target, &plan, &[]);
@@ -396,9 +396,9 @@ fn checked(text: &str) -> Checked {
 }
 
 /// How long the program takes, as `check --cost` says; `None`: the rates of its scene are not known, or it is wrong.
-fn estimated(checked: &Checked, law: &RateLaw<'_>) -> Option<Estimate> {
+fn estimated(checked: &Checked, law: &RateLaw<'_>) -> Option<PlanEstimate> {
     let total = cost::estimate(checked.programs.first()?, law.rates())?.total?;
-    Some(Estimate {
+    Some(PlanEstimate {
         mean: total.mean,
         p90: total.p90,
     })

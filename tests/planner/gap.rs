@@ -2,7 +2,9 @@
 use stochc::ir::scene::Scene;
 use stochc::ir::table::Plate;
 use stochc::ir::{Cell, Face};
-use stochc::planner::{AdaptiveGap, Gap, Hardware, RateLaw, Search, Target, adaptive_gap, gap};
+use stochc::planner::{
+    AdaptiveGap, Hardware, PlanSearch, RateLaw, ScheduleGap, Target, adaptive_gap, gap,
+};
 use stochc::planning::Goal;
 
 /// A shape of so many cells that hang together, from a number.
@@ -35,13 +37,13 @@ fn posed<T>(
     scene: &Scene,
     cells: Vec<Cell>,
     rounds: u64,
-    of: impl Fn(&Target, Hardware, &RateLaw<'_>, Search<'_>) -> T,
+    of: impl Fn(&Target, Hardware, &RateLaw<'_>, PlanSearch<'_>) -> T,
 ) -> T {
     let plate = Plate { width: 3, depth: 3 };
     let target = Target::new(cells, plate, None, scene.free.count).unwrap();
-    let search = Search {
+    let search = PlanSearch {
         rounds,
-        ..Search::default()
+        ..PlanSearch::default()
     };
     of(
         &target,
@@ -51,7 +53,7 @@ fn posed<T>(
     )
 }
 
-fn gap_of(scene: &Scene, cells: Vec<Cell>, rounds: u64) -> Gap {
+fn gap_of(scene: &Scene, cells: Vec<Cell>, rounds: u64) -> ScheduleGap {
     let found = posed(scene, cells, rounds, gap);
     found.unwrap().expect("the shape is small")
 }
@@ -75,7 +77,7 @@ fn no_plan_is_better_than_the_best_policy() {
 fn all_schedules_of_small_shapes_are_looked_at() {
     let scene = scene();
     for number in 0..12 {
-        let Gap {
+        let ScheduleGap {
             listed,
             best,
             is_finished,
@@ -91,7 +93,7 @@ fn all_schedules_of_small_shapes_are_looked_at() {
 fn gaps() {
     let scene = scene();
     for (cells, shapes) in [(6, 60), (7, 40), (8, 20)] {
-        let found: Vec<Gap> = (0..shapes)
+        let found: Vec<ScheduleGap> = (0..shapes)
             .map(|number| gap_of(&scene, shape(cells, number), 3000))
             .collect();
         let finished: Vec<f64> = (found.iter().filter(|gap| gap.is_finished))

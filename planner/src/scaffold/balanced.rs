@@ -6,7 +6,7 @@ use rustc_hash::FxHashSet;
 use stochc_ir::{Cell, Face};
 
 use super::places::{Grown, supports};
-use super::{Piece, Scaffolding};
+use super::{MastPiece, Scaffolding};
 use crate::Target;
 
 /// What it costs to choose a place for a mast, in captures: that there is none yet, and each that stands across a corner, because
@@ -63,7 +63,7 @@ impl Grown {
             // What hangs on the plate needs no mast.
             let Some(join) = next else { continue };
             held.extend(&cells);
-            scaffolding.pieces.push(Piece {
+            scaffolding.pieces.push(MastPiece {
                 foot: (at.x, at.y),
                 height: at.z,
                 way,

@@ -2,7 +2,7 @@
 use rustc_hash::FxHashMap;
 use stochc_ir::{Cell, Face};
 
-use super::{Piece, Roles, Scaffolding};
+use super::{MastPiece, Scaffolding, SiteRoles};
 use crate::Target;
 use crate::schedule::{Schedule, WAIT};
 use crate::sites::{NONE, Sites};
@@ -40,7 +40,7 @@ impl Grown {
     /// By a schedule of a target, with these scaffolds.
     pub fn of(sites: &Sites<'_>, schedule: &Schedule, scaffolding: &Scaffolding) -> Grown {
         let pieces = scaffolding.pieces.iter();
-        let in_the_end: FxHashMap<Cell, Face> = pieces.flat_map(Piece::handed_over).collect();
+        let in_the_end: FxHashMap<Cell, Face> = pieces.flat_map(MastPiece::handed_over).collect();
         let cells = schedule.order.iter().map(|&site| {
             let cell = sites.cell(site);
             let way = in_the_end.get(&cell).copied();
@@ -54,7 +54,7 @@ impl Grown {
     }
 
     /// What holds each site of a target with masts when it comes, [`NONE`] for the plate.
-    pub fn holders(&self, sites: &Sites<'_>, roles: &Roles) -> Vec<u32> {
+    pub fn holders(&self, sites: &Sites<'_>, roles: &SiteRoles) -> Vec<u32> {
         let holder = |site: u32| match roles.way(site) {
             Some(way) => sites.next(site, way.opposite()),
             None => {
@@ -129,7 +129,7 @@ impl Grown {
         let mut found = Vec::new();
         let mut rest = scaffolding.clone();
         let mut least = 1;
-        let within = |piece: &Piece| piece.cells.iter().position(|&cell| cell == first);
+        let within = |piece: &MastPiece| piece.cells.iter().position(|&cell| cell == first);
         for piece in &mut rest.pieces {
             match within(piece) {
                 None => {}
@@ -157,7 +157,7 @@ impl Grown {
             }
             if cells.len() >= least {
                 let mut scaffolding = rest.clone();
-                scaffolding.pieces.push(Piece {
+                scaffolding.pieces.push(MastPiece {
                     foot: (at.x, at.y),
                     height: at.z,
                     way,

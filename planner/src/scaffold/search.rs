@@ -5,13 +5,13 @@ use rand_chacha::ChaCha8Rng;
 
 use super::apart::take_apart;
 use super::places::Grown;
-use super::{Roles, Scaffolding};
+use super::{Scaffolding, SiteRoles};
 use crate::corridor::Corridors;
 use crate::disassembly::Disassembly;
 use crate::free_space::FreeSpace;
-use crate::makespan::{CellSamples, Estimate};
-use crate::schedule::{Job, Schedule, settled};
-use crate::search::{Found, JAMS, Search, improved};
+use crate::makespan::{CellSamples, PlanEstimate};
+use crate::schedule::{Schedule, SchedulingJob, settled};
+use crate::search::{FoundSchedule, JAMS, PlanSearch, improved};
 use crate::sites::Sites;
 use crate::waiting::Waiting;
 use crate::waits::RateLaw;
@@ -24,17 +24,17 @@ pub struct Scaffolded {
     /// The cells of the target and of the masts.
     pub union: Target,
     /// The best schedule of it.
-    pub found: Found,
+    pub found: FoundSchedule,
 }
 
 /// Scaffolds, with a schedule.
-struct Candidate {
+struct ScaffoldCandidate {
     scaffolding: Scaffolding,
     union: Target,
     apart: Disassembly,
     corridors: Corridors,
     schedule: Schedule,
-    estimate: Estimate,
+    estimate: PlanEstimate,
     value: f64,
 }
 
@@ -67,7 +67,7 @@ struct Study<'a> {
     target: &'a Target,
     hardware: Hardware,
     waits: &'a RateLaw<'a>,
-    how: Search<'a>,
+    how: PlanSearch<'a>,
     /// The same chance for all.
     samples: CellSamples,
     /// Tries in all, and those that are left.
@@ -78,10 +78,10 @@ struct Study<'a> {
 /// Looks for scaffolds with which a target is built sooner than by a schedule without; `None`: there are none.
 pub fn scaffolded(
     sites: &Sites<'_>,
-    without: &Found,
+    without: &FoundSchedule,
     hardware: Hardware,
     waits: &RateLaw<'_>,
-    how: Search<'_>,
+    how: PlanSearch<'_>,
 ) -> Option<Scaffolded> {
     let too_large = sites.len() > MOST_CELLS || sites.len() >= hardware.free as usize;
     if how.rounds < LEAST || too_large || hardware.attracts_always {
@@ -98,7 +98,7 @@ pub fn scaffolded(
     };
     let grown = Grown::of(sites, &without.schedule, &Scaffolding::default());
     let samples = study.samples.of(sites);
-    let job = Job::new(sites, &without.apart, &without.corridors, hardware, waits);
+    let job = SchedulingJob::new(sites, &without.apart, &without.corridors, hardware, waits);
     let waiting = Waiting::of(&job, &without.schedule);
     let settled = settled(&job, without.schedule.clone());
     let estimate = samples.estimate(&settled, &waiting, &mut Vec::new());
@@ -129,9 +129,14 @@ impl Study<'_> {
     }
 
     /// The best of some balanced scaffolds; `None`: there are none.
-    fn balanced(&mut self, grown: &Grown, value: f64, rng: &mut ChaCha8Rng) -> Option<Candidate> {
+    fn balanced(
+        &mut self,
+        grown: &Grown,
+        value: f64,
+        rng: &mut ChaCha8Rng,
+    ) -> Option<ScaffoldCandidate> {
         let deepest = grown.far_first().first()?.1;
-        let mut best: Option<Candidate> = None;
+        let mut best: Option<ScaffoldCandidate> = None;
         for limit in (LEAST_LIMIT..deepest).cycle() {
             let least = best.as_ref().map_or(f64::INFINITY, |best| best.value);
             if !self.may_try(EXCHANGES, least.min(value)) {
@@ -147,8 +152,12 @@ impl Study<'_> {
     }
 
     /// The best that is found by exchanging pieces; longer times are accepted as well at first.
-    fn exchanged(&mut self, mut best: Candidate, rng: &mut ChaCha8Rng) -> Candidate {
-        let mut current: Option<Candidate> = None;
+    fn exchanged(
+        &mut self,
+        mut best: ScaffoldCandidate,
+        rng: &mut ChaCha8Rng,
+    ) -> ScaffoldCandidate {
+        let mut current: Option<ScaffoldCandidate> = None;
         while self.may_try(SCHEDULES, best.value) {
             let from = current.as_ref().unwrap_or(&best);
             let Some(other) = self.neighbour(from, rng) else {
@@ -165,7 +174,7 @@ impl Study<'_> {
     }
 
     /// With some pieces less and some others more.
-    fn neighbour(&self, of: &Candidate, rng: &mut ChaCha8Rng) -> Option<Candidate> {
+    fn neighbour(&self, of: &ScaffoldCandidate, rng: &mut ChaCha8Rng) -> Option<ScaffoldCandidate> {
         let sites = Sites::of(&of.union);
         let grown = Grown::of(&sites, &of.schedule, &of.scaffolding);
         let mut scaffolding = of.scaffolding.clone();
@@ -191,7 +200,7 @@ impl Study<'_> {
     }
 
     /// A schedule with scaffolds; `None`: there is none, or a mast could not get away.
-    fn candidate(&self, grown: &Grown, scaffolding: Scaffolding) -> Option<Candidate> {
+    fn candidate(&self, grown: &Grown, scaffolding: Scaffolding) -> Option<ScaffoldCandidate> {
         let how = self.how;
         let target = self.target;
         let cells = target.cells().iter().copied();
@@ -204,12 +213,12 @@ impl Study<'_> {
         if !masts_get_away(&sites, &spaces[0], &scaffolding) {
             return None;
         }
-        let roles = Roles::of(&sites, &scaffolding);
+        let roles = SiteRoles::of(&sites, &scaffolding);
         let holders = grown.holders(&sites, &roles);
         let times = grown.times(&sites, &scaffolding);
         let apart = take_apart(&sites, spaces, &holders, &times)?;
         let corridors = Corridors::of(&sites, &apart, how.enough).ok()?;
-        let job = Job::new(&sites, &apart, &corridors, self.hardware, self.waits);
+        let job = SchedulingJob::new(&sites, &apart, &corridors, self.hardware, self.waits);
         let job = job.with_roles(&roles);
         let keys = vec![0.5; sites.len()];
         let schedule = job.any(&keys, how.enough).ok()??;
@@ -217,7 +226,7 @@ impl Study<'_> {
         let waiting = Waiting::of(&job, &schedule);
         let settled = settled(&job, schedule.clone());
         let estimate = samples.estimate(&settled, &waiting, &mut Vec::new());
-        Some(Candidate {
+        Some(ScaffoldCandidate {
             value: estimate.of(how.objective) + JAMS * apart.tight() as f64,
             scaffolding,
             apart,
@@ -229,8 +238,8 @@ impl Study<'_> {
     }
 
     /// The best schedule of the best scaffolds.
-    fn finished(self, best: Candidate) -> Option<Scaffolded> {
-        let Candidate {
+    fn finished(self, best: ScaffoldCandidate) -> Option<Scaffolded> {
+        let ScaffoldCandidate {
             scaffolding,
             union,
             apart,
@@ -240,19 +249,19 @@ impl Study<'_> {
             ..
         } = best;
         let sites = Sites::of(&union);
-        let roles = Roles::of(&sites, &scaffolding);
-        let job = Job::new(&sites, &apart, &corridors, self.hardware, self.waits);
+        let roles = SiteRoles::of(&sites, &scaffolding);
+        let job = SchedulingJob::new(&sites, &apart, &corridors, self.hardware, self.waits);
         let job = job.with_roles(&roles);
         let samples = self.samples.of(&sites);
         let mut rng = ChaCha8Rng::seed_from_u64(self.how.seed);
         let start = (vec![0.5; sites.len()], schedule, estimate);
-        let how = Search {
+        let how = PlanSearch {
             rounds: self.how.rounds - (self.all - self.tries),
             ..self.how
         };
         let (schedule, rounds) = improved(&job, &samples, start, 0, how, &mut rng);
         Some(Scaffolded {
-            found: Found {
+            found: FoundSchedule {
                 rounds: self.all - self.tries + rounds,
                 apart,
                 corridors,

@@ -4,7 +4,7 @@
 //! forgotten by closing a face then, so a policy decides by what stands alone: after each docking it opens any faces that the hardware
 //! and the rule of corners allow. That is a Markov decision process over the sets of sites, and so is the program of a schedule, which
 //! opens whatever it may.
-use super::{Job, Schedule};
+use super::{Schedule, SchedulingJob};
 use crate::sites::NONE;
 use crate::waiting::Waiting;
 use crate::waits::{Moment, Stand};
@@ -22,13 +22,13 @@ struct OpenFace {
 
 /// The mean times from each set of sites that stand to the end \[ticks\].
 pub struct Policies<'a> {
-    job: &'a Job<'a>,
+    job: &'a SchedulingJob<'a>,
     best: Vec<Option<f64>>,
 }
 
 impl<'a> Policies<'a> {
     /// Of a job of no more than [`MOST_ADAPTIVE`] sites, none of which stands before.
-    pub fn new(job: &'a Job<'a>) -> Policies<'a> {
+    pub fn new(job: &'a SchedulingJob<'a>) -> Policies<'a> {
         Policies {
             job,
             best: vec![None; 1 << job.sites.len()],
@@ -80,7 +80,7 @@ impl<'a> Policies<'a> {
     }
 
     fn may_open(&self, full: u32, open: &[OpenFace], OpenFace { site, way }: OpenFace) -> bool {
-        let Job {
+        let SchedulingJob {
             sites, hardware, ..
         } = *self.job;
         let parent = self.job.parent(site, way);
@@ -200,7 +200,7 @@ mod tests {
             free: 300,
         };
         let law = RateLaw::new(None);
-        let job = Job::new(&sites, &apart, &corridors, hardware, &law);
+        let job = SchedulingJob::new(&sites, &apart, &corridors, hardware, &law);
         let schedule = job.schedule(&keys, Cancellation::NEVER).unwrap();
         let mut policies = Policies::new(&job);
         (policies.best(), policies.of(&schedule))
