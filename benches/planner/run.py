@@ -5,15 +5,17 @@ run.py STOCHC FOLDER [--shapes a,b] [--runs N] [--naive-runs N] [--max-ticks T] 
 
 Each shape of shapes/ is planned and written in four ways that need no thought: one block after the other along a walk through the
 shape (`chain`), everything at once (`at_once`), layer by layer (`layers`) and one block after the other, the nearest to the plate
-first (`nearest`). What `check` rejects is not run. Runs are made in rounds over all shapes, twice as many in each, until there are so many as
-wanted or the minutes are over; a naive plan gets no more once its mean is beyond doubt longer than the planned one. The same command
-goes on where it ended: FOLDER keeps programs and runs.
+first (`nearest`). What `check` rejects is not run. Runs are made in rounds, twice as many in each, of all planned programs and then of all
+others, until there are so many as wanted or the minutes are over; a naive plan gets no more once its mean is beyond doubt longer than the
+planned one. The same command goes on where it ended: FOLDER keeps programs and runs. Each shape is planned anew; runs of a program that is
+not the same any more are deleted.
 """
 import argparse
 import heapq
 import json
 import math
 import pathlib
+import shutil
 import subprocess
 import time
 
@@ -178,11 +180,19 @@ def is_beyond_doubt(found, other):
     return mean - least > 2 * math.hypot(half, margin)
 
 
+def keep(program, text):
+    """Writes a program; if it was another one, its runs are deleted."""
+    if program.exists() and program.read_text() == text:
+        return
+    program.with_suffix(".checked").unlink(missing_ok=True)
+    if program.with_suffix("").exists():
+        shutil.rmtree(program.with_suffix(""))
+    program.write_text(text)
+
+
 def planned(arguments, path, folder):
-    """The planned program, and what was planned with; it is kept."""
+    """The planned program."""
     shape, cells, program = path.stem, read(path), folder / "planned.sa"
-    if program.exists():
-        return program
     command = [arguments.stochc, "plan", path]
     if 2 * len(cells) > FREE:
         # The scene has to have enough blocks: a target with its shape, in a scene of that.
@@ -191,12 +201,13 @@ def planned(arguments, path, folder):
         rates = folder / "here.rates"
         if not rates.exists():
             (folder / "scene.sa").write_text(scene(len(cells)) + "\nassembly probe in here { seed plate 1 x 1 { P at (0, 0) } phase grow { P.up -> A } }\n")
-            subprocess.run([arguments.stochc, "calibrate", folder / "scene.sa", "--quiet", "--out", rates], check=True)
+            subprocess.run([arguments.stochc, "calibrate", folder / "scene.sa", "--quiet", "--out", rates], check=True, stdout=subprocess.DEVNULL)
         command = [arguments.stochc, "plan", target, "--scene", "here", "--rates", rates]
     options = ["--budget", arguments.budget] if arguments.budget else []
     start = time.monotonic()
-    subprocess.run([*command, *options, "--quiet", "--out", program], check=True)
+    text = subprocess.run([*command, *options, "--quiet"], check=True, capture_output=True, text=True).stdout
     (folder / "planned.seconds").write_text(f"{time.monotonic() - start:.1f}")
+    keep(program, text)
     return program
 
 
@@ -226,19 +237,17 @@ def main():
         programs[shape] = {"planned": planned(arguments, path, folder)}
         for kind in kinds:
             naive = folder / f"{kind}.sa"
-            text = program(kind, shape, cells)
-            if not naive.exists() or naive.read_text() != text:
-                naive.write_text(text)
+            keep(naive, program(kind, shape, cells))
             programs[shape][kind] = naive
     results, runs = {}, 4
     while True:
-        for shape, of in programs.items():
-            for kind, text in of.items():
+        for kind in ("planned", *kinds):
+            for shape, of in programs.items():
                 most = arguments.runs if kind == "planned" else arguments.naive_runs
                 known = results.get((shape, kind))
                 if kind != "planned" and is_beyond_doubt(known, results.get((shape, "planned"))):
                     continue
-                results[shape, kind] = simulate(arguments, text, arguments.folder / shape / kind, min(runs, most))
+                results[shape, kind] = simulate(arguments, of[kind], arguments.folder / shape / kind, min(runs, most))
         if runs >= max(arguments.runs, arguments.naive_runs) or arguments.is_over():
             break
         runs *= 2

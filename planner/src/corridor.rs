@@ -34,7 +34,7 @@ impl Corridors {
         apart: &Disassembly,
         cancellation: Cancellation<'_>,
     ) -> Result<Corridors, Cancelled> {
-        let mut search = Search {
+        let mut search = CorridorSearch {
             sites,
             apart,
             first: Default::default(),
@@ -48,14 +48,14 @@ impl Corridors {
     }
 }
 
-struct Search<'a> {
+struct CorridorSearch<'a> {
     sites: &'a Sites<'a>,
     apart: &'a Disassembly,
     /// Of cubes of two sides and of one: the sites whose ways begin at a place.
     first: [FxHashMap<Cell, u32>; 2],
 }
 
-impl Search<'_> {
+impl CorridorSearch<'_> {
     /// The sites that wait for one, by the cheapest way.
     fn cheapest(&mut self, site: u32) -> Vec<u32> {
         let number = usize::from(self.apart.is_tight[site as usize]);

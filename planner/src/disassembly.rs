@@ -63,11 +63,11 @@ pub fn disassemble(
         spaces,
         taken: Vec::with_capacity(sites.len()),
         is_tight: vec![false; sites.len()],
-        frontiers: [Frontier::new(), Frontier::new()],
+        frontiers: std::array::from_fn(|_| (0..sites.len() as u32).map(urgency).collect()),
+        is_queued: std::array::from_fn(|_| vec![true; sites.len()]),
         doubtful: [Vec::new(), Vec::new()],
         urgency: &urgency,
     };
-    apart.frontiers = std::array::from_fn(|_| (0..sites.len() as u32).map(urgency).collect());
     while apart.taken.len() < sites.len() - sites.standing_count() {
         cancellation.check()?;
         let wide = apart.next(0);
@@ -115,6 +115,8 @@ struct Apart<'a, U> {
     is_tight: Vec<bool>,
     /// Of each space, the sites that may have a way by now.
     frontiers: [Frontier; 2],
+    /// Of each space, whether a site is among these.
+    is_queued: [Vec<bool>; 2],
     /// Of each space, sites with a way that were passed over because they may hold others.
     doubtful: [Vec<u32>; 2],
     urgency: &'a U,
@@ -124,6 +126,7 @@ impl<U: Fn(u32) -> (u32, u32)> Apart<'_, U> {
     /// A site that may go by way of a space. Others are looked at again when something near them has changed.
     fn next(&mut self, space: usize) -> Option<u32> {
         while let Some((_, site)) = self.frontiers[space].pop() {
+            self.is_queued[space][site as usize] = false;
             let stands = |site: u32| self.support.stands(site);
             if self.sites.is_standing(site)
                 || !stands(site)
@@ -162,16 +165,19 @@ impl<U: Fn(u32) -> (u32, u32)> Apart<'_, U> {
         self.is_tight[site as usize] = is_tight;
         let (sites, support) = (self.sites, &self.support);
         let stands = |site: u32| support.stands(site);
-        for (space, frontier) in self.spaces.iter_mut().zip(&mut self.frontiers) {
+        for (number, space) in self.spaces.iter_mut().enumerate() {
+            let (frontier, is_queued) = (&mut self.frontiers[number], &mut self.is_queued[number]);
+            let mut queue = |site: u32| {
+                if stands(site) && !std::mem::replace(&mut is_queued[site as usize], true) {
+                    frontier.push((self.urgency)(site));
+                }
+            };
+            around(sites, site).for_each(&mut queue);
             let mut new = Vec::new();
             space.open(sites, site, &stands, &mut |low| new.push(low));
-            let concerned = new.iter().flat_map(|&low| space.concerned(sites, low));
-            frontier.extend(concerned.filter(|&site| stands(site)).map(self.urgency));
-            frontier.extend(
-                around(sites, site)
-                    .filter(|&site| stands(site))
-                    .map(self.urgency),
-            );
+            for low in new {
+                space.concerned(sites, low).for_each(&mut queue);
+            }
         }
     }
 }

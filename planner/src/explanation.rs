@@ -3,7 +3,7 @@ use std::fmt::Write as _;
 
 use stochc_ir::Cell;
 
-use crate::plan::{Alternative, Capture, Plan};
+use crate::plan::{Alternative, BuildPlan, Capture};
 use crate::waiting::Why;
 
 /// Captures that decide the time, as told.
@@ -16,7 +16,7 @@ const WIDEST: i32 = 24;
 const MOST_LAYERS: i32 = 12;
 
 /// What a plan does, in which order, what limits it, and what the alternatives would cost.
-pub fn explanation(plan: &Plan) -> String {
+pub fn explanation(plan: &BuildPlan) -> String {
     let mut out = String::new();
     let captures: Vec<Capture> = plan.all_captures().cloned().collect();
     let captures = &captures;

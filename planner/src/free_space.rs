@@ -9,12 +9,12 @@ use crate::sites::{NONE, Sites};
 pub struct FreeSpace {
     /// Edge of the cube, in cells.
     size: i32,
-    reach: Grid<Reach>,
+    reach: Grid<PlaceReach>,
 }
 
 /// How a place can be reached.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Reach {
+enum PlaceReach {
     /// Not, or not yet.
     #[default]
     Closed,
@@ -43,7 +43,7 @@ impl FreeSpace {
                 open.extend(space.beside_top(sites, cell));
             }
         }
-        space.flood(sites, open, &|_| true, Reach::Always, &mut |_| {});
+        space.flood(sites, open, &|_| true, PlaceReach::Always, &mut |_| {});
         space
     }
 
@@ -71,14 +71,14 @@ impl FreeSpace {
         sites: &Sites<'_>,
         mut open: Vec<Cell>,
         stands: &impl Fn(u32) -> bool,
-        reach: Reach,
+        reach: PlaceReach,
         reached: &mut impl FnMut(Cell),
     ) {
         open.retain(|&low| self.enter(low, reach));
         while let Some(low) = open.pop() {
             reached(low);
             for next in Face::ALL.into_iter().filter_map(|face| low.across(face)) {
-                if self.reach.get(next) == Some(Reach::Closed)
+                if self.reach.get(next) == Some(PlaceReach::Closed)
                     && self.is_free(sites, next, stands)
                     && self.enter(next, reach)
                 {
@@ -88,8 +88,8 @@ impl FreeSpace {
         }
     }
 
-    fn enter(&mut self, low: Cell, reach: Reach) -> bool {
-        let is_new = self.reach.get(low) == Some(Reach::Closed);
+    fn enter(&mut self, low: Cell, reach: PlaceReach) -> bool {
+        let is_new = self.reach.get(low) == Some(PlaceReach::Closed);
         if is_new {
             self.reach.set(low, reach);
         }
@@ -126,7 +126,7 @@ impl FreeSpace {
 
     /// Whether a cube comes to a place whatever of the target stands.
     pub fn is_always_open(&self, low: Cell) -> bool {
-        self.reach.get(low) == Some(Reach::Always)
+        self.reach.get(low) == Some(PlaceReach::Always)
     }
 
     /// Whether a cube can bring a block to a standing site, if that one goes.
@@ -140,7 +140,7 @@ impl FreeSpace {
         let is_open = |low: Cell| {
             self.reach
                 .get(low)
-                .is_some_and(|reach| reach != Reach::Closed)
+                .is_some_and(|reach| reach != PlaceReach::Closed)
         };
         let mut beside = Face::ALL.into_iter().filter_map(|face| low.across(face));
         is_open(low) || beside.any(is_open)
@@ -158,7 +158,7 @@ impl FreeSpace {
         let open: Vec<Cell> = around
             .filter(|&low| self.is_free(sites, low, stands) && self.is_reached(low))
             .collect();
-        self.flood(sites, open, stands, Reach::Opened, reached);
+        self.flood(sites, open, stands, PlaceReach::Opened, reached);
     }
 
     /// The sites that a new place can matter to.

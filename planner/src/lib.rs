@@ -28,12 +28,12 @@ mod waits;
 
 pub use emit::{Naming, continuation, declaration, draft, program};
 pub use explanation::explanation;
-pub use makespan::{Estimate, Objective};
+pub use makespan::{Objective, PlanEstimate};
 pub use naive::Naive;
-pub use plan::{Alternative, Capture, Hardware, Plan, Plans, naive_plans, plan};
-pub use refusal::{Part, Refusal};
+pub use plan::{Alternative, BuildPlan, Capture, Hardware, Plans, naive_plans, plan};
+pub use refusal::{LoosePart, Refusal};
 pub use scaffold::{Dismantling, HandOver, Mast};
-pub use search::{Gap, Search, gap};
+pub use search::{AdaptiveGap, PlanSearch, ScheduleGap, adaptive_gap, gap};
 pub use target::{FARTHEST, MOST_CELLS, StandingBlock, Target};
 pub use voxels::{UnreadableVoxels, layers, magica_voxel};
 pub use waiting::Why;

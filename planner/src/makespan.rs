@@ -1,9 +1,14 @@
 //! How long a schedule takes, by sampling.
+use std::cell::RefCell;
+
 use rand::RngExt as _;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
+use rustc_hash::FxHashMap;
+use stochc_ir::Cell;
 
 use crate::schedule::Schedule;
+use crate::sites::Sites;
 use crate::waiting::Waiting;
 
 /// What a plan should make small.
@@ -18,14 +23,14 @@ pub enum Objective {
 
 /// Times to completion \[ticks\], as far as mean waits tell.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct Estimate {
+pub struct PlanEstimate {
     /// Their mean.
     pub mean: f64,
     /// The time in which nine runs of ten are complete.
     pub p90: f64,
 }
 
-impl Estimate {
+impl PlanEstimate {
     /// The number that matters.
     pub fn of(self, objective: Objective) -> f64 {
         match objective {
@@ -43,15 +48,54 @@ pub struct Samples {
     waits: Vec<f32>,
 }
 
+/// So many waits of mean 1.
+fn drawn(count: usize, seed: u64) -> impl Iterator<Item = f32> {
+    /// A face draws blocks only when the crowd around it has come close: a part of the wait is no exponential.
+    const DELAY: f32 = 0.27;
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut log = move || -(1.0 - rng.random::<f32>()).ln();
+    (0..count).map(move |_| DELAY * 0.5 * (log() + log()) + (1.0 - DELAY) * log())
+}
+
+/// Waits by cell, so that targets whose sites are not the same differ by their schedules alone.
+#[derive(Debug)]
+pub struct CellSamples {
+    runs: usize,
+    seed: u64,
+    known: RefCell<FxHashMap<Cell, Vec<f32>>>,
+}
+
+impl CellSamples {
+    /// So many runs, of a seed.
+    pub fn new(runs: usize, seed: u64) -> CellSamples {
+        CellSamples {
+            runs,
+            seed,
+            known: RefCell::default(),
+        }
+    }
+
+    /// The samples of some sites.
+    pub fn of(&self, sites: &Sites<'_>) -> Samples {
+        let mut known = self.known.borrow_mut();
+        let mut waits = Vec::with_capacity(sites.len() * self.runs);
+        for site in 0..sites.len() as u32 {
+            let cell = sites.cell(site);
+            let number = known.len() as u64;
+            let of_cell = || drawn(self.runs, self.seed.wrapping_add(number)).collect();
+            waits.extend_from_slice(known.entry(cell).or_insert_with(of_cell));
+        }
+        Samples {
+            runs: self.runs,
+            waits,
+        }
+    }
+}
+
 impl Samples {
     /// So many runs of so many sites, of a seed.
     pub fn new(sites: usize, runs: usize, seed: u64) -> Samples {
-        /// A face draws blocks only when the crowd around it has come close: a part of the wait is no exponential.
-        const DELAY: f32 = 0.27;
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let mut log = || -(1.0 - rng.random::<f32>()).ln();
-        let wait = |_| DELAY * 0.5 * (log() + log()) + (1.0 - DELAY) * log();
-        let waits = (0..sites * runs).map(wait).collect();
+        let waits = drawn(sites * runs, seed).collect();
         Samples { runs, waits }
     }
 
@@ -110,7 +154,7 @@ impl Samples {
         self.summed_up(times).of(objective)
     }
 
-    fn summed_up(&self, times: &[f32]) -> Estimate {
+    fn summed_up(&self, times: &[f32]) -> PlanEstimate {
         let mut ends = vec![0.0f32; self.runs];
         for times in times.chunks_exact(self.runs) {
             for (end, &time) in ends.iter_mut().zip(times) {
@@ -120,7 +164,7 @@ impl Samples {
         ends.sort_unstable_by(f32::total_cmp);
         let sum: f64 = ends.iter().map(|&end| f64::from(end)).sum();
         let place = (self.runs * 9).div_ceil(10).max(1) - 1;
-        Estimate {
+        PlanEstimate {
             mean: sum / self.runs as f64,
             p90: f64::from(ends[place]),
         }
@@ -132,7 +176,7 @@ impl Samples {
         schedule: &Schedule,
         waiting: &Waiting,
         times: &mut Vec<f32>,
-    ) -> Estimate {
+    ) -> PlanEstimate {
         self.times(schedule, waiting, times);
         self.summed_up(times)
     }

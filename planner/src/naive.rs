@@ -124,21 +124,22 @@ impl Schedule {
         waits: &RateLaw<'_>,
         waiting: &Waiting,
     ) {
-        let mut level: Vec<u32> = vec![0; sites.len()];
-        for (&site, before) in self.order.iter().zip(&waiting.before) {
+        let first = self.first_phase;
+        // What comes in the second phase is not there in the first one, and keeps its waits.
+        let mut level: Vec<u32> = vec![u32::MAX; sites.len()];
+        for (&site, before) in self.order.iter().zip(&waiting.before).take(first) {
             let others = before
                 .iter()
                 .map(|&other| level[self.order[other as usize] as usize] + 1);
             level[site as usize] = others.max().unwrap_or(0);
         }
         let mut earlier = vec![0u32; sites.len() + 1];
-        level
-            .iter()
-            .for_each(|&level| earlier[level as usize + 1] += 1);
+        let levels = level.iter().filter(|level| **level != u32::MAX);
+        levels.for_each(|&level| earlier[level as usize + 1] += 1);
         for i in 1..earlier.len() {
             earlier[i] += earlier[i - 1];
         }
-        for (&site, before) in self.order.iter().zip(&waiting.before) {
+        for (&site, before) in self.order.iter().zip(&waiting.before).take(first) {
             let here = level[site as usize];
             let bound = f64::from(earlier[here as usize]) / f64::from(hardware.free.max(1));
             let moment = Moment {

@@ -3,11 +3,11 @@ use serde::Serialize;
 use stochc_ir::scene::{BondKind, Scene};
 use stochc_ir::{Cell, Face};
 
-use crate::makespan::{Estimate, Samples};
+use crate::makespan::{PlanEstimate, Samples};
 use crate::naive::Naive;
-use crate::scaffold::{Dismantling, Part, Roles, Scaffolded, has_place, scaffolded};
-use crate::schedule::{Job, Schedule};
-use crate::search::{Search, search};
+use crate::scaffold::{Dismantling, Scaffolded, SitePart, SiteRoles, has_place, scaffolded};
+use crate::schedule::{Schedule, SchedulingJob};
+use crate::search::{PlanSearch, search};
 use crate::sites::Sites;
 use crate::waiting::{Waiting, Why};
 use crate::waits::RateLaw;
@@ -42,13 +42,13 @@ impl Hardware {
 
 /// An order of captures that builds a target.
 #[derive(Clone, Debug, Serialize)]
-pub struct Plan {
+pub struct BuildPlan {
     /// The captures of the first phase, in the order in which their faces open if all waits are as long as their means.
     pub captures: Vec<Capture>,
     /// The second phase, where far parts of the target grow from scaffolds first.
     pub dismantling: Option<Dismantling>,
     /// How long it takes, as far as mean waits tell \[ticks\].
-    pub estimate: Estimate,
+    pub estimate: PlanEstimate,
     /// Faces that are open at the same time, at most, if all waits are as long as their means.
     pub widest: usize,
     /// Schedules that were tried.
@@ -67,7 +67,7 @@ pub struct Alternative {
     /// Which.
     pub naive: Naive,
     /// How long it takes, if no block jams \[ticks\].
-    pub estimate: Estimate,
+    pub estimate: PlanEstimate,
     /// What the check finds in its program first, if anything.
     pub finding: Option<&'static str>,
 }
@@ -115,9 +115,9 @@ fn runs(sites: usize) -> usize {
 #[derive(Clone, Debug)]
 pub struct Plans {
     /// In one phase.
-    pub plain: Plan,
+    pub plain: BuildPlan,
     /// With scaffolds, where they are estimated to pay.
-    pub scaffolded: Option<Plan>,
+    pub scaffolded: Option<BuildPlan>,
 }
 
 /// Plans how to build a target.
@@ -128,25 +128,25 @@ pub fn plan(
     target: &Target,
     hardware: Hardware,
     waits: &RateLaw<'_>,
-    how: Search<'_>,
+    how: PlanSearch<'_>,
 ) -> Result<Plans, Refusal> {
     let sites = Sites::of(target);
     let plain = match has_place(target) {
         // Half of the time is for them.
-        true => Search {
+        true => PlanSearch {
             enough: how.halfway,
             ..how
         },
         false => how,
     };
     let found = search(&sites, hardware, waits, plain)?;
-    let job = Job::new(&sites, &found.apart, &found.corridors, hardware, waits);
+    let job = SchedulingJob::new(&sites, &found.apart, &found.corridors, hardware, waits);
     let waiting = Waiting::of(&job, &found.schedule);
     let ways = (&found.corridors.waiting[..], &found.apart.is_tight[..]);
-    let plain = Plan {
+    let plain = BuildPlan {
         rounds: found.rounds,
         is_best: found.is_best,
-        ..Plan::of(&sites, hardware, &found.schedule, &waiting, ways, how.seed)
+        ..BuildPlan::of(&sites, hardware, &found.schedule, &waiting, ways, how.seed)
     };
     let scaffolded = match has_place(target) {
         true => scaffolded(&sites, &found, hardware, waits, how),
@@ -154,7 +154,7 @@ pub fn plan(
     };
     Ok(Plans {
         plain,
-        scaffolded: scaffolded.map(|it| Plan::with_scaffolds(it, hardware, waits, how)),
+        scaffolded: scaffolded.map(|it| BuildPlan::with_scaffolds(it, hardware, waits, how)),
     })
 }
 
@@ -164,42 +164,42 @@ pub fn naive_plans(
     hardware: Hardware,
     waits: &RateLaw<'_>,
     seed: u64,
-) -> Vec<(Naive, Plan)> {
+) -> Vec<(Naive, BuildPlan)> {
     let sites = Sites::of(target);
     let plans = Naive::ALL.into_iter().map(|naive| {
         let (schedule, waiting) = naive.schedule(&sites, hardware, waits);
         (
             naive,
-            Plan::of(&sites, hardware, &schedule, &waiting, (&[], &[]), seed),
+            BuildPlan::of(&sites, hardware, &schedule, &waiting, (&[], &[]), seed),
         )
     });
     plans.collect()
 }
 
-impl Plan {
+impl BuildPlan {
     fn with_scaffolds(
         it: Scaffolded,
         hardware: Hardware,
         waits: &RateLaw<'_>,
-        how: Search<'_>,
-    ) -> Plan {
+        how: PlanSearch<'_>,
+    ) -> BuildPlan {
         let Scaffolded {
             scaffolding,
             union,
             found,
         } = it;
         let sites = Sites::of(&union);
-        let roles = Roles::of(&sites, &scaffolding);
-        let job = Job::new(&sites, &found.apart, &found.corridors, hardware, waits);
+        let roles = SiteRoles::of(&sites, &scaffolding);
+        let job = SchedulingJob::new(&sites, &found.apart, &found.corridors, hardware, waits);
         let job = job.with_roles(&roles);
         let waiting = Waiting::of(&job, &found.schedule);
         let ways = (&found.corridors.waiting[..], &found.apart.is_tight[..]);
-        let mut plan = Plan::of(&sites, hardware, &found.schedule, &waiting, ways, how.seed);
+        let mut plan = BuildPlan::of(&sites, hardware, &found.schedule, &waiting, ways, how.seed);
         for capture in &mut plan.captures {
-            capture.is_temporary = matches!(roles.part(sites.at(capture.cell)), Part::Mast(_));
+            capture.is_temporary = matches!(roles.part(sites.at(capture.cell)), SitePart::Mast(_));
         }
         let rest = plan.captures.split_off(found.schedule.first_phase);
-        Plan {
+        BuildPlan {
             rounds: found.rounds,
             dismantling: Some(Dismantling::of(&scaffolding, rest, how.keeps_scaffolds)),
             ..plan
@@ -231,7 +231,7 @@ impl Plan {
         waiting: &Waiting,
         (in_way, is_tight): (&[Vec<u32>], &[bool]),
         seed: u64,
-    ) -> Plan {
+    ) -> BuildPlan {
         let afters = waiting.afters(sites, hardware, schedule, in_way);
         // Other chances than those by which it was chosen.
         let samples = Samples::new(sites.len(), runs(sites.len()), seed ^ 0x5eed);
@@ -253,7 +253,7 @@ impl Plan {
                 decides: decides[here],
             }
         });
-        Plan {
+        BuildPlan {
             captures: captures.collect(),
             dismantling: None,
             estimate,

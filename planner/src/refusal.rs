@@ -16,7 +16,7 @@ pub enum Refusal {
     /// Cells at or under the level of the plate.
     BelowPlate(Vec<Cell>),
     /// Parts that hang together with no block of the plate that may capture.
-    Loose(Vec<Part>),
+    Loose(Vec<LoosePart>),
     /// The scene has fewer free blocks than the target has cells.
     TooFewBlocks {
         /// Cells of the target.
@@ -32,7 +32,7 @@ pub enum Refusal {
 
 /// A part of a target that hangs in the air.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Part {
+pub struct LoosePart {
     /// Its cells, sorted.
     pub cells: Vec<Cell>,
     /// The fewest further cells that would hold it; `None`: not looked for, or too many.
@@ -128,14 +128,14 @@ impl Refusal {
                     0 => return None,
                     _ => format!(
                         "with {} more, {}, the first part would be held; or let a block of the plate \
-                         under it capture (`--seed-plate`)",
+                         under it capture",
                         cells(bridge.len()),
                         listed(bridge)
                     ),
                 })
             }
             Refusal::TooFewBlocks { needed, .. } => Some(format!(
-                "name a scene with `free {needed} uniform` or more (`--scene`), or plan a smaller target"
+                "plan a smaller target, or in a scene with `free {needed} uniform` or more"
             )),
             Refusal::Sealed(_) => Some("leave a neighbour of each out".to_owned()),
             Refusal::TooFar(_) | Refusal::Cancelled => None,

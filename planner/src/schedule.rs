@@ -4,6 +4,7 @@
 //! and no face is open towards a cell that shares an edge with it, and no face, around another cell of the target. A block that comes to the
 //! corner of two such cells is held by both, and jams. Faces towards cells side by side, whatever their directions, do not hinder each
 //! other, nor do those of cells that share a corner; three of a square, which jam as well, always have such a pair among them.
+mod adaptive;
 mod exact;
 mod phase;
 
@@ -16,17 +17,18 @@ use stochc_ir::{Cell, Face};
 use crate::Hardware;
 use crate::corridor::Corridors;
 use crate::disassembly::Disassembly;
-use crate::scaffold::{Part, Roles};
+use crate::scaffold::{SitePart, SiteRoles};
 use crate::sites::{NONE, Sites};
 use crate::waits::{Moment, RateLaw, Stand};
+pub use adaptive::{MOST_ADAPTIVE, Policies};
 pub use exact::{Branching, MOST_SITES, settled, value};
-use phase::Phase;
+use phase::SchedulePhase;
 
 /// Ticks of a wait of which nothing is known yet.
 pub const WAIT: f32 = 650.0;
 
 /// What stays the same from one schedule to the next.
-pub struct Job<'a> {
+pub struct SchedulingJob<'a> {
     /// The cells.
     pub sites: &'a Sites<'a>,
     /// What waits for what.
@@ -36,7 +38,7 @@ pub struct Job<'a> {
     /// How long faces wait.
     pub waits: &'a RateLaw<'a>,
     /// What the sites are for, where there are scaffolds.
-    pub roles: Option<&'a Roles>,
+    pub roles: Option<&'a SiteRoles>,
     /// Mean ticks from the opening of each site to the end, through all that surely comes after it.
     tail: Vec<f32>,
 }
@@ -75,7 +77,7 @@ impl Schedule {
     }
 }
 
-impl<'a> Job<'a> {
+impl<'a> SchedulingJob<'a> {
     /// Prepares schedules.
     pub fn new(
         sites: &'a Sites<'a>,
@@ -83,7 +85,7 @@ impl<'a> Job<'a> {
         corridors: &'a Corridors,
         hardware: Hardware,
         waits: &'a RateLaw<'a>,
-    ) -> Job<'a> {
+    ) -> SchedulingJob<'a> {
         let mut tail = vec![WAIT; sites.len()];
         for &site in apart.order.iter().rev() {
             let here = tail[site as usize];
@@ -104,7 +106,7 @@ impl<'a> Job<'a> {
                 *parent = parent.max(WAIT + longest);
             }
         }
-        Job {
+        SchedulingJob {
             sites,
             corridors,
             hardware,
@@ -115,7 +117,7 @@ impl<'a> Job<'a> {
     }
 
     /// The same with scaffolds: the longest way through a mast and its pieces is the most urgent.
-    pub fn with_roles(mut self, roles: &'a Roles) -> Job<'a> {
+    pub fn with_roles(mut self, roles: &'a SiteRoles) -> SchedulingJob<'a> {
         for piece in roles.pieces() {
             // From the end of the piece to the mast, and down to the plate.
             let mut rest = 0.0;
@@ -124,8 +126,8 @@ impl<'a> Job<'a> {
                 rest += WAIT;
                 let tail = &mut self.tail[site as usize];
                 *tail = match roles.part(site) {
-                    Part::Mast(_) => tail.max(rest),
-                    Part::Own | Part::Held(_) => rest,
+                    SitePart::Mast(_) => tail.max(rest),
+                    SitePart::Own | SitePart::Held(_) => rest,
                 };
                 site = roles
                     .way(site)
@@ -173,14 +175,14 @@ impl<'a> Job<'a> {
     /// `None`: the ways in leave no such order.
     fn scaffolded(
         &self,
-        roles: &Roles,
+        roles: &SiteRoles,
         keys: &[f32],
         cancellation: Cancellation<'_>,
     ) -> Result<Option<Schedule>, Cancelled> {
         let Some(first) = self.within(keys, f32::INFINITY, cancellation)? else {
             return Ok(None);
         };
-        let needed = (0..self.sites.len() as u32).filter(|&site| roles.part(site) != Part::Own);
+        let needed = (0..self.sites.len() as u32).filter(|&site| roles.part(site) != SitePart::Own);
         let ends = needed.map(|site| first.end[site as usize]);
         let last = ends.fold(0.0, f32::max);
         Ok(self.within(keys, last, cancellation)?.or(Some(first)))
@@ -195,7 +197,7 @@ impl<'a> Job<'a> {
     ) -> Result<Option<Schedule>, Cancelled> {
         let count = self.sites.len();
         let mut state = self.begin(keys);
-        state.phase = self.roles.map(|roles| Phase::first(roles, limit));
+        state.phase = self.roles.map(|roles| SchedulePhase::first(roles, limit));
         for site in 0..count as u32 {
             state.consider(site);
         }
@@ -213,7 +215,7 @@ impl<'a> Job<'a> {
     }
 
     /// Nothing has been opened yet: there is what stands before.
-    fn begin<'b>(&'b self, keys: &'b [f32]) -> State<'b> {
+    fn begin<'b>(&'b self, keys: &'b [f32]) -> ScheduleState<'b> {
         let count = self.sites.len();
         let mut missing = vec![0u32; count];
         for waiting in &self.corridors.waiting {
@@ -221,15 +223,15 @@ impl<'a> Job<'a> {
                 missing[site as usize] += 1;
             }
         }
-        let mut state = vec![Site::Absent; count];
+        let mut state = vec![SiteState::Absent; count];
         let mut schedule = Schedule::empty(count);
         for (site, way) in self.sites.standing() {
-            state[site as usize] = Site::Anchored;
+            state[site as usize] = SiteState::Anchored;
             schedule.way[site as usize] = way;
             schedule.rank[site as usize] = schedule.order.len() as u32;
             schedule.order.push(site);
         }
-        State {
+        ScheduleState {
             job: self,
             keys,
             missing,
@@ -246,7 +248,7 @@ impl<'a> Job<'a> {
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Site {
+enum SiteState {
     Absent,
     Open,
     Anchored,
@@ -255,12 +257,12 @@ enum Site {
 }
 
 #[derive(Clone)]
-struct State<'a> {
-    job: &'a Job<'a>,
+struct ScheduleState<'a> {
+    job: &'a SchedulingJob<'a>,
     keys: &'a [f32],
     /// Of each site, those it still has to wait for.
     missing: Vec<u32>,
-    state: Vec<Site>,
+    state: Vec<SiteState>,
     /// Faces that each site has open.
     open_faces: Vec<u8>,
     /// Sites that may open, by urgency.
@@ -272,22 +274,22 @@ struct State<'a> {
     /// How many are anchored.
     anchored: u32,
     /// `None`: there are no scaffolds.
-    phase: Option<Phase<'a>>,
+    phase: Option<SchedulePhase<'a>>,
 }
 
-impl State<'_> {
+impl ScheduleState<'_> {
     /// Remembers a site that may open, if it is one.
     fn consider(&mut self, site: u32) {
         let here = site as usize;
-        let is_next = self.state[here] == Site::Absent && self.missing[here] == 0;
+        let is_next = self.state[here] == SiteState::Absent && self.missing[here] == 0;
         if !is_next || self.is_ready[here] {
             return;
         }
         let sites = self.job.sites;
         let is_held = sites.is_on_seed(site)
-            || sites
-                .adjacent(site)
-                .any(|next| self.state[next as usize] == Site::Anchored && !sites.is_inert(next));
+            || sites.adjacent(site).any(|next| {
+                self.state[next as usize] == SiteState::Anchored && !sites.is_inert(next)
+            });
         if is_held {
             self.is_ready[here] = true;
             let urgency = self.job.tail[here] * (0.5 + self.keys[here]);
@@ -309,7 +311,7 @@ impl State<'_> {
     }
 
     fn has_open_diagonal(&self, site: u32) -> bool {
-        let is_open = |near: u32| self.state[near as usize] == Site::Open;
+        let is_open = |near: u32| self.state[near as usize] == SiteState::Open;
         !self.job.hardware.attracts_always && self.job.sites.diagonal(site).any(is_open)
     }
 
@@ -334,9 +336,9 @@ impl State<'_> {
         let stands = |near: Cell| match job.sites.at(near) {
             NONE => Stand::Empty,
             near => match self.state[near as usize] {
-                Site::Absent | Site::Gone => Stand::Empty,
-                Site::Open => Stand::Awaited(self.schedule.way[near as usize]),
-                Site::Anchored => Stand::Full,
+                SiteState::Absent | SiteState::Gone => Stand::Empty,
+                SiteState::Open => Stand::Awaited(self.schedule.way[near as usize]),
+                SiteState::Anchored => Stand::Full,
             },
         };
         let bound = f64::from(self.anchored) / f64::from(job.hardware.free.max(1));
@@ -354,7 +356,7 @@ impl State<'_> {
             _ if only.is_some_and(|only| only != *way) => false,
             NONE => *way == Face::Up && job.sites.is_on_seed(site),
             parent => {
-                self.state[parent as usize] == Site::Anchored
+                self.state[parent as usize] == SiteState::Anchored
                     && !job.sites.is_inert(parent)
                     && is_own(parent)
                     && self.open_faces[parent as usize] < job.hardware.faces
@@ -366,7 +368,7 @@ impl State<'_> {
 
     fn open(&mut self, site: u32, way: Face, mean: f32, now: f32) {
         let here = site as usize;
-        self.state[here] = Site::Open;
+        self.state[here] = SiteState::Open;
         let parent = self.job.parent(site, way);
         if parent != NONE {
             self.open_faces[parent as usize] += 1;
@@ -381,11 +383,11 @@ impl State<'_> {
     }
 
     fn anchored(&mut self, site: u32) {
-        self.state[site as usize] = Site::Anchored;
+        self.state[site as usize] = SiteState::Anchored;
         self.anchored += 1;
         let job = self.job;
         if let Some(phase) = &mut self.phase {
-            phase.missing -= usize::from(phase.roles.part(site) != Part::Own);
+            phase.missing -= usize::from(phase.roles.part(site) != SitePart::Own);
             if phase.is_second {
                 self.hand_over();
             }

@@ -7,8 +7,10 @@ use stochc_grammar::Cancellation;
 use crate::corridor::Corridors;
 use crate::disassembly::{Disassembly, disassemble};
 use crate::free_space::FreeSpace;
-use crate::makespan::{Estimate, Objective, Samples};
-use crate::schedule::{Branching, Job, MOST_SITES, Schedule, settled, value};
+use crate::makespan::{Objective, PlanEstimate, Samples};
+use crate::schedule::{
+    Branching, MOST_ADAPTIVE, MOST_SITES, Policies, Schedule, SchedulingJob, settled, value,
+};
 use crate::sites::Sites;
 use crate::waiting::Waiting;
 use crate::waits::RateLaw;
@@ -16,7 +18,7 @@ use crate::{Hardware, Refusal, Target};
 
 /// How to look for a plan.
 #[derive(Clone, Copy)]
-pub struct Search<'a> {
+pub struct PlanSearch<'a> {
     /// What to make small.
     pub objective: Objective,
     /// Schedules that are tried, at most; the first one is there in any case.
@@ -35,10 +37,10 @@ pub struct Search<'a> {
     pub tried: &'a dyn Fn(u64, f64),
 }
 
-impl Default for Search<'_> {
+impl Default for PlanSearch<'_> {
     /// The first plan for the mean time, and no other.
     fn default() -> Self {
-        Search {
+        PlanSearch {
             objective: Objective::Mean,
             rounds: 1,
             seed: 1,
@@ -53,7 +55,7 @@ impl Default for Search<'_> {
 
 /// The best that was found.
 #[derive(Clone, Debug)]
-pub struct Found {
+pub struct FoundSchedule {
     /// How ways are kept open.
     pub apart: Disassembly,
     /// What waits so that they are.
@@ -67,13 +69,13 @@ pub struct Found {
 }
 
 /// Ways and the best schedule with them.
-struct Candidate {
+struct ScheduleCandidate {
     apart: Disassembly,
     corridors: Corridors,
     keys: Vec<f32>,
     schedule: Schedule,
     value: f64,
-    estimate: Estimate,
+    estimate: PlanEstimate,
 }
 
 /// Runs by which schedules are compared.
@@ -109,8 +111,8 @@ pub fn search(
     sites: &Sites<'_>,
     hardware: Hardware,
     waits: &RateLaw<'_>,
-    how: Search<'_>,
-) -> Result<Found, Refusal> {
+    how: PlanSearch<'_>,
+) -> Result<FoundSchedule, Refusal> {
     let mut found = listed(sites, hardware, waits, how)?;
     if sites.len() <= MOST_SITES && sites.standing_count() == 0 && found.rounds >= VARIANTS {
         found.is_best = branch_and_bound(sites, hardware, waits, how, &mut found)?.is_finished;
@@ -123,28 +125,29 @@ fn listed(
     sites: &Sites<'_>,
     hardware: Hardware,
     waits: &RateLaw<'_>,
-    search: Search<'_>,
-) -> Result<Found, Refusal> {
+    search: PlanSearch<'_>,
+) -> Result<FoundSchedule, Refusal> {
     let mut rng = ChaCha8Rng::seed_from_u64(search.seed);
     let samples = Samples::new(sites.len(), RUNS, search.seed);
     let spaces = [FreeSpace::of(sites, 2), FreeSpace::of(sites, 1)];
     let mut times = Vec::new();
-    let mut candidate = |order: &[f32], wanted: Cancellation<'_>| -> Result<Candidate, Refusal> {
-        let apart = disassemble(sites, spaces.clone(), order, wanted)?;
-        let corridors = Corridors::of(sites, &apart, wanted)?;
-        let job = Job::new(sites, &apart, &corridors, hardware, waits);
-        let keys = vec![0.5; sites.len()];
-        let schedule = job.schedule(&keys, wanted)?;
-        let estimate = samples.estimate(&schedule, &Waiting::of(&job, &schedule), &mut times);
-        Ok(Candidate {
-            value: estimate.of(search.objective) + JAMS * apart.tight() as f64,
-            apart,
-            corridors,
-            keys,
-            schedule,
-            estimate,
-        })
-    };
+    let mut candidate =
+        |order: &[f32], wanted: Cancellation<'_>| -> Result<ScheduleCandidate, Refusal> {
+            let apart = disassemble(sites, spaces.clone(), order, wanted)?;
+            let corridors = Corridors::of(sites, &apart, wanted)?;
+            let job = SchedulingJob::new(sites, &apart, &corridors, hardware, waits);
+            let keys = vec![0.5; sites.len()];
+            let schedule = job.schedule(&keys, wanted)?;
+            let estimate = samples.estimate(&schedule, &Waiting::of(&job, &schedule), &mut times);
+            Ok(ScheduleCandidate {
+                value: estimate.of(search.objective) + JAMS * apart.tight() as f64,
+                apart,
+                corridors,
+                keys,
+                schedule,
+                estimate,
+            })
+        };
     let mut best = candidate(&vec![0.5; sites.len()], search.cancellation)?;
     let mut rounds = 1;
     while rounds < VARIANTS && rounds * 4 < search.rounds && !search.enough.is_cancelled() {
@@ -157,11 +160,11 @@ fn listed(
             Err(_) => break,
         }
     }
-    let job = Job::new(sites, &best.apart, &best.corridors, hardware, waits);
+    let job = SchedulingJob::new(sites, &best.apart, &best.corridors, hardware, waits);
     let start = (best.keys, best.schedule, best.estimate);
     let (schedule, rounds) = improved(&job, &samples, start, rounds, search, &mut rng);
     drop(job);
-    Ok(Found {
+    Ok(FoundSchedule {
         apart: best.apart,
         corridors: best.corridors,
         schedule,
@@ -172,7 +175,7 @@ fn listed(
 
 /// How far list scheduling is off the best of all schedules.
 #[derive(Clone, Copy, Debug)]
-pub struct Gap {
+pub struct ScheduleGap {
     /// How long its schedule takes \[ticks\].
     pub listed: f64,
     /// How long the best one takes that is known \[ticks\].
@@ -189,8 +192,8 @@ pub fn gap(
     target: &Target,
     hardware: Hardware,
     waits: &RateLaw<'_>,
-    how: Search<'_>,
-) -> Result<Option<Gap>, Refusal> {
+    how: PlanSearch<'_>,
+) -> Result<Option<ScheduleGap>, Refusal> {
     let sites = Sites::of(target);
     if sites.len() > MOST_SITES {
         return Ok(None);
@@ -199,16 +202,48 @@ pub fn gap(
     branch_and_bound(&sites, hardware, waits, how, &mut found).map(Some)
 }
 
+/// How far a plan is off the best policy that sees every docking.
+#[derive(Clone, Copy, Debug)]
+pub struct AdaptiveGap {
+    /// The mean time of the plan, if waits are exponential \[ticks\].
+    pub planned: f64,
+    /// That of the best policy, which need not keep ways in open: no program takes less \[ticks\].
+    pub best: f64,
+}
+
+/// Compares the plan of a target with the best policy; `None`: the target has too many cells.
+///
+/// # Errors
+/// If no order builds it, or nobody waits for it.
+pub fn adaptive_gap(
+    target: &Target,
+    hardware: Hardware,
+    waits: &RateLaw<'_>,
+    how: PlanSearch<'_>,
+) -> Result<Option<AdaptiveGap>, Refusal> {
+    let sites = Sites::of(target);
+    if sites.len() > MOST_ADAPTIVE || sites.standing_count() > 0 {
+        return Ok(None);
+    }
+    let found = search(&sites, hardware, waits, how)?;
+    let job = SchedulingJob::new(&sites, &found.apart, &found.corridors, hardware, waits);
+    let mut policies = Policies::new(&job);
+    Ok(Some(AdaptiveGap {
+        planned: policies.of(&found.schedule),
+        best: policies.best(),
+    }))
+}
+
 /// Looks at all schedules of a small target, with several ways in, and keeps the best.
 fn branch_and_bound(
     sites: &Sites<'_>,
     hardware: Hardware,
     waits: &RateLaw<'_>,
-    search: Search<'_>,
-    found: &mut Found,
-) -> Result<Gap, Refusal> {
-    let value = |samples: &Samples, found: &Found| {
-        let job = Job::new(sites, &found.apart, &found.corridors, hardware, waits);
+    search: PlanSearch<'_>,
+    found: &mut FoundSchedule,
+) -> Result<ScheduleGap, Refusal> {
+    let value = |samples: &Samples, found: &FoundSchedule| {
+        let job = SchedulingJob::new(sites, &found.apart, &found.corridors, hardware, waits);
         let schedule = settled(&job, found.schedule.clone());
         value(&job, samples, &schedule, search.objective)
     };
@@ -232,14 +267,14 @@ fn branch_and_bound(
         if apart.tight() > found.apart.tight() || tried.contains(&corridors.waiting) {
             continue;
         }
-        let job = Job::new(sites, &apart, &corridors, hardware, waits);
+        let job = SchedulingJob::new(sites, &apart, &corridors, hardware, waits);
         let branching = Branching::new(&job, &samples, search.objective, search.enough);
         let searched = branching.search(least * (1.0 - WORTH), left);
         left = searched.left;
         tried.push(corridors.waiting.clone());
         if let Some(schedule) = searched.better {
             least = searched.value;
-            best = Found {
+            best = FoundSchedule {
                 apart,
                 corridors,
                 schedule,
@@ -256,7 +291,7 @@ fn branch_and_bound(
     if least < listed {
         *found = best;
     }
-    Ok(Gap {
+    Ok(ScheduleGap {
         listed,
         best: least.min(listed),
         is_finished: left > 0,
@@ -265,11 +300,11 @@ fn branch_and_bound(
 
 /// The best schedule of a job that is found by changing keys, and the rounds that were made by then.
 pub fn improved(
-    job: &Job<'_>,
+    job: &SchedulingJob<'_>,
     samples: &Samples,
-    (mut keys, mut schedule, estimate): (Vec<f32>, Schedule, Estimate),
+    (mut keys, mut schedule, estimate): (Vec<f32>, Schedule, PlanEstimate),
     mut rounds: u64,
-    search: Search<'_>,
+    search: PlanSearch<'_>,
     rng: &mut ChaCha8Rng,
 ) -> (Schedule, u64) {
     let mut times = Vec::new();
@@ -285,7 +320,11 @@ pub fn improved(
             Err(_) => break,
         };
         let waiting = Waiting::of(job, &other);
-        let estimate = samples.estimate(&other, &waiting, &mut times);
+        let estimate = match job.roles {
+            // Valued as their scaffolds were.
+            Some(_) => samples.estimate(&settled(job, other.clone()), &waiting, &mut times),
+            None => samples.estimate(&other, &waiting, &mut times),
+        };
         // Equally good ones as well, to get across plateaus.
         if estimate.of(search.objective) <= value {
             if estimate.of(search.objective) < value {

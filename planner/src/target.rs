@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use stochc_ir::table::Plate;
 use stochc_ir::{Cell, Face};
 
-use crate::refusal::{Part, Refusal};
+use crate::refusal::{LoosePart, Refusal};
 
 /// Cells of a target, at most: as many as a program may capture.
 pub const MOST_CELLS: usize = 10_000_000;
@@ -163,7 +163,7 @@ impl Target {
     }
 
     /// The parts that hang together with no seed, and what would help each.
-    fn loose(&self) -> Vec<Part> {
+    fn loose(&self) -> Vec<LoosePart> {
         let all: FxHashSet<Cell> = self.cells.iter().copied().collect();
         let mut open: Vec<Cell> = self.cells.to_vec();
         let stands = |cell: &Cell| self.standing_at(*cell).is_some();
@@ -194,7 +194,7 @@ impl Target {
                 0 => self.bridge(&part, &held),
                 _ => None,
             };
-            parts.push(Part {
+            parts.push(LoosePart {
                 cells: part,
                 bridge,
             });

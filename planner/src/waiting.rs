@@ -1,6 +1,6 @@
 //! What waits for what in a schedule, and which of that has to be said.
 use crate::Hardware;
-use crate::schedule::{Job, Schedule};
+use crate::schedule::{Schedule, SchedulingJob};
 use crate::sites::{NONE, Sites};
 
 /// What each site waits for, by the place of sites in the order in which they open.
@@ -67,7 +67,7 @@ impl Schedule {
 
 impl Waiting {
     /// Everything that a schedule has in some order.
-    pub fn of(job: &Job<'_>, schedule: &Schedule) -> Waiting {
+    pub fn of(job: &SchedulingJob<'_>, schedule: &Schedule) -> Waiting {
         let mut before: Vec<Vec<u32>> = vec![Vec::new(); schedule.order.len()];
         let standing = job.sites.standing_count();
         for (i, &site) in schedule.order.iter().enumerate().skip(standing) {
@@ -104,7 +104,7 @@ impl Waiting {
         let mut afters = vec![Vec::new(); self.before.len()];
         // What is said, and what need not be, of the sites before.
         let mut edges: Vec<Vec<u32>> = Vec::with_capacity(self.before.len());
-        let mut search = Ancestors::default();
+        let mut search = Ancestors::new(self.before.len());
         let standing = sites.standing_count();
         edges.resize(standing, Vec::new());
         for (&site, before) in schedule.order.iter().zip(&self.before).skip(standing) {
@@ -133,29 +133,41 @@ impl Waiting {
 }
 
 /// Looks for what others wait for.
-#[derive(Default)]
 struct Ancestors {
-    seen: rustc_hash::FxHashSet<u32>,
+    /// Of each place, the number of the last search that came to it.
+    seen: Vec<u32>,
+    search: u32,
     open: Vec<u32>,
 }
 
 impl Ancestors {
+    fn new(places: usize) -> Ancestors {
+        Ancestors {
+            seen: vec![0; places],
+            search: 0,
+            open: Vec::new(),
+        }
+    }
+
     /// Whether one of `from` waits for `to`, directly or not; a long way may be missed.
     fn reach(&mut self, edges: &[Vec<u32>], from: &[u32], to: u32) -> bool {
         const MOST: usize = 300;
-        self.seen.clear();
+        self.search += 1;
         self.open.clear();
         self.open.extend(from);
+        let mut seen = 0;
         while let Some(at) = self.open.pop() {
             for &before in &edges[at as usize] {
                 if before == to {
                     return true;
                 }
-                if before > to && self.seen.insert(before) {
+                if before > to && self.seen[before as usize] != self.search {
+                    self.seen[before as usize] = self.search;
+                    seen += 1;
                     self.open.push(before);
                 }
             }
-            if self.seen.len() > MOST {
+            if seen > MOST {
                 return false;
             }
         }

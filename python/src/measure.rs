@@ -9,7 +9,7 @@ use stochc::ensemble::trade::{Extent, Setup};
 use stochc::exit::Failure;
 use stochc::host::Host as _;
 use stochc::operations::estimate::{Estimating, estimates};
-use stochc::operations::plan::{Budget, SeedPlate, Wish, goal, plan as plan_goal};
+use stochc::operations::plan::{Budget, PlanScope, RunEnd, SeedPlate, Wish, plan as planned, read};
 use stochc::operations::runs::threads;
 use stochc::operations::trade::{keep, measured, memory};
 use stochc::planner::{Objective, explanation};
@@ -65,6 +65,10 @@ pub fn estimate(
 #[pyo3(from_item_all)]
 pub struct PlanRequest {
     target: String,
+    completes: bool,
+    run: Option<u64>,
+    program: Option<String>,
+    dead: Vec<String>,
     shape: Option<String>,
     seed_plate: Option<String>,
     scene: Option<String>,
@@ -91,6 +95,15 @@ pub fn plan(
         let imports = folders(asked.imports)?;
         let wish = Wish {
             target: &asked.target,
+            extent: match asked.run {
+                Some(run) => PlanScope::Rest(RunEnd {
+                    run,
+                    program: asked.program.as_deref(),
+                    dead: &asked.dead,
+                }),
+                None if asked.completes => PlanScope::Completion,
+                None => PlanScope::Whole,
+            },
             shape: asked.shape.as_deref(),
             seed_plate: seed_plate.as_ref(),
             scene: asked.scene.as_deref(),
@@ -104,7 +117,7 @@ pub fn plan(
             keeps_scaffolds: asked.keeps_scaffolds,
             rates: &asked.rates,
         };
-        let found = plan_goal(&goal(&wish, host)?, &wish, host)?;
+        let found = planned(&read(&wish, host)?, &wish, host)?;
         let explained = explanation(&found.plan);
         Ok((found.text, json!(found.plan).to_string(), explained))
     })

@@ -123,6 +123,10 @@ def estimate(
 def plan(
     target: Path,
     *,
+    complete: bool = False,
+    run: int | None = None,
+    program: str | None = None,
+    dead: str | Iterable[str] = (),
     shape: str | None = None,
     seed_plate: str | None = None,
     scene: str | None = None,
@@ -137,7 +141,11 @@ def plan(
     """Plans how to build a shape: a program that does, fast and without jams.
 
     Args:
-        target: a program with a shape (`.sa`), a model of MagicaVoxel (`.vox`), or layers drawn as text (`.txt`).
+        target: a program with a shape (`.sa`), a model of MagicaVoxel (`.vox`), or layers drawn as text (`.txt`); with `run` a results folder.
+        complete: plan what is missing where a phase of the program claims a shape that it does not build.
+        run: plan the rest of this run of the folder: what stands at its end is attached by hand, and what the shape has not is let go.
+        program: name of the program of the run; needed if the folder holds several.
+        dead: names of blocks that neither capture nor pass messages on any more at the end of the run.
         shape: which shape of the program.
         seed_plate: the plate to build on, such as `"3 x 3 at (1, 1)"`.
         scene: the name of the scene to build in.
@@ -152,10 +160,20 @@ def plan(
     if minimize not in ("mean", "p90"):
         raise UsageError(f"minimize: give 'mean' or 'p90', not {told(minimize)}")
     maybe = _maybe_word
+    if _arguments.yes("complete", complete):
+        _alone("complete", run=run, seed_plate=seed_plate, scene=scene, keep_scaffolds=keep_scaffolds or None)
+    if run is not None:
+        _alone("run", seed_plate=seed_plate, keep_scaffolds=keep_scaffolds or None)
+    elif program is not None or dead:
+        raise UsageError("program, dead: they are of a run: give `run` as well")
     if budget is not None and not isinstance(budget, str):
         budget = str(whole("budget", budget, 1, 10**9))
     asked: Planned = {
         "target": _arguments.path("target", target),
+        "completes": complete,
+        "run": _arguments.maybe("run", run, 0, MOST_SEED),
+        "program": maybe("program", program),
+        "dead": _arguments.words("dead", dead),
         "shape": maybe("shape", shape),
         "seed_plate": maybe("seed_plate", seed_plate),
         "scene": maybe("scene", scene),
@@ -169,6 +187,13 @@ def plan(
     with shown(progress) as show:
         text, found, explained = _native.plan(asked, show)
     return Plan(text, json.loads(found), explained)
+
+
+def _alone(name: str, **others: object) -> None:
+    """That some arguments are not given beside another one."""
+    given = [other for other, value in others.items() if value is not None]
+    if given:
+        raise UsageError(f"{given[0]}: it makes no sense beside `{name}`")
 
 
 def _maybe_word(name: str, value: object) -> str | None:

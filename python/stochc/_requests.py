@@ -57,6 +57,10 @@ class Planned(TypedDict):
     """What is to be planned."""
 
     target: str
+    completes: bool
+    run: int | None
+    program: str | None
+    dead: list[str]
     shape: str | None
     seed_plate: str | None
     scene: str | None

@@ -13,9 +13,7 @@ use super::new_file::NewFile;
 use super::results::ResultsFormat;
 use super::terminal::{Terminal, print, warn};
 use crate::exit::{Exit, Failure};
-use crate::operations::plan::{
-    Budget, RunEnd, SeedPlate, Wish, complete, completion, goal, goal_of_run, plan,
-};
+use crate::operations::plan::{Budget, PlanScope, RunEnd, SeedPlate, Wish, plan, read};
 use crate::planning::Planned;
 
 /// What `plan` is given.
@@ -94,6 +92,15 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
     let out = options.out.as_deref().map(NewFile::begin).transpose()?;
     let wish = Wish {
         target: &options.target,
+        extent: match options.run {
+            Some(run) => PlanScope::Rest(RunEnd {
+                run,
+                program: options.program.as_deref(),
+                dead: &options.dead,
+            }),
+            None if options.complete => PlanScope::Completion,
+            None => PlanScope::Whole,
+        },
         shape: options.shape.as_deref(),
         seed_plate: options.seed_plate.as_ref(),
         scene: options.scene.as_deref(),
@@ -107,26 +114,9 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
         keeps_scaffolds: options.keep_scaffolds,
         rates: &options.rates.rates,
     };
-    let stop;
-    let planned = if options.complete {
-        let completion = completion(&wish, &host)?;
-        stop = stop_on_interrupt()?;
-        complete(&completion, &wish, &host)?
-    } else {
-        let goal = match options.run {
-            None => goal(&wish, &host)?,
-            Some(run) => {
-                let end = RunEnd {
-                    run,
-                    program: options.program.as_deref(),
-                    dead: &options.dead,
-                };
-                goal_of_run(&wish, &end, &host)?
-            }
-        };
-        stop = stop_on_interrupt()?;
-        plan(&goal, &wish, &host)?
-    };
+    let target = read(&wish, &host)?;
+    let stop = stop_on_interrupt()?;
+    let planned = plan(&target, &wish, &host)?;
     let stopped = stop.load(Ordering::Relaxed);
     write(&planned, out, options)?;
     match stopped {

@@ -6,7 +6,7 @@ use stochc_compiler::LintLevels;
 use stochc_ensemble::statistics::Observation;
 use stochc_ensemble::{EnsembleProgram, Manifest, completion_time};
 use stochc_ir::record::RunRecord;
-use stochc_planner::Search;
+use stochc_planner::PlanSearch;
 use stochc_rates::Rates;
 use stochc_report::replanning::Replanning;
 
@@ -145,9 +145,9 @@ fn end(program: &EnsembleProgram) -> Result<Goal, Failure> {
 /// The program of the rest, where a structure stands; `None`: there is none.
 fn planned(goal: &mut Goal, structure: &Structure, rates: &[Rates]) -> Option<EnsembleProgram> {
     goal.stand_on(structure, &BTreeSet::new()).ok()?;
-    let search = Search {
+    let search = PlanSearch {
         rounds: TRIES,
-        ..Search::default()
+        ..PlanSearch::default()
     };
     let planned = goal.plan(rates, search).ok()?;
     let mut programs = crate::compile(check_text("rest.sa", &planned.text)).ok()?;

@@ -11,7 +11,7 @@ use stochc_ir::Cell;
 use stochc_ir::scene::Scene;
 use stochc_ir::table::RoleId;
 use stochc_planner::{
-    Hardware, RateLaw, Refusal, Search, StandingBlock, Target, continuation, plan,
+    Hardware, PlanSearch, RateLaw, Refusal, StandingBlock, Target, continuation, plan,
 };
 use stochc_rates::Rates;
 
@@ -150,7 +150,7 @@ impl Completion {
     ///
     /// # Errors
     /// If it cannot be built, or the program is wrong with it.
-    pub fn plan(&self, rates: &[Rates], search: Search<'_>) -> Result<Planned, Unplanned> {
+    pub fn plan(&self, rates: &[Rates], search: PlanSearch<'_>) -> Result<Planned, Unplanned> {
         let law = RateLaw::of(&self.scene, rates);
         let found = plan(&self.target, self.hardware, &law, search).map_err(Unplanned::Refused)?;
         let plan = found.plain;

@@ -3,6 +3,7 @@ mod completion;
 mod repair;
 
 use std::collections::BTreeSet;
+use std::sync::OnceLock;
 
 use stochc_compiler::diagnostic::{Code, Diagnostic};
 use stochc_compiler::plan::{PlanSeed, ProgramPlan};
@@ -14,8 +15,8 @@ use stochc_ir::Cell;
 use stochc_ir::scene::Scene;
 use stochc_ir::table::Plate;
 use stochc_planner::{
-    Alternative, Estimate, Hardware, Naming, Plan, RateLaw, Refusal, Search, Target, declaration,
-    draft, naive_plans, plan, program,
+    Alternative, BuildPlan, Hardware, Naming, PlanEstimate, PlanSearch, RateLaw, Refusal, Target,
+    declaration, draft, naive_plans, plan, program,
 };
 use stochc_rates::Rates;
 
@@ -42,13 +43,15 @@ pub struct Goal {
     scenes: String,
     /// What stands before, and what of it is let go.
     repair: Repair,
+    /// The scene, once it has been compiled, by its name.
+    compiled: OnceLock<(Option<String>, Scene)>,
 }
 
 /// A program that builds a shape.
 #[derive(Debug)]
 pub struct Planned {
     /// The order of its captures.
-    pub plan: Plan,
+    pub plan: BuildPlan,
     /// The program.
     pub text: String,
 }
@@ -74,6 +77,9 @@ const NAME: &str = "planned.sa";
 
 /// Cells of a shape for which plans that need no thought are looked at as well, at most.
 const MOST_COMPARED: usize = 1000;
+
+/// Findings behind which others may not be told of.
+const MANY: usize = 100;
 
 /// The only warnings that a planned program may have, each with the reason why.
 const ALLOWED: [(Code, &str); 3] = [
@@ -106,6 +112,7 @@ impl Goal {
             scene: None,
             scenes: String::new(),
             repair: Repair::default(),
+            compiled: OnceLock::new(),
         }
     }
 
@@ -177,6 +184,7 @@ impl Goal {
             shape: Some(printed(item, symbols)),
             scenes: declared_scenes(checked),
             repair: Repair::default(),
+            compiled: OnceLock::new(),
         })
     }
 
@@ -184,6 +192,7 @@ impl Goal {
     pub fn declare_scene(&mut self, name: &str, text: &str) {
         self.scene = Some(name.to_owned());
         text.clone_into(&mut self.scenes);
+        self.compiled = OnceLock::new();
     }
 
     /// The scene it is built in.
@@ -191,6 +200,18 @@ impl Goal {
     /// # Errors
     /// If there is none of that name, or it is wrong.
     pub fn scene(&self) -> Result<Scene, Box<Checked>> {
+        match self.compiled.get() {
+            Some((name, scene)) if *name == self.scene => Ok(scene.clone()),
+            _ => {
+                let scene = self.compile_scene()?;
+                // Where another one has been compiled before, it is compiled each time.
+                let _ = self.compiled.set((self.scene.clone(), scene.clone()));
+                Ok(scene)
+            }
+        }
+    }
+
+    fn compile_scene(&self) -> Result<Scene, Box<Checked>> {
         let scene = self
             .scene
             .as_ref()
@@ -252,7 +273,7 @@ impl Goal {
     ///
     /// # Errors
     /// If it cannot be built, or not there.
-    pub fn plan(&self, rates: &[Rates], search: Search<'_>) -> Result<Planned, Unplanned> {
+    pub fn plan(&self, rates: &[Rates], search: PlanSearch<'_>) -> Result<Planned, Unplanned> {
         let scene = self.scene().map_err(Unplanned::Wrong)?;
         let hardware = Hardware::of(&scene);
         let plate = self.plate.clone().unwrap_or_else(|| self.smallest_plate());
@@ -301,9 +322,9 @@ impl Goal {
     /// Has a plan and what is allowed in it written down.
     fn write<T>(
         &self,
-        plan: &Plan,
+        plan: &BuildPlan,
         allowed: &[(&str, String)],
-        written: impl FnOnce(&Plan, Naming<'_>) -> T,
+        written: impl FnOnce(&BuildPlan, Naming<'_>) -> T,
     ) -> T {
         let are_kept = plan.dismantling.as_ref().is_some_and(|it| it.are_kept);
         let with_scaffolds = format!("{}_with_scaffolds", self.name);
@@ -323,7 +344,7 @@ impl Goal {
     }
 
     /// The program of a plan, laid out.
-    fn text(&self, target: &Target, plan: &Plan, allowed: &[(&str, String)]) -> String {
+    fn text(&self, target: &Target, plan: &BuildPlan, allowed: &[(&str, String)]) -> String {
         self.write(plan, allowed, |plan, naming| {
             // Names that are none are told of as any others are.
             program(target, plan, naming).unwrap_or_else(|_| {
@@ -336,7 +357,7 @@ impl Goal {
     }
 
     /// What the check finds in the program of a plan.
-    fn check(&self, target: &Target, plan: &Plan, allowed: &[(&str, String)]) -> Checked {
+    fn check(&self, target: &Target, plan: &BuildPlan, allowed: &[(&str, String)]) -> Checked {
         let draft = self.write(plan, allowed, |plan, naming| draft(target, plan, naming));
         checked(&draft)
     }
@@ -345,30 +366,28 @@ impl Goal {
     fn accepted(
         &self,
         target: &Target,
-        mut plan: Plan,
+        mut plan: BuildPlan,
         law: &RateLaw<'_>,
     ) -> Result<Planned, Unplanned> {
+        let found = self.check(target, &plan, &[]);
+        let is_found = |code: Code| found.diagnostics.iter().any(|it| it.code == code);
         let mut allowed: Vec<(&str, String)> = Vec::new();
-        loop {
-            let found = self.check(target, &plan, &allowed);
-            let before = allowed.len();
-            for (code, reason) in ALLOWED {
-                let is_found = found.diagnostics.iter().any(|it| it.code == code);
-                if is_found && allowed.iter().all(|(known, _)| *known != code.name()) {
-                    allowed.push((code.name(), reason.to_owned()));
-                }
-            }
-            if found.diagnostics.is_empty() {
-                plan.estimate = estimated(&found, law).unwrap_or(plan.estimate);
-                let text = self.text(target, &plan, &allowed);
-                return Ok(Planned { plan, text });
-            }
-            if allowed.len() == before {
-                // Told of the program as it would be shown.
-                let found = checked(&self.text(target, &plan, &allowed));
-                return Err(Unplanned::Wrong(Box::new(found)));
-            }
+        for (code, reason) in ALLOWED.into_iter().filter(|&(code, _)| is_found(code)) {
+            allowed.push((code.name(), reason.to_owned()));
         }
+        let is_allowed = |it: &Diagnostic| ALLOWED.iter().any(|&(code, _)| code == it.code);
+        // Where there are many findings, others may not have been told of.
+        let is_accepted = found.diagnostics.iter().all(is_allowed)
+            && (found.diagnostics.len() < MANY
+                || self.check(target, &plan, &allowed).diagnostics.is_empty());
+        if !is_accepted {
+            // Told of the program as it would be shown.
+            let found = checked(&self.text(target, &plan, &allowed));
+            return Err(Unplanned::Wrong(Box::new(found)));
+        }
+        plan.estimate = estimated(&found, law).unwrap_or(plan.estimate);
+        let text = self.text(target, &plan, &allowed);
+        Ok(Planned { plan, text })
     }
 }
 
@@ -377,9 +396,9 @@ fn checked(text: &str) -> Checked {
 }
 
 /// How long the program takes, as `check --cost` says; `None`: the rates of its scene are not known, or it is wrong.
-fn estimated(checked: &Checked, law: &RateLaw<'_>) -> Option<Estimate> {
+fn estimated(checked: &Checked, law: &RateLaw<'_>) -> Option<PlanEstimate> {
     let total = cost::estimate(checked.programs.first()?, law.rates())?.total?;
-    Some(Estimate {
+    Some(PlanEstimate {
         mean: total.mean,
         p90: total.p90,
     })

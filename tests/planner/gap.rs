@@ -2,7 +2,9 @@
 use stochc::ir::scene::Scene;
 use stochc::ir::table::Plate;
 use stochc::ir::{Cell, Face};
-use stochc::planner::{Gap, Hardware, RateLaw, Search, Target, gap};
+use stochc::planner::{
+    AdaptiveGap, Hardware, PlanSearch, RateLaw, ScheduleGap, Target, adaptive_gap, gap,
+};
 use stochc::planning::Goal;
 
 /// A shape of so many cells that hang together, from a number.
@@ -30,27 +32,52 @@ fn scene() -> Scene {
     Goal::of_cells("any", Vec::new()).scene().unwrap()
 }
 
-fn gap_of(scene: &Scene, cells: Vec<Cell>, rounds: u64) -> Gap {
+/// A shape on a plate, and how it is looked at.
+fn posed<T>(
+    scene: &Scene,
+    cells: Vec<Cell>,
+    rounds: u64,
+    of: impl Fn(&Target, Hardware, &RateLaw<'_>, PlanSearch<'_>) -> T,
+) -> T {
     let plate = Plate { width: 3, depth: 3 };
     let target = Target::new(cells, plate, None, scene.free.count).unwrap();
-    let search = Search {
+    let search = PlanSearch {
         rounds,
-        ..Search::default()
+        ..PlanSearch::default()
     };
-    let found = gap(
+    of(
         &target,
         Hardware::of(scene),
         &RateLaw::of(scene, &[]),
         search,
-    );
+    )
+}
+
+fn gap_of(scene: &Scene, cells: Vec<Cell>, rounds: u64) -> ScheduleGap {
+    let found = posed(scene, cells, rounds, gap);
     found.unwrap().expect("the shape is small")
+}
+
+fn adaptive_gap_of(scene: &Scene, cells: Vec<Cell>, rounds: u64) -> AdaptiveGap {
+    let found = posed(scene, cells, rounds, adaptive_gap);
+    found.unwrap().expect("the shape is small")
+}
+
+#[test]
+fn no_plan_is_better_than_the_best_policy() {
+    let scene = scene();
+    for number in 0..8 {
+        let AdaptiveGap { planned, best } = adaptive_gap_of(&scene, shape(5, number), 100);
+        assert!(best <= planned * (1.0 + 1e-9), "{number}: {best} {planned}");
+        assert!(best > 0.5 * planned, "{number}: {best} {planned}");
+    }
 }
 
 #[test]
 fn all_schedules_of_small_shapes_are_looked_at() {
     let scene = scene();
     for number in 0..12 {
-        let Gap {
+        let ScheduleGap {
             listed,
             best,
             is_finished,
@@ -66,7 +93,7 @@ fn all_schedules_of_small_shapes_are_looked_at() {
 fn gaps() {
     let scene = scene();
     for (cells, shapes) in [(6, 60), (7, 40), (8, 20)] {
-        let found: Vec<Gap> = (0..shapes)
+        let found: Vec<ScheduleGap> = (0..shapes)
             .map(|number| gap_of(&scene, shape(cells, number), 3000))
             .collect();
         let finished: Vec<f64> = (found.iter().filter(|gap| gap.is_finished))
@@ -77,6 +104,18 @@ fn gaps() {
             finished.len(),
             100.0 * finished.iter().sum::<f64>() / finished.len().max(1) as f64,
             100.0 * finished.iter().copied().fold(0.0, f64::max),
+        );
+    }
+    for (cells, shapes) in [(6, 40), (7, 40), (8, 20), (9, 12), (10, 8)] {
+        let over = (0..shapes).map(|number| {
+            let AdaptiveGap { planned, best } = adaptive_gap_of(&scene, shape(cells, number), 3000);
+            planned / best - 1.0
+        });
+        let over: Vec<f64> = over.collect();
+        println!(
+            "{cells} cells: {shapes} plans {:.1} % over the best policy on average, {:.1} % at most",
+            100.0 * over.iter().sum::<f64>() / over.len() as f64,
+            100.0 * over.iter().copied().fold(0.0, f64::max),
         );
     }
 }

@@ -13,7 +13,7 @@ mod shapes;
 
 use std::path::{Path, PathBuf};
 
-use stochc::planner::{Plan, Search, layers};
+use stochc::planner::{BuildPlan, PlanSearch, layers};
 use stochc::planning::{Goal, Planned, Unplanned};
 use stochc_ir::Cell;
 
@@ -41,15 +41,15 @@ pub fn tried(goal: &Goal, rounds: u64) -> Result<Planned, Unplanned> {
     let seed = 7;
     goal.plan(
         &[],
-        Search {
+        PlanSearch {
             rounds,
             seed,
-            ..Search::default()
+            ..PlanSearch::default()
         },
     )
 }
 
 /// The cells of a plan, sorted.
-pub fn cells(plan: &Plan) -> Vec<Cell> {
+pub fn cells(plan: &BuildPlan) -> Vec<Cell> {
     plan.cells()
 }

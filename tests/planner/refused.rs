@@ -27,7 +27,7 @@ fn parts_in_the_air_are_refused_with_a_bridge() {
         told,
         "1 cell of the target: (2, 0, 3), hang together with no block of the plate that may capture; \
          with 1 cell more, (1, 0, 3), the first part would be held; or let a block of the plate under it \
-         capture (`--seed-plate`)"
+         capture"
     );
 }
 

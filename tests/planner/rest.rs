@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use stochc::check_text;
 use stochc::ir::Cell;
 use stochc::ir::record::{Outcome, RunRecord};
-use stochc::planner::Search;
+use stochc::planner::PlanSearch;
 use stochc::planning::{Completion, Goal, NotCompleted, Planned, Structure, Unplanned};
 use stochc_compiler::Checked;
 use stochc_ir::Executable;
@@ -42,7 +42,7 @@ assembly castle {
 
 fn completed(text: &str) -> Result<Planned, NotCompleted> {
     let completion = Completion::of(&check_text("part.sa", text), None)?;
-    let planned = completion.plan(&[], Search::default());
+    let planned = completion.plan(&[], PlanSearch::default());
     Ok(planned.expect("it can be built"))
 }
 

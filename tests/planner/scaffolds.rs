@@ -4,7 +4,7 @@ use stochc::check_text;
 use stochc::ir::record::Outcome;
 use stochc::ir::table::Plate;
 use stochc::ir::{Cell, Face};
-use stochc::planner::Search;
+use stochc::planner::PlanSearch;
 use stochc::planning::{Goal, Planned};
 use stochc::runtime::{Model, Settings};
 
@@ -16,11 +16,11 @@ fn on(mut goal: Goal, width: u32, depth: u32) -> Goal {
 }
 
 fn planned(goal: &Goal, rounds: u64, keeps_scaffolds: bool) -> Planned {
-    let search = Search {
+    let search = PlanSearch {
         rounds,
         seed: 5,
         keeps_scaffolds,
-        ..Search::default()
+        ..PlanSearch::default()
     };
     goal.plan(&[], search).unwrap()
 }

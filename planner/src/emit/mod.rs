@@ -12,7 +12,7 @@ use std::fmt::Write as _;
 use stochc_grammar::{FormatError as Unreadable, format};
 use stochc_ir::Cell;
 
-use crate::plan::{Capture, Plan};
+use crate::plan::{BuildPlan, Capture};
 use crate::target::Target;
 use crate::text::counted;
 use crate::waiting::Why;
@@ -43,12 +43,16 @@ const MOST_EXPLAINED: usize = 200;
 ///
 /// # Errors
 /// If the names or declarations are none.
-pub fn program(target: &Target, plan: &Plan, naming: Naming<'_>) -> Result<String, Unreadable> {
+pub fn program(
+    target: &Target,
+    plan: &BuildPlan,
+    naming: Naming<'_>,
+) -> Result<String, Unreadable> {
     format(&draft(target, plan, naming))
 }
 
 /// The same without a layout, which takes longer than all the rest.
-pub fn draft(target: &Target, plan: &Plan, naming: Naming<'_>) -> String {
+pub fn draft(target: &Target, plan: &BuildPlan, naming: Naming<'_>) -> String {
     let planted = planted(target);
     let there = statements(&planted, |_| None);
     let first = statements(&plan.captures, |cell| name_of(target, cell));
@@ -119,7 +123,7 @@ pub fn draft(target: &Target, plan: &Plan, naming: Naming<'_>) -> String {
 
 /// The captures of a plan, as statements for a phase of a program that has built what stands: `name` is what that program calls a block
 /// of its plate or of what stands, and `word` a name that nothing in it has.
-pub fn continuation(plan: &Plan, word: &str, name: impl Fn(Cell) -> Option<String>) -> String {
+pub fn continuation(plan: &BuildPlan, word: &str, name: impl Fn(Cell) -> Option<String>) -> String {
     let words = Words {
         block: word,
         ..Words::OWN

@@ -3,7 +3,7 @@ use stochc_ir::Cell;
 use stochc_ir::table::Plate;
 
 use super::*;
-use crate::{RateLaw, Search, plan};
+use crate::{PlanSearch, RateLaw, plan};
 
 fn written(cells: Vec<Cell>) -> String {
     let plate = Plate {
@@ -17,7 +17,13 @@ fn written(cells: Vec<Cell>) -> String {
     };
     let declarations = declaration("wanted", &cells).unwrap();
     let target = Target::new(cells, plate, None, hardware.free).unwrap();
-    let plans = plan(&target, hardware, &RateLaw::new(None), Search::default()).unwrap();
+    let plans = plan(
+        &target,
+        hardware,
+        &RateLaw::new(None),
+        PlanSearch::default(),
+    )
+    .unwrap();
     let naming = Naming {
         assembly: "build",
         scene: None,

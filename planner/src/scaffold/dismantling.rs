@@ -3,7 +3,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use serde::Serialize;
 use stochc_ir::{Cell, Face};
 
-use super::{Piece, Scaffolding};
+use super::{MastPiece, Scaffolding};
 use crate::plan::Capture;
 
 /// The second phase of a plan with scaffolds.
@@ -80,12 +80,14 @@ impl Dismantling {
 }
 
 /// The pieces, each behind the one that it joins.
-fn in_order(scaffolding: &Scaffolding) -> Vec<&Piece> {
-    let mut left: Vec<&Piece> = scaffolding.pieces.iter().collect();
+fn in_order(scaffolding: &Scaffolding) -> Vec<&MastPiece> {
+    let mut left: Vec<&MastPiece> = scaffolding.pieces.iter().collect();
     let mut order = Vec::new();
     while !left.is_empty() {
-        let is_last = |piece: &&Piece| !left.iter().any(|other| other.cells.contains(&piece.join));
-        let (next, rest): (Vec<&Piece>, Vec<&Piece>) = left.iter().copied().partition(is_last);
+        let is_last =
+            |piece: &&MastPiece| !left.iter().any(|other| other.cells.contains(&piece.join));
+        let (next, rest): (Vec<&MastPiece>, Vec<&MastPiece>) =
+            left.iter().copied().partition(is_last);
         // Pieces that joined each other in a circle would hold nothing.
         assert!(!next.is_empty(), "pieces hang on the target in the end");
         order.extend(next);

@@ -4,6 +4,7 @@
 //! holds towards the plate. When all pieces are there they are handed over, block by block: each is let go and taken at once by the block
 //! that holds it in the end, and stays where it is. Then the mast goes, and the rest grows.
 mod apart;
+mod balanced;
 mod dismantling;
 mod places;
 mod roles;
@@ -13,19 +14,19 @@ use stochc_ir::{Cell, Face};
 
 pub use dismantling::{Dismantling, HandOver, Mast};
 pub use places::has_place;
-pub use roles::{Part, Roles};
+pub use roles::{SitePart, SiteRoles};
 pub use search::{Scaffolded, scaffolded};
 
 /// Masts, and what grows from them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scaffolding {
     /// In the order in which they were added.
-    pub pieces: Vec<Piece>,
+    pub pieces: Vec<MastPiece>,
 }
 
 /// What grows from one place of a mast.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Piece {
+pub struct MastPiece {
     /// The place of the mast on the plate.
     pub foot: (i32, i32),
     /// The layer of the mast's block that holds the piece.
@@ -58,7 +59,7 @@ impl Scaffolding {
     }
 }
 
-impl Piece {
+impl MastPiece {
     /// Each cell with the way into it from the one before, from the mast on.
     pub fn grown(&self) -> impl Iterator<Item = (Cell, Face)> {
         let steps = self.cells.windows(2).map(|two| way(two[0], two[1]));

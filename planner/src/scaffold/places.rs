@@ -2,7 +2,7 @@
 use rustc_hash::FxHashMap;
 use stochc_ir::{Cell, Face};
 
-use super::{Piece, Roles, Scaffolding};
+use super::{MastPiece, Scaffolding, SiteRoles};
 use crate::Target;
 use crate::schedule::{Schedule, WAIT};
 use crate::sites::{NONE, Sites};
@@ -15,9 +15,6 @@ pub struct Grown {
 
 /// Later than anything else, in waits.
 const LATE: f32 = 10_000.0;
-
-/// What comes sooner than that needs no mast \[tick\].
-const LEAST: f32 = 3.0 * WAIT;
 
 /// Cells of a piece, at most.
 const LONGEST: usize = 60;
@@ -43,7 +40,7 @@ impl Grown {
     /// By a schedule of a target, with these scaffolds.
     pub fn of(sites: &Sites<'_>, schedule: &Schedule, scaffolding: &Scaffolding) -> Grown {
         let pieces = scaffolding.pieces.iter();
-        let in_the_end: FxHashMap<Cell, Face> = pieces.flat_map(Piece::handed_over).collect();
+        let in_the_end: FxHashMap<Cell, Face> = pieces.flat_map(MastPiece::handed_over).collect();
         let cells = schedule.order.iter().map(|&site| {
             let cell = sites.cell(site);
             let way = in_the_end.get(&cell).copied();
@@ -57,7 +54,7 @@ impl Grown {
     }
 
     /// What holds each site of a target with masts when it comes, [`NONE`] for the plate.
-    pub fn holders(&self, sites: &Sites<'_>, roles: &Roles) -> Vec<u32> {
+    pub fn holders(&self, sites: &Sites<'_>, roles: &SiteRoles) -> Vec<u32> {
         let holder = |site: u32| match roles.way(site) {
             Some(way) => sites.next(site, way.opposite()),
             None => {
@@ -102,54 +99,42 @@ impl Grown {
         (0..sites.len() as u32).map(time).collect()
     }
 
-    /// The same scaffolds with one more piece, which would be there sooner if a mast held it: of all that can be added. One that begins
-    /// within another takes its end over.
-    pub fn extensions(&self, target: &Target, scaffolding: &Scaffolding) -> Vec<Scaffolding> {
-        let mut found = Vec::new();
-        let cells = target.cells();
-        let is_full = |cell: Cell| cells.binary_search(&cell).is_ok();
-        let edges = |axis: fn(&Cell) -> i32| {
-            let values = || cells.iter().map(axis);
-            (values().min().unwrap_or(0), values().max().unwrap_or(0))
-        };
-        let ((west, east), (south, north)) = (edges(|cell| cell.x), edges(|cell| cell.y));
-        let (_, top) = edges(|cell| cell.z);
-        let places =
-            (west - 1..=east + 1).flat_map(|x| (south - 1..=north + 1).map(move |y| (x, y)));
-        for (x, y) in places.filter(|&(x, y)| target.is_on_seed(Cell::new(x, y, 1))) {
-            let column = (1..=top).map(|z| Cell::new(x, y, z));
-            for at in column.take_while(|&at| !is_full(at)) {
-                for way in [Face::SIDES.as_slice(), &[Face::Up]].concat() {
-                    let first = at.across(way).filter(|&cell| is_full(cell));
-                    if let Some(first) = first {
-                        self.extend(at, way, first, scaffolding, &mut found);
-                    }
-                }
-            }
-        }
-        found
+    /// The cells of the target, those with the most captures between them and the plate first.
+    pub fn far_first(&self) -> Vec<(Cell, usize)> {
+        let cells = self.cells.keys();
+        let mut cells: Vec<(Cell, usize)> = cells.map(|&cell| (cell, self.depth(cell))).collect();
+        cells.sort_unstable_by_key(|&(cell, depth)| (std::cmp::Reverse(depth), cell));
+        cells
     }
 
-    /// Adds pieces of all lengths that begin at a block of a mast.
-    fn extend(
+    /// What holds a cell in the end; `None`: a block of the plate.
+    pub fn holder(&self, cell: Cell) -> Option<Cell> {
+        self.cells.get(&cell).and_then(|&(holder, _)| holder)
+    }
+
+    /// Captures from the plate to a cell, its own included.
+    pub fn depth(&self, cell: Cell) -> usize {
+        std::iter::successors(Some(cell), |&cell| self.holder(cell)).count()
+    }
+
+    /// The same scaffolds with one more piece that begins at a block of a mast, of all lengths with which a mast needs fewer captures for it
+    /// than the plate. One that begins within another takes its end over.
+    pub fn extensions(
         &self,
         at: Cell,
         way: Face,
         first: Cell,
         scaffolding: &Scaffolding,
-        found: &mut Vec<Scaffolding>,
-    ) {
-        let Some(&(_, end)) = self.cells.get(&first) else {
-            return;
-        };
+    ) -> Vec<Scaffolding> {
+        let mut found = Vec::new();
         let mut rest = scaffolding.clone();
         let mut least = 1;
-        let within = |piece: &Piece| piece.cells.iter().position(|&cell| cell == first);
+        let within = |piece: &MastPiece| piece.cells.iter().position(|&cell| cell == first);
         for piece in &mut rest.pieces {
             match within(piece) {
                 None => {}
                 // There is a mast already.
-                Some(0) => return,
+                Some(0) => return found,
                 Some(place) => {
                     least = piece.cells.len() - place;
                     piece.cells.truncate(place);
@@ -162,17 +147,17 @@ impl Grown {
         while let Some(cell) = next {
             cells.push(cell);
             let is_held = rest.pieces.iter().any(|piece| piece.cells.contains(&cell));
-            // As many captures as come one after the other by the mast.
-            let captures = at.z as f32 + cells.len() as f32;
-            let Some(&(Some(join), _)) = self.cells.get(&cell) else {
-                return;
+            let Some(join) = self.holder(cell) else {
+                return found;
             };
-            if is_held || cells.len() > LONGEST || captures * WAIT > end.max(LEAST) {
-                return;
+            // As many captures as come one after the other by the mast.
+            let captures = at.z as usize + cells.len();
+            if is_held || cells.len() > LONGEST || captures >= self.depth(cell) {
+                return found;
             }
             if cells.len() >= least {
                 let mut scaffolding = rest.clone();
-                scaffolding.pieces.push(Piece {
+                scaffolding.pieces.push(MastPiece {
                     foot: (at.x, at.y),
                     height: at.z,
                     way,
@@ -183,5 +168,19 @@ impl Grown {
             }
             next = Some(join);
         }
+        found
     }
+}
+
+/// The blocks of masts that could hold a cell of a target, each with the way from it.
+pub fn supports(target: &Target, cell: Cell) -> impl Iterator<Item = (Cell, Face)> {
+    let is_full = |cell: Cell| target.cells().binary_search(&cell).is_ok();
+    let is_place = move |&(at, _): &(Cell, Face)| {
+        target.is_on_seed(Cell::new(at.x, at.y, 1))
+            && (1..=at.z).all(|z| !is_full(Cell::new(at.x, at.y, z)))
+            && at.z >= 1
+    };
+    let ways = Face::SIDES.into_iter().chain([Face::Up]);
+    let beside = ways.filter_map(move |way| Some((cell.across(way.opposite())?, way)));
+    beside.filter(is_place)
 }

@@ -6,7 +6,7 @@ use crate::sites::{NONE, Sites};
 
 /// What a site is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Part {
+pub enum SitePart {
     /// The target, held as in the end from the beginning on.
     Own,
     /// The target, held by a mast until it is handed over: the number of its piece.
@@ -17,8 +17,8 @@ pub enum Part {
 
 /// The parts of all sites.
 #[derive(Debug)]
-pub struct Roles {
-    part: Vec<Part>,
+pub struct SiteRoles {
+    part: Vec<SitePart>,
     /// The only way in which a site is captured at first.
     way: Vec<Option<Face>>,
     pieces: Vec<SitePiece>,
@@ -37,22 +37,22 @@ pub struct SitePiece {
     pub mast: u32,
 }
 
-impl Roles {
+impl SiteRoles {
     /// Of the sites of a target together with its masts.
-    pub fn of(sites: &Sites<'_>, scaffolding: &Scaffolding) -> Roles {
-        let mut part = vec![Part::Own; sites.len()];
+    pub fn of(sites: &Sites<'_>, scaffolding: &Scaffolding) -> SiteRoles {
+        let mut part = vec![SitePart::Own; sites.len()];
         let mut way = vec![None; sites.len()];
         let masts = scaffolding.masts();
         for (&((x, y), height), number) in masts.iter().zip(0..) {
             for z in 1..=height {
                 let site = sites.at(Cell::new(x, y, z)) as usize;
-                (part[site], way[site]) = (Part::Mast(number), Some(Face::Up));
+                (part[site], way[site]) = (SitePart::Mast(number), Some(Face::Up));
             }
         }
         let pieces = scaffolding.pieces.iter().zip(0..).map(|(piece, number)| {
             for (cell, from) in piece.grown() {
                 let site = sites.at(cell) as usize;
-                (part[site], way[site]) = (Part::Held(number), Some(from));
+                (part[site], way[site]) = (SitePart::Held(number), Some(from));
             }
             let handed_over = piece.handed_over();
             let mast = masts.iter().position(|(foot, _)| *foot == piece.foot);
@@ -65,8 +65,8 @@ impl Roles {
             }
         });
         let pieces = pieces.collect();
-        Roles {
-            temporary: part.iter().filter(|part| **part != Part::Own).count(),
+        SiteRoles {
+            temporary: part.iter().filter(|part| **part != SitePart::Own).count(),
             part,
             way,
             pieces,
@@ -74,7 +74,7 @@ impl Roles {
     }
 
     /// What a site is for.
-    pub fn part(&self, site: u32) -> Part {
+    pub fn part(&self, site: u32) -> SitePart {
         self.part[site as usize]
     }
 
@@ -99,7 +99,7 @@ impl Roles {
         let mut roots = vec![NONE; self.part.len()];
         for piece in &self.pieces {
             let mut join = piece.join;
-            while let Part::Held(number) = self.part(join) {
+            while let SitePart::Held(number) = self.part(join) {
                 join = self.pieces[number as usize].join;
             }
             for &(site, _) in &piece.sites {

@@ -1,18 +1,17 @@
-//! Scaffolds that pay: pieces are added one by one, and exchanged, as long as the estimate gets shorter.
+//! Scaffolds that pay: balanced ones, of which pieces are exchanged as long as the estimate gets shorter.
 use rand::RngExt as _;
 use rand::SeedableRng as _;
-use rand::seq::SliceRandom as _;
 use rand_chacha::ChaCha8Rng;
 
 use super::apart::take_apart;
 use super::places::Grown;
-use super::{Roles, Scaffolding};
+use super::{Scaffolding, SiteRoles};
 use crate::corridor::Corridors;
 use crate::disassembly::Disassembly;
 use crate::free_space::FreeSpace;
-use crate::makespan::{Estimate, Samples};
-use crate::schedule::{Job, Schedule};
-use crate::search::{Found, JAMS, Search, improved};
+use crate::makespan::{CellSamples, PlanEstimate};
+use crate::schedule::{Schedule, SchedulingJob, settled};
+use crate::search::{FoundSchedule, JAMS, PlanSearch, improved};
 use crate::sites::Sites;
 use crate::waiting::Waiting;
 use crate::waits::RateLaw;
@@ -25,21 +24,21 @@ pub struct Scaffolded {
     /// The cells of the target and of the masts.
     pub union: Target,
     /// The best schedule of it.
-    pub found: Found,
+    pub found: FoundSchedule,
 }
 
 /// Scaffolds, with a schedule.
-struct Candidate {
+struct ScaffoldCandidate {
     scaffolding: Scaffolding,
     union: Target,
     apart: Disassembly,
     corridors: Corridors,
     schedule: Schedule,
-    estimate: Estimate,
+    estimate: PlanEstimate,
     value: f64,
 }
 
-/// Runs by which scaffolds are compared: their sites differ, and so do their chances.
+/// Runs by which scaffolds are compared.
 const RUNS: usize = 200;
 
 /// Tries without which nothing but the first plan is wanted.
@@ -51,21 +50,38 @@ const MOST_CELLS: usize = 300;
 /// The part by which an estimate has to get shorter.
 const WORTH: f64 = 0.005;
 
+/// Captures from the plate that are too few to need a mast.
+const LEAST_LIMIT: usize = 2;
+
+/// Tries that are made of scaffolds, at most; what is left of the time is for the schedule.
+const MOST_TRIES: u64 = 50_000;
+
+/// The parts of the tries that are left when pieces begin to be exchanged, and when the schedule is looked for.
+const EXCHANGES: f64 = 0.8;
+const SCHEDULES: f64 = 0.2;
+
+/// The part by which what is exchanged may be longer than the best, at first.
+const TOLERANCE: f64 = 0.03;
+
 struct Study<'a> {
     target: &'a Target,
     hardware: Hardware,
     waits: &'a RateLaw<'a>,
-    how: Search<'a>,
+    how: PlanSearch<'a>,
+    /// The same chance for all.
+    samples: CellSamples,
+    /// Tries in all, and those that are left.
+    all: u64,
     tries: u64,
 }
 
 /// Looks for scaffolds with which a target is built sooner than by a schedule without; `None`: there are none.
 pub fn scaffolded(
     sites: &Sites<'_>,
-    without: &Found,
+    without: &FoundSchedule,
     hardware: Hardware,
     waits: &RateLaw<'_>,
-    how: Search<'_>,
+    how: PlanSearch<'_>,
 ) -> Option<Scaffolded> {
     let too_large = sites.len() > MOST_CELLS || sites.len() >= hardware.free as usize;
     if how.rounds < LEAST || too_large || hardware.attracts_always {
@@ -76,101 +92,115 @@ pub fn scaffolded(
         hardware,
         waits,
         how,
-        tries: how.rounds,
+        samples: CellSamples::new(RUNS, how.seed),
+        all: how.rounds.min(MOST_TRIES),
+        tries: how.rounds.min(MOST_TRIES),
     };
-    let none = Scaffolding::default();
-    let grown = Grown::of(sites, &without.schedule, &none);
-    let samples = Samples::new(sites.len(), RUNS, how.seed);
-    let job = Job::new(sites, &without.apart, &without.corridors, hardware, waits);
-    let estimate = samples.estimate(
-        &without.schedule,
-        &Waiting::of(&job, &without.schedule),
-        &mut Vec::new(),
-    );
+    let grown = Grown::of(sites, &without.schedule, &Scaffolding::default());
+    let samples = study.samples.of(sites);
+    let job = SchedulingJob::new(sites, &without.apart, &without.corridors, hardware, waits);
+    let waiting = Waiting::of(&job, &without.schedule);
+    let settled = settled(&job, without.schedule.clone());
+    let estimate = samples.estimate(&settled, &waiting, &mut Vec::new());
     let value = estimate.of(how.objective) + JAMS * without.apart.tight() as f64;
-    let first = study.best_of(&grown, &none, value)?;
-    let mut best = study.climbed(first);
     let mut rng = ChaCha8Rng::seed_from_u64(how.seed);
-    // The rest is for its schedule.
-    while study.tries > how.rounds / 4 && !how.enough.is_cancelled() {
-        study.tries -= 1;
-        let Some(other) = study.thinned(&best, &mut rng) else {
-            continue;
-        };
-        let other = study.climbed(other);
-        if other.value < best.value {
-            best = other;
-        }
+    let first = study.balanced(&grown, value, &mut rng)?;
+    let best = study.exchanged(first, &mut rng);
+    match best.value < value * (1.0 - WORTH) {
+        true => study.finished(best),
+        false => None,
     }
-    study.finished(best)
 }
 
 impl Study<'_> {
-    /// The best of some scaffolds with one more piece, if it is better than a value.
-    fn best_of(&mut self, grown: &Grown, of: &Scaffolding, value: f64) -> Option<Candidate> {
-        let mut best: Option<Candidate> = None;
-        // Where there are too many, chance says which are tried.
-        let mut rng = ChaCha8Rng::seed_from_u64(self.how.seed);
-        let mut extensions = grown.extensions(self.target, of);
-        extensions.shuffle(&mut rng);
-        for scaffolding in extensions {
-            if self.tries == 0 || self.how.enough.is_cancelled() {
+    /// The part of its tries that is left.
+    fn left(&self) -> f64 {
+        self.tries as f64 / self.all as f64
+    }
+
+    /// Whether more than a part of its tries is left; if so, one of them is made.
+    fn may_try(&mut self, part: f64, value: f64) -> bool {
+        let may = self.left() > part && !self.how.enough.is_cancelled();
+        if may {
+            self.tries -= 1;
+            (self.how.tried)(self.all - self.tries, value);
+        }
+        may
+    }
+
+    /// The best of some balanced scaffolds; `None`: there are none.
+    fn balanced(
+        &mut self,
+        grown: &Grown,
+        value: f64,
+        rng: &mut ChaCha8Rng,
+    ) -> Option<ScaffoldCandidate> {
+        let deepest = grown.far_first().first()?.1;
+        let mut best: Option<ScaffoldCandidate> = None;
+        for limit in (LEAST_LIMIT..deepest).cycle() {
+            let least = best.as_ref().map_or(f64::INFINITY, |best| best.value);
+            if !self.may_try(EXCHANGES, least.min(value)) {
                 break;
             }
-            self.tries -= 1;
-            let least = best
-                .as_ref()
-                .map_or(value * (1.0 - WORTH), |best| best.value);
-            best = (self.candidate(grown, scaffolding))
-                .filter(|candidate| candidate.value < least)
-                .or(best);
-            (self.how.tried)(self.how.rounds - self.tries, least);
-        }
-        best
-    }
-
-    /// The best that is found by adding and exchanging pieces.
-    fn climbed(&mut self, mut best: Candidate) -> Candidate {
-        while let Some(better) = self.extended(&best).or_else(|| self.exchanged(&best)) {
-            best = better;
-        }
-        best
-    }
-
-    /// With some pieces less, to begin from; `None`: there is no schedule of that.
-    fn thinned(&self, best: &Candidate, rng: &mut ChaCha8Rng) -> Option<Candidate> {
-        let mut scaffolding = best.scaffolding.clone();
-        for _ in 0..rng.random_range(1..=3) {
-            if scaffolding.pieces.len() > 1 {
-                let place = rng.random_range(0..scaffolding.pieces.len());
-                scaffolding.pieces.remove(place);
+            let scaffolding = grown.balanced(self.target, limit, rng);
+            if !scaffolding.pieces.is_empty() {
+                let candidate = self.candidate(grown, scaffolding);
+                best = candidate.filter(|it| it.value < least).or(best);
             }
         }
-        let sites = Sites::of(&best.union);
-        let grown = Grown::of(&sites, &best.schedule, &best.scaffolding);
-        self.candidate(&grown, scaffolding)
+        best
     }
 
-    fn extended(&mut self, best: &Candidate) -> Option<Candidate> {
-        let sites = Sites::of(&best.union);
-        let grown = Grown::of(&sites, &best.schedule, &best.scaffolding);
-        self.best_of(&grown, &best.scaffolding, best.value)
+    /// The best that is found by exchanging pieces; longer times are accepted as well at first.
+    fn exchanged(
+        &mut self,
+        mut best: ScaffoldCandidate,
+        rng: &mut ChaCha8Rng,
+    ) -> ScaffoldCandidate {
+        let mut current: Option<ScaffoldCandidate> = None;
+        while self.may_try(SCHEDULES, best.value) {
+            let from = current.as_ref().unwrap_or(&best);
+            let Some(other) = self.neighbour(from, rng) else {
+                continue;
+            };
+            if other.value < best.value {
+                best = other;
+                current = None;
+            } else if other.value < best.value * (1.0 + TOLERANCE * (self.left() - SCHEDULES)) {
+                current = Some(other);
+            }
+        }
+        best
     }
 
-    /// One piece less, and another one.
-    fn exchanged(&mut self, best: &Candidate) -> Option<Candidate> {
-        let sites = Sites::of(&best.union);
-        (0..best.scaffolding.pieces.len()).find_map(|i| {
-            let mut others = best.scaffolding.clone();
-            others.pieces.remove(i);
-            // What they hold comes as it does with all of them.
-            let grown = Grown::of(&sites, &best.schedule, &best.scaffolding);
-            self.best_of(&grown, &others, best.value)
-        })
+    /// With some pieces less and some others more.
+    fn neighbour(&self, of: &ScaffoldCandidate, rng: &mut ChaCha8Rng) -> Option<ScaffoldCandidate> {
+        let sites = Sites::of(&of.union);
+        let grown = Grown::of(&sites, &of.schedule, &of.scaffolding);
+        let mut scaffolding = of.scaffolding.clone();
+        let mut near = Vec::new();
+        for _ in 0..rng.random_range(0..=2) {
+            if scaffolding.pieces.len() > 1 {
+                let place = rng.random_range(0..scaffolding.pieces.len());
+                let piece = scaffolding.pieces.remove(place);
+                if rng.random() {
+                    near.extend(piece.cells);
+                }
+            }
+        }
+        for _ in 0..rng.random_range(0..=2) {
+            if let Some(more) = grown.extended(self.target, &scaffolding, &near, rng) {
+                scaffolding = more;
+            }
+        }
+        match scaffolding == of.scaffolding {
+            true => None,
+            false => self.candidate(&grown, scaffolding),
+        }
     }
 
     /// A schedule with scaffolds; `None`: there is none, or a mast could not get away.
-    fn candidate(&self, grown: &Grown, scaffolding: Scaffolding) -> Option<Candidate> {
+    fn candidate(&self, grown: &Grown, scaffolding: Scaffolding) -> Option<ScaffoldCandidate> {
         let how = self.how;
         let target = self.target;
         let cells = target.cells().iter().copied();
@@ -183,19 +213,20 @@ impl Study<'_> {
         if !masts_get_away(&sites, &spaces[0], &scaffolding) {
             return None;
         }
-        let roles = Roles::of(&sites, &scaffolding);
+        let roles = SiteRoles::of(&sites, &scaffolding);
         let holders = grown.holders(&sites, &roles);
         let times = grown.times(&sites, &scaffolding);
         let apart = take_apart(&sites, spaces, &holders, &times)?;
         let corridors = Corridors::of(&sites, &apart, how.enough).ok()?;
-        let job = Job::new(&sites, &apart, &corridors, self.hardware, self.waits);
+        let job = SchedulingJob::new(&sites, &apart, &corridors, self.hardware, self.waits);
         let job = job.with_roles(&roles);
         let keys = vec![0.5; sites.len()];
         let schedule = job.any(&keys, how.enough).ok()??;
-        let samples = Samples::new(sites.len(), RUNS, how.seed);
+        let samples = self.samples.of(&sites);
         let waiting = Waiting::of(&job, &schedule);
-        let estimate = samples.estimate(&schedule, &waiting, &mut Vec::new());
-        Some(Candidate {
+        let settled = settled(&job, schedule.clone());
+        let estimate = samples.estimate(&settled, &waiting, &mut Vec::new());
+        Some(ScaffoldCandidate {
             value: estimate.of(how.objective) + JAMS * apart.tight() as f64,
             scaffolding,
             apart,
@@ -207,8 +238,8 @@ impl Study<'_> {
     }
 
     /// The best schedule of the best scaffolds.
-    fn finished(self, best: Candidate) -> Option<Scaffolded> {
-        let Candidate {
+    fn finished(self, best: ScaffoldCandidate) -> Option<Scaffolded> {
+        let ScaffoldCandidate {
             scaffolding,
             union,
             apart,
@@ -218,20 +249,20 @@ impl Study<'_> {
             ..
         } = best;
         let sites = Sites::of(&union);
-        let roles = Roles::of(&sites, &scaffolding);
-        let job = Job::new(&sites, &apart, &corridors, self.hardware, self.waits);
+        let roles = SiteRoles::of(&sites, &scaffolding);
+        let job = SchedulingJob::new(&sites, &apart, &corridors, self.hardware, self.waits);
         let job = job.with_roles(&roles);
-        let samples = Samples::new(sites.len(), RUNS, self.how.seed);
+        let samples = self.samples.of(&sites);
         let mut rng = ChaCha8Rng::seed_from_u64(self.how.seed);
         let start = (vec![0.5; sites.len()], schedule, estimate);
-        let how = Search {
-            rounds: self.tries,
+        let how = PlanSearch {
+            rounds: self.how.rounds - (self.all - self.tries),
             ..self.how
         };
         let (schedule, rounds) = improved(&job, &samples, start, 0, how, &mut rng);
         Some(Scaffolded {
-            found: Found {
-                rounds: self.how.rounds - self.tries + rounds,
+            found: FoundSchedule {
+                rounds: self.all - self.tries + rounds,
                 apart,
                 corridors,
                 schedule,

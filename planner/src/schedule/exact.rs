@@ -8,7 +8,7 @@ use std::cmp::Reverse;
 use stochc_grammar::Cancellation;
 use stochc_ir::Face;
 
-use super::{Job, Schedule, Site, State};
+use super::{Schedule, ScheduleState, SchedulingJob, SiteState};
 use crate::makespan::{Objective, Samples};
 use crate::sites::NONE;
 use crate::waiting::Waiting;
@@ -19,7 +19,7 @@ pub const MOST_SITES: usize = 12;
 
 /// A search through all schedules of a job.
 pub struct Branching<'a> {
-    job: &'a Job<'a>,
+    job: &'a SchedulingJob<'a>,
     samples: &'a Samples,
     objective: Objective,
     enough: Cancellation<'a>,
@@ -47,7 +47,7 @@ pub struct Searched {
 impl<'a> Branching<'a> {
     /// Of a job of no more than [`MOST_SITES`].
     pub fn new(
-        job: &'a Job<'a>,
+        job: &'a SchedulingJob<'a>,
         samples: &'a Samples,
         objective: Objective,
         enough: Cancellation<'a>,
@@ -82,7 +82,7 @@ impl<'a> Branching<'a> {
 
     /// All schedules that go on from a state at a time; `times`: of the sites that are open or there, in all runs; of the ways that may
     /// open now, those before `from` have been decided.
-    fn branch(&mut self, state: &State<'_>, now: f32, times: &[f32], from: usize) {
+    fn branch(&mut self, state: &ScheduleState<'_>, now: f32, times: &[f32], from: usize) {
         if state.schedule.order.len() == state.state.len() {
             let schedule = settled(self.job, state.schedule.clone());
             let value = value(self.job, self.samples, &schedule, self.objective);
@@ -120,7 +120,7 @@ impl<'a> Branching<'a> {
     }
 
     /// How long every schedule takes, at least, that goes on from a state.
-    fn bound_of(&self, state: &State<'_>, times: &[f32]) -> f64 {
+    fn bound_of(&self, state: &ScheduleState<'_>, times: &[f32]) -> f64 {
         let sites = self.job.sites;
         let runs = self.samples.runs();
         let rank = &state.schedule.rank;
@@ -160,26 +160,31 @@ impl<'a> Branching<'a> {
 
 /// A schedule with the mean waits that the estimate of its program has: in the structure as it stands when the turn of each capture comes
 /// and all take equally long. Those that list scheduling counts with depend on the order in which faces open at the same time.
-pub fn settled(job: &Job<'_>, mut schedule: Schedule) -> Schedule {
+pub fn settled(job: &SchedulingJob<'_>, mut schedule: Schedule) -> Schedule {
     let waiting = Waiting::of(job, &schedule);
     schedule.set_means(job.sites, job.hardware, job.waits, &waiting);
     schedule
 }
 
 /// What matters of the time that a schedule takes.
-pub fn value(job: &Job<'_>, samples: &Samples, schedule: &Schedule, objective: Objective) -> f64 {
+pub fn value(
+    job: &SchedulingJob<'_>,
+    samples: &Samples,
+    schedule: &Schedule,
+    objective: Objective,
+) -> f64 {
     let waiting = Waiting::of(job, schedule);
     let estimate = samples.estimate(schedule, &waiting, &mut Vec::new());
     estimate.of(objective)
 }
 
 /// The faces that may open now: a number by which they are ordered, the way, and the mean wait.
-fn options(state: &State<'_>, now: f32, from: usize) -> Vec<(usize, Face, f32)> {
+fn options(state: &ScheduleState<'_>, now: f32, from: usize) -> Vec<(usize, Face, f32)> {
     let faces = Face::ALL.len();
     let may_open = |site: &u32| {
         let here = *site as usize;
         (here + 1) * faces > from
-            && state.state[here] == Site::Absent
+            && state.state[here] == SiteState::Absent
             && state.missing[here] == 0
             && !state.has_open_diagonal(*site)
     };
@@ -196,8 +201,8 @@ fn options(state: &State<'_>, now: f32, from: usize) -> Vec<(usize, Face, f32)> 
 }
 
 /// The places of what a site waits for that has just been opened.
-fn before(state: &State<'_>, site: u32) -> Vec<u32> {
-    let Job {
+fn before(state: &ScheduleState<'_>, site: u32) -> Vec<u32> {
+    let SchedulingJob {
         sites,
         hardware,
         corridors,
@@ -230,7 +235,7 @@ fn site_or(parent: u32, site: u32) -> u32 {
 }
 
 /// Of each site, the shortest mean wait over all ways into it and all that may stand or be awaited around it.
-fn least(job: &Job<'_>) -> Vec<f32> {
+fn least(job: &SchedulingJob<'_>) -> Vec<f32> {
     let count = job.sites.len() as u32;
     let moment = Moment {
         free: 1.0,
@@ -295,7 +300,7 @@ mod tests {
             let corridors = Corridors::of(&sites, &apart, Cancellation::NEVER).unwrap();
             let hardware = Hardware { faces: 1, attracts_always: false, free: 100 };
             let law = RateLaw::new(None);
-            let job = Job::new(&sites, &apart, &corridors, hardware, &law);
+            let job = SchedulingJob::new(&sites, &apart, &corridors, hardware, &law);
             let samples = Samples::new(sites.len(), 20, 3);
             let of = || Branching::new(&job, &samples, Objective::Mean, Cancellation::NEVER);
             let best = of().search(f64::INFINITY, u64::MAX);

@@ -1,11 +1,11 @@
 //! The two phases of a schedule with scaffolds.
-use super::{Site, State};
-use crate::scaffold::{Part, Roles};
+use super::{ScheduleState, SiteState};
+use crate::scaffold::{SitePart, SiteRoles};
 
 /// How far a schedule with scaffolds is.
 #[derive(Clone)]
-pub struct Phase<'a> {
-    pub roles: &'a Roles,
+pub struct SchedulePhase<'a> {
+    pub roles: &'a SiteRoles,
     /// When what is not needed has to be there \[ticks\].
     limit: f32,
     /// Temporary sites that are not there yet.
@@ -16,10 +16,10 @@ pub struct Phase<'a> {
     is_done: Vec<bool>,
 }
 
-impl<'a> Phase<'a> {
+impl<'a> SchedulePhase<'a> {
     /// The first one.
-    pub fn first(roles: &'a Roles, limit: f32) -> Phase<'a> {
-        Phase {
+    pub fn first(roles: &'a SiteRoles, limit: f32) -> SchedulePhase<'a> {
+        SchedulePhase {
             roles,
             limit,
             missing: roles.temporary(),
@@ -31,15 +31,15 @@ impl<'a> Phase<'a> {
     /// Whether a site that stands holds others as in the end.
     pub fn is_own(&self, site: u32) -> bool {
         match self.roles.part(site) {
-            Part::Own => true,
-            Part::Held(piece) => self.is_done[piece as usize],
-            Part::Mast(_) => false,
+            SitePart::Own => true,
+            SitePart::Held(piece) => self.is_done[piece as usize],
+            SitePart::Mast(_) => false,
         }
     }
 
     /// Whether a site is a mast that holds nothing any more.
     fn is_spent(&self, site: u32) -> bool {
-        let Part::Mast(number) = self.roles.part(site) else {
+        let SitePart::Mast(number) = self.roles.part(site) else {
             return false;
         };
         let mut pieces = self.roles.pieces().iter().zip(&self.is_done);
@@ -47,12 +47,12 @@ impl<'a> Phase<'a> {
     }
 }
 
-impl State<'_> {
+impl ScheduleState<'_> {
     /// Whether a site whose wait is half over at a time may open: once all that is temporary is there, nothing new does before it is handed
     /// over.
     pub(super) fn is_its_phase(&self, site: u32, half: f32) -> bool {
         match &self.phase {
-            Some(phase) if !phase.is_second && phase.roles.part(site) == Part::Own => {
+            Some(phase) if !phase.is_second && phase.roles.part(site) == SitePart::Own => {
                 phase.missing > 0 && half <= phase.limit
             }
             _ => true,
@@ -84,7 +84,7 @@ impl State<'_> {
         while let Some((number, piece)) =
             phase.roles.pieces().iter().enumerate().find(|(i, piece)| {
                 !phase.is_done[*i]
-                    && self.state[piece.join as usize] == Site::Anchored
+                    && self.state[piece.join as usize] == SiteState::Anchored
                     && phase.is_own(piece.join)
             })
         {
@@ -93,7 +93,7 @@ impl State<'_> {
         }
         for site in 0..self.state.len() as u32 {
             if phase.is_spent(site) {
-                self.state[site as usize] = Site::Gone;
+                self.state[site as usize] = SiteState::Gone;
             }
         }
         for site in new {

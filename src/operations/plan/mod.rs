@@ -10,7 +10,7 @@ use std::time::Instant;
 
 use stochc_ensemble::text::visible;
 use stochc_grammar::Cancellation;
-use stochc_planner::{Objective, Refusal, Search};
+use stochc_planner::{Objective, PlanSearch, Refusal};
 use stochc_rates::Rates;
 
 use super::programs::verdict;
@@ -21,14 +21,16 @@ use crate::planning::{Completion, Goal, Planned, Unplanned};
 use crate::progress::WorkProgress;
 
 pub use budget::Budget;
-pub use rest::{RunEnd, completion, goal as goal_of_run};
+pub use rest::RunEnd;
 pub use seed_plate::SeedPlate;
 
 /// What is to be built, and how long a better plan is looked for.
 #[derive(Clone, Copy, Debug)]
 pub struct Wish<'a> {
-    /// A program with a shape, or a file of voxels.
+    /// A program with a shape, a file of voxels, or a results folder.
     pub target: &'a str,
+    /// What of it is planned.
+    pub extent: PlanScope<'a>,
     /// The shape of the program; `None`: the only one, or the last one claimed.
     pub shape: Option<&'a str>,
     /// The plate to build on; `None`: that of the target.
@@ -53,7 +55,7 @@ pub struct Wish<'a> {
 ///
 /// # Errors
 /// If the target cannot be read, or is none.
-pub fn goal(wish: &Wish<'_>, host: &dyn Host) -> Result<Goal, Failure> {
+fn goal(wish: &Wish<'_>, host: &dyn Host) -> Result<Goal, Failure> {
     Ok(placed(target::read(wish, host)?, wish))
 }
 
@@ -77,27 +79,51 @@ fn now() -> Instant {
     Instant::now()
 }
 
+/// What is planned of a target.
+#[derive(Clone, Copy, Debug, Default)]
+pub enum PlanScope<'a> {
+    /// All of a shape.
+    #[default]
+    Whole,
+    /// What is missing in a program.
+    Completion,
+    /// What is missing at the end of a run.
+    Rest(RunEnd<'a>),
+}
+
+/// A target that has been read.
+#[derive(Debug)]
+pub enum PlanTarget {
+    /// A shape, or the rest of a run.
+    Goal(Goal),
+    /// A program that is written in part.
+    Completion(Completion),
+}
+
+/// Reads the target of a wish.
+///
+/// # Errors
+/// If it cannot be read, or nothing in it can be planned.
+pub fn read(wish: &Wish<'_>, host: &dyn Host) -> Result<PlanTarget, Failure> {
+    match wish.extent {
+        PlanScope::Whole => goal(wish, host).map(PlanTarget::Goal),
+        PlanScope::Completion => rest::completion(wish, host).map(PlanTarget::Completion),
+        PlanScope::Rest(end) => rest::goal(wish, &end, host).map(PlanTarget::Goal),
+    }
+}
+
 /// Plans it.
 ///
 /// # Errors
 /// If it cannot be built, or there is no plan yet when it is stopped.
-pub fn plan(goal: &Goal, wish: &Wish<'_>, host: &dyn Host) -> Result<Planned, Failure> {
-    search(goal.cells.len(), wish, host, |rates, search| {
-        goal.plan(rates, search)
-    })
-}
-
-/// Plans what is missing in a program.
-///
-/// # Errors
-/// As [`plan`].
-pub fn complete(
-    completion: &Completion,
-    wish: &Wish<'_>,
-    host: &dyn Host,
-) -> Result<Planned, Failure> {
-    search(completion.missing(), wish, host, |rates, search| {
-        completion.plan(rates, search)
+pub fn plan(read: &PlanTarget, wish: &Wish<'_>, host: &dyn Host) -> Result<Planned, Failure> {
+    let missing = match read {
+        PlanTarget::Goal(goal) => goal.cells.len(),
+        PlanTarget::Completion(completion) => completion.missing(),
+    };
+    search(missing, wish, host, |rates, search| match read {
+        PlanTarget::Goal(goal) => goal.plan(rates, search),
+        PlanTarget::Completion(completion) => completion.plan(rates, search),
     })
 }
 
@@ -106,7 +132,7 @@ fn search(
     cells: usize,
     wish: &Wish<'_>,
     host: &dyn Host,
-    plan: impl Fn(&[Rates], Search<'_>) -> Result<Planned, Unplanned> + Sync,
+    plan: impl Fn(&[Rates], PlanSearch<'_>) -> Result<Planned, Unplanned> + Sync,
 ) -> Result<Planned, Failure> {
     let stop = host.stop();
     let start = now();
@@ -125,7 +151,7 @@ fn search(
         tried.store(rounds, Ordering::Relaxed);
         best.store(ticks as u64, Ordering::Relaxed);
     };
-    let search = Search {
+    let search = PlanSearch {
         objective: wish.objective,
         rounds: budget.tries(),
         seed: wish.seed,
@@ -156,11 +182,16 @@ fn refused(target: &str, reason: &str) -> Failure {
     Failure::error(Exit::WrongProgram, format!("`{target}`: {reason}"))
 }
 
-/// What cannot be built, why, and what would help.
-fn impossible(target: &str, refusal: &Refusal) -> Failure {
-    let mut failure = refused(target, &refusal.to_string());
+/// What cannot be built, why, and what would help; options are named where they may be given.
+fn impossible(wish: &Wish<'_>, refusal: &Refusal) -> Failure {
+    let mut failure = refused(wish.target, &refusal.to_string());
     if let Some(help) = refusal.help() {
-        failure.message += &format!("help: {}\n", visible(&help));
+        let option = match (refusal, wish.extent) {
+            (Refusal::Loose(_), PlanScope::Whole) => " (`--seed-plate`)",
+            (Refusal::TooFewBlocks { .. }, PlanScope::Whole | PlanScope::Rest(_)) => " (`--scene`)",
+            _ => "",
+        };
+        failure.message += &format!("help: {}{option}\n", visible(&help));
     }
     failure
 }
@@ -172,7 +203,7 @@ fn told(unplanned: &Unplanned, wish: &Wish<'_>, host: &dyn Host) -> Failure {
             exit: Exit::Interrupted,
             message: "stopped before there was a plan\n".to_owned(),
         },
-        Unplanned::Refused(refusal) => impossible(wish.target, refusal),
+        Unplanned::Refused(refusal) => impossible(wish, refusal),
         Unplanned::Wrong(checked) => {
             host.tell_findings(checked);
             Failure::silent(verdict(checked))

@@ -35,7 +35,7 @@ pub fn completion(wish: &Wish<'_>, host: &dyn Host) -> Result<Completion, Failur
             Failure::silent(verdict(&checked))
         }
         NotCompleted::Refused(reason) => refused(wish.target, &reason),
-        NotCompleted::Impossible(refusal) => impossible(wish.target, &refusal),
+        NotCompleted::Impossible(refusal) => impossible(wish, &refusal),
     })
 }
 

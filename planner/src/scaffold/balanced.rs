@@ -1,0 +1,101 @@
+//! Scaffolds to begin from: no chain of captures longer than a limit, as far as masts reach.
+use rand::RngExt as _;
+use rand::seq::IndexedRandom as _;
+use rand_chacha::ChaCha8Rng;
+use rustc_hash::FxHashSet;
+use stochc_ir::{Cell, Face};
+
+use super::places::{Grown, supports};
+use super::{MastPiece, Scaffolding};
+use crate::Target;
+
+/// What it costs to choose a place for a mast, in captures: that there is none yet, and each that stands across a corner, because
+/// they take turns.
+const NEW: f32 = 1.0;
+const ACROSS: f32 = 1.5;
+
+/// How much chance changes what a place costs \[captures\].
+const CHANCE: f32 = 2.0;
+
+impl Grown {
+    /// Pieces from the far ends of the target on, each as long as its mast leaves captures for; where a mast stands is partly left to
+    /// chance. What has no more than `limit` captures from the plate to it needs no mast.
+    pub fn balanced(&self, target: &Target, limit: usize, rng: &mut ChaCha8Rng) -> Scaffolding {
+        let mut scaffolding = Scaffolding::default();
+        let mut held: FxHashSet<Cell> = FxHashSet::default();
+        for &(first, depth) in &self.far_first() {
+            if depth <= limit {
+                break;
+            }
+            if held.contains(&first) {
+                continue;
+            }
+            let places: Vec<(Cell, Face)> = supports(target, first)
+                .filter(|(at, _)| (at.z as usize) < limit)
+                .collect();
+            let price = |&(at, _): &(Cell, Face)| {
+                let foot = (at.x, at.y);
+                let masts = scaffolding.masts();
+                let known = masts.iter().find(|(it, _)| *it == foot);
+                let across = masts.iter().filter(|(other, _)| {
+                    (other.0 - foot.0).abs() == 1 && (other.1 - foot.1).abs() == 1
+                });
+                let new = if known.is_some() { 0.0 } else { NEW };
+                at.z as f32 + new + ACROSS * across.count() as f32
+            };
+            let priced = places
+                .iter()
+                .map(|place| (price(place) + CHANCE * rng.random::<f32>(), *place));
+            let cheapest = priced.min_by(|a, b| a.0.total_cmp(&b.0));
+            let Some((_, (at, way))) = cheapest else {
+                continue;
+            };
+            let mut cells = Vec::new();
+            let mut next = Some(first);
+            while let Some(cell) = next.filter(|cell| !held.contains(cell)) {
+                let is_far = self.depth(cell) > limit && at.z as usize + cells.len() < limit;
+                if !is_far {
+                    break;
+                }
+                cells.push(cell);
+                next = self.holder(cell);
+            }
+            // What hangs on the plate needs no mast.
+            let Some(join) = next else { continue };
+            held.extend(&cells);
+            scaffolding.pieces.push(MastPiece {
+                foot: (at.x, at.y),
+                height: at.z,
+                way,
+                cells,
+                join,
+            });
+        }
+        scaffolding
+    }
+
+    /// The same scaffolds with another piece, at a cell of these if there are any, and at any cell of the target otherwise: chance decides. `None`: none was found.
+    pub fn extended(
+        &self,
+        target: &Target,
+        scaffolding: &Scaffolding,
+        near: &[Cell],
+        rng: &mut ChaCha8Rng,
+    ) -> Option<Scaffolding> {
+        const DRAWS: usize = 20;
+        (0..DRAWS).find_map(|_| {
+            let cells = match near.is_empty() {
+                true => target.cells(),
+                false => near,
+            };
+            let first = *cells.choose(rng)?;
+            let places: Vec<(Cell, Face)> = supports(target, first).collect();
+            let &(at, way) = places.choose(rng)?;
+            let mut longer = self.extensions(at, way, first, scaffolding);
+            match longer.len() {
+                0 => None,
+                count => Some(longer.swap_remove(rng.random_range(0..count))),
+            }
+        })
+    }
+}
