@@ -6,6 +6,11 @@ use serde_json::Value;
 use crate::browser::Browser;
 use crate::firefox::Firefox;
 
+/// Whether a page shows a replay or a message, or has been cut short.
+pub const SETTLED: &str = "document.readyState === 'complete' && location.protocol === 'file:' && \
+     (document.body.dataset.ready === 'yes' || document.body.classList.contains('failed') || \
+      !document.getElementById('whole'))";
+
 /// What is done with the left button.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mouse {
