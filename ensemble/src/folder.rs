@@ -11,6 +11,7 @@
 //! | `.lock` | held by the process that writes |
 //!
 //! Nothing in it is ever replaced by the results of another ensemble.
+use std::fmt;
 use std::fs::OpenOptions;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -54,14 +55,28 @@ pub struct Folder {
     shortest: Option<Finished>,
     whole: u64,
     damage: Vec<String>,
-    further: Further,
+    further: MakeFurther,
     checkpoints: Option<Arc<Checkpoints>>,
     /// Unlocked by the system when it is closed, also by a kill.
     _lock: File,
 }
 
-/// What makes further files of a folder, by their names, from its runs.
-pub type Further = fn(&Manifest, &Records) -> Result<Vec<(String, String)>, JournalError>;
+/// Further files of a folder, by their names; or why its runs could not be read.
+pub type FurtherFiles = Result<Vec<(String, Vec<u8>)>, JournalError>;
+
+/// What makes further files of a folder from its runs.
+pub type Further = fn(&Manifest, &Records) -> FurtherFiles;
+
+/// The same, with whatever it has to know.
+type MakeFiles = dyn Fn(&Manifest, &Records) -> FurtherFiles + Send + Sync;
+
+struct MakeFurther(Box<MakeFiles>);
+
+impl fmt::Debug for MakeFurther {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str("MakeFurther")
+    }
+}
 
 /// What a folder holds, as far as it is sound.
 #[derive(Debug)]
@@ -147,7 +162,7 @@ impl Folder {
                 shortest: None,
                 whole: 0,
                 damage: Vec::new(),
-                further: |_, _| Ok(Vec::new()),
+                further: MakeFurther(Box::new(|_, _| Ok(Vec::new()))),
                 checkpoints: None,
                 _lock: lock,
             });
@@ -208,7 +223,7 @@ impl Folder {
             shortest: journal.shortest,
             whole: journal.whole,
             damage,
-            further: |_, _| Ok(Vec::new()),
+            further: MakeFurther(Box::new(|_, _| Ok(Vec::new()))),
             checkpoints: None,
             _lock: lock,
         })
@@ -235,8 +250,11 @@ impl Folder {
     }
 
     /// Has further files written with the tables.
-    pub fn with(mut self, further: Further) -> Folder {
-        self.further = further;
+    pub fn with(
+        mut self,
+        further: impl Fn(&Manifest, &Records) -> FurtherFiles + Send + Sync + 'static,
+    ) -> Folder {
+        self.further = MakeFurther(Box::new(further));
         self
     }
 
@@ -371,9 +389,9 @@ impl Folder {
             draft.keep().map_err(io)?;
             sums.push((name, sum));
         }
-        for (name, text) in (self.further)(&self.manifest, finished)? {
-            replace(&self.path, &name, text.as_bytes())?;
-            sums.push((name, Sum::of(text.as_bytes())));
+        for (name, content) in (self.further.0)(&self.manifest, finished)? {
+            replace(&self.path, &name, &content)?;
+            sums.push((name, Sum::of(&content)));
         }
         seal(&self.path, &self.manifest, &sums)
     }

@@ -73,7 +73,7 @@ pub use captures::{CaptureKey, CaptureSummary, Repetitions, Waits, WaitsTally, c
 pub use checkpoint::{CHECKPOINTS, Checkpoints, Interval};
 pub use comparison::{Comparison, ComparisonTally, Pair, PhaseTime, ProgramSummary, Time};
 pub use executor::RunCancelled;
-pub use folder::{Contents, Folder, FolderState, Further, RECORDINGS, Resume};
+pub use folder::{Contents, Folder, FolderState, Further, FurtherFiles, RECORDINGS, Resume};
 pub use folder_error::FolderError;
 pub use journal::{Finished, JournalError};
 pub use manifest::{

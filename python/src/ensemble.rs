@@ -17,8 +17,7 @@ use stochc::operations::ensemble::{Making, can_record, make, tell_of_doubts};
 use stochc::operations::results::{read, told};
 use stochc::operations::runs::{made_again, try_out_all};
 use stochc::operations::{export, replay, report as pages, shard as pieces, sweep};
-use stochc::report::ensemble_report::Figures;
-use stochc::report::figures::{self, Medium};
+use stochc::report::figures::{self, Figures, Medium};
 
 use super::call::call;
 use super::host::Caller;
@@ -119,6 +118,7 @@ pub fn simulate(
             memory: None,
             threads,
             is_told_of_build: false,
+            figures: &Figures::default(),
             viewer: None,
         };
         let made = make(&manifest, &how, host)?;
@@ -197,9 +197,21 @@ pub fn open(py: Python<'_>, folder: PathBuf) -> PyResult<PythonEnsemble> {
 
 /// Writes the report on folders, and says where it is.
 #[pyfunction]
-pub fn report(py: Python<'_>, folders: Vec<PathBuf>, out: Option<PathBuf>) -> PyResult<PathBuf> {
+pub fn report(
+    py: Python<'_>,
+    folders: Vec<PathBuf>,
+    out: Option<PathBuf>,
+    width: Option<String>,
+    formats: Vec<String>,
+) -> PyResult<PathBuf> {
     call(py, None, move |host| {
-        pages::write(&folders, out.as_deref(), &Figures::default(), host)
+        let formats = formats.iter().map(|it| parsed("figure_format", it));
+        let width = width.map(|it| parsed("figures", &it)).transpose()?;
+        let figures = Figures {
+            medium: width.unwrap_or_default(),
+            formats: formats.collect::<Result<_, _>>()?,
+        };
+        pages::write(&folders, out.as_deref(), &figures, host)
     })
 }
 

@@ -13,7 +13,7 @@ use stochc::operations::plan::{Budget, PlanScope, RunEnd, SeedPlate, Wish, plan 
 use stochc::operations::runs::threads;
 use stochc::operations::trade::{keep, measured, memory};
 use stochc::planner::{Objective, explanation};
-use stochc::report::figures::{Medium, trade as trade_figure};
+use stochc::report::figures::{Figures, Medium, trade as trade_figure};
 use stochc::report::tables::{estimates_to_text, trade_to_text};
 use stochc::runtime::Settings;
 
@@ -164,7 +164,7 @@ pub fn trade(
         };
         let trade = measured(&programs, &setup, host)?;
         if let (Some(out), Some(memory)) = (out, memory) {
-            keep(out, memory, &trade)?;
+            keep(out, memory, &trade, &Figures::default())?;
         }
         let (text, picture) = (
             trade_to_text(&trade, WIDTH, false),

@@ -480,10 +480,25 @@ def merge(folder: Path) -> Ensemble:
     return Ensemble(_native.merge(_arguments.path("folder", folder)))
 
 
-def report(folders: Path | Ensemble | Iterable[Path | Ensemble], out: Path | None = None) -> str:
+def report(
+    folders: Path | Ensemble | Iterable[Path | Ensemble],
+    out: Path | None = None,
+    *,
+    figures: str | None = None,
+    figure_format: str | Iterable[str] = "svg",
+) -> str:
     """Writes the HTML report on one or more folders of results, and returns its path.
 
     It is `report.html` in a single folder, and in the current one for several, if `out` does not say another.
+
+    Args:
+        folders: folders of results, or ensembles that were made with `out=`.
+        out: the page to write.
+        figures: width of the figures beside the page in print, with 7 pt type, such as `89mm`; without it they are for a screen.
+        figure_format: form of their files, `svg` or `pdf`, or several.
+
+    Raises:
+        UsageError: a folder cannot be read, a width or a form is none, or something else stands where the page is to be.
     """
     each: list[Path | Ensemble]
     if isinstance(folders, (str, os.PathLike, Ensemble)):
@@ -500,4 +515,8 @@ def report(folders: Path | Ensemble | Iterable[Path | Ensemble], out: Path | Non
         places.append(_arguments.path("folders", place))
     if not places:
         raise UsageError("folders: give one at least")
-    return str(_native.report(places, _arguments.maybe_path("out", out)))
+    width = None if figures is None else _arguments.word("figures", figures)
+    formats = list(dict.fromkeys(_arguments.words("figure_format", figure_format)))
+    if not formats:
+        raise UsageError("figure_format: give one at least")
+    return str(_native.report(places, _arguments.maybe_path("out", out), width, formats))

@@ -128,6 +128,15 @@ def test_a_folder_that_is_deleted_meanwhile(tmp_path: Path) -> None:
         stochc.report(ensemble)
 
 
+def test_figures_that_there_are_not(tmp_path: Path) -> None:
+    ensemble = stochc.simulate(stochc.EXAMPLE, runs=3, model="shuffle", out=tmp_path / "results")
+    for wrong in ({"figures": "89"}, {"figures": "2mm"}, {"figure_format": "png"}, {"figure_format": []}):
+        with pytest.raises(stochc.UsageError, match=f"^{next(iter(wrong))}: "):
+            stochc.report(ensemble, **wrong)  # type: ignore[arg-type]  # pyright: ignore[reportArgumentType]
+    with pytest.raises(TypeError, match="^figures: "):
+        stochc.report(ensemble, figures=89)  # type: ignore[arg-type]  # pyright: ignore[reportArgumentType]
+
+
 def test_a_folder_that_is_damaged_is_told_of(tmp_path: Path) -> None:
     out = tmp_path / "results"
     stochc.simulate(stochc.EXAMPLE, runs=3, model="shuffle", out=out)

@@ -117,6 +117,11 @@ def test_reports_are_the_same(tower: str, command: Command, tmp_path: Path) -> N
     assert before == {name: path.read_bytes() for name, path in files(folder).items()}
     command("report", folder, "--out", its, "--quiet")
     assert page.read_bytes() == its.read_bytes()
+    stochc.report(ours, page, figures="89mm", figure_format=["svg", "pdf"])
+    command("report", folder, "--out", its, "--figures", "89mm", "--figure-format", "svg,pdf", "--quiet")
+    figures = {name: path.read_bytes() for name, path in files(page.parent).items()}
+    assert figures == {name: path.read_bytes() for name, path in files(its.parent).items()}
+    assert any(name.endswith(".pdf") for name in figures)
 
 
 def test_pieces_are_the_same(tower: str, command: Command, tmp_path: Path) -> None:

@@ -9,10 +9,11 @@ use stochc_ensemble::{EnsembleProgram, Manifest, completion_time};
 use stochc_files::atomic::Replaces;
 use stochc_files::budget::TIMES;
 use stochc_files::read_file;
-use stochc_report::figures::{Medium, fit as fit_figure};
+use stochc_report::figures::{Figures, fit as fit_figure};
 use stochc_report::tables::fit_to_text;
 use stochc_runtime::{Settings, Substeps};
 
+use super::figures::FigureOptions;
 use super::imports::ImportOptions;
 use super::interrupt::stop_on_interrupt;
 use super::levels::LevelOptions;
@@ -27,6 +28,7 @@ use crate::operations::trade::claim;
 
 /// What `fit` is given.
 #[derive(Debug, Args)]
+#[command(mut_arg("figures", |it| it.requires("out")), mut_arg("figure_format", |it| it.requires("out")))]
 pub struct Options {
     /// Programs whose times were measured
     #[arg(value_name = "FILE", required = true)]
@@ -56,9 +58,12 @@ pub struct Options {
     /// Stop a run after this many ticks; its time then counts for nothing, and is told of
     #[arg(long, value_name = "TICKS", default_value_t = 200_000, value_parser = clap::value_parser!(u64).range(1..))]
     max_ticks: u64,
-    /// Folder for `fit.json` and `fit.svg`; it must be new or empty
+    /// Folder for `fit.json` and the figure `fit.svg`; it must be new or empty
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// What its figure is like.
+    #[command(flatten)]
+    figures: FigureOptions,
     #[command(flatten)]
     measuring: MeasuringOptions,
     /// What becomes of warnings
@@ -96,7 +101,7 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
         ResultsFormat::Json => print(&json(&fit))?,
     }
     if let Some(out) = &options.out {
-        keep(out, &fit, &options.vary)?;
+        keep(out, &fit, &options.vary, &options.figures.figures())?;
     }
     Ok(Exit::Success)
 }
@@ -319,16 +324,15 @@ fn json(fit: &Fit) -> String {
     text + "\n"
 }
 
-fn keep(out: &Path, fit: &Fit, priors: &[Prior]) -> Result<(), Failure> {
-    let files = [
-        ("fit.json", json(fit)),
-        ("fit.svg", fit_figure(Medium::Screen, fit, priors).file()),
-    ];
-    for (name, text) in files {
+fn keep(out: &Path, fit: &Fit, priors: &[Prior], figures: &Figures) -> Result<(), Failure> {
+    let drawn = figures.files(&fit_figure(figures.medium, fit, priors));
+    let mut files = drawn.map_err(Failure::usage)?;
+    files.push(("fit.json".to_owned(), json(fit).into_bytes()));
+    for (name, content) in files {
         let path = out.join(name);
-        stochc_files::atomic::replace(&path, text.as_bytes(), Replaces::Nothing).map_err(
-            |error| Failure::usage(format!("cannot write `{}`: {error}", path.display())),
-        )?;
+        stochc_files::atomic::replace(&path, &content, Replaces::Nothing).map_err(|error| {
+            Failure::usage(format!("cannot write `{}`: {error}", path.display()))
+        })?;
     }
     if fit.stopped > 0 {
         warn(&format!(

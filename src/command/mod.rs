@@ -7,6 +7,7 @@ pub mod completions;
 pub mod estimate;
 pub mod explain;
 pub mod export;
+mod figures;
 pub mod fit;
 pub mod fmt;
 mod imports;

@@ -8,6 +8,7 @@ use stochc_ensemble::{MOST_RUNS, Manifest};
 use stochc_report::tables::trade_to_text;
 use stochc_runtime::Settings;
 
+use super::figures::FigureOptions;
 use super::imports::ImportOptions;
 use super::interrupt::stop_on_interrupt;
 use super::levels::LevelOptions;
@@ -23,6 +24,7 @@ use crate::operations::trade::{keep, measured, memory};
 /// What `trade` is given.
 #[derive(Debug, Args)]
 #[command(group = ArgGroup::new("extent").args(["runs", "budget"]))]
+#[command(mut_arg("figures", |it| it.requires("out")), mut_arg("figure_format", |it| it.requires("out")))]
 pub struct Options {
     /// Programs to simulate; with several, their ranking at each setting is compared as well
     #[arg(value_name = "FILE", required = true)]
@@ -40,9 +42,12 @@ pub struct Options {
     /// Refine the reference up to this many substeps
     #[arg(long, value_name = "SUBSTEPS", default_value_t = FINEST, value_parser = clap::value_parser!(u32).range(1..=1000))]
     finest: u32,
-    /// Folder for `trade.json` and `trade.svg`; it must be new or empty
+    /// Folder for `trade.json` and the figure `trade.svg`; it must be new or empty
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// What its figure is like.
+    #[command(flatten)]
+    figures: FigureOptions,
     /// Continue a trade in `--out` that was stopped or killed: its runs are not made again
     #[arg(long, requires = "out")]
     resume: bool,
@@ -91,7 +96,7 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
     let trade = measured(&programs, &setup, &host)?;
     // What is kept is kept before anything is said: nobody may be there to listen.
     if let (Some(out), Some(memory)) = (&options.out, memory) {
-        keep(out, memory, &trade)?;
+        keep(out, memory, &trade, &options.figures.figures())?;
     }
     match format {
         ResultsFormat::Text => {

@@ -10,7 +10,7 @@ use stochc_files::shell::file as shell_file;
 use super::memory::MemoryOption;
 use super::terminal::{print, warn};
 use crate::exit::{Exit, Failure};
-use crate::operations::sweep::files as sweep_files;
+use crate::operations::sweep::files_for_screens;
 
 /// What `verify` is given.
 #[derive(Debug, Args)]
@@ -40,7 +40,7 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
         warn("something is damaged; `--repair` saves what is sound, and deletes nothing\n");
         return Ok(Exit::Usage);
     }
-    repair(path, sweep_files).map_err(Failure::usage)?;
+    repair(path, files_for_screens).map_err(Failure::usage)?;
     let kept = match Folder::read(path) {
         Err(FolderError::Cut { .. }) => {
             let folder = shell_file(&visible(&path.to_string_lossy()));

@@ -8,6 +8,7 @@ use stochc_ensemble::{
 };
 use stochc_ir::table::{Action, Tables};
 use stochc_ir::visible;
+use stochc_report::figures::Figures;
 use stochc_runtime::RunError;
 
 use super::memory::{Kept, threads};
@@ -40,6 +41,8 @@ pub struct Making<'a> {
     pub memory: Option<u64>,
     /// Whether it has been told already that other builds have made runs of the manifest.
     pub is_told_of_build: bool,
+    /// What the figures of a sweep are like.
+    pub figures: &'a Figures,
     /// Who looks at it meanwhile.
     pub viewer: Option<&'a dyn Viewer>,
 }
@@ -145,7 +148,12 @@ pub fn make(manifest: &Manifest, how: &Making<'_>, host: &dyn Host) -> Result<Ma
             let folder = folder.map_err(Failure::usage)?;
             checkpoints = folder.checkpoints().cloned();
             tell_of_checkpoints(checkpoints.as_deref(), host);
-            Destination::Folder(folder.with(sweep::files))
+            Destination::Folder({
+                let figures = how.figures.clone();
+                let further =
+                    move |manifest: &_, finished: &_| sweep::files(manifest, finished, &figures);
+                folder.with(further)
+            })
         }
     };
     let progress = Progress::new(manifest, at_once);

@@ -51,7 +51,7 @@ pub fn shard(
 /// # Errors
 /// If some are missing, or are of something else.
 pub fn merge(folder: &Path) -> Result<u64, Failure> {
-    merge_all(folder, sweep::files).map_err(|error| match error {
+    merge_all(folder, sweep::files_for_screens).map_err(|error| match error {
         ShardError::Missing { .. } => Failure::error(Exit::UnsuccessfulRun, error),
         error => Failure::usage(error),
     })

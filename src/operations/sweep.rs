@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use stochc_compiler::LintLevels;
 use stochc_ensemble::sweep::{Axis, MOST_POINTS, Sweep, points as combine};
-use stochc_ensemble::{Compiled, EnsembleProgram, JournalError, MOST_RUNS, Manifest, Records};
+use stochc_ensemble::{Compiled, EnsembleProgram, FurtherFiles, MOST_RUNS, Manifest, Records};
 use stochc_ir::Executable;
 use stochc_ir::visible;
-use stochc_report::figures::{Medium, sweep as pictures};
+use stochc_report::figures::{Figures, sweep as pictures};
 
 use super::programs::{recompile, verdict};
 use crate::exit::Failure;
@@ -128,19 +128,28 @@ pub fn share_tables(programs: &mut [EnsembleProgram]) {
 /// `sweep.json`, `sweep.csv` and the figures of a results folder, if its ensemble is a sweep: names and contents.
 ///
 /// # Errors
-/// Where the runs cannot be read again.
-pub fn files(
-    manifest: &Manifest,
-    finished: &Records,
-) -> Result<Vec<(String, String)>, JournalError> {
+/// Where the runs cannot be read again, or a figure cannot be written.
+pub fn files(manifest: &Manifest, finished: &Records, figures: &Figures) -> FurtherFiles {
     let Some(sweep) = Sweep::of(manifest, finished)? else {
         return Ok(Vec::new());
     };
     let mut files = vec![
-        ("sweep.json".to_owned(), sweep.to_json(manifest)),
-        ("sweep.csv".to_owned(), sweep.to_csv()),
+        (
+            "sweep.json".to_owned(),
+            sweep.to_json(manifest).into_bytes(),
+        ),
+        ("sweep.csv".to_owned(), sweep.to_csv().into_bytes()),
     ];
-    let pictures = pictures(Medium::Screen, &sweep, "sweep").into_iter();
-    files.extend(pictures.map(|drawing| (format!("{}.svg", drawing.name), drawing.file())));
+    for drawing in pictures(figures.medium, &sweep, "sweep") {
+        files.extend(figures.files(&drawing)?);
+    }
     Ok(files)
+}
+
+/// The same with figures for a screen, where nobody says what they are for.
+///
+/// # Errors
+/// Those of [`files`].
+pub fn files_for_screens(manifest: &Manifest, finished: &Records) -> FurtherFiles {
+    files(manifest, finished, &Figures::default())
 }

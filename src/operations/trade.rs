@@ -5,7 +5,7 @@ use stochc_compiler::cost::estimate;
 use stochc_ensemble::trade::{Estimate, MEMORY, Memory, Progress, Setup, Trade, measure};
 use stochc_ensemble::{EnsembleProgram, FolderError, JournalError};
 use stochc_files::atomic::{self, Replaces};
-use stochc_report::figures::{Medium, trade as trade_figure};
+use stochc_report::figures::{Figures, trade as trade_figure};
 use stochc_runtime::world::SceneError;
 
 use super::estimate::planned;
@@ -73,12 +73,12 @@ pub fn memory(
 ///
 /// # Errors
 /// Those of the file system.
-pub fn keep(out: &Path, memory: Memory, trade: &Trade) -> Result<(), Failure> {
+pub fn keep(out: &Path, memory: Memory, trade: &Trade, figures: &Figures) -> Result<(), Failure> {
     let cannot = |error: &dyn std::fmt::Display| {
         Failure::usage(format!("cannot write to `{}`: {error}", out.display()))
     };
     memory.close().map_err(|error| cannot(&error))?;
-    write(out, trade).map_err(|error| cannot(&error))
+    write(out, trade, figures).map_err(|error| cannot(&error))
 }
 
 fn cannot_go_on(out: &Path, error: &FolderError) -> Failure {
@@ -119,13 +119,11 @@ pub fn claim(out: &Path, resume: bool) -> Result<(), String> {
     }
 }
 
-fn write(out: &Path, trade: &Trade) -> std::io::Result<()> {
-    let files = [
-        ("trade.json", trade.to_json()),
-        ("trade.svg", trade_figure(Medium::Screen, trade).file()),
-    ];
+fn write(out: &Path, trade: &Trade, figures: &Figures) -> std::io::Result<()> {
+    let mut files = figures.files(&trade_figure(figures.medium, trade))?;
+    files.push(("trade.json".to_owned(), trade.to_json().into_bytes()));
     let mut files = files.iter();
-    files.try_for_each(|(name, text)| {
-        atomic::replace(&out.join(name), text.as_bytes(), Replaces::Ordinary)
+    files.try_for_each(|(name, content)| {
+        atomic::replace(&out.join(name), content, Replaces::Ordinary)
     })
 }

@@ -51,7 +51,10 @@ fn cut(folder: &Path, shards: u64) -> Manifest {
 
 fn put_together(folder: &Path) -> Result<u64, ShardError> {
     merge(folder, |_, finished| {
-        Ok(vec![("count.txt".to_owned(), finished.len().to_string())])
+        Ok(vec![(
+            "count.txt".to_owned(),
+            finished.len().to_string().into_bytes(),
+        )])
     })
 }
 
@@ -80,8 +83,12 @@ fn whole() -> BTreeMap<String, Vec<u8>> {
     let folder = tempfile::tempdir().unwrap();
     let never = AtomicBool::new(false);
     let opened = Folder::open(folder.path(), &manifest(RUNS), false).unwrap();
-    let opened =
-        opened.with(|_, finished| Ok(vec![("count.txt".to_owned(), finished.len().to_string())]));
+    let opened = opened.with(|_, finished| {
+        Ok(vec![(
+            "count.txt".to_owned(),
+            finished.len().to_string().into_bytes(),
+        )])
+    });
     run_on(1, Destination::Folder(opened), &never, simulate).unwrap();
     files(folder.path())
 }

@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use serde_json::{Value, json};
 
-use crate::page_under_test::Mouse;
+use crate::page_under_test::{Mouse, SETTLED};
 use crate::skipped::skipped;
 
 /// Longer than anything takes on a slow machine.
@@ -194,11 +194,8 @@ impl Browser {
             "Page.navigate",
             &json!({ "url": format!("file://{file}{hash}") }),
         );
-        let settled = "document.readyState === 'complete' && location.protocol === 'file:' && \
-             (document.body.dataset.ready === 'yes' || document.body.classList.contains('failed') || \
-              !document.getElementById('whole'))";
         let begun = std::time::Instant::now();
-        while self.value(settled) != json!(true) {
+        while self.value(SETTLED) != json!(true) {
             assert!(begun.elapsed() < PATIENCE, "the page does not settle");
             std::thread::sleep(Duration::from_millis(50));
         }

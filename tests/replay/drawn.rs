@@ -41,7 +41,7 @@ fn check_axes(page: &mut impl Page) {
     ];
     for (azimuth, height) in [(-0.9, 0.42), (0.4, 0.1), (2.5, 1.2), (-2.2, 0.7)] {
         let look = format!("replay.look([{azimuth}, {height}, 15, 0, 0, 1])");
-        let drawn = page.drawn("labels", &look);
+        let drawn = page.drawn("#labels .axes", &look);
         let [right, up] = basis(azimuth, height);
         for (name, way) in ways {
             let at = drawn
@@ -75,7 +75,7 @@ fn check_scale(page: &mut impl Page) {
             "replay.look([{}, 0, {distance}, 0, -1, -0.5])",
             -std::f64::consts::FRAC_PI_2
         );
-        let drawn = page.drawn("labels", &look);
+        let drawn = page.drawn("#labels .axes", &look);
         let at = drawn.iter().position(|it| {
             it[0] == "fillText" && it[2].as_str().is_some_and(|text| text.contains(" = "))
         });
@@ -154,7 +154,7 @@ fn check_overview(page: &mut impl Page, recording: &Recording, tables: &Tables) 
         let frame = &frames[(frames.len() - 1) * part / 14];
         let view = [0.6 + f64::from(part as u32), 0.5, 14.0, 1.0, -2.0, 1.0];
         let drawn = page.drawn(
-            "overview",
+            "#overview",
             &format!("await replay.seek({}); replay.look({view:?})", frame.tick),
         );
         let last = drawn

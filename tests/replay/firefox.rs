@@ -9,9 +9,9 @@ use serde_json::{Value, json};
 
 use crate::accessible::{axe, breaks_nothing};
 use crate::folder::{PROGRAM, Results, SWARM};
-use crate::page_under_test::Mouse;
+use crate::page_under_test::{Mouse, SETTLED};
 use crate::skipped::skipped;
-use crate::{drawn, grouped, looking, page, telling};
+use crate::{drawn, grouped, hostile, looking, page, telling, unreadable};
 
 /// Longer than anything takes on a slow machine.
 const PATIENCE: Duration = Duration::from_secs(120);
@@ -116,7 +116,7 @@ impl Firefox {
             self.go(&url);
         }
         let begun = Instant::now();
-        while self.value("document.body.dataset.ready ?? document.body.className") == "" {
+        while self.value(SETTLED) != true {
             assert!(begun.elapsed() < PATIENCE, "the page does not settle");
             std::thread::sleep(Duration::from_millis(50));
         }
@@ -252,6 +252,8 @@ fn firefox_shows_the_same() {
     page::check_faces(&mut firefox, &recording, &results.tables());
     drawn::check_all(&mut firefox, &results);
     grouped::check_all(&mut firefox, &Results::of(SWARM, "--record 0"));
+    hostile::check(&mut firefox);
+    unreadable::check(&mut firefox);
 }
 
 #[test]

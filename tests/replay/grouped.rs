@@ -107,7 +107,7 @@ fn check_groups(page: &mut impl Page, recording: &Recording) {
 
 /// The strip shows the size of the largest group and the number of groups over time.
 fn check_strip(page: &mut impl Page, recording: &Recording) {
-    let drawn = page.drawn("timeline", "document.getElementById('theme').click()");
+    let drawn = page.drawn("#timeline", "document.getElementById('theme').click()");
     let width = number(&page.value("document.getElementById('timeline').clientWidth"));
     let end = recording.record().ticks as f64;
     let mut course = Vec::new();

@@ -9,7 +9,7 @@ use crate::page_under_test::{Mouse, Page};
 type Check<P> = fn(&mut P);
 
 /// What is checked, and what stands behind the address.
-fn checks<P: Page>() -> [(Check<P>, &'static str); 8] {
+fn checks<P: Page>() -> [(Check<P>, &'static str); 9] {
     [
         (a_click_on_a_name_chooses_its_block, ""),
         (
@@ -17,6 +17,7 @@ fn checks<P: Page>() -> [(Check<P>, &'static str); 8] {
             "",
         ),
         (names_do_not_show_through_solid_blocks, ""),
+        (sheets_are_no_larger_than_what_is_on_them, "#tick=9000"),
         (the_strip_of_marks_is_dragged, ""),
         (graphics_that_are_lost_come_back, "#tick=2500"),
         (keys_turn_the_view_and_choose_a_block, "#tick=9000"),
@@ -50,17 +51,17 @@ fn in_chromium(which: std::ops::Range<usize>) {
 
 #[test]
 fn what_is_clicked_is_chosen() {
-    in_chromium(0..3);
+    in_chromium(0..4);
 }
 
 #[test]
 fn strips_keys_and_lost_graphics() {
-    in_chromium(3..6);
+    in_chromium(4..7);
 }
 
 #[test]
 fn graphs_and_blocks_in_sight() {
-    in_chromium(6..8);
+    in_chromium(7..9);
 }
 
 fn number(value: &Value) -> f64 {
@@ -151,6 +152,38 @@ fn names_do_not_show_through_solid_blocks(browser: &mut impl Page) {
         })()",
     );
     assert!(!covered.as_array().unwrap().is_empty(), "{covered}");
+}
+
+fn sheets_are_no_larger_than_what_is_on_them(browser: &mut impl Page) {
+    // From the first view, from elsewhere, and so close that names are cut by the edge of the arena.
+    for view in [
+        "replay.state().view",
+        "[0.8, 0.3, 30, 4, 0, 2]",
+        "[2.4, 0.9, 6, 0, 0, 2]",
+    ] {
+        browser.value(&format!("replay.look({view})"));
+        let seen = browser.value(
+            "replay.settled().then(() => {
+                const arena = document.getElementById('arena').getBoundingClientRect();
+                const [names, axes] = ['names', 'axes'].map(name => document.querySelector(`#labels .${name}`));
+                const box = names.getBoundingClientRect();
+                const pen = new OffscreenCanvas(arena.width, arena.height).getContext('2d', { willReadFrequently: true });
+                pen.drawImage(names, box.left - arena.left, box.top - arena.top);
+                const inked = ({ x, y }) => pen.getImageData(x - 12, y - 8, 24, 16).data.some((part, i) => i % 4 === 3 && part > 100);
+                const inside = replay.names().filter(({ x, y }) => x > 12 && y > 8 && x < arena.width - 12 && y < arena.height - 8);
+                const share = [names, axes].reduce((sum, { width, height }) => sum + width * height, 0) / (arena.width * arena.height);
+                const sharp = [names, axes].every(sheet => sheet.clientWidth === sheet.width && sheet.clientHeight === sheet.height);
+                return { names: inside.length, blank: inside.filter(name => !inked(name)).length, share, sharp };
+            })",
+        );
+        assert!(number(&seen["names"]) >= 4.0, "{view}: {seen}");
+        assert_eq!(seen["blank"], 0, "{view}: {seen}");
+        assert_eq!(seen["sharp"], true, "{view}: {seen}");
+        // The closest view has names everywhere.
+        if view.starts_with("replay") {
+            assert!(number(&seen["share"]) < 0.4, "{view}: {seen}");
+        }
+    }
 }
 
 fn the_strip_of_marks_is_dragged(browser: &mut impl Page) {

@@ -6,6 +6,11 @@ use serde_json::Value;
 use crate::browser::Browser;
 use crate::firefox::Firefox;
 
+/// Whether a page shows a replay or a message, or has been cut short.
+pub const SETTLED: &str = "document.readyState === 'complete' && location.protocol === 'file:' && \
+     (document.body.dataset.ready === 'yes' || document.body.classList.contains('failed') || \
+      !document.getElementById('whole'))";
+
 /// What is done with the left button.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mouse {
@@ -44,7 +49,7 @@ pub trait Page {
         self.mouse(Mouse::Release, x, y);
     }
 
-    /// What is drawn on a flat sheet by `act`: each as `[what, style, numbers or a text and numbers]`, in the units of the page.
+    /// What is drawn by `act` on a flat sheet, of which there is a selector: each as `[what, style, numbers or a text and numbers]`, in the units of the page.
     fn drawn(&mut self, sheet: &str, act: &str) -> Vec<Value> {
         let drawn = self.value(&format!(
             "(async () => {{
@@ -54,7 +59,7 @@ pub trait Page {
                 const drawn = [];
                 for (const name of known) proto[name] = function (...args) {{
                     const style = name === 'moveTo' || name === 'lineTo' ? this.strokeStyle : this.fillStyle;
-                    if (this.canvas.id === '{sheet}') drawn.push([name, style, ...args]);
+                    if (this.canvas.matches('{sheet}')) drawn.push([name, style, ...args]);
                     return old[name].apply(this, args);
                 }};
                 try {{

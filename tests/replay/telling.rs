@@ -1,6 +1,7 @@
 //! Two runs in one page, a tour of one, and what is taken along.
 use serde_json::{Value, json};
 use stochc::ensemble::recording::Recording;
+use stochc::ir::palette::{DARK, LIGHT};
 
 use crate::browser::{Browser, browser};
 use crate::folder::{PROGRAM, Results, stochc};
@@ -81,9 +82,9 @@ fn check_two_runs(browser: &mut impl Page) {
     );
     // Both are drawn, from the same point.
     let shown = browser.value(
-        "[...document.querySelectorAll('#stage canvas')].map(canvas => [canvas.id || canvas.className, canvas.clientWidth])",
+        "[...document.querySelectorAll('#stage > canvas')].map(canvas => [canvas.id || canvas.className, canvas.clientWidth])",
     );
-    assert_eq!(shown[0][1], shown[2][1], "{shown}");
+    assert_eq!(shown[0][1], shown[1][1], "{shown}");
     let before = browser.value("replay.state().view");
     browser.click(450.0, 300.0);
     browser.swipe((450.0, 300.0), (530.0, 300.0));
@@ -167,6 +168,32 @@ fn check_taken_along(browser: &mut impl Page) {
     })()";
     let pixels = browser.value(same);
     assert_eq!(pixels[0], pixels[1]);
+    // So are names and axes: there is nothing else in their colour, which comes and goes with them.
+    let ink = match browser.value("themeName()").as_str().unwrap() {
+        "dark" => DARK.ink,
+        _ => LIGHT.ink,
+    };
+    let written = "(async () => {
+        const ink = INK;
+        const { clientWidth, clientHeight } = document.getElementById('arena');
+        const inked = async (x, y, wide, high) => {
+            const sheet = new OffscreenCanvas(2 * clientWidth, 2 * clientHeight).getContext('2d');
+            sheet.drawImage(await createImageBitmap(await replay.png(2 * clientWidth, 2 * clientHeight)), 0, 0);
+            const { data } = sheet.getImageData(2 * (x - wide / 2), 2 * (y - high / 2), 2 * wide, 2 * high);
+            let found = 0;
+            for (let at = 0; at < data.length; at += 4) if (ink.every((part, i) => Math.abs(data[at + i] - part) < 8)) found++;
+            return found;
+        };
+        const [{ x, y }] = replay.names().slice(-1);
+        const [before, axes] = [await inked(x, y, 30, 20), await inked(clientWidth - 50, clientHeight - 45, 90, 80)];
+        document.getElementById('names').click();
+        await replay.settled();
+        const after = await inked(x, y, 30, 20);
+        document.getElementById('names').click();
+        return [before > 20, after, axes > 100];
+    })()";
+    let written = written.replace("INK", &json!([ink.0, ink.1, ink.2]).to_string());
+    assert_eq!(browser.value(&written), json!([true, 0, true]));
     let much = browser.value("replay.png(10 ** 7, 1).catch(({ message }) => message)");
     assert!(much.as_str().unwrap().contains("pixels at most"), "{much}");
     // A cluster of pictures, of however many the machine draws.

@@ -5,11 +5,12 @@ use std::path::Path;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 
-use crate::browser::{Browser, browser};
+use crate::browser::browser;
 use crate::folder::Results;
+use crate::page_under_test::Page;
 
 /// What is shown in the place of the arena.
-fn message(browser: &mut Browser, page: &Path, text: &str) -> String {
+fn message(browser: &mut impl Page, page: &Path, text: &str) -> String {
     fs::write(page, text).unwrap();
     browser.open(page, "");
     let shown = browser.value(
@@ -23,6 +24,11 @@ fn what_is_wrong_with_a_page_is_told() {
     let Some(mut browser) = browser(&[]) else {
         return;
     };
+    check(&mut browser);
+}
+
+/// Pages of other versions, damaged ones, and those that were cut short.
+pub fn check(browser: &mut impl Page) {
     let results = Results::of("tests/fixtures/dense.sa", "--record 0");
     let page = results.page(0);
     let text = fs::read_to_string(&page).unwrap();
@@ -39,7 +45,7 @@ fn what_is_wrong_with_a_page_is_told() {
             &text[end..]
         )
     };
-    assert_eq!(message(&mut browser, &page, &text), "");
+    assert_eq!(message(browser, &page, &text), "");
     for (text, reason) in [
         (with(&|bytes| bytes[8] = 7), "version 7"),
         (with(&|bytes| bytes.truncate(bytes.len() / 2)), "cut short"),
@@ -58,12 +64,12 @@ fn what_is_wrong_with_a_page_is_told() {
             "cut short",
         ),
     ] {
-        let said = message(&mut browser, &page, &text);
+        let said = message(browser, &page, &text);
         assert!(said.contains(reason), "{reason}: {said}");
     }
     // In the midst of packed places, where only the checksum tells.
     let said = message(
-        &mut browser,
+        browser,
         &page,
         &with(&|bytes| {
             let middle = bytes.len() / 2;

@@ -7,7 +7,7 @@ mod html;
 pub(crate) mod narrative;
 mod page;
 
-use std::io::{self, Write};
+use std::io::Write;
 
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
 use stochc_ensemble::TimeUnit;
@@ -19,6 +19,7 @@ use crate::svg::Drawing;
 
 pub use crate::analysis::maps::Recordings;
 pub use crate::analysis::subject::{Input, ReportError};
+pub use crate::figures::{FigureFormat, Figures};
 pub use crate::svg::Medium;
 pub use data::CHAINS;
 
@@ -34,54 +35,6 @@ pub struct Report {
     pub files: Vec<(String, Vec<u8>)>,
     /// Whether [`CHAINS`] belongs to it: where nothing is captured, it would have no row.
     pub has_chains: bool,
-}
-
-/// A form of the figures beside a page.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum FigureFormat {
-    /// For browsers and drawing programs.
-    #[default]
-    Svg,
-    /// For papers, with its font.
-    Pdf,
-}
-
-/// What the figures beside a page are like; those on it are for a screen.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Figures {
-    /// What they are laid out for.
-    pub medium: Medium,
-    /// The forms in which each is written, one at least.
-    pub formats: Vec<FigureFormat>,
-}
-
-impl Default for Figures {
-    fn default() -> Figures {
-        Figures {
-            medium: Medium::default(),
-            formats: vec![FigureFormat::default()],
-        }
-    }
-}
-
-impl Figures {
-    /// The names of the files of a figure.
-    fn names(&self, figure: &Drawing) -> Vec<String> {
-        let names = self.formats.iter().map(|format| match format {
-            FigureFormat::Svg => format!("{}.svg", figure.name),
-            FigureFormat::Pdf => format!("{}.pdf", figure.name),
-        });
-        names.collect()
-    }
-
-    /// The contents of the same files.
-    fn contents(&self, figure: &Drawing) -> io::Result<Vec<Vec<u8>>> {
-        let contents = self.formats.iter().map(|format| match format {
-            FigureFormat::Svg => Ok(figure.file().into_bytes()),
-            FigureFormat::Pdf => figure.pdf(),
-        });
-        contents.collect()
-    }
 }
 
 /// What a report needs to know about the place that it is written to.
@@ -149,13 +102,7 @@ pub fn report(
     let mut drawings: Vec<Drawing> = Vec::new();
     let page = page::page(&parts, &mut drawings);
     for drawing in &drawings {
-        let figures = surroundings.figures;
-        files.extend(
-            figures
-                .names(drawing)
-                .into_iter()
-                .zip(figures.contents(drawing)?),
-        );
+        files.extend(surroundings.figures.files(drawing)?);
     }
     files.sort();
     let has_chains = subjects.is_empty() || !subjects.iter().all(ReportedProgram::is_aggregate);

@@ -1,6 +1,7 @@
 //! Pictures (SVG and PDF) of ensembles, sweeps and trades; each is laid out for the width of its medium.
 mod completion;
 mod entries;
+mod files;
 mod fit;
 mod maps;
 mod means;
@@ -20,6 +21,7 @@ pub(crate) use waits::{SHOWN, waits};
 pub use crate::svg::{Drawing, Medium};
 pub use completion::completion;
 pub(crate) use completion::completion_so_far;
+pub use files::{FigureFormat, Figures};
 pub use fit::fit;
 pub use sweep::pictures as sweep;
 pub use trade::trade;

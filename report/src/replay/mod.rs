@@ -38,6 +38,7 @@ const ARENA: &[&str] = &[
     include_str!("page/shapes.js"),
     include_str!("page/shaders.js"),
     include_str!("page/painter.js"),
+    include_str!("page/sheet.js"),
     include_str!("page/axes.js"),
     include_str!("page/labels.js"),
     include_str!("page/sight.js"),

@@ -35,6 +35,12 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
     let stop = stop_on_interrupt()?;
     options.memory.apply()?;
     let mut manifest = input::prepare(options, &host)?;
+    let is_sweep = manifest.programs.iter().any(|it| !it.varied.is_empty());
+    if options.figures.are_given() && !is_sweep {
+        return Err(Failure::usage(
+            "`--figures` and `--figure-format` are for the figures of `--sweep`; `stochc report` draws those of other folders",
+        ));
+    }
     // Before anything is measured, and of the model that is then found.
     can_record(&manifest, options.record.as_ref())?;
     if let Some(accuracy) = options.accuracy {
@@ -124,6 +130,7 @@ fn ensemble(options: &Options, manifest: &Manifest, host: &Terminal) -> Result<E
         memory: options.memory.limit,
         // Of a manifest that is given it has been told.
         is_told_of_build: options.manifest.is_some(),
+        figures: &options.figures.figures(),
         viewer: watching.as_ref().map(|it| it as &dyn Viewer),
     };
     let Made {

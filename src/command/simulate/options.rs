@@ -7,6 +7,7 @@ use stochc_ensemble::sweep::Axis;
 use stochc_ensemble::{Interval, MOST_RUNS};
 use stochc_runtime::{Model, Precision, Reduction, Substeps};
 
+use super::super::figures::FigureOptions;
 use super::super::imports::ImportOptions;
 use super::super::levels::LevelOptions;
 use super::super::measuring::{SeedOption, WorkOptions};
@@ -17,6 +18,10 @@ use crate::operations::time;
 
 /// What `simulate` is given.
 #[derive(Debug, Args)]
+#[command(
+    mut_arg("figures", |it| it.requires("out").conflicts_with("shards")),
+    mut_arg("figure_format", |it| it.requires("out").conflicts_with("shards"))
+)]
 pub struct Options {
     /// Programs to simulate; several are compared with each other
     #[arg(value_name = "FILE", required_unless_present = "manifest")]
@@ -76,6 +81,9 @@ pub struct Options {
     /// Folder for the results; it must be new or empty
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// What the figures of a sweep are like.
+    #[command(flatten)]
+    pub figures: FigureOptions,
     /// Continue an interrupted ensemble in `--out`, or add runs to a finished one
     #[arg(long, requires = "out")]
     pub resume: bool,

@@ -5,12 +5,8 @@ class Against {
   constructor(about, recording, camera, { wake, select }) {
     this.recording = recording;
     this.history = new History(about, recording);
-    const canvas = name => {
-      const made = part('canvas', `second ${name}`);
-      element('overview').before(made);
-      return made;
-    };
-    const [arena, labels] = [canvas('arena'), canvas('labels')];
+    const [arena, labels] = ['canvas', 'div'].map((tag, i) => part(tag, `second ${['arena', 'labels'][i]}`));
+    element('overview').before(arena, labels);
     arena.tabIndex = 0;
     arena.setAttribute('role', 'img');
     arena.setAttribute('aria-label', `the arena of run ${recording.header.run}: drag to turn, click a block`);

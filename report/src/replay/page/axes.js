@@ -2,15 +2,29 @@
 
 const DIRECTIONS = { E: NORMALS.east, N: NORMALS.north, up: NORMALS.up };
 
-/** Draws them into the lower right corner of a sheet of some width and height [px]; `side` is that of a block [m]. */
-function drawAxes(pen, camera, { width, height }, side, look) {
+/** Draws them into the lower right corner of an arena of some width and height [px]; `side` is that of a block [m]. */
+function drawAxes(sheet, camera, { width, height }, side, look, sharp) {
+  const { pen } = sheet;
   // Narrow pages have lines of text below.
   const level = height - (width < 600 ? 80 : 26);
   const [x, y, long] = [width - 46, level - 48, 26];
+  // At the point that one looks at.
+  const scale = height / (2 * camera.distance * Math.tan(camera.angle / 2));
+  const sides = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000].findLast(sides => sides * scale <= 130) ?? 1;
+  const [from, to] = [width - 16 - sides * scale, width - 16];
+  const length = `${count(sides, 'side')} = ${metres(sides * side)}`;
+  const font = '600 11px system-ui, sans-serif';
+  pen.font = font;
+  // Arrows with their names reach so far, and a line of text so far from its middle.
+  const [reach, line] = [long + 9 + pen.measureText('up').width, 11];
+  const first = Math.min(x - reach, from, to - pen.measureText(length).width);
+  sheet.cover([[first - 2, y - reach - line, width, level + 11 + line]], { width, height }, sharp);
   const [right, up, back] = camera.basis;
+  pen.textAlign = 'center';
+  pen.textBaseline = 'middle';
   pen.strokeStyle = pen.fillStyle = look.ink;
   pen.lineWidth = 1.5;
-  pen.font = '600 11px system-ui, sans-serif';
+  pen.font = font;
   for (const [name, way] of Object.entries(DIRECTIONS)) {
     const [u, v] = [dot(way, right), -dot(way, up)];
     // Those that point away are fainter.
@@ -22,10 +36,6 @@ function drawAxes(pen, camera, { width, height }, side, look) {
     pen.fillText(name, x + (long + 9) * u, y + (long + 9) * v);
   }
   pen.globalAlpha = 1;
-  // At the point that one looks at.
-  const scale = height / (2 * camera.distance * Math.tan(camera.angle / 2));
-  const sides = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000].findLast(sides => sides * scale <= 130) ?? 1;
-  const [from, to] = [width - 16 - sides * scale, width - 16];
   pen.beginPath();
   pen.moveTo(from, level - 4);
   pen.lineTo(from, level);
@@ -33,7 +43,7 @@ function drawAxes(pen, camera, { width, height }, side, look) {
   pen.lineTo(to, level - 4);
   pen.stroke();
   pen.textAlign = 'right';
-  pen.fillText(`${count(sides, 'side')} = ${metres(sides * side)}`, to, level + 11);
+  pen.fillText(length, to, level + 11);
 }
 
 /** A length with a unit in which it is not small. */

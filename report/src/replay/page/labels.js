@@ -1,12 +1,18 @@
-// Names, on a sheet above the arena.
+// Names, and the axes, on sheets above the arena.
 
 /** With more blocks than this in the structure, those in front are not looked for. */
 const MANY = 400;
 
 class Labels {
-  constructor(canvas) {
-    this.canvas = canvas;
-    this.pen = canvas.getContext('2d');
+  /** `holder` is where the sheets are, as large as the arena. */
+  constructor(holder) {
+    this.names = new Sheet(holder, 'names');
+    this.axes = new Sheet(holder, 'axes');
+  }
+
+  /** Has all be drawn anew. */
+  forget() {
+    this.key = this.around = null;
   }
 
   /**
@@ -14,31 +20,31 @@ class Labels {
    * light through, and makes the names behind it fainter. `moves`: whether some of it does from tick to tick.
    */
   draw(scene, view, { blocks, opaque, glass, moves }, look, scale) {
-    const { canvas, pen } = this;
     const { width, height } = scene.painter;
-    if (canvas.width !== Math.round(width * scale) || canvas.height !== Math.round(height * scale)) {
-      canvas.width = Math.round(width * scale);
-      canvas.height = Math.round(height * scale);
-    }
-    // While the view and the structure are the same, so are the names: the sheet is large, and not drawn anew for nothing.
+    // While the view and the structure are the same, so is what is on the sheets, which are not drawn anew for nothing.
+    const around = `${view.join()} ${width} ${height} ${scale} ${look.ink}`;
+    if (around !== this.around) drawAxes(this.axes, scene.camera, { width, height }, scene.about.scene.block.side, look, scale);
     const who = blocks.map(({ body }) => (body === null ? '' : `${body} ${scene.history.nameAt(body, scene.tick)}`));
-    const key = `${view.join()} ${width} ${height} ${scale} ${scene.named} ${moves ? scene.tick : ''} ${look.ink} ${who.join()}`;
+    const key = `${around} ${scene.named} ${moves ? scene.tick : ''} ${who.join()}`;
     const eye = scene.camera.eye;
     if (key !== this.key) this.shown = visible(scene, view, blocks, opaque, eye);
     const faint = this.shown.map(({ block, middle }) => hidden(middle, block, glass, eye));
     if (key === this.key && faint.join() === this.faint) return;
-    this.key = key;
-    this.faint = faint.join();
-    pen.setTransform(scale, 0, 0, scale, 0, 0);
-    pen.clearRect(0, 0, width, height);
+    Object.assign(this, { around, key, faint: faint.join() });
+    const { pen } = this.names;
+    for (const name of this.shown) {
+      const size = Math.min(22, Math.max(11, name.scale * 0.42));
+      pen.font = name.font = `600 ${size}px system-ui, sans-serif`;
+      name.half = [pen.measureText(name.text).width / 2 + 2, size / 2 + 2];
+    }
+    // With room for the halo, and for letters that are higher than most.
+    const boxes = this.shown.map(({ x, y, half: [wide, high] }) => [x - wide - 2, y - 2 * high, x + wide + 2, y + 2 * high]);
+    this.names.cover(boxes, { width, height }, scale);
     pen.textAlign = 'center';
     pen.textBaseline = 'middle';
     pen.lineJoin = 'round';
-    this.shown.forEach((name, i) => {
-      const { text, x, y } = name;
-      const size = Math.min(22, Math.max(11, name.scale * 0.42));
-      pen.font = `600 ${size}px system-ui, sans-serif`;
-      name.half = [pen.measureText(text).width / 2 + 2, size / 2 + 2];
+    this.shown.forEach(({ text, x, y, font }, i) => {
+      pen.font = font;
       pen.globalAlpha = faint[i] ? 0.5 : 1;
       pen.lineWidth = 3;
       pen.strokeStyle = look.halo;
@@ -47,7 +53,12 @@ class Labels {
       pen.fillText(text, x, y);
     });
     pen.globalAlpha = 1;
-    drawAxes(pen, scene.camera, scene.painter, scene.about.scene.block.side, look);
+  }
+
+  /** Puts all of it onto a sheet as large as the arena. */
+  paint(pen) {
+    this.axes.paint(pen);
+    this.names.paint(pen);
   }
 
   /** The block whose name is written at a point [px]; `undefined`: there is none. */

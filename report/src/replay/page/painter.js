@@ -41,7 +41,7 @@ class Painter {
     const { gl } = this;
     this.cubes = program(gl, CUBE_CORNERS, CUBE_PAINT);
     this.points = program(gl, POINT_CORNERS, POINT_PAINT);
-    this.plain = program(gl, PLAIN_CORNERS, PLAIN_PAINT);
+    [this.plain, this.graded] = ['flat', 'smooth'].map(colours => program(gl, plainCorners(colours), plainPaint(colours)));
     this.corners = buffer(gl, cube());
     this.triangles = gl.createBuffer();
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.triangles);
@@ -120,8 +120,11 @@ class Painter {
     gl.uniform3fv(places.eye, this.camera.eye);
   }
 
-  /** Draws a sketch; with a name, it is kept as long as what it is `of` stays the same. */
-  drawSketch(sketch, { lines, opaque, name, of }) {
+  /**
+   * Draws a sketch; with a name, it is kept as long as what it is `of` stays the same. `graded`: the corners of its shapes differ
+   * in colour.
+   */
+  drawSketch(sketch, { lines, opaque, graded, name, of }) {
     const { gl } = this;
     let kept = name && this.fixed.get(name);
     if (!kept || kept.of !== of) {
@@ -132,8 +135,9 @@ class Painter {
       if (name) this.fixed.set(name, kept);
     }
     if (!kept.count) return;
-    gl.useProgram(this.plain.made);
-    gl.uniformMatrix4fv(this.plain.places.view, false, this.view);
+    const { made, places } = graded ? this.graded : this.plain;
+    gl.useProgram(made);
+    gl.uniformMatrix4fv(places.view, false, this.view);
     this.blend(!opaque);
     attribute(gl, kept.buffer, 0, 3, 28, 0, 0);
     attribute(gl, kept.buffer, 1, 4, 28, 12, 0);

@@ -17,7 +17,7 @@ function painted(scene, width, height, sheet = new OffscreenCanvas(width, height
     if (gl.drawingBufferWidth !== width || gl.drawingBufferHeight !== height) throw new Unreadable('The graphics of this browser cannot draw a picture of this size.');
     const pen = sheet.getContext('2d');
     pen.drawImage(painter.canvas, 0, 0, width, height);
-    pen.drawImage(labels.canvas, 0, 0, width, height);
+    labels.paint(pen);
   } finally {
     [painter.width, painter.height] = shown;
   }

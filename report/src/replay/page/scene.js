@@ -179,7 +179,7 @@ class Scene {
       const to = centres.get(`${of} ${face}`);
       if (to) threads.line(this.place(body).centre, to, [...rgb(look.lit), 1]);
     }
-    this.painter.drawSketch(() => shapes, { opaque: false });
+    this.painter.drawSketch(() => shapes, { opaque: false, graded: true });
     this.painter.drawSketch(() => threads, { lines: true, opaque: true });
   }
 

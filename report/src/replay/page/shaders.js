@@ -1,5 +1,42 @@
 // What the graphics processor does.
 
+/** How bright a face is, by its direction. */
+const LIGHT = `
+float lightOn(vec3 n) {
+  return 0.62 + 0.28 * max(dot(n, normalize(vec3(0.5, -0.35, 0.8))), 0.0) + 0.10 * n.z;
+}`;
+
+/**
+ * The colours of a block, of its faces and at their edges. They are worked out at its corners, of which there are few, and
+ * are the same all over a face; `ownRim`: the edges have a colour of their own, which no light changes.
+ */
+const BLOCK_COLOURS = `
+uniform vec3 markColour;
+uniform vec3 pulledColour;
+uniform float edgeShade;
+flat out vec4 base;
+flat out vec4 rim;
+flat out float within;
+void dress(vec4 paint, float marked, float light, float near) {
+  bool ownRim = marked > 0.5;
+  base = vec4(paint.rgb * light, paint.a);
+  rim = vec4(marked > 1.5 ? pulledColour : ownRim ? markColour : base.rgb * edgeShade, paint.a);
+  within = ownRim ? 0.84 : 0.91;
+  if (paint.a < 1.0) {
+    // What lets light through does not stand in the way, and is fainter far off.
+    base.a *= smoothstep(3.0, 12.0, near) * mix(1.0, 0.45, smoothstep(15.0, 50.0, near));
+    rim.a = 1.4 * base.a;
+  }
+}`;
+
+/** How much a place on a face is at its edge; `second`: how far it is from the middle of the face, which is 1 at the edge. */
+const EDGE = `
+flat in float within;
+float edgeAt(float second) {
+  float soft = fwidth(second);
+  return smoothstep(within - soft, within + soft, second);
+}`;
+
 const CUBE_CORNERS = `#version 300 es
 layout(location = 0) in vec3 corner;
 layout(location = 1) in vec3 normal;
@@ -8,12 +45,10 @@ layout(location = 3) in vec4 turn;
 layout(location = 4) in vec4 colour;
 layout(location = 5) in float mark;
 uniform mat4 view;
-out vec3 place;
-out vec3 outward;
-out vec4 paint;
-out float marked;
-out float near;
 uniform vec3 eye;
+out vec2 onFace;
+${LIGHT}
+${BLOCK_COLOURS}
 vec3 turned(vec3 v) {
   return v + 2.0 * cross(turn.xyz, cross(turn.xyz, v) + turn.w * v);
 }
@@ -22,53 +57,21 @@ void main() {
   vec3 way = eye - centre;
   vec3 seen = way + 2.0 * cross(-turn.xyz, cross(-turn.xyz, way) + turn.w * way);
   vec3 side = vec3(seen.x < 0.0 ? -1.0 : 1.0, seen.y < 0.0 ? -1.0 : 1.0, seen.z < 0.0 ? -1.0 : 1.0);
-  place = corner * side;
-  outward = turned(normal * side);
-  paint = colour;
-  marked = mark;
-  near = length(way);
+  onFace = 2.0 * (normal.x > 0.5 ? corner.yz : normal.y > 0.5 ? corner.zx : corner.xy);
+  dress(colour, mark, lightOn(turned(normal * side)), length(way));
   bool visible = dot(abs(seen), normal) > 0.5;
-  gl_Position = visible ? view * vec4(centre + turned(place), 1.0) : vec4(0.0, 0.0, 2.0, 1.0);
-}`;
-
-/** How bright a face is, by its direction. */
-const LIGHT = `
-float lightOn(vec3 n) {
-  return 0.62 + 0.28 * max(dot(n, normalize(vec3(0.5, -0.35, 0.8))), 0.0) + 0.10 * n.z;
-}`;
-
-/** The colour of a place on a block, by the light on its face. */
-const BLOCK_PAINT = `
-uniform vec3 markColour;
-uniform vec3 pulledColour;
-uniform float edgeShade;
-out vec4 colour;
-void painted(vec3 place, float light, vec4 paint, float marked, float near) {
-  // On a face one of these is 1; at an edge the second is, too.
-  vec3 a = abs(place) * 2.0;
-  float second = a.x + a.y + a.z - max(a.x, max(a.y, a.z)) - min(a.x, min(a.y, a.z));
-  float soft = fwidth(second);
-  float wide = marked > 0.5 ? 0.16 : 0.09;
-  float edge = smoothstep(1.0 - wide - soft, 1.0 - wide + soft, second);
-  vec3 base = paint.rgb * light;
-  vec3 rim = marked > 1.5 ? pulledColour : marked > 0.5 ? markColour : base * edgeShade;
-  float opacity = paint.a;
-  // What lets light through does not stand in the way, and is fainter far off.
-  if (opacity < 1.0) opacity *= (1.0 + 0.4 * edge) * smoothstep(3.0, 12.0, near) * mix(1.0, 0.45, smoothstep(15.0, 50.0, near));
-  colour = vec4(mix(base, rim, edge), opacity);
+  gl_Position = visible ? view * vec4(centre + turned(corner * side), 1.0) : vec4(0.0, 0.0, 2.0, 1.0);
 }`;
 
 const CUBE_PAINT = `#version 300 es
 precision highp float;
-in vec3 place;
-in vec3 outward;
-in vec4 paint;
-in float marked;
-in float near;
-${LIGHT}
-${BLOCK_PAINT}
+in vec2 onFace;
+flat in vec4 base;
+flat in vec4 rim;
+out vec4 colour;
+${EDGE}
 void main() {
-  painted(place, lightOn(normalize(outward)), paint, marked, near);
+  colour = mix(base, rim, edgeAt(max(abs(onFace.x), abs(onFace.y))));
 }`;
 
 /** A small block as a point, within which rays meet it: one corner instead of twelve. */
@@ -87,10 +90,9 @@ flat out vec3 ahead;
 flat out vec3 right;
 flat out vec3 up;
 flat out vec3 lights;
-flat out vec4 paint;
-flat out float marked;
-flat out float near;
+flat out float ownRim;
 ${LIGHT}
+${BLOCK_COLOURS}
 vec3 turned(vec3 v, vec3 by) {
   return v + 2.0 * cross(by, cross(by, v) + turn.w * v);
 }
@@ -108,9 +110,9 @@ void main() {
     normal[axis] = side[axis];
     lights[axis] = lightOn(turned(normal, turn.xyz));
   }
-  paint = colour;
-  marked = mark;
-  near = length(way);
+  // Each of its faces has a light of its own.
+  dress(colour, mark, 1.0, length(way));
+  ownRim = mark > 0.5 ? 1.0 : 0.0;
   gl_Position = view * vec4(centre, 1.0);
   // How far it reaches from its centre: to the right, up, and to the eye, which makes it larger.
   vec3 reach = vec3(dot(abs(own[0]), vec3(0.5)), dot(abs(own[1]), vec3(0.5)), dot(abs(own[2]), vec3(0.5)));
@@ -126,12 +128,13 @@ flat in vec3 ahead;
 flat in vec3 right;
 flat in vec3 up;
 flat in vec3 lights;
-flat in vec4 paint;
-flat in float marked;
-flat in float near;
+flat in vec4 base;
+flat in vec4 rim;
+flat in float ownRim;
 uniform vec2 pixels;
 uniform vec2 depths;
-${BLOCK_PAINT}
+out vec4 colour;
+${EDGE}
 void main() {
   vec2 at = gl_FragCoord.xy / pixels * 2.0 - 1.0;
   vec3 ray = ahead + right * at.x + up * at.y;
@@ -140,27 +143,31 @@ void main() {
   vec3 far = (side * 0.5 - from) / ray;
   vec3 met = vec3(abs(from.x) > 0.5 ? far.x : -1.0, abs(from.y) > 0.5 ? far.y : -1.0, abs(from.z) > 0.5 ? far.z : -1.0);
   float most = max(met.x, max(met.y, met.z));
-  vec3 place = from + most * ray;
+  vec3 a = abs(from + most * ray) * 2.0;
   float light = most == met.x ? lights.x : most == met.y ? lights.y : lights.z;
-  painted(place, light, paint, marked, near);
-  if (most <= 0.0 || max(abs(place.x), max(abs(place.y), abs(place.z))) > 0.50001) discard;
+  // On a face one of these is 1; at an edge the second is, too.
+  float highest = max(a.x, max(a.y, a.z));
+  float edge = edgeAt(a.x + a.y + a.z - highest - min(a.x, min(a.y, a.z)));
+  vec4 lit = vec4(light, light, light, 1.0);
+  colour = mix(base * lit, ownRim > 0.5 ? rim : rim * lit, edge);
+  if (most <= 0.0 || highest > 1.00002) discard;
   gl_FragDepth = 0.5 + 0.5 * (depths.y / most - depths.x);
 }`;
 
-/** Coloured lines, and flat shapes. */
-const PLAIN_CORNERS = `#version 300 es
+/** Coloured lines, and flat shapes: each of one colour (`flat`), which is cheaper, or with a colour that goes over into another (`smooth`). */
+const plainCorners = colours => `#version 300 es
 layout(location = 0) in vec3 corner;
 layout(location = 1) in vec4 colour;
 uniform mat4 view;
-out vec4 paint;
+${colours} out vec4 paint;
 void main() {
   paint = colour;
   gl_Position = view * vec4(corner, 1.0);
 }`;
 
-const PLAIN_PAINT = `#version 300 es
+const plainPaint = colours => `#version 300 es
 precision highp float;
-in vec4 paint;
+${colours} in vec4 paint;
 out vec4 colour;
 void main() {
   colour = paint;

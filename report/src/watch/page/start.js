@@ -79,7 +79,7 @@ class Stage {
     const camera = new Camera(about, { holds: target(about).map(cell => ({ cell })) });
     if (old && !old.camera.isFirst) camera.view = old.camera.view;
     this.overview.reach = undefined;
-    this.labels.key = null;
+    this.labels.forget();
     this.scene = new Scene(about, new PresentPlaces(bodies), new Present(about), this.painter, this.labels, camera);
     if (old) for (const name of ['named', 'aimed', 'clouds']) this.scene[name] = old[name];
     this.mark();

@@ -1,0 +1,46 @@
+// A transparent sheet above an arena, no larger than what is drawn on it: the browser blends each of its pixels into every picture.
+
+/** Sheets grow and shrink by so many pixels, so that few changes make one anew. */
+const GRAIN = 64;
+
+class Sheet {
+  /** `holder` is as large as the arena, and empty but for sheets. */
+  constructor(holder, name) {
+    this.canvas = holder.appendChild(document.createElement('canvas'));
+    this.canvas.className = name;
+    this.canvas.hidden = true;
+    this.pen = this.canvas.getContext('2d');
+  }
+
+  /**
+   * Clears it, and has it lie where the boxes are, each [left, top, right, bottom], within an arena of some size; all of it in
+   * the units of the page [px], in which the pen goes on. `scale`: pixels of the sheet for one of the page.
+   */
+  cover(boxes, { width, height }, scale) {
+    const { canvas, pen } = this;
+    const wide = (first, last, end) => {
+      const from = Math.max(0, GRAIN * Math.floor((first * scale) / GRAIN));
+      return [from, Math.max(from, Math.min(Math.round(end * scale), GRAIN * Math.ceil((last * scale) / GRAIN)))];
+    };
+    const most = (side, i) => side(...boxes.map(box => box[i]));
+    const [left, right] = wide(most(Math.min, 0), most(Math.max, 2), width);
+    const [top, bottom] = wide(most(Math.min, 1), most(Math.max, 3), height);
+    // An empty list is everywhere and nowhere.
+    canvas.hidden = !boxes.length || right === left || bottom === top;
+    if (canvas.hidden) return;
+    Object.assign(this, { left, top });
+    // To set it again would make the sheet anew.
+    if (canvas.width !== right - left) canvas.width = right - left;
+    if (canvas.height !== bottom - top) canvas.height = bottom - top;
+    const place = { left, top, width: right - left, height: bottom - top };
+    for (const [name, pixels] of Object.entries(place)) canvas.style[name] = `${pixels / scale}px`;
+    pen.setTransform(1, 0, 0, 1, 0, 0);
+    pen.clearRect(0, 0, canvas.width, canvas.height);
+    pen.setTransform(scale, 0, 0, scale, -left, -top);
+  }
+
+  /** Puts what is on it onto another sheet, which is as large as the arena. */
+  paint(pen) {
+    if (!this.canvas.hidden) pen.drawImage(this.canvas, this.left, this.top);
+  }
+}

@@ -1,0 +1,53 @@
+//! What the figures are like that a command writes.
+use clap::{Args, ValueEnum};
+use stochc_report::figures::{FigureFormat, Figures, Medium};
+
+/// What figures are for, and the form of their files.
+#[derive(Debug, Args)]
+pub struct FigureOptions {
+    /// Width of the figures in files in print, with 7 pt type: such as `89mm` or `183mm` (80 to 300) [default: for a screen]
+    #[arg(long, value_name = "WIDTH")]
+    figures: Option<Medium>,
+    /// File format of the figures; several with commas between them
+    #[arg(
+        long,
+        value_name = "FORM",
+        value_delimiter = ',',
+        default_value = "svg"
+    )]
+    figure_format: Vec<FigureForm>,
+}
+
+/// A form of figures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum FigureForm {
+    /// For browsers and drawing programs
+    Svg,
+    /// For papers, with the font in it
+    Pdf,
+}
+
+impl FigureOptions {
+    /// Whether somebody asks for other figures than usual.
+    pub fn are_given(&self) -> bool {
+        self.figures() != Figures::default()
+    }
+
+    /// As asked for.
+    pub fn figures(&self) -> Figures {
+        let mut formats = Vec::new();
+        for form in &self.figure_format {
+            let format = match form {
+                FigureForm::Svg => FigureFormat::Svg,
+                FigureForm::Pdf => FigureFormat::Pdf,
+            };
+            if !formats.contains(&format) {
+                formats.push(format);
+            }
+        }
+        Figures {
+            medium: self.figures.unwrap_or_default(),
+            formats,
+        }
+    }
+}
