@@ -19,7 +19,7 @@ impl Interaction {
     /// The largest error of a mean beside runs by the same rates, of those that were measured (docs/rates.md).
     pub fn error(self) -> f64 {
         match self {
-            Interaction::Apart => 0.010,
+            Interaction::Apart => 0.016,
             Interaction::Releases => 0.013,
             Interaction::Racing => 0.071,
         }
