@@ -74,15 +74,19 @@ fn in_folder(path: &str) -> Result<BTreeSet<String>, String> {
 ///
 /// # Errors
 ///
-/// In the system's words, or those of [`super::read`].
+/// In the system's words, or those of [`super::read`], and of a file of compiled programs.
 pub fn read(program: &str) -> Result<Vec<u8>, String> {
     static INPUT: OnceLock<Result<Vec<u8>, String>> = OnceLock::new();
-    if program != STDIN_NAME {
-        return super::read(program);
-    }
     let all =
         || super::read_stream(std::io::stdin().lock(), PROGRAM).map_err(|error| error.to_string());
-    INPUT.get_or_init(all).clone()
+    let text = match program {
+        STDIN_NAME => INPUT.get_or_init(all).clone(),
+        file => super::read(file),
+    }?;
+    match Executable::is_file(&text) {
+        true => Err("it is compiled already: name the file of its text".to_owned()),
+        false => Ok(text),
+    }
 }
 
 /// Whether a file looks like one of compiled programs.

@@ -84,9 +84,15 @@ impl Executable {
         writeln!(out)
     }
 
-    /// Whether a file looks like one of executables.
+    /// Whether a file looks like one of executables, however its JSON is laid out.
     pub fn is_file(bytes: &[u8]) -> bool {
-        bytes.starts_with(format!("{{\"kind\":\"{KIND}\"").as_bytes())
+        let begin = format!("{{\"kind\":\"{KIND}\"");
+        let plain = |bytes: &mut dyn Iterator<Item = u8>| -> Vec<u8> {
+            let signs = bytes.filter(|byte| !byte.is_ascii_whitespace());
+            signs.take(begin.len()).collect()
+        };
+        let begin = plain(&mut begin.bytes());
+        plain(&mut bytes.iter().copied()).starts_with(&begin)
     }
 
     /// Reads the executables of a file, and validates them.

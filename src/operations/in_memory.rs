@@ -36,9 +36,14 @@ pub fn all_runs(
     .map_err(Failure::usage)?;
     match results.complete {
         true => Ok(results),
-        false => Err(Failure {
-            exit: Exit::Interrupted,
-            message: format!("stopped; {stopped}\n"),
-        }),
+        false => Err(self::stopped(stopped)),
+    }
+}
+
+/// Somebody has stopped it, and this was not done.
+pub fn stopped(what: &str) -> Failure {
+    Failure {
+        exit: Exit::Interrupted,
+        message: format!("stopped; {what}\n"),
     }
 }

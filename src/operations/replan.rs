@@ -1,6 +1,7 @@
 //! Runs whose rest is planned anew where nothing docks for long.
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
+use std::sync::atomic::Ordering;
 
 use stochc_compiler::LintLevels;
 use stochc_ensemble::statistics::Observation;
@@ -10,7 +11,7 @@ use stochc_planner::PlanSearch;
 use stochc_rates::Rates;
 use stochc_report::replanning::Replanning;
 
-use super::in_memory::all_runs;
+use super::in_memory::{all_runs, stopped};
 use super::programs::recompile;
 use super::rates::of_files;
 use crate::check_text;
@@ -26,6 +27,9 @@ pub struct Replan {
     /// Runs at the same time; `None`: as many as there are cores.
     pub threads: Option<u16>,
 }
+
+/// What comes of it when it is stopped.
+const NOTHING: &str = "nothing was compared";
 
 /// Plans of one run, at most; then it goes on as it is.
 const MOST_PLANS: u64 = 100;
@@ -84,6 +88,9 @@ pub fn replan(
             let mut next = Vec::new();
             let mut waiting = Vec::new();
             for (chain, (entry, record)) in chains.into_iter().zip(made) {
+                if host.stop().load(Ordering::Relaxed) {
+                    return Err(stopped(NOTHING));
+                }
                 if let Some(rest) = outcomes.follow(
                     chain,
                     &programs[entry],
@@ -114,7 +121,7 @@ fn made(
     how: Replan,
     host: &dyn Host,
 ) -> Result<Vec<(usize, RunRecord)>, Failure> {
-    let results = all_runs(manifest, how.threads, "nothing was compared", host)?;
+    let results = all_runs(manifest, how.threads, NOTHING, host)?;
     let finished = results.finished.to_vec().map_err(Failure::usage)?;
     let mut records: Vec<_> = finished
         .into_iter()

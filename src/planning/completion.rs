@@ -30,6 +30,8 @@ pub struct Completion {
     names: BTreeMap<Cell, String>,
     /// What no block of it is called.
     word: String,
+    /// Claims that are not true, this one included.
+    untrue: usize,
     change: Change,
 }
 
@@ -73,14 +75,7 @@ impl Completion {
     /// # Errors
     /// If there is none, or it cannot be completed there.
     pub fn of(checked: &Checked, shape: Option<&str>) -> Result<Completion, NotCompleted> {
-        let is_other = |code: Code| code != Code::ShapeMismatch;
-        if checked
-            .diagnostics
-            .iter()
-            .any(|it| it.is_error() && is_other(it.code))
-        {
-            return Err(NotCompleted::Wrong);
-        }
+        let untrue = untrue_claims(checked).ok_or(NotCompleted::Wrong)?;
         let claim = unbuilt(checked, shape)?;
         let (program, symbols) = (claim.program, &checked.symbols);
         let there = claim.there.clone();
@@ -134,6 +129,7 @@ impl Completion {
                 .map(|file| (file.name.clone(), file.text.to_string()))
                 .collect(),
             word: new("B"),
+            untrue,
             target,
             hardware,
             scene,
@@ -149,7 +145,7 @@ impl Completion {
     /// Plans what is missing, and writes it into the program.
     ///
     /// # Errors
-    /// If it cannot be built, or the program is wrong with it.
+    /// If it cannot be built, or the program is wrong with it in other ways than by other claims that are not true yet.
     pub fn plan(&self, rates: &[Rates], search: PlanSearch<'_>) -> Result<Planned, Unplanned> {
         let law = RateLaw::of(&self.scene, rates);
         let found = plan(&self.target, self.hardware, &law, search).map_err(Unplanned::Refused)?;
@@ -179,11 +175,19 @@ impl Completion {
             .chain(others.map(|(name, text)| (name.as_str(), text.as_str())))
             .collect();
         let checked = check_texts(&texts, &LintLevels::default(), "", &[]);
-        match checked.has_errors() {
-            true => Err(Unplanned::Wrong(Box::new(checked))),
-            false => Ok(Planned { plan, text }),
+        match untrue_claims(&checked).is_some_and(|untrue| untrue < self.untrue) {
+            true => Ok(Planned { plan, text }),
+            false => Err(Unplanned::Wrong(Box::new(checked))),
         }
     }
+}
+
+/// How many claims are not true; `None`: something else is wrong.
+fn untrue_claims(checked: &Checked) -> Option<usize> {
+    let mut errors = checked.diagnostics.iter().filter(|it| it.is_error());
+    errors.try_fold(0, |count, it| {
+        (it.code == Code::ShapeMismatch).then_some(count + 1)
+    })
 }
 
 /// The first claim that is not true.

@@ -7,7 +7,7 @@ use std::sync::OnceLock;
 
 use stochc_compiler::diagnostic::{Code, Diagnostic};
 use stochc_compiler::plan::{PlanSeed, ProgramPlan};
-use stochc_compiler::scene::DEFAULT;
+use stochc_compiler::scene::{DEFAULT, built_in};
 use stochc_compiler::{Checked, FileId, LintLevels, Program, cost, shape_cells};
 use stochc_grammar::tree::{Item, ItemKind, Shape, Tree};
 use stochc_grammar::{Symbols, print};
@@ -226,6 +226,17 @@ impl Goal {
             .first_mut()
             .and_then(|program| program.scene.take());
         scene.ok_or_else(|| Box::new(checked))
+    }
+
+    /// Whether a scene of this name is built in, or declared where the shape comes from.
+    pub fn knows_scene(&self, name: &str) -> bool {
+        let mut symbols = Symbols::new();
+        let declared = stochc_grammar::parse(&self.scenes, &mut symbols).tree.items;
+        let is_it = |item: &Item| match &item.kind {
+            ItemKind::Scene(scene) => symbols.word(scene.name.symbol) == name,
+            _ => false,
+        };
+        built_in(name).is_some() || declared.iter().any(is_it)
     }
 
     /// The scenes that are declared and needed.

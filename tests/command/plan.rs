@@ -222,6 +222,46 @@ fn where_the_program_goes_is_looked_at_first() {
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
 }
 
+/// What is no text of a program is told of in the user's words, and not by findings in a text that nobody wrote.
+#[test]
+fn what_cannot_be_planned_is_told_with_a_way_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let compiled = path(folder.path(), "line.json");
+    let made = stochc_with(
+        "compile examples/line.sa --emit executable --out",
+        &[&compiled],
+    );
+    assert_eq!(made.status, 0, "{}", made.err);
+    let value: serde_json::Value = serde_json::from_slice(&fs::read(&compiled).unwrap()).unwrap();
+    let pretty = path(folder.path(), "pretty.json");
+    fs::write(&pretty, serde_json::to_string_pretty(&value).unwrap()).unwrap();
+    for file in [&compiled, &pretty] {
+        for command in ["plan", "check", "compile"] {
+            let said = stochc_with(command, &[file]);
+            assert_eq!(said.status, 2, "{}", said.err);
+            assert!(said.err.contains("it is compiled already"), "{}", said.err);
+        }
+        let ran = stochc_with("simulate --model shuffle --runs 1 --quiet", &[file]);
+        assert_eq!(ran.status, 0, "{}", ran.err);
+    }
+    let folder = folder.path().to_str().unwrap();
+    let said = stochc_with("plan", &[folder]);
+    assert!(
+        said.err.contains("`--run N` plans the rest"),
+        "{}",
+        said.err
+    );
+    let said = stochc("plan examples/line.sa --shape none --scene nope");
+    assert_eq!(said.status, 1, "{}", said.err);
+    let said = stochc("plan examples/five_tower.sa --scene nope");
+    assert_eq!(said.status, 2, "{}", said.err);
+    assert!(
+        said.err.contains("no scene is called `nope`"),
+        "{}",
+        said.err
+    );
+}
+
 /// A text may begin with a mark of its encoding, as a program may.
 #[test]
 fn layers_may_begin_with_a_mark() {

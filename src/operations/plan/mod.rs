@@ -8,6 +8,7 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
+use stochc_compiler::scene::DEFAULT;
 use stochc_ensemble::text::visible;
 use stochc_grammar::Cancellation;
 use stochc_planner::{Objective, PlanSearch, Refusal};
@@ -56,7 +57,14 @@ pub struct Wish<'a> {
 /// # Errors
 /// If the target cannot be read, or is none.
 fn goal(wish: &Wish<'_>, host: &dyn Host) -> Result<Goal, Failure> {
-    Ok(placed(target::read(wish, host)?, wish))
+    let goal = placed(target::read(wish, host)?, wish);
+    match wish.scene.filter(|scene| !goal.knows_scene(scene)) {
+        None => Ok(goal),
+        Some(scene) => Err(Failure::usage(format!(
+            "--scene: no scene is called `{}`; `{DEFAULT}` is built in, and `stochc plan FILE.sa` knows those of the program",
+            visible(scene)
+        ))),
+    }
 }
 
 /// The same on the plate and in the scene that are wished.

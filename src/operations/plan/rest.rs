@@ -60,6 +60,12 @@ pub fn goal(wish: &Wish<'_>, end: &RunEnd<'_>, host: &dyn Host) -> Result<Goal, 
         .iter()
         .find(|name| structure.names().all(|known| known != **name))
     {
+        let tables = entry.tables();
+        if (tables.seeds()).any(|(role, _)| tables.name(role) == *unknown) {
+            return Err(Failure::usage(format!(
+                "`{unknown}` is a block of the plate: only captured ones can be dead; `--seed-plate` says which blocks of the plate may capture"
+            )));
+        }
         let known: Vec<String> = structure.names().map(|name| format!("`{name}`")).collect();
         return Err(Failure::usage(format!(
             "no block is called `{unknown}` at the end of the run; there are {}",

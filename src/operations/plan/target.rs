@@ -19,7 +19,7 @@ use crate::planning::Goal;
 pub fn read(wish: &Wish<'_>, host: &dyn Host) -> Result<Goal, Failure> {
     let target = wish.target;
     let kind = Path::new(target).extension().and_then(|kind| kind.to_str());
-    match kind {
+    match kind.map(str::to_ascii_lowercase).as_deref() {
         Some("vox") => voxels(wish, magica_voxel),
         Some("txt") => voxels(wish, |bytes| {
             let text = std::str::from_utf8(bytes);
@@ -62,6 +62,10 @@ fn program(wish: &Wish<'_>, host: &dyn Host) -> Result<Goal, Failure> {
 /// The program of a wish, right or wrong.
 pub fn checked(wish: &Wish<'_>) -> Result<Checked, Failure> {
     match refusal(wish.target) {
+        Some(_) if Path::new(wish.target).is_dir() => Err(Failure::usage(format!(
+            "`{}` is a folder: name the file of a program or of a shape; `--run N` plans the rest of a run in a folder of results",
+            wish.target
+        ))),
         Some(reason) => Err(Failure::usage(reason)),
         None => Ok(crate::check_within(
             wish.target,
