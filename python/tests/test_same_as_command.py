@@ -162,6 +162,7 @@ def test_estimates_and_plans_are_the_same(tower: str, command: Command) -> None:
     assert planned.compile().captures > 0
 
 
+@pytest.mark.filterwarnings("ignore")
 def test_what_is_missing_is_planned_as_by_the_command(command: Command, tmp_path: Path) -> None:
     begun = tmp_path / "begun.sa"
     begun.write_text(
