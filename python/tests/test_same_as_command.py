@@ -167,6 +167,26 @@ def test_estimates_and_plans_are_the_same(tower: str, command: Command) -> None:
     assert planned.compile().captures > 0
 
 
+@pytest.mark.filterwarnings("ignore")
+def test_what_is_missing_is_planned_as_by_the_command(command: Command, tmp_path: Path) -> None:
+    begun = tmp_path / "begun.sa"
+    begun.write_text(
+        "shape pair { layer 1 { # # } }\n"
+        "assembly begun { seed plate 2 x 1 { A at (0, 0) } phase begin { A.up -> C } phase rest { yields pair } }\n"
+    )
+    told = command("plan", begun, "--complete", "--budget", "5", "--format", "json", "--quiet")
+    completed = stochc.plan(begun, complete=True, budget=5)
+    assert {"program": completed.text, "plan": completed.plan} == json.loads(told.stdout)
+    stopped = tmp_path / "stopped"
+    stochc.simulate("examples/five_tower.sa", runs=1, max_ticks=2000, out=stopped)
+    told = command("plan", stopped, "--run", "0", "--budget", "5", "--format", "json", "--quiet")
+    rest = stochc.plan(stopped, run=0, budget=5)
+    assert {"program": rest.text, "plan": rest.plan} == json.loads(told.stdout)
+    for wrong in ({"complete": True, "run": 0}, {"dead": ["A"]}, {"run": 0, "keep_scaffolds": True}):
+        with pytest.raises(stochc.UsageError):
+            stochc.plan(begun, **wrong)
+
+
 def test_scaffolds_are_kept_or_taken_down_as_by_the_command(command: Command) -> None:
     asked = ("examples/planned/serpentine.sa", "--seed-plate", "10 x 2", "--budget", "300")
     programs = set()

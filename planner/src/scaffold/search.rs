@@ -53,8 +53,8 @@ const WORTH: f64 = 0.005;
 /// Captures from the plate that are too few to need a mast.
 const LEAST_LIMIT: usize = 2;
 
-/// Tries that are made of scaffolds, at most; what is left of the time is for the schedule.
-const MOST_TRIES: u64 = 50_000;
+/// Tries of one search; where there are more, others are made with other chances.
+const TRIES: u64 = 3000;
 
 /// The parts of the tries that are left when pieces begin to be exchanged, and when the schedule is looked for.
 const EXCHANGES: f64 = 0.8;
@@ -70,7 +70,9 @@ struct Study<'a> {
     how: PlanSearch<'a>,
     /// The same chance for all.
     samples: CellSamples,
-    /// Tries in all, and those that are left.
+    /// Tries of the searches before.
+    before: u64,
+    /// Tries of this search, and those of them that are left.
     all: u64,
     tries: u64,
 }
@@ -93,8 +95,9 @@ pub fn scaffolded(
         waits,
         how,
         samples: CellSamples::new(RUNS, how.seed),
-        all: how.rounds.min(MOST_TRIES),
-        tries: how.rounds.min(MOST_TRIES),
+        before: 0,
+        all: 0,
+        tries: 0,
     };
     let grown = Grown::of(sites, &without.schedule, &Scaffolding::default());
     let samples = study.samples.of(sites);
@@ -103,13 +106,28 @@ pub fn scaffolded(
     let settled = settled(&job, without.schedule.clone());
     let estimate = samples.estimate(&settled, &waiting, &mut Vec::new());
     let value = estimate.of(how.objective) + JAMS * without.apart.tight() as f64;
-    let mut rng = ChaCha8Rng::seed_from_u64(how.seed);
-    let first = study.balanced(&grown, value, &mut rng)?;
-    let best = study.exchanged(first, &mut rng);
-    match best.value < value * (1.0 - WORTH) {
-        true => study.finished(best),
-        false => None,
+    let mut best: Option<(f64, Scaffolded)> = None;
+    for seed in (0..).map(|number| how.seed.wrapping_add(number)) {
+        study.before += study.all;
+        study.all = (how.rounds - study.before).min(TRIES);
+        study.tries = study.all;
+        if study.all < LEAST || how.enough.is_cancelled() {
+            break;
+        }
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let Some(first) = study.balanced(&grown, value, &mut rng) else {
+            break;
+        };
+        let found = study.exchanged(first, &mut rng);
+        if found.value < value * (1.0 - WORTH) {
+            let other = study.finished(found, seed);
+            best = match best {
+                Some(best) if best.0 <= other.0 => Some(best),
+                _ => Some(other),
+            };
+        }
     }
+    best.map(|(_, scaffolded)| scaffolded)
 }
 
 impl Study<'_> {
@@ -123,7 +141,7 @@ impl Study<'_> {
         let may = self.left() > part && !self.how.enough.is_cancelled();
         if may {
             self.tries -= 1;
-            (self.how.tried)(self.all - self.tries, value);
+            (self.how.tried)(self.before + self.all - self.tries, value);
         }
         may
     }
@@ -237,8 +255,8 @@ impl Study<'_> {
         })
     }
 
-    /// The best schedule of the best scaffolds.
-    fn finished(self, best: ScaffoldCandidate) -> Option<Scaffolded> {
+    /// The best schedule of the best scaffolds, and what of it is compared.
+    fn finished(&self, best: ScaffoldCandidate, seed: u64) -> (f64, Scaffolded) {
         let ScaffoldCandidate {
             scaffolding,
             union,
@@ -253,16 +271,21 @@ impl Study<'_> {
         let job = SchedulingJob::new(&sites, &apart, &corridors, self.hardware, self.waits);
         let job = job.with_roles(&roles);
         let samples = self.samples.of(&sites);
-        let mut rng = ChaCha8Rng::seed_from_u64(self.how.seed);
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let start = (vec![0.5; sites.len()], schedule, estimate);
         let how = PlanSearch {
-            rounds: self.how.rounds - (self.all - self.tries),
+            rounds: self.before + self.all,
             ..self.how
         };
-        let (schedule, rounds) = improved(&job, &samples, start, 0, how, &mut rng);
-        Some(Scaffolded {
+        let tried = how.rounds - self.tries;
+        let (schedule, rounds) = improved(&job, &samples, start, tried, how, &mut rng);
+        let waiting = Waiting::of(&job, &schedule);
+        let settled = settled(&job, schedule.clone());
+        let estimate = samples.estimate(&settled, &waiting, &mut Vec::new());
+        let value = estimate.of(how.objective) + JAMS * apart.tight() as f64;
+        let scaffolded = Scaffolded {
             found: FoundSchedule {
-                rounds: self.all - self.tries + rounds,
+                rounds,
                 apart,
                 corridors,
                 schedule,
@@ -270,7 +293,8 @@ impl Study<'_> {
             },
             union,
             scaffolding,
-        })
+        };
+        (value, scaffolded)
     }
 }
 
