@@ -125,7 +125,7 @@ fn what_cannot_be_completed_is_refused_with_a_reason() {
         "{PART}\nassembly other {{ seed plate 1 x 1 {{ M at (0, 0) }} phase p {{ yields arch }} }}\n"
     );
     let first = completed(&second).unwrap().text;
-    assert!(first.contains("phase p {\n        yields arch"), "{first}");
+    assert!(first.contains("phase p { yields arch }"), "{first}");
     let wrong = PART.replace("L.up", "Q.up");
     assert!(matches!(completed(&wrong), Err(NotCompleted::Wrong)));
     let floating = PART
