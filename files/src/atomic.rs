@@ -338,13 +338,21 @@ fn begin(path: &Path, mode: u32) -> io::Result<NamedTempFile> {
     let builder = named(PARTIAL, mode);
     loop {
         disk::may(&folder.join(PARTIAL), Call::Create)?;
-        let file = builder.tempfile_in(folder)?;
+        let file = builder.tempfile_in(folder).map_err(of_system)?;
         // Where nothing can be locked, nobody clears anything either.
         let _ = file.as_file().lock();
         // Somebody may have taken it for a leaving before it was locked.
         if file.path().exists() {
             return Ok(file);
         }
+    }
+}
+
+/// The error without the name of the draft, of which nobody knows.
+fn of_system(error: io::Error) -> io::Error {
+    match error.to_string().split_once(" at path ") {
+        Some((cause, _)) => io::Error::new(error.kind(), cause),
+        None => error,
     }
 }
 
