@@ -6,7 +6,7 @@
 use rustc_hash::FxHashMap;
 use stochc_rates::{Times, Wait};
 
-use super::sampling::Step;
+use super::steps::Step;
 use super::waits::CaptureWait;
 
 /// Multiples of the step.
@@ -111,9 +111,8 @@ impl Forest {
             let wait = of.map(|of| of.wait);
             let mut next_of = std::mem::take(&mut next[i]);
             next_of.sort_unstable();
-            let bits = wait.map(|wait| [wait.rate.to_bits(), wait.docking.to_bits()]);
             let number = *known
-                .entry((bits, next_of))
+                .entry((wait.map(bits), next_of))
                 .or_insert_with_key(|(_, next)| {
                     let next = next.clone();
                     branches.push(Branch { wait, next });
@@ -151,15 +150,26 @@ impl Forest {
     /// When the last of it is there.
     fn latest(&self, step: f64) -> Distribution {
         let mut done: Vec<Distribution> = Vec::with_capacity(self.branches.len());
+        // Many captures have the same wait.
+        let mut known: FxHashMap<[u64; 2], Distribution> = FxHashMap::default();
         for Branch { wait, next } in &self.branches {
             let rest = Distribution::latest_of(step, next, &done);
-            done.push(match wait {
-                Some(wait) => Distribution::of(*wait, step).plus(&rest, POINTS),
+            done.push(match *wait {
+                Some(wait) => {
+                    let own = known.entry(bits(wait));
+                    let own = own.or_insert_with(|| Distribution::of(wait, step));
+                    own.plus(&rest, POINTS)
+                }
                 None => rest,
             });
         }
         Distribution::latest_of(step, &self.roots, &done)
     }
+}
+
+/// A wait, to be told apart from others.
+fn bits(wait: Wait) -> [u64; 2] {
+    [wait.rate, wait.docking].map(f64::to_bits)
 }
 
 fn longer(one: [f64; 3], other: [f64; 3]) -> [f64; 3] {

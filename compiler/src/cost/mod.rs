@@ -8,6 +8,7 @@ mod occupancy;
 mod phase_events;
 mod sampling;
 mod schedule;
+mod steps;
 mod waits;
 
 pub use sampling::Draw;
@@ -82,7 +83,8 @@ pub fn estimate(program: &Program, rates: Option<&Rates>) -> Option<Cost> {
     if (waits.iter().flatten()).any(|waits| waits.wait.rate <= 0.0) {
         return Some(cost);
     }
-    let sampled = sampling::sample(program, order, &waits);
+    let (steps, timeouts) = (steps::steps(program, order), steps::timeouts(program));
+    let sampled = sampling::sample(program, &steps, &timeouts, &waits);
     let complete = sampled.draws.iter().filter(|draw| draw.is_complete);
     let complete: Vec<f64> = complete.map(|draw| draw.ticks).collect();
     cost.total = Times::of_most(complete, sampled.draws.len());
@@ -90,7 +92,7 @@ pub fn estimate(program: &Program, rates: Option<&Rates>) -> Option<Cost> {
     for (phase, times) in cost.phases.iter_mut().zip(sampled.phases) {
         phase.times = times;
     }
-    if let Some((phases, total)) = sampled.exact {
+    if let Some((phases, total)) = convolution::exact_times(&steps, &timeouts, &waits) {
         cost.total = Some(total);
         for (phase, times) in cost.phases.iter_mut().zip(phases) {
             phase.times = Some(times);

@@ -1,7 +1,4 @@
 //! When a program is complete whose captures wait for each other: waits are drawn many times, and summed up along the graph.
-use petgraph::Direction::Incoming;
-use petgraph::graph::NodeIndex;
-use petgraph::visit::EdgeRef;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rustc_hash::FxHashMap;
@@ -10,11 +7,9 @@ use stochc_ir::Cell;
 
 use stochc_rates::{FORGOTTEN, Times};
 
-use super::convolution::exact_times;
+use super::steps::Step;
 use super::waits::{CaptureWait, within};
 use crate::Program;
-use crate::order::{Order, needed};
-use crate::plan::Timeout;
 
 /// Waits that are drawn of a program, about.
 const DRAWN: usize = 200_000;
@@ -48,16 +43,17 @@ pub struct Sampled {
     pub has_race: bool,
     /// For every event, the part of all time in which nothing else is waited for.
     pub shares: Vec<f64>,
-    /// What is known without chance, of each phase and of the whole, where that can be worked out.
-    pub exact: Option<(Vec<Times>, Times)>,
 }
 
-/// Goes through a program many times.
-pub fn sample(program: &Program, order: &Order, waits: &[Option<CaptureWait>]) -> Sampled {
-    let steps = steps(program, order);
+/// Goes through the steps of a program many times.
+pub fn sample(
+    program: &Program,
+    steps: &[Vec<Step>],
+    timeouts: &[f64],
+    waits: &[Option<CaptureWait>],
+) -> Sampled {
     let count = waits.iter().flatten().count().max(1);
     let times = (DRAWN / count).clamp(LEAST, MOST);
-    let timeouts = timeouts(program);
     let mut rng = ChaCha8Rng::seed_from_u64(SEED);
     let neighbours = neighbours(program, waits);
     let mut starts = vec![0.0_f64; waits.len()];
@@ -71,7 +67,7 @@ pub fn sample(program: &Program, order: &Order, waits: &[Option<CaptureWait>]) -
         let mut total = 0.0;
         let mut is_complete = true;
         ends.fill(f64::INFINITY);
-        for ((steps, durations), timeout) in steps.iter().zip(&mut durations).zip(&timeouts) {
+        for ((steps, durations), timeout) in steps.iter().zip(&mut durations).zip(timeouts) {
             let mut latest = (total, NOBODY);
             for Step { event, before } in steps {
                 let mut start = (total, NOBODY);
@@ -128,7 +124,6 @@ pub fn sample(program: &Program, order: &Order, waits: &[Option<CaptureWait>]) -
         draws,
         has_race,
         shares: decided,
-        exact: exact_times(&steps, &timeouts, waits),
     }
 }
 
@@ -146,42 +141,6 @@ fn neighbours(program: &Program, waits: &[Option<CaptureWait>]) -> Vec<(usize, u
         }
     }
     pairs
-}
-
-/// Ticks after which each phase has failed.
-fn timeouts(program: &Program) -> Vec<f64> {
-    let tick = program.scene.as_ref().map_or(1.0, |scene| scene.tick);
-    let of = |timeout: Timeout| timeout.ticks(tick) as f64;
-    let phases = program.plan.phases.iter();
-    phases
-        .map(|phase| phase.timeout.map_or(f64::INFINITY, of))
-        .collect()
-}
-
-/// An event, and what it waits for.
-pub(super) struct Step {
-    pub event: u32,
-    pub before: Vec<u32>,
-}
-
-/// The events of each phase, each behind what it waits for.
-fn steps(program: &Program, order: &Order) -> Vec<Vec<Step>> {
-    let phases = &program.plan.phases;
-    let mut steps: Vec<Vec<Step>> = phases.iter().map(|_| Vec::new()).collect();
-    for &id in &order.events {
-        let Some(phase) = program.plan.phase_of(id) else {
-            continue;
-        };
-        let node = NodeIndex::new(id.0 as usize);
-        let before = needed(&program.graph, &order.unneeded, node, Incoming)
-            .map(|edge| edge.source().index() as u32)
-            .filter(|event| phases[phase].events.contains(event));
-        steps[phase].push(Step {
-            event: id.0,
-            before: before.collect(),
-        });
-    }
-    steps
 }
 
 /// When a capture happens whose face opens at a time; `ends`: when other events happened, if they have \[tick\].
