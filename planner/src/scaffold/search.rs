@@ -9,7 +9,7 @@ use super::{Scaffolding, SiteRoles};
 use crate::corridor::Corridors;
 use crate::disassembly::Disassembly;
 use crate::free_space::FreeSpace;
-use crate::makespan::{CellSamples, PlanEstimate};
+use crate::makespan::{CellSamples, PlanEstimate, Samples};
 use crate::schedule::{Schedule, SchedulingJob, settled};
 use crate::search::{FoundSchedule, JAMS, PlanSearch, improved};
 use crate::sites::Sites;
@@ -102,10 +102,7 @@ pub fn scaffolded(
     let grown = Grown::of(sites, &without.schedule, &Scaffolding::default());
     let samples = study.samples.of(sites);
     let job = SchedulingJob::new(sites, &without.apart, &without.corridors, hardware, waits);
-    let waiting = Waiting::of(&job, &without.schedule);
-    let settled = settled(&job, without.schedule.clone());
-    let estimate = samples.estimate(&settled, &waiting, &mut Vec::new());
-    let value = estimate.of(how.objective) + JAMS * without.apart.tight() as f64;
+    let (_, value) = study.valued(&job, &samples, &without.schedule, &without.apart);
     let mut best: Option<(f64, Scaffolded)> = None;
     for seed in (0..).map(|number| how.seed.wrapping_add(number)) {
         study.before += study.all;
@@ -131,6 +128,21 @@ pub fn scaffolded(
 }
 
 impl Study<'_> {
+    /// How long the program of a schedule takes, and that with its narrow ways, which is compared.
+    fn valued(
+        &self,
+        job: &SchedulingJob<'_>,
+        samples: &Samples,
+        schedule: &Schedule,
+        apart: &Disassembly,
+    ) -> (PlanEstimate, f64) {
+        let waiting = Waiting::of(job, schedule);
+        let settled = settled(job, schedule.clone());
+        let estimate = samples.estimate(&settled, &waiting, &mut Vec::new());
+        let jams = JAMS * apart.tight() as f64;
+        (estimate, estimate.of(self.how.objective) + jams)
+    }
+
     /// The part of its tries that is left.
     fn left(&self) -> f64 {
         self.tries as f64 / self.all as f64
@@ -241,11 +253,9 @@ impl Study<'_> {
         let keys = vec![0.5; sites.len()];
         let schedule = job.any(&keys, how.enough).ok()??;
         let samples = self.samples.of(&sites);
-        let waiting = Waiting::of(&job, &schedule);
-        let settled = settled(&job, schedule.clone());
-        let estimate = samples.estimate(&settled, &waiting, &mut Vec::new());
+        let (estimate, value) = self.valued(&job, &samples, &schedule, &apart);
         Some(ScaffoldCandidate {
-            value: estimate.of(how.objective) + JAMS * apart.tight() as f64,
+            value,
             scaffolding,
             apart,
             corridors,
@@ -279,10 +289,7 @@ impl Study<'_> {
         };
         let tried = how.rounds - self.tries;
         let (schedule, rounds) = improved(&job, &samples, start, tried, how, &mut rng);
-        let waiting = Waiting::of(&job, &schedule);
-        let settled = settled(&job, schedule.clone());
-        let estimate = samples.estimate(&settled, &waiting, &mut Vec::new());
-        let value = estimate.of(how.objective) + JAMS * apart.tight() as f64;
+        let (_, value) = self.valued(&job, &samples, &schedule, &apart);
         let scaffolded = Scaffolded {
             found: FoundSchedule {
                 rounds,
