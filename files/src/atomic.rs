@@ -304,7 +304,7 @@ pub fn ends_with(file: &mut File, mark: &[u8]) -> io::Result<bool> {
 fn begin_shared(path: &Path) -> io::Result<NamedTempFile> {
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
     disk::may(path, Call::Create)?;
-    named(&format!("{name}.draft-"), 0o666).tempfile_in(folder_of(path))
+    new_named(folder_of(path), &format!("{name}.draft-"), 0o666)
 }
 
 /// Makes an empty file of a new name in a folder, which begins with `prefix`.
@@ -313,16 +313,16 @@ fn begin_shared(path: &Path) -> io::Result<NamedTempFile> {
 /// Those of the file system.
 pub fn new_own(folder: &Path, prefix: &str) -> io::Result<PathBuf> {
     disk::may(&folder.join(prefix), Call::Create)?;
-    let file = named(prefix, 0o666).tempfile_in(folder)?;
+    let file = new_named(folder, prefix, 0o666)?;
     Ok(file.into_temp_path().keep()?)
 }
 
-fn named(prefix: &str, mode: u32) -> tempfile::Builder<'_, 'static> {
+fn new_named(folder: &Path, prefix: &str, mode: u32) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(prefix);
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(mode));
-    builder
+    builder.tempfile_in(folder).map_err(of_system)
 }
 
 /// A file in the folder of `path` that nobody takes for the leaving of a kill.
@@ -335,10 +335,9 @@ fn begin(path: &Path, mode: u32) -> io::Result<NamedTempFile> {
         let _ = clear_partial(folder);
     }
     drop(cleared);
-    let builder = named(PARTIAL, mode);
     loop {
         disk::may(&folder.join(PARTIAL), Call::Create)?;
-        let file = builder.tempfile_in(folder).map_err(of_system)?;
+        let file = new_named(folder, PARTIAL, mode)?;
         // Where nothing can be locked, nobody clears anything either.
         let _ = file.as_file().lock();
         // Somebody may have taken it for a leaving before it was locked.

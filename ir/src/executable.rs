@@ -87,12 +87,10 @@ impl Executable {
     /// Whether a file looks like one of executables, however its JSON is laid out.
     pub fn is_file(bytes: &[u8]) -> bool {
         let begin = format!("{{\"kind\":\"{KIND}\"");
-        let plain = |bytes: &mut dyn Iterator<Item = u8>| -> Vec<u8> {
-            let signs = bytes.filter(|byte| !byte.is_ascii_whitespace());
-            signs.take(begin.len()).collect()
-        };
-        let begin = plain(&mut begin.bytes());
-        plain(&mut bytes.iter().copied()).starts_with(&begin)
+        let is_sign = |byte: &u8| !byte.is_ascii_whitespace();
+        let mut signs = bytes.iter().copied().filter(is_sign);
+        let mut wanted = begin.bytes().filter(is_sign);
+        wanted.all(|sign| signs.next() == Some(sign))
     }
 
     /// Reads the executables of a file, and validates them.
