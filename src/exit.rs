@@ -1,5 +1,6 @@
 //! How a command ends: its status, and what it says where it fails.
 use std::fmt::Display;
+use std::path::Path;
 
 use stochc_ir::visible;
 
@@ -56,6 +57,11 @@ impl Failure {
     /// The command line is wrong, or a file cannot be used.
     pub fn usage(reason: impl Display) -> Failure {
         Failure::error(Exit::Usage, reason)
+    }
+
+    /// A file cannot be written, for this reason.
+    pub fn not_written(path: &Path, reason: impl Display) -> Failure {
+        Failure::usage(format!("cannot write `{}`: {reason}", path.display()))
     }
 
     /// A program cannot be run.

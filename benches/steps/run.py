@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""How far off the means of the paper's programs are at few steps a tick: the table of docs/trade.md.
+"""How far off the means of programs are at few steps a tick: the table of docs/trade.md.
 
-Every program runs at every number of steps, each with seeds of its own, so that samples are independent; the last column
-of SETTINGS is the reference. What is in the folder already is not run again.
+The paper's five programs, and five others, run at every number of steps a tick and at 32 for all blocks, the reference. Every
+program at every setting has seeds of its own, so that all samples are independent. Runs are made in rounds, all programs in
+each, so that what is there at any time can be read with --show; what is in the folder already is not run again.
 """
 import argparse
 import json
@@ -10,46 +11,104 @@ import math
 import pathlib
 import subprocess
 
-PROGRAMS = ["line", "open_platform", "closed_platform", "five_tower", "five_tower_reconfigured"]
-SETTINGS = [("1/8", 150, 201), ("2/8", 150, 301), ("32", 100, 101)]
+PAPER = [f"examples/{name}.sa"
+         for name in ["line", "open_platform", "closed_platform", "five_tower", "five_tower_reconfigured"]]
+OTHERS = ["benches/rates/comb.sa", "benches/rates/ring_of_posts.sa", "benches/rates/sixteen.sa", "benches/rates/twins.sa",
+          "examples/planned/five_towers.sa"]
+# Steps a tick, and the runs of a round; seeds depend on the place in this list.
+SETTINGS = [("32", 50), ("1/8", 150), ("2/8", 150), ("1", 30), ("2", 30), ("4", 30)]
+REFERENCE = SETTINGS[0][0]
 
 
-def measure(stochc, folder, program, steps, runs, seed):
-    file = folder / f"{program}-{steps.replace('/', '_')}-{seed}.json"
-    if not file.exists() or not file.stat().st_size:
-        command = [stochc, "simulate", f"examples/{program}.sa", "--runs", str(runs), "--seed", str(seed),
-                   "--substeps", steps, "--threads", "1", "--quiet", "--format", "json"]
-        file.write_text(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
-    time = json.loads(file.read_text())["programs"][0]["time"]
-    return time["mean"], time["half_width"], time["completed"]
+class Sample:
+    """Times of completion: how many, their mean, and its variance."""
+
+    def __init__(self, parts):
+        self.runs = sum(n for n, *_ in parts)
+        self.mean = sum(n * mean for n, mean, _ in parts) / self.runs
+        square = sum((n - 1) * sd**2 + n * (mean - self.mean) ** 2 for n, mean, sd in parts)
+        self.variance = square / max(self.runs - 1, 1) / self.runs
+
+    def half_width(self):
+        return 1.96 * math.sqrt(self.variance)
+
+    def bias(self, reference):
+        """Against another sample: the ratio of the means less one, and half of its 95 % interval."""
+        ratio = self.mean / reference.mean
+        width = ratio * math.hypot(self.half_width() / self.mean, reference.half_width() / reference.mean)
+        return ratio - 1, width
+
+
+def file_of(options, program, steps, number):
+    return options.out / f"{pathlib.Path(program).stem}-{steps.replace('/', '_')}-{number:03}.json"
+
+
+def simulate(options, program, steps, runs, number):
+    file = file_of(options, program, steps, number)
+    if file.exists():
+        return
+    place = [name for name, _ in SETTINGS].index(steps)
+    seed = 100_000 * (place + 1) + 1000 * (PAPER + OTHERS).index(program) + number
+    command = [options.stochc, "simulate", program, "--runs", str(runs), "--seed", str(seed), "--substeps", steps,
+               "--threads", "1", "--quiet", "--format", "json"]
+    time = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)["programs"][0]["time"]
+    if time["censored"]:
+        raise SystemExit(f"{program} at {steps}, seed {seed}: {time['censored']} runs were stopped before they completed")
+    part = file.with_suffix(".part")
+    part.write_text(json.dumps({"seed": seed, "runs": time["completed"], "mean": time["mean"], "sd": time["sd"]}))
+    part.rename(file)
+
+
+def read(options, program, steps):
+    pattern = f"{pathlib.Path(program).stem}-{steps.replace('/', '_')}-*.json"
+    parts = [json.loads(file.read_text()) for file in sorted(options.out.glob(pattern))]
+    return Sample([(part["runs"], part["mean"], part["sd"]) for part in parts]) if parts else None
+
+
+def show(options):
+    settings = [steps for steps, _ in SETTINGS if steps != REFERENCE and any(read(options, p, steps) for p in PAPER + OTHERS)]
+    print("| program | " + " | ".join(f"`{steps}`, bias" for steps in settings) + f" | `{REFERENCE}`, ticks |")
+    print("|---|" + "--:|" * (len(settings) + 1))
+    biases = {steps: [] for steps in settings}
+    for program in PAPER + OTHERS:
+        reference = read(options, program, REFERENCE)
+        if not reference:
+            continue
+        cells = []
+        for steps in settings:
+            sample = read(options, program, steps)
+            if not sample:
+                cells.append("")
+                continue
+            bias, width = sample.bias(reference)
+            biases[steps].append((bias, width))
+            cells.append(f"{100 * bias:+.1f} ± {100 * width:.1f} % (n = {sample.runs})")
+        last = f"{reference.mean:.0f} ± {reference.half_width():.0f} (n = {reference.runs})"
+        print(f"| {pathlib.Path(program).stem} | " + " | ".join(cells) + f" | {last} |")
+    means = []
+    for steps in settings:
+        weight = sum(1 / width**2 for _, width in biases[steps])
+        mean = sum(bias / width**2 for bias, width in biases[steps]) / weight
+        means.append(f"{100 * mean:+.1f} ± {100 / math.sqrt(weight):.1f} %")
+    print("| all, weighted | " + " | ".join(means) + " | |")
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--stochc", default="target/release/stochc")
     parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("results/steps"))
+    parser.add_argument("--settings", default="32,1/8,2/8", help="steps a tick, divided by commas")
+    parser.add_argument("--rounds", type=int, default=9)
+    parser.add_argument("--show", action="store_true", help="print the table of what is there, and run nothing")
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
-    print("| program | " + " | ".join(f"`{steps}`, bias" for steps, *_ in SETTINGS[:-1])
-          + f" | `{SETTINGS[-1][0]}`, ticks |")
-    print("|---|" + "--:|" * len(SETTINGS))
-    squares = {}
-    for program in PROGRAMS:
-        rows = [measure(options.stochc, options.out, program, *setting) for setting in SETTINGS]
-        reference, half, n = rows[-1]
-        cells = []
-        for (steps, *_), (mean, own, count) in zip(SETTINGS, rows[:-1]):
-            ratio = mean / reference
-            width = ratio * math.hypot(own / mean, half / reference)
-            squares.setdefault(steps, []).append((ratio - 1, width))
-            cells.append(f"{100 * (ratio - 1):+.1f} ± {100 * width:.1f} % (n = {count})")
-        print(f"| {program} | " + " | ".join(cells) + f" | {reference:.0f} ± {half:.0f} (n = {n}) |")
-    means = []
-    for found in squares.values():
-        weight = sum(1 / width**2 for _, width in found)
-        mean = sum(bias / width**2 for bias, width in found) / weight
-        means.append(f"{100 * mean:+.1f} ± {100 / math.sqrt(weight):.1f} %")
-    print("| all five, weighted | " + " | ".join(means) + " | |")
+    wanted = options.settings.split(",")
+    for number in range(0 if options.show else options.rounds):
+        for program in PAPER + OTHERS:
+            for steps, runs in SETTINGS:
+                if steps in wanted:
+                    simulate(options, program, steps, runs, number)
+    show(options)
 
 
 if __name__ == "__main__":

@@ -503,10 +503,21 @@ pub(super) fn survey(path: &Path) -> Result<Option<Manifest>, FolderError> {
         }
         foreign |= name != LOCK && !name.to_string_lossy().starts_with(atomic::PARTIAL);
     }
-    if foreign {
-        return Err(FolderError::NotResults(path.to_owned()));
+    match foreign {
+        false => Ok(None),
+        true => Err(without_manifest(path, FolderError::NotResults)),
     }
-    Ok(None)
+}
+
+/// What is wrong with a folder that has no manifest; `otherwise`: where it has no runs either.
+pub(super) fn without_manifest(
+    path: &Path,
+    otherwise: impl FnOnce(PathBuf) -> FolderError,
+) -> FolderError {
+    match path.join(JOURNAL).is_file() {
+        true => FolderError::NoManifest(path.to_owned()),
+        false => otherwise(path.to_owned()),
+    }
 }
 
 pub(super) fn lock(path: &Path) -> Result<File, FolderError> {

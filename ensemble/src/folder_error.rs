@@ -13,6 +13,11 @@ pub enum FolderError {
     /// Somebody's other files.
     #[error("`{0}` holds other files than results; choose an empty or a new folder")]
     NotResults(PathBuf),
+    /// There are runs, and nothing that says of what.
+    #[error(
+        "`{0}` holds runs, but its `manifest.json` is gone, without which nobody can read them; put it back, or choose another folder"
+    )]
+    NoManifest(PathBuf),
     /// It is to be read, and holds no results.
     #[error("`{0}` holds no results; give a folder that `simulate --out` has written")]
     Absent(PathBuf),

@@ -6,7 +6,7 @@ use stochc_files::atomic::{Replaces, move_aside, replace};
 use stochc_files::{budget, disk, open, read_file};
 
 use super::checkpoint;
-use super::folder::{JOURNAL, MANIFEST, lock, write_manifest};
+use super::folder::{JOURNAL, MANIFEST, lock, without_manifest, write_manifest};
 use super::journal::{JournalError, read as read_journal, salvaged};
 use super::manifest::OLDEST;
 use super::recording::{Outline, VERSION, path as recording_path};
@@ -68,7 +68,7 @@ pub fn verify(path: &Path) -> Result<Vec<FileHealth>, FolderError> {
         files.push(FileHealth { name, health });
     };
     if !path.join(MANIFEST).exists() {
-        return Err(FolderError::Absent(path.to_owned()));
+        return Err(without_manifest(path, FolderError::Absent));
     }
     let bytes = read_file(&path.join(MANIFEST), budget::MANIFEST).map_err(io)?;
     let format = std::str::from_utf8(&bytes).map_err(|error| error.to_string());

@@ -95,15 +95,14 @@ pub fn plan(
         let imports = folders(asked.imports)?;
         let wish = Wish {
             target: &asked.target,
-            extent: match asked.run {
-                Some(run) => PlanScope::Rest(RunEnd {
+            extent: PlanScope::new(
+                asked.run.map(|run| RunEnd {
                     run,
                     program: asked.program.as_deref(),
                     dead: &asked.dead,
                 }),
-                None if asked.completes => PlanScope::Completion,
-                None => PlanScope::Whole,
-            },
+                asked.completes,
+            ),
             shape: asked.shape.as_deref(),
             seed_plate: seed_plate.as_ref(),
             scene: asked.scene.as_deref(),

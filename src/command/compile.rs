@@ -111,10 +111,7 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
     });
     match written {
         Ok(()) => Ok(Exit::Success),
-        Err(error) => Err(Failure::usage(format!(
-            "cannot write `{}`: {error}",
-            path.display()
-        ))),
+        Err(error) => Err(Failure::not_written(path, error)),
     }
 }
 

@@ -330,9 +330,8 @@ fn keep(out: &Path, fit: &Fit, priors: &[Prior], figures: &Figures) -> Result<()
     files.push(("fit.json".to_owned(), json(fit).into_bytes()));
     for (name, content) in files {
         let path = out.join(name);
-        stochc_files::atomic::replace(&path, &content, Replaces::Nothing).map_err(|error| {
-            Failure::usage(format!("cannot write `{}`: {error}", path.display()))
-        })?;
+        stochc_files::atomic::replace(&path, &content, Replaces::Nothing)
+            .map_err(|error| Failure::not_written(&path, error))?;
     }
     if fit.stopped > 0 {
         warn(&format!(

@@ -57,12 +57,11 @@ fn one(file: &str, check: bool) -> Result<Exit, Failure> {
     if file == STDIN_NAME {
         print(&laid_out)?;
     } else if laid_out != text {
-        let cannot = |reason: &dyn std::fmt::Display| {
-            Failure::usage(format!("cannot write `{file}`: {reason}"))
-        };
-        let replaced = replace_text(Path::new(file), text.as_bytes(), laid_out.as_bytes());
-        if !replaced.map_err(|error| cannot(&error))? {
-            return Err(cannot(&"it has changed while it was laid out; try again"));
+        let path = Path::new(file);
+        let replaced = replace_text(path, text.as_bytes(), laid_out.as_bytes());
+        if !replaced.map_err(|error| Failure::not_written(path, error))? {
+            let reason = "it has changed while it was laid out; try again";
+            return Err(Failure::not_written(path, reason));
         }
     }
     Ok(Exit::Success)

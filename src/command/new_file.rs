@@ -18,7 +18,7 @@ impl NewFile {
     pub fn begin(path: &Path) -> Result<NewFile, Failure> {
         let draft = Draft::new(path, Replaces::Nothing);
         Ok(NewFile {
-            draft: draft.map_err(|error| not_written(path, &error))?,
+            draft: draft.map_err(|error| Failure::not_written(path, error))?,
             path: path.to_owned(),
         })
     }
@@ -26,10 +26,7 @@ impl NewFile {
     /// Writes all of it.
     pub fn write(mut self, content: &str) -> Result<(), Failure> {
         let written = self.draft.write_all(content.as_bytes());
-        (written.and_then(|()| self.draft.keep())).map_err(|error| not_written(&self.path, &error))
+        (written.and_then(|()| self.draft.keep()))
+            .map_err(|error| Failure::not_written(&self.path, error))
     }
-}
-
-fn not_written(path: &Path, error: &std::io::Error) -> Failure {
-    Failure::usage(format!("cannot write `{}`: {error}", path.display()))
 }

@@ -92,15 +92,14 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
     let out = options.out.as_deref().map(NewFile::begin).transpose()?;
     let wish = Wish {
         target: &options.target,
-        extent: match options.run {
-            Some(run) => PlanScope::Rest(RunEnd {
+        extent: PlanScope::new(
+            options.run.map(|run| RunEnd {
                 run,
                 program: options.program.as_deref(),
                 dead: &options.dead,
             }),
-            None if options.complete => PlanScope::Completion,
-            None => PlanScope::Whole,
-        },
+            options.complete,
+        ),
         shape: options.shape.as_deref(),
         seed_plate: options.seed_plate.as_ref(),
         scene: options.scene.as_deref(),

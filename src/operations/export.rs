@@ -30,12 +30,15 @@ pub fn parquet(
         path,
         Replaces::Ours(|file| ends_with(file, TRAJECTORIES_MARK)),
     )
-    .map_err(|error| cannot(path, &error))?;
-    let mut table =
-        Trajectories::new(file, every, tables, &about).map_err(|error| cannot(path, &error))?;
+    .map_err(|error| Failure::not_written(path, error))?;
+    let mut table = Trajectories::new(file, every, tables, &about)
+        .map_err(|error| Failure::not_written(path, error))?;
     chosen.again(&mut table, host)?;
-    let file = table.finish().map_err(|error| cannot(path, &error))?;
-    file.keep().map_err(|error| cannot(path, &error))
+    let file = table
+        .finish()
+        .map_err(|error| Failure::not_written(path, error))?;
+    file.keep()
+        .map_err(|error| Failure::not_written(path, error))
 }
 
 /// The same as an animation.
@@ -46,15 +49,12 @@ pub fn gltf(chosen: &ChosenRun, every: u32, path: &Path, host: &dyn Host) -> Res
     let (tables, scene) = (chosen.entry().tables(), &chosen.entry().scene);
     // Before the run, which may take long.
     let file = Draft::new(path, Replaces::Ours(|file| holds(file, GLTF_MARK)));
-    let mut file = file.map_err(|error| cannot(path, &error))?;
+    let mut file = file.map_err(|error| Failure::not_written(path, error))?;
     let mut gltf = Gltf::new(every, scene.free.count, tables);
     chosen.again(&mut gltf, host)?;
     let title = format!("{}, run {}", tables.assembly, chosen.run);
     gltf.write(tables, scene, &title, &mut file)
-        .map_err(|error| cannot(path, &error))?;
-    file.keep().map_err(|error| cannot(path, &error))
-}
-
-fn cannot(path: &Path, error: &impl std::fmt::Display) -> Failure {
-    Failure::usage(format!("cannot write `{}`: {error}", path.display()))
+        .map_err(|error| Failure::not_written(path, error))?;
+    file.keep()
+        .map_err(|error| Failure::not_written(path, error))
 }

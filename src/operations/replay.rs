@@ -33,7 +33,7 @@ pub fn write(
     path: &Path,
     host: &dyn Host,
 ) -> Result<(), Failure> {
-    let cannot = |error| Failure::usage(format!("cannot write `{}`: {error}", path.display()));
+    let cannot = |error| Failure::not_written(path, error);
     // Before the run, which may take long.
     let ours = Replaces::Ours(|file| begins_with(file, MARK.as_bytes()));
     let mut out = Draft::new(path, ours).map_err(cannot)?;

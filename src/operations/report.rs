@@ -59,8 +59,7 @@ pub fn write(
             }
         },
     };
-    let refuse =
-        |error: io::Error| Failure::usage(format!("cannot write `{}`: {error}", page.display()));
+    let refuse = |error: io::Error| Failure::not_written(&page, error);
     let mut chains = beside.begin(CHAINS).map_err(refuse)?;
     let report = report(&inputs, &surroundings, &mut chains).map_err(|error| match error {
         ReportError::Write(error) => refuse(error),

@@ -3,6 +3,7 @@ use std::fs;
 use std::path::Path;
 
 use insta::assert_snapshot;
+use stochc::ensemble::verify::verify;
 use stochc::ensemble::{Folder, Manifest};
 use stochc_runtime::Settings;
 
@@ -41,6 +42,20 @@ fn other_files_are_not_touched() {
     put(&folder.path().join("thesis.tex"), "precious");
     assert_snapshot!(refusal(folder.path(), &manifest(2), true), @"`DIR` holds other files than results; choose an empty or a new folder");
     assert_snapshot!(refusal(&folder.path().join("thesis.tex"), &manifest(2), true), @"`DIR` is a file; choose another name for the folder");
+}
+
+#[test]
+fn runs_without_a_manifest_are_not_touched() {
+    let folder = tempfile::tempdir().unwrap();
+    complete(folder.path(), &manifest(2), 1);
+    fs::remove_file(folder.path().join("manifest.json")).unwrap();
+    let before = content(folder.path());
+    assert_snapshot!(refusal(folder.path(), &manifest(2), true), @"`DIR` holds runs, but its `manifest.json` is gone, without which nobody can read them; put it back, or choose another folder");
+    let told = Folder::read(folder.path()).unwrap_err().to_string();
+    assert!(told.contains("is gone"), "{told}");
+    let told = verify(folder.path()).unwrap_err().to_string();
+    assert!(told.contains("is gone"), "{told}");
+    assert_eq!(content(folder.path()), before);
 }
 
 #[test]

@@ -99,6 +99,17 @@ pub enum PlanScope<'a> {
     Rest(RunEnd<'a>),
 }
 
+impl<'a> PlanScope<'a> {
+    /// What is missing at the end of a run if there is one, or else in a program, or all.
+    pub fn new(rest: Option<RunEnd<'a>>, completes: bool) -> PlanScope<'a> {
+        match rest {
+            Some(end) => PlanScope::Rest(end),
+            None if completes => PlanScope::Completion,
+            None => PlanScope::Whole,
+        }
+    }
+}
+
 /// A target that has been read.
 #[derive(Debug)]
 pub enum PlanTarget {
