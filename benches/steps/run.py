@@ -3,9 +3,11 @@
 
 The paper's five programs, and five others, run at every number of steps a tick and at 32 for all blocks, the reference. Every
 program at every setting has seeds of its own, so that all samples are independent. Runs are made in rounds, all programs in
-each, so that what is there at any time can be read with --show; what is in the folder already is not run again.
+each; samples that the file has already are not made again, so that it can be stopped at any time and goes on. Samples are those
+of one contact law and one scene: whoever changes these begins a new file.
 """
 import argparse
+import csv
 import json
 import math
 import pathlib
@@ -39,44 +41,49 @@ class Sample:
         return ratio - 1, width
 
 
-def file_of(options, program, steps, number):
-    return options.out / f"{pathlib.Path(program).stem}-{steps.replace('/', '_')}-{number:03}.json"
+def read(options):
+    """The samples that are there: (program, steps, seed) to runs, mean and standard deviation."""
+    if not options.samples.exists():
+        return {}
+    with options.samples.open() as rows:
+        return {(row["program"], row["steps"], int(row["seed"])): (int(row["runs"]), float(row["mean"]), float(row["sd"]))
+                for row in csv.DictReader(rows)}
 
 
 def simulate(options, program, steps, runs, number):
-    file = file_of(options, program, steps, number)
-    if file.exists():
-        return
     place = [name for name, _ in SETTINGS].index(steps)
     seed = 100_000 * (place + 1) + 1000 * (PAPER + OTHERS).index(program) + number
+    if (program, steps, seed) in read(options):
+        return
     command = [options.stochc, "simulate", program, "--runs", str(runs), "--seed", str(seed), "--substeps", steps,
                "--threads", "1", "--quiet", "--format", "json"]
     time = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)["programs"][0]["time"]
     if time["censored"]:
         raise SystemExit(f"{program} at {steps}, seed {seed}: {time['censored']} runs were stopped before they completed")
-    part = file.with_suffix(".part")
-    part.write_text(json.dumps({"seed": seed, "runs": time["completed"], "mean": time["mean"], "sd": time["sd"]}))
-    part.rename(file)
-
-
-def read(options, program, steps):
-    pattern = f"{pathlib.Path(program).stem}-{steps.replace('/', '_')}-*.json"
-    parts = [json.loads(file.read_text()) for file in sorted(options.out.glob(pattern))]
-    return Sample([(part["runs"], part["mean"], part["sd"]) for part in parts]) if parts else None
+    begins = not options.samples.exists()
+    with options.samples.open("a") as rows:
+        row = csv.writer(rows, lineterminator="\n")
+        if begins:
+            row.writerow(["program", "steps", "seed", "runs", "mean", "sd"])
+        row.writerow([program, steps, seed, time["completed"], f"{time['mean']:.2f}", f"{time['sd']:.2f}"])
 
 
 def show(options):
-    settings = [steps for steps, _ in SETTINGS if steps != REFERENCE and any(read(options, p, steps) for p in PAPER + OTHERS)]
+    parts = {}
+    for (program, steps, _), part in read(options).items():
+        parts.setdefault((program, steps), []).append(part)
+    samples = {key: Sample(found) for key, found in parts.items()}
+    settings = [steps for steps, _ in SETTINGS if steps != REFERENCE and any(key[1] == steps for key in samples)]
     print("| program | " + " | ".join(f"`{steps}`, bias" for steps in settings) + f" | `{REFERENCE}`, ticks |")
     print("|---|" + "--:|" * (len(settings) + 1))
     biases = {steps: [] for steps in settings}
     for program in PAPER + OTHERS:
-        reference = read(options, program, REFERENCE)
+        reference = samples.get((program, REFERENCE))
         if not reference:
             continue
         cells = []
         for steps in settings:
-            sample = read(options, program, steps)
+            sample = samples.get((program, steps))
             if not sample:
                 cells.append("")
                 continue
@@ -96,12 +103,11 @@ def show(options):
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--stochc", default="target/release/stochc")
-    parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("results/steps"))
+    parser.add_argument("--samples", type=pathlib.Path, default=pathlib.Path(__file__).parent / "samples.csv")
     parser.add_argument("--settings", default="32,1/8,2/8", help="steps a tick, divided by commas")
     parser.add_argument("--rounds", type=int, default=9)
-    parser.add_argument("--show", action="store_true", help="print the table of what is there, and run nothing")
+    parser.add_argument("--show", action="store_true", help="print the table of the samples that are there, and run nothing")
     options = parser.parse_args()
-    options.out.mkdir(parents=True, exist_ok=True)
     wanted = options.settings.split(",")
     for number in range(0 if options.show else options.rounds):
         for program in PAPER + OTHERS:
