@@ -449,3 +449,13 @@ fn a_port_is_taken_or_refused() {
     }
     watched.kill();
 }
+
+#[test]
+fn a_port_behind_a_blank_is_told_from_a_program() {
+    let said = stochc("simulate tests/fixtures/still.sa --watch 8081");
+    assert_eq!((said.status, said.out.as_str()), (2, ""));
+    assert_eq!(
+        said.err,
+        "error: there is no file `8081`; a port is said as `--watch=8081`\n"
+    );
+}

@@ -34,6 +34,7 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
     let host = Terminal::new(options.work.quiet);
     let stop = stop_on_interrupt()?;
     options.memory.apply()?;
+    is_no_port(options)?;
     let mut manifest = input::prepare(options, &host)?;
     let is_sweep = manifest.programs.iter().any(|it| !it.varied.is_empty());
     if options.figures.are_given() && !is_sweep {
@@ -69,6 +70,17 @@ pub fn run(options: &Options) -> Result<Exit, Failure> {
         (Some(number), _) => single::run(options, &manifest, number, stop),
         (None, Some((shards, out))) => cut(options, &manifest, shards, out),
         (None, None) => ensemble(options, &manifest, &host),
+    }
+}
+
+/// Whether no program that is not there is a port that `--watch` is meant for.
+fn is_no_port(options: &Options) -> Result<(), Failure> {
+    let is_port = |file: &&String| file.parse::<u16>().is_ok() && !Path::new(file).exists();
+    match options.files.iter().find(is_port) {
+        Some(port) if options.watch.is_some() => Err(Failure::usage(format!(
+            "there is no file `{port}`; a port is said as `--watch={port}`"
+        ))),
+        _ => Ok(()),
     }
 }
 
