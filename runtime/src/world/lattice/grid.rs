@@ -72,10 +72,10 @@ impl Window {
     /// The number of a chunk in it.
     #[inline]
     fn number(&self, chunk: ChunkKey) -> Option<usize> {
-        let [x, y, z] = std::array::from_fn(|axis| chunk[axis].wrapping_sub(self.first[axis]) as u32);
+        let [x, y, z] =
+            std::array::from_fn(|axis| chunk[axis].wrapping_sub(self.first[axis]) as u32);
         let [width, depth, height] = self.sides;
-        (x < width && y < depth && z < height)
-            .then(|| ((x * depth + y) * height + z) as usize)
+        (x < width && y < depth && z < height).then(|| ((x * depth + y) * height + z) as usize)
     }
 }
 

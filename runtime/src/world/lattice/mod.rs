@@ -100,7 +100,8 @@ impl LatticeStructure {
             block: NOBODY,
             aimed: 0,
         };
-        let mut grid = ChunkedGrid::new(empty, seeds.iter().copied().chain(tables.captured_cells()));
+        let mut grid =
+            ChunkedGrid::new(empty, seeds.iter().copied().chain(tables.captured_cells()));
         for (number, &cell) in (0..).zip(&seeds) {
             grid.mark(cell, true).block = number;
         }
