@@ -7,6 +7,7 @@
 use std::fs::OpenOptions;
 use std::io::{self, BufRead, BufReader, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
@@ -21,7 +22,7 @@ use stochc_ir::record::{Outcome, RunRecord};
 
 use super::plausible::impossible;
 use super::records::{LineLocation, Records};
-use super::{EnsembleProgram, Manifest, clock};
+use super::{EnsembleProgram, Manifest};
 
 /// What a loss of power may cost: the runs finished during this time. A kill costs none.
 const SYNC_EVERY: Duration = Duration::from_millis(500);
@@ -121,6 +122,8 @@ pub(super) struct Journal {
     file: Arc<File>,
     /// Where its last whole line ends.
     end: Mutex<u64>,
+    /// Whether the syncer knows that something is not safe yet.
+    is_told: Arc<AtomicBool>,
     wake: SyncSender<()>,
     syncer: JoinHandle<io::Result<()>>,
 }
@@ -383,13 +386,15 @@ impl Journal {
         file.sync_all()?;
         let file = Arc::new(file);
         let (wake, woken) = sync_channel(1);
+        let is_told = Arc::new(AtomicBool::new(false));
         let syncer = std::thread::Builder::new().name("journal".into()).spawn({
-            let file = file.clone();
-            move || sync(&file, &woken)
+            let (file, is_told) = (file.clone(), is_told.clone());
+            move || sync(&file, &is_told, &woken)
         })?;
         Ok(Journal {
             file,
             end: Mutex::new(end),
+            is_told,
             wake,
             syncer,
         })
@@ -411,13 +416,14 @@ impl Journal {
         }
         let at = *end;
         *end += line.len() as u64;
-        match self.wake.try_send(()) {
-            Ok(()) | Err(TrySendError::Full(())) => Ok(at),
+        if !self.is_told.swap(true, Ordering::AcqRel)
+            && let Err(TrySendError::Disconnected(())) = self.wake.try_send(())
+        {
+            self.is_told.store(false, Ordering::Release);
             // [`Journal::close`] tells why.
-            Err(TrySendError::Disconnected(())) => {
-                Err(io::Error::other("writing has stopped").into())
-            }
+            return Err(io::Error::other("writing has stopped").into());
         }
+        Ok(at)
     }
 
     /// Has all that was appended survive a loss of power.
@@ -443,18 +449,16 @@ impl Journal {
 /// A line of a journal, with its checksum.
 pub(super) fn line(of: &impl Serialize) -> String {
     let json = serde_json::to_string(of).expect("a record is plain data");
-    checksum::sealed(&json) + "\n"
+    checksum::sealed(json) + "\n"
 }
 
 /// Makes lines safe every so often, until the other end hangs up.
-fn sync(file: &File, woken: &Receiver<()>) -> io::Result<()> {
+fn sync(file: &File, is_told: &AtomicBool, woken: &Receiver<()>) -> io::Result<()> {
     // Nothing is unsafe here, so there is nothing to be woken up for but a line.
     while woken.recv().is_ok() {
-        let due = clock::now() + SYNC_EVERY;
-        while woken
-            .recv_timeout(due.saturating_duration_since(clock::now()))
-            .is_ok_and(|()| clock::now() < due)
-        {}
+        // Of the lines that follow meanwhile nobody tells, so that this is over early only when the other end hangs up.
+        let _ = woken.recv_timeout(SYNC_EVERY);
+        is_told.store(false, Ordering::Release);
         file.sync_data()?;
     }
     Ok(())

@@ -1,4 +1,5 @@
 //! The finished runs of an ensemble, in order, without all of them in memory.
+use std::borrow::Cow;
 use std::io::{self, BufReader, Seek as _, SeekFrom};
 use std::sync::{Arc, Mutex, MutexGuard};
 
@@ -137,14 +138,19 @@ impl Records {
         &self,
         mut show: impl FnMut(&Finished) -> Result<(), E>,
     ) -> Result<(), E> {
+        self.try_take_each(|finished| show(&finished))
+    }
+
+    /// As [`Records::try_each`], where those that are read anew may be kept.
+    pub(crate) fn try_take_each<E: From<JournalError>>(
+        &self,
+        mut take: impl FnMut(Cow<Finished>) -> Result<(), E>,
+    ) -> Result<(), E> {
         match &*self.0 {
-            Store::Memory(finished) => finished.iter().try_for_each(show),
+            Store::Memory(finished) => finished.iter().map(Cow::Borrowed).try_for_each(take),
             Store::Lines(lines) => {
                 let mut reader = lines.reader();
-                for &place in &lines.places {
-                    show(&reader.read(place)?)?;
-                }
-                Ok(())
+                (lines.places.iter()).try_for_each(|&place| take(Cow::Owned(reader.read(place)?)))
             }
         }
     }

@@ -39,7 +39,7 @@ impl Seal {
     /// The text of the file.
     pub fn to_json(&self) -> String {
         let json = serde_json::to_string(self).expect("checksums are plain data");
-        checksum::sealed(&json) + "\n"
+        checksum::sealed(json) + "\n"
     }
 
     /// Reads it in a folder; `None`: there is none, or it says nothing that can be believed.

@@ -1,4 +1,5 @@
 //! Checksums (CRC-32) of lines, parts and whole files: any flipped bit is found.
+use std::fmt::Write as _;
 use std::io::{self, BufRead as _, BufReader, Read, Write};
 
 use flate2::Crc;
@@ -132,9 +133,11 @@ const LENGTH: usize = FIELD.len() + 8 + 2;
 ///
 /// # Panics
 /// Where it is no object with a field, without white space behind it.
-pub fn sealed(object: &str) -> String {
-    let body = object.strip_suffix('}').expect("an object ends so");
-    format!("{body},\"crc\":\"{:08x}\"}}", crc32(body.as_bytes()))
+pub fn sealed(mut object: String) -> String {
+    assert_eq!(object.pop(), Some('}'), "an object ends so");
+    let crc = crc32(object.as_bytes());
+    write!(object, ",\"crc\":\"{crc:08x}\"}}").expect("a string takes everything");
+    object
 }
 
 /// Holds a line, without the line break, against its checksum.
@@ -146,9 +149,11 @@ pub fn check(line: &[u8]) -> LineIntegrity {
     if !seal.starts_with(FIELD) {
         return LineIntegrity::Unsealed;
     }
-    // As text, so that no digit has two forms.
-    let sound = format!(",\"crc\":\"{:08x}\"}}", crc32(body));
-    match seal == sound.as_bytes() {
+    // Digit by digit, so that none has two forms.
+    let crc = crc32(body);
+    let digits = (0..8).map(|place| b"0123456789abcdef"[(crc >> (28 - 4 * place) & 15) as usize]);
+    let expected = digits.chain(*b"\"}");
+    match expected.eq(seal[FIELD.len()..].iter().copied()) {
         true => LineIntegrity::Sound,
         false => LineIntegrity::Damaged,
     }
@@ -160,7 +165,7 @@ mod tests {
 
     #[test]
     fn no_flipped_bit_of_a_line_passes() {
-        let line = sealed("{\"a\":[1,2,3],\"b\":\"\u{e4}\"}").into_bytes();
+        let line = sealed("{\"a\":[1,2,3],\"b\":\"\u{e4}\"}".to_owned()).into_bytes();
         assert_eq!(check(&line), LineIntegrity::Sound);
         assert_eq!(check(b"{\"a\":1}"), LineIntegrity::Unsealed);
         for bit in 0..8 * line.len() {

@@ -22,10 +22,10 @@ pub fn read(bytes: &[u8]) {
         ]
         .concat(),
         _ => {
-            let header = sealed(&format!("{{\"ensemble\":\"{identity}\",\"journal\":2}}"));
+            let header = sealed(format!("{{\"ensemble\":\"{identity}\",\"journal\":2}}"));
             let text = String::from_utf8_lossy(bytes);
             let lines = text.lines().map(|line| match line.ends_with('}') {
-                true => sealed(line) + "\n",
+                true => sealed(line.to_owned()) + "\n",
                 false => line.to_owned() + "\n",
             });
             (header + "\n" + &lines.collect::<String>()).into_bytes()

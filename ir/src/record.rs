@@ -181,11 +181,26 @@ pub enum Origin {
 }
 
 /// With a name for its kind, which only formats for humans can look at before they read the rest.
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize)]
 #[serde(remote = "Origin", rename_all = "snake_case", tag = "kind")]
 enum NamedOrigin {
     Free,
     Released { role: RoleId, tick: u64 },
+}
+
+/// The same as it is read: field by field, since whoever reads the kind first has to keep the others meanwhile.
+#[derive(Deserialize)]
+struct OriginFields {
+    kind: OriginKind,
+    role: Option<RoleId>,
+    tick: Option<u64>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum OriginKind {
+    Free,
+    Released,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -207,7 +222,17 @@ impl Serialize for Origin {
 impl<'de> Deserialize<'de> for Origin {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Origin, D::Error> {
         match from.is_human_readable() {
-            true => NamedOrigin::deserialize(from),
+            true => {
+                let OriginFields { kind, role, tick } = OriginFields::deserialize(from)?;
+                let missing = <D::Error as serde::de::Error>::missing_field;
+                Ok(match kind {
+                    OriginKind::Free => Origin::Free,
+                    OriginKind::Released => Origin::Released {
+                        role: role.ok_or_else(|| missing("role"))?,
+                        tick: tick.ok_or_else(|| missing("tick"))?,
+                    },
+                })
+            }
             false => NumberedOrigin::deserialize(from),
         }
     }

@@ -173,6 +173,11 @@ impl Log {
         Log(Some(Vec::new()))
     }
 
+    /// Whether somebody reads it.
+    pub fn is_kept(&self) -> bool {
+        self.0.is_some()
+    }
+
     /// Writes an event down.
     pub fn note(&mut self, event: impl FnOnce() -> ObservedEvent) {
         if let Some(events) = &mut self.0 {

@@ -232,7 +232,7 @@ fn a_run_that_comes_out_differently_ends_the_resuming() {
         let lines = text.lines().map(|line| {
             let (object, _) = line.rsplit_once(",\"crc\"").unwrap();
             let object = object.replace("\"hops\":", "\"hops\":1") + "}";
-            stochc::files::checksum::sealed(&object) + "\n"
+            stochc::files::checksum::sealed(object) + "\n"
         });
         let text: String = lines.collect();
         fs::write(&journal, &text).unwrap();

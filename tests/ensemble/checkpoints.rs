@@ -182,7 +182,7 @@ fn forge(file: &Path, header: impl Fn(&str) -> String, state: &[u8], is_signed: 
     let end = bytes.iter().position(|&byte| byte == b'\n').unwrap();
     let line = std::str::from_utf8(&bytes[..end]).unwrap();
     let open = line.split(",\"crc\"").next().unwrap().to_owned() + "}";
-    let mut forged = stochc_files::checksum::sealed(&header(&open)).into_bytes();
+    let mut forged = stochc_files::checksum::sealed(header(&open)).into_bytes();
     forged.push(b'\n');
     forged.extend_from_slice(state);
     let mut signed = Signed::new(Vec::new(), SecretKey::of_user().unwrap());

@@ -344,7 +344,7 @@ fn pieces_of_something_else_are_refused() {
     let (first, rest) = text.split_once('\n').unwrap();
     let first = first[..first.rfind(",\"crc\"").unwrap()].to_owned() + "}";
     let first = first.replace(&this_build(), "0123456789abcdef");
-    put(&piece, format!("{}\n{rest}", sealed(&first)));
+    put(&piece, format!("{}\n{rest}", sealed(first)));
     refused(folder.path(), "another build of `stochc` (0123456789abcdef");
     put(&piece, own);
     put_together(folder.path()).unwrap();

@@ -294,7 +294,7 @@ fn a_run_that_does_not_come_out_as_it_did_is_refused() {
     // With the checksums that another build would have written.
     let lines = text.lines().map(|line| {
         let (object, _) = line.rsplit_once(",\"crc\"").unwrap();
-        sealed(&(object.replace("\"hops\":", "\"hops\":1") + "}")) + "\n"
+        sealed(object.replace("\"hops\":", "\"hops\":1") + "}") + "\n"
     });
     fs::write(&journal, lines.collect::<String>()).unwrap();
     let said = refusal(&results);

@@ -16,7 +16,7 @@ fn unseal(out: &str) {
 fn renamed(journal: &str, before: &str, after: &str) -> String {
     let lines = journal.lines().map(|line| {
         let (object, _) = line.rsplit_once(",\"crc\"").unwrap();
-        sealed(&(object.replace(before, after) + "}")) + "\n"
+        sealed(object.replace(before, after) + "}") + "\n"
     });
     lines.collect()
 }

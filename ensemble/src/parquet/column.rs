@@ -11,6 +11,7 @@ use ::parquet::file::metadata::KeyValue;
 use ::parquet::file::properties::WriterProperties;
 use ::parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use ::parquet::schema::parser::parse_message_type;
+use rustc_hash::FxHashMap;
 use serde::Serialize;
 
 /// A table of rows `R`.
@@ -299,7 +300,10 @@ impl<'a, R> ColumnDefinition<'a, R> {
             // The format keeps the bits, and the declaration says that there is no sign.
             ColumnValues::UInt64(values) => put::<Int64Type, _>(to, values, u64::cast_signed),
             ColumnValues::Float64(values) => put::<DoubleType, _>(to, values, |it| it),
-            ColumnValues::Text(values) => put::<ByteArrayType, _>(to, values, ByteArray::from),
+            ColumnValues::Text(values) => {
+                let mut known = FxHashMap::default();
+                put::<ByteArrayType, _>(to, values, |text| shared(text, &mut known))
+            }
             ColumnValues::Int64Lists(lists) => put_lists::<Int64Type, _>(to, lists, |it| it),
             ColumnValues::TextLists(lists) => {
                 put_lists::<ByteArrayType, _>(to, lists, ByteArray::from)
@@ -308,13 +312,20 @@ impl<'a, R> ColumnDefinition<'a, R> {
     }
 }
 
+/// A text as it is written, which is copied once for each place where it is kept: most are names, and those are few.
+fn shared(text: &str, known: &mut FxHashMap<(*const u8, usize), ByteArray>) -> ByteArray {
+    let place = (text.as_ptr(), text.len());
+    let known = known.entry(place).or_insert_with(|| text.into());
+    known.clone()
+}
+
 /// Where values go: whether any may be null, and the writer of the column.
 type To<'w, 'x> = (bool, &'w mut SerializedColumnWriter<'x>);
 
 fn put<T: DataType, V>(
     (nullable, writer): To,
     values: Vec<Option<V>>,
-    as_written: impl Fn(V) -> T::T,
+    as_written: impl FnMut(V) -> T::T,
 ) -> Result<(), ParquetError> {
     // The definition level of each row: 1 is there, 0 is null.
     let level = |value: &Option<V>| i16::from(value.is_some());

@@ -85,7 +85,7 @@ fn each_group<E: From<JournalError>>(
     mut show: impl FnMut(&[Finished], bool) -> Result<(), E>,
 ) -> Result<(), E> {
     let (mut group, mut size) = (Vec::new(), 0);
-    finished.try_each(|done| {
+    finished.try_take_each(|done| {
         let record = &done.record;
         let parts = [
             record.phase_ticks.len(),
@@ -95,7 +95,7 @@ fn each_group<E: From<JournalError>>(
             record.unplanned_bonds.len(),
         ];
         size += 1 + parts.iter().sum::<usize>();
-        group.push(done.clone());
+        group.push(done.into_owned());
         if size >= GROUP {
             show(&group, false)?;
             (group, size) = (Vec::new(), 0);

@@ -331,10 +331,15 @@ impl Tables {
 
     /// How many captures there are in all phases.
     pub fn captures(&self) -> usize {
-        let rules = self.rules.iter();
-        rules
-            .filter(|rule| matches!(rule.then, Action::Magnetize { .. }))
-            .count()
+        self.captured_cells().count()
+    }
+
+    /// The cell of each capture, in the order of the rules.
+    pub fn captured_cells(&self) -> impl Iterator<Item = Cell> {
+        self.rules.iter().filter_map(|rule| match rule.then {
+            Action::Magnetize { cell, .. } => Some(cell),
+            _ => None,
+        })
     }
 
     /// The roles that are on the plate from the beginning, with their cells.

@@ -21,32 +21,55 @@ pub struct StructureBlock<M = ()> {
     /// It has begun a duty, seen or sent something in this phase.
     pub(super) is_changed: bool,
     trigger: Trigger,
-    /// The number of its duty; [`IDLE`]: it has none.
+    /// The number of its duty, and how many rules that has; without a duty none.
     duty: u32,
+    rules: u32,
     /// All rules before this one have fired, or are not ready with what it has seen.
     next: u32,
-    /// The rules of its duty that have fired, one bit each, and of those behind the first 64.
+    /// The rules of its duty that have fired, one bit each, but for those behind the first 64.
     fired: u64,
-    fired_later: Option<Box<[u64]>>,
     /// The block that captured it; that of nobody for a seed.
     pub(super) parent: BlockSlot,
-    /// Blocks between it and the plate, and one of those, to find others by (E. W. Myers 1983).
-    pub(super) depth: u32,
-    pub(super) jump: BlockSlot,
+    pub(super) path: Path,
     /// Hops between it and its parent that have been sent and not been received.
     pub(super) unreceived: u32,
     /// The blocks that it holds, by role.
     pub(super) children: SmallVec<[(RoleId, BlockSlot); 2]>,
     /// The faces that it has on and that hold nothing yet, sorted.
     open: SmallVec<[Open<M>; 1]>,
-    /// Messages for blocks that will hang on it, sorted.
-    waiting: Vec<Message>,
     /// What it has seen in this phase, sorted.
     seen: SmallVec<[Condition; 2]>,
+    rare: Option<Box<Rare>>,
 }
 
-/// The duty of a block that has none.
-const IDLE: u32 = u32::MAX;
+/// The way from a block to the plate, to find others by (E. W. Myers 1983).
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(super) struct Path {
+    /// Blocks between it and the plate.
+    pub depth: u32,
+    /// One of those.
+    pub jump: BlockSlot,
+    /// The depth of that one, and of the one to which that one jumps: so nobody has to look at them.
+    pub after: [u32; 2],
+}
+
+impl Path {
+    /// That of a block of the plate.
+    const ROOT: Path = Path {
+        depth: 0,
+        jump: BlockSlot::NONE,
+        after: [0, 0],
+    };
+}
+
+/// What few blocks have.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+struct Rare {
+    /// The rules that have fired of those behind the first 64, one bit each; none: none has.
+    fired: Vec<u64>,
+    /// Messages for blocks that will hang on it, sorted.
+    waiting: Vec<Message>,
+}
 
 /// A face that is on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -73,18 +96,17 @@ impl<M: Copy> StructureBlock<M> {
             is_dead: false,
             is_changed: false,
             trigger: Trigger::Start,
-            duty: IDLE,
+            duty: 0,
+            rules: 0,
             next: 0,
             fired: 0,
-            fired_later: None,
             parent: BlockSlot::NONE,
-            depth: 0,
-            jump: BlockSlot::NONE,
+            path: Path::ROOT,
             unreceived: 0,
             children: SmallVec::new(),
             open: SmallVec::new(),
-            waiting: Vec::new(),
             seen: SmallVec::new(),
+            rare: None,
         }
     }
 
@@ -92,36 +114,44 @@ impl<M: Copy> StructureBlock<M> {
     pub(super) fn reset(&mut self) {
         self.is_changed = false;
         self.unreceived = 0;
-        self.begin(Trigger::Start, None);
+        (self.trigger, self.rules, self.next, self.fired) = (Trigger::Start, 0, 0, 0);
         self.seen.clear();
-        self.waiting.clear();
+        self.rare = None;
     }
 
-    /// Begins a duty.
-    pub(super) fn begin(&mut self, trigger: Trigger, duty: Option<u32>) {
+    /// Begins a duty, of which it has done nothing yet.
+    #[inline]
+    pub(super) fn begin(&mut self, trigger: Trigger, duty: Option<u32>, tables: &Tables) {
         self.trigger = trigger;
-        self.duty = duty.unwrap_or(IDLE);
-        self.next = 0;
-        self.fired = 0;
-        self.fired_later = None;
+        if let Some(duty) = duty {
+            self.duty = duty;
+            self.rules = tables.duty_at(duty as usize).rules().len() as u32;
+        }
     }
 
+    #[inline]
     pub(super) fn see(&mut self, condition: Condition) {
-        if let Err(i) = self.seen.binary_search(&condition) {
+        if self.seen.last().is_none_or(|last| *last < condition) {
+            self.seen.push(condition);
+        } else if let Err(i) = self.seen.binary_search(&condition) {
             self.seen.insert(i, condition);
-            self.next = self.first_unfired();
+        } else {
+            return;
         }
+        self.next = self.first_unfired();
     }
 
     /// Keeps a message for a block that will hang on it.
     pub(super) fn keep(&mut self, message: Message) {
-        let i = self.waiting.partition_point(|other| *other <= message);
-        self.waiting.insert(i, message);
+        let waiting = &mut self.rare.get_or_insert_default().waiting;
+        let i = waiting.partition_point(|other| *other <= message);
+        waiting.insert(i, message);
     }
 
     /// Takes out all that waits.
     pub(super) fn take_waiting(&mut self) -> Vec<Message> {
-        std::mem::take(&mut self.waiting)
+        let rare = self.rare.as_mut();
+        rare.map_or_else(Vec::new, |rare| std::mem::take(&mut rare.waiting))
     }
 
     /// What it has heard and what waits at it, as messages to whoever has the role next.
@@ -130,7 +160,7 @@ impl<M: Copy> StructureBlock<M> {
             Condition::Heard(news) => Some(Message::tell(self.role, news)),
             _ => None,
         });
-        let all = heard.chain(self.waiting.iter().copied());
+        let all = heard.chain(self.waiting().iter().copied());
         all.filter(|_| !self.is_dead)
     }
 
@@ -161,30 +191,28 @@ impl<M: Copy> StructureBlock<M> {
 
     /// The next rule that is ready, by its place in the duty; it counts as fired from now on.
     pub(super) fn next_action(&mut self, tables: &Tables) -> Option<(u32, Action)> {
-        if self.is_dead || self.duty == IDLE {
+        if self.is_dead || self.next >= self.rules {
             return None;
         }
         let duty = tables.duty_at(self.duty as usize);
         let has = |when| self.seen.binary_search(&when).is_ok();
-        let count = duty.rules().len();
-        let ready = (self.next as usize..count).find_map(|place| {
+        let ready = (self.next as usize..self.rules as usize).find_map(|place| {
             let rule = duty.rule(place);
             let is_ready = !self.has_fired(place)
                 && rule.when.iter().all(|&when| duty.is_true(place, when, has));
             is_ready.then_some((place, rule.then))
         });
         let Some((place, action)) = ready else {
-            self.next = count as u32;
+            self.next = self.rules;
             return None;
         };
         self.next = place as u32 + 1;
         match place / 64 {
             0 => self.fired |= 1 << place,
             word => {
-                let later = self
-                    .fired_later
-                    .get_or_insert_with(|| vec![0; count / 64].into());
-                later[word - 1] |= 1 << (place % 64);
+                let fired = &mut self.rare.get_or_insert_default().fired;
+                fired.resize(self.rules as usize / 64, 0);
+                fired[word - 1] |= 1 << (place % 64);
             }
         }
         Some((place as u32, action))
@@ -224,7 +252,7 @@ impl<M> StructureBlock<M> {
 
     /// The messages that wait at it for blocks that will hang on it, sorted.
     pub fn waiting(&self) -> &[Message] {
-        &self.waiting
+        self.rare.as_ref().map_or(&[], |rare| &rare.waiting)
     }
 
     /// When its duty began.
@@ -236,27 +264,32 @@ impl<M> StructureBlock<M> {
     pub fn has_fired(&self, rule: usize) -> bool {
         let word = match rule / 64 {
             0 => self.fired,
-            word => (self.fired_later.as_ref()).map_or(0, |later| later[word - 1]),
+            word => self.fired_later().get(word - 1).copied().unwrap_or(0),
         };
         word & (1 << (rule % 64)) != 0
     }
 
     /// The rules before the first that has not fired.
+    #[inline]
     fn first_unfired(&self) -> u32 {
-        let later = self.fired_later.iter().flatten();
-        let words = std::iter::once(&self.fired).chain(later);
-        let mut count = 0;
-        for word in words {
-            count += word.trailing_ones();
-            if *word != u64::MAX {
-                break;
+        let mut count = self.fired.trailing_ones();
+        if count == u64::BITS {
+            for word in self.fired_later() {
+                count += word.trailing_ones();
+                if *word != u64::MAX {
+                    break;
+                }
             }
         }
         count
     }
 
+    fn fired_later(&self) -> &[u64] {
+        self.rare.as_ref().map_or(&[], |rare| &rare.fired)
+    }
+
     /// All rules that have fired, one bit each.
-    pub(super) fn fired(&self) -> (u64, Option<&[u64]>) {
-        (self.fired, self.fired_later.as_deref())
+    pub(super) fn fired(&self) -> (u64, &[u64]) {
+        (self.fired, self.fired_later())
     }
 }

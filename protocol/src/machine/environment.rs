@@ -24,6 +24,13 @@ pub trait Environment {
     /// [`Structure::receive`](super::Structure::receive).
     fn send(&mut self, from: Body, to: Body, message: Message);
 
+    /// Whether a report that a block is about to send is at the plate at once, over so many hops: it may be if transfers take no
+    /// time, none is under way, and nothing else docks meanwhile, so that nothing can come in between. Otherwise it is
+    /// sent hop by hop.
+    fn carry_to_plate(&mut self, _hops: u32) -> bool {
+        false
+    }
+
     /// Takes back all that is under way between a block that is being let go and its neighbours:
     /// `unreceived` hops, as the structure counts them.
     fn recall(&mut self, gone: Body, unreceived: u32) -> Recalled;

@@ -25,7 +25,12 @@ impl<M: Copy> Structure<'_, M> {
         };
         let parent = block.parent;
         let goal = match message.target {
-            Recipient::Plate if parent == BlockSlot::NONE => Some(at),
+            Recipient::Plate
+                if parent == BlockSlot::NONE
+                    || (!self.has_dead && environment.carry_to_plate(block.path.depth)) =>
+            {
+                return self.hand_over(at, message, environment);
+            }
             Recipient::Plate => return self.send_up(at, message, environment),
             Recipient::Block(body) => self.slots.find(&self.index, body),
             Recipient::Role(role) => self.nearest_holder(role),
@@ -34,7 +39,7 @@ impl<M: Copy> Structure<'_, M> {
         if goal == at {
             return self.hand_over(at, message, environment);
         }
-        match self.ancestor(goal, block.depth + 1) {
+        match self.ancestor(goal, block.path.depth + 1) {
             Some(child)
                 if self
                     .slots
@@ -93,13 +98,13 @@ impl<M: Copy> Structure<'_, M> {
     fn ancestor(&self, mut slot: BlockSlot, depth: u32) -> Option<BlockSlot> {
         loop {
             let block = self.slots.get(slot)?;
-            if block.depth <= depth {
-                return (block.depth == depth).then_some(slot);
+            let path = block.path;
+            if path.depth <= depth {
+                return (path.depth == depth).then_some(slot);
             }
-            let far = self.slots.get(block.jump);
-            slot = match far {
-                Some(far) if far.depth >= depth => block.jump,
-                _ => block.parent,
+            slot = match path.after[0] >= depth {
+                true => path.jump,
+                false => block.parent,
             };
         }
     }

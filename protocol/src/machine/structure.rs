@@ -9,7 +9,7 @@ use serde::de::DeserializeOwned;
 use stochc_ir::Face;
 use stochc_ir::table::{Action, Condition, PhaseId, RoleId, Tables, Trigger};
 
-use super::block::{Open, StructureBlock};
+use super::block::{Open, Path, StructureBlock};
 use super::environment::{Environment, PlannedCapture};
 use super::index::Index;
 use super::message::{Message, Payload, Recipient, Reporter};
@@ -36,11 +36,13 @@ pub struct Structure<'t, M = ()> {
     changed: Vec<BlockSlot>,
     /// The faces to which blocks are still to be attached by hand.
     to_plant: BTreeSet<BlockFace>,
+    /// Whether a block has died.
+    pub(super) has_dead: bool,
 }
 
 stochc_ir::state! {
     (<M: DeserializeOwned + Serialize>) Structure<'_, M>;
-    values: phase, reports, slots, holders, changed, to_plant;
+    values: phase, reports, slots, holders, changed, to_plant, has_dead;
     parts: ;
     same: tables, index
 }
@@ -68,6 +70,7 @@ impl<'t, M: Copy> Structure<'t, M> {
             holders,
             changed: Vec::new(),
             to_plant: BTreeSet::new(),
+            has_dead: false,
         }
     }
 
@@ -150,7 +153,7 @@ impl<'t, M: Copy> Structure<'t, M> {
         for duty in self.index.starting(PhaseId(self.phase)) {
             let slot = self.holders[self.tables.duty_at(duty as usize).role.0 as usize];
             if let Some(block) = self.slots.get_mut(slot) {
-                block.begin(Trigger::Start, Some(duty));
+                block.begin(Trigger::Start, Some(duty), self.tables);
                 block.is_changed = true;
                 let body = block.body;
                 starting.push((self.slots.rank(body, slot), slot));
@@ -188,7 +191,7 @@ impl<'t, M: Copy> Structure<'t, M> {
             Orientation::docked(parent.orientation, face, docking.child_face, docking.turn);
         parent.see(Condition::Docked(open.child));
         let waiting = parent.take_waiting();
-        let (depth, jump) = (parent.depth, parent.jump);
+        let path = parent.path;
         let capture = PlannedCapture {
             phase: PhaseId(self.phase),
             parent: parent.role,
@@ -199,12 +202,11 @@ impl<'t, M: Copy> Structure<'t, M> {
         environment.captured(&capture, docking, open.mark);
         let mut block = StructureBlock::new(Body::Free(docking.child), open.child, orientation);
         block.parent = at;
-        block.depth = depth + 1;
-        block.jump = self.jump_from(at, depth, jump);
+        block.path = self.path_from(at, path);
         block.is_changed = true;
         let phase = PhaseId(self.phase);
         let duty = (self.index).duty(self.tables, open.child, phase, Trigger::Anchored);
-        block.begin(Trigger::Anchored, duty);
+        block.begin(Trigger::Anchored, duty, self.tables);
         let child = self.slots.insert(docking.child, block);
         self.changed.push(child);
         self.holders[open.child.0 as usize] = child;
@@ -216,19 +218,19 @@ impl<'t, M: Copy> Structure<'t, M> {
         self.fire(child, environment);
     }
 
-    /// Where a child of this block jumps to: as far again as its last two jumps, if these are equal.
-    fn jump_from(&self, parent: BlockSlot, depth: u32, jump: BlockSlot) -> BlockSlot {
-        let Some(first) = self.slots.get(jump) else {
-            return parent;
+    /// The way to the plate of a child of this block: it jumps as far again as its parent's last two jumps, if these are equal.
+    fn path_from(&self, parent: BlockSlot, of_parent: Path) -> Path {
+        let Path { depth, jump, after } = of_parent;
+        let is_twice = after[0] > after[1] && depth - after[0] == after[0] - after[1];
+        let first = self.slots.get(jump).filter(|_| is_twice);
+        let (jump, after) = match first.map(|first| first.path) {
+            Some(first) => (first.jump, [after[1], first.after[1]]),
+            None => (parent, [depth, after[0]]),
         };
-        let second = self
-            .slots
-            .get(first.jump)
-            .map_or(first.depth, |second| second.depth);
-        if depth - first.depth == first.depth - second && second < first.depth {
-            first.jump
-        } else {
-            parent
+        Path {
+            depth: depth + 1,
+            jump,
+            after,
         }
     }
 
@@ -237,6 +239,7 @@ impl<'t, M: Copy> Structure<'t, M> {
         let slot = self.slots.find(&self.index, body);
         if let Some(block) = slot.and_then(|slot| self.slots.get_mut(slot)) {
             block.is_dead = true;
+            self.has_dead = true;
         }
     }
 

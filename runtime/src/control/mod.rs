@@ -94,7 +94,8 @@ impl<'t> Controller<'t> {
     /// Takes in what docked in the world's last step, and does all that this tick brings.
     pub fn advance(&mut self, dockings: &[Docking], world: &mut impl World) {
         self.recorder.tick = world.tick();
-        for docking in dockings {
+        for (i, docking) in dockings.iter().enumerate() {
+            self.recorder.has_more = i + 1 < dockings.len();
             self.structure
                 .dock(docking, &mut self.recorder.in_world(world));
         }

@@ -165,6 +165,16 @@ impl Network {
         self.depart(tick, transfer, log);
     }
 
+    /// Makes so many hops for a message at once, if it needs no time for them and nothing else is under way: whether it has.
+    pub fn carry(&mut self, hops: u32) -> bool {
+        let is_alone = self.hop == 0 && self.loss.is_none() && self.under_way.is_empty();
+        if is_alone {
+            self.sent += u64::from(hops);
+            self.hops += u64::from(hops);
+        }
+        is_alone
+    }
+
     fn depart(&mut self, tick: u64, transfer: Transfer, log: &mut Log) {
         log.note(|| ObservedEvent::Sent {
             from: transfer.from,

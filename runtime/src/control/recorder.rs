@@ -18,6 +18,8 @@ pub(super) struct RunRecorder {
     /// The phase that is running, or ran last.
     phase: PhaseId,
     pub network: Network,
+    /// Whether another docking of this tick is still to be taken in.
+    pub has_more: bool,
     /// Where released blocks come from.
     released: FxHashMap<u32, Origin>,
     pub bonds: Vec<BondRecord>,
@@ -31,8 +33,8 @@ stochc_ir::state! {
     () RunRecorder;
     values: tick, phase, released, bonds, releases, unplanned;
     parts: network;
-    // It is taken out in every tick.
-    same: log
+    // Between two ticks there is nothing in them.
+    same: log, has_more
 }
 
 impl RunRecorder {
@@ -42,6 +44,7 @@ impl RunRecorder {
             tick: 0,
             phase: PhaseId(0),
             network,
+            has_more: false,
             released: FxHashMap::default(),
             bonds: Vec::with_capacity(captures),
             releases: Vec::new(),
@@ -103,6 +106,11 @@ impl<W: World> Environment for RecordedWorld<'_, W> {
             tick, network, log, ..
         } = self.recorder;
         network.send(*tick, from, to, message, log);
+    }
+
+    fn carry_to_plate(&mut self, hops: u32) -> bool {
+        let RunRecorder { network, log, .. } = self.recorder;
+        !self.recorder.has_more && !log.is_kept() && network.carry(hops)
     }
 
     fn recall(&mut self, gone: Body, unreceived: u32) -> Recalled {

@@ -5,16 +5,11 @@ use wide::i32x4;
 /// Children of a node.
 const FANOUT: usize = 16;
 
-/// For each child of a node, the members in that one and those before it.
-type Node = [i32x4; FANOUT / 4];
+/// For each child of a node, the members in those before it.
+type Node = [[i32; 4]; FANOUT / 4];
 
 /// The numbers of the children.
-const NUMBERS: Node = [
-    i32x4::new([0, 1, 2, 3]),
-    i32x4::new([4, 5, 6, 7]),
-    i32x4::new([8, 9, 10, 11]),
-    i32x4::new([12, 13, 14, 15]),
-];
+const NUMBERS: Node = [[0, 1, 2, 3], [4, 5, 6, 7], [8, 9, 10, 11], [12, 13, 14, 15]];
 
 /// A set of some of the numbers 0 to n: one bit each, below a tree of counts.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -60,13 +55,13 @@ impl RankedSet {
             let mut sums = Vec::with_capacity(counts.len().div_ceil(FANOUT));
             let node = |of: &[i32]| {
                 let mut sum = 0;
-                let upto: [i32; FANOUT] = std::array::from_fn(|child| {
+                let before: [i32; FANOUT] = std::array::from_fn(|child| {
+                    let before = sum;
                     sum += of.get(child).unwrap_or(&0);
-                    sum
+                    before
                 });
                 sums.push(sum);
-                let four = |i| std::array::from_fn(|child| upto[4 * i + child]);
-                std::array::from_fn(|i| i32x4::new(four(i)))
+                std::array::from_fn(|i| std::array::from_fn(|child| before[4 * i + child]))
             };
             let nodes: Vec<Node> = counts.chunks(FANOUT).map(node).collect();
             counts = sums;
@@ -81,10 +76,12 @@ impl RankedSet {
         self.len
     }
 
+    #[inline]
     pub fn contains(&self, number: usize) -> bool {
         self.words[number / 64] & (1 << (number % 64)) != 0
     }
 
+    #[inline]
     pub fn insert(&mut self, number: usize) {
         if !self.contains(number) {
             self.len += 1;
@@ -92,6 +89,7 @@ impl RankedSet {
         }
     }
 
+    #[inline]
     pub fn remove(&mut self, number: usize) {
         if self.contains(number) {
             self.len -= 1;
@@ -104,27 +102,28 @@ impl RankedSet {
         let mut at = number / 64;
         let change = i32x4::splat(change);
         for level in &mut self.levels {
-            let first = i32x4::splat((at % FANOUT) as i32);
+            let changed = i32x4::splat((at % FANOUT) as i32);
             at /= FANOUT;
             // All sixteen, so that it takes no branch.
             for (four, numbers) in level[at].iter_mut().zip(NUMBERS) {
-                *four += change & !first.simd_gt(numbers);
+                let is_after = i32x4::new(numbers).simd_gt(changed);
+                *four = (i32x4::new(*four) + (change & is_after)).to_array();
             }
         }
     }
 
     /// The member before which there are `rank` others, fewer than all.
+    #[inline]
     pub fn select(&self, rank: u32) -> usize {
         let (mut at, mut rank) = (0, rank as i32);
         for level in self.levels.iter().rev() {
             let node = &level[at];
-            let after = (node.iter()).fold(i32x4::splat(0), |after, upto| {
-                after + upto.simd_gt(i32x4::splat(rank))
-            });
-            let child = (FANOUT as i32 + after.to_array().iter().sum::<i32>()) as usize;
-            if let Some(last) = child.checked_sub(1) {
-                rank -= node[last / 4].to_array()[last % 4];
-            }
+            let wanted = i32x4::splat(rank);
+            let is_behind = |i: usize| i32x4::new(node[i]).simd_gt(wanted).to_bitmask();
+            let behind = is_behind(0) | is_behind(1) << 4 | is_behind(2) << 8 | is_behind(3) << 12;
+            // Nothing is before the first.
+            let child = ((behind | 1 << FANOUT).trailing_zeros() as usize - 1) % FANOUT;
+            rank -= node[child / 4][child % 4];
             at = at * FANOUT + child;
         }
         64 * at + select_in(self.words[at], rank as u32) as usize
@@ -142,12 +141,27 @@ fn select_in(word: u64, rank: u32) -> u32 {
     let not_yet = ((u64::from(rank) * ONES) | (0x80 * ONES)) - upto;
     let shift = ((not_yet >> 7) & ONES).wrapping_mul(ONES) >> 56 << 3;
     let before = (upto << 8) >> shift & 0xff;
-    let mut byte = (word >> shift) as u8;
-    for _ in 0..u64::from(rank) - before {
-        byte &= byte - 1;
-    }
-    shift as u32 + byte.trailing_zeros()
+    let byte = usize::from((word >> shift) as u8);
+    shift as u32 + u32::from(IN_BYTE[byte][(u64::from(rank) - before) as usize % 8])
 }
+
+/// Of each byte, the places of its set bits.
+static IN_BYTE: [[u8; 8]; 256] = {
+    let mut places = [[0; 8]; 256];
+    let mut byte = 0;
+    while byte < 256 {
+        let (mut count, mut place) = (0, 0);
+        while place < 8 {
+            if byte >> place & 1 == 1 {
+                places[byte][count] = place as u8;
+                count += 1;
+            }
+            place += 1;
+        }
+        byte += 1;
+    }
+    places
+};
 
 #[cfg(test)]
 mod tests {

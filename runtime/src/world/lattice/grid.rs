@@ -9,13 +9,17 @@ const SIDE: i32 = 4;
 /// Cells of a chunk.
 const CELLS: usize = SIDE.pow(3) as usize;
 
-/// The place of a chunk among the chunks: x and y, z. Two numbers are hashed faster than three.
-type ChunkKey = (u64, i32);
+/// The place of a chunk among the chunks.
+type ChunkKey = [i32; 3];
+
+/// Chunks that a window may have for each cell that it is made for, and besides.
+const ROOM: (i64, i64) = (2, 512);
 
 /// A value and a mark for every cell, kept in cubes of cells.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct ChunkedGrid<T> {
-    /// Where each chunk begins.
+    window: Window,
+    /// Where each chunk outside of the window begins.
     chunks: FxHashMap<ChunkKey, u32>,
     cells: Vec<T>,
     /// The marked cells of each chunk, one bit each.
@@ -23,10 +27,63 @@ pub(super) struct ChunkedGrid<T> {
     default: T,
 }
 
+/// A box of chunks, each of which is found without a search.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Window {
+    first: ChunkKey,
+    sides: [u32; 3],
+    /// Where each chunk begins; [`ABSENT`]: it is not there.
+    starts: Vec<u32>,
+}
+
+/// Where no chunk begins.
+const ABSENT: u32 = u32::MAX;
+
+impl Window {
+    /// Around these cells, where they are close together.
+    fn around(cells: impl Iterator<Item = Cell>) -> Window {
+        let (mut low, mut high, mut count) = ([i32::MAX; 3], [i32::MIN; 3], 0);
+        for cell in cells {
+            let at = [cell.x, cell.y, cell.z];
+            low = std::array::from_fn(|axis| low[axis].min(at[axis]));
+            high = std::array::from_fn(|axis| high[axis].max(at[axis]));
+            count += 1;
+        }
+        let first = low.map(|at| at.div_euclid(SIDE));
+        let last = high.map(|at| at.div_euclid(SIDE));
+        let side = |axis: usize| i64::from(last[axis]) - i64::from(first[axis]) + 1;
+        let (a_cell, besides) = ROOM;
+        let most = count * a_cell + besides;
+        let mut chunks = [0, 1, 2].map(side).into_iter();
+        let chunks = chunks.try_fold(1i64, |all, side| {
+            all.checked_mul(side).filter(|all| (1..=most).contains(all))
+        });
+        let sides = match chunks {
+            Some(_) => [0, 1, 2].map(|axis| side(axis) as u32),
+            None => [0; 3],
+        };
+        Window {
+            first,
+            sides,
+            starts: vec![ABSENT; chunks.unwrap_or(0) as usize],
+        }
+    }
+
+    /// The number of a chunk in it.
+    #[inline]
+    fn number(&self, chunk: ChunkKey) -> Option<usize> {
+        let [x, y, z] =
+            std::array::from_fn(|axis| chunk[axis].wrapping_sub(self.first[axis]) as u32);
+        let [width, depth, height] = self.sides;
+        (x < width && y < depth && z < height).then(|| ((x * depth + y) * height + z) as usize)
+    }
+}
+
 impl<T: Copy> ChunkedGrid<T> {
-    /// Every cell has the same value.
-    pub fn new(default: T) -> ChunkedGrid<T> {
+    /// Every cell has the same value. Of these cells it will be asked most often.
+    pub fn new(default: T, often: impl Iterator<Item = Cell>) -> ChunkedGrid<T> {
         ChunkedGrid {
+            window: Window::around(often),
             chunks: FxHashMap::default(),
             cells: Vec::new(),
             marks: Vec::new(),
@@ -34,13 +91,26 @@ impl<T: Copy> ChunkedGrid<T> {
         }
     }
 
+    #[inline]
     pub fn get(&self, cell: Cell) -> T {
         let (chunk, offset) = place(cell);
-        let start = self.chunks.get(&chunk);
-        start.map_or(self.default, |start| self.cells[*start as usize + offset])
+        match self.find(chunk) {
+            Some(start) => self.cells[start as usize + offset],
+            None => self.default,
+        }
+    }
+
+    /// Where a chunk begins.
+    #[inline]
+    fn find(&self, chunk: ChunkKey) -> Option<u32> {
+        match self.window.number(chunk) {
+            Some(number) => Some(self.window.starts[number]).filter(|start| *start != ABSENT),
+            None => self.chunks.get(&chunk).copied(),
+        }
     }
 
     /// Marks a cell, or takes its mark away: its value.
+    #[inline]
     pub fn mark(&mut self, cell: Cell, is_marked: bool) -> &mut T {
         let (chunk, offset) = place(cell);
         let start = self.chunk(chunk);
@@ -61,7 +131,7 @@ impl<T: Copy> ChunkedGrid<T> {
         for x in chunks(0) {
             for y in chunks(1) {
                 for z in chunks(2) {
-                    let Some(&start) = self.chunks.get(&key([x, y, z])) else {
+                    let Some(start) = self.find([x, y, z]) else {
                         continue;
                     };
                     let mut marks = self.marks[start as usize / CELLS];
@@ -83,15 +153,26 @@ impl<T: Copy> ChunkedGrid<T> {
     }
 
     /// Where a chunk begins, which is there from now on.
+    #[inline]
     fn chunk(&mut self, chunk: ChunkKey) -> u32 {
-        *self.chunks.entry(chunk).or_insert_with(|| {
-            let start = self.cells.len();
-            self.cells.resize(start + CELLS, self.default);
-            self.marks.push(0);
-            start as u32
-        })
+        self.find(chunk).unwrap_or_else(|| self.add(chunk))
     }
 
+    #[cold]
+    fn add(&mut self, chunk: ChunkKey) -> u32 {
+        let start = self.cells.len() as u32;
+        self.cells.resize(self.cells.len() + CELLS, self.default);
+        self.marks.push(0);
+        match self.window.number(chunk) {
+            Some(number) => self.window.starts[number] = start,
+            None => {
+                self.chunks.insert(chunk, start);
+            }
+        }
+        start
+    }
+
+    #[inline]
     pub fn get_mut(&mut self, cell: Cell) -> &mut T {
         let (chunk, offset) = place(cell);
         let start = self.chunk(chunk);
@@ -100,14 +181,11 @@ impl<T: Copy> ChunkedGrid<T> {
 }
 
 /// The chunk of a cell, and the cell's number in it.
+#[inline]
 fn place(cell: Cell) -> (ChunkKey, usize) {
     let at = [cell.x, cell.y, cell.z];
-    let [x, y, z] = at.map(|of| of.rem_euclid(SIDE));
-    (key(at.map(|of| of.div_euclid(SIDE))), number([x, y, z]))
-}
-
-fn key([x, y, z]: [i32; 3]) -> ChunkKey {
-    (u64::from(x as u32) << 32 | u64::from(y as u32), z)
+    let offset = number(at.map(|of| of.rem_euclid(SIDE)));
+    (at.map(|of| of.div_euclid(SIDE)), offset)
 }
 
 /// The number of a cell in its chunk, so far from its corner.

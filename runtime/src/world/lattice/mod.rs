@@ -2,7 +2,7 @@
 mod grid;
 
 use serde::{Deserialize, Serialize};
-use smallvec::{SmallVec, smallvec};
+use smallvec::SmallVec;
 use stochc_ir::table::Tables;
 use stochc_ir::{Cell, Face};
 use stochc_protocol::{BlockFace, Body, Docking, Orientation};
@@ -96,10 +96,12 @@ impl LatticeStructure {
     pub fn new(tables: &Tables, count: u32) -> LatticeStructure {
         let mut seeds: Vec<Cell> = tables.seeds().map(|(_, cell)| cell).collect();
         seeds.sort_unstable();
-        let mut grid = ChunkedGrid::new(CellContent {
+        let empty = CellContent {
             block: NOBODY,
             aimed: 0,
-        });
+        };
+        let mut grid =
+            ChunkedGrid::new(empty, seeds.iter().copied().chain(tables.captured_cells()));
         for (number, &cell) in (0..).zip(&seeds) {
             grid.mark(cell, true).block = number;
         }
@@ -121,6 +123,7 @@ impl LatticeStructure {
     }
 
     /// The seat of an anchored block.
+    #[inline]
     pub fn seat(&self, body: Body) -> Option<usize> {
         match body {
             Body::Seed(cell) => self.block(cell).filter(|seat| *seat < self.seeds.len()),
@@ -132,6 +135,7 @@ impl LatticeStructure {
     }
 
     /// The block on a seat.
+    #[inline]
     pub fn body(&self, seat: usize) -> Body {
         match self.seeds.get(seat) {
             Some(&cell) => Body::Seed(cell),
@@ -172,6 +176,7 @@ impl LatticeStructure {
     }
 
     /// Switches a face of an anchored block on, unless it is, or holds a block.
+    #[inline]
     pub fn magnetize(&mut self, seat: usize, face: Face) -> Option<FaceChange> {
         let of = &mut self.seats[seat];
         if (of.on | of.holding) & bit(face) != 0 {
@@ -185,6 +190,7 @@ impl LatticeStructure {
     }
 
     /// A docking of the free block of a rank on a face, in one of 24 poses; entered as late as it docks.
+    #[inline]
     pub fn docking(&self, seat: usize, face: Face, child: u32, pose: u8, tick: u64) -> Docking {
         Docking {
             site: BlockFace {
@@ -214,8 +220,16 @@ impl LatticeStructure {
         Some((cell, docking))
     }
 
-    /// Puts a block that docks on a face into its cell, which is empty.
-    pub fn dock(&mut self, seat: usize, face: Face, cell: Cell, docking: &Docking) -> Changes {
+    /// Puts a block that docks on a face into its cell, which is empty, and tells what happens to faces.
+    #[inline]
+    pub fn dock(
+        &mut self,
+        seat: usize,
+        face: Face,
+        cell: Cell,
+        docking: &Docking,
+        mut tell: impl FnMut(FaceChange),
+    ) {
         let (on, parent) = (number(seat, face), self.seats[seat]);
         let way = parent.orientation.to_structure(face);
         let (child_face, turn) = (docking.child_face, docking.turn);
@@ -233,12 +247,12 @@ impl LatticeStructure {
         content.block = child as u32;
         content.aimed &= !bit(way);
         let is_aimed_at = content.aimed != 0;
-        let mut changes: Changes = smallvec![FaceChange::Closed(on)];
+        tell(FaceChange::Closed(on));
         if is_aimed_at {
-            let blocked = self.aimed(cell);
-            changes.extend(blocked.map(|(seat, face)| FaceChange::Closed(number(seat, face))));
+            for (seat, face) in self.aimed(cell) {
+                tell(FaceChange::Closed(number(seat, face)));
+            }
         }
-        changes
     }
 
     /// Switches a face off, if it was on and held nothing.
@@ -254,8 +268,13 @@ impl LatticeStructure {
         Some(FaceChange::Closed(number(seat, face)))
     }
 
-    /// Takes the block that a face holds out of its cell: its seat.
-    pub fn let_go(&mut self, seat: usize, face: Face) -> Option<(usize, Changes)> {
+    /// Takes the block that a face holds out of its cell: its seat. Tells what happens to faces.
+    pub fn let_go(
+        &mut self,
+        seat: usize,
+        face: Face,
+        mut tell: impl FnMut(FaceChange),
+    ) -> Option<usize> {
         let of = &mut self.seats[seat];
         if of.holding & bit(face) == 0 {
             return None;
@@ -265,8 +284,9 @@ impl LatticeStructure {
         let child = self.block(cell)?;
         self.grid.mark(cell, false).block = NOBODY;
         self.free.insert(child - self.seeds.len());
-        let opened = self.aimed(cell);
-        let changes = opened.map(|(seat, face)| FaceChange::Opened(number(seat, face)));
-        Some((child, changes.collect()))
+        for (seat, face) in self.aimed(cell) {
+            tell(FaceChange::Opened(number(seat, face)));
+        }
+        Some(child)
     }
 }

@@ -12,7 +12,7 @@ use stochc_ir::{Cell, Face};
 use stochc_protocol::{BlockFace, Docking};
 use stochc_rates::{FORGOTTEN, Neighbourhood, Rates, Wait, feature_cells};
 
-use super::lattice::{FaceChange, LatticeStructure, site};
+use super::lattice::{Changes, FaceChange, LatticeStructure, site};
 use super::{Fault, SceneError, World};
 use crate::counter_rng::{DrawsAhead, Stream, below, unit};
 use agenda::{CaptureQueue, ScheduledCapture};
@@ -275,7 +275,9 @@ impl<'r> RateWorld<'r> {
         let Some(cell) = self.lattice.target(seat, face) else {
             return false;
         };
-        let changes = self.lattice.dock(seat, face, cell, docking);
+        let mut changes = Changes::new();
+        let tell = |change| changes.push(change);
+        self.lattice.dock(seat, face, cell, docking, tell);
         self.note(changes, Some((cell, true)));
         self.follow_free_blocks();
         true
@@ -326,7 +328,9 @@ impl World for RateWorld<'_> {
         while let Some((seat, face)) = going.pop() {
             let closed = self.lattice.close(seat, face);
             self.note(closed, None);
-            let Some((child, changes)) = self.lattice.let_go(seat, face) else {
+            let mut changes = Changes::new();
+            let tell = |change| changes.push(change);
+            let Some(child) = self.lattice.let_go(seat, face, tell) else {
                 continue;
             };
             going.extend(stochc_ir::Face::ALL.map(|face| (child, face)));

@@ -94,28 +94,22 @@ impl ShuffleWorld {
 }
 
 impl ShuffleWorld {
-    /// Takes in what happened to faces.
-    fn note(&mut self, changes: impl IntoIterator<Item = FaceChange>) {
-        for change in changes {
-            match change {
-                FaceChange::Opened(face) => self.open.insert(face),
-                FaceChange::Closed(face) => self.open.remove(face),
-            }
-        }
-    }
-
     /// Puts a block that docks on a face into its cell, which is empty.
     fn dock(&mut self, seat: usize, face: Face, cell: Cell, docking: &Docking) {
-        let changes = self.lattice.dock(seat, face, cell, docking);
-        self.note(changes);
+        let tell = |change| note(&mut self.open, change);
+        self.lattice.dock(seat, face, cell, docking, tell);
         self.expose(cell);
     }
 
     /// Notes which faces in and around a cell a stray can come to.
+    #[inline]
     fn expose(&mut self, cell: Cell) {
-        if self.strays <= 0.0 {
-            return;
+        if self.strays > 0.0 {
+            self.expose_around(cell);
         }
+    }
+
+    fn expose_around(&mut self, cell: Cell) {
         let around = Face::ALL.into_iter().filter_map(|face| cell.across(face));
         for cell in around.chain([cell]) {
             let seat = self.lattice.block(cell);
@@ -187,6 +181,15 @@ impl ShuffleWorld {
     }
 }
 
+/// Takes in what happened to a face.
+#[inline]
+fn note(open: &mut RankedSet, change: FaceChange) {
+    match change {
+        FaceChange::Opened(face) => open.insert(face),
+        FaceChange::Closed(face) => open.remove(face),
+    }
+}
+
 impl World for ShuffleWorld {
     fn tick(&self) -> u64 {
         self.tick
@@ -196,13 +199,10 @@ impl World for ShuffleWorld {
         let Some(seat) = self.lattice.seat(site.body) else {
             return;
         };
-        let from = self.lattice.seats[seat];
-        if (from.on | from.holding) & bit(site.face) != 0 {
-            return;
+        if let Some(change) = self.lattice.magnetize(seat, site.face) {
+            note(&mut self.open, change);
         }
-        let changes = self.lattice.magnetize(seat, site.face);
-        self.note(changes);
-        self.expose(from.cell);
+        self.expose(self.lattice.seats[seat].cell);
     }
 
     fn switch_off(&mut self, site: BlockFace) {
@@ -211,10 +211,11 @@ impl World for ShuffleWorld {
         };
         let mut going: SmallVec<[_; 8]> = smallvec![(seat, site.face)];
         while let Some((seat, face)) = going.pop() {
-            let closed = self.lattice.close(seat, face);
-            self.note(closed);
-            if let Some((child, changes)) = self.lattice.let_go(seat, face) {
-                self.note(changes);
+            let mut tell = |change| note(&mut self.open, change);
+            if let Some(closed) = self.lattice.close(seat, face) {
+                tell(closed);
+            }
+            if let Some(child) = self.lattice.let_go(seat, face, tell) {
                 going.extend(Face::ALL.map(|face| (child, face)));
                 self.expose(self.lattice.seats[child].cell);
             }
