@@ -55,7 +55,7 @@ fn whole(bytes: &[u8]) -> Vec<u8> {
     let mut parts = bytes.splitn(2, |byte| *byte == b'\n');
     let line = String::from_utf8_lossy(parts.next().unwrap_or_default()).into_owned();
     let line = match line.ends_with('}') {
-        true => sealed(&line),
+        true => sealed(line),
         false => line,
     };
     let file = [line.as_bytes(), b"\n", parts.next().unwrap_or_default()].concat();
