@@ -4,7 +4,9 @@ use std::cell::RefCell;
 use rustc_hash::FxHashMap;
 use stochc_ir::scene::Scene;
 use stochc_ir::{Cell, Face};
-use stochc_rates::{Neighbourhood, Parameters, Rates, Surroundings, Wait, around, offsets};
+use stochc_rates::{
+    Neighbourhood, Parameters, Rates, Rivals, Surroundings, Wait, around, offsets, rivals,
+};
 
 use crate::grid::shifted;
 
@@ -104,12 +106,12 @@ impl<'a> RateLaw<'a> {
                 Stand::Full => full.block(offset),
             }
         }
-        let rival = aside().any(|face| stands(beside(face)) == Stand::Awaited(way));
-        let without = self.wait(cell.z, way, full, moment, rival);
+        let is_open = |near: Cell| stands(near) == Stand::Awaited(way);
+        let without = self.wait(cell.z, way, full, moment, rivals(cell, way, is_open));
         if awaited == Neighbourhood::EMPTY {
             return self.mean_of(without);
         }
-        let with = self.wait(cell.z, way, full.and(awaited), moment, false);
+        let with = self.wait(cell.z, way, full.and(awaited), moment, Rivals::default());
         self.mean_of(without.between(with))
     }
 
@@ -119,7 +121,7 @@ impl<'a> RateLaw<'a> {
         way: Face,
         near: Neighbourhood,
         moment: Moment,
-        rival: bool,
+        rivals: Rivals,
     ) -> Wait {
         // The law asks for nothing but the layer of the cell.
         let cell = Cell::new(0, 0, layer.min(HIGHEST));
@@ -136,7 +138,7 @@ impl<'a> RateLaw<'a> {
         parameters.wait(&Surroundings {
             free: moment.free,
             cold: moment.is_first,
-            rival,
+            rivals,
             ..*seen
         })
     }

@@ -27,17 +27,34 @@ const CROWDING: f64 = 0.3;
 /// What else there is, is as in another scene.
 fn parameters(rate: f64, probability: f64, like: Parameters) -> Parameters {
     let fails = 1.0 - probability;
-    let [.., rival, cold] = like.0;
+    let [
+        ..,
+        corner,
+        corner_parent,
+        rival,
+        across,
+        _,
+        _,
+        _,
+        docking_corner,
+        docking_rival,
+        cold,
+    ] = like.0;
     Parameters([
         rate,
         1.17 * probability.sqrt(),
         0.25 + 1.25 * fails * fails,
         0.4 + libm::pow(fails, 6.0),
         0.75 * libm::pow(fails, 3.0) - 0.1,
+        corner,
+        corner_parent,
+        rival,
+        across,
         4.65 + 2.4 * probability * fails,
         -0.25,
         -0.8,
-        rival,
+        docking_corner,
+        docking_rival,
         cold,
     ])
 }

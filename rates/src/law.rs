@@ -16,10 +16,23 @@ pub struct Surroundings {
     pub beside: bool,
     /// Whether one is beside the block that captures, likewise.
     pub beside_parent: bool,
-    /// Whether the cell next to it is open to a face in the same direction as well.
-    pub rival: bool,
+    /// Whether none is beside the open cell, but one is across an edge of it, at right angles to the face's normal.
+    pub corner: bool,
+    /// The same of the block that captures.
+    pub corner_parent: bool,
+    /// The faces of the same direction that wait near it.
+    pub rivals: Rivals,
     /// Whether the face has been open since the first tick, when the gas was at rest.
     pub cold: bool,
+}
+
+/// How many faces of the same direction wait near one, at right angles to their normal.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct Rivals {
+    /// Open to a cell beside the open one.
+    pub beside: u8,
+    /// Open to a cell across an edge of it.
+    pub across: u8,
 }
 
 /// The numbers of the law.
@@ -38,10 +51,10 @@ pub struct Parameter {
 
 impl Parameters {
     /// How many there are: [`Parameters::RATE`] of the rate, then those of the docking time.
-    pub const COUNT: usize = 10;
+    pub const COUNT: usize = 15;
 
     /// How many belong to the rate.
-    pub const RATE: usize = 5;
+    pub const RATE: usize = 9;
 
     /// What they are, in order.
     pub const ALL: [Parameter; Parameters::COUNT] = [
@@ -66,6 +79,22 @@ impl Parameters {
             meaning: "logarithm of the rate's factor where a block is beside the parent",
         },
         Parameter {
+            name: "corner",
+            meaning: "logarithm of the rate's factor where a block is across an edge of the cell, and none beside it",
+        },
+        Parameter {
+            name: "corner-parent",
+            meaning: "logarithm of the rate's factor where a block is across an edge of the parent, and none beside it",
+        },
+        Parameter {
+            name: "rival",
+            meaning: "logarithm of the rate's factor beside a cell that is open as well",
+        },
+        Parameter {
+            name: "rival-across",
+            meaning: "logarithm of the rate's factor for each cell across an edge that is open as well",
+        },
+        Parameter {
             name: "docking",
             meaning: "logarithm of the mean docking time, in ticks",
         },
@@ -78,6 +107,10 @@ impl Parameters {
             meaning: "logarithm of its factor where a block is beside the parent",
         },
         Parameter {
+            name: "docking-corner-parent",
+            meaning: "logarithm of its factor where a block is across an edge of the parent, and none beside it",
+        },
+        Parameter {
             name: "docking-rival",
             meaning: "logarithm of its factor beside a cell that is open as well",
         },
@@ -88,11 +121,16 @@ impl Parameters {
     ];
 
     /// What was found in the built-in scene `hemisphere`, to begin with in others.
-    pub const TYPICAL: Parameters =
-        Parameters([-5.6, 0.86, 1.0, 0.50, 0.18, 5.17, -0.26, -0.81, -0.45, 1.40]);
+    pub const TYPICAL: Parameters = Parameters([
+        -5.6, 0.86, 1.0, 0.50, 0.18, 0.39, 0.27, -0.11, -0.27, 5.17, -0.26, -0.81, -0.50, -0.45,
+        1.40,
+    ]);
 
-    /// How far scenes are apart from that: a scene of its own has its own rate and docking time, and much the same geometry.
-    pub const SPREAD: [f64; Parameters::COUNT] = [5.0, 0.3, 0.3, 0.3, 0.3, 5.0, 0.3, 0.3, 0.3, 0.5];
+    /// How far scenes are apart from that: a scene of its own has its own rate and docking time, and much the same geometry. What
+    /// faces beside each other do depends on whether blocks are easily caught: where they are not, two pulls catch more than one.
+    pub const SPREAD: [f64; Parameters::COUNT] = [
+        5.0, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 1.0, 0.5, 5.0, 0.3, 0.3, 0.3, 0.3, 0.5,
+    ];
 
     /// The numbers that the logarithms of rate and docking time are linear in, of which the number of free blocks has the factor 1.
     pub fn features(
@@ -103,6 +141,8 @@ impl Parameters {
     ) {
         let indicator = |is: bool| f64::from(u8::from(is));
         let (beside, parent) = (indicator(of.beside), indicator(of.beside_parent));
+        let corner_parent = indicator(of.corner_parent);
+        let rival = indicator(of.rivals.beside > 0);
         (
             [
                 1.0,
@@ -110,8 +150,19 @@ impl Parameters {
                 libm::log(of.density.max(LEAST_DENSITY)),
                 beside,
                 parent,
+                indicator(of.corner),
+                corner_parent,
+                rival,
+                f64::from(of.rivals.across),
             ],
-            [1.0, beside, parent, indicator(of.rival), indicator(of.cold)],
+            [
+                1.0,
+                beside,
+                parent,
+                corner_parent,
+                rival,
+                indicator(of.cold),
+            ],
         )
     }
 

@@ -14,11 +14,11 @@ mod wait;
 
 pub use first_guess::GUESS_ERROR;
 pub use interaction::Interaction;
-pub use law::{Parameter, Parameters, Surroundings};
+pub use law::{Parameter, Parameters, Rivals, Surroundings};
 pub use neighbourhood::Neighbourhood;
 pub use rates::{Coverage, FORGOTTEN, FORMAT, HeadStart, Rates, density_in, relative};
 pub use reach::{SIGHT, offsets, sees, unobstructed};
-pub use surroundings::{around, feature_cells};
+pub use surroundings::{around, feature_cells, rivals};
 pub use times::{Times, quantile};
 pub use wait::{STAGES, Wait};
 

@@ -75,7 +75,8 @@ pub(crate) fn all() -> impl Iterator<Item = [i32; 3]> {
     range().flat_map(move |x| range().flat_map(move |y| range().map(move |z| [x, y, z])))
 }
 
-fn shifted(cell: Cell, [x, y, z]: [i32; 3]) -> Option<Cell> {
+/// A cell so many steps away from another.
+pub(crate) fn shifted(cell: Cell, [x, y, z]: [i32; 3]) -> Option<Cell> {
     Some(Cell::new(
         cell.x.checked_add(x)?,
         cell.y.checked_add(y)?,

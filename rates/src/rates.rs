@@ -64,7 +64,11 @@ pub struct Coverage {
 }
 
 /// The version of the form of [`Rates`].
-pub const FORMAT: u32 = 1;
+pub const FORMAT: u32 = 2;
+
+/// The places among the [`Parameters`] of those that a file of format 1 has: its law said nothing of corners, and of rivals nothing but
+/// their docking times, which is what 0 means for the others.
+const FIRST_PARAMETERS: [usize; 10] = [0, 1, 2, 3, 4, 9, 10, 11, 13, 14];
 
 /// Rates of built-in scenes, as `stochc calibrate SCENE --out` wrote them.
 const BUILT_IN: [&str; 1] = [include_str!("data/hemisphere.rates")];
@@ -189,7 +193,7 @@ struct Stored {
     simulated: String,
     seed: u64,
     captures: u64,
-    parameters: Parameters,
+    parameters: Vec<f64>,
     covariance: Vec<f64>,
     profile: Vec<f64>,
     free: u32,
@@ -214,14 +218,22 @@ impl TryFrom<Stored> for Rates {
             head_starts,
             coverage,
         } = stored;
-        if format != FORMAT {
-            return Err(format!(
-                "its format is {format}, and this is {FORMAT}; calibrate again"
-            ));
+        let places: Vec<usize> = match format {
+            1 => FIRST_PARAMETERS.to_vec(),
+            FORMAT => (0..Parameters::COUNT).collect(),
+            _ => {
+                return Err(format!(
+                    "its format is {format}, and this is {FORMAT}; calibrate again"
+                ));
+            }
+        };
+        if parameters.len() != places.len() {
+            return Err("its parameters are of another number".to_owned());
         }
-        if covariance.len() != Parameters::COUNT * Parameters::COUNT {
+        if covariance.len() != places.len() * places.len() {
             return Err("its covariance has another size".to_owned());
         }
+        let (parameters, covariance) = at_places(&places, &parameters, &covariance);
         // Beyond e^30 no wait has a meaning, and sums overflow.
         if parameters
             .0
@@ -249,7 +261,7 @@ impl TryFrom<Stored> for Rates {
             return Err("a number is not finite".to_owned());
         }
         Ok(Rates {
-            format,
+            format: FORMAT,
             scene,
             simulated,
             seed,
@@ -262,6 +274,21 @@ impl TryFrom<Stored> for Rates {
             coverage,
         })
     }
+}
+
+/// Parameters and their covariance, of which some are given, each at its place; the others are 0, and certain.
+fn at_places(places: &[usize], parameters: &[f64], covariance: &[f64]) -> (Parameters, Vec<f64>) {
+    let mut all = Parameters([0.0; Parameters::COUNT]);
+    let mut of_all = vec![0.0; Parameters::COUNT * Parameters::COUNT];
+    for (&place, parameter) in places.iter().zip(parameters) {
+        all.0[place] = *parameter;
+    }
+    for (&row, values) in places.iter().zip(covariance.chunks(places.len())) {
+        for (&column, value) in places.iter().zip(values) {
+            of_all[row * Parameters::COUNT + column] = *value;
+        }
+    }
+    (all, of_all)
 }
 
 /// Layers of a profile, at most.
@@ -288,6 +315,40 @@ mod tests {
             denser.free.count += 1;
             assert_eq!(Rates::built_in(&denser), None);
         }
+    }
+
+    #[test]
+    fn files_of_the_first_format_have_the_law_that_they_were_made_for() {
+        let rates =
+            Rates::from_text(include_str!("../tests/data/calm.rates")).expect("it is sound");
+        assert_eq!(rates.format, FORMAT);
+        let named = |name: &str| {
+            let place = Parameters::ALL.iter().position(|it| it.name == name);
+            let place = place.expect("there is one");
+            let variance = rates.covariance[place * (Parameters::COUNT + 1)];
+            (rates.parameters.0[place], variance)
+        };
+        for name in [
+            "corner",
+            "corner-parent",
+            "rival",
+            "rival-across",
+            "docking-corner-parent",
+        ] {
+            assert_eq!(named(name), (0.0, 0.0), "{name}");
+        }
+        for name in [
+            "rate",
+            "beside-parent",
+            "docking",
+            "docking-rival",
+            "docking-cold",
+        ] {
+            let (value, variance) = named(name);
+            assert!(value != 0.0 && variance > 0.0, "{name}");
+        }
+        let again = Rates::from_text(&rates.to_text());
+        assert_eq!(again, Ok(rates));
     }
 
     #[test]

@@ -3,8 +3,8 @@ use std::sync::LazyLock;
 
 use stochc_ir::{Cell, Face};
 
-use crate::law::Surroundings;
-use crate::neighbourhood::Neighbourhood;
+use crate::law::{Rivals, Surroundings};
+use crate::neighbourhood::{Neighbourhood, shifted};
 use crate::reach::{in_reach, unobstructed};
 
 /// What is around the face that is open towards `cell` in the direction `way`: blocked cells, and cells that another face of the same
@@ -17,15 +17,28 @@ pub fn around(
     near: Neighbourhood,
     is_open: impl Fn(Cell) -> bool,
 ) -> Surroundings {
+    let parent = way.opposite().normal();
     let beside = |of| beside(way, of).any(|offset| near.is_blocked(offset));
+    let corner = |of| across_edge(way, of).any(|offset| near.is_blocked(offset)) && !beside(of);
     Surroundings {
         open: unobstructed(way, near),
         density: 1.0,
         free: 1.0,
         beside: beside([0; 3]),
-        beside_parent: beside(way.opposite().normal()),
-        rival: aside(way).any(|face| cell.across(face).is_some_and(&is_open)),
+        beside_parent: beside(parent),
+        corner: corner([0; 3]),
+        corner_parent: corner(parent),
+        rivals: rivals(cell, way, is_open),
         cold: false,
+    }
+}
+
+/// The faces of the direction `way` that wait near one that is open towards `cell`: which cells such a face is open to, `is_open` says.
+pub fn rivals(cell: Cell, way: Face, is_open: impl Fn(Cell) -> bool) -> Rivals {
+    let is_open = |offset: &[i32; 3]| shifted(cell, *offset).is_some_and(&is_open);
+    Rivals {
+        beside: beside(way, [0; 3]).filter(is_open).count() as u8,
+        across: across_edge(way, [0; 3]).filter(is_open).count() as u8,
     }
 }
 
@@ -38,8 +51,10 @@ static FEATURE_CELLS: LazyLock<[Neighbourhood; 6]> = LazyLock::new(|| {
     Face::ALL.map(|way| {
         let mut cells = in_reach(way);
         let parent = way.opposite().normal();
-        let beside = beside(way, [0; 3]).chain(beside(way, parent));
-        beside.for_each(|offset| cells.block(offset));
+        for of in [[0; 3], parent] {
+            let looked_at = beside(way, of).chain(across_edge(way, of));
+            looked_at.for_each(|offset| cells.block(offset));
+        }
         cells
     })
 });
@@ -58,6 +73,17 @@ fn beside(way: Face, of: [i32; 3]) -> impl Iterator<Item = [i32; 3]> {
     })
 }
 
+/// The four cells across an edge of one, at right angles to a direction.
+fn across_edge(way: Face, of: [i32; 3]) -> impl Iterator<Item = [i32; 3]> {
+    let signs = [[1, 1], [1, -1], [-1, 1], [-1, -1]].into_iter();
+    let along = way.normal().map(i32::abs);
+    signs.map(move |[u, v]| match along {
+        [1, ..] => [of[0], of[1] + u, of[2] + v],
+        [_, 1, _] => [of[0] + u, of[1], of[2] + v],
+        _ => [of[0] + u, of[1] + v, of[2]],
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -68,15 +94,44 @@ mod tests {
             around(cell, way, Neighbourhood::of(cell, is_full), is_open)
         };
         let seen = around(Cell::new(0, 0, 1), Face::Up, &|_| false, &|_| false);
-        assert!(seen.beside_parent && !seen.beside && !seen.rival);
+        assert!(seen.beside_parent && !seen.beside && seen.rivals == Rivals::default());
         let tower = |cell: Cell| (cell.x, cell.y) == (0, 0) && cell.z < 5;
         let seen = around(Cell::new(0, 0, 5), Face::Up, &tower, &|_| false);
         assert!(!seen.beside_parent && !seen.beside);
         let seen = around(Cell::new(1, 0, 1), Face::East, &tower, &|cell| {
             cell == Cell::new(1, 1, 1)
         });
-        assert!(seen.beside && seen.rival);
+        assert!(seen.beside && seen.rivals.beside == 1);
     }
+
+    #[test]
+    fn corners_count_where_nothing_is_beside_and_rivals_across_edges_one_by_one() {
+        for way in Face::ALL {
+            let cell = Cell::new(0, 0, 50);
+            let at = |[x, y, z]: [i32; 3]| Cell::new(x, y, 50 + z);
+            let corners: Vec<Cell> = across_edge(way, [0; 3]).map(at).collect();
+            let parent = way.opposite().normal();
+            let of_parent = across_edge(way, parent)
+                .map(at)
+                .next()
+                .expect("it has four");
+            let flank = beside(way, [0; 3]).map(at).next().expect("it has four");
+            let seen = |full: &[Cell], open: &[Cell]| {
+                let near = Neighbourhood::of(cell, |cell| full.contains(&cell));
+                around(cell, way, near, |cell| open.contains(&cell))
+            };
+            let corner = seen(&corners[..1], &corners[1..]);
+            assert!(
+                corner.corner && !corner.corner_parent && !corner.beside,
+                "{way:?}"
+            );
+            assert_eq!((corner.rivals.across, corner.rivals.beside), (3, 0));
+            let both = seen(&[corners[0], flank, of_parent], &[]);
+            assert!(!both.corner && both.beside && both.corner_parent && !both.beside_parent);
+            assert_eq!(both.rivals, Rivals::default());
+        }
+    }
+
     #[test]
     fn no_other_cells_are_looked_at() {
         for way in Face::ALL {

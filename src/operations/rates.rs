@@ -17,8 +17,8 @@ use crate::exit::{Exit, Failure};
 use crate::facade::{check_texts, compile};
 use crate::host::Host;
 
-/// What is simulated if nothing is said: some 15 s of processor time in the default scene.
-pub const RUNS: u64 = 8;
+/// What is simulated if nothing is said: some 30 s of processor time in the default scene.
+pub const RUNS: u64 = 6;
 /// Ticks of a run, at most.
 pub const MAX_TICKS: u64 = 60_000;
 

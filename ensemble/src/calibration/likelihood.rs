@@ -2,7 +2,7 @@
 use nalgebra::{SMatrix, SVector};
 use stochc_rates::{Parameters, Surroundings, Wait};
 
-use super::observation::Observations;
+use super::observation::WaitInterval;
 
 const COUNT: usize = Parameters::COUNT;
 
@@ -13,8 +13,8 @@ type Matrix = SMatrix<f64, COUNT, COUNT>;
 const STEPS: usize = 200;
 
 /// The parameters, and their covariance row by row.
-pub(super) fn fit(observations: &Observations) -> ([f64; COUNT], Vec<f64>) {
-    let loss = |at: &Vector| loss(observations, at);
+pub(super) fn fit(pieces: &[WaitInterval]) -> ([f64; COUNT], Vec<f64>) {
+    let loss = |at: &Vector| loss(pieces, at);
     let mut at = Vector::from(Parameters::TYPICAL.0);
     let (mut value, mut slope) = loss(&at);
     let mut damping = 1e-3;
@@ -59,10 +59,10 @@ fn curvature(loss: impl Fn(&Vector) -> (f64, Vector), at: &Vector) -> Matrix {
 }
 
 /// The negative logarithm of likelihood and prior, up to a constant, and its slope.
-fn loss(observations: &Observations, at: &Vector) -> (f64, Vector) {
+fn loss(pieces: &[WaitInterval], at: &Vector) -> (f64, Vector) {
     let parameters = Parameters((*at).into());
     let (mut value, mut slope) = (0.0, Vector::zeros());
-    for piece in &observations.pieces {
+    for piece in pieces {
         let wait = parameters.wait(&piece.surroundings);
         let hazard = wait.cumulative_hazard(piece.to) - wait.cumulative_hazard(piece.from);
         let (to, of_hazard) = wait.docking_slopes(piece.to);

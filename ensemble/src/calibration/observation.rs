@@ -8,6 +8,9 @@ use stochc_rates::{FORGOTTEN, Neighbourhood, Surroundings, around, density_in, r
 /// Squared distance in sides within which a block that is let go has a head start, at most.
 pub(super) const NEAR: u32 = 8;
 
+/// How long a face is watched, at most, in medians of the waits that ended: of exponential waits one of 65,536 is longer.
+const LONGEST: f64 = 16.0;
+
 /// What happened in a run, in the order of time.
 #[derive(Debug)]
 pub(super) struct History {
@@ -87,6 +90,12 @@ impl History {
 }
 
 impl WaitingFace {
+    /// Whether a face of the same direction that is open to this cell is a rival: beside the open one, or across an edge of it, at right
+    /// angles to the face's normal.
+    fn is_rival(&self, cell: Cell) -> bool {
+        matches!(relative(self.cell, self.way, cell), Some((1 | 2, 0)))
+    }
+
     /// Of a cell from the open one, in sides; `None`: beyond all numbers.
     fn squared_distance(&self, cell: Cell) -> Option<u32> {
         relative(self.cell, self.way, cell).map(|(squared, _)| squared)
@@ -129,6 +138,25 @@ impl Observations {
         self.pieces.iter().filter(|piece| piece.captured).count() as u64
     }
 
+    /// The pieces of waits without those in which blocks have jammed, of which the law knows nothing. No face is watched for longer than a
+    /// time that does not depend on when it captures, so that waits by the law are not made shorter by that.
+    pub fn without_jams(&self) -> Vec<WaitInterval> {
+        let mut waits: Vec<f64> = (self.pieces.iter())
+            .filter(|piece| piece.captured)
+            .map(|piece| piece.to)
+            .collect();
+        waits.sort_unstable_by(f64::total_cmp);
+        let last = (waits.get(waits.len() / 2)).map_or(f64::INFINITY, |median| median * LONGEST);
+        let watched = self.pieces.iter().filter(|piece| piece.from < last);
+        watched
+            .map(|piece| WaitInterval {
+                to: piece.to.min(last),
+                captured: piece.captured && piece.to <= last,
+                ..*piece
+            })
+            .collect()
+    }
+
     /// Adds the waits of a run, but for those near which a block was let go: it may have come back.
     pub fn add(&mut self, history: &History, profile: &[f64], count: u32) {
         for wait in &history.waits {
@@ -149,7 +177,7 @@ impl Observations {
     /// Adds a wait, cut where something changes in its sight.
     fn follow(&mut self, history: &History, wait: &WaitingFace, density: f64, count: u32) {
         let rivals: BTreeMap<Cell, (u64, u64)> = (history.waits.iter())
-            .filter(|other| other.way == wait.way && wait.squared_distance(other.cell) == Some(1))
+            .filter(|other| other.way == wait.way && wait.is_rival(other.cell))
             .filter(|other| other.since < wait.until && other.until > wait.since)
             .map(|other| (other.cell, (other.since, other.until)))
             .collect();

@@ -10,7 +10,7 @@ use stochc_ir::scene::{Bond, Scene};
 use stochc_ir::table::Tables;
 use stochc_ir::{Cell, Face};
 use stochc_protocol::{BlockFace, Docking};
-use stochc_rates::{FORGOTTEN, Neighbourhood, Rates, Wait, feature_cells};
+use stochc_rates::{FORGOTTEN, Neighbourhood, Rates, Rivals, Surroundings, Wait, feature_cells};
 
 use super::lattice::{Changes, FaceChange, LatticeStructure, site};
 use super::{Fault, SceneError, World};
@@ -49,7 +49,7 @@ struct Seen {
     near: Neighbourhood,
     layer: i32,
     way: Face,
-    has_rival: bool,
+    rivals: Rivals,
     is_cold: bool,
 }
 
@@ -206,10 +206,12 @@ impl<'r> RateWorld<'r> {
         if self.waits.len() >= KEPT {
             self.waits.clear();
         }
-        let is_open = |_| seen.has_rival;
-        let mut surroundings = self.rates.surroundings(cell, seen.way, seen.near, is_open);
-        surroundings.cold = seen.is_cold;
-        let wait = self.rates.wait(&surroundings);
+        let alone = |_| false;
+        let wait = self.rates.wait(&Surroundings {
+            rivals: seen.rivals,
+            cold: seen.is_cold,
+            ..self.rates.surroundings(cell, seen.way, seen.near, alone)
+        });
         self.waits.insert(seen, wait);
         wait
     }
@@ -290,7 +292,7 @@ fn seen_by(face: &OpenFace) -> Seen {
         near: face.near.within(feature_cells(face.way)),
         layer: face.cell.z,
         way: face.way,
-        has_rival: face.has_rival(),
+        rivals: face.rivals,
         is_cold: face.since == 0,
     }
 }

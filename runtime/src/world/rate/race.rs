@@ -3,7 +3,7 @@ use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 use stochc_ir::{Cell, Face};
-use stochc_rates::{Neighbourhood, SIGHT, Wait, feature_cells};
+use stochc_rates::{Neighbourhood, Rivals, SIGHT, Wait, feature_cells};
 
 /// Sides of the cubes of cells by which open faces are found.
 const CUBE: i32 = 8;
@@ -27,8 +27,8 @@ pub(super) struct OpenFace {
     pub near: Neighbourhood,
     /// The tick since when it is open.
     pub since: u64,
-    /// Faces of the same direction that are open to a cell beside this one.
-    rivals: u8,
+    /// Faces of the same direction that wait near it.
+    pub rivals: Rivals,
     /// The hazard that it may still sum up before it captures.
     left: f64,
     /// What it waits for, and until when; `None`: nobody has said.
@@ -38,6 +38,25 @@ pub(super) struct OpenFace {
     before: f64,
     /// Which opening of all it is; 0: it is closed.
     opening: u64,
+}
+
+/// Where the cell of a rival is.
+#[derive(Clone, Copy, Debug)]
+enum Rivalry {
+    /// Beside the open cell.
+    Beside,
+    /// Across an edge of it.
+    Across,
+}
+
+impl Rivalry {
+    /// The number of such rivals.
+    fn count(self, rivals: &mut Rivals) -> &mut u8 {
+        match self {
+            Rivalry::Beside => &mut rivals.beside,
+            Rivalry::Across => &mut rivals.across,
+        }
+    }
 }
 
 /// All of them.
@@ -80,18 +99,13 @@ impl OpenFace {
             way,
             near,
             since,
-            rivals: 0,
+            rivals: Rivals::default(),
             left,
             wait: None,
             until: f64::INFINITY,
             before: 0.0,
             opening: 0,
         }
-    }
-
-    /// Whether a face of the same direction is open to a cell beside this one.
-    pub fn has_rival(&self) -> bool {
-        self.rivals > 0
     }
 
     /// Which opening of all it is.
@@ -113,21 +127,19 @@ impl Race {
         }
     }
 
-    /// Adds a face: its slot. Those that have a rival now are added to `changed`, as it is.
+    /// Adds a face: its slot. Those that have another rival now are added to `changed`, as it is.
     pub fn open(&mut self, face: OpenFace, changed: &mut Slots) -> Slot {
         let (cell, way) = (face.cell, face.way);
-        let beside = self.beside(cell, way);
-        for &other in &beside {
-            let other_face = &mut self.faces[other as usize];
-            other_face.rivals += 1;
-            if other_face.rivals == 1 {
-                changed.push(other);
-            }
+        let mut rivals = Rivals::default();
+        for (other, rivalry) in self.rivals(cell, way) {
+            *rivalry.count(&mut rivals) += 1;
+            *rivalry.count(&mut self.faces[other as usize].rivals) += 1;
+            changed.push(other);
         }
         self.opened += 1;
         let face = OpenFace {
             opening: self.opened,
-            rivals: beside.len() as u8,
+            rivals,
             ..face
         };
         let slot = match self.vacant.pop() {
@@ -147,7 +159,7 @@ impl Race {
         slot
     }
 
-    /// Takes a face out, if it is there. Those that have no rival any more are added to `changed`.
+    /// Takes a face out, if it is there. Those that it was a rival of are added to `changed`.
     pub fn close(&mut self, number: usize, changed: &mut Slots) {
         let Some(slot) = self.slots.remove(&number) else {
             return;
@@ -162,12 +174,9 @@ impl Race {
                 self.cubes.remove(&cube(cell));
             }
         }
-        for other in self.beside(cell, way) {
-            let other_face = &mut self.faces[other as usize];
-            other_face.rivals -= 1;
-            if other_face.rivals == 0 {
-                changed.push(other);
-            }
+        for (other, rivalry) in self.rivals(cell, way) {
+            *rivalry.count(&mut self.faces[other as usize].rivals) -= 1;
+            changed.push(other);
         }
     }
 
@@ -219,17 +228,22 @@ impl Race {
         }
     }
 
-    /// The open faces of a direction to the cells beside one.
-    fn beside(&self, cell: Cell, way: Face) -> SmallVec<[Slot; 4]> {
-        let mut beside = SmallVec::new();
+    /// The open faces of a direction to the cells beside one, and to those across an edge of it.
+    fn rivals(&self, cell: Cell, way: Face) -> SmallVec<[(Slot, Rivalry); 8]> {
+        let mut rivals = SmallVec::new();
         let aside = way.normal().map(|along| 1 - along.abs());
         self.each_within(cell, aside, |place| {
             let apart: i32 = difference(place.cell, cell).iter().map(|d| d.abs()).sum();
-            if place.way == way && apart == 1 {
-                beside.push(place.slot);
+            let rivalry = match apart {
+                1 => Rivalry::Beside,
+                2 => Rivalry::Across,
+                _ => return,
+            };
+            if place.way == way {
+                rivals.push((place.slot, rivalry));
             }
         });
-        beside
+        rivals
     }
 
     /// Shows the open faces to cells that are no farther along each axis than `steps`.
