@@ -5,6 +5,7 @@ use stochc_grammar::{Cancellation, Cancelled, Symbols};
 use stochc_ir::scene::scalars::{self, ScalarChange};
 use stochc_ir::scene::{BondKind, Scene};
 use stochc_ir::table::Tables;
+use stochc_rates::Rates;
 
 use crate::diagnostic::{Code, Diagnostic, Fix, TextChange, fold, tell};
 use crate::expand::{Declarations, ExpansionBounds, Limits, duplicate, expand, expand_aggregate};
@@ -585,6 +586,7 @@ impl<'a> AssemblyInput<'a> {
                 patterns: &self.declarations.patterns,
                 file: self.file,
                 trial: self.trial,
+                has_passable_gaps: scene.as_ref().is_some_and(Rates::pass_gaps),
                 sources: self.sources,
                 symbols,
                 cancellation,

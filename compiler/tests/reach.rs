@@ -325,13 +325,36 @@ fn has_sealed_capture(room: Room, program: &Program) -> bool {
         .any(|(_, id, worst)| !is_open(room, program.layout.cells[id.0 as usize].unwrap(), &worst))
 }
 
-/// Whether a cube of two cells can bring a block to a cell from outside.
-fn is_wide(room: Room, target: Cell, full: &BTreeMap<Cell, EventId>) -> bool {
-    let cells = |low: Cell| {
-        (0..8).map(move |i| Cell::new(low.x + (i & 1), low.y + (i >> 1 & 1), low.z + (i >> 2)))
+/// The cells of a cube of two.
+fn cube(low: Cell) -> impl Iterator<Item = Cell> {
+    (0..8).map(move |i| Cell::new(low.x + (i & 1), low.y + (i >> 1 & 1), low.z + (i >> 2)))
+}
+
+/// Whether a cube of two cells can bring a block to a cell from outside, or before it, if it is a gap along `way`: so that the cube holds
+/// the cell before it and the one before an empty cell beside it.
+fn is_wide(room: Room, target: Cell, way: Face, full: &BTreeMap<Cell, EventId>) -> bool {
+    let near = |cell: Cell, face: Face| cell.across(face).unwrap();
+    let aside = || {
+        Face::ALL
+            .into_iter()
+            .filter(move |&face| face != way && face != way.opposite())
     };
-    let is_free = |low: Cell| low.z >= 1 && cells(low).all(|cell| !full.contains_key(&cell));
-    let mut open: Vec<Cell> = cells(Cell::new(target.x - 1, target.y - 1, target.z - 1))
+    let is_before_gap = |low: Cell| {
+        let holds = |cell: Cell| cube(low).any(|it| it == cell);
+        let edges = aside().map(|edge| near(target, edge));
+        let mut empty = edges.filter(|beside| beside.z >= 1 && !full.contains_key(beside));
+        !holds(target)
+            && empty.any(|beside| {
+                let is_before = |out| holds(near(target, out)) && holds(near(beside, out));
+                !holds(beside) && aside().any(is_before)
+            })
+    };
+    let is_free = |low: Cell| low.z >= 1 && cube(low).all(|cell| !full.contains_key(&cell));
+    let around = (0..64).map(|i| {
+        Cell::new(target.x - 2 + i % 4, target.y - 2 + i / 4 % 4, target.z - 2 + i / 16)
+    });
+    let mut open: Vec<Cell> = around
+        .filter(|&low| cube(low).any(|cell| cell == target) || is_before_gap(low))
         .filter(|&low| is_free(low))
         .collect();
     let mut found: BTreeSet<Cell> = open.iter().copied().collect();
@@ -438,7 +461,11 @@ proptest! {
             let tight: Vec<EventId> = (worst_cases(program).into_iter())
                 .filter(|&(of, ..)| of == number)
                 .filter(|(_, id, worst)| {
-                    !is_wide(LARGE, program.layout.cells[id.0 as usize].unwrap(), worst)
+                    let EventKind::Capture { face, .. } = program.plan.event(*id).kind else {
+                        return false;
+                    };
+                    let cell = program.layout.cells[id.0 as usize].unwrap();
+                    !is_wide(LARGE, cell, face, worst)
                 })
                 .map(|(_, id, _)| id)
                 .collect();
@@ -1311,7 +1338,7 @@ fn two_that_close_each_other_in_are_no_never() {
 fn what_is_handed_over_stays_where_it_is() {
     let codes = |hand_over: &str| {
         let text = format!(
-            "assembly beam {{
+            "assembly beam in hemisphere_soft {{
                 seed plate 3 x 1 {{ A at (0, 0)   B at (2, 0) }}
                 phase grow {{
                     A.up ->> T[1..2].east -> X
@@ -1341,4 +1368,40 @@ fn what_is_handed_over_stays_where_it_is() {
         ["tight-approach"]
     );
     assert_eq!(codes("release X   U[2].west -> Y   U[2].up -> Z"), none);
+}
+
+/// Where the rates of a scene say so, and only along the face's normal.
+#[test]
+fn gaps_between_a_face_and_a_block_ahead_are_passed_in_the_default_scene() {
+    let codes = |scene: &str, walls: &str, capture: &str| {
+        let text = format!(
+            "assembly beam in {scene} {{
+                seed plate 3 x 3 {{
+                    A at (0, 1)   B at (2, 1)   M at (1, 1)   N at (1, 2)   S at (1, 0)
+                }}
+                phase grow {{ A.up ->> T[1..2]   B.up ->> U[1..2]   {walls} }}
+                phase close {{ {capture} }}
+            }}"
+        );
+        let found = checked(&text).diagnostics;
+        let of_x = found.iter().filter(|it| it.title.contains("`X`"));
+        of_x.map(|it| it.code.name()).collect::<Vec<_>>()
+    };
+    let none: [&str; 0] = [];
+    let tight = ["tight-approach"];
+    let close = "T[2].east -> X";
+    assert_eq!(codes("hemisphere", "", close), none);
+    assert_eq!(codes("hemisphere_soft", "", close), tight);
+    assert_eq!(codes("hemisphere_2005", "", close), tight);
+    // On a floor, and in a corner.
+    let floor = "M.up -> F";
+    assert_eq!(codes("hemisphere", floor, close), none);
+    let corner = "N.up ->> V[1..2]";
+    assert_eq!(codes("hemisphere", corner, close), none);
+    // Between four walls it is narrow in another direction as well.
+    let both = "N.up ->> V[1..2]   S.up ->> W[1..2]";
+    assert_eq!(codes("hemisphere", both, close), tight);
+    // Across the face's normal.
+    assert_eq!(codes("hemisphere", "", "M.up -> X"), tight);
+    assert_eq!(codes("hemisphere", corner, "M.up -> X"), tight);
 }

@@ -9,8 +9,10 @@ use std::collections::BinaryHeap;
 use rustc_hash::FxHashMap;
 use stochc_grammar::{Cancellation, Cancelled};
 use stochc_ir::{Cell, Face};
+use stochc_rates::gap_entrances;
 
 use crate::disassembly::Disassembly;
+use crate::free_space::WayIn;
 use crate::sites::{NONE, Sites};
 
 /// What waits for each site, so that its way in stays open.
@@ -18,6 +20,8 @@ use crate::sites::{NONE, Sites};
 pub struct Corridors {
     /// Of each site, those that wait for it, sorted.
     pub waiting: Vec<Vec<u32>>,
+    /// Of each site that is a gap, the axis along which a face has to capture it.
+    pub along: Vec<Option<Face>>,
 }
 
 /// The cost of a step of a way, and of a block that waits: near its cell, elsewhere, and for each capture that it would have
@@ -44,7 +48,14 @@ impl Corridors {
             cancellation.check()?;
             waiting[site as usize] = search.cheapest(site);
         }
-        Ok(Corridors { waiting })
+        let along = apart.way_in.iter().map(|way_in| match way_in {
+            Some(WayIn::Gap(axis)) => Some(*axis),
+            _ => None,
+        });
+        Ok(Corridors {
+            waiting,
+            along: along.collect(),
+        })
     }
 }
 
@@ -58,18 +69,35 @@ struct CorridorSearch<'a> {
 impl CorridorSearch<'_> {
     /// The sites that wait for one, by the cheapest way.
     fn cheapest(&mut self, site: u32) -> Vec<u32> {
-        let number = usize::from(self.apart.is_tight[site as usize]);
+        let way_in = self.apart.way_in[site as usize];
+        let number = usize::from(way_in.is_none());
         let space = &self.apart.spaces[number];
         let rank = self.apart.rank[site as usize];
         let earlier = |other: u32| self.apart.rank[other as usize] < rank;
         let mut best: FxHashMap<Cell, (u32, Cell)> = FxHashMap::default();
         let mut open = BinaryHeap::new();
-        for low in space.around(self.sites.cell(site)) {
-            if space.is_free(self.sites, low, &earlier) {
-                let cost = self.toll(site, number, low, None);
+        // Of the places where the way ends, the site beside the gap, or none.
+        let mut ends: FxHashMap<Cell, u32> = FxHashMap::default();
+        let mut end = |low: Cell, beside: u32| {
+            let more = match beside {
+                NONE => 0,
+                beside => self.toll_of(site, beside),
+            };
+            let cost = self.toll(site, number, low, None) + more;
+            if best.get(&low).is_none_or(|&(known, _)| cost < known) {
                 best.insert(low, (cost, low));
+                ends.insert(low, beside);
                 open.push(Reverse((cost, low)));
             }
+        };
+        let cell = self.sites.cell(site);
+        match way_in {
+            Some(WayIn::Gap(axis)) => gap_entrances(cell, axis)
+                .filter(|it| space.is_entrance(self.sites, *it, &earlier))
+                .for_each(|it| end(it.low, self.sites.at(it.beside))),
+            _ => (space.around(cell))
+                .filter(|&low| space.is_free(self.sites, low, &earlier))
+                .for_each(|low| end(low, NONE)),
         }
         while let Some(Reverse((cost, low))) = open.pop() {
             if best[&low].0 < cost {
@@ -79,7 +107,7 @@ impl CorridorSearch<'_> {
             let leads_on = (self.first[number].get(&low))
                 .is_some_and(|&other| self.apart.rank[other as usize] > rank);
             if space.is_always_open(low) || leads_on {
-                return self.follow(site, number, low, &best);
+                return self.follow(site, number, low, &best, &ends);
             }
             for next in Face::ALL.into_iter().filter_map(|face| low.across(face)) {
                 if !space.is_free(self.sites, next, &earlier) {
@@ -98,19 +126,21 @@ impl CorridorSearch<'_> {
     /// What it costs to keep a place open that is entered from another.
     fn toll(&self, site: u32, number: usize, low: Cell, from: Option<Cell>) -> u32 {
         let space = &self.apart.spaces[number];
-        let level = |site: u32| self.apart.level[site as usize];
         let is_new = |cell: &Cell| from.is_none_or(|from| space.cells(from).all(|it| it != *cell));
         let sites = space
             .cells(low)
             .filter(is_new)
             .map(|cell| self.sites.at(cell));
         let later = sites.filter(|&other| other != NONE && other != site);
-        let toll = later.map(|other| {
-            let is_near = self.sites.near(site).any(|near| near == other);
-            let late = (level(site) + 1).saturating_sub(level(other));
-            (if is_near { COSTS[1] } else { COSTS[2] }) + COSTS[3] * late
-        });
-        toll.sum()
+        later.map(|other| self.toll_of(site, other)).sum()
+    }
+
+    /// What it costs that another site waits for one.
+    fn toll_of(&self, site: u32, other: u32) -> u32 {
+        let level = |site: u32| self.apart.level[site as usize];
+        let is_near = self.sites.near(site).any(|near| near == other);
+        let late = (level(site) + 1).saturating_sub(level(other));
+        (if is_near { COSTS[1] } else { COSTS[2] }) + COSTS[3] * late
     }
 
     /// The sites in a way that ends at `low`, which is kept for those that come before.
@@ -120,6 +150,7 @@ impl CorridorSearch<'_> {
         number: usize,
         mut low: Cell,
         best: &FxHashMap<Cell, (u32, Cell)>,
+        ends: &FxHashMap<Cell, u32>,
     ) -> Vec<u32> {
         let space = &self.apart.spaces[number];
         let mut waiting = Vec::new();
@@ -132,8 +163,16 @@ impl CorridorSearch<'_> {
             }
             low = before;
         }
-        // Later sites are looked at first: what is here already comes later than this one, and waits for nobody before it.
-        self.first[number].insert(low, site);
+        match self.apart.way_in[site as usize] {
+            // Whoever is in the place before a gap need not wait for what comes into the gap.
+            Some(WayIn::Gap(_)) => {
+                waiting.extend(ends.get(&low).filter(|&&beside| beside != NONE));
+            }
+            // Later sites are looked at first: what is here already comes later than this one, and waits for nobody before it.
+            _ => {
+                self.first[number].insert(low, site);
+            }
+        }
         waiting.sort_unstable();
         waiting.dedup();
         waiting

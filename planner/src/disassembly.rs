@@ -1,14 +1,14 @@
 //! An order in which the target can be built, found by taking it apart.
 //!
 //! A block may go if a free one could come to its place, and all that stays hangs together with the plate. Taking a block away
-//! only opens ways, so what has a way may wait; what is taken last is built first. Blocks with a way in two cells wide go before
-//! others, and blocks far from the plate before near ones.
+//! only opens ways, so what has a way may wait; what is taken last is built first. Blocks with a way in two cells wide, up to a gap where
+//! gaps are passed, go before others, and blocks far from the plate before near ones.
 use std::collections::BinaryHeap;
 
 use stochc_grammar::Cancellation;
 
 use crate::Refusal;
-use crate::free_space::FreeSpace;
+use crate::free_space::{FreeSpace, WayIn};
 use crate::grid::shifted;
 use crate::sites::{NONE, Sites};
 use crate::support::Support;
@@ -20,8 +20,8 @@ pub struct Disassembly {
     pub order: Vec<u32>,
     /// The place of each site in that order.
     pub rank: Vec<u32>,
-    /// Whether a site has no way in two cells wide.
-    pub is_tight: Vec<bool>,
+    /// How a block comes to each site, at the end of a way in two cells wide; `None`: there is no such way.
+    pub way_in: Vec<Option<WayIn>>,
     /// Steps from the plate to each site within the whole target.
     pub level: Vec<u32>,
     /// Where cubes of two sides and of one can be.
@@ -31,7 +31,7 @@ pub struct Disassembly {
 impl Disassembly {
     /// How many sites have no way in two cells wide.
     pub fn tight(&self) -> usize {
-        self.is_tight.iter().filter(|is_tight| **is_tight).count()
+        self.way_in.iter().filter(|way| way.is_none()).count()
     }
 }
 
@@ -62,7 +62,7 @@ pub fn disassemble(
         support,
         spaces,
         taken: Vec::with_capacity(sites.len()),
-        is_tight: vec![false; sites.len()],
+        way_in: vec![Some(WayIn::Inside); sites.len()],
         frontiers: std::array::from_fn(|_| (0..sites.len() as u32).map(urgency).collect()),
         is_queued: std::array::from_fn(|_| vec![true; sites.len()]),
         doubtful: [Vec::new(), Vec::new()],
@@ -70,24 +70,24 @@ pub fn disassemble(
     };
     while apart.taken.len() < sites.len() - sites.standing_count() {
         cancellation.check()?;
-        let wide = apart.next(0);
-        let found = wide
-            .or_else(|| apart.next_exactly(0))
-            .map(|site| (site, false));
-        let found = found.or_else(|| {
-            let narrow = apart.next(1).or_else(|| apart.next_exactly(1));
-            narrow.map(|site| (site, true))
-        });
-        let Some((site, is_tight)) = found else {
+        let wide = apart.next(0).or_else(|| apart.next_exactly(0));
+        let found = match wide {
+            Some((site, way_in)) => Some((site, Some(way_in))),
+            None => {
+                let narrow = apart.next(1).or_else(|| apart.next_exactly(1));
+                narrow.map(|(site, _)| (site, None))
+            }
+        };
+        let Some((site, way_in)) = found else {
             let stands = |site: &u32| apart.support.stands(*site) && !sites.is_standing(*site);
             let left = (0..sites.len() as u32).filter(stands);
             return Err(Refusal::Sealed(left.map(|site| sites.cell(site)).collect()));
         };
-        apart.take(site, is_tight);
+        apart.take(site, way_in);
     }
     let Apart {
         taken: mut order,
-        is_tight,
+        way_in,
         spaces,
         ..
     } = apart;
@@ -101,7 +101,7 @@ pub fn disassemble(
     Ok(Disassembly {
         order,
         rank,
-        is_tight,
+        way_in,
         level,
         spaces,
     })
@@ -112,7 +112,7 @@ struct Apart<'a, U> {
     support: Support,
     spaces: [FreeSpace; 2],
     taken: Vec<u32>,
-    is_tight: Vec<bool>,
+    way_in: Vec<Option<WayIn>>,
     /// Of each space, the sites that may have a way by now.
     frontiers: [Frontier; 2],
     /// Of each space, whether a site is among these.
@@ -124,18 +124,18 @@ struct Apart<'a, U> {
 
 impl<U: Fn(u32) -> (u32, u32)> Apart<'_, U> {
     /// A site that may go by way of a space. Others are looked at again when something near them has changed.
-    fn next(&mut self, space: usize) -> Option<u32> {
+    fn next(&mut self, space: usize) -> Option<(u32, WayIn)> {
         while let Some((_, site)) = self.frontiers[space].pop() {
             self.is_queued[space][site as usize] = false;
             let stands = |site: u32| self.support.stands(site);
-            if self.sites.is_standing(site)
-                || !stands(site)
-                || !self.spaces[space].has_way(self.sites, site, &stands)
-            {
+            if self.sites.is_standing(site) || !stands(site) {
                 continue;
             }
+            let Some(way_in) = self.spaces[space].way_in(self.sites, site, &stands) else {
+                continue;
+            };
             if self.support.can_spare(self.sites, site) {
-                return Some(site);
+                return Some((site, way_in));
             }
             self.doubtful[space].push(site);
         }
@@ -143,7 +143,7 @@ impl<U: Fn(u32) -> (u32, u32)> Apart<'_, U> {
     }
 
     /// The same of those that were passed over, by looking at all of what stands.
-    fn next_exactly(&mut self, space: usize) -> Option<u32> {
+    fn next_exactly(&mut self, space: usize) -> Option<(u32, WayIn)> {
         let support = &self.support;
         self.doubtful[space].retain(|&site| support.stands(site));
         self.doubtful[space].sort_unstable();
@@ -156,13 +156,15 @@ impl<U: Fn(u32) -> (u32, u32)> Apart<'_, U> {
             .iter()
             .copied()
             .filter(|&site| !is_cut[site as usize]);
-        free.max_by_key(|&site| (self.urgency)(site))
+        let site = free.max_by_key(|&site| (self.urgency)(site))?;
+        let stands = |site: u32| self.support.stands(site);
+        Some((site, self.spaces[space].way_in(self.sites, site, &stands)?))
     }
 
-    fn take(&mut self, site: u32, is_tight: bool) {
+    fn take(&mut self, site: u32, way_in: Option<WayIn>) {
         self.support.remove(self.sites, site);
         self.taken.push(site);
-        self.is_tight[site as usize] = is_tight;
+        self.way_in[site as usize] = way_in;
         let (sites, support) = (self.sites, &self.support);
         let stands = |site: u32| support.stands(site);
         for (number, space) in self.spaces.iter_mut().enumerate() {
@@ -202,18 +204,43 @@ mod tests {
     use super::*;
     use crate::target::held;
 
+    /// The cells of a cube of so many sides.
+    fn cube(low: Cell, size: i32) -> impl Iterator<Item = Cell> {
+        let steps = move || 0..size;
+        steps().flat_map(move |dz| {
+            steps().flat_map(move |dy| steps().map(move |dx| shifted(low, dx, dy, dz)))
+        })
+    }
+
     /// Whether a cube of so many sides brings a block to a cell from outside, between full cells: every place is tried.
     fn has_way(full: &BTreeSet<Cell>, cell: Cell, size: i32) -> bool {
+        comes_out(full, cube(shifted(cell, 1 - size, 1 - size, 1 - size), size), size)
+    }
+
+    /// Whether a cube of two sides comes before a gap along an axis, so that it holds both cells before the gap and an empty cell beside
+    /// it, and neither of those two.
+    fn has_way_to_gap(full: &BTreeSet<Cell>, cell: Cell, axis: Face) -> bool {
+        let is_aside = |face: &Face| *face != axis && *face != axis.opposite();
+        let aside = || Face::ALL.into_iter().filter(is_aside);
+        let near = |cell: Cell, face: Face| cell.across(face).unwrap();
+        let lows = cube(shifted(cell, -2, -2, -2), 4).filter(|&low| {
+            let holds = |cell: Cell| cube(low, 2).any(|it| it == cell);
+            let is_before = |out: Face, edge: Face| {
+                let beside = near(cell, edge);
+                let is_empty = beside.z >= 1 && !full.contains(&beside);
+                is_empty && holds(near(cell, out)) && holds(near(beside, out)) && !holds(beside)
+            };
+            let mut edges = aside().flat_map(|out| aside().map(move |edge| (out, edge)));
+            !holds(cell) && edges.any(|(out, edge)| edge != out && is_before(out, edge))
+        });
+        comes_out(full, lows, 2)
+    }
+
+    /// Whether a cube of so many sides gets from one of these places to the outside.
+    fn comes_out(full: &BTreeSet<Cell>, lows: impl Iterator<Item = Cell>, size: i32) -> bool {
         let inside = |low: Cell| [low.x, low.y, low.z].iter().all(|at| (-4..=9).contains(at));
-        let cube = |low: Cell| {
-            let steps = move || 0..size;
-            steps().flat_map(move |dz| {
-                steps().flat_map(move |dy| steps().map(move |dx| shifted(low, dx, dy, dz)))
-            })
-        };
-        let is_free = |low: Cell| low.z >= 1 && cube(low).all(|cell| !full.contains(&cell));
-        let mut open: Vec<Cell> = cube(shifted(cell, 1 - size, 1 - size, 1 - size)).collect();
-        open.retain(|&low| is_free(low));
+        let is_free = |low: Cell| low.z >= 1 && cube(low, size).all(|cell| !full.contains(&cell));
+        let mut open: Vec<Cell> = lows.filter(|&low| is_free(low)).collect();
         let mut found: BTreeSet<Cell> = open.iter().copied().collect();
         while let Some(low) = open.pop() {
             if !inside(low) {
@@ -230,14 +257,17 @@ mod tests {
 
     proptest! {
         #[test]
-        fn orders_build_by_ways_that_are_there(cells in proptest::collection::vec((0..5, 0..5, 1..5), 1..70)) {
+        fn orders_build_by_ways_that_are_there(
+            cells in proptest::collection::vec((0..5, 0..5, 1..5), 1..70),
+            has_gaps: bool,
+        ) {
             let cells: Vec<Cell> = cells.into_iter().map(|(x, y, z)| Cell::new(x, y, z)).collect();
             let plate = Plate { width: 4, depth: 4 };
             let Some(target) = held(cells, &plate) else {
                 return Ok(());
             };
             let sites = Sites::of(&target);
-            let spaces = || [FreeSpace::of(&sites, 2), FreeSpace::of(&sites, 1)];
+            let spaces = || [FreeSpace::of(&sites, 2).with_gaps(has_gaps), FreeSpace::of(&sites, 1)];
             let keys = vec![0.5; sites.len()];
             let apart = disassemble(&sites, spaces(), &keys, Cancellation::NEVER);
             // Whatever hangs together can be built.
@@ -248,8 +278,19 @@ mod tests {
                 let is_held = sites.is_on_seed(site)
                     || Face::ALL.iter().any(|&face| full.contains(&cell.across(face).unwrap()));
                 prop_assert!(is_held);
-                let size = if apart.is_tight[site as usize] { 1 } else { 2 };
-                prop_assert!(has_way(&full, cell, size), "{} by {}", cell, size);
+                let way_in = apart.way_in[site as usize];
+                let is_there = match way_in {
+                    Some(WayIn::Inside) => has_way(&full, cell, 2),
+                    Some(WayIn::Gap(axis)) => {
+                        let ends = [axis, axis.opposite()].map(|face| cell.across(face).unwrap());
+                        let is_plate = axis == Face::Up && sites.is_on_seed(site);
+                        has_gaps
+                            && has_way_to_gap(&full, cell, axis)
+                            && (is_plate || ends.iter().any(|end| full.contains(end)))
+                    }
+                    None => has_way(&full, cell, 1),
+                };
+                prop_assert!(is_there, "{} by {:?}", cell, way_in);
                 full.insert(cell);
             }
             prop_assert_eq!(full.len(), sites.len());

@@ -1,5 +1,6 @@
 //! Where a free cube can be, and come to from outside.
 use stochc_ir::{Cell, Face};
+use stochc_rates::{GapEntrance, gap_entrances};
 
 use crate::grid::{Grid, shifted};
 use crate::sites::{NONE, Sites};
@@ -9,7 +10,18 @@ use crate::sites::{NONE, Sites};
 pub struct FreeSpace {
     /// Edge of the cube, in cells.
     size: i32,
+    /// Whether it also brings blocks to gaps before it.
+    has_gaps: bool,
     reach: Grid<PlaceReach>,
+}
+
+/// How a cube brings a block to a cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WayIn {
+    /// It holds the cell.
+    Inside,
+    /// The block slides from it into a gap, along which a face has to capture it: this one or the opposite one.
+    Gap(Face),
 }
 
 /// How a place can be reached.
@@ -30,6 +42,7 @@ impl FreeSpace {
         let cells = sites.target.cells();
         let mut space = FreeSpace {
             size,
+            has_gaps: false,
             reach: Grid::around(cells, 3),
         };
         let mut open = Vec::new();
@@ -45,6 +58,12 @@ impl FreeSpace {
         }
         space.flood(sites, open, &|_| true, PlaceReach::Always, &mut |_| {});
         space
+    }
+
+    /// The same, which brings blocks to gaps as well.
+    #[must_use]
+    pub fn with_gaps(self, has_gaps: bool) -> FreeSpace {
+        FreeSpace { has_gaps, ..self }
     }
 
     /// Places above the top of a column from which nothing stops a cube on its way up.
@@ -129,21 +148,46 @@ impl FreeSpace {
         self.reach.get(low) == Some(PlaceReach::Always)
     }
 
-    /// Whether a cube can bring a block to a standing site, if that one goes.
-    pub fn has_way(&self, sites: &Sites<'_>, site: u32, stands: &impl Fn(u32) -> bool) -> bool {
+    /// How a cube can bring a block to a standing site, if that one goes.
+    pub fn way_in(
+        &self,
+        sites: &Sites<'_>,
+        site: u32,
+        stands: &impl Fn(u32) -> bool,
+    ) -> Option<WayIn> {
         let others = |other: u32| other != site && stands(other);
-        self.around(sites.cell(site))
-            .any(|low| self.is_free(sites, low, &others) && self.is_reached(low))
+        let mut inside = self.around(sites.cell(site));
+        if inside.any(|low| self.is_free(sites, low, &others) && self.is_reached(low)) {
+            return Some(WayIn::Inside);
+        }
+        let axes = [Face::East, Face::North, Face::Up].into_iter();
+        let mut axes = axes.filter(|axis| self.has_gaps && sites.is_held_along(site, *axis, stands));
+        let gap = axes.find(|&axis| {
+            let mut entrances = gap_entrances(sites.cell(site), axis);
+            entrances.any(|it| self.is_open(it.low) && self.is_entrance(sites, it, stands))
+        });
+        gap.map(WayIn::Gap)
+    }
+
+    /// Whether a cube fits before a gap, and the gap is narrow in no other direction.
+    pub fn is_entrance(
+        &self,
+        sites: &Sites<'_>,
+        entrance: GapEntrance,
+        stands: &impl Fn(u32) -> bool,
+    ) -> bool {
+        let beside = sites.at(entrance.beside);
+        (beside == NONE || !stands(beside)) && self.is_free(sites, entrance.low, stands)
     }
 
     fn is_reached(&self, low: Cell) -> bool {
-        let is_open = |low: Cell| {
-            self.reach
-                .get(low)
-                .is_some_and(|reach| reach != PlaceReach::Closed)
-        };
         let mut beside = Face::ALL.into_iter().filter_map(|face| low.across(face));
-        is_open(low) || beside.any(is_open)
+        self.is_open(low) || beside.any(|low| self.is_open(low))
+    }
+
+    fn is_open(&self, low: Cell) -> bool {
+        let reach = self.reach.get(low);
+        reach.is_some_and(|reach| reach != PlaceReach::Closed)
     }
 
     /// A site is gone: what opens with it. `reached` is told of new places.

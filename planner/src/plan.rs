@@ -3,6 +3,7 @@ use serde::Serialize;
 use stochc_ir::scene::{BondKind, Scene};
 use stochc_ir::{Cell, Face};
 
+use crate::free_space::WayIn;
 use crate::makespan::{PlanEstimate, Samples};
 use crate::naive::Naive;
 use crate::scaffold::{Dismantling, Scaffolded, SitePart, SiteRoles, has_place, scaffolded};
@@ -142,7 +143,7 @@ pub fn plan(
     let found = search(&sites, hardware, waits, plain)?;
     let job = SchedulingJob::new(&sites, &found.apart, &found.corridors, hardware, waits);
     let waiting = Waiting::of(&job, &found.schedule);
-    let ways = (&found.corridors.waiting[..], &found.apart.is_tight[..]);
+    let ways = (&found.corridors.waiting[..], &found.apart.way_in[..]);
     let plain = BuildPlan {
         rounds: found.rounds,
         is_best: found.is_best,
@@ -193,7 +194,7 @@ impl BuildPlan {
         let job = SchedulingJob::new(&sites, &found.apart, &found.corridors, hardware, waits);
         let job = job.with_roles(&roles);
         let waiting = Waiting::of(&job, &found.schedule);
-        let ways = (&found.corridors.waiting[..], &found.apart.is_tight[..]);
+        let ways = (&found.corridors.waiting[..], &found.apart.way_in[..]);
         let mut plan = BuildPlan::of(&sites, hardware, &found.schedule, &waiting, ways, how.seed);
         for capture in &mut plan.captures {
             capture.is_temporary = matches!(roles.part(sites.at(capture.cell)), SitePart::Mast(_));
@@ -223,13 +224,13 @@ impl BuildPlan {
         cells
     }
 
-    /// A schedule; of its ways in, what lies in that of each site, and whether it is tight.
+    /// A schedule; of its ways in, what lies in that of each site, and how its block comes to it.
     fn of(
         sites: &Sites<'_>,
         hardware: Hardware,
         schedule: &Schedule,
         waiting: &Waiting,
-        (in_way, is_tight): (&[Vec<u32>], &[bool]),
+        (in_way, way_in): (&[Vec<u32>], &[Option<WayIn>]),
         seed: u64,
     ) -> BuildPlan {
         let afters = waiting.afters(sites, hardware, schedule, in_way);
@@ -248,7 +249,7 @@ impl BuildPlan {
                 after: after
                     .map(|after| (sites.cell(after.site), after.why))
                     .collect(),
-                is_tight: is_tight.get(here).copied().unwrap_or(false),
+                is_tight: way_in.get(here).is_some_and(Option::is_none),
                 is_temporary: false,
                 decides: decides[here],
             }

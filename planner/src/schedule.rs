@@ -348,12 +348,14 @@ impl ScheduleState<'_> {
             is_first: now == 0.0 && job.sites.standing_count() == 0,
         };
         let only = job.roles.and_then(|roles| roles.way(site));
+        let along = job.corridors.along[site as usize];
         let is_own = move |parent: u32| match &self.phase {
             Some(phase) => only.is_some() || phase.is_own(parent),
             None => true,
         };
         let holds = move |way: &Face| match job.parent(site, *way) {
             _ if only.is_some_and(|only| only != *way) => false,
+            _ if along.is_some_and(|axis| *way != axis && *way != axis.opposite()) => false,
             NONE => *way == Face::Up && job.sites.is_on_seed(site),
             parent => {
                 self.state[parent as usize] == SiteState::Anchored

@@ -132,8 +132,10 @@ fn listed(
     let spaces = [FreeSpace::of(sites, 2), FreeSpace::of(sites, 1)];
     let mut times = Vec::new();
     let mut candidate =
-        |order: &[f32], wanted: Cancellation<'_>| -> Result<ScheduleCandidate, Refusal> {
-            let apart = disassemble(sites, spaces.clone(), order, wanted)?;
+        |order: &[f32], number, wanted: Cancellation<'_>| -> Result<ScheduleCandidate, Refusal> {
+            let [wide, narrow] = spaces.clone();
+            let spaces = [wide.with_gaps(takes_gaps(waits, number)), narrow];
+            let apart = disassemble(sites, spaces, order, wanted)?;
             let corridors = Corridors::of(sites, &apart, wanted)?;
             let job = SchedulingJob::new(sites, &apart, &corridors, hardware, waits);
             let keys = vec![0.5; sites.len()];
@@ -148,13 +150,13 @@ fn listed(
                 estimate,
             })
         };
-    let mut best = candidate(&vec![0.5; sites.len()], search.cancellation)?;
+    let mut best = candidate(&vec![0.5; sites.len()], 1, search.cancellation)?;
     let mut rounds = 1;
     while rounds < VARIANTS && rounds * 4 < search.rounds && !search.enough.is_cancelled() {
         rounds += 1;
         (search.tried)(rounds, best.estimate.of(search.objective));
         let order: Vec<f32> = (0..sites.len()).map(|_| rng.random()).collect();
-        match candidate(&order, search.enough) {
+        match candidate(&order, rounds, search.enough) {
             Ok(other) if other.value < best.value => best = other,
             Ok(_) => {}
             Err(_) => break,
@@ -171,6 +173,11 @@ fn listed(
         rounds,
         is_best: false,
     })
+}
+
+/// Whether ways in lead through gaps, where blocks pass them: in every other variant, since waiting for no gap may be faster.
+fn takes_gaps(waits: &RateLaw<'_>, variant: u64) -> bool {
+    waits.has_passable_gaps() && variant % 2 == 1
 }
 
 /// How far list scheduling is off the best of all schedules.
@@ -257,7 +264,8 @@ fn branch_and_bound(
         let (apart, corridors) = match variant {
             0 => (found.apart.clone(), found.corridors.clone()),
             _ => {
-                let spaces = [FreeSpace::of(sites, 2), FreeSpace::of(sites, 1)];
+                let wide = FreeSpace::of(sites, 2).with_gaps(takes_gaps(waits, variant));
+                let spaces = [wide, FreeSpace::of(sites, 1)];
                 let keys: Vec<f32> = (0..sites.len()).map(|_| rng.random()).collect();
                 let apart = disassemble(sites, spaces, &keys, search.cancellation)?;
                 let corridors = Corridors::of(sites, &apart, search.cancellation)?;

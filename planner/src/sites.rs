@@ -129,6 +129,15 @@ impl<'a> Sites<'a> {
         self.is_on_seed(site) || self.is_standing(site)
     }
 
+    /// Whether a block of those that stand, or of the plate, can capture a site by a face along an axis.
+    pub fn is_held_along(&self, site: u32, axis: Face, stands: &impl Fn(u32) -> bool) -> bool {
+        let holds = |way: Face| match self.next(site, way.opposite()) {
+            NONE => way == Face::Up && self.is_on_seed(site),
+            parent => stands(parent) && !self.is_inert(parent),
+        };
+        holds(axis) || holds(axis.opposite())
+    }
+
     /// How many there are.
     pub fn len(&self) -> usize {
         self.windows.len()

@@ -34,14 +34,16 @@ pub struct Moment {
 #[derive(Debug)]
 pub struct RateLaw<'a> {
     measured: Option<&'a Rates>,
+    /// Whether blocks are known to pass gaps.
+    has_passable_gaps: bool,
     /// Surroundings that have been asked for before, by layer, direction and the cells in sight that are full.
     seen: RefCell<FxHashMap<(i32, Face, Neighbourhood), Surroundings>>,
     /// Mean waits in docking times, by [`STEPS`].
     scaled: RefCell<FxHashMap<i32, f64>>,
 }
 
-/// The mean wait in a pit and in a gap of one cell \[tick\]: free blocks jam there, of which the law knows nothing. A straight
-/// beam took 8,800 and more to close, a pit 10,000.
+/// The mean wait in a pit \[tick\], and in a gap where gaps are not known to be passed: free blocks jam there, of which the law knows
+/// nothing. In another scene a straight beam took 8,800 and more to close, a pit 10,000.
 const JAM: f64 = 15_000.0;
 
 /// Layers above this one are alike.
@@ -54,13 +56,17 @@ impl<'a> RateLaw<'a> {
     /// For a scene, by given rates or those that come with the program; where it has not been measured, typical rates rank plans, though
     /// they may be off by a factor.
     pub fn of(scene: &Scene, known: &'a [Rates]) -> RateLaw<'a> {
-        RateLaw::new(Rates::known(known, scene))
+        RateLaw {
+            has_passable_gaps: Rates::pass_gaps(scene),
+            ..RateLaw::new(Rates::known(known, scene))
+        }
     }
 
     /// By rates of a scene; `None`: typical ones.
     pub fn new(measured: Option<&'a Rates>) -> RateLaw<'a> {
         RateLaw {
             measured,
+            has_passable_gaps: false,
             seen: RefCell::default(),
             scaled: RefCell::default(),
         }
@@ -69,6 +75,11 @@ impl<'a> RateLaw<'a> {
     /// The rates of the scene, if they are known.
     pub fn rates(&self) -> Option<&'a Rates> {
         self.measured
+    }
+
+    /// Whether blocks are known to pass gaps.
+    pub fn has_passable_gaps(&self) -> bool {
+        self.has_passable_gaps
     }
 
     /// The mean ticks from when a face opens until its block is anchored in `cell`, `way` from its parent, in what `stands` around it; of
@@ -93,7 +104,9 @@ impl<'a> RateLaw<'a> {
             let next = beside(*face);
             next.z < 1 || stands(next) == Stand::Full
         };
-        if is_wall(&way) || aside().filter(is_wall).count() == 4 {
+        let walls = aside().filter(is_wall).count() + usize::from(is_wall(&way));
+        let is_gap = is_wall(&way) && !(self.has_passable_gaps && beside(way).z >= 1);
+        if is_gap || walls >= 4 {
             return JAM;
         }
         let mut full = Neighbourhood::on_ground(Cell::new(0, 0, cell.z.min(HIGHEST)));

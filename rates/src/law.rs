@@ -20,6 +20,8 @@ pub struct Surroundings {
     pub corner: bool,
     /// The same of the block that captures.
     pub corner_parent: bool,
+    /// Whether a block is ahead of the open cell, on the side opposite to the face, and none beside it: the cell is a gap in a beam.
+    pub ahead: bool,
     /// The faces of the same direction that wait near it.
     pub rivals: Rivals,
     /// Whether the face has been open since the first tick, when the gas was at rest.
@@ -51,10 +53,10 @@ pub struct Parameter {
 
 impl Parameters {
     /// How many there are: [`Parameters::RATE`] of the rate, then those of the docking time.
-    pub const COUNT: usize = 15;
+    pub const COUNT: usize = 16;
 
     /// How many belong to the rate.
-    pub const RATE: usize = 9;
+    pub const RATE: usize = 10;
 
     /// What they are, in order.
     pub const ALL: [Parameter; Parameters::COUNT] = [
@@ -95,6 +97,10 @@ impl Parameters {
             meaning: "logarithm of the rate's factor for each cell across an edge that is open as well",
         },
         Parameter {
+            name: "ahead",
+            meaning: "logarithm of the rate's factor where a block is ahead of the cell, and none beside it",
+        },
+        Parameter {
             name: "docking",
             meaning: "logarithm of the mean docking time, in ticks",
         },
@@ -122,14 +128,15 @@ impl Parameters {
 
     /// What was found in the built-in scene `hemisphere`, to begin with in others.
     pub const TYPICAL: Parameters = Parameters([
-        -5.6, 0.86, 1.0, 0.50, 0.18, 0.39, 0.27, -0.11, -0.27, 5.17, -0.26, -0.81, -0.50, -0.45,
-        1.40,
+        -5.6, 0.86, 1.0, 0.50, 0.18, 0.39, 0.27, -0.11, -0.27, 0.6, 5.17, -0.26, -0.81, -0.50,
+        -0.45, 1.40,
     ]);
 
     /// How far scenes are apart from that: a scene of its own has its own rate and docking time, and much the same geometry. What
-    /// faces beside each other do depends on whether blocks are easily caught: where they are not, two pulls catch more than one.
+    /// faces beside each other do depends on whether blocks are easily caught: where they are not, two pulls catch more than one. In a
+    /// gap blocks jam in some scenes, and in others they come to rest sooner than elsewhere.
     pub const SPREAD: [f64; Parameters::COUNT] = [
-        5.0, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 1.0, 0.5, 5.0, 0.3, 0.3, 0.3, 0.3, 0.5,
+        5.0, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 1.0, 0.5, 3.0, 5.0, 0.3, 0.3, 0.3, 0.3, 0.5,
     ];
 
     /// The numbers that the logarithms of rate and docking time are linear in, of which the number of free blocks has the factor 1.
@@ -154,6 +161,7 @@ impl Parameters {
                 corner_parent,
                 rival,
                 f64::from(of.rivals.across),
+                indicator(of.ahead),
             ],
             [
                 1.0,

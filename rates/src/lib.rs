@@ -3,6 +3,7 @@
 //! A capture is a race of arrivals and a docking. [`Rates`] hold what was measured of a scene; their law says the rate of arrivals and the
 //! docking time of a face from the [`Surroundings`] of its cell, and [`Wait`] is the distribution that follows.
 mod first_guess;
+mod gap;
 mod interaction;
 mod law;
 mod neighbourhood;
@@ -13,6 +14,7 @@ mod times;
 mod wait;
 
 pub use first_guess::GUESS_ERROR;
+pub use gap::{GapEntrance, gap_entrances};
 pub use interaction::Interaction;
 pub use law::{Parameter, Parameters, Rivals, Surroundings};
 pub use neighbourhood::Neighbourhood;

@@ -64,11 +64,17 @@ pub struct Coverage {
 }
 
 /// The version of the form of [`Rates`].
-pub const FORMAT: u32 = 2;
+pub const FORMAT: u32 = 3;
 
-/// The places among the [`Parameters`] of those that a file of format 1 has: its law said nothing of corners, and of rivals nothing but
-/// their docking times, which is what 0 means for the others.
-const FIRST_PARAMETERS: [usize; 10] = [0, 1, 2, 3, 4, 9, 10, 11, 13, 14];
+/// The places among the [`Parameters`] of those that a file of format 1 has: its law said nothing of corners, gaps, and of rivals nothing
+/// but their docking times, which is what 0 means for the others.
+const FIRST_PARAMETERS: [usize; 10] = [0, 1, 2, 3, 4, 10, 11, 12, 14, 15];
+
+/// The place of the one that a file of format 2 does not have.
+const AHEAD: usize = 9;
+
+/// The logarithm of a rate's factor from which on a gap hinders nobody: half of the rate.
+const SLOWEST_GAP: f64 = -0.7;
 
 /// Rates of built-in scenes, as `stochc calibrate SCENE --out` wrote them.
 const BUILT_IN: [&str; 1] = [include_str!("data/hemisphere.rates")];
@@ -108,6 +114,11 @@ impl Rates {
         Rates::shipped().iter().find(|rates| rates.are_of(scene))
     }
 
+    /// Whether blocks are known to [pass gaps](Rates::passes_gaps) in a built-in scene.
+    pub fn pass_gaps(scene: &Scene) -> bool {
+        Rates::built_in(scene).is_some_and(Rates::passes_gaps)
+    }
+
     /// All that come with this crate, those of the default scene first.
     pub(crate) fn shipped() -> &'static [Rates] {
         static ALL: LazyLock<Vec<Rates>> = LazyLock::new(|| {
@@ -131,6 +142,12 @@ impl Rates {
         alike.block.faces = self.scene.block.faces;
         alike.messages.clone_from(&self.scene.messages);
         self.scene == alike
+    }
+
+    /// Whether blocks come into a gap between the face and a block ahead about as fast as elsewhere, beyond doubt: in some scenes they jam there.
+    pub fn passes_gaps(&self) -> bool {
+        let variance = self.covariance[AHEAD * (Parameters::COUNT + 1)];
+        variance > 0.0 && self.parameters.0[AHEAD] - 2.0 * variance.sqrt() > SLOWEST_GAP
     }
 
     /// Density of the free gas at a layer of cells over the mean; above the measured ones that of the last.
@@ -220,6 +237,7 @@ impl TryFrom<Stored> for Rates {
         } = stored;
         let places: Vec<usize> = match format {
             1 => FIRST_PARAMETERS.to_vec(),
+            2 => (0..Parameters::COUNT).filter(|it| *it != AHEAD).collect(),
             FORMAT => (0..Parameters::COUNT).collect(),
             _ => {
                 return Err(format!(
@@ -334,6 +352,7 @@ mod tests {
             "rival",
             "rival-across",
             "docking-corner-parent",
+            "ahead",
         ] {
             assert_eq!(named(name), (0.0, 0.0), "{name}");
         }

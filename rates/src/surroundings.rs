@@ -20,6 +20,8 @@ pub fn around(
     let parent = way.opposite().normal();
     let beside = |of| beside(way, of).any(|offset| near.is_blocked(offset));
     let corner = |of| across_edge(way, of).any(|offset| near.is_blocked(offset)) && !beside(of);
+    let [.., up] = way.normal();
+    let is_block_ahead = near.is_blocked(way.normal()) && cell.z + up >= 1;
     Surroundings {
         open: unobstructed(way, near),
         density: 1.0,
@@ -28,6 +30,7 @@ pub fn around(
         beside_parent: beside(parent),
         corner: corner([0; 3]),
         corner_parent: corner(parent),
+        ahead: is_block_ahead && !beside([0; 3]),
         rivals: rivals(cell, way, is_open),
         cold: false,
     }
@@ -55,12 +58,13 @@ static FEATURE_CELLS: LazyLock<[Neighbourhood; 6]> = LazyLock::new(|| {
             let looked_at = beside(way, of).chain(across_edge(way, of));
             looked_at.for_each(|offset| cells.block(offset));
         }
+        cells.block(way.normal());
         cells
     })
 });
 
 /// The directions at right angles to another.
-fn aside(way: Face) -> impl Iterator<Item = Face> {
+pub(crate) fn aside(way: Face) -> impl Iterator<Item = Face> {
     let others = Face::ALL.into_iter();
     others.filter(move |face| *face != way && *face != way.opposite())
 }

@@ -6,6 +6,7 @@ use petgraph::graph::NodeIndex;
 use petgraph::visit::EdgeRef;
 use rustc_hash::{FxHashMap, FxHashSet};
 use stochc_ir::Face;
+use stochc_rates::gap_entrances;
 
 use super::descendants::{DescendantIndex, Descendants};
 use super::path_search::{PathSearch, SearchOutcome, offset};
@@ -66,7 +67,7 @@ impl ReachAnalysis<'_> {
             let Some(following) = descent.within(id, &mut self.warning) else {
                 break;
             };
-            if let Some(open) = self.tightness(cell, &following) {
+            if let Some(open) = self.tightness(cell, self.way(id), &following) {
                 found.push((open, id));
             }
         }
@@ -118,18 +119,37 @@ impl ReachAnalysis<'_> {
         (corners.into_iter()).any(|(dx, dy)| is_clear(dx, 0) && is_clear(0, dy) && is_clear(dx, dy))
     }
 
-    /// The open sides of a cell that a cube of two cannot bring a block to; `None`: it can.
-    fn tightness(&mut self, cell: Cell, following: &Descendants<'_>) -> Option<u32> {
+    /// The way from the face to the cell of a capture, where blocks pass a gap along it.
+    fn way(&self, id: EventId) -> Option<Face> {
+        match self.subject.plan.event(id).kind {
+            EventKind::Capture { face, .. } if self.subject.has_passable_gaps => Some(face),
+            _ => None,
+        }
+    }
+
+    /// The open sides of a cell that a cube of two cannot bring a block to; `None`: it can, or to a passable gap along `way`.
+    fn tightness(
+        &mut self,
+        cell: Cell,
+        way: Option<Face>,
+        following: &Descendants<'_>,
+    ) -> Option<u32> {
         let has = |other: EventId| !following.contains(other);
         let search = PathSearch {
             occupancy: &self.occupancy,
             has: &has,
             size: 2,
         };
-        let boxes: Vec<Cell> = boxes(cell).filter(|&low| !search.is_blocked(low)).collect();
-        if !boxes.is_empty() {
+        let entrances = || {
+            let all = way.into_iter().flat_map(|way| gap_entrances(cell, way));
+            let open = all.filter(|it| !self.occupancy.is_blocked(it.beside, &has));
+            open.map(|it| it.low).collect()
+        };
+        for lows in [boxes(cell).collect(), entrances()] {
+            let lows: Vec<Cell> = lows;
+            let free = lows.into_iter().filter(|&low| !search.is_blocked(low));
             match search.run(
-                boxes,
+                free,
                 &|_| false,
                 &mut self.known_paths[1],
                 &mut self.warning,

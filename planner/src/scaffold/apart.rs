@@ -2,7 +2,7 @@
 use std::collections::BTreeSet;
 
 use crate::disassembly::Disassembly;
-use crate::free_space::FreeSpace;
+use crate::free_space::{FreeSpace, WayIn};
 use crate::sites::{NONE, Sites};
 
 /// Takes a target apart: of the sites that hold nothing, the one goes first that comes last, and has a wide way if any has one. `holders`:
@@ -26,16 +26,16 @@ pub fn take_apart(
         .collect();
     let mut stands = vec![true; count];
     let mut order = Vec::with_capacity(count);
-    let mut is_tight = vec![false; count];
+    let mut way_in = vec![Some(WayIn::Inside); count];
     while order.len() < count {
         let stood = |site: u32| stands[site as usize];
         let may_go = |space: &FreeSpace| {
             let mut ends = ends.iter().rev().copied();
-            ends.find(|&(_, site)| space.has_way(sites, site, &stood))
+            ends.find(|&(_, site)| space.way_in(sites, site, &stood).is_some())
         };
         let (_, site) = may_go(&spaces[0]).or_else(|| {
             let narrow = may_go(&spaces[1])?;
-            is_tight[narrow.1 as usize] = true;
+            way_in[narrow.1 as usize] = None;
             Some(narrow)
         })?;
         ends.remove(&urgency(site));
@@ -67,7 +67,7 @@ pub fn take_apart(
     Some(Disassembly {
         order,
         rank,
-        is_tight,
+        way_in,
         level,
         spaces,
     })

@@ -313,7 +313,7 @@ fn masts_get_away(sites: &Sites<'_>, wide: &FreeSpace, scaffolding: &Scaffolding
     cells.sort_unstable_by_key(|cell| std::cmp::Reverse(cell.z));
     cells.into_iter().all(|cell| {
         let site = sites.at(cell);
-        if !space.has_way(sites, site, &|site| stands[site as usize]) {
+        if (space.way_in(sites, site, &|site| stands[site as usize])).is_none() {
             return false;
         }
         stands[site as usize] = false;
