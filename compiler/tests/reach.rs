@@ -351,7 +351,11 @@ fn is_wide(room: Room, target: Cell, way: Face, full: &BTreeMap<Cell, EventId>) 
     };
     let is_free = |low: Cell| low.z >= 1 && cube(low).all(|cell| !full.contains_key(&cell));
     let around = (0..64).map(|i| {
-        Cell::new(target.x - 2 + i % 4, target.y - 2 + i / 4 % 4, target.z - 2 + i / 16)
+        Cell::new(
+            target.x - 2 + i % 4,
+            target.y - 2 + i / 4 % 4,
+            target.z - 2 + i / 16,
+        )
     });
     let mut open: Vec<Cell> = around
         .filter(|&low| cube(low).any(|cell| cell == target) || is_before_gap(low))

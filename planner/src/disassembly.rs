@@ -214,7 +214,11 @@ mod tests {
 
     /// Whether a cube of so many sides brings a block to a cell from outside, between full cells: every place is tried.
     fn has_way(full: &BTreeSet<Cell>, cell: Cell, size: i32) -> bool {
-        comes_out(full, cube(shifted(cell, 1 - size, 1 - size, 1 - size), size), size)
+        comes_out(
+            full,
+            cube(shifted(cell, 1 - size, 1 - size, 1 - size), size),
+            size,
+        )
     }
 
     /// Whether a cube of two sides comes before a gap along an axis, so that it holds both cells before the gap and an empty cell beside

@@ -161,7 +161,8 @@ impl FreeSpace {
             return Some(WayIn::Inside);
         }
         let axes = [Face::East, Face::North, Face::Up].into_iter();
-        let mut axes = axes.filter(|axis| self.has_gaps && sites.is_held_along(site, *axis, stands));
+        let mut axes =
+            axes.filter(|axis| self.has_gaps && sites.is_held_along(site, *axis, stands));
         let gap = axes.find(|&axis| {
             let mut entrances = gap_entrances(sites.cell(site), axis);
             entrances.any(|it| self.is_open(it.low) && self.is_entrance(sites, it, stands))

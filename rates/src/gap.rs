@@ -33,9 +33,8 @@ pub fn gap_entrances(cell: Cell, way: Face) -> impl Iterator<Item = GapEntrance>
 /// The cube begins a step out of the cell and reaches another one out, and one along each of two other directions.
 fn entrance(cell: Cell, out: Face, edge: Face, along: Face) -> Option<GapEntrance> {
     let [first, edge, along] = [out, edge, along].map(Face::normal);
-    let low = std::array::from_fn(|axis| {
-        first[axis] + (first[axis] + edge[axis] + along[axis]).min(0)
-    });
+    let low =
+        std::array::from_fn(|axis| first[axis] + (first[axis] + edge[axis] + along[axis]).min(0));
     Some(GapEntrance {
         low: shifted(cell, low)?,
         beside: shifted(cell, edge)?,
