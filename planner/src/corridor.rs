@@ -9,7 +9,7 @@ use std::collections::BinaryHeap;
 use rustc_hash::FxHashMap;
 use stochc_grammar::{Cancellation, Cancelled};
 use stochc_ir::{Cell, Face};
-use stochc_rates::gap_entrances;
+use stochc_rates::{beside_gap, gap_entrances};
 
 use crate::disassembly::Disassembly;
 use crate::free_space::WayIn;
@@ -76,28 +76,17 @@ impl CorridorSearch<'_> {
         let earlier = |other: u32| self.apart.rank[other as usize] < rank;
         let mut best: FxHashMap<Cell, (u32, Cell)> = FxHashMap::default();
         let mut open = BinaryHeap::new();
-        // Of the places where the way ends, the site beside the gap, or none.
-        let mut ends: FxHashMap<Cell, u32> = FxHashMap::default();
-        let mut end = |low: Cell, beside: u32| {
-            let more = match beside {
-                NONE => 0,
-                beside => self.toll_of(site, beside),
-            };
-            let cost = self.toll(site, number, low, None) + more;
-            if best.get(&low).is_none_or(|&(known, _)| cost < known) {
+        let cell = self.sites.cell(site);
+        let lows: Vec<Cell> = match way_in {
+            Some(WayIn::Gap(axis)) => gap_entrances(cell, axis).collect(),
+            _ => space.around(cell).collect(),
+        };
+        for low in lows {
+            if space.is_free(self.sites, low, &earlier) {
+                let cost = self.toll(site, number, low, None);
                 best.insert(low, (cost, low));
-                ends.insert(low, beside);
                 open.push(Reverse((cost, low)));
             }
-        };
-        let cell = self.sites.cell(site);
-        match way_in {
-            Some(WayIn::Gap(axis)) => gap_entrances(cell, axis)
-                .filter(|it| space.is_entrance(self.sites, *it, &earlier))
-                .for_each(|it| end(it.low, self.sites.at(it.beside))),
-            _ => (space.around(cell))
-                .filter(|&low| space.is_free(self.sites, low, &earlier))
-                .for_each(|low| end(low, NONE)),
         }
         while let Some(Reverse((cost, low))) = open.pop() {
             if best[&low].0 < cost {
@@ -107,7 +96,7 @@ impl CorridorSearch<'_> {
             let leads_on = (self.first[number].get(&low))
                 .is_some_and(|&other| self.apart.rank[other as usize] > rank);
             if space.is_always_open(low) || leads_on {
-                return self.follow(site, number, low, &best, &ends);
+                return self.follow(site, number, low, &best);
             }
             for next in Face::ALL.into_iter().filter_map(|face| low.across(face)) {
                 if !space.is_free(self.sites, next, &earlier) {
@@ -126,21 +115,19 @@ impl CorridorSearch<'_> {
     /// What it costs to keep a place open that is entered from another.
     fn toll(&self, site: u32, number: usize, low: Cell, from: Option<Cell>) -> u32 {
         let space = &self.apart.spaces[number];
+        let level = |site: u32| self.apart.level[site as usize];
         let is_new = |cell: &Cell| from.is_none_or(|from| space.cells(from).all(|it| it != *cell));
         let sites = space
             .cells(low)
             .filter(is_new)
             .map(|cell| self.sites.at(cell));
         let later = sites.filter(|&other| other != NONE && other != site);
-        later.map(|other| self.toll_of(site, other)).sum()
-    }
-
-    /// What it costs that another site waits for one.
-    fn toll_of(&self, site: u32, other: u32) -> u32 {
-        let level = |site: u32| self.apart.level[site as usize];
-        let is_near = self.sites.near(site).any(|near| near == other);
-        let late = (level(site) + 1).saturating_sub(level(other));
-        (if is_near { COSTS[1] } else { COSTS[2] }) + COSTS[3] * late
+        let toll = later.map(|other| {
+            let is_near = self.sites.near(site).any(|near| near == other);
+            let late = (level(site) + 1).saturating_sub(level(other));
+            (if is_near { COSTS[1] } else { COSTS[2] }) + COSTS[3] * late
+        });
+        toll.sum()
     }
 
     /// The sites in a way that ends at `low`, which is kept for those that come before.
@@ -150,7 +137,6 @@ impl CorridorSearch<'_> {
         number: usize,
         mut low: Cell,
         best: &FxHashMap<Cell, (u32, Cell)>,
-        ends: &FxHashMap<Cell, u32>,
     ) -> Vec<u32> {
         let space = &self.apart.spaces[number];
         let mut waiting = Vec::new();
@@ -164,9 +150,14 @@ impl CorridorSearch<'_> {
             low = before;
         }
         match self.apart.way_in[site as usize] {
-            // Whoever is in the place before a gap need not wait for what comes into the gap.
-            Some(WayIn::Gap(_)) => {
-                waiting.extend(ends.get(&low).filter(|&&beside| beside != NONE));
+            // Nothing stands beside the gap. Whoever is in the place before it need not wait for what comes into it.
+            Some(WayIn::Gap(axis)) => {
+                let beside = beside_gap(self.sites.cell(site), axis);
+                waiting.extend(
+                    beside
+                        .map(|cell| self.sites.at(cell))
+                        .filter(|&other| other != NONE),
+                );
             }
             // Later sites are looked at first: what is here already comes later than this one, and waits for nobody before it.
             _ => {

@@ -221,23 +221,19 @@ mod tests {
         )
     }
 
-    /// Whether a cube of two sides comes before a gap along an axis, so that it holds both cells before the gap and an empty cell beside
-    /// it, and neither of those two.
+    /// Whether a cube of two sides comes beside a gap along an axis, so that it holds a cell beside the gap but not the gap, and all four cells beside it
+    /// are empty.
     fn has_way_to_gap(full: &BTreeSet<Cell>, cell: Cell, axis: Face) -> bool {
-        let is_aside = |face: &Face| *face != axis && *face != axis.opposite();
-        let aside = || Face::ALL.into_iter().filter(is_aside);
-        let near = |cell: Cell, face: Face| cell.across(face).unwrap();
+        let aside = || {
+            let faces = Face::ALL.into_iter();
+            let faces = faces.filter(|face| *face != axis && *face != axis.opposite());
+            faces.map(|face| cell.across(face).unwrap())
+        };
         let lows = cube(shifted(cell, -2, -2, -2), 4).filter(|&low| {
             let holds = |cell: Cell| cube(low, 2).any(|it| it == cell);
-            let is_before = |out: Face, edge: Face| {
-                let beside = near(cell, edge);
-                let is_empty = beside.z >= 1 && !full.contains(&beside);
-                is_empty && holds(near(cell, out)) && holds(near(beside, out)) && !holds(beside)
-            };
-            let mut edges = aside().flat_map(|out| aside().map(move |edge| (out, edge)));
-            !holds(cell) && edges.any(|(out, edge)| edge != out && is_before(out, edge))
+            !holds(cell) && aside().any(holds)
         });
-        comes_out(full, lows, 2)
+        aside().all(|beside| beside.z >= 1 && !full.contains(&beside)) && comes_out(full, lows, 2)
     }
 
     /// Whether a cube of so many sides gets from one of these places to the outside.

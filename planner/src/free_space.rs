@@ -1,6 +1,6 @@
 //! Where a free cube can be, and come to from outside.
 use stochc_ir::{Cell, Face};
-use stochc_rates::{GapEntrance, gap_entrances};
+use stochc_rates::{beside_gap, gap_entrances};
 
 use crate::grid::{Grid, shifted};
 use crate::sites::{NONE, Sites};
@@ -164,21 +164,16 @@ impl FreeSpace {
         let mut axes =
             axes.filter(|axis| self.has_gaps && sites.is_held_along(site, *axis, stands));
         let gap = axes.find(|&axis| {
-            let mut entrances = gap_entrances(sites.cell(site), axis);
-            entrances.any(|it| self.is_open(it.low) && self.is_entrance(sites, it, stands))
+            let cell = sites.cell(site);
+            let is_empty = |beside: Cell| {
+                let near = sites.at(beside);
+                beside.z >= 1 && (near == NONE || !stands(near))
+            };
+            beside_gap(cell, axis).all(is_empty)
+                && gap_entrances(cell, axis)
+                    .any(|low| self.is_open(low) && self.is_free(sites, low, stands))
         });
         gap.map(WayIn::Gap)
-    }
-
-    /// Whether a cube fits before a gap, and the gap is narrow in no other direction.
-    pub fn is_entrance(
-        &self,
-        sites: &Sites<'_>,
-        entrance: GapEntrance,
-        stands: &impl Fn(u32) -> bool,
-    ) -> bool {
-        let beside = sites.at(entrance.beside);
-        (beside == NONE || !stands(beside)) && self.is_free(sites, entrance.low, stands)
     }
 
     fn is_reached(&self, low: Cell) -> bool {

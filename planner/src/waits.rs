@@ -104,9 +104,9 @@ impl<'a> RateLaw<'a> {
             let next = beside(*face);
             next.z < 1 || stands(next) == Stand::Full
         };
-        let walls = aside().filter(is_wall).count() + usize::from(is_wall(&way));
-        let is_gap = is_wall(&way) && !(self.has_passable_gaps && beside(way).z >= 1);
-        if is_gap || walls >= 4 {
+        let walls = aside().filter(is_wall).count();
+        let is_passable = self.has_passable_gaps && beside(way).z >= 1 && walls == 0;
+        if (is_wall(&way) && !is_passable) || walls == 4 {
             return JAM;
         }
         let mut full = Neighbourhood::on_ground(Cell::new(0, 0, cell.z.min(HIGHEST)));

@@ -14,7 +14,7 @@ mod times;
 mod wait;
 
 pub use first_guess::GUESS_ERROR;
-pub use gap::{GapEntrance, gap_entrances};
+pub use gap::{beside_gap, gap_entrances};
 pub use interaction::Interaction;
 pub use law::{Parameter, Parameters, Rivals, Surroundings};
 pub use neighbourhood::Neighbourhood;

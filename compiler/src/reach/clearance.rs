@@ -6,7 +6,7 @@ use petgraph::graph::NodeIndex;
 use petgraph::visit::EdgeRef;
 use rustc_hash::{FxHashMap, FxHashSet};
 use stochc_ir::Face;
-use stochc_rates::gap_entrances;
+use stochc_rates::{beside_gap, gap_entrances};
 
 use super::descendants::{DescendantIndex, Descendants};
 use super::path_search::{PathSearch, SearchOutcome, offset};
@@ -140,13 +140,11 @@ impl ReachAnalysis<'_> {
             has: &has,
             size: 2,
         };
-        let entrances = || {
-            let all = way.into_iter().flat_map(|way| gap_entrances(cell, way));
-            let open = all.filter(|it| !self.occupancy.is_blocked(it.beside, &has));
-            open.map(|it| it.low).collect()
-        };
-        for lows in [boxes(cell).collect(), entrances()] {
-            let lows: Vec<Cell> = lows;
+        let is_empty = |cell: Cell| cell.z >= 1 && !self.occupancy.is_blocked(cell, &has);
+        let gap = way.filter(|&way| beside_gap(cell, way).all(is_empty));
+        let entrances = gap.into_iter().flat_map(|way| gap_entrances(cell, way));
+        let lows: [Vec<Cell>; 2] = [boxes(cell).collect(), entrances.collect()];
+        for lows in lows {
             let free = lows.into_iter().filter(|&low| !search.is_blocked(low));
             match search.run(
                 free,
