@@ -84,8 +84,11 @@ const RUNS: usize = 32;
 /// What a cell without a wide way costs: it can jam, which no mean tells \[tick\].
 pub const JAMS: f64 = 20_000.0;
 
-/// Ways in are looked for so often, each time in another order, and at most in a quarter of the rounds.
+/// Ways in are looked for in so many orders, and at most in a quarter of the rounds.
 const VARIANTS: u64 = 8;
+
+/// Schedules that are tried with the ways in that look worse, at most.
+const MOST_FIRST: u64 = 1500;
 
 /// Runs by which schedules of small targets are compared.
 const SMALL_RUNS: usize = 128;
@@ -150,29 +153,60 @@ fn listed(
                 estimate,
             })
         };
-    let mut best = candidate(&vec![0.5; sites.len()], 1, search.cancellation)?;
+    let mut order = vec![0.5; sites.len()];
     let mut rounds = 1;
-    while rounds < VARIANTS && rounds * 4 < search.rounds && !search.enough.is_cancelled() {
+    // The best with ways through gaps, and without: which of them gets better by another schedule cannot be seen before.
+    let mut best = vec![candidate(&order, 1, search.cancellation)?];
+    let each = if waits.has_passable_gaps() { 2 } else { 1 };
+    let variants = each * VARIANTS;
+    while rounds < variants && rounds * 4 < search.rounds && !search.enough.is_cancelled() {
+        let kind = (rounds % each) as usize;
+        if kind == 0 {
+            order.fill_with(|| rng.random());
+        }
         rounds += 1;
-        (search.tried)(rounds, best.estimate.of(search.objective));
-        let order: Vec<f32> = (0..sites.len()).map(|_| rng.random()).collect();
+        (search.tried)(rounds, best[0].estimate.of(search.objective));
         match candidate(&order, rounds, search.enough) {
-            Ok(other) if other.value < best.value => best = other,
+            Ok(other) if best.len() == kind => best.push(other),
+            Ok(other) if other.value < best[kind].value => best[kind] = other,
             Ok(_) => {}
             Err(_) => break,
         }
     }
-    let job = SchedulingJob::new(sites, &best.apart, &best.corridors, hardware, waits);
-    let start = (best.keys, best.schedule, best.estimate);
-    let (schedule, rounds) = improved(&job, &samples, start, rounds, search, &mut rng);
-    drop(job);
-    Ok(FoundSchedule {
-        apart: best.apart,
-        corridors: best.corridors,
-        schedule,
-        rounds,
-        is_best: false,
-    })
+    // The better one comes last, and has all the time that is left.
+    best.sort_by(|a, b| b.value.total_cmp(&a.value));
+    let share = (search.rounds.saturating_sub(rounds) / best.len() as u64).min(MOST_FIRST);
+    let last = best.len() - 1;
+    let mut found: Option<(f64, FoundSchedule)> = None;
+    for (number, best) in best.into_iter().enumerate() {
+        let job = SchedulingJob::new(sites, &best.apart, &best.corridors, hardware, waits);
+        let start = (best.keys, best.schedule, best.estimate);
+        let search = PlanSearch {
+            rounds: if number < last {
+                rounds + share
+            } else {
+                search.rounds
+            },
+            ..search
+        };
+        let (schedule, made) = improved(&job, &samples, start, rounds, search, &mut rng);
+        rounds = made;
+        let estimate = samples.estimate(&schedule, &Waiting::of(&job, &schedule), &mut Vec::new());
+        let value = estimate.of(search.objective) + JAMS * best.apart.tight() as f64;
+        drop(job);
+        if found.as_ref().is_none_or(|(least, _)| value < *least) {
+            let schedule = FoundSchedule {
+                apart: best.apart,
+                corridors: best.corridors,
+                schedule,
+                rounds,
+                is_best: false,
+            };
+            found = Some((value, schedule));
+        }
+    }
+    let (_, found) = found.expect("there is one candidate at least");
+    Ok(FoundSchedule { rounds, ..found })
 }
 
 /// Whether ways in lead through gaps, where blocks pass them: in every other variant, since waiting for no gap may be faster.
