@@ -136,11 +136,7 @@ impl FreeSpace {
 
     /// Whether a cube fits, above the ground, between what stands.
     pub fn is_free(&self, sites: &Sites<'_>, low: Cell, stands: &impl Fn(u32) -> bool) -> bool {
-        low.z >= 1
-            && self.cells(low).all(|cell| {
-                let site = sites.at(cell);
-                site == NONE || !stands(site)
-            })
+        low.z >= 1 && self.cells(low).all(|cell| is_empty(sites, cell, stands))
     }
 
     /// Whether a cube comes to a place whatever of the target stands.
@@ -165,11 +161,8 @@ impl FreeSpace {
             axes.filter(|axis| self.has_gaps && sites.is_held_along(site, *axis, stands));
         let gap = axes.find(|&axis| {
             let cell = sites.cell(site);
-            let is_empty = |beside: Cell| {
-                let near = sites.at(beside);
-                beside.z >= 1 && (near == NONE || !stands(near))
-            };
-            beside_gap(cell, axis).all(is_empty)
+            let is_room = |beside: Cell| beside.z >= 1 && is_empty(sites, beside, stands);
+            beside_gap(cell, axis).all(is_room)
                 && gap_entrances(cell, axis)
                     .any(|low| self.is_open(low) && self.is_free(sites, low, stands))
         });
@@ -217,4 +210,10 @@ impl FreeSpace {
             .map(|cell| sites.at(cell))
             .filter(|&site| site != NONE)
     }
+}
+
+/// Whether nothing stands in a cell.
+fn is_empty(sites: &Sites<'_>, cell: Cell, stands: &impl Fn(u32) -> bool) -> bool {
+    let site = sites.at(cell);
+    site == NONE || !stands(site)
 }
