@@ -141,10 +141,15 @@ impl ReachAnalysis<'_> {
             size: 2,
         };
         let is_empty = |cell: Cell| cell.z >= 1 && !self.occupancy.is_blocked(cell, &has);
-        let gap = way.filter(|&way| beside_gap(cell, way).all(is_empty));
-        let entrances = gap.into_iter().flat_map(|way| gap_entrances(cell, way));
-        let lows: [Vec<Cell>; 2] = [boxes(cell).collect(), entrances.collect()];
-        for lows in lows {
+        let is_gap = |way: &Face| beside_gap(cell, *way).all(is_empty);
+        // Most cells are decided without a look at gaps.
+        for is_inside in [true, false] {
+            let lows: Vec<Cell> = match is_inside {
+                true => boxes(cell).collect(),
+                false => (way.filter(is_gap).into_iter())
+                    .flat_map(|way| gap_entrances(cell, way))
+                    .collect(),
+            };
             let free = lows.into_iter().filter(|&low| !search.is_blocked(low));
             match search.run(
                 free,
