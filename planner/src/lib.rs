@@ -6,6 +6,7 @@
 //! them wait (`corridor`); decides which face opens next (`schedule`); and tries other decisions on sampled times to
 //! completion (`search`). [`program`] writes it down.
 mod corridor;
+mod crowding;
 mod disassembly;
 mod emit;
 mod explanation;

@@ -16,6 +16,7 @@ use stochc_ir::{Cell, Face};
 
 use crate::Hardware;
 use crate::corridor::Corridors;
+use crate::crowding::Crowding;
 use crate::disassembly::Disassembly;
 use crate::scaffold::{SitePart, SiteRoles};
 use crate::sites::{NONE, Sites};
@@ -136,6 +137,15 @@ impl<'a> SchedulingJob<'a> {
         }
         self.roles = Some(roles);
         self
+    }
+
+    /// Which faces are not open together.
+    pub fn crowding(&self) -> Crowding<'_> {
+        Crowding {
+            sites: self.sites,
+            attracts_always: self.hardware.attracts_always,
+            has_passable_corners: self.waits.has_passable_corners(),
+        }
     }
 
     /// The site that holds another one: across the face opposite to the way; [`NONE`]: a seed does.
@@ -301,8 +311,7 @@ impl ScheduleState<'_> {
         while let Some((_, Reverse(site))) = self.ready.pop() {
             // What cannot open now is considered again when something near it is anchored.
             self.is_ready[site as usize] = false;
-            if !self.has_open_diagonal(site)
-                && let Some((way, mean)) = self.best_way(site, now)
+            if let Some((way, mean)) = self.best_way(site, now)
                 && self.is_its_phase(site, now + 0.5 * mean)
             {
                 self.open(site, way, mean, now);
@@ -310,9 +319,10 @@ impl ScheduleState<'_> {
         }
     }
 
-    fn has_open_diagonal(&self, site: u32) -> bool {
-        let is_open = |near: u32| self.state[near as usize] == SiteState::Open;
-        !self.job.hardware.attracts_always && self.job.sites.diagonal(site).any(is_open)
+    /// The way to a site whose face is open.
+    fn open_way(&self, site: u32) -> Option<Face> {
+        let here = site as usize;
+        (self.state[here] == SiteState::Open).then(|| self.schedule.way[here])
     }
 
     /// The way with the shortest wait from a parent that has a face to spare; the straight one of two equal ones.
@@ -364,7 +374,9 @@ impl ScheduleState<'_> {
                     && self.open_faces[parent as usize] < job.hardware.faces
             }
         };
-        let ways = Face::ALL.into_iter().filter(holds);
+        let crowding = job.crowding();
+        let may_open = move |way: &Face| crowding.may_open(site, *way, |near| self.open_way(near));
+        let ways = Face::ALL.into_iter().filter(holds).filter(may_open);
         ways.map(move |way| (way, job.waits.mean(cell, way, moment, stands) as f32))
     }
 

@@ -171,15 +171,11 @@ impl<'a> Sites<'a> {
         others.map(|(_, &near)| near)
     }
 
-    /// The sites that share an edge with one and no face, around another site.
-    pub fn diagonal(&self, site: u32) -> impl Iterator<Item = u32> + '_ {
+    /// The squares of four cells that one is in: each time the two sites beside it, and the one across, or [`NONE`].
+    pub fn squares(&self, site: u32) -> impl Iterator<Item = [u32; 3]> + '_ {
         let window = &self.windows[site as usize];
-        let around = DIAGONAL
-            .iter()
-            .filter(|(_, between)| between.iter().any(|&at| window[at] != NONE));
-        around
-            .map(|&(other, _)| window[other])
-            .filter(|&other| other != NONE)
+        let squares = DIAGONAL.iter();
+        squares.map(|&(across, [one, two])| [window[one], window[two], window[across]])
     }
 
     /// Which cells of a site's window `has`.

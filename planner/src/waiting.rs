@@ -1,4 +1,6 @@
 //! What waits for what in a schedule, and which of that has to be said.
+use stochc_ir::Face;
+
 use crate::Hardware;
 use crate::schedule::{Schedule, SchedulingJob};
 use crate::sites::{NONE, Sites};
@@ -33,6 +35,12 @@ impl Schedule {
     /// The site that holds another one; [`NONE`]: a seed does.
     pub fn parent(&self, sites: &Sites<'_>, site: u32) -> u32 {
         sites.next(site, self.way[site as usize].opposite())
+    }
+
+    /// The way to a site that opens before a place in the order, and when its block comes \[ticks\].
+    pub fn before(&self, site: u32, place: u32) -> Option<(Face, f32)> {
+        let here = site as usize;
+        (self.rank[here] < place).then(|| (self.way[here], self.end[here]))
     }
 
     /// The place in the order of what has to be there in the same phase to hold a site; `None`: it is there before.
@@ -74,10 +82,10 @@ impl Waiting {
             let rank = |site: u32| schedule.rank[site as usize];
             before[i].extend(schedule.held(job.sites, site));
             before[i].extend(schedule.turn(job.sites, job.hardware, site));
-            if !job.hardware.attracts_always {
-                let diagonal = job.sites.diagonal(site).map(rank);
-                before[i].extend(diagonal.filter(|&other| other < i as u32));
-            }
+            let crowding = job.crowding();
+            let way = schedule.way[site as usize];
+            let crowd = crowding.waits(site, way, |near| schedule.before(near, i as u32));
+            before[i].extend(crowd.into_iter().map(rank));
             for &waiting in &job.corridors.waiting[site as usize] {
                 before[rank(waiting) as usize].push(i as u32);
             }

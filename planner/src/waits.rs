@@ -82,6 +82,11 @@ impl<'a> RateLaw<'a> {
         self.has_passable_gaps
     }
 
+    /// Whether blocks are known to pass between faces across a corner: so far that is where they pass gaps.
+    pub fn has_passable_corners(&self) -> bool {
+        self.has_passable_gaps
+    }
+
     /// The mean ticks from when a face opens until its block is anchored in `cell`, `way` from its parent, in what `stands` around it; of
     /// what is awaited half is taken to come before.
     pub fn mean(

@@ -91,8 +91,11 @@ impl<'a> Policies<'a> {
         let is_sibling = |other: &&OpenFace| self.job.parent(other.site, other.way) == parent;
         let has_face =
             parent == NONE || open.iter().filter(is_sibling).count() < usize::from(hardware.faces);
-        let is_across = |other: &OpenFace| sites.diagonal(site).any(|near| near == other.site);
-        is_held && has_face && (hardware.attracts_always || !open.iter().any(is_across))
+        let open_way = |near: u32| {
+            let other = open.iter().find(|other| other.site == near);
+            other.map(|other| other.way)
+        };
+        is_held && has_face && self.job.crowding().may_open(site, way, open_way)
     }
 
     /// The mean time with these faces open until one of their blocks comes, and by the best policy from then on.

@@ -186,7 +186,6 @@ fn options(state: &ScheduleState<'_>, now: f32, from: usize) -> Vec<(usize, Face
         (here + 1) * faces > from
             && state.state[here] == SiteState::Absent
             && state.missing[here] == 0
-            && !state.has_open_diagonal(*site)
     };
     let sites = (0..state.state.len() as u32).filter(may_open);
     let options = sites.flat_map(|site| {
@@ -221,9 +220,10 @@ fn before(state: &ScheduleState<'_>, site: u32) -> Vec<u32> {
         });
         before.extend(siblings.map(rank));
     }
-    if !hardware.attracts_always {
-        before.extend(sites.diagonal(site).map(rank).filter(|&rank| rank != NONE));
-    }
+    let way = schedule.way[site as usize];
+    let crowding = state.job.crowding();
+    let crowd = crowding.waits(site, way, |near| schedule.before(near, rank(site)));
+    before.extend(crowd.into_iter().map(rank));
     let first = corridors.waiting.iter().zip(0u32..);
     let in_way = first.filter(|(waiting, _)| waiting.contains(&site));
     before.extend(in_way.map(|(_, first)| rank(first)));
