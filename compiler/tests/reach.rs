@@ -330,14 +330,14 @@ fn cube(low: Cell) -> impl Iterator<Item = Cell> {
     (0..8).map(move |i| Cell::new(low.x + (i & 1), low.y + (i >> 1 & 1), low.z + (i >> 2)))
 }
 
-/// Whether a cube of two cells can bring a block to a cell from outside; or beside it, if it is a gap along `way`, with nothing beside it.
+/// Whether a cube of two cells can bring a block to a cell from outside; or beside it, if it is a gap along `way`, with nothing but the ground beside it.
 fn is_wide(room: Room, target: Cell, way: Face, full: &BTreeMap<Cell, EventId>) -> bool {
     let aside = || {
         let faces = Face::ALL.into_iter();
         let faces = faces.filter(|&face| face != way && face != way.opposite());
         faces.map(|face| target.across(face).unwrap())
     };
-    let is_gap = aside().all(|beside| beside.z >= 1 && !full.contains_key(&beside));
+    let is_gap = aside().all(|beside| beside.z < 1 || !full.contains_key(&beside));
     let is_beside_gap = |low: Cell| {
         let holds = |cell: Cell| cube(low).any(|it| it == cell);
         is_gap && !holds(target) && aside().any(holds)

@@ -161,8 +161,7 @@ impl FreeSpace {
             axes.filter(|axis| self.has_gaps && sites.is_held_along(site, *axis, stands));
         let gap = axes.find(|&axis| {
             let cell = sites.cell(site);
-            let is_room = |beside: Cell| beside.z >= 1 && is_empty(sites, beside, stands);
-            beside_gap(cell, axis).all(is_room)
+            beside_gap(cell, axis).all(|beside| is_empty(sites, beside, stands))
                 && gap_entrances(cell, axis)
                     .any(|low| self.is_open(low) && self.is_free(sites, low, stands))
         });

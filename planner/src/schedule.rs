@@ -1,9 +1,7 @@
 //! Which cell opens next: list scheduling on mean waits.
 //!
 //! The most urgent cell that may open does: its blocks to wait for are there, a neighbour of it stands and has a face to spare,
-//! and no face is open towards a cell that shares an edge with it, and no face, around another cell of the target. A block that comes to the
-//! corner of two such cells is held by both, and jams. Faces towards cells side by side, whatever their directions, do not hinder each
-//! other, nor do those of cells that share a corner; three of a square, which jam as well, always have such a pair among them.
+//! and no face is open that [jams together with it](crate::crowding).
 mod adaptive;
 mod exact;
 mod phase;

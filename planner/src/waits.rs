@@ -105,13 +105,11 @@ impl<'a> RateLaw<'a> {
             let [dx, dy, dz] = face.normal();
             shifted(cell, dx, dy, dz)
         };
-        let is_wall = |face: &Face| {
-            let next = beside(*face);
-            next.z < 1 || stands(next) == Stand::Full
-        };
-        let walls = aside().filter(is_wall).count();
-        let is_passable = self.has_passable_gaps && beside(way).z >= 1 && walls == 0;
-        if (is_wall(&way) && !is_passable) || walls == 4 {
+        let is_ground = |face: &Face| beside(*face).z < 1;
+        let is_block = |face: &Face| !is_ground(face) && stands(beside(*face)) == Stand::Full;
+        let walls = aside().filter(|face| is_ground(face) || is_block(face));
+        let has_room = self.has_passable_gaps && !aside().any(|face| is_block(&face));
+        if is_ground(&way) || (is_block(&way) && !has_room) || walls.count() == 4 {
             return JAM;
         }
         let mut full = Neighbourhood::on_ground(Cell::new(0, 0, cell.z.min(HIGHEST)));

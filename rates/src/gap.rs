@@ -7,10 +7,11 @@ use stochc_ir::{Cell, Face};
 use crate::neighbourhood::shifted;
 use crate::surroundings::aside;
 
-/// The cells beside the open one to which `way` leads, at right angles to it. In a gap they are empty, and above the ground: what stands
-/// there as well makes blocks jam sometimes.
+/// The cells above the ground beside the open one to which `way` leads, at right angles to it. In a gap they are empty: blocks that stand
+/// there as well make others jam sometimes, which the ground does not.
 pub fn beside_gap(cell: Cell, way: Face) -> impl Iterator<Item = Cell> {
-    aside(way).filter_map(move |face| cell.across(face))
+    let beside = aside(way).filter_map(move |face| cell.across(face));
+    beside.filter(|beside| beside.z >= 1)
 }
 
 /// The places of a cube of two sides, by their low corners, above the ground, from which a block slides into a gap: the cube holds a cell

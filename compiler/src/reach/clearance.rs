@@ -140,7 +140,7 @@ impl ReachAnalysis<'_> {
             has: &has,
             size: 2,
         };
-        let is_empty = |cell: Cell| cell.z >= 1 && !self.occupancy.is_blocked(cell, &has);
+        let is_empty = |cell: Cell| !self.occupancy.is_blocked(cell, &has);
         let is_gap = |way: &Face| beside_gap(cell, *way).all(is_empty);
         // Most cells are decided without a look at gaps.
         for is_inside in [true, false] {

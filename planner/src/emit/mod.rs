@@ -195,7 +195,8 @@ impl Told {
                 if std::mem::replace(&mut self.near, true) {
                     return;
                 }
-                "Waits for its turn: blocks jam at the corner between two open cells.".to_owned()
+                "Waits for its turn: blocks jam between faces that are open side by side."
+                    .to_owned()
             }
             (_, _) if is_loop => {
                 if std::mem::replace(&mut self.both, true) {
