@@ -18,7 +18,8 @@ POSTS = "A.up ->> T[1..3]   B.up ->> U[1..3]"
 GAPS = {
     "arm": ("at the end of an arm", "A.up ->> T[1..3]", "T[3].east -> X"),
     "beam": ("between the face and a block ahead", POSTS, "T[3].east -> X"),
-    "floor": ("the same, with a block below", f"{POSTS}   M.up ->> F[1..2]", "T[3].east -> X"),
+    "ground": ("the same, on the plate", "A.up -> T   B.up -> U", "T.east -> X"),
+    "floor": ("in a beam, with a block below", f"{POSTS}   M.up ->> F[1..2]", "T[3].east -> X"),
     "corner": ("the same, with blocks below and beside", f"{POSTS}   M.up ->> F[1..2]   N.up ->> V[1..3]", "T[3].east -> X"),
     "roof": ("upwards, a block ahead and one beside", "A.up ->> T[1..3].east -> R   M.up -> F", "F.up -> X"),
     "channel": ("the same, between two walls", "A.up ->> T[1..3].east -> R   M.up -> F   B.up ->> U[1..2]", "F.up -> X"),
