@@ -123,8 +123,11 @@ impl<'a> RateLaw<'a> {
                 Stand::Full => full.block(offset),
             }
         }
-        let is_open = |near: Cell| stands(near) == Stand::Awaited(way);
-        let without = self.wait(cell.z, way, full, moment, rivals(cell, way, is_open));
+        let way_into = |near: Cell| match stands(near) {
+            Stand::Awaited(way) => Some(way),
+            Stand::Empty | Stand::Full => None,
+        };
+        let without = self.wait(cell.z, way, full, moment, rivals(cell, way, way_into));
         if awaited == Neighbourhood::EMPTY {
             return self.mean_of(without);
         }
@@ -146,8 +149,8 @@ impl<'a> RateLaw<'a> {
         let seen = seen
             .entry((cell.z, way, near))
             .or_insert_with(|| match self.measured {
-                Some(rates) => rates.surroundings(cell, way, near, |_| false),
-                None => around(cell, way, near, |_| false),
+                Some(rates) => rates.surroundings(cell, way, near, |_| None),
+                None => around(cell, way, near, |_| None),
             });
         let parameters = self
             .measured
@@ -221,7 +224,7 @@ mod tests {
                     cell,
                     way,
                     Neighbourhood::of(cell, |near| is_full(near) || (with && is_awaited(near))),
-                    |near| !with && is_awaited(near),
+                    |near| (!with && is_awaited(near)).then_some(way),
                 )
             };
             let [without, with] = [false, true].map(|with| Parameters::TYPICAL.wait(&at(with)));

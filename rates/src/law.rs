@@ -1,6 +1,7 @@
 //! The law: from the surroundings of an open face to its wait.
 use serde::{Deserialize, Serialize};
 
+use crate::rivals::Rivals;
 use crate::wait::Wait;
 
 /// What a face's wait depends on.
@@ -22,19 +23,10 @@ pub struct Surroundings {
     pub corner_parent: bool,
     /// Whether a block is ahead of the open cell, on the side opposite to the face, and none beside it: the cell is a gap in a beam.
     pub ahead: bool,
-    /// The faces of the same direction that wait near it.
+    /// The faces that wait near it.
     pub rivals: Rivals,
     /// Whether the face has been open since the first tick, when the gas was at rest.
     pub cold: bool,
-}
-
-/// How many faces of the same direction wait near one, at right angles to their normal.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub struct Rivals {
-    /// Open to a cell beside the open one.
-    pub beside: u8,
-    /// Open to a cell across an edge of it.
-    pub across: u8,
 }
 
 /// The numbers of the law.
@@ -53,10 +45,10 @@ pub struct Parameter {
 
 impl Parameters {
     /// How many there are: [`Parameters::RATE`] of the rate, then those of the docking time.
-    pub const COUNT: usize = 16;
+    pub const COUNT: usize = 17;
 
     /// How many belong to the rate.
-    pub const RATE: usize = 10;
+    pub const RATE: usize = 11;
 
     /// What they are, in order.
     pub const ALL: [Parameter; Parameters::COUNT] = [
@@ -97,6 +89,10 @@ impl Parameters {
             meaning: "logarithm of the rate's factor for each cell across an edge that is open as well",
         },
         Parameter {
+            name: "rival-around",
+            meaning: "logarithm of the rate's factor for each other face nearby that is open as well, and does not face away",
+        },
+        Parameter {
             name: "ahead",
             meaning: "logarithm of the rate's factor where a block is ahead of the cell, and none beside it",
         },
@@ -128,7 +124,7 @@ impl Parameters {
 
     /// What was found in the built-in scene `hemisphere`, to begin with in others.
     pub const TYPICAL: Parameters = Parameters([
-        -5.6, 0.86, 1.0, 0.50, 0.18, 0.39, 0.27, -0.11, -0.27, 0.6, 5.17, -0.26, -0.81, -0.50,
+        -5.6, 0.86, 1.0, 0.50, 0.18, 0.39, 0.27, -0.11, -0.27, -0.28, 0.6, 5.17, -0.26, -0.81, -0.50,
         -0.45, 1.40,
     ]);
 
@@ -136,7 +132,7 @@ impl Parameters {
     /// faces beside each other do depends on whether blocks are easily caught: where they are not, two pulls catch more than one. In a
     /// gap blocks jam in some scenes, and in others they come to rest sooner than elsewhere.
     pub const SPREAD: [f64; Parameters::COUNT] = [
-        5.0, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 1.0, 0.5, 3.0, 5.0, 0.3, 0.3, 0.3, 0.3, 0.5,
+        5.0, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 1.0, 0.5, 0.5, 3.0, 5.0, 0.3, 0.3, 0.3, 0.3, 0.5,
     ];
 
     /// The numbers that the logarithms of rate and docking time are linear in, of which the number of free blocks has the factor 1.
@@ -161,6 +157,7 @@ impl Parameters {
                 corner_parent,
                 rival,
                 f64::from(of.rivals.across),
+                f64::from(of.rivals.around) / 2.0,
                 indicator(of.ahead),
             ],
             [

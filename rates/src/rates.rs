@@ -64,14 +64,15 @@ pub struct Coverage {
 }
 
 /// The version of the form of [`Rates`].
-pub const FORMAT: u32 = 3;
+pub const FORMAT: u32 = 4;
 
 /// The places among the [`Parameters`] of those that a file of format 1 has: its law said nothing of corners, gaps, and of rivals nothing
 /// but their docking times, which is what 0 means for the others.
-const FIRST_PARAMETERS: [usize; 10] = [0, 1, 2, 3, 4, 10, 11, 12, 14, 15];
+const FIRST_PARAMETERS: [usize; 10] = [0, 1, 2, 3, 4, 11, 12, 13, 15, 16];
 
-/// The place of the one that a file of format 2 does not have.
-const AHEAD: usize = 9;
+/// The places of those that files of formats 2 and 3 do not have.
+const AROUND: usize = 9;
+const AHEAD: usize = 10;
 
 /// The logarithm of a rate's factor from which on a gap hinders nobody: half of the rate.
 const SLOWEST_GAP: f64 = -0.7;
@@ -161,11 +162,11 @@ impl Rates {
         cell: Cell,
         way: Face,
         near: Neighbourhood,
-        is_open: impl Fn(Cell) -> bool,
+        open: impl Fn(Cell) -> Option<Face>,
     ) -> Surroundings {
         Surroundings {
             density: self.density(cell.z),
-            ..around(cell, way, near, is_open)
+            ..around(cell, way, near, open)
         }
     }
 
@@ -237,8 +238,9 @@ impl TryFrom<Stored> for Rates {
         } = stored;
         let places: Vec<usize> = match format {
             1 => FIRST_PARAMETERS.to_vec(),
-            2 => (0..Parameters::COUNT).filter(|it| *it != AHEAD).collect(),
-            FORMAT => (0..Parameters::COUNT).collect(),
+            2 => without(&[AROUND, AHEAD]),
+            3 => without(&[AROUND]),
+            FORMAT => without(&[]),
             _ => {
                 return Err(format!(
                     "its format is {format}, and this is {FORMAT}; calibrate again"
@@ -292,6 +294,12 @@ impl TryFrom<Stored> for Rates {
             coverage,
         })
     }
+}
+
+/// The places of all parameters but some.
+fn without(missing: &[usize]) -> Vec<usize> {
+    let all = 0..Parameters::COUNT;
+    all.filter(|place| !missing.contains(place)).collect()
 }
 
 /// Parameters and their covariance, of which some are given, each at its place; the others are 0, and certain.
@@ -351,6 +359,7 @@ mod tests {
             "corner-parent",
             "rival",
             "rival-across",
+            "rival-around",
             "docking-corner-parent",
             "ahead",
         ] {

@@ -3,19 +3,20 @@ use std::sync::LazyLock;
 
 use stochc_ir::{Cell, Face};
 
-use crate::law::{Rivals, Surroundings};
-use crate::neighbourhood::{Neighbourhood, shifted};
+use crate::law::Surroundings;
+use crate::neighbourhood::Neighbourhood;
 use crate::reach::{in_reach, unobstructed};
+use crate::rivals::rivals;
 
-/// What is around the face that is open towards `cell` in the direction `way`: blocked cells, and cells that another face of the same
-/// direction is open to, as `is_open` says.
+/// What is around the face that is open towards `cell` in the direction `way`: blocked cells, and cells that other faces are open to, in
+/// the direction that `open` says.
 ///
 /// The gas is left as it is in the mean; see [`Rates::surroundings`](crate::Rates::surroundings).
 pub fn around(
     cell: Cell,
     way: Face,
     near: Neighbourhood,
-    is_open: impl Fn(Cell) -> bool,
+    open: impl Fn(Cell) -> Option<Face>,
 ) -> Surroundings {
     let parent = way.opposite().normal();
     let beside = |of| beside(way, of).any(|offset| near.is_blocked(offset));
@@ -31,17 +32,8 @@ pub fn around(
         corner: corner([0; 3]),
         corner_parent: corner(parent),
         ahead: is_block_ahead && !beside([0; 3]),
-        rivals: rivals(cell, way, is_open),
+        rivals: rivals(cell, way, open),
         cold: false,
-    }
-}
-
-/// The faces of the direction `way` that wait near one that is open towards `cell`: which cells such a face is open to, `is_open` says.
-pub fn rivals(cell: Cell, way: Face, is_open: impl Fn(Cell) -> bool) -> Rivals {
-    let is_open = |offset: &[i32; 3]| shifted(cell, *offset).is_some_and(&is_open);
-    Rivals {
-        beside: beside(way, [0; 3]).filter(is_open).count() as u8,
-        across: across_edge(way, [0; 3]).filter(is_open).count() as u8,
     }
 }
 
@@ -91,19 +83,20 @@ fn across_edge(way: Face, of: [i32; 3]) -> impl Iterator<Item = [i32; 3]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rivals::Rivals;
 
     #[test]
     fn a_face_of_the_plate_has_ground_beside_its_parent() {
-        let around = |cell, way, is_full: &dyn Fn(Cell) -> bool, is_open: &dyn Fn(Cell) -> bool| {
-            around(cell, way, Neighbourhood::of(cell, is_full), is_open)
+        let around = |cell, way, is_full: &dyn Fn(Cell) -> bool, open: &dyn Fn(Cell) -> Option<Face>| {
+            around(cell, way, Neighbourhood::of(cell, is_full), open)
         };
-        let seen = around(Cell::new(0, 0, 1), Face::Up, &|_| false, &|_| false);
+        let seen = around(Cell::new(0, 0, 1), Face::Up, &|_| false, &|_| None);
         assert!(seen.beside_parent && !seen.beside && seen.rivals == Rivals::default());
         let tower = |cell: Cell| (cell.x, cell.y) == (0, 0) && cell.z < 5;
-        let seen = around(Cell::new(0, 0, 5), Face::Up, &tower, &|_| false);
+        let seen = around(Cell::new(0, 0, 5), Face::Up, &tower, &|_| None);
         assert!(!seen.beside_parent && !seen.beside);
         let seen = around(Cell::new(1, 0, 1), Face::East, &tower, &|cell| {
-            cell == Cell::new(1, 1, 1)
+            (cell == Cell::new(1, 1, 1)).then_some(Face::East)
         });
         assert!(seen.beside && seen.rivals.beside == 1);
     }
@@ -122,7 +115,7 @@ mod tests {
             let flank = beside(way, [0; 3]).map(at).next().expect("it has four");
             let seen = |full: &[Cell], open: &[Cell]| {
                 let near = Neighbourhood::of(cell, |cell| full.contains(&cell));
-                around(cell, way, near, |cell| open.contains(&cell))
+                around(cell, way, near, |cell| open.contains(&cell).then_some(way))
             };
             let corner = seen(&corners[..1], &corners[1..]);
             assert!(
@@ -144,7 +137,7 @@ mod tests {
             let mut near = Neighbourhood::EMPTY;
             blocked.for_each(|offset| near.block(offset));
             assert_ne!(near, Neighbourhood::EMPTY);
-            let seen = |near| around(Cell::new(0, 0, 50), way, near, |_| false);
+            let seen = |near| around(Cell::new(0, 0, 50), way, near, |_| None);
             assert_eq!(seen(near), seen(Neighbourhood::EMPTY), "{way:?}");
         }
     }

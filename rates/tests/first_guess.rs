@@ -20,7 +20,7 @@ fn waits(rates: &Rates) -> [f64; 5] {
             Cell::new(x, 0, z),
             way,
             Neighbourhood::of(Cell::new(x, 0, z), is_full),
-            |_| false,
+            |_| None,
         );
         rates.wait(&seen).mean()
     };

@@ -1,5 +1,5 @@
 //! How long each capture waits, by the rates of a scene.
-use rustc_hash::{FxHashMap, FxHashSet};
+use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 use stochc_ir::{Cell, Face};
 use stochc_rates::{HeadStart, Neighbourhood, Rates, Surroundings, Wait};
@@ -40,8 +40,8 @@ pub fn waits(program: &Program, levels: &[u32], rates: &Rates) -> Vec<Option<Cap
         released[1] = releases(&events);
         let bound = bound(before, &events);
         let captures = || events.iter().filter_map(|event| Some((event, event.way?)));
-        let open: FxHashSet<(u32, Cell, Face)> = captures()
-            .map(|(event, way)| (event.level, event.cell, way))
+        let open: FxHashMap<(u32, Cell), Face> = captures()
+            .map(|(event, way)| ((event.level, event.cell), way))
             .collect();
         for (event, way) in captures().filter(|_| !phase.planted) {
             let &PhaseEvent { cell, level, .. } = event;
@@ -50,9 +50,9 @@ pub fn waits(program: &Program, levels: &[u32], rates: &Rates) -> Vec<Option<Cap
             let taken = bound[level as usize] as f64 + mates.max(0) as f64 / 2.0;
             let wait = |with_mates: bool| {
                 let is_full = |near| near != cell && occupancy.is_full(near, level, with_mates);
-                let is_open = |near| !with_mates && open.contains(&(level, near, way));
+                let way_into = |near| open.get(&(level, near)).copied().filter(|_| !with_mates);
                 let near = Neighbourhood::of(cell, is_full);
-                let around = rates.surroundings(cell, way, near, is_open);
+                let around = rates.surroundings(cell, way, near, way_into);
                 rates.wait(&Surroundings {
                     free: 1.0 - taken / f64::from(count.max(1)),
                     cold: cold && level == 1,

@@ -19,7 +19,7 @@ use observation::Observations;
 /// Programs to observe: a name and a text each.
 ///
 /// What grows tells more than a block beside a structure that stands: that misleads by 5 to 10 %.
-pub const PROGRAMS: [(&str, &str); 14] = [
+pub const PROGRAMS: [(&str, &str); 15] = [
     ("towers", include_str!("programs/towers.sa")),
     ("wall", include_str!("programs/wall.sa")),
     ("corner", include_str!("programs/corner.sa")),
@@ -34,6 +34,7 @@ pub const PROGRAMS: [(&str, &str); 14] = [
     ("stagger", include_str!("programs/stagger.sa")),
     ("quincunx", include_str!("programs/quincunx.sa")),
     ("gap", include_str!("programs/gap.sa")),
+    ("solid", include_str!("programs/solid.sa")),
 ];
 
 /// What was observed of a scene.

@@ -1,9 +1,10 @@
 //! The waits of a run, each with what was around it, piece by piece.
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 use stochc_ir::record::RunRecord;
 use stochc_ir::{Cell, Face};
-use stochc_rates::{FORGOTTEN, Neighbourhood, Surroundings, around, density_in, relative, sees};
+use stochc_rates::{FORGOTTEN, Neighbourhood, Surroundings, around, density_in, relative, rivalry, sees,
+};
 
 /// Squared distance in sides within which a block that is let go has a head start, at most.
 pub(super) const NEAR: u32 = 8;
@@ -90,12 +91,6 @@ impl History {
 }
 
 impl WaitingFace {
-    /// Whether a face of the same direction that is open to this cell is a rival: beside the open one, or across an edge of it, at right
-    /// angles to the face's normal.
-    fn is_rival(&self, cell: Cell) -> bool {
-        matches!(relative(self.cell, self.way, cell), Some((1 | 2, 0)))
-    }
-
     /// Of a cell from the open one, in sides; `None`: beyond all numbers.
     fn squared_distance(&self, cell: Cell) -> Option<u32> {
         relative(self.cell, self.way, cell).map(|(squared, _)| squared)
@@ -176,16 +171,15 @@ impl Observations {
 
     /// Adds a wait, cut where something changes in its sight.
     fn follow(&mut self, history: &History, wait: &WaitingFace, density: f64, count: u32) {
-        let rivals: BTreeMap<Cell, (u64, u64)> = (history.waits.iter())
-            .filter(|other| other.way == wait.way && wait.is_rival(other.cell))
+        let rivals: Vec<&WaitingFace> = (history.waits.iter())
             .filter(|other| other.since < wait.until && other.until > wait.since)
-            .map(|other| (other.cell, (other.since, other.until)))
+            .filter(|other| rivalry((wait.cell, wait.way), (other.cell, other.way)).is_some())
             .collect();
         let within = |tick: &u64| *tick > wait.since && *tick < wait.until;
         let mut cuts: Vec<u64> = (history.moves.iter())
             .filter(|it| sees(wait.cell, it.cell))
             .map(|it| it.tick)
-            .chain(rivals.values().flat_map(|(since, until)| [*since, *until]))
+            .chain(rivals.iter().flat_map(|rival| [rival.since, rival.until]))
             .filter(within)
             .chain([wait.since, wait.until])
             .collect();
@@ -205,8 +199,9 @@ impl Observations {
                     false => free + 1,
                 };
             }
-            let is_open = |cell: Cell| {
-                (rivals.get(&cell)).is_some_and(|(since, until)| *since <= from && *until >= to)
+            let open = |cell: Cell| {
+                let mut waiting = rivals.iter().filter(|it| it.since <= from && it.until >= to);
+                waiting.find(|it| it.cell == cell).map(|it| it.way)
             };
             let surroundings = Surroundings {
                 density,
@@ -216,7 +211,7 @@ impl Observations {
                     wait.cell,
                     wait.way,
                     Neighbourhood::of(wait.cell, |cell| full.contains(&cell)),
-                    is_open,
+                    open,
                 )
             };
             let captured = wait.captured.is_some() && to == wait.until;

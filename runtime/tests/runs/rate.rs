@@ -95,7 +95,7 @@ fn a_single_wait_has_the_distribution_of_the_law() {
         bond.cell,
         Face::Up,
         Neighbourhood::on_ground(bond.cell),
-        |_| false,
+        |_| None,
     );
     seen.cold = true;
     let wait = rates.wait(&seen);
@@ -137,7 +137,7 @@ fn a_face_waits_longer_where_fewer_blocks_are_free() {
         bond.cell,
         Face::Up,
         Neighbourhood::on_ground(bond.cell),
-        |_| false,
+        |_| None,
     );
     seen.free = 0.25;
     agrees(&waits, rates.wait(&seen).mean() + 0.5);
@@ -157,14 +157,14 @@ fn a_wait_goes_on_where_its_surroundings_change() {
             second.cell,
             Face::Up,
             Neighbourhood::on_ground(second.cell),
-            |cell| cell == first.cell,
+            |cell| (cell == first.cell).then_some(Face::Up),
         );
         alone.cold = true;
         let mut after = rates.surroundings(
             second.cell,
             Face::Up,
             Neighbourhood::of(second.cell, |cell| cell == first.cell),
-            |_| false,
+            |_| None,
         );
         after.cold = true;
         // Of as many blocks as are free; the hazard is that of the beginning thinned by chance.

@@ -206,7 +206,7 @@ impl<'r> RateWorld<'r> {
         if self.waits.len() >= KEPT {
             self.waits.clear();
         }
-        let alone = |_| false;
+        let alone = |_| None;
         let wait = self.rates.wait(&Surroundings {
             rivals: seen.rivals,
             cold: seen.is_cold,

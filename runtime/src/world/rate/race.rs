@@ -3,7 +3,7 @@ use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 use stochc_ir::{Cell, Face};
-use stochc_rates::{Neighbourhood, Rivals, SIGHT, Wait, feature_cells};
+use stochc_rates::{Neighbourhood, Rivals, SIGHT, Wait, feature_cells, rivalry};
 
 /// Sides of the cubes of cells by which open faces are found.
 const CUBE: i32 = 8;
@@ -27,7 +27,7 @@ pub(super) struct OpenFace {
     pub near: Neighbourhood,
     /// The tick since when it is open.
     pub since: u64,
-    /// Faces of the same direction that wait near it.
+    /// Faces that wait near it.
     pub rivals: Rivals,
     /// The hazard that it may still sum up before it captures.
     left: f64,
@@ -38,25 +38,6 @@ pub(super) struct OpenFace {
     before: f64,
     /// Which opening of all it is; 0: it is closed.
     opening: u64,
-}
-
-/// Where the cell of a rival is.
-#[derive(Clone, Copy, Debug)]
-enum Rivalry {
-    /// Beside the open cell.
-    Beside,
-    /// Across an edge of it.
-    Across,
-}
-
-impl Rivalry {
-    /// The number of such rivals.
-    fn count(self, rivals: &mut Rivals) -> &mut u8 {
-        match self {
-            Rivalry::Beside => &mut rivals.beside,
-            Rivalry::Across => &mut rivals.across,
-        }
-    }
 }
 
 /// All of them.
@@ -131,10 +112,15 @@ impl Race {
     pub fn open(&mut self, face: OpenFace, changed: &mut Slots) -> Slot {
         let (cell, way) = (face.cell, face.way);
         let mut rivals = Rivals::default();
-        for (other, rivalry) in self.rivals(cell, way) {
-            *rivalry.count(&mut rivals) += 1;
-            *rivalry.count(&mut self.faces[other as usize].rivals) += 1;
-            changed.push(other);
+        for near in self.touching(cell) {
+            let (this, other) = ((cell, way), (near.cell, near.way));
+            if let Some(rivalry) = rivalry(this, other) {
+                rivals.add(rivalry);
+            }
+            if let Some(rivalry) = rivalry(other, this) {
+                self.faces[near.slot as usize].rivals.add(rivalry);
+                changed.push(near.slot);
+            }
         }
         self.opened += 1;
         let face = OpenFace {
@@ -174,9 +160,11 @@ impl Race {
                 self.cubes.remove(&cube(cell));
             }
         }
-        for (other, rivalry) in self.rivals(cell, way) {
-            *rivalry.count(&mut self.faces[other as usize].rivals) -= 1;
-            changed.push(other);
+        for near in self.touching(cell) {
+            if let Some(rivalry) = rivalry((near.cell, near.way), (cell, way)) {
+                self.faces[near.slot as usize].rivals.remove(rivalry);
+                changed.push(near.slot);
+            }
         }
     }
 
@@ -228,22 +216,11 @@ impl Race {
         }
     }
 
-    /// The open faces of a direction to the cells beside one, and to those across an edge of it.
-    fn rivals(&self, cell: Cell, way: Face) -> SmallVec<[(Slot, Rivalry); 8]> {
-        let mut rivals = SmallVec::new();
-        let aside = way.normal().map(|along| 1 - along.abs());
-        self.each_within(cell, aside, |place| {
-            let apart: i32 = difference(place.cell, cell).iter().map(|d| d.abs()).sum();
-            let rivalry = match apart {
-                1 => Rivalry::Beside,
-                2 => Rivalry::Across,
-                _ => return,
-            };
-            if place.way == way {
-                rivals.push((place.slot, rivalry));
-            }
-        });
-        rivals
+    /// The open faces to the cells that touch one.
+    fn touching(&self, cell: Cell) -> SmallVec<[Place; 8]> {
+        let mut near = SmallVec::new();
+        self.each_within(cell, [1; 3], |place| near.push(*place));
+        near
     }
 
     /// Shows the open faces to cells that are no farther along each axis than `steps`.

@@ -1,0 +1,170 @@
+//! Which open faces pull at the same blocks.
+use serde::{Deserialize, Serialize};
+use stochc_ir::{Cell, Face};
+
+use crate::neighbourhood::shifted;
+
+/// How many faces wait near an open one that pull at the same blocks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct Rivals {
+    /// Of the same direction, open to a cell beside the open one, at right angles to their normal.
+    pub beside: u8,
+    /// Of the same direction, open to a cell across an edge of it, at right angles to their normal.
+    pub across: u8,
+    /// Twice the number of all others that are open to a cell which shares a side or an edge with the open one, and of those at a corner
+    /// of it their number; those that face away count for nothing.
+    pub around: u8,
+}
+
+/// How a face is a rival of another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rivalry {
+    /// One of [`Rivals::beside`].
+    Beside,
+    /// One of [`Rivals::across`].
+    Across,
+    /// One of [`Rivals::around`], at a side or an edge.
+    Around,
+    /// One of those, at a corner.
+    AtCorner,
+}
+
+impl Rivals {
+    /// One more of a kind.
+    pub fn add(&mut self, of: Rivalry) {
+        let (number, one) = self.number(of);
+        *number += one;
+    }
+
+    /// One less of a kind.
+    pub fn remove(&mut self, of: Rivalry) {
+        let (number, one) = self.number(of);
+        *number -= one;
+    }
+
+    fn number(&mut self, of: Rivalry) -> (&mut u8, u8) {
+        match of {
+            Rivalry::Beside => (&mut self.beside, 1),
+            Rivalry::Across => (&mut self.across, 1),
+            Rivalry::Around => (&mut self.around, 2),
+            Rivalry::AtCorner => (&mut self.around, 1),
+        }
+    }
+}
+
+/// How a face that is open towards `other.0` in the direction `other.1` is a rival of one that is open towards `cell` in the direction
+/// `way`; `None`: it is none.
+pub fn rivalry((cell, way): (Cell, Face), other: (Cell, Face)) -> Option<Rivalry> {
+    let difference = |to: i32, from: i32| to.checked_sub(from).filter(|it| it.abs() <= 1);
+    let offset = [
+        difference(other.0.x, cell.x)?,
+        difference(other.0.y, cell.y)?,
+        difference(other.0.z, cell.z)?,
+    ];
+    let along = |way: Face| -> i32 { offset.iter().zip(way.normal()).map(|(a, b)| a * b).sum() };
+    let apart: i32 = offset.iter().map(|part| part.abs()).sum();
+    match apart {
+        0 => None,
+        1 if other.1 == way && along(way) == 0 => Some(Rivalry::Beside),
+        2 if other.1 == way && along(way) == 0 => Some(Rivalry::Across),
+        _ if along(other.1) > 0 => None,
+        3 => Some(Rivalry::AtCorner),
+        _ => Some(Rivalry::Around),
+    }
+}
+
+/// The rivals of a face that is open towards `cell` in the direction `way`: which way a face is open towards a cell, `open` says.
+pub fn rivals(cell: Cell, way: Face, open: impl Fn(Cell) -> Option<Face>) -> Rivals {
+    let mut rivals = Rivals::default();
+    for offset in touching() {
+        let Some(near) = shifted(cell, offset) else {
+            continue;
+        };
+        let rivalry = open(near).and_then(|other| rivalry((cell, way), (near, other)));
+        if let Some(rivalry) = rivalry {
+            rivals.add(rivalry);
+        }
+    }
+    rivals
+}
+
+/// The cells that touch one.
+fn touching() -> impl Iterator<Item = [i32; 3]> {
+    let steps = || -1..=1;
+    let all = steps().flat_map(move |x| steps().flat_map(move |y| steps().map(move |z| [x, y, z])));
+    all.filter(|offset| *offset != [0; 3])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CELL: Cell = Cell::new(0, 0, 50);
+
+    fn found(way: Face, open: &[([i32; 3], Face)]) -> Rivals {
+        let open: Vec<_> = (open.iter())
+            .filter_map(|(offset, way)| Some((shifted(CELL, *offset)?, *way)))
+            .collect();
+        rivals(CELL, way, |cell| {
+            let mut faces = open.iter();
+            faces.find(|(at, _)| *at == cell).map(|(_, way)| *way)
+        })
+    }
+
+    #[test]
+    fn faces_of_the_same_direction_are_beside_or_across_an_edge_or_behind() {
+        let up = |offset: [i32; 3]| found(Face::Up, &[(offset, Face::Up)]);
+        let counts = |rivals: Rivals| [rivals.beside, rivals.across, rivals.around];
+        assert_eq!(counts(up([1, 0, 0])), [1, 0, 0]);
+        assert_eq!(counts(up([1, -1, 0])), [0, 1, 0]);
+        assert_eq!(counts(up([0, 1, -1])), [0, 0, 2]);
+        assert_eq!(counts(up([1, 1, -1])), [0, 0, 1]);
+        // One step ahead, with its parent beside the open cell.
+        assert_eq!(counts(up([0, 1, 1])), [0; 3]);
+        assert_eq!(counts(up([0, 2, 0])), [0; 3]);
+    }
+
+    #[test]
+    fn faces_of_other_directions_are_around_unless_they_face_away() {
+        let around = |offset, other| found(Face::Up, &[(offset, other)]).around;
+        assert_eq!(around([1, 0, 0], Face::North), 2);
+        assert_eq!(around([1, 0, 0], Face::West), 2);
+        assert_eq!(around([1, 0, 0], Face::Down), 2);
+        assert_eq!(around([1, 0, 0], Face::East), 0);
+        assert_eq!(around([1, 1, 0], Face::North), 0);
+        assert_eq!(around([1, 1, 0], Face::South), 2);
+        assert_eq!(around([1, 0, -1], Face::North), 2);
+        assert_eq!(around([1, 0, -1], Face::East), 0);
+        assert_eq!(around([0, 0, 1], Face::Down), 2);
+        assert_eq!(around([1, 1, -1], Face::South), 1);
+        assert_eq!(around([1, -1, 1], Face::South), 0);
+        assert_eq!(around([2, 0, 0], Face::West), 0);
+    }
+
+    #[test]
+    fn a_pattern_that_is_turned_has_the_same_rivals() {
+        for way in Face::ALL {
+            let [x, y, z] = way.normal().map(i32::abs);
+            let beside = [y, z, x];
+            let other = Face::ALL.into_iter().find(|face| face.normal() == beside);
+            let other = other.expect("there is one");
+            let found = found(
+                way,
+                &[(beside, way), (beside.map(|part| -part), other), ([0; 3], way)],
+            );
+            let expected = Rivals {
+                beside: 1,
+                across: 0,
+                around: 2,
+            };
+            assert_eq!(found, expected, "{way:?}");
+        }
+    }
+
+    #[test]
+    fn cells_beyond_all_numbers_are_not_near() {
+        let [low, high] = [i32::MIN, i32::MAX].map(|x| (Cell::new(x, 0, 1), Face::Up));
+        assert_eq!(rivalry(low, high), None);
+        assert_eq!(rivals(high.0, Face::Up, |_| Some(Face::Up)).beside, 3);
+    }
+}
