@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """How far runs by rates are off from runs with physics: programs that no calibration has seen, in the default scene and in others.
 
-`run.py STOCHC FOLDER [RUNS]` makes RUNS runs (100) of each program of this folder with the model `rigid`, and of some of them in five other
-scenes (60), and writes the tables of docs/rates.md. Runs that the folder has already are not made again.
+`run.py STOCHC FOLDER [RUNS]` makes RUNS runs (200) of each program of this folder with the model `rigid`, and of some of them in five other
+scenes, and writes the tables of docs/rates.md. Runs that the folder has already are not made again.
 """
 import itertools
 import json
@@ -102,16 +102,16 @@ def compare(rows):
 
 def main():
     stochc, folder = sys.argv[1], pathlib.Path(sys.argv[2])
-    runs = sys.argv[3] if len(sys.argv) > 3 else "100"
+    runs = sys.argv[3] if len(sys.argv) > 3 else "200"
     folder.mkdir(parents=True, exist_ok=True)
 
-    def both(program, name, n, rates):
-        physics = simulate(stochc, program, folder / name, "--runs", n, "--seed", SEED)
+    def both(program, name, rates):
+        physics = simulate(stochc, program, folder / name, "--runs", runs, "--seed", SEED)
         by_rates = simulate(stochc, program, folder / f"{name}-rate", "--model", "rate", "--runs", RATE_RUNS, "--seed", RATE_SEED, *rates)
         return (Times(physics), physics), (Times(by_rates), by_rates)
 
     print("\nthe default scene\n")
-    compare([(program.stem, *both(program, program.stem, runs, [])) for program in sorted(HERE.glob("*.sa"))])
+    compare([(program.stem, *both(program, program.stem, [])) for program in sorted(HERE.glob("*.sa"))])
     for name, (what, clause) in SCENES.items():
         print(f"\n{what}\n")
         rates = folder / f"{name}.rates"
@@ -122,7 +122,7 @@ def main():
             program.write_text(f"scene {name} from hemisphere {{ {clause} }}\n{text}")
             if not rates.exists():
                 run(stochc, "calibrate", program, "--out", rates, "--quiet")
-            rows.append((stem, *both(program, program.stem, "60", ["--rates", rates])))
+            rows.append((stem, *both(program, program.stem, ["--rates", rates])))
         compare(rows)
 
 
