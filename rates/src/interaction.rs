@@ -20,8 +20,8 @@ impl Interaction {
     pub fn error(self) -> f64 {
         match self {
             Interaction::Apart => 0.016,
-            Interaction::Releases => 0.011,
-            Interaction::Racing => 0.115,
+            Interaction::Releases => 0.009,
+            Interaction::Racing => 0.09,
         }
     }
 

@@ -124,8 +124,8 @@ impl Parameters {
 
     /// What was found in the built-in scene `hemisphere`, to begin with in others.
     pub const TYPICAL: Parameters = Parameters([
-        -5.6, 0.86, 1.0, 0.50, 0.18, 0.39, 0.27, -0.11, -0.27, -0.28, 0.6, 5.17, -0.26, -0.81, -0.50,
-        -0.45, 1.40,
+        -5.6, 0.86, 1.0, 0.50, 0.18, 0.39, 0.27, -0.11, -0.27, -0.28, 0.6, 5.17, -0.26, -0.81,
+        -0.50, -0.45, 1.40,
     ]);
 
     /// How far scenes are apart from that: a scene of its own has its own rate and docking time, and much the same geometry. What

@@ -150,7 +150,11 @@ mod tests {
             let other = other.expect("there is one");
             let found = found(
                 way,
-                &[(beside, way), (beside.map(|part| -part), other), ([0; 3], way)],
+                &[
+                    (beside, way),
+                    (beside.map(|part| -part), other),
+                    ([0; 3], way),
+                ],
             );
             let expected = Rivals {
                 beside: 1,

@@ -87,9 +87,10 @@ mod tests {
 
     #[test]
     fn a_face_of_the_plate_has_ground_beside_its_parent() {
-        let around = |cell, way, is_full: &dyn Fn(Cell) -> bool, open: &dyn Fn(Cell) -> Option<Face>| {
-            around(cell, way, Neighbourhood::of(cell, is_full), open)
-        };
+        let around =
+            |cell, way, is_full: &dyn Fn(Cell) -> bool, open: &dyn Fn(Cell) -> Option<Face>| {
+                around(cell, way, Neighbourhood::of(cell, is_full), open)
+            };
         let seen = around(Cell::new(0, 0, 1), Face::Up, &|_| false, &|_| None);
         assert!(seen.beside_parent && !seen.beside && seen.rivals == Rivals::default());
         let tower = |cell: Cell| (cell.x, cell.y) == (0, 0) && cell.z < 5;

@@ -3,7 +3,8 @@ use std::collections::BTreeSet;
 
 use stochc_ir::record::RunRecord;
 use stochc_ir::{Cell, Face};
-use stochc_rates::{FORGOTTEN, Neighbourhood, Surroundings, around, density_in, relative, rivalry, sees,
+use stochc_rates::{
+    FORGOTTEN, Neighbourhood, Surroundings, around, density_in, relative, rivalry, sees,
 };
 
 /// Squared distance in sides within which a block that is let go has a head start, at most.
@@ -200,7 +201,9 @@ impl Observations {
                 };
             }
             let open = |cell: Cell| {
-                let mut waiting = rivals.iter().filter(|it| it.since <= from && it.until >= to);
+                let mut waiting = rivals
+                    .iter()
+                    .filter(|it| it.since <= from && it.until >= to);
                 waiting.find(|it| it.cell == cell).map(|it| it.way)
             };
             let surroundings = Surroundings {
