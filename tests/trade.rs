@@ -83,34 +83,42 @@ fn trade() -> Trade {
 }
 
 #[test]
-fn every_rung_is_held_against_the_finest() {
+fn every_candidate_is_held_against_the_finest() {
     let trade = trade();
     let reference = trade.reference.as_ref().unwrap();
     assert_eq!(
-        (reference.rung, reference.convergence),
+        (reference.candidate, reference.convergence),
         (3, Convergence::Converged)
     );
     assert!(reference.bound.unwrap() < 0.005);
-    assert_eq!(trade.rungs[3].worst, None);
-    let worst = trade.rungs[0].worst.unwrap();
+    assert_eq!(trade.candidates[3].worst, None);
+    let worst = trade.candidates[0].worst.unwrap();
     assert!((worst.value - 0.04).abs() < 1e-12, "{worst:?}");
-    let close = &trade.rungs[1];
+    let close = &trade.candidates[1];
     let [first, second] = [0, 1].map(|program| close.programs[program].bias);
     assert_eq!(close.worst, second, "the first is not off at all");
     // But it has the wider interval.
     assert_eq!(close.bound, first.and_then(|bias| bias.bound()));
-    assert_eq!(trade.rungs[0].cost_ratio, Some(1.0 / 8.0));
-    assert_eq!(trade.rungs[0].programs[0].distance.unwrap().d, 1.0);
-    let reversed: Vec<bool> = trade.rungs.iter().map(|rung| rung.reversed).collect();
+    assert_eq!(trade.candidates[0].cost_ratio, Some(1.0 / 8.0));
+    assert_eq!(trade.candidates[0].programs[0].distance.unwrap().d, 1.0);
+    let reversed: Vec<bool> = trade
+        .candidates
+        .iter()
+        .map(|candidate| candidate.reversed)
+        .collect();
     assert_eq!(
         reversed,
         [false, false, false, false, true, false, false, false]
     );
-    let front: Vec<bool> = trade.rungs.iter().map(|rung| rung.front).collect();
+    let front: Vec<bool> = trade
+        .candidates
+        .iter()
+        .map(|candidate| candidate.front)
+        .collect();
     // Beaten are the reversed one, which is out of the question, and the one without runs.
     assert_eq!(front, [true, true, false, true, false, false, false, true]);
     assert!(
-        trade.rungs[4]
+        trade.candidates[4]
             .reversals()
             .all(|pair| (pair.first, pair.second) == (0, 1))
     );
@@ -184,13 +192,13 @@ fn the_cheapest_that_is_accurate_enough_is_chosen() {
         Ok(Some(rigid(1)))
     );
     let reduced = |settings: &Settings| note(&trade, &[0, 1], settings);
-    let told = reduced(trade.rungs[4].settings.as_ref().unwrap()).unwrap();
+    let told = reduced(trade.candidates[4].settings.as_ref().unwrap()).unwrap();
     assert!(
         told.starts_with("the trade found it to REVERSE one < two;"),
         "{told}"
     );
     assert!(
-        !reduced(trade.rungs[5].settings.as_ref().unwrap())
+        !reduced(trade.candidates[5].settings.as_ref().unwrap())
             .unwrap()
             .contains("REVERSE")
     );
@@ -219,7 +227,7 @@ fn the_cheapest_that_is_accurate_enough_is_chosen() {
 #[test]
 fn what_does_not_belong_together_is_not_read() {
     let mut trade = trade();
-    trade.reference.as_mut().unwrap().rung = 99;
+    trade.reference.as_mut().unwrap().candidate = 99;
     assert!(
         Trade::from_json(&trade.to_json())
             .unwrap_err()

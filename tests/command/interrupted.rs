@@ -157,7 +157,9 @@ fn a_trade_tells_what_it_has_measured() {
     let kept = fs::read_to_string(path(out.as_ref(), "trade.json")).unwrap();
     let kept: serde_json::Value = serde_json::from_str(&kept).unwrap();
     assert_eq!(kept["complete"], false);
-    let runs = kept["rungs"][0]["programs"][0]["runs"].as_u64().unwrap();
+    let runs = kept["candidates"][0]["programs"][0]["runs"]
+        .as_u64()
+        .unwrap();
     assert!(runs > 0, "{runs}");
 }
 

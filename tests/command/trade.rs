@@ -9,13 +9,15 @@ use crate::stochc::{Said, path, stochc, stochc_with};
 /// Three runs of each setting, and hardly any refinement.
 const DENSE: &str = "trade tests/fixtures/dense.sa --runs 3 --finest 2 --quiet";
 
-fn rungs(trade: &Value) -> &Vec<Value> {
-    trade["rungs"].as_array().unwrap()
+fn candidates(trade: &Value) -> &Vec<Value> {
+    trade["candidates"].as_array().unwrap()
 }
 
-fn rung<'a>(trade: &'a Value, name: &str) -> &'a Value {
-    let found = rungs(trade).iter().find(|rung| rung["name"] == name);
-    found.unwrap_or_else(|| panic!("no rung `{name}`"))
+fn candidate<'a>(trade: &'a Value, name: &str) -> &'a Value {
+    let found = candidates(trade)
+        .iter()
+        .find(|candidate| candidate["name"] == name);
+    found.unwrap_or_else(|| panic!("no candidate `{name}`"))
 }
 
 /// A trade without what a clock has said.
@@ -48,26 +50,29 @@ fn every_setting_is_measured_and_kept() {
     assert_eq!((said.status, said.err.as_str()), (0, ""));
     let text = fs::read_to_string(path(out.as_ref(), "trade.json")).unwrap();
     let trade: Value = serde_json::from_str(&text).unwrap();
-    for rung in rungs(&trade) {
-        let cell = &rung["programs"][0];
-        if rung["name"] == "rate" || rung["name"] == "estimate" {
+    for candidate in candidates(&trade) {
+        let cell = &candidate["programs"][0];
+        if candidate["name"] == "rate" || candidate["name"] == "estimate" {
             // Nobody has measured this scene.
             assert_eq!(cell["runs"], 0);
             assert!(said.out.contains("`stochc calibrate`"), "{}", said.out);
             continue;
         }
-        assert_eq!(cell["runs"], 3, "{}", rung["name"]);
+        assert_eq!(cell["runs"], 3, "{}", candidate["name"]);
         assert!(cell["mean"].as_f64().unwrap() > 1.0);
         assert!(cell["cost"].as_f64().unwrap() > 0.0);
-        let name = rung["name"].as_str().unwrap();
+        let name = candidate["name"].as_str().unwrap();
         let line = said
             .out
             .lines()
             .find(|line| line.contains(&format!(" {name} ")));
         assert!(line.is_some(), "{name}: {}", said.out);
     }
-    assert_eq!(trade["reference"]["rung"], 1, "rigid 2");
-    assert_eq!(rungs(&trade)[1]["options"], "--model rigid --substeps 2");
+    assert_eq!(trade["reference"]["candidate"], 1, "rigid 2");
+    assert_eq!(
+        candidates(&trade)[1]["options"],
+        "--model rigid --substeps 2"
+    );
     assert_eq!(
         trade["reference"]["convergence"], "not_converged",
         "the only doubling has changed the mean"
@@ -83,7 +88,7 @@ fn every_setting_is_measured_and_kept() {
     let alone = stochc(
         "simulate tests/fixtures/dense.sa --model rigid --substeps 1 --runs 3 --quiet --format json",
     );
-    let mean = &rung(&trade, "rigid 1")["programs"][0]["mean"];
+    let mean = &candidate(&trade, "rigid 1")["programs"][0]["mean"];
     assert_eq!(&alone.json()["programs"][0]["time"]["mean"], mean);
 
     // It is not overwritten.
@@ -104,7 +109,9 @@ fn the_picture_has_a_mark_for_every_setting() {
             .is_some_and(|class| class.starts_with("mark "))
     });
     let marks: Vec<_> = marks.collect();
-    let measured = rungs(&trade).iter().filter(|rung| !rung["cost"].is_null());
+    let measured = candidates(&trade)
+        .iter()
+        .filter(|candidate| !candidate["cost"].is_null());
     assert_eq!(marks.len(), measured.count());
     let of = |class: &str| {
         let class = format!("mark {class}");
@@ -142,7 +149,7 @@ fn it_depends_on_nothing_but_its_inputs() {
     assert_eq!(one, of("3"));
     let mut other = stochc_with(DENSE, &["--format", "json", "--seed", "2"]).json();
     without_costs(&mut other);
-    assert_ne!(one["rungs"], other["rungs"], "the seed does");
+    assert_ne!(one["candidates"], other["candidates"], "the seed does");
 }
 
 #[test]
@@ -199,7 +206,7 @@ fn a_budget_is_kept() {
     );
     let trade = said.json();
     assert_eq!(trade["budget"], 3.0);
-    assert!(rung(&trade, "rigid 1")["programs"][0]["runs"].as_u64() >= Some(4));
+    assert!(candidate(&trade, "rigid 1")["programs"][0]["runs"].as_u64() >= Some(4));
 }
 
 #[test]
@@ -239,7 +246,7 @@ fn written(folder: &Path, (value, half_width): (f64, f64)) -> String {
     let doubling =
         |from: u32| serde_json::json!({ "from": from, "to": 2 * from, "changes": [change] });
     trade["reference"]["doublings"] = [1, 2].map(doubling).to_vec().into();
-    for (i, rung) in trade["rungs"]
+    for (i, candidate) in trade["candidates"]
         .as_array_mut()
         .unwrap()
         .iter_mut()
@@ -253,13 +260,13 @@ fn written(folder: &Path, (value, half_width): (f64, f64)) -> String {
             9 => (0.001, 0.002, 7.0),
             _ => (0.5, 0.1, 9.0),
         };
-        rung["programs"][0]["bias"]["value"] = bias.0.into();
-        rung["programs"][0]["bias"]["half_width"] = bias.1.into();
-        rung["programs"][0]["cost"] = bias.2.into();
+        candidate["programs"][0]["bias"]["value"] = bias.0.into();
+        candidate["programs"][0]["bias"]["half_width"] = bias.1.into();
+        candidate["programs"][0]["cost"] = bias.2.into();
     }
-    let reference = trade["reference"]["rung"].as_u64().unwrap() as usize;
-    trade["rungs"][reference]["programs"][0]["bias"] = Value::Null;
-    assert_eq!(trade["rungs"][9]["name"], "rapier 1");
+    let reference = trade["reference"]["candidate"].as_u64().unwrap() as usize;
+    trade["candidates"][reference]["programs"][0]["bias"] = Value::Null;
+    assert_eq!(trade["candidates"][9]["name"], "rapier 1");
     fs::write(path(out.as_ref(), "trade.json"), trade.to_string()).unwrap();
     out
 }
@@ -371,11 +378,11 @@ fn a_trade_of_something_else_is_refused() {
     for (text, reason) in [
         ("{}", "no trade"),
         (
-            r#"{"format": 99, "stochc": "0", "rungs": []}"#,
+            r#"{"format": 99, "stochc": "0", "candidates": []}"#,
             "format is 99",
         ),
         (
-            r#"{"format": 3, "stochc": "0", "rungs": []}"#,
+            r#"{"format": 3, "stochc": "0", "candidates": []}"#,
             "measure again",
         ),
     ] {

@@ -5,7 +5,7 @@ use crate::text::{percent, ratio};
 
 /// The sentences for a trade.
 pub(super) fn advice(trade: &Trade) -> String {
-    let (Some(known), Some(reference)) = (&trade.reference, trade.reference_rung()) else {
+    let (Some(known), Some(reference)) = (&trade.reference, trade.reference_candidate()) else {
         return "Too few runs were completed to hold anything against a reference; more time \
                 would help, or a larger `--max-ticks`."
             .to_owned();
@@ -32,9 +32,9 @@ pub(super) fn advice(trade: &Trade) -> String {
         ));
     }
     sentences.push(capital(&format!("{}.", clauses.join("; "))));
-    let reversed: Vec<String> = (trade.rungs.iter())
-        .filter(|rung| rung.reversed)
-        .map(|rung| format!("`{}`", rung.options))
+    let reversed: Vec<String> = (trade.candidates.iter())
+        .filter(|candidate| candidate.reversed)
+        .map(|candidate| format!("`{}`", candidate.options))
         .collect();
     if !reversed.is_empty() {
         sentences.push(format!(
@@ -45,30 +45,34 @@ pub(super) fn advice(trade: &Trade) -> String {
     sentences.join(" ")
 }
 
-/// The cheapest rung that is known to be close, and the one that is known to be closest.
+/// The cheapest candidate that is known to be close, and the one that is known to be closest.
 fn recommended(trade: &Trade) -> Vec<&Setting> {
-    let cheaper = |rung: &&Setting| rung.cost_ratio.is_some_and(|ratio| ratio < 1.0);
-    let close = |rung: &&Setting| !rung.reversed && rung.bound.is_some_and(|bound| bound <= CLOSE);
-    let candidates = || trade.rungs.iter().filter(cheaper).filter(close);
-    let cost = |rung: &&Setting| rung.cost.unwrap_or(f64::INFINITY);
-    let bound = |rung: &&Setting| rung.bound.unwrap_or(f64::INFINITY);
+    let cheaper = |candidate: &&Setting| candidate.cost_ratio.is_some_and(|ratio| ratio < 1.0);
+    let close = |candidate: &&Setting| {
+        !candidate.reversed && candidate.bound.is_some_and(|bound| bound <= CLOSE)
+    };
+    let candidates = || trade.candidates.iter().filter(cheaper).filter(close);
+    let cost = |candidate: &&Setting| candidate.cost.unwrap_or(f64::INFINITY);
+    let bound = |candidate: &&Setting| candidate.bound.unwrap_or(f64::INFINITY);
     let cheapest = candidates().min_by(|a, b| cost(a).total_cmp(&cost(b)));
     let closest = candidates().min_by(|a, b| bound(a).total_cmp(&bound(b)));
     let mut found: Vec<&Setting> = cheapest.into_iter().collect();
-    found.extend(closest.filter(|rung| !found.iter().any(|other| other.name == rung.name)));
+    found.extend(
+        closest.filter(|candidate| !found.iter().any(|other| other.name == candidate.name)),
+    );
     found
 }
 
-fn clause(rung: &Setting) -> String {
-    let bound = rung.bound.map_or_else(String::new, percent);
-    let cost = rung.cost_ratio.map_or_else(String::new, ratio);
-    let reduced = match rung.reduced() {
+fn clause(candidate: &Setting) -> String {
+    let bound = candidate.bound.map_or_else(String::new, percent);
+    let cost = candidate.cost_ratio.map_or_else(String::new, ratio);
+    let reduced = match candidate.reduced() {
         true => ", though it leaves out what the scene has",
         false => "",
     };
     format!(
         "`{}` is within {bound} of the reference, intervals included, at {cost} of its cost{reduced}",
-        rung.options
+        candidate.options
     )
 }
 

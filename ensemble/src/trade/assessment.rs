@@ -20,7 +20,7 @@ pub struct Conditions {
     pub seed: u64,
     /// Runs at the same time.
     pub threads: usize,
-    /// Runs of each program at each rung, where they were asked for.
+    /// Runs of each program at each candidate, where they were asked for.
     pub runs: Option<u64>,
     /// Time for all of it \[s\], where that was asked for.
     pub budget: Option<f64>,
@@ -50,8 +50,8 @@ impl Trade {
             })
             .collect();
         let reference = reference(outcomes, &times);
-        let against = reference.as_ref().map(|r| r.rung);
-        let mut rungs: Vec<Setting> = (rows.iter().zip(&times).enumerate())
+        let against = reference.as_ref().map(|r| r.candidate);
+        let mut candidates: Vec<Setting> = (rows.iter().zip(&times).enumerate())
             .map(|(i, (row, own))| {
                 let ranking = match against {
                     Some(r) if !row.samples.iter().all(Sample::is_empty) => {
@@ -60,14 +60,14 @@ impl Trade {
                     _ => Vec::new(),
                 };
                 let reference = against.filter(|&r| r != i).map(|r| &times[r][..]);
-                rung(row, own, reference, ranking)
+                candidate(row, own, reference, ranking)
             })
             .collect();
-        let whole = against.and_then(|r| rungs[r].cost);
-        for rung in &mut rungs {
-            rung.cost_ratio = rung.cost.zip(whole).map(|(cost, whole)| cost / whole);
+        let whole = against.and_then(|r| candidates[r].cost);
+        for candidate in &mut candidates {
+            candidate.cost_ratio = candidate.cost.zip(whole).map(|(cost, whole)| cost / whole);
         }
-        draw_front(&mut rungs, against);
+        draw_front(&mut candidates, against);
         let described = programs
             .iter()
             .zip(limits)
@@ -87,7 +87,7 @@ impl Trade {
             complete: means.complete,
             programs: described.collect(),
             reference,
-            rungs,
+            candidates,
             advice: String::new(),
         };
         trade.advice = advice(&trade);
@@ -95,24 +95,24 @@ impl Trade {
     }
 }
 
-/// The finest rung that has at least two completed runs of each program.
+/// The finest candidate that has at least two completed runs of each program.
 fn reference(outcomes: &[Outcome], times: &[Vec<Vec<Observation>>]) -> Option<Reference> {
     let known = |i: &usize| {
         let enough = |times: &Vec<Observation>| times.iter().filter(|o| o.completed).count() > 1;
         refines(&outcomes[*i].settings) && times[*i].iter().all(enough)
     };
     let substeps = |i: usize| outcomes[i].settings.substeps;
-    let mut rungs: Vec<usize> = (0..outcomes.len()).filter(known).collect();
-    rungs.sort_by_key(|&i| substeps(i));
-    let rung = *rungs.last()?;
+    let mut candidates: Vec<usize> = (0..outcomes.len()).filter(known).collect();
+    candidates.sort_by_key(|&i| substeps(i));
+    let candidate = *candidates.last()?;
     let doubling = |pair: &[usize]| {
         let [from, to] = [pair[0], pair[1]].map(|i| (substeps(i), &times[i][..]));
         Doubling::of(from, to)
     };
-    let doublings: Vec<Doubling> = rungs.windows(2).map(doubling).collect();
-    let programs: Vec<usize> = (0..times[rung].len()).collect();
+    let doublings: Vec<Doubling> = candidates.windows(2).map(doubling).collect();
+    let programs: Vec<usize> = (0..times[candidate].len()).collect();
     Some(Reference {
-        rung,
+        candidate,
         convergence: convergence(&doublings, &programs, CLOSE),
         bound: doublings.last().and_then(|last| last.bound(&programs)),
         doublings,
@@ -150,7 +150,7 @@ impl Row<'_> {
     }
 }
 
-fn rung(
+fn candidate(
     row: &Row<'_>,
     times: &[Vec<Observation>],
     reference: Option<&[Vec<Observation>]>,
@@ -211,25 +211,25 @@ fn cell(sample: &Sample, times: &[Observation], reference: Option<&[Observation]
     }
 }
 
-/// Marks the rungs that no other one beats, the reference among them with no bias at all.
+/// Marks the candidates that no other one beats, the reference among them with no bias at all.
 ///
 /// What counts of a bias is its bound, since of an interval's middle nothing follows.
-fn draw_front(rungs: &mut [Setting], reference: Option<usize>) {
-    let bias = |i: usize, rung: &Setting| match reference == Some(i) {
+fn draw_front(candidates: &mut [Setting], reference: Option<usize>) {
+    let bias = |i: usize, candidate: &Setting| match reference == Some(i) {
         true => Some(0.0),
-        false => rung.bound,
+        false => candidate.bound,
     };
-    let place = |(i, rung): (usize, &Setting)| {
-        Some((rung.cost?, bias(i, rung)?)).filter(|_| !rung.reversed)
+    let place = |(i, candidate): (usize, &Setting)| {
+        Some((candidate.cost?, bias(i, candidate)?)).filter(|_| !candidate.reversed)
     };
-    let places: Vec<Option<(f64, f64)>> = rungs.iter().enumerate().map(place).collect();
-    for (i, rung) in rungs.iter_mut().enumerate() {
+    let places: Vec<Option<(f64, f64)>> = candidates.iter().enumerate().map(place).collect();
+    for (i, candidate) in candidates.iter_mut().enumerate() {
         let Some((cost, bias)) = places[i] else {
             continue;
         };
         let beaten = |other: &(f64, f64)| {
             other.0 <= cost && other.1 <= bias && (other.0 < cost || other.1 < bias)
         };
-        rung.front = !places.iter().flatten().any(beaten);
+        candidate.front = !places.iter().flatten().any(beaten);
     }
 }

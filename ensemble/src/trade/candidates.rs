@@ -7,7 +7,7 @@ const FIRST: u32 = 8;
 /// The substeps that it does not go beyond, unless told.
 pub const FINEST: u32 = 64;
 
-/// The rung that is measured first: what all guesses of costs start from.
+/// The candidate that is measured first: what all guesses of costs start from.
 pub fn base() -> Settings {
     rigid(1)
 }
@@ -20,7 +20,7 @@ fn usual(finest: u32) -> Settings {
     }
 }
 
-/// All rungs before any refinement, with at most `finest` substeps; [`base`] first, and of each
+/// All candidates before any refinement, with at most `finest` substeps; [`base`] first, and of each
 /// kind the cheapest first.
 pub fn candidates(finest: u32) -> Vec<Settings> {
     let within = |substeps: &u32| *substeps <= finest;
@@ -30,28 +30,32 @@ pub fn candidates(finest: u32) -> Vec<Settings> {
         ..settings
     };
     // Nothing means anything without a reference, so that what leads to it comes first.
-    let mut rungs: Vec<Settings> = doubled().map(rigid).collect();
+    let mut candidates: Vec<Settings> = doubled().map(rigid).collect();
     let local = [1, 2].map(|away| Settings {
         away: Some(away),
         ..rigid(FIRST)
     });
-    rungs.extend(local.into_iter().filter(|rung| within(&rung.substeps)));
+    candidates.extend(
+        local
+            .into_iter()
+            .filter(|candidate| within(&candidate.substeps)),
+    );
     // A third and three times the default.
-    rungs.extend([3, 30].map(|iterations| with(usual(finest), iterations)));
-    rungs.push(Settings {
+    candidates.extend([3, 30].map(|iterations| with(usual(finest), iterations)));
+    candidates.push(Settings {
         precision: Precision::Double,
         ..usual(finest)
     });
-    rungs.extend(Reduction::ALL.map(|reduction| Settings {
+    candidates.extend(Reduction::ALL.map(|reduction| Settings {
         reduction: Some(reduction),
         ..usual(finest)
     }));
-    rungs.push(rapier(1));
+    candidates.push(rapier(1));
     // Rapier's are internal steps that cost as much each: a quarter, and twice the default.
-    rungs.extend([1, 8].map(|iterations| with(rapier(1), iterations)));
-    rungs.extend(doubled().skip(1).map(rapier));
-    rungs.push(Settings::of(Model::Rate, 1));
-    rungs
+    candidates.extend([1, 8].map(|iterations| with(rapier(1), iterations)));
+    candidates.extend(doubled().skip(1).map(rapier));
+    candidates.push(Settings::of(Model::Rate, 1));
+    candidates
 }
 
 /// `rigid` with nothing left out and this many substeps.
@@ -63,12 +67,12 @@ fn rapier(substeps: u32) -> Settings {
     Settings::of(Model::Rapier, substeps)
 }
 
-/// Whether doubling the substeps of this rung gives another rung of the refinement.
+/// Whether doubling the substeps of this candidate gives another candidate of the refinement.
 pub fn refines(settings: &Settings) -> bool {
     *settings == rigid(settings.substeps)
 }
 
-/// The rung in few letters: `rigid 2`, `rapier 1 iterations 8`, `rigid 1 no-friction`.
+/// The candidate in few letters: `rigid 2`, `rapier 1 iterations 8`, `rigid 1 no-friction`.
 pub fn short(settings: &Settings) -> String {
     if settings.model == Model::Rate {
         return settings.model.name().to_owned();
@@ -86,7 +90,7 @@ pub fn short(settings: &Settings) -> String {
     text
 }
 
-/// The rung as options of `simulate`.
+/// The candidate as options of `simulate`.
 pub fn flags(settings: &Settings) -> String {
     if settings.model == Model::Rate {
         return format!("--model {}", settings.model.name());
@@ -123,31 +127,35 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_rung_is_there_once_and_the_base_first() {
-        let rungs = candidates(FINEST);
-        assert_eq!(rungs[0], base());
-        for (i, rung) in rungs.iter().enumerate() {
+    fn every_candidate_is_there_once_and_the_base_first() {
+        let all = candidates(FINEST);
+        assert_eq!(all[0], base());
+        for (i, candidate) in all.iter().enumerate() {
             assert!(
-                !rungs[..i].iter().any(|other| same(other, rung)),
-                "{rung:?}"
+                !all[..i].iter().any(|other| same(other, candidate)),
+                "{candidate:?}"
             );
         }
-        let refined = rungs.iter().filter(|rung| refines(rung));
+        let refined = all.iter().filter(|candidate| refines(candidate));
         assert_eq!(
             refined.map(|r| r.substeps).collect::<Vec<_>>(),
             [1, 2, 4, 8]
         );
-        assert!(candidates(2).iter().all(|rung| rung.substeps <= 2));
-        let default = |rung: &&Settings| rung.steps() == Substeps::DEFAULT;
-        let (alone, changed): (Vec<_>, Vec<_>) = rungs
+        assert!(
+            candidates(2)
+                .iter()
+                .all(|candidate| candidate.substeps <= 2)
+        );
+        let default = |candidate: &&Settings| candidate.steps() == Substeps::DEFAULT;
+        let (alone, changed): (Vec<_>, Vec<_>) = all
             .iter()
             .filter(default)
-            .partition(|rung| same(rung, &base().with_steps(Substeps::DEFAULT)));
+            .partition(|candidate| same(candidate, &base().with_steps(Substeps::DEFAULT)));
         assert_eq!((alone.len(), changed.len()), (1, 3 + Reduction::ALL.len()));
     }
 
     #[test]
-    fn a_rung_is_told_as_options() {
+    fn a_candidate_is_told_as_options() {
         let told = |settings: &Settings| (short(settings), flags(settings));
         assert_eq!(
             told(&rigid(2)),

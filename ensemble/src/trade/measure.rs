@@ -138,7 +138,7 @@ fn carry_out(plan: Plan, programs: &[EnsembleProgram], setup: &Setup, progress: 
             }
             match plan.next(elapsed()) {
                 Next::Do(job) => {
-                    let mut settings = plan.settings(job.rung).clone();
+                    let mut settings = plan.settings(job.candidate).clone();
                     settings.max_ticks = Some(job.max_ticks);
                     return Some((job, settings));
                 }

@@ -1,6 +1,6 @@
 //! Which run comes next: a pure function of what has been measured and of the time that has passed.
 //!
-//! With a number of runs, every program gets as many at every rung. With a budget, every rung is
+//! With a number of runs, every program gets as many at every candidate. With a budget, every candidate is
 //! first tried with a few runs, and then the next run always goes where it narrows an interval most
 //! for its cost. Either way the reference is refined until that changes no mean any more, as far as can be
 //! told, or cannot be.
@@ -12,7 +12,7 @@ use super::candidates::{candidates, refines, rigid};
 use super::convergence::{Doubling, is_settled};
 use super::sample::{End, Measured, Sample};
 
-/// Runs by which a program is first known at a rung.
+/// Runs by which a program is first known at a candidate.
 pub const PILOT: u64 = 4;
 
 /// Ticks after which a run is given up while nobody knows how long they take.
@@ -24,7 +24,7 @@ const LIMIT: f64 = 20.0;
 /// How much is to be measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Extent {
-    /// This many runs of every program at every rung.
+    /// This many runs of every program at every candidate.
     Runs(u64),
     /// As much as this time allows.
     Budget(Duration),
@@ -33,8 +33,8 @@ pub enum Extent {
 /// One run to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Job {
-    /// Index of the rung.
-    pub rung: usize,
+    /// Index of the candidate.
+    pub candidate: usize,
     /// Index of the program.
     pub program: usize,
     /// Number of the run.
@@ -64,8 +64,8 @@ pub struct Plan {
     programs: usize,
     /// For each program, once it is known; of the user where he says so.
     limits: Option<Vec<u64>>,
-    rungs: Vec<Setting>,
-    /// Runs of the finest rung at which it is next asked whether a finer one is needed.
+    candidates: Vec<Setting>,
+    /// Runs of the finest candidate at which it is next asked whether a finer one is needed.
     checkpoint: u64,
 }
 
@@ -79,7 +79,7 @@ struct Setting {
     cells: Vec<Cell>,
 }
 
-/// One program at one rung.
+/// One program at one candidate.
 #[derive(Clone, Debug, Default)]
 struct Cell {
     started: u64,
@@ -89,7 +89,7 @@ struct Cell {
     wall: f64,
 }
 
-/// A rung when all is over.
+/// A candidate when all is over.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
     /// What was tried.
@@ -110,7 +110,7 @@ impl Plan {
         max_ticks: Option<u64>,
         cannot: impl Fn(&Settings) -> Option<String>,
     ) -> Plan {
-        let rung = |settings: Settings| Setting {
+        let candidate = |settings: Settings| Setting {
             left_out: cannot(&settings),
             settings,
             cells: vec![Cell::default(); programs],
@@ -121,24 +121,31 @@ impl Plan {
             finest,
             programs,
             limits: max_ticks.map(|limit| vec![limit; programs]),
-            rungs: candidates(finest).into_iter().map(rung).collect(),
+            candidates: candidates(finest).into_iter().map(candidate).collect(),
             checkpoint: 2 * PILOT,
         }
     }
 
-    /// The setting of a rung.
-    pub fn settings(&self, rung: usize) -> &Settings {
-        &self.rungs[rung].settings
+    /// The setting of a candidate.
+    pub fn settings(&self, candidate: usize) -> &Settings {
+        &self.candidates[candidate].settings
     }
 
     /// Runs that have ended, and all that are known to come; `None`: time decides.
     pub fn progress(&self) -> (u64, Option<u64>) {
-        let cells = || self.rungs.iter().flat_map(|rung| &rung.cells);
+        let cells = || {
+            self.candidates
+                .iter()
+                .flat_map(|candidate| &candidate.cells)
+        };
         let done = cells().map(|cell| cell.runs.len() as u64).sum();
         let total = match self.extent {
             Extent::Budget(_) => None,
             Extent::Runs(runs) => {
-                let open = self.rungs.iter().filter(|rung| rung.left_out.is_none());
+                let open = self
+                    .candidates
+                    .iter()
+                    .filter(|candidate| candidate.left_out.is_none());
                 Some(open.count() as u64 * self.programs as u64 * runs)
             }
         };
@@ -156,13 +163,13 @@ impl Plan {
         }
         if self.limits.is_none() {
             let first = self.pilot();
-            if let Some(program) = self.rungs[0].lacking(first) {
+            if let Some(program) = self.candidates[0].lacking(first) {
                 return self.start(0, program);
             }
-            if self.rungs[0].under_way() {
+            if self.candidates[0].under_way() {
                 return Next::Wait;
             }
-            self.limits = Some(self.rungs[0].cells.iter().map(Cell::limit).collect());
+            self.limits = Some(self.candidates[0].cells.iter().map(Cell::limit).collect());
         }
         match self.extent {
             Extent::Runs(runs) => self.next_of(runs),
@@ -172,17 +179,19 @@ impl Plan {
 
     /// Takes down a run that has ended.
     pub fn done(&mut self, job: &Job, measured: Measured) {
-        self.rungs[job.rung].cells[job.program].add(measured);
+        self.candidates[job.candidate].cells[job.program].add(measured);
     }
 
     /// What has been measured.
     pub fn outcomes(&self) -> Vec<Outcome> {
-        let outcome = |rung: &Setting| Outcome {
-            settings: rung.settings.clone(),
-            left_out: rung.left_out.clone(),
-            samples: (0..self.programs).map(|p| self.sample(rung, p)).collect(),
+        let outcome = |candidate: &Setting| Outcome {
+            settings: candidate.settings.clone(),
+            left_out: candidate.left_out.clone(),
+            samples: (0..self.programs)
+                .map(|p| self.sample(candidate, p))
+                .collect(),
         };
-        self.rungs.iter().map(outcome).collect()
+        self.candidates.iter().map(outcome).collect()
     }
 
     /// The limit of ticks of each program.
@@ -191,12 +200,12 @@ impl Plan {
         self.limits.clone().unwrap_or_else(unknown)
     }
 
-    fn sample(&self, rung: &Setting, program: usize) -> Sample {
+    fn sample(&self, candidate: &Setting, program: usize) -> Sample {
         let limit = self
             .limits
             .as_ref()
             .map_or(FIRST_LIMIT, |limits| limits[program]);
-        Sample::new(rung.cells[program].runs.clone(), limit)
+        Sample::new(candidate.cells[program].runs.clone(), limit)
     }
 
     fn pilot(&self) -> u64 {
@@ -206,12 +215,12 @@ impl Plan {
         }
     }
 
-    fn start(&mut self, rung: usize, program: usize) -> Next {
-        let cell = &mut self.rungs[rung].cells[program];
+    fn start(&mut self, candidate: usize, program: usize) -> Next {
+        let cell = &mut self.candidates[candidate].cells[program];
         let run = cell.started;
         cell.started += 1;
         Next::Do(Job {
-            rung,
+            candidate,
             program,
             run,
             max_ticks: self
@@ -223,14 +232,14 @@ impl Plan {
 
     fn next_of(&mut self, runs: u64) -> Next {
         loop {
-            let open = self.rungs.iter().enumerate();
+            let open = self.candidates.iter().enumerate();
             let lacking = open
-                .filter(|(_, rung)| rung.left_out.is_none())
-                .find_map(|(i, rung)| Some((i, rung.lacking(runs)?)));
-            if let Some((rung, program)) = lacking {
-                return self.start(rung, program);
+                .filter(|(_, candidate)| candidate.left_out.is_none())
+                .find_map(|(i, candidate)| Some((i, candidate.lacking(runs)?)));
+            if let Some((candidate, program)) = lacking {
+                return self.start(candidate, program);
             }
-            if self.rungs.iter().any(Setting::under_way) {
+            if self.candidates.iter().any(Setting::under_way) {
                 return Next::Wait;
             }
             match self.finer() {
@@ -241,24 +250,30 @@ impl Plan {
     }
 
     fn next_within(&mut self, left: f64) -> Next {
-        for rung in 0..self.rungs.len() {
-            if self.rungs[rung].left_out.is_some() {
+        for candidate in 0..self.candidates.len() {
+            if self.candidates[candidate].left_out.is_some() {
                 continue;
             }
-            let Some(program) = self.rungs[rung].lacking(PILOT) else {
+            let Some(program) = self.candidates[candidate].lacking(PILOT) else {
                 continue;
             };
-            /// More of what is left is not spent on trying a rung.
+            /// More of what is left is not spent on trying a candidate.
             const SHARE: f64 = 0.25;
-            let new = self.rungs[rung].cells.iter().all(|cell| cell.started == 0);
-            let trial = self.expected(rung) * PILOT as f64 / self.threads as f64;
+            let new = self.candidates[candidate]
+                .cells
+                .iter()
+                .all(|cell| cell.started == 0);
+            let trial = self.expected(candidate) * PILOT as f64 / self.threads as f64;
             if new && trial > SHARE * left {
                 let reason = "its first runs would have taken too much of the budget";
-                self.rungs[rung].left_out = Some(reason.to_owned());
+                self.candidates[candidate].left_out = Some(reason.to_owned());
                 continue;
             }
-            if self.cost(rung, program).is_none_or(|cost| cost <= left) {
-                return self.start(rung, program);
+            if self
+                .cost(candidate, program)
+                .is_none_or(|cost| cost <= left)
+            {
+                return self.start(candidate, program);
             }
         }
         if let Some(settings) = self.finer_within(left) {
@@ -266,46 +281,51 @@ impl Plan {
             return self.next_within(left);
         }
         match self.best(left) {
-            Some((rung, program)) => self.start(rung, program),
+            Some((candidate, program)) => self.start(candidate, program),
             None => Next::End,
         }
     }
 
-    /// Rungs of the refinement that are measured, by substeps.
+    /// Candidates of the refinement that are measured, by substeps.
     fn refinement(&self) -> Vec<usize> {
-        let rungs = 0..self.rungs.len();
-        let mut found: Vec<usize> = rungs
-            .filter(|&i| refines(&self.rungs[i].settings) && self.rungs[i].left_out.is_none())
+        let candidates = 0..self.candidates.len();
+        let mut found: Vec<usize> = candidates
+            .filter(|&i| {
+                refines(&self.candidates[i].settings) && self.candidates[i].left_out.is_none()
+            })
             .collect();
-        found.sort_by_key(|&i| self.rungs[i].settings.substeps);
+        found.sort_by_key(|&i| self.candidates[i].settings.substeps);
         found
     }
 
-    /// The next rung of the refinement, if one is needed and allowed.
+    /// The next candidate of the refinement, if one is needed and allowed.
     fn finer(&self) -> Option<Settings> {
-        let rungs = self.refinement();
+        let candidates = self.refinement();
         let times = |&i: &usize| -> Vec<_> {
-            let rung = &self.rungs[i];
+            let candidate = &self.candidates[i];
             (0..self.programs)
-                .map(|p| self.sample(rung, p).times())
+                .map(|p| self.sample(candidate, p).times())
                 .collect()
         };
-        let times: Vec<_> = rungs.iter().map(times).collect();
-        let substeps = |i: usize| self.rungs[rungs[i]].settings.substeps;
-        let doublings: Vec<Doubling> = (1..rungs.len())
+        let times: Vec<_> = candidates.iter().map(times).collect();
+        let substeps = |i: usize| self.candidates[candidates[i]].settings.substeps;
+        let doublings: Vec<Doubling> = (1..candidates.len())
             .map(|i| Doubling::of((substeps(i - 1), &times[i - 1]), (substeps(i), &times[i])))
             .collect();
-        let next = substeps(rungs.len().checked_sub(1)?).checked_mul(2)?;
-        let tried = self.rungs.iter().any(|rung| rung.settings == rigid(next));
+        let next = substeps(candidates.len().checked_sub(1)?).checked_mul(2)?;
+        let tried = self
+            .candidates
+            .iter()
+            .any(|candidate| candidate.settings == rigid(next));
         (next <= self.finest && !tried && !is_settled(&doublings)).then(|| rigid(next))
     }
 
     /// [`Plan::finer`] at a few points only, since a test that is repeated after every run fails
-    /// sooner or later, and only if half of what is left gives the new rung as many runs.
+    /// sooner or later, and only if half of what is left gives the new candidate as many runs.
     fn finer_within(&mut self, left: f64) -> Option<Settings> {
         let finest = *self.refinement().last()?;
         let done = |cell: &Cell| cell.runs.len() as u64;
-        let least = self.rungs[finest].cells.iter().map(done).min()?;
+        let least = self.candidates[finest].cells.iter().map(done).min()?;
         if least < self.checkpoint {
             return None;
         }
@@ -319,7 +339,7 @@ impl Plan {
     }
 
     fn add(&mut self, settings: Settings) {
-        self.rungs.push(Setting {
+        self.candidates.push(Setting {
             settings,
             left_out: None,
             cells: vec![Cell::default(); self.programs],
@@ -328,19 +348,20 @@ impl Plan {
 
     /// Where a run takes most from the variance of a bias for its cost.
     ///
-    /// Every bias has the reference in it, so that its runs count for all rungs.
+    /// Every bias has the reference in it, so that its runs count for all candidates.
     fn best(&self, left: f64) -> Option<(usize, usize)> {
         let refinement = self.refinement();
-        let open = |rung: &&Setting| rung.left_out.is_none();
-        let rungs = self.rungs.iter().filter(open).count() as f64;
-        let weight = |rung: usize| match refinement.iter().rev().position(|&r| r == rung) {
-            Some(0) => rungs,
+        let open = |candidate: &&Setting| candidate.left_out.is_none();
+        let candidates = self.candidates.iter().filter(open).count() as f64;
+        let weight = |candidate: usize| match refinement.iter().rev().position(|&r| r == candidate)
+        {
+            Some(0) => candidates,
             Some(1) => 2.0,
             _ => 1.0,
         };
         let mut best: Option<(f64, usize, usize)> = None;
-        for (i, rung) in self.rungs.iter().enumerate().filter(|(_, r)| open(r)) {
-            for (program, cell) in rung.cells.iter().enumerate() {
+        for (i, candidate) in self.candidates.iter().enumerate().filter(|(_, r)| open(r)) {
+            for (program, cell) in candidate.cells.iter().enumerate() {
                 let Some(cost) = self.cost(i, program).filter(|cost| *cost <= left) else {
                     continue;
                 };
@@ -351,32 +372,34 @@ impl Plan {
                 }
             }
         }
-        best.map(|(_, rung, program)| (rung, program))
+        best.map(|(_, candidate, program)| (candidate, program))
     }
 
-    /// Time for one run of each program at a rung \[s\]; 0 where nobody can tell.
-    fn expected(&self, rung: usize) -> f64 {
+    /// Time for one run of each program at a candidate \[s\]; 0 where nobody can tell.
+    fn expected(&self, candidate: usize) -> f64 {
         let programs = 0..self.programs;
         programs
-            .filter_map(|program| self.cost(rung, program))
+            .filter_map(|program| self.cost(candidate, program))
             .sum()
     }
 
-    /// Time for a run \[s\]: as seen, or as seen at the closest rung of the same model; `None`:
+    /// Time for a run \[s\]: as seen, or as seen at the closest candidate of the same model; `None`:
     /// nobody can tell.
-    fn cost(&self, rung: usize, program: usize) -> Option<f64> {
-        let cell = |rung: &Setting| rung.cells[program].cost();
-        let this = &self.rungs[rung];
-        let substeps = |rung: &Setting| f64::from(rung.settings.substeps);
+    fn cost(&self, candidate: usize, program: usize) -> Option<f64> {
+        let cell = |candidate: &Setting| candidate.cells[program].cost();
+        let this = &self.candidates[candidate];
+        let substeps = |candidate: &Setting| f64::from(candidate.settings.substeps);
         cell(this).or_else(|| {
-            let kin = self.rungs.iter().filter(|rung| {
-                let plain = rung.settings.reduction.is_none();
-                plain && rung.settings.model == this.settings.model && cell(rung).is_some()
+            let kin = self.candidates.iter().filter(|candidate| {
+                let plain = candidate.settings.reduction.is_none();
+                plain
+                    && candidate.settings.model == this.settings.model
+                    && cell(candidate).is_some()
             });
-            let closest = kin.max_by_key(|rung| {
+            let closest = kin.max_by_key(|candidate| {
                 (
-                    rung.settings.substeps <= this.settings.substeps,
-                    rung.settings.substeps,
+                    candidate.settings.substeps <= this.settings.substeps,
+                    candidate.settings.substeps,
                 )
             })?;
             Some(cell(closest)? * substeps(this) / substeps(closest))
@@ -447,9 +470,9 @@ mod tests {
 
     /// A world in which a run takes a known time.
     struct World {
-        /// Of a rung and program \[s\].
+        /// Of a candidate and program \[s\].
         cost: fn(&Settings, usize) -> f64,
-        /// Of a rung, program and run.
+        /// Of a candidate, program and run.
         ticks: fn(&Settings, usize, u64) -> u64,
     }
 
@@ -479,7 +502,7 @@ mod tests {
                 Next::Wait
             };
             if let Next::Do(job) = next {
-                let settings = plan.settings(job.rung).clone();
+                let settings = plan.settings(job.candidate).clone();
                 let cost = (world.cost)(&settings, job.program);
                 let ticks = (world.ticks)(&settings, job.program, job.run);
                 let end = if ticks > job.max_ticks {
@@ -543,7 +566,7 @@ mod tests {
     }
 
     #[test]
-    fn every_rung_is_tried_before_any_is_done_well() {
+    fn every_candidate_is_tried_before_any_is_done_well() {
         let mut plan = Plan::new(budget(20.0), 2, 1, 8, None, anything);
         carry_out(&mut plan, &EQUAL, 1);
         for (name, counts) in runs(&plan) {
@@ -555,7 +578,7 @@ mod tests {
     }
 
     #[test]
-    fn a_rung_that_is_too_dear_is_left_out_with_a_reason() {
+    fn a_candidate_that_is_too_dear_is_left_out_with_a_reason() {
         let dear = World {
             cost: |settings, _| match settings.model {
                 Model::Rapier => 5.0,

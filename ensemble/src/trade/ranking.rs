@@ -32,7 +32,7 @@ pub enum Verdict {
 /// Holds the order of all pairs of programs against that of the reference.
 ///
 /// Both are judged as everywhere: run by run, corrected for the number of pairs.
-pub fn rank(reference: &[Runs], rung: &[Runs]) -> Vec<Ranked> {
+pub fn rank(reference: &[Runs], candidate: &[Runs]) -> Vec<Ranked> {
     let judge =
         |((i, j, truth), (_, _, found)): ((usize, usize, Longer), (usize, usize, Longer))| {
             let (first, second) = match truth {
@@ -51,7 +51,10 @@ pub fn rank(reference: &[Runs], rung: &[Runs]) -> Vec<Ranked> {
                 verdict,
             }
         };
-    orders(reference).zip(orders(rung)).map(judge).collect()
+    orders(reference)
+        .zip(orders(candidate))
+        .map(judge)
+        .collect()
 }
 
 /// Which of each pair of programs takes longer, in the order of the pairs.
@@ -93,8 +96,8 @@ mod tests {
         }
     }
 
-    fn verdicts(reference: [f64; 3], rung: [f64; 3]) -> Vec<(usize, usize, Verdict)> {
-        let ranked = rank(&reference.map(around), &rung.map(around));
+    fn verdicts(reference: [f64; 3], candidate: [f64; 3]) -> Vec<(usize, usize, Verdict)> {
+        let ranked = rank(&reference.map(around), &candidate.map(around));
         ranked
             .iter()
             .map(|r| (r.first, r.second, r.verdict))

@@ -9,7 +9,7 @@ use crate::Manifest;
 use crate::statistics::{Distance, Relative};
 
 /// Version of the layout of `trade.json`; another one is not read.
-pub const FORMAT: u32 = 3;
+pub const FORMAT: u32 = 4;
 
 /// The trade of some programs; times in ticks, costs in seconds of processor time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -18,11 +18,11 @@ pub struct Trade {
     pub format: u32,
     /// Version of the `stochc` that measured.
     pub stochc: String,
-    /// The seed of every draw, the same at every rung.
+    /// The seed of every draw, the same at every candidate.
     pub seed: u64,
     /// Runs at the same time.
     pub threads: usize,
-    /// Runs of each program at each rung, where they were asked for.
+    /// Runs of each program at each candidate, where they were asked for.
     pub runs: Option<u64>,
     /// Time for all of it \[s\], where that was asked for.
     pub budget: Option<f64>,
@@ -33,7 +33,7 @@ pub struct Trade {
     /// What everything is held against.
     pub reference: Option<Reference>,
     /// One for each setting that was tried or could not be.
-    pub rungs: Vec<Setting>,
+    pub candidates: Vec<Setting>,
     /// What to do, in a sentence or two.
     pub advice: String,
 }
@@ -51,11 +51,11 @@ pub struct Program {
     pub scene: Scene,
 }
 
-/// The rung that the others are held against.
+/// The candidate that the others are held against.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reference {
     /// Its index.
-    pub rung: usize,
+    pub candidate: usize,
     /// Whether it has converged to within 10 %.
     pub convergence: Convergence,
     /// The largest change of a mean by the last doubling that its interval does not exclude; `None`:
@@ -84,7 +84,7 @@ pub struct Setting {
     pub worst: Option<Relative>,
     /// The largest bias of any program that its interval does not exclude.
     pub bound: Option<f64>,
-    /// No cheaper rung has a smaller bound.
+    /// No cheaper candidate has a smaller bound.
     pub front: bool,
     /// It orders two programs the wrong way.
     pub reversed: bool,
@@ -138,8 +138,8 @@ impl Trade {
         struct Version {
             format: u32,
             stochc: String,
-            #[serde(rename = "rungs")]
-            _rungs: serde::de::IgnoredAny,
+            #[serde(rename = "candidates", alias = "rungs")]
+            _candidates: serde::de::IgnoredAny,
         }
         let version: Version =
             serde_json::from_str(json).map_err(|_| "it is no trade that `stochc trade` wrote")?;
@@ -160,30 +160,30 @@ impl Trade {
             serde_json::from_str(json).map_err(|error| format!("it is damaged, {error}"))?;
         let programs = trade.programs.len();
         let pairs = programs * programs.saturating_sub(1) / 2;
-        let whole = |rung: &Setting| {
-            rung.programs.len() == programs
-                && (rung.ranking.is_empty() || rung.ranking.len() == pairs)
-                && rung
+        let whole = |candidate: &Setting| {
+            candidate.programs.len() == programs
+                && (candidate.ranking.is_empty() || candidate.ranking.len() == pairs)
+                && candidate
                     .ranking
                     .iter()
                     .all(|pair| pair.first.max(pair.second) < programs)
         };
         let refers = trade.reference.as_ref().is_none_or(|reference| {
-            reference.rung < trade.rungs.len()
+            reference.candidate < trade.candidates.len()
                 && reference
                     .doublings
                     .iter()
                     .all(|d| d.changes.len() == programs)
         });
-        if !refers || !trade.rungs.iter().all(whole) {
+        if !refers || !trade.candidates.iter().all(whole) {
             return Err("it is damaged: its parts do not belong together".into());
         }
         Ok(trade)
     }
 
-    /// The rung that others are held against.
-    pub fn reference_rung(&self) -> Option<&Setting> {
-        self.rungs.get(self.reference.as_ref()?.rung)
+    /// The candidate that others are held against.
+    pub fn reference_candidate(&self) -> Option<&Setting> {
+        self.candidates.get(self.reference.as_ref()?.candidate)
     }
 }
 

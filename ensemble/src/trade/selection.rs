@@ -27,7 +27,7 @@ pub enum Among {
 
 /// Chooses for some programs of a trade, by their indices in it.
 ///
-/// A rung is accurate enough if no program's mean is further from the reference's than `accuracy`,
+/// A candidate is accurate enough if no program's mean is further from the reference's than `accuracy`,
 /// interval included, if none of its runs failed, and if it reverses no pair of these programs. The
 /// reference is, if the last doubling of its substeps changed no mean by more, interval included; where
 /// that is not known, nothing is.
@@ -44,7 +44,7 @@ pub fn choose(
     let Some(reference) = &trade.reference else {
         return Err("too few runs were made for a reference; a larger `--budget` helps".into());
     };
-    let own = &trade.rungs[reference.rung];
+    let own = &trade.candidates[reference.candidate];
     let doubling = (reference.doublings.last()).and_then(|last| last.bound(programs));
     let open = |what: String| Err(format!("{what}; a larger `--budget` helps"));
     match convergence(&reference.doublings, programs, accuracy) {
@@ -72,15 +72,15 @@ pub fn choose(
         }
     }
     let mut candidates: Vec<(f64, f64, usize)> = Vec::new();
-    for (i, rung) in trade.rungs.iter().enumerate() {
-        if among == Among::Runs && rung.settings.is_none() {
+    for (i, candidate) in trade.candidates.iter().enumerate() {
+        if among == Among::Runs && candidate.settings.is_none() {
             continue;
         }
-        let bound = match i == reference.rung {
+        let bound = match i == reference.candidate {
             true => doubling,
-            false => bound(rung, programs),
+            false => bound(candidate, programs),
         };
-        if let (Some(cost), Some(bound)) = (cost(rung, programs), bound) {
+        if let (Some(cost), Some(bound)) = (cost(candidate, programs), bound) {
             candidates.push((cost, bound, i));
         }
     }
@@ -90,25 +90,25 @@ pub fn choose(
             "nothing that was measured is known to be within {asked}"
         ));
     };
-    let rung = &trade.rungs[i];
+    let candidate = &trade.candidates[i];
     let own_cost = self::cost(own, programs);
-    let why = if i == reference.rung {
+    let why = if i == reference.candidate {
         format!(
             "`{}`, the reference itself: its last doubling of substeps changed no mean by more \
              than {}",
-            rung.options,
+            candidate.options,
             percent(bound)
         )
     } else {
         format!(
             "`{}`, the cheapest that is within {asked}: {}, at {} of the reference's cost",
-            rung.options,
-            distances(trade, rung, programs),
+            candidate.options,
+            distances(trade, candidate, programs),
             own_cost.map_or("?".to_owned(), |own| ratio(cost / own))
         )
     };
     Ok(Choice {
-        settings: rung.settings.clone(),
+        settings: candidate.settings.clone(),
         why,
     })
 }
@@ -116,19 +116,20 @@ pub fn choose(
 /// What a trade says about settings, of these programs; `None`: it has not tried them.
 pub fn note(trade: &Trade, programs: &[usize], settings: &Settings) -> Option<String> {
     let is_same = |tried: &Settings| same(tried, settings);
-    let rung = (trade.rungs.iter())
-        .find(|rung| rung.left_out.is_none() && rung.settings.as_ref().is_some_and(is_same))?;
-    if trade.reference_rung() == Some(rung) {
+    let candidate = (trade.candidates.iter()).find(|candidate| {
+        candidate.left_out.is_none() && candidate.settings.as_ref().is_some_and(is_same)
+    })?;
+    if trade.reference_candidate() == Some(candidate) {
         return Some("it is the reference of the trade".to_owned());
     }
-    let pairs: Vec<String> = (rung.reversals())
+    let pairs: Vec<String> = (candidate.reversals())
         .filter(|pair| programs.contains(&pair.first) && programs.contains(&pair.second))
         .map(|pair| {
             let name = |program: usize| &trade.programs[program].name;
             format!("{} < {}", name(pair.first), name(pair.second))
         })
         .collect();
-    let distances = distances(trade, rung, programs);
+    let distances = distances(trade, candidate, programs);
     Some(match pairs.is_empty() {
         true if distances.is_empty() => return None,
         true => format!("the trade found: {distances}"),
@@ -139,9 +140,9 @@ pub fn note(trade: &Trade, programs: &[usize], settings: &Settings) -> Option<St
     })
 }
 
-fn distances(trade: &Trade, rung: &Setting, programs: &[usize]) -> String {
+fn distances(trade: &Trade, candidate: &Setting, programs: &[usize]) -> String {
     let found = programs.iter().filter_map(|&p| {
-        let bias = rung.programs[p].bias?;
+        let bias = candidate.programs[p].bias?;
         Some(match programs.len() {
             1 => format!("{} from the reference", relative_size(&bias)),
             _ => format!("{} {}", trade.programs[p].name, relative(&bias)),
@@ -150,13 +151,13 @@ fn distances(trade: &Trade, rung: &Setting, programs: &[usize]) -> String {
     found.collect::<Vec<_>>().join(", ")
 }
 
-fn cost(rung: &Setting, programs: &[usize]) -> Option<f64> {
-    programs.iter().map(|&p| rung.programs[p].cost).sum()
+fn cost(candidate: &Setting, programs: &[usize]) -> Option<f64> {
+    programs.iter().map(|&p| candidate.programs[p].cost).sum()
 }
 
-/// The largest bias that is not excluded; `None`: anything, or the rung is out of the question.
-fn bound(rung: &Setting, programs: &[usize]) -> Option<f64> {
-    let wrong = rung.ranking.iter().any(|pair| {
+/// The largest bias that is not excluded; `None`: anything, or the candidate is out of the question.
+fn bound(candidate: &Setting, programs: &[usize]) -> Option<f64> {
+    let wrong = candidate.ranking.iter().any(|pair| {
         pair.verdict == Verdict::Reversed
             && programs.contains(&pair.first)
             && programs.contains(&pair.second)
@@ -165,7 +166,7 @@ fn bound(rung: &Setting, programs: &[usize]) -> Option<f64> {
         return None;
     }
     let mut bounds = programs.iter().map(|&p| {
-        let cell = &rung.programs[p];
+        let cell = &candidate.programs[p];
         cell.bias.filter(|_| cell.failed == 0)?.bound()
     });
     bounds.try_fold(0.0, |most: f64, bound| Some(most.max(bound?)))

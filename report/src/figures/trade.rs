@@ -22,11 +22,11 @@ const MARK: f64 = 5.5;
 /// Height of a line of the list of settings.
 const ROW: f64 = 19.0;
 
-/// A rung that has a place in the picture.
+/// A candidate that has a place in the picture.
 struct PlottedSetting<'a> {
     /// As in the tables, from 1.
     number: usize,
-    rung: &'a Setting,
+    candidate: &'a Setting,
     reference: bool,
     /// Cost of a run \[s\].
     cost: f64,
@@ -61,15 +61,15 @@ pub fn trade(medium: Medium, trade: &Trade) -> Drawing {
     let points = points(trade);
     let names: Vec<&str> = trade.programs.iter().map(|p| p.name.as_str()).collect();
     let title = format!("What accuracy costs: {}", names.join(", "));
-    let below = match trade.reference.as_ref().zip(trade.reference_rung()) {
+    let below = match trade.reference.as_ref().zip(trade.reference_candidate()) {
         None => "nothing to hold it against".to_owned(),
-        Some((reference, rung)) => {
+        Some((reference, candidate)) => {
             let known = match reference.convergence {
                 Convergence::Converged => format!("converged within {}", percent(CLOSE)),
                 Convergence::Undecided => "convergence undecided".to_owned(),
                 Convergence::NotConverged => "NOT CONVERGED".to_owned(),
             };
-            format!("reference: {}, {known}", rung.options)
+            format!("reference: {}, {known}", candidate.options)
         }
     };
     let all = medium.width_or(WIDTH);
@@ -109,29 +109,36 @@ fn heading(names: &[&str]) -> String {
 }
 
 fn points(trade: &Trade) -> Vec<PlottedSetting<'_>> {
-    let reference = trade.reference.as_ref().map(|reference| reference.rung);
-    let point = |(i, rung): (usize, &'_ _)| {
-        let rung: &Setting = rung;
+    let reference = trade
+        .reference
+        .as_ref()
+        .map(|reference| reference.candidate);
+    let point = |(i, candidate): (usize, &'_ _)| {
+        let candidate: &Setting = candidate;
         let itself = reference == Some(i);
-        let (bias, half_width) = match (itself, rung.worst) {
+        let (bias, half_width) = match (itself, candidate.worst) {
             (true, _) => (0.0, 0.0),
             (false, Some(worst)) => (worst.value.abs(), worst.half_width.unwrap_or(0.0)),
             (false, None) => return None,
         };
-        let cost = rung.cost.filter(|cost| *cost > 0.0)?;
+        let cost = candidate.cost.filter(|cost| *cost > 0.0)?;
         Some((i + 1, itself, cost, bias, half_width))
     };
-    let found = trade.rungs.iter().enumerate().filter_map(|(i, rung)| {
-        let (number, reference, cost, bias, half_width) = point((i, rung))?;
-        Some(PlottedSetting {
-            number,
-            rung,
-            reference,
-            cost,
-            bias,
-            half_width,
-        })
-    });
+    let found = trade
+        .candidates
+        .iter()
+        .enumerate()
+        .filter_map(|(i, candidate)| {
+            let (number, reference, cost, bias, half_width) = point((i, candidate))?;
+            Some(PlottedSetting {
+                number,
+                candidate,
+                reference,
+                cost,
+                bias,
+                half_width,
+            })
+        });
     found.collect()
 }
 
@@ -209,7 +216,10 @@ fn plain(cost: f64) -> String {
 }
 
 fn front(out: &mut Drawing, axes: &Axes, points: &[PlottedSetting]) {
-    let mut best: Vec<&PlottedSetting> = points.iter().filter(|point| point.rung.front).collect();
+    let mut best: Vec<&PlottedSetting> = points
+        .iter()
+        .filter(|point| point.candidate.front)
+        .collect();
     best.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     let place = |point: &&PlottedSetting| (axes.cost.at(point.cost), axes.y(point.bias));
     let places: Vec<(f64, f64)> = best.iter().map(place).collect();
@@ -220,11 +230,11 @@ fn front(out: &mut Drawing, axes: &Axes, points: &[PlottedSetting]) {
 
 /// The class and the shape of a setting's mark.
 fn look(point: &PlottedSetting) -> (&'static str, Marker) {
-    let settings = point.rung.settings.as_ref();
+    let settings = point.candidate.settings.as_ref();
     let model = settings.map(|settings| settings.model);
     let symbol = match model {
         _ if point.reference => Marker::Diamond,
-        _ if point.rung.reduced() => Marker::Triangle,
+        _ if point.candidate.reduced() => Marker::Triangle,
         Some(Model::Rapier) => Marker::Square,
         None => Marker::Ring,
         _ if settings.is_some_and(|it| it.precision == Precision::Double) => Marker::Ring,
@@ -232,7 +242,7 @@ fn look(point: &PlottedSetting) -> (&'static str, Marker) {
     };
     let class = match symbol {
         Marker::Diamond => "reference",
-        _ if point.rung.reversed => "hot",
+        _ if point.candidate.reversed => "hot",
         Marker::Triangle => "s2",
         Marker::Square => "s1",
         _ if matches!(model, None | Some(Model::Rate)) => "s3",
@@ -250,9 +260,11 @@ fn draw(out: &mut Drawing, axes: &Axes, point: &PlottedSetting) {
         out.stroke(class, (x, axes.y(low)), (x, axes.y(high)), style);
     }
     let cost = seconds(point.cost);
-    let told = match (point.reference, point.rung.worst) {
-        (false, Some(worst)) => format!("{}: {}, {cost}", point.rung.options, relative(&worst)),
-        _ => format!("{}: the reference, {cost}", point.rung.options),
+    let told = match (point.reference, point.candidate.worst) {
+        (false, Some(worst)) => {
+            format!("{}: {}, {cost}", point.candidate.options, relative(&worst))
+        }
+        _ => format!("{}: the reference, {cost}", point.candidate.options),
     };
     out.mark(&format!("mark {class}"), symbol, (x, y), MARK, &told);
 }
@@ -305,16 +317,16 @@ fn list(out: &mut Drawing, points: &[PlottedSetting], (x, y): (f64, f64)) -> f64
     for point in points {
         y += ROW;
         out.text_before("dim", (x + 16.0, y), &point.number.to_string());
-        let bias = match point.rung.worst.filter(|_| !point.reference) {
+        let bias = match point.candidate.worst.filter(|_| !point.reference) {
             Some(worst) => relative_size(&worst),
             None => String::new(),
         };
-        let name = match (point.reference, point.rung.reversed) {
-            (true, _) => format!("{} (reference)", point.rung.name),
-            (false, true) => format!("{} REVERSED", point.rung.name),
-            (false, false) => point.rung.name.clone(),
+        let name = match (point.reference, point.candidate.reversed) {
+            (true, _) => format!("{} (reference)", point.candidate.name),
+            (false, true) => format!("{} REVERSED", point.candidate.name),
+            (false, false) => point.candidate.name.clone(),
         };
-        let colour = if point.rung.reversed {
+        let colour = if point.candidate.reversed {
             "hot word"
         } else {
             "ink"

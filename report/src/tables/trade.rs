@@ -32,13 +32,18 @@ struct TradeRow {
 /// `width` is that of the terminal, for the sentences; `colour` marks what is wrong in red.
 pub fn trade_to_text(trade: &Trade, width: usize, colour: bool) -> String {
     let mut text = String::new();
-    let mut cells = trade.rungs.iter().flat_map(|rung| &rung.programs);
+    let mut cells = trade
+        .candidates
+        .iter()
+        .flat_map(|candidate| &candidate.programs);
     let any_failed = cells.any(|cell| cell.failed > 0);
     for (i, program) in trade.programs.iter().enumerate() {
         text += &format!("{}\n", visible(&program.name));
-        let rungs = trade.rungs.iter().enumerate();
-        let run = rungs.filter(|(_, rung)| rung.programs[i].runs > 0);
-        let lines: Vec<TradeRow> = run.map(|(n, rung)| line(trade, n, rung, i)).collect();
+        let candidates = trade.candidates.iter().enumerate();
+        let run = candidates.filter(|(_, candidate)| candidate.programs[i].runs > 0);
+        let lines: Vec<TradeRow> = run
+            .map(|(n, candidate)| line(trade, n, candidate, i))
+            .collect();
         let header = &HEADER[..HEADER.len() - usize::from(!any_failed)];
         text += &table(header, &lines).text(width, colour);
         text.push('\n');
@@ -56,29 +61,32 @@ pub fn trade_to_text(trade: &Trade, width: usize, colour: bool) -> String {
     text
 }
 
-fn line(trade: &Trade, number: usize, rung: &Setting, program: usize) -> TradeRow {
-    let cell = &rung.programs[program];
-    let itself = trade.reference.as_ref().is_some_and(|r| r.rung == number);
-    let mark = match rung.reversed {
+fn line(trade: &Trade, number: usize, candidate: &Setting, program: usize) -> TradeRow {
+    let cell = &candidate.programs[program];
+    let itself = trade
+        .reference
+        .as_ref()
+        .is_some_and(|r| r.candidate == number);
+    let mark = match candidate.reversed {
         _ if itself => "reference",
         true => "REVERSED",
-        false if rung.front => "front",
+        false if candidate.front => "front",
         false => "",
     };
     TradeRow {
-        label: label(number, rung),
+        label: label(number, candidate),
         mark,
         cells: figures(trade, cell, itself, program).to_vec(),
         remark: String::new(),
-        wrong: rung.reversed,
+        wrong: candidate.reversed,
     }
 }
 
 /// The settings that were not run at all or not with every program, and why.
 fn left_out(trade: &Trade, width: usize) -> String {
     let mut text = String::new();
-    for (number, rung) in trade.rungs.iter().enumerate() {
-        let without = trade.programs.iter().zip(&rung.programs);
+    for (number, candidate) in trade.candidates.iter().enumerate() {
+        let without = trade.programs.iter().zip(&candidate.programs);
         let without: Vec<&str> = without
             .filter(|(_, cell)| cell.runs == 0)
             .map(|(program, _)| program.name.as_str())
@@ -88,11 +96,11 @@ fn left_out(trade: &Trade, width: usize) -> String {
             n if n == trade.programs.len() => String::new(),
             _ => format!(", {}", without.join(", ")),
         };
-        let reason = rung
+        let reason = candidate
             .left_out
             .as_deref()
             .unwrap_or("there was no time for it");
-        let label = label(number, rung);
+        let label = label(number, candidate);
         text += &paragraph(
             &format!("{}{of}: not run, {reason}", label.trim_start()),
             width,
@@ -106,8 +114,8 @@ fn left_out(trade: &Trade, width: usize) -> String {
 
 fn figures(trade: &Trade, cell: &Cell, itself: bool, program: usize) -> [String; 9] {
     let or_none = |text: Option<String>| text.unwrap_or(NONE.to_owned());
-    let reference = trade.reference_rung();
-    let whole = reference.and_then(|rung| rung.programs[program].cost);
+    let reference = trade.reference_candidate();
+    let whole = reference.and_then(|candidate| candidate.programs[program].cost);
     let ratio = cell
         .cost
         .zip(whole)
@@ -142,7 +150,9 @@ fn figures(trade: &Trade, cell: &Cell, itself: bool, program: usize) -> [String;
 
 /// What each setting says about the order of the programs.
 fn ranking(trade: &Trade, width: usize, colour: bool) -> String {
-    let pairs = trade.reference_rung().map_or(&[][..], |rung| &rung.ranking);
+    let pairs = trade
+        .reference_candidate()
+        .map_or(&[][..], |candidate| &candidate.ranking);
     let ordered = pairs
         .iter()
         .filter(|pair| pair.verdict != Verdict::Unordered);
@@ -158,33 +168,36 @@ fn ranking(trade: &Trade, width: usize, colour: bool) -> String {
         "Order of the means, by the reference: {}\n",
         ordered.join(", ")
     );
-    let count = |rung: &Setting, verdict| {
-        let pairs = rung.ranking.iter().filter(|pair| pair.verdict == verdict);
+    let count = |candidate: &Setting, verdict| {
+        let pairs = candidate
+            .ranking
+            .iter()
+            .filter(|pair| pair.verdict == verdict);
         pairs.count().to_string()
     };
-    let rungs = trade
-        .rungs
+    let candidates = trade
+        .candidates
         .iter()
         .enumerate()
-        .filter(|(_, rung)| !rung.ranking.is_empty());
-    let lines: Vec<TradeRow> = rungs
-        .map(|(number, rung)| TradeRow {
-            label: label(number, rung),
+        .filter(|(_, candidate)| !candidate.ranking.is_empty());
+    let lines: Vec<TradeRow> = candidates
+        .map(|(number, candidate)| TradeRow {
+            label: label(number, candidate),
             cells: vec![
-                count(rung, Verdict::Kept),
-                count(rung, Verdict::Unclear),
-                count(rung, Verdict::Reversed),
+                count(candidate, Verdict::Kept),
+                count(candidate, Verdict::Unclear),
+                count(candidate, Verdict::Reversed),
             ],
             mark: "",
-            remark: match rung.reversed {
+            remark: match candidate.reversed {
                 false => String::new(),
                 true => {
-                    let pairs = rung.reversals();
+                    let pairs = candidate.reversals();
                     let pairs = pairs.map(|ranked| pair(trade, ranked.first, ranked.second));
                     format!("REVERSED: {}", pairs.collect::<Vec<_>>().join(", "))
                 }
             },
-            wrong: rung.reversed,
+            wrong: candidate.reversed,
         })
         .collect();
     text += &table(&["kept", "unclear", "reversed"], &lines).text(width, colour);
@@ -208,7 +221,7 @@ fn notes(trade: &Trade) -> Vec<String> {
          of a 95~% interval. front: no cheaper setting is known to be as close."
             .to_owned(),
     ];
-    if let (Some(reference), Some(rung)) = (&trade.reference, trade.reference_rung()) {
+    if let (Some(reference), Some(candidate)) = (&trade.reference, trade.reference_candidate()) {
         let last = reference.doublings.last();
         let changes = last.iter().flat_map(|last| &last.changes);
         let changes = changes.map(|change| match change {
@@ -218,11 +231,16 @@ fn notes(trade: &Trade) -> Vec<String> {
         let changes: Vec<String> = changes.collect();
         notes.push(format!(
             "Reference: `{}`, the finest that was measured. {}",
-            rung.options,
+            candidate.options,
             convergence(reference, &changes.join(", "))
         ));
     }
-    let cells = || trade.rungs.iter().flat_map(|rung| &rung.programs);
+    let cells = || {
+        trade
+            .candidates
+            .iter()
+            .flat_map(|candidate| &candidate.programs)
+    };
     if cells().any(|cell| cell.censored > 0) {
         let limit = |program: &Program| format!("{} {}", program.name, program.max_ticks);
         let limits: Vec<String> = trade.programs.iter().map(limit).collect();
