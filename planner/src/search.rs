@@ -9,7 +9,8 @@ use crate::disassembly::{Disassembly, disassemble};
 use crate::free_space::FreeSpace;
 use crate::makespan::{Objective, PlanEstimate, Samples};
 use crate::schedule::{
-    Branching, MOST_ADAPTIVE, MOST_SITES, Policies, Schedule, SchedulingJob, settled, value,
+    Branching, ExactTimes, FixedProgram, MOST_ADAPTIVE, MOST_SITES, Schedule, SchedulingJob,
+    settled, value,
 };
 use crate::sites::Sites;
 use crate::waiting::Waiting;
@@ -98,6 +99,9 @@ const OTHER_RUNS: usize = 1000;
 
 /// Ways in of small targets are looked for so often.
 const ALL_VARIANTS: u64 = 24;
+
+/// States that are looked at, in all trees of captures, to say what no program can be faster than: each site is absent, open or there.
+const MOST_STATES: usize = 2_000_000;
 
 /// The part of a time for which no other schedule is taken.
 const WORTH: f64 = 0.005;
@@ -243,16 +247,22 @@ pub fn gap(
     branch_and_bound(&sites, hardware, waits, how, &mut found).map(Some)
 }
 
-/// How far a plan is off the best policy that sees every docking.
+/// How far a plan is off the best program and the best policies, if waits are exponential. All are mean times \[ticks\].
 #[derive(Clone, Copy, Debug)]
 pub struct AdaptiveGap {
-    /// The mean time of the plan, if waits are exponential \[ticks\].
+    /// Of the plan.
     pub planned: f64,
-    /// That of the best policy, which need not keep ways in open: no program takes less \[ticks\].
-    pub best: f64,
+    /// Of the best program that was found.
+    pub program: f64,
+    /// Less than of any program, by [`ExactTimes::best_fixed`]; `None`: there are too many trees of captures to say.
+    pub fixed: Option<f64>,
+    /// Of the best policy that sees every docking.
+    pub policy: f64,
+    /// Of the best policy that does, and need not keep ways in open.
+    pub heedless: f64,
 }
 
-/// Compares the plan of a target with the best policy; `None`: the target has too many cells.
+/// Compares the plan of a target with the best program and the best policies; `None`: the target has too many cells.
 ///
 /// # Errors
 /// If no order builds it, or nobody waits for it.
@@ -268,10 +278,16 @@ pub fn adaptive_gap(
     }
     let found = search(&sites, hardware, waits, how)?;
     let job = SchedulingJob::new(&sites, &found.apart, &found.corridors, hardware, waits);
-    let mut policies = Policies::new(&job);
+    let mut heedless = ExactTimes::new(&job, false);
+    // Where a plan has narrow ways, others may as well.
+    let mut times = ExactTimes::new(&job, found.apart.tight() == 0);
+    let planned = FixedProgram::of(&times, &found.schedule);
     Ok(Some(AdaptiveGap {
-        planned: policies.of(&found.schedule),
-        best: policies.best(),
+        planned: times.of(&planned),
+        program: times.best_program(&found.schedule, how.seed),
+        fixed: times.best_fixed(MOST_STATES / 3usize.pow(sites.len() as u32)),
+        policy: times.best(),
+        heedless: heedless.best(),
     }))
 }
 
