@@ -5,6 +5,7 @@
 mod adaptive;
 mod exact;
 mod phase;
+mod programs;
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -19,9 +20,10 @@ use crate::disassembly::Disassembly;
 use crate::scaffold::{SitePart, SiteRoles};
 use crate::sites::{NONE, Sites};
 use crate::waits::{Moment, RateLaw, Stand};
-pub use adaptive::{MOST_ADAPTIVE, Policies};
+pub use adaptive::{ExactTimes, MOST_ADAPTIVE};
 pub use exact::{Branching, MOST_SITES, settled, value};
 use phase::SchedulePhase;
+pub use programs::FixedProgram;
 
 /// Ticks of a wait of which nothing is known yet.
 pub const WAIT: f32 = 650.0;

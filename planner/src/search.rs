@@ -9,7 +9,8 @@ use crate::disassembly::{Disassembly, disassemble};
 use crate::free_space::FreeSpace;
 use crate::makespan::{Objective, PlanEstimate, Samples};
 use crate::schedule::{
-    Branching, MOST_ADAPTIVE, MOST_SITES, Policies, Schedule, SchedulingJob, settled, value,
+    Branching, ExactTimes, FixedProgram, MOST_ADAPTIVE, MOST_SITES, Schedule, SchedulingJob, WAIT,
+    settled, value,
 };
 use crate::sites::Sites;
 use crate::waiting::Waiting;
@@ -70,6 +71,10 @@ pub struct FoundSchedule {
 
 /// Ways and the best schedule with them.
 struct ScheduleCandidate {
+    /// Keys of the order in which the target was taken apart.
+    order: Vec<f32>,
+    /// Whether ways lead through gaps.
+    has_gaps: bool,
     apart: Disassembly,
     corridors: Corridors,
     keys: Vec<f32>,
@@ -78,14 +83,22 @@ struct ScheduleCandidate {
     estimate: PlanEstimate,
 }
 
-/// Runs by which schedules are compared.
-const RUNS: usize = 32;
+/// Runs by which schedules are compared: fewer for what is large.
+fn runs(sites: usize) -> usize {
+    (4000 / sites.max(1)).clamp(32, 128)
+}
 
 /// What a cell without a wide way costs: it can jam, which no mean tells \[tick\].
 pub const JAMS: f64 = 20_000.0;
 
 /// Ways in are looked for in so many orders, and at most in a quarter of the rounds.
 const VARIANTS: u64 = 8;
+
+/// Other ways in that are tried around the best ones in a row, times cells: the same effort for targets of all sizes.
+const WAYS: u64 = 2000;
+
+/// Other urgencies that are tried in a row after that.
+const URGENCIES: u64 = 150;
 
 /// Schedules that are tried with the ways in that look worse, at most.
 const MOST_FIRST: u64 = 1500;
@@ -98,6 +111,9 @@ const OTHER_RUNS: usize = 1000;
 
 /// Ways in of small targets are looked for so often.
 const ALL_VARIANTS: u64 = 24;
+
+/// States that are looked at, in all trees of captures, to say what no program can be faster than: each site is absent, open or there.
+const MOST_STATES: usize = 2_000_000;
 
 /// The part of a time for which no other schedule is taken.
 const WORTH: f64 = 0.005;
@@ -131,32 +147,42 @@ fn listed(
     search: PlanSearch<'_>,
 ) -> Result<FoundSchedule, Refusal> {
     let mut rng = ChaCha8Rng::seed_from_u64(search.seed);
-    let samples = Samples::new(sites.len(), RUNS, search.seed);
+    let samples = Samples::new(sites.len(), runs(sites.len()), search.seed);
     let spaces = [FreeSpace::of(sites, 2), FreeSpace::of(sites, 1)];
-    let mut times = Vec::new();
-    let mut candidate =
-        |order: &[f32], number, wanted: Cancellation<'_>| -> Result<ScheduleCandidate, Refusal> {
-            let [wide, narrow] = spaces.clone();
-            let spaces = [wide.with_gaps(takes_gaps(waits, number)), narrow];
-            let apart = disassemble(sites, spaces, order, wanted)?;
-            let corridors = Corridors::of(sites, &apart, wanted)?;
-            let job = SchedulingJob::new(sites, &apart, &corridors, hardware, waits);
-            let keys = vec![0.5; sites.len()];
-            let schedule = job.schedule(&keys, wanted)?;
-            let estimate = samples.estimate(&schedule, &Waiting::of(&job, &schedule), &mut times);
-            Ok(ScheduleCandidate {
-                value: estimate.of(search.objective) + JAMS * apart.tight() as f64,
-                apart,
-                corridors,
-                keys,
-                schedule,
-                estimate,
-            })
-        };
-    let mut order = vec![0.5; sites.len()];
+    let candidate = |order: Vec<f32>,
+                     keys: Vec<f32>,
+                     has_gaps: bool,
+                     wanted: Cancellation<'_>|
+     -> Result<ScheduleCandidate, Refusal> {
+        let [wide, narrow] = spaces.clone();
+        let apart = disassemble(sites, [wide.with_gaps(has_gaps), narrow], &order, wanted)?;
+        let corridors = Corridors::of(sites, &apart, wanted)?;
+        let job = SchedulingJob::new(sites, &apart, &corridors, hardware, waits);
+        let schedule = job.schedule(&keys, wanted)?;
+        let waiting = Waiting::of(&job, &schedule);
+        let estimate = estimated(&job, &samples, &schedule, &waiting);
+        Ok(ScheduleCandidate {
+            value: estimate.of(search.objective) + JAMS * apart.tight() as f64,
+            order,
+            has_gaps,
+            apart,
+            corridors,
+            keys,
+            schedule,
+            estimate,
+        })
+    };
+    let keys = vec![0.5; sites.len()];
+    let mut order = keys.clone();
     let mut rounds = 1;
+    let first = candidate(
+        order.clone(),
+        keys.clone(),
+        takes_gaps(waits, 1),
+        search.cancellation,
+    )?;
     // The best with ways through gaps, and without: which of them gets better by another schedule cannot be seen before.
-    let mut best = vec![candidate(&order, 1, search.cancellation)?];
+    let mut best = vec![first];
     let each = if waits.has_passable_gaps() { 2 } else { 1 };
     let variants = each * VARIANTS;
     while rounds < variants && rounds * 4 < search.rounds && !search.enough.is_cancelled() {
@@ -166,7 +192,8 @@ fn listed(
         }
         rounds += 1;
         (search.tried)(rounds, best[0].estimate.of(search.objective));
-        match candidate(&order, rounds, search.enough) {
+        let has_gaps = takes_gaps(waits, rounds);
+        match candidate(order.clone(), keys.clone(), has_gaps, search.enough) {
             Ok(other) if best.len() == kind => best.push(other),
             Ok(other) if other.value < best[kind].value => best[kind] = other,
             Ok(_) => {}
@@ -175,38 +202,87 @@ fn listed(
     }
     // The better one comes last, and has all the time that is left.
     best.sort_by(|a, b| b.value.total_cmp(&a.value));
-    let share = (search.rounds.saturating_sub(rounds) / best.len() as u64).min(MOST_FIRST);
-    let last = best.len() - 1;
-    let mut found: Option<(f64, FoundSchedule)> = None;
-    for (number, best) in best.into_iter().enumerate() {
+    let left = search.rounds.saturating_sub(rounds);
+    let share = (left / (best.len() as u64 + 1)).min(MOST_FIRST);
+    let reschedule = |best: ScheduleCandidate, rounds: &mut u64, most: u64, rng: &mut _| {
         let job = SchedulingJob::new(sites, &best.apart, &best.corridors, hardware, waits);
         let start = (best.keys, best.schedule, best.estimate);
         let search = PlanSearch {
-            rounds: if number < last {
-                rounds + share
-            } else {
-                search.rounds
-            },
+            rounds: most.min(search.rounds),
             ..search
         };
-        let (schedule, made) = improved(&job, &samples, start, rounds, search, &mut rng);
-        rounds = made;
-        let estimate = samples.estimate(&schedule, &Waiting::of(&job, &schedule), &mut Vec::new());
-        let value = estimate.of(search.objective) + JAMS * best.apart.tight() as f64;
+        let (keys, schedule, made) = improved(&job, &samples, start, *rounds, search, rng);
+        *rounds = made;
+        let waiting = Waiting::of(&job, &schedule);
+        let estimate = estimated(&job, &samples, &schedule, &waiting);
         drop(job);
-        if found.as_ref().is_none_or(|(least, _)| value < *least) {
-            let schedule = FoundSchedule {
-                apart: best.apart,
-                corridors: best.corridors,
-                schedule,
-                rounds,
-                is_best: false,
-            };
-            found = Some((value, schedule));
+        ScheduleCandidate {
+            value: estimate.of(search.objective) + JAMS * best.apart.tight() as f64,
+            keys,
+            schedule,
+            estimate,
+            ..best
+        }
+    };
+    let mut found: Option<ScheduleCandidate> = None;
+    for best in best {
+        let most = rounds + share;
+        let best = reschedule(best, &mut rounds, most, &mut rng);
+        found = match found {
+            Some(found) if found.value <= best.value => Some(found),
+            _ => Some(best),
+        };
+    }
+    let mut found = found.expect("there is one candidate at least");
+    // Other ways in, and then other urgencies, by turns.
+    while rounds < search.rounds && !search.enough.is_cancelled() {
+        let most = search.rounds.min(rounds + WAYS / sites.len() as u64);
+        while rounds < most && !search.enough.is_cancelled() {
+            rounds += 1;
+            (search.tried)(rounds, found.estimate.of(search.objective));
+            let order = rearranged(&found, &mut rng);
+            match candidate(order, found.keys.clone(), found.has_gaps, search.enough) {
+                Ok(other) if other.value <= found.value => found = other,
+                Ok(_) => {}
+                Err(_) => break,
+            }
+        }
+        let most = rounds + URGENCIES;
+        found = reschedule(found, &mut rounds, most, &mut rng);
+    }
+    Ok(FoundSchedule {
+        apart: found.apart,
+        corridors: found.corridors,
+        schedule: found.schedule,
+        rounds,
+        is_best: false,
+    })
+}
+
+/// Keys by which a target is taken apart in another order: a few others, or in the order in which blocks come, but for chance.
+fn rearranged(of: &ScheduleCandidate, rng: &mut ChaCha8Rng) -> Vec<f32> {
+    const MOST: usize = 4;
+    /// Waits by which chance moves a block.
+    const CHANCE: f32 = 3.0;
+    let sites = of.order.len();
+    let mut order = of.order.clone();
+    if rng.random_range(0..4) == 0 {
+        for (key, (end, level)) in
+            (order.iter_mut()).zip(of.schedule.end.iter().zip(&of.apart.level))
+        {
+            let place = end / WAIT + CHANCE * rng.random::<f32>();
+            *key = 0.5 * (place - *level as f32);
+        }
+    } else {
+        for _ in 0..rng.random_range(1..=MOST) {
+            order[rng.random_range(0..sites)] += rng.random::<f32>() * 3.0 - 1.5;
         }
     }
-    let (_, found) = found.expect("there is one candidate at least");
-    Ok(FoundSchedule { rounds, ..found })
+    // Urgencies are positive.
+    for (key, level) in order.iter_mut().zip(&of.apart.level) {
+        *key = key.max(-0.5 * *level as f32);
+    }
+    order
 }
 
 /// Whether ways in lead through gaps, where blocks pass them: in every other variant, since waiting for no gap may be faster.
@@ -243,16 +319,22 @@ pub fn gap(
     branch_and_bound(&sites, hardware, waits, how, &mut found).map(Some)
 }
 
-/// How far a plan is off the best policy that sees every docking.
+/// How far a plan is off the best program and the best policies, if waits are exponential. All are mean times \[ticks\].
 #[derive(Clone, Copy, Debug)]
 pub struct AdaptiveGap {
-    /// The mean time of the plan, if waits are exponential \[ticks\].
+    /// Of the plan.
     pub planned: f64,
-    /// That of the best policy, which need not keep ways in open: no program takes less \[ticks\].
-    pub best: f64,
+    /// Of the best program that was found.
+    pub program: f64,
+    /// Less than of any program, by [`ExactTimes::best_fixed`]; `None`: there are too many trees of captures to say.
+    pub fixed: Option<f64>,
+    /// Of the best policy that sees every docking.
+    pub policy: f64,
+    /// Of the best policy that does, and need not keep ways in open.
+    pub heedless: f64,
 }
 
-/// Compares the plan of a target with the best policy; `None`: the target has too many cells.
+/// Compares the plan of a target with the best program and the best policies; `None`: the target has too many cells.
 ///
 /// # Errors
 /// If no order builds it, or nobody waits for it.
@@ -268,10 +350,16 @@ pub fn adaptive_gap(
     }
     let found = search(&sites, hardware, waits, how)?;
     let job = SchedulingJob::new(&sites, &found.apart, &found.corridors, hardware, waits);
-    let mut policies = Policies::new(&job);
+    let mut heedless = ExactTimes::new(&job, false);
+    // Where a plan has narrow ways, others may as well.
+    let mut times = ExactTimes::new(&job, found.apart.tight() == 0);
+    let planned = FixedProgram::of(&times, &found.schedule);
     Ok(Some(AdaptiveGap {
-        planned: policies.of(&found.schedule),
-        best: policies.best(),
+        planned: times.of(&planned),
+        program: times.best_program(&found.schedule, how.seed),
+        fixed: times.best_fixed(MOST_STATES / 3usize.pow(sites.len() as u32)),
+        policy: times.best(),
+        heedless: heedless.best(),
     }))
 }
 
@@ -348,8 +436,7 @@ pub fn improved(
     mut rounds: u64,
     search: PlanSearch<'_>,
     rng: &mut ChaCha8Rng,
-) -> (Schedule, u64) {
-    let mut times = Vec::new();
+) -> (Vec<f32>, Schedule, u64) {
     let mut value = estimate.of(search.objective);
     let mut critical = samples.criticality(&schedule, &Waiting::of(job, &schedule));
     while rounds < search.rounds && !search.enough.is_cancelled() {
@@ -362,11 +449,7 @@ pub fn improved(
             Err(_) => break,
         };
         let waiting = Waiting::of(job, &other);
-        let estimate = match job.roles {
-            // Valued as their scaffolds were.
-            Some(_) => samples.estimate(&settled(job, other.clone()), &waiting, &mut times),
-            None => samples.estimate(&other, &waiting, &mut times),
-        };
+        let estimate = estimated(job, samples, &other, &waiting);
         // Equally good ones as well, to get across plateaus.
         if estimate.of(search.objective) <= value {
             if estimate.of(search.objective) < value {
@@ -377,7 +460,19 @@ pub fn improved(
             schedule = other;
         }
     }
-    (schedule, rounds)
+    (keys, schedule, rounds)
+}
+
+/// How long the program of a schedule takes.
+fn estimated(
+    job: &SchedulingJob<'_>,
+    samples: &Samples,
+    schedule: &Schedule,
+    waiting: &Waiting,
+) -> PlanEstimate {
+    let mut schedule = schedule.clone();
+    schedule.set_means(job.sites, job.hardware, job.waits, waiting);
+    samples.estimate(&schedule, waiting, &mut Vec::new())
 }
 
 /// Keys of which a few are different: mostly of sites that decide when a run ends.

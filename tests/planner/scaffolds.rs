@@ -88,10 +88,23 @@ fn masts_that_are_kept_are_claimed() {
 
 #[test]
 fn where_masts_do_not_pay_there_are_none() {
-    for (name, width, depth) in [("five_towers", 3, 3), ("line", 4, 4), ("cube", 6, 6)] {
+    for (name, width, depth) in [("five_towers", 3, 3), ("cube", 6, 6)] {
         let planned = planned(&on(named(name), width, depth), 200, false);
         assert!(planned.plan.dismantling.is_none(), "{name}");
     }
+}
+
+#[test]
+fn a_line_grows_beside_a_mast() {
+    let goal = on(named("line"), 2, 1);
+    let plain = planned(&goal, 1, false);
+    let planned = planned(&goal, 200, false);
+    let dismantling = planned.plan.dismantling.as_ref().expect("it is a wall");
+    assert!(dismantling.hand_overs.is_empty());
+    assert_eq!(dismantling.masts.len(), 1);
+    assert!(planned.plan.estimate.mean < 0.95 * plain.plan.estimate.mean);
+    assert_eq!(planned.plan.cells(), named("line").cells);
+    executed(&planned, Model::Shuffle, 2);
 }
 
 /// A walk that does not cross itself, from the middle of a plate.

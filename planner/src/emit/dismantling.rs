@@ -23,7 +23,9 @@ pub fn captures(dismantling: &Dismantling) -> Vec<Capture> {
 
 /// Writes what is let go, and when.
 pub fn write_releases(dismantling: &Dismantling, out: &mut String) {
-    out.push_str("/// What hangs on masts is handed over: a block that is let go beside an open face stays where it is.\n");
+    if !dismantling.hand_overs.is_empty() {
+        out.push_str("/// What hangs on masts is handed over: a block that is let go beside an open face stays where it is.\n");
+    }
     let mut rest = &dismantling.hand_overs[..];
     while !rest.is_empty() {
         let (row, others) = rest.split_at(row(rest));

@@ -5,6 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use rustc_hash::FxHashSet;
 use stochc_ir::{Cell, Face};
 
+use super::guides::places_beside;
 use super::places::{Grown, supports};
 use super::{MastPiece, Scaffolding};
 use crate::Target;
@@ -14,13 +15,27 @@ use crate::Target;
 const NEW: f32 = 1.0;
 const ACROSS: f32 = 1.5;
 
+/// How long a block of a mast takes beside another mast, in captures.
+const GUIDED: f32 = 0.7;
+
 /// How much chance changes what a place costs \[captures\].
 const CHANCE: f32 = 2.0;
 
 impl Grown {
     /// Pieces from the far ends of the target on, each as long as its mast leaves captures for; where a mast stands is partly left to
-    /// chance. What has no more than `limit` captures from the plate to it needs no mast.
-    pub fn balanced(&self, target: &Target, limit: usize, rng: &mut ChaCha8Rng) -> Scaffolding {
+    /// chance. What has no more than `limit` captures from the plate to it needs no mast. If they have guides, each mast does that has
+    /// a place for one.
+    pub fn balanced(
+        &self,
+        target: &Target,
+        limit: usize,
+        have_guides: bool,
+        rng: &mut ChaCha8Rng,
+    ) -> Scaffolding {
+        let effort = |at: Cell| match have_guides && places_beside(target, at).next().is_some() {
+            true => GUIDED * at.z as f32,
+            false => at.z as f32,
+        };
         let mut scaffolding = Scaffolding::default();
         let mut held: FxHashSet<Cell> = FxHashSet::default();
         for &(first, depth) in &self.far_first() {
@@ -31,7 +46,7 @@ impl Grown {
                 continue;
             }
             let places: Vec<(Cell, Face)> = supports(target, first)
-                .filter(|(at, _)| (at.z as usize) < limit)
+                .filter(|(at, _)| effort(*at) < limit as f32)
                 .collect();
             let price = |&(at, _): &(Cell, Face)| {
                 let foot = (at.x, at.y);
@@ -41,7 +56,7 @@ impl Grown {
                     (other.0 - foot.0).abs() == 1 && (other.1 - foot.1).abs() == 1
                 });
                 let new = if known.is_some() { 0.0 } else { NEW };
-                at.z as f32 + new + ACROSS * across.count() as f32
+                effort(at) + new + ACROSS * across.count() as f32
             };
             let priced = places
                 .iter()
@@ -53,7 +68,8 @@ impl Grown {
             let mut cells = Vec::new();
             let mut next = Some(first);
             while let Some(cell) = next.filter(|cell| !held.contains(cell)) {
-                let is_far = self.depth(cell) > limit && at.z as usize + cells.len() < limit;
+                let is_far =
+                    self.depth(cell) > limit && effort(at) + (cells.len() as f32) < limit as f32;
                 if !is_far {
                     break;
                 }
@@ -71,7 +87,10 @@ impl Grown {
                 join,
             });
         }
-        scaffolding
+        match have_guides {
+            true => scaffolding.all_guided(target, rng),
+            false => scaffolding,
+        }
     }
 
     /// The same scaffolds with another piece, at a cell of these if there are any, and at any cell of the target otherwise: chance decides. `None`: none was found.

@@ -1,11 +1,12 @@
 //! Temporary blocks: masts from which far pieces of a target grow at the same time as the rest.
 //!
 //! A mast is a column beside the target, on a block of the plate. A piece is a way through the target from the end that a mast
-//! holds towards the plate. When all pieces are there they are handed over, block by block: each is let go and taken at once by the block
+//! holds towards the plate. A mast may also hold nothing, and guide blocks to what grows beside it. When all pieces are there they are handed over, block by block: each is let go and taken at once by the block
 //! that holds it in the end, and stays where it is. Then the mast goes, and the rest grows.
 mod apart;
 mod balanced;
 mod dismantling;
+mod guides;
 mod places;
 mod roles;
 mod search;
@@ -22,6 +23,8 @@ pub use search::{Scaffolded, scaffolded};
 pub struct Scaffolding {
     /// In the order in which they were added.
     pub pieces: Vec<MastPiece>,
+    /// Masts that need not hold anything, and their heights: free blocks are guided by them to what grows beside them.
+    pub guides: Vec<((i32, i32), i32)>,
 }
 
 /// What grows from one place of a mast.
@@ -43,13 +46,19 @@ impl Scaffolding {
     /// The masts: their places on the plate and their heights, each once.
     pub fn masts(&self) -> Vec<((i32, i32), i32)> {
         let mut masts: Vec<((i32, i32), i32)> = Vec::new();
-        for piece in &self.pieces {
-            match masts.iter_mut().find(|(foot, _)| *foot == piece.foot) {
-                Some((_, height)) => *height = piece.height.max(*height),
-                None => masts.push((piece.foot, piece.height)),
+        let holding = self.pieces.iter().map(|piece| (piece.foot, piece.height));
+        for (foot, height) in holding.chain(self.guides.iter().copied()) {
+            match masts.iter_mut().find(|(known, _)| *known == foot) {
+                Some((_, highest)) => *highest = height.max(*highest),
+                None => masts.push((foot, height)),
             }
         }
         masts
+    }
+
+    /// Whether there is no mast.
+    pub fn is_empty(&self) -> bool {
+        self.pieces.is_empty() && self.guides.is_empty()
     }
 
     /// The cells of the masts, each from the plate on.

@@ -172,8 +172,13 @@ impl Study<'_> {
             if !self.may_try(EXCHANGES, least.min(value)) {
                 break;
             }
-            let scaffolding = grown.balanced(self.target, limit, rng);
-            if !scaffolding.pieces.is_empty() {
+            let have_guides = rng.random();
+            let mut scaffolding = grown.balanced(self.target, limit, have_guides, rng);
+            if have_guides {
+                // Beside the target as well.
+                scaffolding = scaffolding.guided(self.target, rng).unwrap_or(scaffolding);
+            }
+            if !scaffolding.is_empty() {
                 let candidate = self.candidate(grown, scaffolding);
                 best = candidate.filter(|it| it.value < least).or(best);
             }
@@ -208,6 +213,18 @@ impl Study<'_> {
         let sites = Sites::of(&of.union);
         let grown = Grown::of(&sites, &of.schedule, &of.scaffolding);
         let mut scaffolding = of.scaffolding.clone();
+        if rng.random_range(0..3) == 0 {
+            for _ in 0..rng.random_range(1..=2) {
+                let other = match rng.random() {
+                    true => scaffolding.guided(self.target, rng),
+                    false => scaffolding.unguided(rng),
+                };
+                scaffolding = other.unwrap_or(scaffolding);
+            }
+            return (!scaffolding.is_empty())
+                .then(|| self.candidate(&grown, scaffolding))
+                .flatten();
+        }
         let mut near = Vec::new();
         for _ in 0..rng.random_range(0..=2) {
             if scaffolding.pieces.len() > 1 {
@@ -288,7 +305,7 @@ impl Study<'_> {
             ..self.how
         };
         let tried = how.rounds - self.tries;
-        let (schedule, rounds) = improved(&job, &samples, start, tried, how, &mut rng);
+        let (_, schedule, rounds) = improved(&job, &samples, start, tried, how, &mut rng);
         let (_, value) = self.valued(&job, &samples, &schedule, &apart);
         let scaffolded = Scaffolded {
             found: FoundSchedule {

@@ -1,256 +1,307 @@
-//! What a policy that sees every docking could reach at best.
+//! What a policy that sees every docking could reach at best, and what a program can at best.
 //!
 //! Waits are taken to be exponential here, with the means that the law of rates has for what stands and what is open. Nothing is
 //! forgotten by closing a face then, so a policy decides by what stands alone: after each docking it opens any faces that the hardware
-//! and the rule of corners allow. That is a Markov decision process over the sets of sites, and so is the program of a schedule, which
-//! opens whatever it may.
-use super::{Schedule, SchedulingJob};
-use crate::sites::NONE;
-use crate::waiting::Waiting;
-use crate::waits::{Moment, Stand};
+//! and the rule of corners allow. That is a Markov decision process over the sets of sites. A program decides beforehand, and closes no
+//! face before its block has come: [`ExactTimes::best_fixed`] is a policy that at least keeps to that.
+use rustc_hash::FxHashMap;
 use stochc_ir::{Cell, Face};
+
+use super::SchedulingJob;
+use crate::free_space::{FreeSpace, WayIn};
+use crate::sites::{NONE, Sites};
+use crate::waits::{Moment, Stand};
 
 /// Sites of a target whose best policy is looked for, at most.
 pub const MOST_ADAPTIVE: usize = 10;
 
-/// A face that may open.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct OpenFace {
-    site: u32,
-    way: Face,
+/// What stands, as bits, and what is open, as four bits for each site.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct OpenState(u64);
+
+/// Where the bits of what stands begin.
+const FULL: u32 = 4 * MOST_ADAPTIVE as u32;
+
+impl OpenState {
+    /// Nothing is open.
+    pub fn of(full: u32) -> OpenState {
+        OpenState(u64::from(full) << FULL)
+    }
+
+    fn full(self) -> u32 {
+        (self.0 >> FULL) as u32
+    }
+
+    fn has(self, site: u32) -> bool {
+        self.full() >> site & 1 == 1
+    }
+
+    /// The way from the face that is open to a site.
+    fn way(self, site: u32) -> Option<Face> {
+        let number = (self.0 >> (4 * site) & 15) as usize;
+        (number > 0).then(|| Face::ALL[number - 1])
+    }
+
+    /// With one more open face.
+    pub fn with(self, site: u32, way: Face) -> OpenState {
+        OpenState(self.0 | (way as u64 + 1) << (4 * site))
+    }
+
+    /// The block of an open face has come; nothing else changes.
+    fn filled(self, site: u32) -> OpenState {
+        OpenState(self.0 & !(15 << (4 * site)) | 1 << (FULL + site))
+    }
 }
 
-/// The mean times from each set of sites that stand to the end \[ticks\].
-pub struct Policies<'a> {
+/// Open sites, with the rates at which their blocks come \[1/tick\].
+pub type OpenRates = Vec<(u32, f64)>;
+
+/// Mean times by exponential waits, for a job of no more than [`MOST_ADAPTIVE`] sites, none of which stands before.
+pub struct ExactTimes<'a> {
     job: &'a SchedulingJob<'a>,
-    best: Vec<Option<f64>>,
+    /// For each set that stands, how a block comes to each other site by a way two cells wide; `None`: ways may be narrow.
+    ways_in: Option<Vec<Vec<Option<WayIn>>>>,
+    /// `None`: these faces may not be open together.
+    rates: FxHashMap<OpenState, Option<OpenRates>>,
 }
 
-impl<'a> Policies<'a> {
-    /// Of a job of no more than [`MOST_ADAPTIVE`] sites, none of which stands before.
-    pub fn new(job: &'a SchedulingJob<'a>) -> Policies<'a> {
-        Policies {
+impl<'a> ExactTimes<'a> {
+    /// `keeps_ways`: whether what stands, with whatever may come first of what is open, must leave wide ways to all open faces.
+    pub fn new(job: &'a SchedulingJob<'a>, keeps_ways: bool) -> ExactTimes<'a> {
+        ExactTimes {
             job,
-            best: vec![None; 1 << job.sites.len()],
+            ways_in: keeps_ways.then(|| ways_in(job)),
+            rates: FxHashMap::default(),
+        }
+    }
+
+    /// What the sites are of.
+    pub fn job(&self) -> &'a SchedulingJob<'a> {
+        self.job
+    }
+
+    /// The numbers of the sites.
+    pub fn sites(&self) -> std::ops::Range<u32> {
+        0..self.job.sites.len() as u32
+    }
+
+    /// All sites, as bits.
+    pub fn all(&self) -> u32 {
+        (1 << self.job.sites.len()) - 1
+    }
+
+    /// The ways into a site from what stands.
+    pub fn ways(&self, full: u32, site: u32) -> Vec<Face> {
+        let holds = |way: &Face| match self.job.parent(site, *way) {
+            NONE => *way == Face::Up && self.job.sites.is_on_seed(site),
+            parent => full >> parent & 1 == 1,
+        };
+        Face::ALL.into_iter().filter(holds).collect()
+    }
+
+    /// The rates of all open faces; `None`: they may not be open together.
+    pub fn rates(&mut self, state: OpenState) -> Option<OpenRates> {
+        if let Some(known) = self.rates.get(&state) {
+            return known.clone();
+        }
+        let open: Vec<(u32, Face)> = self
+            .sites()
+            .filter_map(|site| Some((site, state.way(site)?)))
+            .collect();
+        let found = self.may_be_open(state, &open).then(|| {
+            let rate = |&(site, way): &(u32, Face)| (site, 1.0 / self.mean(state, site, way));
+            open.iter().map(rate).collect()
+        });
+        self.rates.insert(state, found.clone());
+        found
+    }
+
+    fn may_be_open(&self, state: OpenState, open: &[(u32, Face)]) -> bool {
+        let job = self.job;
+        let siblings = |parent: u32| {
+            open.iter()
+                .filter(move |it| job.parent(it.0, it.1) == parent)
+        };
+        let crowding = job.crowding();
+        let others = |site: u32| move |near: u32| state.way(near).filter(|_| near != site);
+        let coming = open.iter().fold(state.full(), |bits, it| bits | 1 << it.0);
+        open.iter().all(|&(site, way)| {
+            let parent = job.parent(site, way);
+            let has_face =
+                parent == NONE || siblings(parent).count() <= usize::from(job.hardware.faces);
+            let is_reached = self.ways_in.as_ref().is_none_or(|ways_in| {
+                match ways_in[(coming & !(1 << site)) as usize][site as usize] {
+                    Some(WayIn::Inside) => true,
+                    Some(WayIn::Gap(axis)) => way == axis || way == axis.opposite(),
+                    None => false,
+                }
+            });
+            has_face && is_reached && crowding.may_open(site, way, others(site))
+        })
+    }
+
+    fn mean(&self, state: OpenState, site: u32, way: Face) -> f64 {
+        let SchedulingJob {
+            sites,
+            hardware,
+            waits,
+            ..
+        } = *self.job;
+        let stands = |near: Cell| match sites.at(near) {
+            other if other == NONE || other == site => Stand::Empty,
+            other if state.has(other) => Stand::Full,
+            other => state.way(other).map_or(Stand::Empty, Stand::Awaited),
+        };
+        let bound = f64::from(state.full().count_ones()) / f64::from(hardware.free.max(1));
+        let moment = Moment {
+            free: 1.0 - bound,
+            is_first: state.full() == 0,
+        };
+        waits.mean(sites.cell(site), way, moment, stands)
+    }
+
+    /// The mean time from a state, if no face opens or closes before the next block comes: the `rest` is told which one that is.
+    pub fn until_next(
+        &mut self,
+        state: OpenState,
+        mut rest: impl FnMut(&mut Self, u32) -> f64,
+    ) -> f64 {
+        match self.rates(state) {
+            Some(rates) if !rates.is_empty() => {
+                let mut sum = 1.0;
+                for &(site, rate) in &rates {
+                    sum += rate * rest(self, site);
+                }
+                sum / rates.iter().map(|(_, rate)| rate).sum::<f64>()
+            }
+            _ => f64::INFINITY,
         }
     }
 
     /// The mean time of the best policy \[ticks\].
     pub fn best(&mut self) -> f64 {
-        self.from(0)
+        let mut known = vec![None; self.all() as usize + 1];
+        self.best_from(0, &mut known)
     }
 
-    fn all(&self) -> u32 {
-        (1 << self.job.sites.len()) - 1
-    }
-
-    fn from(&mut self, full: u32) -> f64 {
-        if full == self.all() {
-            return 0.0;
-        }
-        if let Some(known) = self.best[full as usize] {
-            return known;
-        }
-        let mut open = Vec::new();
-        let found = self.least(full, 0, &mut open);
-        self.best[full as usize] = Some(found);
-        found
-    }
-
-    /// The least mean time over all faces that may be open besides `open`, of sites from `from` on.
-    fn least(&mut self, full: u32, from: u32, open: &mut Vec<OpenFace>) -> f64 {
-        if from as usize == self.job.sites.len() {
-            return match open.is_empty() {
-                true => f64::INFINITY,
-                false => self.with(full, open),
-            };
-        }
-        let mut least = self.least(full, from + 1, open);
-        if full >> from & 1 == 0 {
-            for way in Face::ALL {
-                let option = OpenFace { site: from, way };
-                if self.may_open(full, open, option) {
-                    open.push(option);
-                    least = least.min(self.least(full, from + 1, open));
-                    open.pop();
-                }
-            }
-        }
-        least
-    }
-
-    fn may_open(&self, full: u32, open: &[OpenFace], OpenFace { site, way }: OpenFace) -> bool {
-        let SchedulingJob {
-            sites, hardware, ..
-        } = *self.job;
-        let parent = self.job.parent(site, way);
-        let is_held = match parent {
-            NONE => way == Face::Up && sites.is_on_seed(site),
-            parent => full >> parent & 1 == 1,
-        };
-        let is_sibling = |other: &&OpenFace| self.job.parent(other.site, other.way) == parent;
-        let has_face =
-            parent == NONE || open.iter().filter(is_sibling).count() < usize::from(hardware.faces);
-        let open_way = |near: u32| {
-            let other = open.iter().find(|other| other.site == near);
-            other.map(|other| other.way)
-        };
-        is_held && has_face && self.job.crowding().may_open(site, way, open_way)
-    }
-
-    /// The mean time with these faces open until one of their blocks comes, and by the best policy from then on.
-    fn with(&mut self, full: u32, open: &[OpenFace]) -> f64 {
-        self.until_next(full, open, |policies, full| policies.from(full))
-    }
-
-    fn until_next(
-        &mut self,
-        full: u32,
-        open: &[OpenFace],
-        mut rest: impl FnMut(&mut Self, u32) -> f64,
-    ) -> f64 {
-        let rates: Vec<f64> = (open
-            .iter()
-            .map(|&option| 1.0 / self.mean(full, open, option)))
-        .collect();
-        let mut sum = 1.0;
-        for (option, rate) in open.iter().zip(&rates) {
-            sum += rate * rest(self, full | 1 << option.site);
-        }
-        sum / rates.iter().sum::<f64>()
-    }
-
-    fn mean(&self, full: u32, open: &[OpenFace], OpenFace { site, way }: OpenFace) -> f64 {
-        let sites = self.job.sites;
-        let stands = |near: Cell| match sites.at(near) {
-            other if other == NONE || other == site => Stand::Empty,
-            other if full >> other & 1 == 1 => Stand::Full,
-            other => match open.iter().find(|option| option.site == other) {
-                Some(option) => Stand::Awaited(option.way),
-                None => Stand::Empty,
-            },
-        };
-        let bound = f64::from(full.count_ones()) / f64::from(self.job.hardware.free.max(1));
-        let moment = Moment {
-            free: 1.0 - bound,
-            is_first: full == 0,
-        };
-        self.job.waits.mean(sites.cell(site), way, moment, stands)
-    }
-
-    /// The mean time of the program of a schedule \[ticks\].
-    pub fn of(&mut self, schedule: &Schedule) -> f64 {
-        let waiting = Waiting::of(self.job, schedule);
-        let mut known = vec![None; self.best.len()];
-        self.planned(schedule, &waiting, 0, &mut known)
-    }
-
-    fn planned(
-        &mut self,
-        schedule: &Schedule,
-        waiting: &Waiting,
-        full: u32,
-        known: &mut [Option<f64>],
-    ) -> f64 {
+    fn best_from(&mut self, full: u32, known: &mut Vec<Option<f64>>) -> f64 {
         if full == self.all() {
             return 0.0;
         }
         if let Some(known) = known[full as usize] {
             return known;
         }
-        let is_full = |place: &u32| full >> schedule.order[*place as usize] & 1 == 1;
-        let places = schedule.order.iter().zip(&waiting.before);
-        let open: Vec<OpenFace> = places
-            .filter(|(site, before)| full >> **site & 1 == 0 && before.iter().all(is_full))
-            .map(|(&site, _)| OpenFace {
-                site,
-                way: schedule.way[site as usize],
-            })
-            .collect();
-        let found = self.until_next(full, &open, |policies, full| {
-            policies.planned(schedule, waiting, full, known)
+        let mut least = f64::INFINITY;
+        // What is open, and the first site that is not decided.
+        let mut choices = vec![(OpenState::of(full), 0)];
+        while let Some((state, first)) = choices.pop() {
+            let rest = |times: &mut Self, site: u32| times.best_from(full | 1 << site, known);
+            least = least.min(self.until_next(state, rest));
+            for site in (first..self.sites().end).filter(|site| full >> site & 1 == 0) {
+                for way in self.ways(full, site) {
+                    let state = state.with(site, way);
+                    if self.rates(state).is_some() {
+                        choices.push((state, site + 1));
+                    }
+                }
+            }
+        }
+        known[full as usize] = Some(least);
+        least
+    }
+
+    /// The mean time of the best policy that has each site captured by a face that is known beforehand, and closes none before its block has
+    /// come: no program takes less \[ticks\]. `None`: there are more than so many trees of captures.
+    pub fn best_fixed(&mut self, most: usize) -> Option<f64> {
+        let trees = self.trees(most)?;
+        let times = trees.into_iter().map(|tree| {
+            let mut known = FxHashMap::default();
+            self.fixed_from(OpenState::of(0), &tree, &mut known)
         });
-        known[full as usize] = Some(found);
-        found
+        Some(times.fold(f64::INFINITY, f64::min))
+    }
+
+    /// All trees of captures from the plate: the way into each site.
+    fn trees(&self, most: usize) -> Option<Vec<Vec<Face>>> {
+        /// Choices of ways, trees or not.
+        const MOST: usize = 200_000;
+        let mut trees: Vec<Vec<Face>> = vec![Vec::new()];
+        for site in self.sites() {
+            let ways = self.ways(self.all(), site);
+            if trees.len() * ways.len() > MOST {
+                return None;
+            }
+            trees = (trees.iter())
+                .flat_map(|tree| ways.iter().map(|&way| [&tree[..], &[way]].concat()))
+                .collect();
+        }
+        trees.retain(|tree| {
+            let parent = |&site: &u32| match self.job.parent(site, tree[site as usize]) {
+                NONE => None,
+                parent => Some(parent),
+            };
+            self.sites().all(|site| {
+                let steps = std::iter::successors(Some(site), parent);
+                steps.take(self.job.sites.len() + 1).count() <= self.job.sites.len()
+            })
+        });
+        (trees.len() <= most).then_some(trees)
+    }
+
+    /// From a state in which a block has just come: what is open stays open.
+    fn fixed_from(
+        &mut self,
+        from: OpenState,
+        tree: &[Face],
+        known: &mut FxHashMap<OpenState, f64>,
+    ) -> f64 {
+        let full = from.full();
+        if full == self.all() {
+            return 0.0;
+        }
+        if let Some(&known) = known.get(&from) {
+            return known;
+        }
+        let mut least = f64::INFINITY;
+        let mut choices = vec![(from, 0)];
+        while let Some((state, first)) = choices.pop() {
+            let rest =
+                |times: &mut Self, site: u32| times.fixed_from(state.filled(site), tree, known);
+            least = least.min(self.until_next(state, rest));
+            for site in first..self.sites().end {
+                let way = tree[site as usize];
+                let parent = self.job.parent(site, way);
+                let is_closed = !state.has(site) && state.way(site).is_none();
+                if is_closed && (parent == NONE || state.has(parent)) {
+                    let state = state.with(site, way);
+                    if self.rates(state).is_some() {
+                        choices.push((state, site + 1));
+                    }
+                }
+            }
+        }
+        known.insert(from, least);
+        least
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use stochc_grammar::Cancellation;
-    use stochc_ir::table::Plate;
-
-    use super::*;
-    use crate::corridor::Corridors;
-    use crate::disassembly::disassemble;
-    use crate::free_space::FreeSpace;
-    use crate::sites::Sites;
-    use crate::waits::RateLaw;
-    use crate::{Hardware, Target};
-
-    /// What is found of the job of these cells and its listed schedule.
-    fn of_job<R>(
-        cells: &[(i32, i32, i32)],
-        find: impl FnOnce(&mut Policies<'_>, &Schedule) -> R,
-    ) -> R {
-        let cells = cells.iter().map(|&(x, y, z)| Cell::new(x, y, z)).collect();
-        let target = Target::new(cells, Plate { width: 3, depth: 3 }, None, 300).unwrap();
-        let sites = Sites::of(&target);
-        let spaces = [FreeSpace::of(&sites, 2), FreeSpace::of(&sites, 1)];
-        let keys = vec![0.5; sites.len()];
-        let apart = disassemble(&sites, spaces, &keys, Cancellation::NEVER).unwrap();
-        let corridors = Corridors::of(&sites, &apart, Cancellation::NEVER).unwrap();
-        let hardware = Hardware {
-            faces: 1,
-            attracts_always: false,
-            free: 300,
-        };
-        let law = RateLaw::new(None);
-        let job = SchedulingJob::new(&sites, &apart, &corridors, hardware, &law);
-        let schedule = job.schedule(&keys, Cancellation::NEVER).unwrap();
-        find(&mut Policies::new(&job), &schedule)
-    }
-
-    /// The mean times of the best policy and of the listed schedule.
-    fn times(cells: &[(i32, i32, i32)]) -> (f64, f64) {
-        of_job(cells, |policies, schedule| {
-            (policies.best(), policies.of(schedule))
-        })
-    }
-
-    #[test]
-    fn there_is_nothing_to_decide_in_a_column() {
-        let (best, planned) = times(&[(0, 0, 1), (0, 0, 2), (0, 0, 3)]);
-        assert!((best / planned - 1.0).abs() < 1e-9, "{best} {planned}");
-    }
-
-    /// The first of two exponential waits, and then the other one, which has forgotten how long it has waited.
-    #[test]
-    fn far_columns_take_as_long_as_the_later_of_two() {
-        let cells = [(0, 0, 1), (2, 2, 1)];
-        let expected = of_job(&cells, |policies, _| {
-            let face = |site| OpenFace {
-                site,
-                way: Face::Up,
-            };
-            let both = [face(0), face(1)];
-            let [one, other] = both.map(|it| policies.mean(0, &both, it));
-            let [after_one, after_other] =
-                [(1, face(1)), (2, face(0))].map(|(full, it)| policies.mean(full, &[it], it));
-            one * other / (one + other) + (other * after_one + one * after_other) / (one + other)
-        });
-        let (best, planned) = times(&cells);
-        assert!((best / planned - 1.0).abs() < 1e-9, "{best} {planned}");
-        assert!((best / expected - 1.0).abs() < 1e-9, "{best} {expected}");
-    }
-
-    #[test]
-    fn no_schedule_is_better_than_the_best_policy() {
-        let square = [(0, 0, 1), (1, 0, 1), (0, 1, 1), (1, 1, 1)];
-        let arm = [(1, 1, 1), (1, 1, 2), (0, 1, 2), (2, 1, 2), (1, 0, 2)];
-        for cells in [&square[..], &arm] {
-            let (best, planned) = times(cells);
-            assert!(best <= planned + 1e-6, "{best} {planned}");
+/// For each set that stands, how a block comes to each other site by a way two cells wide.
+fn ways_in(job: &SchedulingJob<'_>) -> Vec<Vec<Option<WayIn>>> {
+    let sites: &Sites<'_> = job.sites;
+    let count = sites.len() as u32;
+    let closed = FreeSpace::of(sites, 2).with_gaps(job.waits.has_passable_gaps());
+    let of = |full: u32| {
+        let mut space = closed.clone();
+        let mut stands = (1u32 << count) - 1;
+        for site in (0..count).filter(|site| full >> site & 1 == 0) {
+            stands &= !(1 << site);
+            space.open(sites, site, &|site| stands >> site & 1 == 1, &mut |_| {});
         }
-    }
+        let way_in = |site: u32| {
+            let with = full | 1 << site;
+            space.way_in(sites, site, &|site| with >> site & 1 == 1)
+        };
+        (0..count).map(way_in).collect()
+    };
+    (0..1u32 << count).map(of).collect()
 }
