@@ -42,7 +42,7 @@ impl Neighbourhood {
 
     /// That of a cell above the plate where there is no block.
     pub fn on_ground(cell: Cell) -> Neighbourhood {
-        let layer = cell.z.max(-SIGHT) + SIGHT;
+        let layer = cell.z.clamp(-SIGHT, SIGHT + 1) + SIGHT;
         let low = ON_GROUND.get(layer as usize);
         low.copied().unwrap_or(Neighbourhood::EMPTY)
     }
